@@ -1,0 +1,1 @@
+//! Image → library: primaries, details, secondaries, categories, descriptors, palette.

@@ -1,0 +1,82 @@
+//! Versioned JSON documents, plain or gzip: what libraries and scenes share.
+
+use crate::error::{Error, Result};
+use flate2::read::GzDecoder;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use std::io::Read;
+use std::path::Path;
+
+/// Largest document read, unpacked, in bytes.
+const LARGEST: u64 = 2 << 30;
+
+/// A JSON document with a format name, a version and invariants.
+pub(crate) trait Document: Serialize + DeserializeOwned {
+    /// Value of the field `format`.
+    const FORMAT: &'static str;
+    /// Value of the field `version`.
+    const VERSION: u32;
+
+    /// Checks what the types cannot say.
+    ///
+    /// # Errors
+    /// The first invariant broken, in words.
+    fn validate(&self) -> std::result::Result<(), String>;
+}
+
+/// Reads and validates a document from a file.
+pub(crate) fn read<T: Document>(path: &Path) -> Result<T> {
+    let bytes = std::fs::read(path).map_err(|e| Error::read(path, e))?;
+    from_bytes(&bytes, &path.display().to_string())
+}
+
+/// Reads and validates a document from bytes, plain or gzip.
+pub(crate) fn from_bytes<T: Document>(bytes: &[u8], name: &str) -> Result<T> {
+    let fail = |reason: String| Error::Format { name: name.into(), format: T::FORMAT, reason };
+    let unpacked;
+    let json = if bytes.starts_with(&[0x1f, 0x8b]) {
+        let mut buffer = Vec::new();
+        let read = GzDecoder::new(bytes).take(LARGEST + 1).read_to_end(&mut buffer);
+        read.map_err(|e| fail(format!("damaged gzip data: {e}")))?;
+        if buffer.len() as u64 > LARGEST {
+            return Err(Error::TooLarge {
+                name: name.into(),
+                found: "more than 2 GiB unpacked".into(),
+                limit: "2 GiB".into(),
+            });
+        }
+        unpacked = buffer;
+        &unpacked[..]
+    } else {
+        bytes
+    };
+    // Name and version first, so that another format is told apart from a damaged file.
+    #[derive(Deserialize)]
+    struct Header {
+        format: Option<String>,
+        version: Option<u64>,
+    }
+    let header: Header = serde_json::from_slice(json).map_err(|e| fail(e.to_string()))?;
+    match header.format.as_deref() {
+        Some(f) if f == T::FORMAT => {}
+        Some(f) => return Err(fail(format!("its format is '{}'", crate::raster::colour::clip(f)))),
+        None => return Err(fail("it has no field 'format'".into())),
+    }
+    match header.version {
+        Some(v) if v == u64::from(T::VERSION) => {}
+        Some(found) => {
+            let known = u64::from(T::VERSION);
+            return Err(Error::Version { name: name.into(), format: T::FORMAT, found, known });
+        }
+        None => return Err(fail("it has no field 'version'".into())),
+    }
+    let document: T = serde_json::from_slice(json).map_err(|e| fail(e.to_string()))?;
+    document.validate().map_err(fail)?;
+    Ok(document)
+}
+
+/// The document as JSON, ending in a newline.
+pub(crate) fn to_json<T: Document>(document: &T) -> Vec<u8> {
+    let mut bytes = serde_json::to_vec(document).expect("documents hold nothing that JSON cannot");
+    bytes.push(b'\n');
+    bytes
+}

@@ -1,0 +1,167 @@
+//! The library's error type: what went wrong, where, and what to try.
+
+use std::path::{Path, PathBuf};
+
+/// Result of every fallible function of the library.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// What can go wrong. [`Error::hint`] says what to try.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be opened or read.
+    #[error("cannot read '{}': {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A file could not be created, written or renamed into place.
+    #[error("cannot write '{}': {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file exists and vtex did not write it.
+    #[error("'{}' exists and was not written by vtex", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The bytes are not an image that can be decoded.
+    #[error("cannot decode '{name}' as an image: {reason}")]
+    Decode {
+        /// File name, or `-` for standard input.
+        name: String,
+        /// The decoder's reason.
+        reason: String,
+    },
+    /// The image is larger than the limits allow.
+    #[error("'{name}' is too large: {found}, the limit is {limit}")]
+    TooLarge {
+        /// File name or the flag concerned.
+        name: String,
+        /// What was found, with its unit.
+        found: String,
+        /// What is allowed, with its unit.
+        limit: String,
+    },
+    /// The image cannot be analysed (too small, without any variation …).
+    #[error("'{name}' cannot be analysed: {reason}")]
+    Unusable {
+        /// File name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// A library, scene or mask file does not follow its format.
+    #[error("'{name}' is not a valid {format} file: {reason}")]
+    Format {
+        /// File name, or `-` for standard input.
+        name: String,
+        /// The format expected, such as `vtex-library`.
+        format: &'static str,
+        /// What is wrong and where.
+        reason: String,
+    },
+    /// The file was written by a version of the format that is not known here.
+    #[error("'{name}' has {format} version {found}; this vtex reads version {known}")]
+    Version {
+        /// File name.
+        name: String,
+        /// The format.
+        format: &'static str,
+        /// The version found.
+        found: u64,
+        /// The version known.
+        known: u64,
+    },
+    /// A parameter lies outside its range.
+    #[error("{name} = {value} is out of range: {allowed}")]
+    Parameter {
+        /// The parameter, named as its flag is.
+        name: &'static str,
+        /// The value given.
+        value: String,
+        /// The range allowed.
+        allowed: &'static str,
+    },
+    /// Masks do not fit the image.
+    #[error("the masks do not fit the image: {0}")]
+    Masks(String),
+    /// An SVG could not be parsed or drawn.
+    #[error("cannot draw '{name}': {reason}")]
+    Render {
+        /// File name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// The caller asked to stop (see [`crate::Progress`]).
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl Error {
+    /// Shorthand for [`Error::Read`].
+    pub fn read(path: &Path, source: std::io::Error) -> Self {
+        Self::Read { path: path.to_owned(), source }
+    }
+
+    /// Shorthand for [`Error::Write`].
+    pub fn write(path: &Path, source: std::io::Error) -> Self {
+        Self::Write { path: path.to_owned(), source }
+    }
+
+    /// What the user may try, in one sentence without a full stop.
+    pub fn hint(&self) -> Option<String> {
+        use std::io::ErrorKind;
+        Some(match self {
+            Self::Read { source, .. } => match source.kind() {
+                ErrorKind::NotFound => "check the spelling of the path".into(),
+                ErrorKind::PermissionDenied => "the file is there but may not be read by you".into(),
+                _ => return None,
+            },
+            Self::Write { source, .. } => match source.kind() {
+                ErrorKind::NotFound => "the folder does not exist; create it first".into(),
+                ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+                    "choose another place with -o".into()
+                }
+                ErrorKind::StorageFull => {
+                    "the disk is full; nothing was left behind, any old file is as it was".into()
+                }
+                _ => return None,
+            },
+            Self::Exists { .. } => "give another name with -o, or --force to replace it".into(),
+            Self::Decode { .. } => {
+                "PNG, JPEG, TIFF, WebP, BMP, GIF and PNM are read; is the file complete?".into()
+            }
+            Self::TooLarge { .. } => "scale it down first, or crop a part of it".into(),
+            Self::Unusable { .. } => {
+                "use a photograph of at least 32 x 32 pixels that shows the texture from above".into()
+            }
+            Self::Format { format: "vtex-library", .. } => {
+                "make a library with 'vtex analyze photo.jpg'".into()
+            }
+            Self::Format { format: "vtex-scene", .. } => {
+                "make a scene with 'vtex synth photo.lib.json -o out.scene.json'".into()
+            }
+            Self::Version { .. } => "write the file again with this version of vtex".into(),
+            Self::Masks(_) => "masks must have the size of the image they belong to".into(),
+            _ => return None,
+        })
+    }
+}
+
+/// An error naming the parameter unless `ok`.
+pub(crate) fn check(
+    ok: bool,
+    name: &'static str,
+    value: impl std::fmt::Display,
+    allowed: &'static str,
+) -> Result<()> {
+    if ok { Ok(()) } else { Err(Error::Parameter { name, value: value.to_string(), allowed }) }
+}

@@ -1,0 +1,121 @@
+//! A closed outline with holes: the shape of a texton.
+
+use super::{parse_path, path_text, write_path};
+use kurbo::{BezPath, PathEl, Point, Rect, Shape};
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Outlines are kept on a grid of this step, in pixels, so that text holds them exactly.
+pub const STEP: f64 = 0.01;
+
+/// Closed rings of lines and cubic Béziers. The first ring of a connected shape runs clockwise on
+/// the screen (x right, y down), its holes run the other way, so both fill rules fill it alike.
+/// Coordinates are multiples of [`STEP`]. In JSON and SVG: path data with relative commands.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outline(BezPath);
+
+impl Outline {
+    /// From a path of closed rings; quadratic curves become cubic, points move to the grid,
+    /// open ends are closed. `None` if a coordinate is not finite or beyond ±10⁷ pixels.
+    pub fn new(path: &BezPath) -> Option<Self> {
+        let snap = |p: Point| {
+            let fine = p.x.abs() < 1e7 && p.y.abs() < 1e7; // false for NaN
+            fine.then(|| Point::new(libm::round(p.x / STEP) * STEP, libm::round(p.y / STEP) * STEP))
+        };
+        let mut out = BezPath::new();
+        let (mut current, mut open) = (Point::ORIGIN, false);
+        for element in path.elements() {
+            match *element {
+                PathEl::MoveTo(p) => {
+                    if open {
+                        out.close_path();
+                    }
+                    out.move_to(snap(p)?);
+                    open = true;
+                }
+                PathEl::LineTo(p) => out.line_to(snap(p)?),
+                PathEl::QuadTo(a, b) => {
+                    let (c1, c2) = (current.lerp(a, 2.0 / 3.0), b.lerp(a, 2.0 / 3.0));
+                    out.curve_to(snap(c1)?, snap(c2)?, snap(b)?);
+                }
+                PathEl::CurveTo(a, b, c) => out.curve_to(snap(a)?, snap(b)?, snap(c)?),
+                PathEl::ClosePath => {
+                    if open {
+                        out.close_path();
+                    }
+                    open = false;
+                }
+            }
+            if let Some(p) = element.end_point() {
+                current = p;
+            }
+        }
+        if open {
+            out.close_path();
+        }
+        Some(Self(out))
+    }
+
+    /// The path.
+    pub fn path(&self) -> &BezPath {
+        &self.0
+    }
+
+    /// Whether there is no ring.
+    pub fn is_empty(&self) -> bool {
+        self.0.elements().is_empty()
+    }
+
+    /// Area inside, holes left out, in pixels².
+    pub fn area(&self) -> f64 {
+        self.0.area().abs()
+    }
+
+    /// Bounding box, in pixels.
+    pub fn bounds(&self) -> Rect {
+        self.0.bounding_box()
+    }
+
+    /// Length of all rings, in pixels.
+    pub fn perimeter(&self) -> f64 {
+        self.0.perimeter(1e-2)
+    }
+
+    /// Polsby–Popper compactness of the outer shape: 4π · area / perimeter², 1 for a disc.
+    pub fn compactness(&self) -> f64 {
+        let perimeter = self.perimeter();
+        if perimeter > 0.0 {
+            (4.0 * std::f64::consts::PI * self.area() / (perimeter * perimeter)).min(1.0)
+        } else {
+            0.0
+        }
+    }
+}
+
+impl Serialize for Outline {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&write_path(&self.0, path_text::STORED))
+    }
+}
+
+impl<'de> Deserialize<'de> for Outline {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = <std::borrow::Cow<'_, str>>::deserialize(deserializer)?;
+        let path = parse_path(&text).map_err(serde::de::Error::custom)?;
+        Self::new(&path).ok_or_else(|| serde::de::Error::custom("an outline coordinate is out of range"))
+    }
+}
+
+impl JsonSchema for Outline {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Outline".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({
+            "type": "string",
+            "description": "SVG path data: closed rings of M, L, H, V, C and Z, in exemplar pixels",
+            "pattern": "^[MmLlHhVvCcZz0-9eE+., -]*$",
+        })
+    }
+}

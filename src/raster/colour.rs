@@ -1,0 +1,176 @@
+//! Colours: 8-bit sRGB in files, linear light and Oklab for arithmetic.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::fmt;
+
+/// An 8-bit sRGB colour. In JSON and SVG: `"#rrggbb"`.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct Colour(pub [u8; 3]);
+
+impl Colour {
+    /// From `#rrggbb`; `None` if the text is anything else.
+    pub fn from_hex(text: &str) -> Option<Self> {
+        let digits = text.strip_prefix('#')?;
+        if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
+            return None;
+        }
+        let channel = |i: usize| u8::from_str_radix(&digits[i..i + 2], 16).ok();
+        Some(Self([channel(0)?, channel(2)?, channel(4)?]))
+    }
+
+    /// From sRGB components in 0..=255 as floats, rounded and clamped.
+    pub fn from_f64(rgb: [f64; 3]) -> Self {
+        Self(rgb.map(|v| libm::round(v).clamp(0.0, 255.0) as u8))
+    }
+
+    /// The sRGB components as floats in 0..=255.
+    pub fn to_f64(self) -> [f64; 3] {
+        self.0.map(f64::from)
+    }
+
+    /// Oklab (L in 0..=1, a and b about -0.4..=0.4; Ottosson 2020).
+    pub fn to_oklab(self) -> [f32; 3] {
+        oklab(self.0)
+    }
+}
+
+impl fmt::Display for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [r, g, b] = self.0;
+        write!(f, "#{r:02x}{g:02x}{b:02x}")
+    }
+}
+
+impl fmt::Debug for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl Serialize for Colour {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Colour {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = <std::borrow::Cow<'_, str>>::deserialize(deserializer)?;
+        Self::from_hex(&text).ok_or_else(|| {
+            serde::de::Error::custom(format_args!("'{}' is not a colour like #a0b1c2", clip(&text)))
+        })
+    }
+}
+
+impl JsonSchema for Colour {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Colour".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({"type": "string", "pattern": "^#[0-9a-f]{6}$"})
+    }
+}
+
+/// The first characters of a hostile string, for an error message.
+pub(crate) fn clip(text: &str) -> String {
+    text.chars().take(24).collect()
+}
+
+/// Linear light in 0..=1 of an 8-bit sRGB component (IEC 61966-2-1).
+pub fn linear(component: u8) -> f32 {
+    linear_table()[component as usize]
+}
+
+fn linear_table() -> &'static [f32; 256] {
+    use std::sync::OnceLock;
+    static TABLE: OnceLock<[f32; 256]> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        std::array::from_fn(|i| {
+            let v = i as f64 / 255.0;
+            let l = if v <= 0.040_45 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) };
+            l as f32
+        })
+    })
+}
+
+/// 8-bit sRGB component of linear light; values outside 0..=1 are clamped.
+pub fn from_linear(light: f64) -> u8 {
+    let l = light.clamp(0.0, 1.0);
+    let v = if l <= 0.003_130_8 { l * 12.92 } else { 1.055 * libm::pow(l, 1.0 / 2.4) - 0.055 };
+    libm::round(v * 255.0) as u8
+}
+
+/// Oklab of an 8-bit sRGB colour (Ottosson 2020).
+pub fn oklab(rgb: [u8; 3]) -> [f32; 3] {
+    let [r, g, b] = rgb.map(linear);
+    let l = libm::cbrtf(0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b);
+    let m = libm::cbrtf(0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b);
+    let s = libm::cbrtf(0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b);
+    [
+        0.210_454_26 * l + 0.793_617_8 * m - 0.004_072_047 * s,
+        1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
+        0.025_904_037 * l + 0.782_771_77 * m - 0.808_675_77 * s,
+    ]
+}
+
+/// Component-wise median of sRGB colours (8-bit histogram); `None` of an empty sequence.
+pub fn median(colours: impl IntoIterator<Item = [u8; 3]>) -> Option<Colour> {
+    let mut histogram = [[0u32; 256]; 3];
+    let mut count = 0u32;
+    for rgb in colours {
+        for (h, v) in histogram.iter_mut().zip(rgb) {
+            h[v as usize] += 1;
+        }
+        count += 1;
+    }
+    (count > 0).then(|| {
+        Colour(histogram.map(|h| {
+            let mut seen = 0;
+            h.iter()
+                .position(|n| {
+                    seen += n;
+                    seen * 2 >= count
+                })
+                .unwrap_or(255) as u8
+        }))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hex_is_read_and_written() {
+        assert_eq!(Colour::from_hex("#0a1Bff"), Some(Colour([10, 27, 255])));
+        assert_eq!(Colour([10, 27, 255]).to_string(), "#0a1bff");
+        for bad in ["0a1bff", "#0a1bf", "#0a1bfg", "#+a1bff", "", "#ééé"] {
+            assert_eq!(Colour::from_hex(bad), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn linear_light_goes_there_and_back() {
+        for v in 0..=255u8 {
+            assert_eq!(from_linear(f64::from(linear(v))), v);
+        }
+    }
+
+    #[test]
+    fn oklab_of_greys_has_no_chroma() {
+        for v in [0u8, 40, 128, 255] {
+            let [l, a, b] = oklab([v; 3]);
+            assert!(a.abs() < 1e-3 && b.abs() < 1e-3, "{v}: {a} {b}");
+            assert!((0.0..=1.001).contains(&l));
+        }
+    }
+
+    #[test]
+    fn median_is_taken_per_component() {
+        let m = median([[0, 9, 5], [10, 8, 5], [20, 7, 200]]);
+        assert_eq!(m, Some(Colour([10, 8, 5])));
+        assert_eq!(median([]), None);
+    }
+}

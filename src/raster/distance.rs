@@ -1,0 +1,95 @@
+//! Exact Euclidean distance transform (Felzenszwalb and Huttenlocher 2012).
+
+/// Squared distance of every pixel to the nearest pixel for which `is_source` holds, in pixels²;
+/// `f32::INFINITY` everywhere if there is none. Row-major, `width * height` values.
+pub fn squared_distance(width: usize, height: usize, is_source: impl Fn(usize) -> bool) -> Vec<f32> {
+    let mut d: Vec<f32> =
+        (0..width * height).map(|i| if is_source(i) { 0.0 } else { f32::INFINITY }).collect();
+    let longest = width.max(height);
+    let mut line = vec![0.0; longest];
+    let mut out = vec![0.0; longest];
+    let mut scratch = Scratch { at: vec![0; longest], from: vec![0.0; longest + 1] };
+    for x in 0..width {
+        for y in 0..height {
+            line[y] = d[y * width + x];
+        }
+        transform_line(&line[..height], &mut out[..height], &mut scratch);
+        for y in 0..height {
+            d[y * width + x] = out[y];
+        }
+    }
+    for row in d.chunks_mut(width) {
+        line[..width].copy_from_slice(row);
+        transform_line(&line[..width], row, &mut scratch);
+    }
+    d
+}
+
+struct Scratch {
+    at: Vec<usize>,
+    from: Vec<f32>,
+}
+
+/// Lower envelope of the parabolas `f[q] + (x - q)²`.
+fn transform_line(f: &[f32], out: &mut [f32], s: &mut Scratch) {
+    let mut k = 0usize;
+    let mut empty = true;
+    for q in 0..f.len() {
+        if f[q].is_infinite() {
+            continue;
+        }
+        if empty {
+            (s.at[0], s.from[0], k, empty) = (q, f32::NEG_INFINITY, 0, false);
+            continue;
+        }
+        loop {
+            let p = s.at[k];
+            let (fq, fp) = (f[q] + (q * q) as f32, f[p] + (p * p) as f32);
+            let x = (fq - fp) / (2 * (q - p)) as f32;
+            if x <= s.from[k] && k > 0 {
+                k -= 1;
+                continue;
+            }
+            k += 1;
+            (s.at[k], s.from[k]) = (q, x);
+            break;
+        }
+    }
+    if empty {
+        out.fill(f32::INFINITY);
+        return;
+    }
+    let mut j = 0;
+    for (x, value) in out.iter_mut().enumerate() {
+        while j < k && s.from[j + 1] < x as f32 {
+            j += 1;
+        }
+        let p = s.at[j];
+        let d = x.abs_diff(p) as f32;
+        *value = d * d + f[p];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn equals_brute_force(sources in prop::collection::vec(prop::bool::weighted(0.1), 13 * 9)) {
+            let d = squared_distance(13, 9, |i| sources[i]);
+            for (i, &value) in d.iter().enumerate() {
+                let (x, y) = (i as i64 % 13, i as i64 / 13);
+                let nearest = (0..sources.len())
+                    .filter(|&j| sources[j])
+                    .map(|j| (x - j as i64 % 13).pow(2) + (y - j as i64 / 13).pow(2))
+                    .min();
+                match nearest {
+                    Some(n) => prop_assert_eq!(value, n as f32),
+                    None => prop_assert!(value.is_infinite()),
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! A map of labels, one per pixel.
+
+/// A row-major map of labels. What a label means is the user's affair; by custom 0 is "none".
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LabelMap {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// `width * height` labels, row by row.
+    pub labels: Vec<u32>,
+}
+
+impl LabelMap {
+    /// A map that holds `label` everywhere.
+    pub fn filled(width: u32, height: u32, label: u32) -> Self {
+        Self { width, height, labels: vec![label; width as usize * height as usize] }
+    }
+
+    /// The label at a pixel inside the map.
+    pub fn get(&self, x: u32, y: u32) -> u32 {
+        self.labels[self.index(x, y)]
+    }
+
+    /// Sets the label at a pixel inside the map.
+    pub fn set(&mut self, x: u32, y: u32, label: u32) {
+        let i = self.index(x, y);
+        self.labels[i] = label;
+    }
+
+    /// The label at a pixel, or `None` outside the map.
+    pub fn at(&self, x: i64, y: i64) -> Option<u32> {
+        let inside = x >= 0 && y >= 0 && x < i64::from(self.width) && y < i64::from(self.height);
+        inside.then(|| self.get(x as u32, y as u32))
+    }
+
+    /// Index of a pixel in [`LabelMap::labels`].
+    pub fn index(&self, x: u32, y: u32) -> usize {
+        y as usize * self.width as usize + x as usize
+    }
+
+    /// One row of labels.
+    pub fn row(&self, y: u32) -> &[u32] {
+        let w = self.width as usize;
+        &self.labels[y as usize * w..][..w]
+    }
+
+    /// Number of pixels with each label, from 0 to the largest label.
+    pub fn areas(&self) -> Vec<u32> {
+        let largest = self.labels.iter().copied().max().unwrap_or(0);
+        let mut areas = vec![0; largest as usize + 1];
+        for &label in &self.labels {
+            areas[label as usize] += 1;
+        }
+        areas
+    }
+}

@@ -1,0 +1,193 @@
+//! Sets of pixels as horizontal runs.
+
+use super::LabelMap;
+
+/// A horizontal run of pixels: `x0..x1` in row `y`. Coordinates may be negative, so that masks
+/// can be shifted past the border of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Span {
+    /// Row.
+    pub y: i32,
+    /// First column.
+    pub x0: i32,
+    /// One past the last column.
+    pub x1: i32,
+}
+
+impl Span {
+    /// Number of pixels.
+    pub fn len(&self) -> u32 {
+        (self.x1 - self.x0) as u32
+    }
+
+    /// Whether the run holds no pixel (never so within a [`Mask`]).
+    pub fn is_empty(&self) -> bool {
+        self.x1 <= self.x0
+    }
+}
+
+/// A set of pixels: runs sorted by row, then column; no two touch or overlap.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Mask {
+    spans: Vec<Span>,
+}
+
+impl Mask {
+    /// From runs in any order, which may overlap.
+    pub fn from_spans(mut spans: Vec<Span>) -> Self {
+        spans.retain(|s| !s.is_empty());
+        spans.sort_unstable();
+        let mut merged: Vec<Span> = Vec::with_capacity(spans.len());
+        for s in spans {
+            match merged.last_mut() {
+                Some(last) if last.y == s.y && s.x0 <= last.x1 => last.x1 = last.x1.max(s.x1),
+                _ => merged.push(s),
+            }
+        }
+        Self { spans: merged }
+    }
+
+    /// The pixels of a label map for which `inside` holds.
+    pub fn from_labels(map: &LabelMap, inside: impl Fn(u32) -> bool) -> Self {
+        let mut spans = Vec::new();
+        for y in 0..map.height {
+            push_runs(map.row(y), y as i32, 0, &inside, &mut spans);
+        }
+        Self { spans }
+    }
+
+    /// One mask for each label from 0 to `count - 1`; larger labels are left out.
+    pub fn all_of_labels(map: &LabelMap, count: usize) -> Vec<Self> {
+        let mut masks = vec![Self::default(); count];
+        for y in 0..map.height {
+            let row = map.row(y);
+            let mut x = 0;
+            while x < row.len() {
+                let label = row[x];
+                let start = x;
+                while x < row.len() && row[x] == label {
+                    x += 1;
+                }
+                if let Some(mask) = masks.get_mut(label as usize) {
+                    mask.spans.push(Span { y: y as i32, x0: start as i32, x1: x as i32 });
+                }
+            }
+        }
+        masks
+    }
+
+    /// The runs.
+    pub fn spans(&self) -> &[Span] {
+        &self.spans
+    }
+
+    /// Number of pixels.
+    pub fn area(&self) -> u32 {
+        self.spans.iter().map(Span::len).sum()
+    }
+
+    /// Whether no pixel is in the set.
+    pub fn is_empty(&self) -> bool {
+        self.spans.is_empty()
+    }
+
+    /// Smallest box `(x0, y0, x1, y1)` around the pixels, ends exclusive; `None` if empty.
+    pub fn bounds(&self) -> Option<(i32, i32, i32, i32)> {
+        let (first, last) = (self.spans.first()?, self.spans.last()?);
+        let x0 = self.spans.iter().map(|s| s.x0).min()?;
+        let x1 = self.spans.iter().map(|s| s.x1).max()?;
+        Some((x0, first.y, x1, last.y + 1))
+    }
+
+    /// Mean of the pixel centres (pixel (0, 0) has its centre at (.5, .5)); `None` if empty.
+    pub fn centroid(&self) -> Option<(f64, f64)> {
+        let (mut sx, mut sy, mut n) = (0.0, 0.0, 0.0);
+        for s in &self.spans {
+            let len = f64::from(s.len());
+            sx += len * (f64::from(s.x0) + f64::from(s.x1)) / 2.0;
+            sy += len * (f64::from(s.y) + 0.5);
+            n += len;
+        }
+        (n > 0.0).then(|| (sx / n, sy / n))
+    }
+
+    /// Whether a pixel is in the set (binary search).
+    pub fn contains(&self, x: i32, y: i32) -> bool {
+        let after = self.spans.partition_point(|s| (s.y, s.x0) <= (y, x));
+        after > 0 && {
+            let s = self.spans[after - 1];
+            s.y == y && x < s.x1
+        }
+    }
+
+    /// The same set moved by whole pixels.
+    pub fn shifted(&self, dx: i32, dy: i32) -> Self {
+        let spans = self.spans.iter().map(|s| Span { y: s.y + dy, x0: s.x0 + dx, x1: s.x1 + dx });
+        Self { spans: spans.collect() }
+    }
+
+    /// Number of pixels that both sets hold.
+    pub fn overlap(&self, other: &Self) -> u32 {
+        let (mut i, mut j, mut count) = (0, 0, 0);
+        while let (Some(a), Some(b)) = (self.spans.get(i), other.spans.get(j)) {
+            if a.y == b.y {
+                count += (a.x1.min(b.x1) - a.x0.max(b.x0)).max(0);
+            }
+            if (a.y, a.x1) <= (b.y, b.x1) { i += 1 } else { j += 1 }
+        }
+        count as u32
+    }
+
+    /// All pixels, row by row.
+    pub fn pixels(&self) -> impl Iterator<Item = (i32, i32)> + '_ {
+        self.spans.iter().flat_map(|s| (s.x0..s.x1).map(move |x| (x, s.y)))
+    }
+}
+
+fn push_runs(row: &[u32], y: i32, x_offset: i32, inside: impl Fn(u32) -> bool, spans: &mut Vec<Span>) {
+    let mut x = 0;
+    while x < row.len() {
+        if inside(row[x]) {
+            let start = x;
+            while x < row.len() && inside(row[x]) {
+                x += 1;
+            }
+            spans.push(Span { y, x0: x_offset + start as i32, x1: x_offset + x as i32 });
+        } else {
+            x += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn mask_strategy() -> impl Strategy<Value = Mask> {
+        prop::collection::vec((0..12i32, 0..20i32, 1..8i32), 0..20).prop_map(|runs| {
+            Mask::from_spans(runs.into_iter().map(|(y, x, n)| Span { y, x0: x, x1: x + n }).collect())
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn overlap_counts_common_pixels(a in mask_strategy(), b in mask_strategy()) {
+            let common = a.pixels().filter(|&(x, y)| b.contains(x, y)).count();
+            prop_assert_eq!(a.overlap(&b) as usize, common);
+            prop_assert_eq!(a.overlap(&b), b.overlap(&a));
+            prop_assert_eq!(a.overlap(&a), a.area());
+        }
+
+        #[test]
+        fn spans_are_sorted_and_apart(a in mask_strategy()) {
+            for pair in a.spans().windows(2) {
+                prop_assert!(pair[0].y < pair[1].y || pair[0].x1 < pair[1].x0);
+            }
+            let (dx, dy) = (-7, 3);
+            let moved = a.shifted(dx, dy);
+            prop_assert!(a.pixels().all(|(x, y)| moved.contains(x + dx, y + dy)));
+            prop_assert_eq!(moved.area(), a.area());
+        }
+    }
+}

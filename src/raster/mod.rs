@@ -1,0 +1,14 @@
+//! Pixels: label maps, run-length masks, components, distances, colour spaces.
+//! Knows nothing of curves.
+
+pub mod colour;
+mod components;
+mod distance;
+mod labels;
+mod mask;
+pub mod picture;
+
+pub use components::{Connectivity, components, components_of_mask};
+pub use distance::squared_distance;
+pub use labels::LabelMap;
+pub use mask::{Mask, Span};

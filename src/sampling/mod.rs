@@ -1,0 +1,7 @@
+//! Named random streams, Poisson disks, weighted draws.
+
+mod poisson;
+mod stream;
+
+pub use poisson::{Domain, poisson_disk};
+pub use stream::{Stream, stream};

@@ -1,0 +1,1 @@
+//! Library → scene: target map, scoring, density, secondaries, background.
