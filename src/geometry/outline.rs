@@ -33,7 +33,12 @@ impl Outline {
                     out.move_to(snap(p)?);
                     open = true;
                 }
-                PathEl::LineTo(p) => out.line_to(snap(p)?),
+                PathEl::LineTo(p) => {
+                    let p = snap(p)?;
+                    if Some(p) != end_of(&out) {
+                        out.line_to(p);
+                    }
+                }
                 PathEl::QuadTo(a, b) => {
                     let (c1, c2) = (current.lerp(a, 2.0 / 3.0), b.lerp(a, 2.0 / 3.0));
                     out.curve_to(snap(c1)?, snap(c2)?, snap(b)?);
@@ -90,6 +95,11 @@ impl Outline {
             0.0
         }
     }
+}
+
+/// Where the last element of a path ends.
+fn end_of(path: &BezPath) -> Option<Point> {
+    path.elements().last().and_then(PathEl::end_point)
 }
 
 impl Serialize for Outline {
