@@ -1,9 +1,16 @@
 //! Points, rings, outlines with holes, contour tracing, curve fitting.
 //! Knows nothing of images, libraries or scenes. Points and paths are those of `kurbo`.
 
+mod fit;
+mod fitted_map;
 mod outline;
 mod path_text;
+mod simple;
+mod trace;
 
+pub use fitted_map::FittedMap;
 pub use kurbo::{Affine, BezPath, PathEl, Point, Rect, Vec2};
 pub use outline::{Outline, STEP};
 pub use path_text::{PathText, parse_path, write_path};
+pub use simple::is_simple;
+pub use trace::{Arc, HalfArc, OUTSIDE, PlanarMap, Ring};

@@ -23,7 +23,7 @@ pub fn write_path(path: &BezPath, style: PathText) -> String {
         match *element {
             PathEl::MoveTo(p) => {
                 let to = grid(p);
-                w.command(if w.out.is_empty() { b'M' } else { b'm' });
+                w.command(b'm');
                 w.pair(to, at);
                 (at, start) = (to, to);
                 // Further pairs after a moveto are linetos.
@@ -251,7 +251,7 @@ mod tests {
         p.close_path();
         assert_eq!(
             write_path(&p, PathText { precision: 2 }),
-            "M10 20h5.5v-1.75l-5.25-.75-1.25-.5c0 1-.5 2-1 3z"
+            "m10 20h5.5v-1.75l-5.25-.75-1.25-.5c0 1-.5 2-1 3z"
         );
     }
 
