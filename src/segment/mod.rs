@@ -1,5 +1,13 @@
 //! Image → masks: what may be a texton. Knows nothing of textons.
 
+mod felzenszwalb;
+mod flood;
+mod masks_file;
+
+pub use felzenszwalb::{Felzenszwalb, Smoothed, details, felzenszwalb};
+pub use flood::flood;
+pub use masks_file::{MasksFile, masks_to_bytes};
+
 use crate::error::Result;
 use crate::progress::Progress;
 use crate::raster::Mask;

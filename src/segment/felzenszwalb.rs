@@ -1,0 +1,378 @@
+//! Graph-based segmentation (Felzenszwalb and Huttenlocher 2004), of an image or inside a mask.
+//!
+//! Neighbours are the four pixels that share an edge, so regions are 4-connected and their
+//! outlines never touch themselves at a corner. Scale and minimum size mean what they mean in
+//! scikit-image: weights are Euclidean distances of 8-bit RGB colours after smoothing.
+//!
+//! Works badly where elements vary more inside than they differ from what surrounds them: it
+//! knows nothing of shape.
+
+use super::{ScoredMask, Segmenter};
+use crate::error::{Result, check};
+use crate::progress::{Progress, advance};
+use crate::raster::{LabelMap, Mask, Span};
+use image::RgbImage;
+
+/// An image smoothed by a Gaussian.
+#[derive(Clone, Debug)]
+pub struct Smoothed {
+    width: usize,
+    height: usize,
+    /// sRGB components, 0 to 255, row by row.
+    pixels: Vec<[f32; 3]>,
+}
+
+impl Smoothed {
+    /// Smooths the sRGB components of an image; `sigma` in pixels, 0 for none. Borders reflect.
+    pub fn new(image: &RgbImage, sigma: f64) -> Self {
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let pixels = image.pixels().map(|p| p.0.map(f32::from)).collect();
+        let mut smoothed = Self { width, height, pixels };
+        let kernel = gaussian(sigma);
+        if kernel.len() > 1 && width > 0 && height > 0 {
+            smoothed.pixels = convolve(&smoothed.pixels, width, height, &kernel);
+        }
+        smoothed
+    }
+}
+
+/// One half of a normalised Gaussian, centre first, cut at four deviations.
+pub(super) fn gaussian(sigma: f64) -> Vec<f32> {
+    let radius = libm::round(4.0 * sigma.max(0.0)) as usize;
+    let weight = |i: usize| if i == 0 { 1.0 } else { libm::exp(-0.5 * (i * i) as f64 / (sigma * sigma)) };
+    let total: f64 = (0..=radius).map(|i| weight(i) * if i == 0 { 1.0 } else { 2.0 }).sum();
+    (0..=radius).map(|i| (weight(i) / total) as f32).collect()
+}
+
+/// Separable convolution with a symmetric kernel, borders reflected about the pixel edges.
+pub(super) fn convolve<const N: usize>(
+    pixels: &[[f32; N]],
+    width: usize,
+    height: usize,
+    half: &[f32],
+) -> Vec<[f32; N]> {
+    let reflect = |i: isize, n: usize| -> usize {
+        let period = 2 * n as isize;
+        let i = i.rem_euclid(period);
+        (if i < n as isize { i } else { period - 1 - i }) as usize
+    };
+    let radius = half.len() as isize - 1;
+    let mut across = vec![[0.0; N]; pixels.len()];
+    let mut padded = vec![[0.0; N]; width + 2 * radius as usize];
+    for (row, out) in pixels.chunks_exact(width).zip(across.chunks_exact_mut(width)) {
+        for (i, p) in padded.iter_mut().enumerate() {
+            *p = row[reflect(i as isize - radius, width)];
+        }
+        for (x, value) in out.iter_mut().enumerate() {
+            let centre = x + radius as usize;
+            *value = padded[centre].map(|v| v * half[0]);
+            for (k, w) in half.iter().enumerate().skip(1) {
+                let (a, b) = (padded[centre - k], padded[centre + k]);
+                for c in 0..N {
+                    value[c] += w * (a[c] + b[c]);
+                }
+            }
+        }
+    }
+    let mut out = vec![[0.0; N]; pixels.len()];
+    for (y, row) in out.chunks_exact_mut(width).enumerate() {
+        let line = |i: isize| &across[reflect(i, height) * width..][..width];
+        for (value, p) in row.iter_mut().zip(line(y as isize)) {
+            *value = p.map(|v| v * half[0]);
+        }
+        for (k, w) in half.iter().enumerate().skip(1) {
+            let (above, below) = (line(y as isize - k as isize), line(y as isize + k as isize));
+            for ((value, a), b) in row.iter_mut().zip(above).zip(below) {
+                for c in 0..N {
+                    value[c] += w * (a[c] + b[c]);
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Regions of the whole image, numbered from 1 in the order of their first pixel. `scale` of at
+/// least 0: larger means larger regions. Regions of fewer than `minimum` pixels are joined to
+/// the neighbour most like them.
+pub fn felzenszwalb(image: &Smoothed, scale: f64, minimum: u32) -> LabelMap {
+    let (w, h) = (image.width, image.height);
+    let mut edges = Vec::with_capacity(2 * w * h);
+    for i in 0..w * h {
+        if i % w + 1 < w {
+            edges.push(edge(&image.pixels, i, i + 1, 2 * i));
+        }
+        if i + w < w * h {
+            edges.push(edge(&image.pixels, i, i + w, 2 * i + 1));
+        }
+    }
+    let mut forest = Forest::new(w * h);
+    let ends = |e: u32| {
+        let i = e as usize / 2;
+        (i, if e % 2 == 0 { i + 1 } else { i + w })
+    };
+    forest.grow(edges, ends, scale as f32, minimum);
+    let labels = forest.number();
+    LabelMap { width: w as u32, height: h as u32, labels }
+}
+
+/// Regions inside a mask: 4-connected pieces that tile it exactly, in the order of their first
+/// pixel. Only a 4-connected part of the mask itself can be smaller than `minimum` pixels. Parts
+/// of the mask outside the image are left out.
+pub fn details(image: &Smoothed, mask: &Mask, scale: f64, minimum: u32) -> Vec<Mask> {
+    let (w, h) = (image.width as i32, image.height as i32);
+    let inside = |s: &&Span| s.y >= 0 && s.y < h && s.x1 > 0 && s.x0 < w;
+    let spans: Vec<Span> = (mask.spans().iter().filter(inside))
+        .map(|s| Span { y: s.y, x0: s.x0.max(0), x1: s.x1.min(w) })
+        .collect();
+    // The mask's pixels are numbered along its runs.
+    let mut pixels = Vec::with_capacity(mask.area() as usize);
+    let mut pairs = Vec::with_capacity(2 * pixels.capacity());
+    let mut first = Vec::with_capacity(spans.len());
+    let mut above = 0;
+    for (i, s) in spans.iter().enumerate() {
+        let start = pixels.len();
+        first.push(start);
+        let row = &image.pixels[s.y as usize * image.width..][s.x0 as usize..s.x1 as usize];
+        pixels.extend_from_slice(row);
+        pairs.extend((start + 1..pixels.len()).map(|p| (p - 1, p)));
+        while above < i && (spans[above].y < s.y - 1 || spans[above].y == s.y - 1 && spans[above].x1 <= s.x0)
+        {
+            above += 1;
+        }
+        let over = spans[above..i].iter().enumerate().take_while(|(_, t)| t.y < s.y && t.x0 < s.x1);
+        for (j, t) in over {
+            for x in s.x0.max(t.x0)..s.x1.min(t.x1) {
+                pairs.push((first[above + j] + (x - t.x0) as usize, start + (x - s.x0) as usize));
+            }
+        }
+    }
+    let edges = pairs.iter().enumerate().map(|(e, &(i, j))| edge(&pixels, i, j, e)).collect();
+    let mut forest = Forest::new(pixels.len());
+    forest.grow(edges, |e| pairs[e as usize], scale as f32, minimum);
+    let labels = forest.number();
+    let mut pieces: Vec<Vec<Span>> = vec![Vec::new(); labels.iter().max().map_or(0, |&n| n as usize)];
+    for (s, &start) in spans.iter().zip(&first) {
+        let row = &labels[start..][..s.len() as usize];
+        let mut x = s.x0;
+        for run in row.chunk_by(|a, b| a == b) {
+            let x1 = x + run.len() as i32;
+            pieces[run[0] as usize - 1].push(Span { y: s.y, x0: x, x1 });
+            x = x1;
+        }
+    }
+    pieces.into_iter().map(Mask::from_spans).collect()
+}
+
+/// A sortable edge: the weight's bits (floats of one sign sort like integers), then its number.
+fn edge(pixels: &[[f32; 3]], i: usize, j: usize, number: usize) -> u64 {
+    let (a, b) = (pixels[i], pixels[j]);
+    let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let weight = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+    u64::from(weight.to_bits()) << 32 | number as u64
+}
+
+/// Disjoint sets of pixels.
+struct Forest {
+    parent: Vec<u32>,
+    size: Vec<u32>,
+    /// Largest weight of the minimum spanning tree plus scale / size.
+    limit: Vec<f32>,
+}
+
+impl Forest {
+    fn new(pixels: usize) -> Self {
+        Self { parent: (0..pixels as u32).collect(), size: vec![1; pixels], limit: Vec::new() }
+    }
+
+    fn root(&mut self, i: usize) -> usize {
+        let mut i = i as u32;
+        while self.parent[i as usize] != i {
+            let up = self.parent[self.parent[i as usize] as usize];
+            self.parent[i as usize] = up;
+            i = up;
+        }
+        i as usize
+    }
+
+    fn join(&mut self, a: usize, b: usize) -> usize {
+        let (a, b) = if self.size[a] >= self.size[b] { (a, b) } else { (b, a) };
+        self.parent[b] = a as u32;
+        self.size[a] += self.size[b];
+        a
+    }
+
+    fn grow(&mut self, mut edges: Vec<u64>, ends: impl Fn(u32) -> (usize, usize), scale: f32, minimum: u32) {
+        edges.sort_unstable();
+        self.limit = vec![scale; self.parent.len()];
+        for &e in &edges {
+            let weight = f32::from_bits((e >> 32) as u32);
+            let (i, j) = ends(e as u32);
+            let (a, b) = (self.root(i), self.root(j));
+            if a != b && weight < self.limit[a].min(self.limit[b]) {
+                let joined = self.join(a, b);
+                self.limit[joined] = weight + scale / self.size[joined] as f32;
+            }
+        }
+        for &e in &edges {
+            let (i, j) = ends(e as u32);
+            let (a, b) = (self.root(i), self.root(j));
+            if a != b && self.size[a].min(self.size[b]) < minimum {
+                self.join(a, b);
+            }
+        }
+    }
+
+    /// The number of each pixel's set, from 1 in the order of their first pixel.
+    fn number(&mut self) -> Vec<u32> {
+        let mut numbers = vec![0; self.parent.len()];
+        let mut last = 0;
+        (0..self.parent.len())
+            .map(|i| {
+                let root = self.root(i);
+                if numbers[root] == 0 {
+                    last += 1;
+                    numbers[root] = last;
+                }
+                numbers[root]
+            })
+            .collect()
+    }
+}
+
+/// Plain Felzenszwalb as a segmenter: every region that is neither ground nor a speck is a mask.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Felzenszwalb {
+    /// Larger means larger regions. 0 to 100 000, default 150.
+    pub scale: f64,
+    /// Smoothing beforehand, in pixels. 0 to 10, default 0.8.
+    pub sigma: f64,
+    /// Smallest region, in pixels. 1 to 1 000 000, default 30.
+    pub minimum: u32,
+}
+
+impl Default for Felzenszwalb {
+    fn default() -> Self {
+        Self { scale: 150.0, sigma: 0.8, minimum: 30 }
+    }
+}
+
+impl Felzenszwalb {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] naming the first parameter out of range.
+    pub fn validate(&self) -> Result<()> {
+        check((0.0..=100_000.0).contains(&self.scale), "scale", self.scale, "0 to 100000")?;
+        check((0.0..=10.0).contains(&self.sigma), "sigma", self.sigma, "0 to 10 px")?;
+        check((1..=1_000_000).contains(&self.minimum), "minimum", self.minimum, "1 to 1000000 px")
+    }
+}
+
+impl Segmenter for Felzenszwalb {
+    fn name(&self) -> String {
+        "felzenszwalb".into()
+    }
+
+    /// Regions that touch opposite borders, or fill more than a tenth of the image, are ground.
+    /// The score is the share of its bounding box that a region fills.
+    fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
+        self.validate()?;
+        advance(progress, "segmentation", 0, 3)?;
+        let smoothed = Smoothed::new(image, self.sigma);
+        advance(progress, "segmentation", 1, 3)?;
+        let map = felzenszwalb(&smoothed, self.scale, self.minimum);
+        advance(progress, "segmentation", 2, 3)?;
+        let regions = map.labels.iter().max().map_or(0, |&n| n as usize);
+        let masks = Mask::all_of_labels(&map, regions + 1);
+        let (w, h) = (image.width() as i32, image.height() as i32);
+        let largest = image.width() as u64 * u64::from(image.height()) / 10;
+        let scored = masks.into_iter().filter_map(|mask| {
+            let (x0, y0, x1, y1) = mask.bounds()?;
+            let spans_image = x0 == 0 && x1 == w || y0 == 0 && y1 == h;
+            let area = mask.area();
+            let keep = !spans_image && u64::from(area) <= largest;
+            let score = area as f32 / ((x1 - x0) as f32 * (y1 - y0) as f32);
+            keep.then_some(ScoredMask { mask, score })
+        });
+        let scored = scored.collect();
+        advance(progress, "segmentation", 3, 3)?;
+        Ok(scored)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::{Connectivity, components_of_mask};
+    use proptest::prelude::*;
+
+    fn speckled(width: u32, height: u32, values: &[u8]) -> RgbImage {
+        RgbImage::from_fn(width, height, |x, y| {
+            let v = values[(y * width + x) as usize % values.len()];
+            image::Rgb([v, v / 2, 255 - v])
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn details_tile_the_mask_and_are_connected(
+            values in prop::collection::vec(any::<u8>(), 17 * 13),
+            runs in prop::collection::vec((-2..15i32, -3..17i32, 1..9i32), 0..24),
+            scale in 0.0..400.0f64,
+            minimum in 1..6u32,
+        ) {
+            let image = Smoothed::new(&speckled(17, 13, &values), 0.95);
+            let mask = Mask::from_spans(
+                runs.iter().map(|&(y, x0, n)| Span { y, x0, x1: x0 + n }).collect(),
+            );
+            let inside: Vec<_> = mask.pixels()
+                .filter(|&(x, y)| (0..17).contains(&x) && (0..13).contains(&y))
+                .collect();
+            let pieces = details(&image, &mask, scale, minimum);
+            let mut tiled: Vec<_> = pieces.iter().flat_map(|p| p.pixels()).map(|(x, y)| (y, x)).collect();
+            tiled.sort_unstable();
+            prop_assert_eq!(tiled, inside.iter().map(|&(x, y)| (y, x)).collect::<Vec<_>>());
+            let clipped = Mask::from_spans(
+                inside.iter().map(|&(x, y)| Span { y, x0: x, x1: x + 1 }).collect(),
+            );
+            let parts = components_of_mask(&clipped, Connectivity::Four);
+            for piece in &pieces {
+                prop_assert_eq!(components_of_mask(piece, Connectivity::Four).len(), 1);
+                prop_assert!(piece.area() >= minimum || parts.contains(piece));
+            }
+        }
+
+        #[test]
+        fn a_full_mask_gives_the_regions_of_the_image(
+            values in prop::collection::vec(any::<u8>(), 11 * 9),
+            scale in 0.0..400.0f64,
+        ) {
+            let image = Smoothed::new(&speckled(11, 9, &values), 0.8);
+            let map = felzenszwalb(&image, scale, 3);
+            let full = Mask::from_labels(&map, |_| true);
+            let regions = Mask::all_of_labels(&map, map.areas().len());
+            for region in &regions[1..] {
+                prop_assert_eq!(components_of_mask(region, Connectivity::Four).len(), 1);
+            }
+            prop_assert_eq!(regions.len() - 1, details(&image, &full, scale, 3).len());
+        }
+    }
+
+    #[test]
+    fn smoothing_keeps_a_constant_and_the_mean() {
+        let flat = Smoothed::new(&RgbImage::from_pixel(5, 7, image::Rgb([9, 90, 200])), 2.0);
+        assert!(flat.pixels.iter().all(|p| (p[0] - 9.0).abs() < 1e-3 && (p[2] - 200.0).abs() < 1e-3));
+        let mut dot = RgbImage::new(21, 21);
+        dot.put_pixel(10, 10, image::Rgb([255; 3]));
+        let sum: f32 = Smoothed::new(&dot, 1.0).pixels.iter().map(|p| p[0]).sum();
+        assert!((sum - 255.0).abs() < 0.1, "{sum}");
+    }
+
+    #[test]
+    fn two_halves_are_two_regions() {
+        let image = RgbImage::from_fn(20, 10, |x, _| image::Rgb([if x < 10 { 20 } else { 220 }; 3]));
+        let map = felzenszwalb(&Smoothed::new(&image, 0.0), 50.0, 5);
+        assert!((0..200).all(|i| map.labels[i] == u32::from(i % 20 >= 10) + 1));
+    }
+}
