@@ -108,11 +108,7 @@ impl Fill {
                 let angle = angle + turn * std::f64::consts::TAU;
                 let steep = if k == 0 { random.range(0.0, 0.3) } else { random.range(0.35, 1.0) };
                 let height = if k == 0 { 0.0 } else { random.range(-0.05, 0.45) * steep };
-                [
-                    (steep * libm::cos(angle)) as f32,
-                    (steep * libm::sin(angle)) as f32,
-                    height as f32 * radius,
-                ]
+                [(steep * libm::cos(angle)) as f32, (steep * libm::sin(angle)) as f32, height as f32 * radius]
             })
             .collect();
         Self {

@@ -181,7 +181,10 @@ impl Sites {
                     // No place for the large ones any more: what follows is smaller.
                     scale = (scale * 0.96).max(look.radius[0] / look.radius[1]);
                 }
-                if failed > 400 && scale * look.radius[1] <= look.radius[0] * 1.01 && failed > 6 * sites.points.len() {
+                if failed > 400
+                    && scale * look.radius[1] <= look.radius[0] * 1.01
+                    && failed > 6 * sites.points.len()
+                {
                     break;
                 }
                 continue;
@@ -228,9 +231,8 @@ impl Sites {
 
 /// A point of the canvas widened by `margin`.
 fn anywhere(canvas: &Canvas, margin: f32, random: &mut Stream) -> [f32; 2] {
-    let mut along = |length: usize| {
-        random.range(f64::from(-margin), length as f64 + f64::from(margin)) as f32
-    };
+    let mut along =
+        |length: usize| random.range(f64::from(-margin), length as f64 + f64::from(margin)) as f32;
     [along(canvas.width), along(canvas.height)]
 }
 

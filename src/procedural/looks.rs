@@ -141,11 +141,8 @@ fn soft_shadow(random: &mut Stream) -> Option<Shadow> {
 }
 
 fn chips(random: &mut Stream, palette: Vec<Light>, style: Style) -> Species {
-    let form = Form::Chip {
-        corners: [4, 8],
-        stretch: range(random, 1.05, 1.5),
-        rounding: range(random, 0.03, 0.3),
-    };
+    let form =
+        Form::Chip { corners: [4, 8], stretch: range(random, 1.05, 1.5), rounding: range(random, 0.03, 0.3) };
     Species { form, palette, style, roughness: range(random, 0.02, 0.08) }
 }
 
@@ -336,7 +333,8 @@ fn pebbles(random: &mut Stream) -> Look {
         ..Style::default()
     };
     let banded = Style { streak: 0.45, veins: 0.0, speckle: 0.05, ..style.clone() };
-    look.species = vec![(2.0, stones(random, colours.clone(), style)), (1.0, stones(random, colours, banded))];
+    look.species =
+        vec![(2.0, stones(random, colours.clone(), style)), (1.0, stones(random, colours, banded))];
     look
 }
 
@@ -564,7 +562,8 @@ fn flakes(random: &mut Stream) -> Look {
     let layout = Layout::Scatter { cluster: range(random, 0.2, 0.9) };
     let mut look = base(random, ground, layout);
     look.ground.stretch = range(random, 0.1, 8.0);
-    look.ground.grains = vec![grains(range(random, 3.0, 5.0), range(random, 0.1, 0.4), colours.clone(), 0.6, 0.0)];
+    look.ground.grains =
+        vec![grains(range(random, 3.0, 5.0), range(random, 0.1, 0.4), colours.clone(), 0.6, 0.0)];
     let style = Style {
         mottle: range(random, 0.4, 0.9),
         wavelength: range(random, 0.3, 0.7),
@@ -621,9 +620,8 @@ fn blades(random: &mut Stream) -> Look {
 
 /// Any form with any fill on any ground, in any colours.
 fn mixed(random: &mut Stream) -> Look {
-    let makers = [
-        terrazzo, concrete, worktop, gravel, pebbles, mud_stones, leaves, litter, flowers, flakes, blades,
-    ];
+    let makers =
+        [terrazzo, concrete, worktop, gravel, pebbles, mud_stones, leaves, litter, flowers, flakes, blades];
     let mut look = pick(random, &makers)(random);
     let other = pick(random, &makers)(random);
     look.ground = other.ground;

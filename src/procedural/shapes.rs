@@ -69,7 +69,13 @@ impl Shape {
     }
 
     /// A broken chip with the area of a circle of radius `radius`: 4 to 8 straight sides.
-    pub(super) fn chip(radius: f32, corners: [u32; 2], stretch: f32, rounding: f32, random: &mut Stream) -> Self {
+    pub(super) fn chip(
+        radius: f32,
+        corners: [u32; 2],
+        stretch: f32,
+        rounding: f32,
+        random: &mut Stream,
+    ) -> Self {
         let n = corners[0] + random.below(u64::from(corners[1] - corners[0] + 1)) as u32;
         let mut polygon = vec![[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]];
         let turn = random.range(0.0, f64::from(TAU)) as f32;
@@ -151,7 +157,14 @@ impl Shape {
 
     /// A leaf or a blade: `ratio` length to width, `fullness` where it is widest (0.5 halfway,
     /// more: towards the tip), `bend` sideways in shares of the half length.
-    pub(super) fn leaf(radius: f32, ratio: f32, fullness: f32, bend: f32, serration: f32, teeth: u32) -> Self {
+    pub(super) fn leaf(
+        radius: f32,
+        ratio: f32,
+        fullness: f32,
+        bend: f32,
+        serration: f32,
+        teeth: u32,
+    ) -> Self {
         let (p, q) = (0.35 + 1.1 * fullness, 0.35 + 1.1 * (1.0 - fullness));
         let mut widths: [f32; PROFILE + 1] = std::array::from_fn(|i| {
             let t = i as f32 / PROFILE as f32;
