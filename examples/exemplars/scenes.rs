@@ -9,8 +9,8 @@ pub fn finished() -> Vec<(&'static str, SceneParams)> {
         seed,
         size,
         coverage,
-        blur: 0.6,
-        noise: 1.0,
+        blur: 0.65,
+        noise: 0.6,
         ..SceneParams::default()
     };
     vec![

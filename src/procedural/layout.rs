@@ -124,7 +124,13 @@ fn cells(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut
             return;
         }
         let gap = gap * random.range(0.5, 1.6) as f32;
-        let corners = sites.cell(i, 0.5 * gap);
+        let mut corners = sites.cell(i, 0.5 * gap);
+        // Broken corners: stones are not perfect cells, and crumbs want room.
+        for _ in 0..random.below(3) {
+            let (angle, offset) = (random.range(0.0, std::f64::consts::TAU), random.range(0.55, 0.95));
+            let offset = offset as f32 * sites.points[i][2];
+            clip(&mut corners, [libm::cos(angle) as f32, libm::sin(angle) as f32, offset]);
+        }
         if corners.len() < 3 {
             continue;
         }
@@ -156,7 +162,7 @@ struct Sites {
 impl Sites {
     /// Throws points, none within the sum of the radii (less a little) of another.
     fn throw(look: &Look, canvas: &Canvas, random: &mut Stream) -> Self {
-        let reach = look.radius[1];
+        let reach = 1.05 * look.radius[1];
         let cell = (2.0 * look.radius[0]).max(4.0);
         let (width, height) = (canvas.width as f32 + 2.0 * reach, canvas.height as f32 + 2.0 * reach);
         let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
@@ -218,7 +224,7 @@ impl Sites {
             let (dx, dy) = (qx - x, qy - y);
             let distance = (dx * dx + dy * dy).sqrt();
             if j != i && distance > 1e-3 {
-                let middle = 0.5 * (distance + (r * r - qr * qr) / distance);
+                let middle = 0.5 * (distance + 0.6 * (r * r - qr * qr) / distance);
                 clip(&mut corners, [dx / distance, dy / distance, middle - inset]);
             }
         }
@@ -249,6 +255,9 @@ pub(super) fn grow(look: &Look, amount: f64, canvas: &mut Canvas, random: &mut S
     let area = std::f64::consts::PI * f64::from(look.growth_radius * look.growth_radius);
     let count = (amount * (canvas.width * canvas.height) as f64 / area) as usize;
     for k in 0..count {
+        if canvas.openness() < 0.003 {
+            return;
+        }
         let radius = look.growth_radius * random.range(0.6, 1.4) as f32;
         let centre = anywhere(canvas, radius, random);
         let mut parts = look.growth[random.index(look.growth.len())].make(radius, 0, random);

@@ -184,7 +184,7 @@ fn terrazzo(random: &mut Stream) -> Look {
     let crumbs = range(random, 0.15, 0.6);
     look.ground.grains = vec![
         grains(range(random, 3.5, 6.5), crumbs, colours.clone(), 0.85, 0.0),
-        grains(3.0, 0.5, shades(ground, &[0.6, 0.8, 1.25]), 0.6, 0.0),
+        grains(3.0, 0.5, shades(ground, &[0.6, 0.8, 1.15]), 0.6, 0.0),
     ];
     let style = Style {
         mottle: range(random, 0.2, 0.6),
@@ -215,7 +215,7 @@ fn concrete(random: &mut Stream) -> Look {
     let mut look = base(random, ground, layout);
     look.ground.grains = vec![
         grains(range(random, 5.0, 8.0), 0.25, colours.clone(), 0.5, 0.1),
-        grains(range(random, 3.0, 4.5), 0.6, shades(ground, &[0.55, 0.75, 1.3]), 0.7, 0.15),
+        grains(range(random, 3.0, 4.5), 0.6, shades(ground, &[0.55, 0.75, 0.85, 1.15]), 0.7, 0.15),
         grains(2.2, 0.6, shades(ground, &[0.6, 0.8, 1.2]), 0.6, 0.0),
     ];
     let style = Style {
@@ -320,7 +320,7 @@ fn pebbles(random: &mut Stream) -> Look {
     let mut look = base(random, ground, layout);
     look.shadow = soft_shadow(random);
     look.ground.grains = vec![
-        grains(range(random, 4.0, 7.0), 0.6, shades(ground, &[0.5, 0.8, 1.2, 1.5]), 0.9, 0.5),
+        grains(range(random, 4.0, 7.0), 0.6, shades(ground, &[0.5, 0.7, 0.9, 1.2]), 0.9, 0.5),
         grains(2.5, 0.7, shades(ground, &[0.6, 0.8, 1.2]), 0.7, 0.3),
     ];
     let style = Style {
@@ -357,7 +357,7 @@ fn mud_stones(random: &mut Stream) -> Look {
     look.ground.fine = range(random, 0.4, 0.7);
     look.ground.grains = vec![
         grains(range(random, 6.0, 9.0), 0.35, shades(colours[0], &[0.6, 0.9, 1.1]), 0.8, 0.6),
-        grains(range(random, 3.5, 5.0), 0.6, shades(ground, &[0.5, 0.8, 1.3]), 0.8, 0.6),
+        grains(range(random, 3.5, 5.0), 0.6, shades(ground, &[0.5, 0.7, 1.1]), 0.8, 0.6),
     ];
     look.shadow = soft_shadow(random);
     let style = Style {
@@ -626,11 +626,9 @@ fn mixed(random: &mut Stream) -> Look {
     ];
     let mut look = pick(random, &makers)(random);
     let other = pick(random, &makers)(random);
-    look.ground = other.ground;
     look.layout = other.layout;
-    if random.chance(0.5) {
-        look.growth = Vec::new();
-    }
+    (look.ground, look.growth, look.below, look.above) =
+        (other.ground, other.growth, other.below, other.above);
     let third = pick(random, &makers)(random);
     for (i, (_, species)) in look.species.iter_mut().enumerate() {
         if random.chance(0.5) {
