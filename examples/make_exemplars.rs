@@ -39,12 +39,12 @@ fn main() -> Result<(), Box<dyn Error>> {
                 params.kind = arguments.kind.unwrap_or(params.kind);
                 let scene = procedural::generate(&params)?;
                 save_labels(&scene, &folder.join(format!("scene_{seed:05}.labels.png")))?;
-                save(&scene, &folder.join(format!("scene_{seed:05}.png")))?;
+                save(&scene.image, &folder.join(format!("scene_{seed:05}.png")))?;
             }
         }
         None => {
             for (name, params) in scenes::finished() {
-                save(&procedural::generate(&params)?, &folder.join(format!("{name}.png")))?;
+                save(&scenes::picture(&params)?, &folder.join(format!("{name}.png")))?;
             }
         }
     }
@@ -77,11 +77,11 @@ fn parse(words: impl Iterator<Item = String>) -> Result<Arguments, String> {
     Ok(arguments)
 }
 
-fn save(scene: &Exemplar, path: &Path) -> Result<(), Box<dyn Error>> {
+fn save(image: &image::RgbImage, path: &Path) -> Result<(), Box<dyn Error>> {
     use image::codecs::png::{CompressionType, FilterType, PngEncoder};
     let file = std::io::BufWriter::new(std::fs::File::create(path)?);
     let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive);
-    scene.image.write_with_encoder(encoder)?;
+    image.write_with_encoder(encoder)?;
     Ok(())
 }
 

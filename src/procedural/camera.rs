@@ -60,7 +60,7 @@ fn expose(light: &mut [Light]) {
     let sum: f64 = light.iter().map(|c| f64::from(c[0] + c[1] + c[2])).sum();
     let mean = sum / (3 * light.len()) as f64;
     if mean < 0.15 {
-        let gain = libm::pow(0.15 / mean.max(0.002), 0.6) as f32;
+        let gain = libm::pow(0.15 / mean.max(0.002), 0.4) as f32;
         for pixel in light {
             *pixel = pixel.map(|c| c * gain);
         }

@@ -108,11 +108,7 @@ impl Fill {
                 let angle = angle + turn * std::f64::consts::TAU;
                 let steep = if k == 0 { random.range(0.0, 0.3) } else { random.range(0.35, 1.0) };
                 let height = if k == 0 { 0.0 } else { random.range(-0.05, 0.45) * steep };
-                [
-                    (steep * libm::cos(angle)) as f32,
-                    (steep * libm::sin(angle)) as f32,
-                    height as f32 * radius,
-                ]
+                [(steep * libm::cos(angle)) as f32, (steep * libm::sin(angle)) as f32, height as f32 * radius]
             })
             .collect();
         Self {
@@ -208,6 +204,6 @@ impl Fill {
         let saw = (phase - phase as i32 as f32).abs();
         let side = (1.0 - smoothstep(0.0, 0.2, saw.min(1.0 - saw))) * (1.0 - 0.6 * across.abs());
         let hollow = across * across * across * across;
-        midrib + 0.5 * side * smoothstep(8.0, 18.0, self.radius) - 0.6 * hollow
+        midrib + 0.5 * side * smoothstep(8.0, 18.0, self.radius) - 0.4 * hollow
     }
 }

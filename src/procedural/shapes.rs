@@ -73,7 +73,13 @@ impl Shape {
     }
 
     /// A broken chip with the area of a circle of radius `radius`: 4 to 8 straight sides.
-    pub(super) fn chip(radius: f32, corners: [u32; 2], stretch: f32, rounding: f32, random: &mut Stream) -> Self {
+    pub(super) fn chip(
+        radius: f32,
+        corners: [u32; 2],
+        stretch: f32,
+        rounding: f32,
+        random: &mut Stream,
+    ) -> Self {
         let n = corners[0] + random.below(u64::from(corners[1] - corners[0] + 1)) as u32;
         let mut polygon = vec![[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]];
         let turn = random.range(0.0, f64::from(TAU)) as f32;
@@ -132,7 +138,7 @@ impl Shape {
             for [at, length, width] in &tips {
                 let t = ((turn - at) / width).abs();
                 across = across.min((turn - at).abs() / half);
-                r = r.max(length * (1.0 - depth * t * (0.6 + 0.8 * t)));
+                r = r.max(length * (1.0 - depth * t * (1.35 - 0.3 * t)));
             }
             let tooth = (split(angle * teeth / TAU).1 - 0.5).abs();
             // The notch at the stalk.
@@ -157,7 +163,14 @@ impl Shape {
 
     /// A leaf or a blade: `ratio` length to width, `fullness` where it is widest (0.5 halfway,
     /// more: towards the tip), `bend` sideways in shares of the half length.
-    pub(super) fn leaf(radius: f32, ratio: f32, fullness: f32, bend: f32, serration: f32, teeth: u32) -> Self {
+    pub(super) fn leaf(
+        radius: f32,
+        ratio: f32,
+        fullness: f32,
+        bend: f32,
+        serration: f32,
+        teeth: u32,
+    ) -> Self {
         // Moves the widest place; up to 0.95 the map stays monotone.
         let shift = ((0.5 - fullness) / (fullness * (1.0 - fullness)).max(0.1)).clamp(-0.95, 0.95);
         let mut widths: [f32; PROFILE + 1] = std::array::from_fn(|i| {
@@ -298,7 +311,12 @@ fn leaf(half_length: f32, widths: &[f32; PROFILE + 1], bend: f32, p: [f32; 2]) -
     let side = if y < 0.0 { -1.0 } else { 1.0 };
     if !(0.0..=1.0).contains(&t) {
         let beyond = p[0].abs() - half_length;
-        return Hit { depth: -(beyond * beyond + y * y).sqrt(), normal: [0.0, side], place: [u, 0.0], off_axis: y.abs() };
+        return Hit {
+            depth: -(beyond * beyond + y * y).sqrt(),
+            normal: [0.0, side],
+            place: [u, 0.0],
+            off_axis: y.abs(),
+        };
     }
     let (i, f) = split(t * PROFILE as f32);
     let i = (i as usize).min(PROFILE - 1);

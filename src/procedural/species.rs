@@ -120,7 +120,8 @@ impl Species {
                 let size = length * 0.48;
                 let shape = Shape::leaf(size, random.range(2.6, 3.8) as f32, 0.62, 0.1, 0.0, 1);
                 let (c, s) = (libm::cos(turn) as f32, libm::sin(turn) as f32);
-                let centre = [lean[0] * (1.0 - ring as f32) + c * reach, s * reach + lean[1] * (1.0 - ring as f32)];
+                let centre =
+                    [lean[0] * (1.0 - ring as f32) + c * reach, s * reach + lean[1] * (1.0 - ring as f32)];
                 let tone = colour.map(|v| v * (1.15 - 0.45 * (1.0 - ring as f32)));
                 parts.push(self.element(shape, size, tone, centre, turn, label, random));
             }
