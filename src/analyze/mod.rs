@@ -1,1 +1,188 @@
 //! Image → library: primaries, details, secondaries, categories, descriptors, palette.
+//!
+//! Works badly where the exemplar holds few textons, has depth or strong shadows, or a structure
+//! larger than a few textons: the descriptors cannot see it.
+
+mod background;
+mod candidates;
+mod categories;
+mod exemplar;
+mod neighbours;
+mod pictures;
+mod secondaries;
+mod shapes;
+
+pub use crate::library::AnalyzeParams;
+pub use exemplar::Exemplar;
+
+use crate::document::Document as _;
+use crate::error::Result;
+use crate::library::{Arrangement, Library, Secondaries, Source};
+use crate::progress::{Progress, advance};
+use crate::raster::{LabelMap, Mask};
+use crate::scene::Field;
+use crate::scene::field::Interpolant;
+use crate::segment::{Segmenter, Smoothed, details};
+use shapes::Pieces;
+
+/// Analyses an exemplar.
+///
+/// # Errors
+/// A parameter out of range, [`crate::Error::Interrupted`], and the segmenter's own errors. An
+/// exemplar in which no texton is found is no error: the library then holds background and
+/// secondaries and a warning.
+pub fn analyze(
+    exemplar: &Exemplar,
+    segmenter: &dyn Segmenter,
+    params: &AnalyzeParams,
+    progress: &dyn Progress,
+) -> Result<Library> {
+    params.validate()?;
+    let image = &exemplar.image;
+    let (width, height) = image.dimensions();
+    let masks = segmenter.segment(image, progress)?;
+    progress.picture("masks", &|| pictures::masks(image, &masks));
+
+    advance(progress, "primaries", 0, 1)?;
+    let (mut primaries, rims) = candidates::select(image, &masks, params.minimum_area);
+    let patches = secondaries::find(image, &primaries, &rims, params);
+    promote(&mut primaries, &patches.promoted);
+    let count = primaries.labels.iter().max().map_or(0, |m| *m as usize);
+    let primary_masks = Mask::all_of_labels(&primaries, count + 1).split_off(1);
+    progress.picture("primaries", &|| crate::raster::picture::outlines(image, &primaries));
+
+    advance(progress, "details", 0, count as u64)?;
+    let smoothed = Smoothed::new(image, params.detail_sigma);
+    let pieces = crate::parallel::map(&primary_masks, |mask| {
+        details(&smoothed, mask, params.detail_scale, params.detail_minimum)
+    });
+
+    advance(progress, "outlines", 0, 1)?;
+    let shapes = shapes::outlines(
+        image,
+        &Pieces { details: pieces, secondaries: patches.secondaries },
+        params.fidelity,
+    );
+
+    advance(progress, "background", 0, 1)?;
+    let textons = any_texton(&primaries, shapes.secondaries.iter().map(|s| &s.mask));
+    let background = background::palette(image, &primaries, &textons, params);
+    progress.picture("background", &|| pictures::background(image, &textons, &background));
+    let field = Field {
+        spacing: background.spacing,
+        fallback: background.fallback,
+        points: background.sites.clone(),
+    };
+    let secondary_textons =
+        shapes::secondaries(&shapes.secondaries, &Interpolant::new(&field, width, height));
+
+    advance(progress, "categories", 0, 1)?;
+    let image_area = f64::from(width) * f64::from(height);
+    let features: Vec<categories::Features> = shapes
+        .primaries
+        .iter()
+        .map(|p| {
+            let [r, g, b] = p.colour.to_f64();
+            [r, g, b, f64::from(p.area), p.compactness]
+        })
+        .collect();
+    let (ids, categories) =
+        categories::cluster(&features, params.categories as usize, image_area, params.seed);
+    let mut primary_textons = shapes.primaries;
+    for (p, &id) in primary_textons.iter_mut().zip(&ids) {
+        p.category = id;
+        p.clipped = !params.wrap && touches_border(&primary_masks[p.id.0 as usize], width, height);
+    }
+    progress.picture("categories", &|| pictures::categories(&primaries, &ids));
+
+    let centroids: Vec<[f64; 2]> = primary_textons.iter().map(|p| p.centroid).collect();
+    let descriptor_half = descriptor_half(&centroids, width, height, params.descriptor_reach);
+    progress.picture("descriptors", &|| pictures::descriptors(&primaries, &ids, &centroids, descriptor_half));
+
+    let mut warnings = Vec::new();
+    warn_about(&primary_textons, &mut warnings);
+    for warning in &warnings {
+        progress.warn(warning);
+    }
+    let spacing = secondaries::spacing(&centres(&secondary_textons), &primaries);
+    let library = Library {
+        format: Library::FORMAT.into(),
+        version: Library::VERSION,
+        source: Source {
+            file: exemplar.file.clone(),
+            width,
+            height,
+            sha256: exemplar.sha256.clone(),
+            segmenter: segmenter.name(),
+            parameters: params.clone(),
+            program: crate::PROGRAM.into(),
+            warnings,
+        },
+        coverage: categories.iter().map(|c| c.coverage).sum::<f64>().min(1.0),
+        primaries: primary_textons,
+        secondaries: Secondaries { spacing, textons: secondary_textons },
+        categories,
+        background,
+        arrangement: Arrangement::from_labels(&primaries),
+        descriptor_half,
+    };
+    debug_assert_eq!(library.validate(), Ok(()));
+    Ok(library)
+}
+
+/// Joins promoted patches to the primaries.
+fn promote(primaries: &mut LabelMap, promoted: &[Mask]) {
+    let first = primaries.labels.iter().max().map_or(0, |m| *m) + 1;
+    for (k, mask) in promoted.iter().enumerate() {
+        shapes::fill(primaries, mask, first + k as u32);
+    }
+}
+
+/// A map that holds a label above 0 wherever a texton stands.
+fn any_texton<'a>(primaries: &LabelMap, secondaries: impl Iterator<Item = &'a Mask>) -> LabelMap {
+    let mut map = primaries.clone();
+    for mask in secondaries {
+        shapes::fill(&mut map, mask, 1);
+    }
+    map
+}
+
+fn touches_border(mask: &Mask, width: u32, height: u32) -> bool {
+    mask.bounds()
+        .is_some_and(|(x0, y0, x1, y1)| x0 <= 0 || y0 <= 0 || x1 >= width as i32 || y1 >= height as i32)
+}
+
+fn centres(secondaries: &[crate::library::Secondary]) -> Vec<[f64; 2]> {
+    secondaries.iter().map(|s| s.centroid).collect()
+}
+
+/// Half the side of the descriptors' window: `reach` mean distances between neighbours, at most
+/// half the exemplar's shorter side.
+fn descriptor_half(centroids: &[[f64; 2]], width: u32, height: u32, reach: f64) -> u32 {
+    let lengths = neighbours::edge_lengths(centroids, |_, _| false);
+    let most = width.min(height) / 2;
+    if lengths.is_empty() {
+        return most;
+    }
+    let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
+    (libm::round(reach * mean) as u32).clamp(1, most.max(1))
+}
+
+fn warn_about(primaries: &[crate::library::Primary], warnings: &mut Vec<String>) {
+    let placed = primaries.iter().filter(|p| !p.clipped).count();
+    if primaries.is_empty() {
+        warnings.push(
+            "no primary texton was found: the result holds background and secondaries only \
+             (try another --segmenter, --masks FILE, or a photograph with distinct elements)"
+                .into(),
+        );
+    } else if placed == 0 {
+        warnings.push(
+            "every primary texton is cut by the border: none can be placed (use a larger photograph)".into(),
+        );
+    } else if placed < 10 {
+        warnings.push(format!(
+            "only {placed} primary textons can be placed: repetition will show (use a larger photograph)"
+        ));
+    }
+}

@@ -1,0 +1,276 @@
+//! Overlapping scored masks → disjoint primaries.
+//!
+//! A mask and the masks inside it describe the same pixels twice: a flower and its petals, a stone
+//! and its facets, or a patch of ground and the stones on it. The reference keeps the larger, so
+//! that one stray mask of the ground swallows all stones. Here every candidate has a *quality*:
+//! its score, times how strongly the image changes along its rim, times how compact it is. From
+//! each nest the disjoint set of largest `area · quality²` is kept. A whole thing has as strong a
+//! rim as its parts and is more compact, so it wins over them; ground has a weak rim where it ends
+//! for no reason, and loses to the stones on it. Masks that span opposite borders, that surround
+//! other candidates like a net, or that hold several candidates within a much weaker rim are
+//! ground in any case.
+
+use crate::raster::{Connectivity, LabelMap, Mask, Span, colour::oklab, components_of_mask};
+use crate::segment::ScoredMask;
+use image::RgbImage;
+
+/// A connected mask with what is needed to compare it with others.
+struct Candidate {
+    mask: Mask,
+    area: u32,
+    bounds: (i32, i32, i32, i32),
+    score: f32,
+    /// Mean colour step across the rim, in Oklab units.
+    rim: f32,
+    quality: f32,
+}
+
+/// Picks disjoint primaries from overlapping masks. Gives a label map in which primary k has
+/// label k + 1 (in the order of their first pixel), and the rim strength of each.
+pub(super) fn select(image: &RgbImage, masks: &[ScoredMask], minimum_area: u32) -> (LabelMap, Vec<f32>) {
+    let (w, h) = (image.width() as i32, image.height() as i32);
+    let lab = Lab::new(image);
+    let pieces: Vec<(Mask, f32)> = masks.iter().flat_map(|m| pieces(m, minimum_area, w, h)).collect();
+    let mut candidates: Vec<Candidate> = crate::parallel::map(&pieces, |(m, s)| Candidate::new(m, *s, &lab));
+    candidates.sort_by(|a, b| b.area.cmp(&a.area).then(b.quality.total_cmp(&a.quality)));
+    drop_duplicates(&mut candidates);
+    drop_nets(&mut candidates);
+    let kept = best_of_nests(&candidates);
+    paint(&candidates, &kept, image.width(), image.height(), minimum_area)
+}
+
+/// The connected pieces of a mask that may be primaries, small holes filled.
+fn pieces(scored: &ScoredMask, minimum_area: u32, w: i32, h: i32) -> Vec<(Mask, f32)> {
+    let mut pieces = components_of_mask(&scored.mask, Connectivity::Four);
+    let largest = pieces.iter().map(Mask::area).max().unwrap_or(0);
+    // Crumbs beside a large piece are noise of the segmenter, not things.
+    pieces.retain(|p| p.area() >= minimum_area.max(largest / 10) && !spans_image(p, w, h));
+    pieces.into_iter().map(|p| (fill_small_holes(&p, minimum_area), scored.score)).collect()
+}
+
+/// Whether a mask reaches two opposite borders.
+pub(super) fn spans_image(mask: &Mask, w: i32, h: i32) -> bool {
+    mask.bounds().is_some_and(|(x0, y0, x1, y1)| (x0 <= 0 && x1 >= w) || (y0 <= 0 && y1 >= h))
+}
+
+/// The mask with its holes of fewer than `minimum` pixels filled.
+fn fill_small_holes(mask: &Mask, minimum: u32) -> Mask {
+    let Some((x0, y0, x1, y1)) = mask.bounds() else { return Mask::default() };
+    let mut spans = mask.spans().to_vec();
+    for hole in components_of_mask(&complement(mask, (x0, y0, x1, y1)), Connectivity::Four) {
+        let Some((hx0, hy0, hx1, hy1)) = hole.bounds() else { continue };
+        let open = hx0 == x0 || hy0 == y0 || hx1 == x1 || hy1 == y1;
+        if !open && hole.area() < minimum.max(mask.area() / 50) {
+            spans.extend(hole.spans());
+        }
+    }
+    Mask::from_spans(spans)
+}
+
+/// The pixels of a box that a mask does not hold.
+fn complement(mask: &Mask, (x0, y0, x1, y1): (i32, i32, i32, i32)) -> Mask {
+    let mut gaps = Vec::new();
+    let mut rest = mask.spans();
+    for y in y0..y1 {
+        let n = rest.iter().take_while(|s| s.y == y).count();
+        let mut from = x0;
+        for s in &rest[..n] {
+            gaps.push(Span { y, x0: from, x1: s.x0 });
+            from = s.x1;
+        }
+        gaps.push(Span { y, x0: from, x1 });
+        rest = &rest[n..];
+    }
+    Mask::from_spans(gaps)
+}
+
+/// An image in Oklab.
+pub(super) struct Lab {
+    width: i32,
+    height: i32,
+    pixels: Vec<[f32; 3]>,
+}
+
+impl Lab {
+    pub(super) fn new(image: &RgbImage) -> Self {
+        let pixels = image.pixels().map(|p| oklab(p.0)).collect();
+        Self { width: image.width() as i32, height: image.height() as i32, pixels }
+    }
+
+    fn at(&self, x: i32, y: i32) -> [f32; 3] {
+        let (x, y) = (x.clamp(0, self.width - 1), y.clamp(0, self.height - 1));
+        self.pixels[(y * self.width + x) as usize]
+    }
+
+    /// Mean colour step across the rim of a mask, between pixels two steps inside and outside, and
+    /// the number of cracks of its rim. The image border does not count as rim.
+    pub(super) fn rim(&self, mask: &Mask) -> (f32, u32) {
+        let (mut sum, mut seen, mut cracks) = (0.0, 0u32, 0u32);
+        let mut step = |x: i32, y: i32, dx: i32, dy: i32| {
+            cracks += 1;
+            let (ox, oy) = (x + dx, y + dy);
+            if ox < 0 || oy < 0 || ox >= self.width || oy >= self.height {
+                return;
+            }
+            let inner = if mask.contains(x - dx, y - dy) { self.at(x - dx, y - dy) } else { self.at(x, y) };
+            let outer = self.at(ox + dx, oy + dy);
+            let d2: f32 = inner.iter().zip(outer).map(|(a, b)| (a - b) * (a - b)).sum();
+            sum += d2.sqrt();
+            seen += 1;
+        };
+        for s in mask.spans() {
+            step(s.x0, s.y, -1, 0);
+            step(s.x1 - 1, s.y, 1, 0);
+            for x in s.x0..s.x1 {
+                for dy in [-1, 1] {
+                    if !mask.contains(x, s.y + dy) {
+                        step(x, s.y, 0, dy);
+                    }
+                }
+            }
+        }
+        (if seen > 0 { sum / seen as f32 } else { 0.0 }, cracks)
+    }
+}
+
+impl Candidate {
+    fn new(mask: &Mask, score: f32, lab: &Lab) -> Self {
+        let (rim, cracks) = lab.rim(mask);
+        let area = mask.area();
+        // On the pixel lattice a disc has 4/π times its true perimeter: scale so that it counts 1.
+        let length = cracks as f32 * std::f32::consts::FRAC_PI_4;
+        let compactness = (4.0 * std::f32::consts::PI * area as f32 / (length * length)).min(1.0);
+        let quality = score.max(1e-3) * rim * compactness.sqrt();
+        let bounds = mask.bounds().unwrap_or_default();
+        Self { mask: mask.clone(), area, bounds, score, rim, quality }
+    }
+
+    fn boxes_meet(&self, other: &Self) -> bool {
+        let (a, b) = (self.bounds, other.bounds);
+        a.0 < b.2 && b.0 < a.2 && a.1 < b.3 && b.1 < a.3
+    }
+
+    fn overlap(&self, other: &Self) -> u32 {
+        if self.boxes_meet(other) { self.mask.overlap(&other.mask) } else { 0 }
+    }
+}
+
+/// Of candidates that agree to 80 % the one of highest score stays.
+fn drop_duplicates(candidates: &mut Vec<Candidate>) {
+    let n = candidates.len();
+    let mut dropped = vec![false; n];
+    for i in 0..n {
+        for j in i + 1..n {
+            let (a, b) = (&candidates[i], &candidates[j]);
+            if f64::from(b.area) < 0.8 * f64::from(a.area) {
+                break; // sorted by area
+            }
+            if dropped[i] || dropped[j] {
+                continue;
+            }
+            let common = a.overlap(b);
+            if f64::from(common) > 0.8 * f64::from(a.area + b.area - common) {
+                let worse = if (b.score, b.quality) > (a.score, a.quality) { i } else { j };
+                dropped[worse] = true;
+            }
+        }
+    }
+    let mut index = 0..;
+    candidates.retain(|_| !dropped[index.next().unwrap_or(0)]);
+}
+
+/// Drops candidates in whose holes two or more others lie: ground around things.
+fn drop_nets(candidates: &mut Vec<Candidate>) {
+    let nets: Vec<bool> = candidates
+        .iter()
+        .map(|net| {
+            let (x0, y0, x1, y1) = net.bounds;
+            let holes: u32 = complement(&net.mask, net.bounds).area();
+            if holes * 5 < net.area {
+                return false;
+            }
+            let gaps = components_of_mask(&complement(&net.mask, net.bounds), Connectivity::Four);
+            let enclosed = gaps.iter().filter(|gap| {
+                gap.bounds().is_some_and(|(a, b, c, d)| a > x0 && b > y0 && c < x1 && d < y1)
+                    && candidates.iter().any(|c| {
+                        c.area * 2 > gap.area() && f64::from(c.mask.overlap(gap)) > 0.5 * f64::from(c.area)
+                    })
+            });
+            enclosed.count() >= 2
+        })
+        .collect();
+    let mut index = 0..;
+    candidates.retain(|_| !nets[index.next().unwrap_or(0)]);
+}
+
+/// From every nest of candidates the disjoint set of largest worth; indices, larger first.
+fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
+    let n = candidates.len();
+    // Parent: the smallest larger candidate that holds nine tenths of this one.
+    let mut children: Vec<Vec<usize>> = vec![Vec::new(); n];
+    let mut roots = Vec::new();
+    for i in 0..n {
+        let c = &candidates[i];
+        let parent = (0..i).rev().find(|&p| {
+            candidates[p].area > c.area && f64::from(candidates[p].overlap(c)) >= 0.9 * f64::from(c.area)
+        });
+        match parent {
+            Some(p) => children[p].push(i),
+            None => roots.push(i),
+        }
+    }
+    let worth = |c: &Candidate| f64::from(c.area) * f64::from(c.quality) * f64::from(c.quality);
+    let mut best = vec![0.0; n];
+    let mut whole = vec![false; n];
+    for i in (0..n).rev() {
+        let parts = &children[i];
+        let sum: f64 = parts.iter().map(|&p| best[p]).sum();
+        let mean_rim =
+            parts.iter().map(|&p| f64::from(candidates[p].rim)).sum::<f64>() / parts.len().max(1) as f64;
+        let ground = parts.len() >= 2 && f64::from(candidates[i].rim) < 0.4 * mean_rim;
+        whole[i] = !ground && worth(&candidates[i]) >= sum;
+        best[i] = if whole[i] { worth(&candidates[i]) } else { sum };
+    }
+    let mut kept = Vec::new();
+    let mut open = roots;
+    while let Some(i) = open.pop() {
+        if whole[i] { kept.push(i) } else { open.extend(&children[i]) }
+    }
+    kept.sort_unstable();
+    kept
+}
+
+/// Paints the kept candidates, better over worse; what is left of each is one connected piece.
+fn paint(
+    candidates: &[Candidate],
+    kept: &[usize],
+    width: u32,
+    height: u32,
+    minimum_area: u32,
+) -> (LabelMap, Vec<f32>) {
+    let mut order = kept.to_vec();
+    order.sort_by(|&a, &b| candidates[a].quality.total_cmp(&candidates[b].quality).then(b.cmp(&a)));
+    let mut owner = LabelMap::filled(width, height, 0);
+    for (rank, &i) in order.iter().enumerate() {
+        for s in candidates[i].mask.spans() {
+            let start = owner.index(s.x0 as u32, s.y as u32);
+            owner.labels[start..start + s.len() as usize].fill(rank as u32 + 1);
+        }
+    }
+    let mut left: Vec<(Mask, f32)> = Vec::new();
+    for (rank, visible) in Mask::all_of_labels(&owner, order.len() + 1).into_iter().enumerate().skip(1) {
+        let c = &candidates[order[rank - 1]];
+        let piece = components_of_mask(&visible, Connectivity::Four).into_iter().max_by_key(Mask::area);
+        let piece = piece.filter(|p| p.area() >= minimum_area && p.area() * 2 >= c.area);
+        left.extend(piece.map(|p| (p, c.rim)));
+    }
+    left.sort_by_key(|(m, _)| m.spans().first().map(|s| (s.y, s.x0)));
+    let mut map = LabelMap::filled(width, height, 0);
+    for (k, (mask, _)) in left.iter().enumerate() {
+        for s in mask.spans() {
+            let start = map.index(s.x0 as u32, s.y as u32);
+            map.labels[start..start + s.len() as usize].fill(k as u32 + 1);
+        }
+    }
+    (map, left.into_iter().map(|(_, rim)| rim).collect())
+}

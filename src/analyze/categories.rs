@@ -1,0 +1,163 @@
+//! k-means over colour, area and compactness: which primaries look alike.
+
+use crate::library::{Category, CategoryId};
+use crate::sampling::{Stream, stream};
+
+/// Red, green, blue (0 to 255), area (px), Polsby–Popper compactness (0 to 1).
+pub(super) type Features = [f64; 5];
+
+/// Colours count twice as much as area and compactness (paper §3.1.3).
+const WEIGHTS: Features = [2.0, 2.0, 2.0, 1.0, 1.0];
+const RESTARTS: u64 = 10;
+const ROUNDS: usize = 100;
+
+/// Clusters primaries: k-means++ seeding, Lloyd's rounds, best of ten starts. Each feature is
+/// scaled to 0..1 over the primaries, then weighted. Categories are ordered by size, largest
+/// first, and none is empty. `image_area` in pixels gives their coverage.
+pub(super) fn cluster(
+    features: &[Features],
+    k: usize,
+    image_area: f64,
+    seed: u64,
+) -> (Vec<CategoryId>, Vec<Category>) {
+    if features.is_empty() {
+        return (Vec::new(), Vec::new());
+    }
+    let points = scale(features);
+    let starts: Vec<u64> = (0..RESTARTS).collect();
+    let runs = crate::parallel::map(&starts, |&start| {
+        lloyd(&points, k.min(points.len()), &mut stream(seed, "analyze/categories", start))
+    });
+    // The first of the best, so that ties do not depend on anything.
+    let best = runs.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
+    let assigned = best.map_or_else(Vec::new, |b| b.0);
+    number(&assigned, features, image_area)
+}
+
+fn scale(features: &[Features]) -> Vec<Features> {
+    let (mut low, mut high) = ([f64::INFINITY; 5], [f64::NEG_INFINITY; 5]);
+    for f in features {
+        for i in 0..5 {
+            low[i] = low[i].min(f[i]);
+            high[i] = high[i].max(f[i]);
+        }
+    }
+    let one = |f: &Features| {
+        std::array::from_fn(|i| {
+            let range = high[i] - low[i];
+            if range > 0.0 { WEIGHTS[i] * (f[i] - low[i]) / range } else { 0.0 }
+        })
+    };
+    features.iter().map(one).collect()
+}
+
+fn distance2(a: &Features, b: &Features) -> f64 {
+    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
+}
+
+fn nearest(p: &Features, centres: &[Features]) -> (usize, f64) {
+    let mut best = (0, f64::INFINITY);
+    for (i, c) in centres.iter().enumerate() {
+        let d = distance2(p, c);
+        if d < best.1 {
+            best = (i, d);
+        }
+    }
+    best
+}
+
+/// One run: the cluster of each point and the sum of squared distances.
+fn lloyd(points: &[Features], k: usize, random: &mut Stream) -> (Vec<usize>, f64) {
+    let mut centres = vec![points[random.index(points.len())]];
+    while centres.len() < k {
+        let far = points.iter().map(|p| nearest(p, &centres).1);
+        match random.weighted(far.collect::<Vec<_>>()) {
+            Some(i) => centres.push(points[i]),
+            None => break, // fewer different points than clusters
+        }
+    }
+    let mut assigned: Vec<usize> = points.iter().map(|p| nearest(p, &centres).0).collect();
+    for _ in 0..ROUNDS {
+        let mut sums = vec![([0.0; 5], 0.0); centres.len()];
+        for (p, &c) in points.iter().zip(&assigned) {
+            for i in 0..5 {
+                sums[c].0[i] += p[i];
+            }
+            sums[c].1 += 1.0;
+        }
+        for (centre, (sum, count)) in centres.iter_mut().zip(&sums) {
+            if *count > 0.0 {
+                *centre = sum.map(|s| s / count);
+            }
+        }
+        let next: Vec<usize> = points.iter().map(|p| nearest(p, &centres).0).collect();
+        if next == assigned {
+            break;
+        }
+        assigned = next;
+    }
+    let error = points.iter().zip(&assigned).map(|(p, &c)| distance2(p, &centres[c])).sum();
+    (assigned, error)
+}
+
+fn number(assigned: &[usize], features: &[Features], image_area: f64) -> (Vec<CategoryId>, Vec<Category>) {
+    let count = assigned.iter().max().map_or(0, |m| m + 1);
+    let mut members = vec![0u32; count];
+    for &c in assigned {
+        members[c] += 1;
+    }
+    let mut order: Vec<usize> = (0..count).filter(|&c| members[c] > 0).collect();
+    order.sort_by_key(|&c| (std::cmp::Reverse(members[c]), c));
+    let mut id = vec![0u16; count];
+    for (new, &old) in order.iter().enumerate() {
+        id[old] = new as u16;
+    }
+    let mut categories: Vec<Category> =
+        order.iter().map(|&c| Category { centre: [0.0; 5], members: members[c], coverage: 0.0 }).collect();
+    for (&c, f) in assigned.iter().zip(features) {
+        let category = &mut categories[usize::from(id[c])];
+        for i in 0..5 {
+            category.centre[i] += f[i];
+        }
+        category.coverage += f[3];
+    }
+    for category in &mut categories {
+        category.centre = category.centre.map(|v| v / f64::from(category.members));
+        category.coverage /= image_area;
+    }
+    (assigned.iter().map(|&c| CategoryId(id[c])).collect(), categories)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_clusters_are_found() {
+        let mut random = stream(5, "test", 0);
+        let colours = [[200.0, 30.0, 30.0], [30.0, 200.0, 30.0], [30.0, 30.0, 200.0]];
+        let features: Vec<Features> = (0..90)
+            .map(|i| {
+                let [r, g, b] = colours[i % 3].map(|v| v + random.range(-10.0, 10.0));
+                [r, g, b, random.range(50.0, 60.0), 0.7]
+            })
+            .collect();
+        let (ids, categories) = cluster(&features, 3, 10_000.0, 1);
+        assert_eq!(categories.len(), 3);
+        for i in 3..90 {
+            assert_eq!(ids[i], ids[i % 3]);
+        }
+        let covered: f64 = categories.iter().map(|c| c.coverage).sum();
+        let area: f64 = features.iter().map(|f| f[3]).sum();
+        assert!((covered - area / 10_000.0).abs() < 1e-9);
+        assert!(categories.iter().all(|c| c.members == 30));
+    }
+
+    #[test]
+    fn fewer_points_than_categories() {
+        let same = [[1.0, 2.0, 3.0, 4.0, 0.5]; 3];
+        let (ids, categories) = cluster(&same, 15, 100.0, 0);
+        assert_eq!((ids.len(), categories.len()), (3, 1));
+        assert!(cluster(&[], 15, 100.0, 0).0.is_empty());
+    }
+}

@@ -1,0 +1,63 @@
+//! Secondaries: the small patches of one colour between the primaries.
+
+use super::candidates::{Lab, spans_image};
+use super::neighbours::{edge_lengths, quantile};
+use crate::library::AnalyzeParams;
+use crate::raster::{LabelMap, Mask};
+use crate::segment::flood;
+use image::RgbImage;
+
+/// What flood fill finds between the primaries.
+pub(super) struct Patches {
+    /// Small patches, in the order of their first pixel.
+    pub(super) secondaries: Vec<Mask>,
+    /// Patches as large and as distinct as the primaries.
+    pub(super) promoted: Vec<Mask>,
+}
+
+/// Flood fills what the primaries leave. Patches as large as the median primary with a rim as
+/// strong as theirs are promoted; patches of the sizes allowed are secondaries; what is larger or
+/// smaller is ground. `rims` holds the rim strength of each primary.
+pub(super) fn find(image: &RgbImage, primaries: &LabelMap, rims: &[f32], params: &AnalyzeParams) -> Patches {
+    let (w, h) = (image.width() as i32, image.height() as i32);
+    let regions = flood(image, &|i| primaries.labels[i] != 0, params.secondary_tolerance);
+    let count = regions.labels.iter().max().map_or(0, |m| *m as usize) + 1;
+    let masks = Mask::all_of_labels(&regions, count);
+    let mut areas: Vec<f64> = primaries.areas().into_iter().skip(1).map(f64::from).collect();
+    areas.retain(|&a| a > 0.0);
+    let median_area = quantile(areas, 0.5).unwrap_or(f64::INFINITY);
+    let typical_rim = quantile(rims.iter().map(|&r| f64::from(r)).collect(), 0.5).unwrap_or(f64::INFINITY);
+    let lab = Lab::new(image);
+    let mut patches = Patches { secondaries: Vec::new(), promoted: Vec::new() };
+    for mask in masks.into_iter().skip(1) {
+        let area = mask.area();
+        if f64::from(area) >= median_area && !spans_image(&mask, w, h) {
+            let (rim, cracks) = lab.rim(&mask);
+            let length = f64::from(cracks) * std::f64::consts::FRAC_PI_4;
+            let compact = 4.0 * std::f64::consts::PI * f64::from(area) > 0.2 * length * length;
+            if compact && f64::from(rim) >= 0.8 * typical_rim {
+                patches.promoted.push(mask);
+                continue;
+            }
+        }
+        if (params.secondary_minimum..=params.secondary_maximum).contains(&area) {
+            patches.secondaries.push(mask);
+        }
+    }
+    patches
+}
+
+/// Typical spacing: the 40th percentile of the Delaunay edges between centres, edges across
+/// primaries and along the hull left out (paper §3.1.2); 0 if there are too few.
+pub(super) fn spacing(centres: &[[f64; 2]], primaries: &LabelMap) -> f64 {
+    let across = |a: [f64; 2], b: [f64; 2]| {
+        let steps = libm::ceil(libm::hypot(a[0] - b[0], a[1] - b[1])).max(1.0);
+        (0..=steps as u32).any(|k| {
+            let t = f64::from(k) / steps;
+            let (x, y) = (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]));
+            primaries.at(libm::floor(x) as i64, libm::floor(y) as i64).is_some_and(|label| label != 0)
+        })
+    };
+    let spacing = quantile(edge_lengths(centres, across), 0.4).unwrap_or(0.0);
+    libm::round(spacing * 1000.0) / 1000.0
+}

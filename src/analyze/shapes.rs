@@ -1,0 +1,130 @@
+//! Pixels → shapes: outlines and colours of primaries, details and secondaries.
+//!
+//! All pieces share one planar map, so that each border is fitted once. Details of a primary are
+//! painted from the largest to the smallest; each reaches a little beneath those painted after
+//! it. The largest is the base, painted as the primary's whole outline.
+
+use crate::geometry::{FittedMap, Outline, PlanarMap};
+use crate::library::{CategoryId, Detail, Primary, Secondary, TextonId};
+use crate::raster::colour::{self, Colour};
+use crate::raster::{LabelMap, Mask};
+use crate::scene::field::Interpolant;
+use image::RgbImage;
+
+/// All pieces of an exemplar, disjoint.
+pub(super) struct Pieces {
+    /// The details of each primary, which tile it.
+    pub(super) details: Vec<Vec<Mask>>,
+    /// The secondaries.
+    pub(super) secondaries: Vec<Mask>,
+}
+
+/// What comes of the pieces.
+pub(super) struct Shapes {
+    /// Primaries, their categories not yet known.
+    pub(super) primaries: Vec<Primary>,
+    /// Secondaries, their colour differences not yet known.
+    pub(super) secondaries: Vec<Patch>,
+}
+
+/// A secondary before the background is known.
+pub(super) struct Patch {
+    pub(super) mask: Mask,
+    outline: Outline,
+    colour: Colour,
+}
+
+/// Traces and fits all outlines; `fidelity` in pixels.
+pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shapes {
+    let (width, height) = image.dimensions();
+    let mut map = LabelMap::filled(width, height, 0);
+    // Group of each label: primaries first, then every secondary by itself.
+    let mut groups = vec![0u32];
+    let mut ordered: Vec<Vec<&Mask>> = Vec::new();
+    for (k, details) in pieces.details.iter().enumerate() {
+        let mut details: Vec<&Mask> = details.iter().collect();
+        details.sort_by_key(|m| std::cmp::Reverse(m.area()));
+        for mask in &details {
+            fill(&mut map, mask, groups.len() as u32);
+            groups.push(k as u32 + 1);
+        }
+        ordered.push(details);
+    }
+    let first_secondary = groups.len();
+    let primary_count = pieces.details.len();
+    for (k, mask) in pieces.secondaries.iter().enumerate() {
+        fill(&mut map, mask, groups.len() as u32);
+        groups.push((primary_count + k) as u32 + 1);
+    }
+    let group = |label: u32| groups.get(label as usize).copied().unwrap_or(0);
+    let (count, group_count) = (groups.len() - 1, primary_count + pieces.secondaries.len());
+    let planar = PlanarMap::trace(width, height, &map.labels);
+    let fitted = FittedMap::new(planar, fidelity, count, group_count, group);
+    let whole = fitted.outlines(group_count, group);
+    let stacked =
+        fitted.stacked_outlines(first_secondary - 1, |own, other| group(own) == group(other) && own < other);
+    let median = |mask: &Mask| {
+        colour::median(mask.pixels().map(|(x, y)| image.get_pixel(x as u32, y as u32).0)).unwrap_or_default()
+    };
+    let mut primaries = Vec::with_capacity(primary_count);
+    let mut label = 1;
+    for (k, details) in ordered.iter().enumerate() {
+        let mask = Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect());
+        let base = details.first().map_or_else(Colour::default, |m| median(m));
+        let mut painted = Vec::new();
+        for (i, detail) in details.iter().enumerate() {
+            let (outline, colour) = (&stacked[label + i], median(detail));
+            if i > 0 && !outline.is_empty() && colour != base {
+                painted.push(Detail { outline: outline.clone(), colour });
+            }
+        }
+        label += details.len();
+        let outline = whole[k + 1].clone();
+        primaries.push(Primary {
+            id: TextonId(k as u32),
+            colour: median(&mask),
+            base,
+            category: CategoryId(0),
+            area: mask.area(),
+            centroid: centroid(&mask),
+            compactness: round(outline.compactness()),
+            clipped: false,
+            details: painted,
+            outline,
+        });
+    }
+    let secondaries = pieces.secondaries.iter().enumerate().map(|(k, mask)| Patch {
+        outline: whole[primary_count + k + 1].clone(),
+        colour: median(mask),
+        mask: mask.clone(),
+    });
+    Shapes { secondaries: secondaries.filter(|s| !s.outline.is_empty()).collect(), primaries }
+}
+
+/// Secondaries with their colour differences to a background field.
+pub(super) fn secondaries(patches: &[Patch], field: &Interpolant) -> Vec<Secondary> {
+    crate::parallel::map(patches, |p| {
+        let centroid = centroid(&p.mask);
+        let ground = field.at(centroid[0], centroid[1]);
+        let own = p.colour.to_f64();
+        let difference = std::array::from_fn(|i| libm::round(own[i] - ground[i].clamp(0.0, 255.0)) as i16);
+        Secondary { outline: p.outline.clone(), colour: p.colour, difference, area: p.mask.area(), centroid }
+    })
+}
+
+/// Paints a label over the pixels of a mask within the map.
+pub(super) fn fill(map: &mut LabelMap, mask: &Mask, label: u32) {
+    for s in mask.spans() {
+        let start = map.index(s.x0 as u32, s.y as u32);
+        map.labels[start..start + s.len() as usize].fill(label);
+    }
+}
+
+fn centroid(mask: &Mask) -> [f64; 2] {
+    mask.centroid().map_or([0.0; 2], |(x, y)| [round(x), round(y)])
+}
+
+/// To four digits, so that files stay small.
+fn round(v: f64) -> f64 {
+    libm::round(v * 1e4) / 1e4
+}
