@@ -1,1 +1,38 @@
-//! Scene → files: SVG, SVGZ, PNG.
+//! Scene → files: SVG, SVGZ, PNG; and SVG → pixels.
+//!
+//! All writers see one finished type, [`crate::scene::Scene`], and know nothing of how it came to
+//! be. [`svg`] writes it as pure vectors, [`png`] draws it directly at any scale, [`raster_svg`]
+//! draws any SVG, [`file`] puts what they write safely in its place.
+
+mod background;
+pub mod file;
+pub mod png;
+pub mod raster_svg;
+pub mod svg;
+#[cfg(test)]
+mod testing;
+
+use crate::error::{Error, Result};
+
+/// Largest picture drawn, in pixels: 4 GiB of memory.
+const LARGEST_PICTURE: u64 = 1 << 30;
+
+/// Size of a picture of a canvas at a scale, in pixels: rounded, at least 1 × 1.
+///
+/// # Errors
+/// A scale that is not positive and finite; a picture larger than [`LARGEST_PICTURE`], `name` being
+/// what is drawn.
+fn picture_size(width: f64, height: f64, scale: f64, name: &str) -> Result<(u32, u32)> {
+    crate::error::check(scale.is_finite() && scale > 0.0, "scale", scale, "a number above 0")?;
+    let side = |v: f64| libm::round(v * scale).max(1.0);
+    let (w, h) = (side(width), side(height));
+    // The comparison also refuses what is not a number.
+    if w * h <= LARGEST_PICTURE as f64 && w.max(h) <= f64::from(i32::MAX / 4) {
+        return Ok((w as u32, h as u32));
+    }
+    Err(Error::TooLarge {
+        name: name.into(),
+        found: format!("a picture of {w:.0} x {h:.0} pixels"),
+        limit: format!("{LARGEST_PICTURE} pixels"),
+    })
+}

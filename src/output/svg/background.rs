@@ -1,0 +1,125 @@
+//! The background field as gradients.
+//!
+//! A gradient is linear along one axis, the field is wanted bilinear between the rows of
+//! [`Background`]. So the even rows are painted first, as opaque bands that reach from the odd row
+//! above to the odd row below and change along x only. Over them lie the odd rows, likewise, in a
+//! group with one mask: opacity 1 on odd rows, 0 on even rows, linear between. Anywhere the result
+//! is then t · odd + (1 - t) · even: linear in y. Joints of bands cannot show: those of the even
+//! bands lie where the odd ones are opaque, those of the odd bands where they are transparent.
+//!
+//! The rows are divided into columns of at most a hundred stops, because some renderers look
+//! gradients up in a table of 256 colours.
+
+use super::number::{Number, Paint};
+use super::xml::Xml;
+use crate::output::background::Background;
+use std::io::{self, Write};
+
+/// How far a band reaches beneath the next, in pixels, so that no joint lets the paper through.
+const OVERLAP: f64 = 1.0;
+/// Decimal digits of lengths.
+const DIGITS: u8 = 3;
+
+impl Background {
+    /// Top and bottom of the band of row `k`, in pixels.
+    fn band(&self, k: usize) -> (f64, f64) {
+        let last = self.rows.len() - 1;
+        (k.saturating_sub(1) as f64 * self.row_height, (k + 1).min(last) as f64 * self.row_height)
+    }
+
+    fn column_count(&self) -> usize {
+        self.columns.len() - 1
+    }
+
+    /// The gradients and the mask, for `<defs>`.
+    pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        for (k, row) in self.rows.iter().enumerate() {
+            for (c, stops) in row.iter().enumerate() {
+                let start = self.columns[c];
+                xml.open("linearGradient");
+                xml.attribute("id", format_args!("b{}", k * self.column_count() + c));
+                xml.attribute("gradientUnits", "userSpaceOnUse");
+                xml.attribute("x1", Number(start, DIGITS));
+                xml.attribute("x2", Number(start + self.column_width, DIGITS));
+                for stop in stops {
+                    xml.open("stop");
+                    let offset = Number((stop.x - start) / self.column_width, 5);
+                    xml.attribute("offset", offset);
+                    xml.attribute("stop-color", Paint(stop.colour));
+                    xml.close()?;
+                }
+                xml.close()?;
+                xml.line();
+            }
+        }
+        xml.open("linearGradient");
+        xml.attribute("id", "bt");
+        xml.attribute("x2", 0);
+        xml.attribute("y2", 1);
+        for (offset, opacity) in [("0", 0), (".5", 1), ("1", 0)] {
+            xml.open("stop");
+            xml.attribute("offset", offset);
+            xml.attribute("stop-color", "#fff");
+            xml.attribute("stop-opacity", opacity);
+            xml.close()?;
+        }
+        xml.close()?;
+        xml.line();
+        let width = self.columns[self.column_count()];
+        let height = (self.rows.len() - 1) as f64 * self.row_height;
+        xml.open("mask");
+        xml.attribute("id", "bm");
+        xml.attribute("maskUnits", "userSpaceOnUse");
+        xml.attribute("x", 0);
+        xml.attribute("y", 0);
+        xml.attribute("width", Number(width, DIGITS));
+        xml.attribute("height", Number(height, DIGITS));
+        xml.open("g");
+        xml.attribute("fill", "url(#bt)");
+        for k in (1..self.rows.len()).step_by(2) {
+            // The whole tent, also where it reaches beyond the canvas: its box shapes the gradient.
+            xml.open("rect");
+            xml.attribute("y", Number((k - 1) as f64 * self.row_height, DIGITS));
+            xml.attribute("width", Number(width, DIGITS));
+            xml.attribute("height", Number(2.0 * self.row_height, DIGITS));
+            xml.close()?;
+        }
+        xml.close()?;
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    /// The bands.
+    pub(super) fn write_bands<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        for first in 0..2 {
+            xml.open("g");
+            if first == 1 {
+                xml.attribute("mask", "url(#bm)");
+            }
+            for k in (first..self.rows.len()).step_by(2) {
+                let (top, bottom) = self.band(k);
+                let below = if k + 2 < self.rows.len() { OVERLAP } else { 0.0 };
+                for c in 0..self.column_count() {
+                    let beside = if c + 1 < self.column_count() { OVERLAP } else { 0.0 };
+                    xml.open("rect");
+                    if c > 0 {
+                        xml.attribute("x", Number(self.columns[c], DIGITS));
+                    }
+                    if k > 1 {
+                        xml.attribute("y", Number(top, DIGITS));
+                    }
+                    let right = (self.columns[c + 1] + beside).min(self.columns[self.column_count()]);
+                    xml.attribute("width", Number(right - self.columns[c], DIGITS));
+                    xml.attribute("height", Number(bottom + below - top, DIGITS));
+                    xml.attribute("fill", format_args!("url(#b{})", k * self.column_count() + c));
+                    xml.close()?;
+                }
+                xml.line();
+            }
+            xml.close()?;
+            xml.line();
+        }
+        Ok(())
+    }
+}

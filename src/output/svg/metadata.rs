@@ -1,0 +1,44 @@
+//! What a written SVG says of itself.
+
+use crate::scene::{LibraryRef, Scene, SynthParams, Tile};
+use serde::Serialize;
+
+/// The content of `<metadata>`, as JSON: enough to make the same texture again.
+#[derive(Serialize)]
+struct Metadata<'a> {
+    format: &'static str,
+    version: u32,
+    program: &'a str,
+    /// Not there for the reconstruction of an exemplar.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+    width: u32,
+    height: u32,
+    tile: Tile,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parameters: Option<&'a SynthParams>,
+    libraries: &'a [LibraryRef],
+}
+
+/// The metadata of a scene as JSON text.
+pub(super) fn json(scene: &Scene) -> String {
+    let metadata = Metadata {
+        format: "vtex-svg",
+        version: 1,
+        program: &scene.program,
+        seed: scene.parameters.as_ref().map(|p| p.seed),
+        width: scene.width,
+        height: scene.height,
+        tile: scene.tile,
+        parameters: scene.parameters.as_ref(),
+        libraries: &scene.libraries,
+    };
+    serde_json::to_string(&metadata).expect("metadata hold nothing that JSON cannot")
+}
+
+/// The title: which exemplars the texture comes from.
+pub(super) fn title(scene: &Scene) -> String {
+    let names: Vec<&str> = scene.libraries.iter().map(|l| l.exemplar.as_str()).collect();
+    let what = if scene.parameters.is_some() { "Texture" } else { "Reconstruction" };
+    if names.is_empty() { what.into() } else { format!("{what} from {}", names.join(", ")) }
+}

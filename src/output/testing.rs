@@ -1,0 +1,129 @@
+//! Scenes made by hand, for the tests of the writers.
+
+use crate::geometry::{Affine, BezPath, Outline, Point};
+use crate::raster::colour::Colour;
+use crate::sampling::{Stream, stream};
+use crate::scene::{ControlPoint, Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
+
+/// A closed smooth ring around a centre, bumpy by `rough`; clockwise, or the other way for holes.
+fn ring(path: &mut BezPath, centre: Point, radius: f64, rough: f64, hole: bool, rng: &mut Stream) {
+    const CORNERS: usize = 7;
+    let mut points: Vec<Point> = (0..CORNERS)
+        .map(|i| {
+            let angle = i as f64 / CORNERS as f64 * std::f64::consts::TAU;
+            let r = radius * (1.0 + rough * (rng.unit() - 0.5));
+            centre + (libm::cos(angle) * r, libm::sin(angle) * r)
+        })
+        .collect();
+    if hole {
+        points.reverse();
+    }
+    let at = |i: usize| points[i % CORNERS];
+    path.move_to(points[0]);
+    for i in 0..CORNERS {
+        let (p0, p1, p2, p3) = (at(i + CORNERS - 1), at(i), at(i + 1), at(i + 2));
+        path.curve_to(p1 + (p2 - p0) / 6.0, p2 - (p3 - p1) / 6.0, p2);
+    }
+    path.close_path();
+}
+
+fn outline(centre: Point, radius: f64, rough: f64, hole: bool, rng: &mut Stream) -> Outline {
+    let mut path = BezPath::new();
+    ring(&mut path, centre, radius, rough, false, rng);
+    if hole {
+        ring(&mut path, centre, radius * 0.4, rough, true, rng);
+    }
+    Outline::new(&path).unwrap()
+}
+
+/// A colour about `centre`, each component within `spread` of it.
+fn colour(centre: [f64; 3], spread: f64, rng: &mut Stream) -> Colour {
+    Colour::from_f64(centre.map(|v| v + spread * (rng.unit() * 2.0 - 1.0)))
+}
+
+/// Overlapping stones with details, holes, turns and mirrors over small chips on a cloudy ground.
+/// Some textons stand often, some once, one nowhere; some instances hang over the border.
+pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
+    let mut rng = stream(seed, "output/test-scene", 0);
+    let rng = &mut rng;
+    let area = f64::from(width) * f64::from(height);
+    let textons: Vec<Texton> = (0..40u32)
+        .map(|i| {
+            let primary = i < 24;
+            let radius = if primary { 14.0 + rng.unit() * 22.0 } else { 2.0 + rng.unit() * 3.0 };
+            let base = [150.0, 120.0, 95.0].map(|v| v + 60.0 * (rng.unit() - 0.5));
+            let details = if primary && i % 6 != 5 { 4 + i % 5 } else { 0 };
+            Texton {
+                library: 0,
+                source: i,
+                category: primary.then_some((i % 5) as u16),
+                outline: outline(Point::ORIGIN, radius, 0.5, i % 7 == 3, rng),
+                colour: colour(base, 6.0, rng),
+                details: (0..details)
+                    .map(|_| {
+                        let centre = Point::new(
+                            radius * 0.5 * (rng.unit() * 2.0 - 1.0),
+                            radius * 0.5 * (rng.unit() * 2.0 - 1.0),
+                        );
+                        let size = radius * (0.1 + 0.3 * rng.unit());
+                        Patch {
+                            outline: outline(centre, size, 0.8, false, rng),
+                            colour: colour(base, 25.0, rng),
+                        }
+                    })
+                    .collect(),
+            }
+        })
+        .collect();
+    let mut id = 0;
+    let mut place = |textons: std::ops::Range<u32>, count: usize, turned: bool, rng: &mut Stream| {
+        let mut instances = Vec::new();
+        for i in 0..count {
+            let shift = Affine::translate((
+                libm::floor(rng.unit() * f64::from(width)),
+                libm::floor(rng.unit() * f64::from(height)),
+            ));
+            let affine = if turned && i % 3 == 0 {
+                let size = 0.8 + 0.4 * rng.unit();
+                shift * Affine::rotate(rng.unit() * 6.3) * Affine::scale_non_uniform(size, -size)
+            } else {
+                shift
+            };
+            // The last three textons of the range stand once, once and nowhere.
+            let many = textons.len() - 3;
+            let which = if i < 2 { many + i } else { (i * 7 + i * i) % many };
+            id += 1;
+            instances.push(Instance {
+                id,
+                texton: textons.start + which as u32,
+                transform: affine.as_coeffs(),
+                colour: (!turned || i % 11 == 4).then(|| colour([120.0, 130.0, 90.0], 50.0, rng)),
+            });
+        }
+        instances
+    };
+    let secondary = place(24..40, (area / 400.0) as usize + 4, false, rng);
+    let primary = place(0..24, (area / 2500.0) as usize + 4, true, rng);
+    let sites = (area / 700.0) as usize + 4;
+    let points = (0..sites)
+        .map(|_| ControlPoint {
+            x: rng.unit() * f64::from(width),
+            y: rng.unit() * f64::from(height),
+            colour: colour([105.0, 110.0, 80.0], 30.0, rng),
+        })
+        .collect();
+    Scene {
+        format: Scene::FORMAT.into(),
+        version: Scene::VERSION,
+        width,
+        height,
+        tile: Tile::default(),
+        parameters: Some(SynthParams { width, height, seed, ..SynthParams::default() }),
+        program: "vtex test".into(),
+        libraries: vec![LibraryRef { exemplar: "stones & <chips>.jpg".into(), sha256: "0".repeat(64) }],
+        textons,
+        secondary,
+        primary,
+        background: Field { spacing: 25.0, fallback: Colour([105, 110, 80]), points },
+    }
+}
