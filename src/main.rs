@@ -13,7 +13,7 @@ fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let choice = arguments::colour_choice(&arguments);
     choice.as_choice().write_global();
-    let parsed = arguments::command()
+    let parsed = arguments::command_for(&arguments)
         .color(choice.as_clap())
         .try_get_matches_from(arguments)
         .and_then(|matches| Cli::from_arg_matches(&matches));

@@ -7,7 +7,7 @@
 
 use super::values::{FiveWeights, Seed, Size};
 use clap::builder::styling::{AnsiColor, Styles};
-use clap::{Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
@@ -30,7 +30,7 @@ Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
 /// Turn a photograph of a texture into an editable vector texture of any size
 #[derive(Parser)]
 #[command(name = "vtex", version, styles = STYLES, max_term_width = 100, after_help = EXAMPLES)]
-#[command(subcommand_value_name = "COMMAND", disable_help_subcommand = true)]
+#[command(disable_help_subcommand = true, subcommand_required = true, arg_required_else_help = true)]
 pub(crate) struct Cli {
     #[command(flatten)]
     pub(crate) global: Global,
@@ -122,16 +122,17 @@ pub(crate) struct ForceArgs {
 }
 
 /// Photograph to vector texture, in one go
-///
-/// Analyzes a photograph and synthesizes a texture from it; nothing else is kept.
 #[derive(Args)]
-#[command(override_usage = "vtex texture [OPTIONS] <PHOTO>", after_help = "\
+#[command(
+    override_usage = "vtex texture [OPTIONS] <PHOTO>",
+    after_help = "\
 Examples:
   vtex texture photo.jpg -o out.svg --size 1000
-  vtex texture photo.jpg -o - --size 400x300 --seed 7 > out.svg")]
+  vtex texture photo.jpg -o - --size 400x300 --seed 7 > out.svg"
+)]
 pub(crate) struct TextureArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
-    #[arg(value_name = "PHOTO")]
+    #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
     /// .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout [default: ./PHOTO.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
@@ -150,14 +151,17 @@ pub(crate) struct TextureArgs {
 
 /// Photograph to texton library
 #[derive(Args)]
-#[command(override_usage = "vtex analyze [OPTIONS] <PHOTO>", after_help = "\
+#[command(
+    override_usage = "vtex analyze [OPTIONS] <PHOTO>",
+    after_help = "\
 Examples:
   vtex analyze photo.jpg
   vtex analyze photo.jpg -o photo.lib.json.gz --save-masks photo.masks.png
-  vtex analyze photo.jpg --masks corrected.png --debug-dir stages")]
+  vtex analyze photo.jpg --masks corrected.png --debug-dir stages"
+)]
 pub(crate) struct AnalyzeArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
-    #[arg(value_name = "PHOTO")]
+    #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
     /// .lib.json or .lib.json.gz; - writes JSON to stdout [default: ./PHOTO.lib.json]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
@@ -172,14 +176,17 @@ pub(crate) struct AnalyzeArgs {
 
 /// Texton library to vector texture
 #[derive(Args)]
-#[command(override_usage = "vtex synth [OPTIONS] <LIBRARY>", after_help = "\
+#[command(
+    override_usage = "vtex synth [OPTIONS] <LIBRARY>",
+    after_help = "\
 Examples:
   vtex synth photo.lib.json --size 1000x600 --seed 7
   vtex synth photo.lib.json -o out.scene.json.gz
-  vtex synth photo.lib.json -o - | gzip > out.svgz")]
+  vtex synth photo.lib.json -o - | gzip > out.svgz"
+)]
 pub(crate) struct SynthArgs {
     /// The library, plain or gzip; - reads stdin
-    #[arg(value_name = "LIBRARY")]
+    #[arg(value_name = "LIBRARY", required = true)]
     pub(crate) library: Option<PathBuf>,
     /// .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout [default: ./LIBRARY.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
@@ -194,18 +201,19 @@ pub(crate) struct SynthArgs {
     pub(crate) background: SynthBackgroundFlags,
 }
 
-/// Library, scene or SVG to picture
-///
-/// A library is drawn back as its exemplar. What the file holds is recognised by its content.
+/// Library (drawn back as its exemplar), scene or SVG to picture
 #[derive(Args)]
-#[command(override_usage = "vtex render [OPTIONS] <FILE>", after_help = "\
+#[command(
+    override_usage = "vtex render [OPTIONS] <FILE>",
+    after_help = "\
 Examples:
   vtex render photo.lib.json -o reconstruction.png
   vtex render out.svg -o out.png --scale 2
-  vtex render out.scene.json -o out.svg")]
+  vtex render out.scene.json -o out.svg"
+)]
 pub(crate) struct RenderArgs {
     /// A library, scene or SVG, plain or gzip; - reads stdin
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Option<PathBuf>,
     /// .png, and but for SVG .svg, .svgz, .scene.json or .scene.json.gz; - writes PNG to stdout
     /// [default: ./FILE.png]
@@ -221,13 +229,16 @@ pub(crate) struct RenderArgs {
 
 /// Say what a library or a scene holds
 #[derive(Args)]
-#[command(override_usage = "vtex inspect [OPTIONS] <FILE>", after_help = "\
+#[command(
+    override_usage = "vtex inspect [OPTIONS] <FILE>",
+    after_help = "\
 Examples:
   vtex inspect photo.lib.json
-  vtex inspect out.scene.json --json | jq .counts")]
+  vtex inspect out.scene.json --json | jq .counts"
+)]
 pub(crate) struct InspectArgs {
     /// A library or scene, plain or gzip; - reads stdin
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Option<PathBuf>,
 }
 
@@ -375,27 +386,41 @@ pub(crate) struct RenderFlags {
     pub(crate) scale: Option<f64>,
 }
 
-/// The whole command, from which parser, completions and man pages are made. Commands that only
-/// print or draw take the options of all, but do not show those that mean nothing to them.
+/// The whole command, from which parser, completions and man pages are made.
 pub(crate) fn command() -> clap::Command {
     const WORK: [&str; 2] = ["seed", "debug_dir"];
-    const PARAMETERS: [&str; 3] = ["config", "dump_config", "threads"];
-    let mut command = Cli::command();
-    command.build();
-    let hide = |command: clap::Command, name: &'static str, hidden: &[&'static str]| {
-        let hidden = hidden.to_vec();
-        command.mut_subcommand(name, |mut sub| {
-            for id in hidden {
-                sub = sub.mut_arg(id, |arg| arg.hide(true));
-            }
-            sub
-        })
+    const PARAMETERS: [&str; 3] = ["threads", "config", "dump_config"];
+    const TELLING: [&str; 3] = ["quiet", "verbose", "json"];
+    let command = Cli::command();
+    let global: Vec<Arg> = command.get_arguments().cloned().collect();
+    // Every command takes the options of all, but does not show those that mean nothing to it.
+    let hide = |command: clap::Command, name: &str, hidden: &[&str]| {
+        let args = global.iter().filter(|a| hidden.contains(&a.get_id().as_str()));
+        let args: Vec<Arg> = args.map(|a| a.clone().hide(true)).collect();
+        command.mut_subcommand(name, |sub| sub.args(args))
     };
-    let all: Vec<&str> = WORK.into_iter().chain(PARAMETERS).chain(["quiet", "verbose", "json"]).collect();
-    command = hide(command, "render", &WORK);
-    command = hide(command, "inspect", &[&WORK[..], &PARAMETERS[..]].concat());
-    command = hide(command, "completions", &all);
-    hide(command, "man", &all)
+    let command = hide(command, "render", &WORK);
+    let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
+    let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();
+    hide(hide(command, "completions", &all), "man", &all)
+}
+
+/// [`command`], in which nothing else is needed beside `--dump-config`.
+pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
+    let mut command = command();
+    if arguments.iter().any(|a| a == "--dump-config") {
+        command = command.subcommand_required(false);
+        for (name, argument) in [
+            ("texture", "photo"),
+            ("analyze", "photo"),
+            ("synth", "library"),
+            ("render", "file"),
+            ("inspect", "file"),
+        ] {
+            command = command.mut_subcommand(name, |c| c.mut_arg(argument, |a| a.required(false)));
+        }
+    }
+    command
 }
 
 /// The value of `--color`, sought before parsing so that errors of parsing follow it too.

@@ -15,8 +15,9 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::Path;
 use toml::{Table, Value};
-use vtex::error::check;
+use vtex::Error;
 use vtex::library::AnalyzeParams;
+use vtex::output::svg::SvgOptions;
 use vtex::scene::SynthParams;
 
 /// Every parameter, resolved.
@@ -39,6 +40,12 @@ pub(crate) struct SvgParameters {
     pub(crate) precision: u8,
     /// Whether textons are written in full wherever they stand.
     pub(crate) expand: bool,
+}
+
+impl From<SvgParameters> for SvgOptions {
+    fn from(SvgParameters { precision, expand }: SvgParameters) -> Self {
+        Self { precision, expand }
+    }
 }
 
 /// How a picture is drawn.
@@ -110,7 +117,9 @@ fn read(path: &Path) -> anyhow::Result<Table> {
             }
             _ if SECTIONS[1..].contains(&key.as_str()) => {
                 let message = format!("'{key}' in '{}' is not a section", path.display());
-                return Err(Failure::usage(message).hint(format!("write [{key}] on a line of its own")).into());
+                return Err(Failure::usage(message)
+                    .hint(format!("write [{key}] on a line of its own"))
+                    .into());
             }
             _ => known(key, "", path)?,
         }
@@ -198,12 +207,18 @@ impl Parameters {
     }
 
     fn validate(&self) -> vtex::Result<()> {
-        check(self.threads.is_none_or(|t| (1..=1024).contains(&t)), "threads", Shown(self.threads), "1 to 1024")?;
+        let check = |ok: bool, name, value: String, allowed| {
+            if ok { Ok(()) } else { Err(Error::Parameter { name, value, allowed }) }
+        };
+        if let Some(threads) = self.threads {
+            check((1..=1024).contains(&threads), "threads", threads.to_string(), "1 to 1024")?;
+        }
         self.analyze.validate()?;
         self.synth.validate()?;
-        check(self.svg.precision <= 6, "precision", self.svg.precision, "0 to 6")?;
-        let scale = self.render.scale;
-        check((0.01..=100.0).contains(&scale), "scale", scale, "0.01 to 100")
+        let SvgParameters { precision, .. } = self.svg;
+        check(precision <= 6, "precision", precision.to_string(), "0 to 6 decimals")?;
+        let RenderParameters { scale } = self.render;
+        check((0.01..=100.0).contains(&scale), "scale", scale.to_string(), "0.01 to 100")
     }
 
     /// Lays values over those of a section.
@@ -276,15 +291,6 @@ impl Parameters {
             }
         }
         text
-    }
-}
-
-/// A number or nothing, for an error message.
-struct Shown(Option<u16>);
-
-impl std::fmt::Display for Shown {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.unwrap_or_default().fmt(f)
     }
 }
 

@@ -2,59 +2,46 @@
 
 use super::failure::Failure;
 use std::path::{Path, PathBuf};
+use vtex::output::file::{Format, Kind};
 
-/// What is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Format {
-    Library,
-    LibraryGzip,
-    Scene,
-    SceneGzip,
-    Svg,
-    Svgz,
-    Png,
-    Masks,
-    MasksGzip,
+/// What `texture`, `synth` and `render` can write.
+pub(crate) const OF_SCENE: &[Format] = &[Format::Svg, Format::Png, Format::Scene];
+/// What `analyze` can write.
+pub(crate) const OF_LIBRARY: &[Format] = &[Format::Library];
+
+fn extensions(format: Format) -> &'static [&'static str] {
+    match format {
+        Format::Svg => &[".svg", ".svgz"],
+        Format::Png => &[".png"],
+        Format::Scene => &[".scene.json", ".scene.json.gz"],
+        Format::Library => &[".lib.json", ".lib.json.gz"],
+    }
 }
 
-impl Format {
-    /// What `analyze` can write.
-    pub(crate) const OF_LIBRARY: [Self; 2] = [Self::Library, Self::LibraryGzip];
-    /// What `texture`, `synth` and `render` can write.
-    pub(crate) const OF_SCENE: [Self; 5] = [Self::Svg, Self::Svgz, Self::Png, Self::Scene, Self::SceneGzip];
+/// The kind of file that the name `path` asks for, among those allowed.
+pub(crate) fn kind_of(path: &Path, allowed: &[Format]) -> Result<Kind, Failure> {
+    let kind = Kind::from_path(path).filter(|k| allowed.contains(&k.format));
+    kind.ok_or_else(|| {
+        let known: Vec<&str> = allowed.iter().flat_map(|f| extensions(*f)).copied().collect();
+        unknown_name("--output", path, &known)
+    })
+}
 
-    /// What `--save-masks` can write.
-    pub(crate) const OF_MASKS: [Self; 3] = [Self::Masks, Self::MasksGzip, Self::Png];
-
-    fn extension(self) -> &'static str {
-        match self {
-            Self::Library => ".lib.json",
-            Self::LibraryGzip => ".lib.json.gz",
-            Self::Scene => ".scene.json",
-            Self::SceneGzip => ".scene.json.gz",
-            Self::Svg => ".svg",
-            Self::Svgz => ".svgz",
-            Self::Png => ".png",
-            Self::Masks => ".masks.json",
-            Self::MasksGzip => ".masks.json.gz",
-        }
+/// Checks that masks can be saved under a name.
+pub(crate) fn check_masks_name(path: &Path) -> Result<(), Failure> {
+    let known = [".png", ".json", ".json.gz"];
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    if known.iter().any(|e| name.ends_with(e)) {
+        Ok(())
+    } else {
+        Err(unknown_name("--save-masks", path, &known))
     }
+}
 
-    /// Whether the bytes are no text.
-    pub(crate) fn is_binary(self) -> bool {
-        matches!(self, Self::LibraryGzip | Self::SceneGzip | Self::MasksGzip | Self::Svgz | Self::Png)
-    }
-
-    /// The format among `allowed` that the extension of `path` names, whatever its case.
-    pub(crate) fn of(path: &Path, allowed: &[Self]) -> Result<Self, Failure> {
-        let name = path.to_string_lossy().to_ascii_lowercase();
-        allowed.iter().copied().find(|f| name.ends_with(f.extension())).ok_or_else(|| {
-            let known: Vec<&str> = allowed.iter().map(|f| f.extension()).collect();
-            let (last, others) = known.split_last().expect("some format is allowed");
-            Failure::usage(format!("cannot tell the format from the name '{}'", path.display()))
-                .hint(format!("give --output a name that ends in {} or {last}", others.join(", ")))
-        })
-    }
+fn unknown_name(flag: &str, path: &Path, known: &[&str]) -> Failure {
+    let (last, others) = known.split_last().expect("some format is allowed");
+    Failure::usage(format!("cannot tell the format from the name '{}'", path.display()))
+        .hint(format!("give {flag} a name that ends in {} or {last}", others.join(", ")))
 }
 
 /// `photo.svg` in the current folder for `some/photo.lib.json` and [`Format::Svg`].
@@ -70,7 +57,7 @@ pub(crate) fn default_name(input: &Path, format: Format) -> PathBuf {
     } else if let Some(short) = input.file_stem() {
         stem = short.into();
     }
-    stem.push(format.extension());
+    stem.push(extensions(format)[0]);
     stem.into()
 }
 
@@ -79,14 +66,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formats_follow_the_extension() {
-        let of = |name: &str| Format::of(Path::new(name), &Format::OF_SCENE).ok();
-        assert_eq!(of("a.svg"), Some(Format::Svg));
-        assert_eq!(of("A.SVGZ"), Some(Format::Svgz));
-        assert_eq!(of("dir.svg/a.scene.json.gz"), Some(Format::SceneGzip));
+    fn names_are_held_to_what_a_command_writes() {
+        let of = |name: &str| kind_of(Path::new(name), OF_SCENE).ok().map(|k| k.format);
+        assert_eq!(of("a.SVGZ"), Some(Format::Svg));
+        assert_eq!(of("dir.svg/a.scene.json.gz"), Some(Format::Scene));
         assert_eq!(of("a.lib.json"), None);
-        assert_eq!(of("svg"), None);
         assert_eq!(of("a.json"), None);
+        assert!(check_masks_name(Path::new("m.masks.json.gz")).is_ok());
+        assert!(check_masks_name(Path::new("m.jpg")).is_err());
     }
 
     #[test]

@@ -1,18 +1,18 @@
 //! What the user asked for, checked as far as it can be without reading anything but the
 //! configuration: from [`Cli`] to a job and what all jobs share.
 
-use super::arguments::{self, Cli, Command, ForceArgs, MasksArgs, SegmenterName};
+use super::arguments::{Cli, Command, ForceArgs, MasksArgs, SegmenterName};
 use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
 use super::failure::Failure;
-use super::format::{Format, default_name};
+use super::format::{self, default_name};
 use super::input::Input;
 use super::output::{Place, Target};
 use super::values::Seed;
-use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap_complete::Shell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use vtex::library::AnalyzeParams;
+use vtex::output::file::{Format, Kind};
 use vtex::scene::SynthParams;
 
 /// What is to be done.
@@ -28,8 +28,7 @@ pub(crate) enum Options {
 pub(crate) struct Common {
     /// Threads to use, if said.
     pub(crate) threads: Option<u16>,
-    /// The seed, and whether it was chosen here.
-    pub(crate) seed: Seed,
+    /// Whether no seed was given.
     pub(crate) seed_chosen: bool,
     pub(crate) quiet: bool,
     /// 0, 1 or 2.
@@ -53,7 +52,7 @@ pub(crate) enum Job {
 pub(crate) struct Analysis {
     pub(crate) photo: Input,
     pub(crate) masks: MasksFrom,
-    pub(crate) save_masks: Option<Target>,
+    pub(crate) save_masks: Option<Place>,
     pub(crate) parameters: AnalyzeParams,
 }
 
@@ -102,11 +101,10 @@ impl Options {
         if global.dump_config {
             return Ok(Self::DumpConfig(parameters.dump()));
         }
-        let Some(command) = command else { return Err(no_command().into()) };
+        let command = command.ok_or_else(|| Failure::usage("no command is given"))?;
         let seed = parameters.seed.unwrap_or_else(Seed::chosen);
         let common = Common {
             threads: parameters.threads,
-            seed,
             seed_chosen: parameters.seed.is_none(),
             quiet: global.quiet,
             verbosity: global.verbose,
@@ -124,27 +122,27 @@ impl Job {
         let synth = SynthParams { seed: seed.0, ..synth };
         Ok(match command {
             Command::Texture(a) => {
-                let photo = required(a.photo, "texture", "PHOTO")?;
-                let target = target(a.output, &a.force, &photo, &Format::OF_SCENE, Format::Svg)?;
+                let photo = required(a.photo)?;
+                let target = target(a.output, &a.force, &photo, format::OF_SCENE, Format::Svg)?;
                 let analysis = Analysis::new(photo, a.masks, &a.force, segmenter, analyze)?;
                 Self::Texture(analysis, Synthesis { parameters: synth, svg, target })
             }
             Command::Analyze(a) => {
-                let photo = required(a.photo, "analyze", "PHOTO")?;
-                let target = target(a.output, &a.force, &photo, &Format::OF_LIBRARY, Format::Library)?;
+                let photo = required(a.photo)?;
+                let target = target(a.output, &a.force, &photo, format::OF_LIBRARY, Format::Library)?;
                 Self::Analyze(Analysis::new(photo, a.masks, &a.force, segmenter, analyze)?, target)
             }
             Command::Synth(a) => {
-                let library = required(a.library, "synth", "LIBRARY")?;
-                let target = target(a.output, &a.force, &library, &Format::OF_SCENE, Format::Svg)?;
+                let library = required(a.library)?;
+                let target = target(a.output, &a.force, &library, format::OF_SCENE, Format::Svg)?;
                 Self::Synth(library, Synthesis { parameters: synth, svg, target })
             }
             Command::Render(a) => {
-                let file = required(a.file, "render", "FILE")?;
-                let target = target(a.output, &a.force, &file, &Format::OF_SCENE, Format::Png)?;
+                let file = required(a.file)?;
+                let target = target(a.output, &a.force, &file, format::OF_SCENE, Format::Png)?;
                 Self::Render { file, scale: render, svg, target }
             }
-            Command::Inspect(a) => Self::Inspect(required(a.file, "inspect", "FILE")?),
+            Command::Inspect(a) => Self::Inspect(required(a.file)?),
             Command::Completions(a) => Self::Completions(a.shell),
             Command::Man(a) => Self::Man(a.folder),
         })
@@ -159,12 +157,12 @@ impl Analysis {
         segmenter: SegmenterName,
         parameters: AnalyzeParams,
     ) -> Result<Self, Failure> {
-        let save_masks = masks.save_masks.map(|path| {
-            let format = Format::of(&path, &Format::OF_MASKS)?;
-            Ok::<_, Failure>(Target { place: Place::File(path), format, force: force.force })
-        });
+        if let Some(path) = &masks.save_masks {
+            format::check_masks_name(path)?;
+        }
+        let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
         let from = masks.masks.map_or(MasksFrom::Segmenter(segmenter), MasksFrom::File);
-        Ok(Self { photo, masks: from, save_masks: save_masks.transpose()?, parameters })
+        Ok(Self { photo, masks: from, save_masks, parameters })
     }
 }
 
@@ -176,38 +174,22 @@ fn target(
     allowed: &[Format],
     usual: Format,
 ) -> Result<Target, Failure> {
-    let force = force.force;
     let path = match (output, input) {
         (Some(path), _) => path,
         (None, Input::Stdin) => Path::new("-").into(),
         (None, Input::File(path)) => default_name(path, usual),
     };
-    if path.as_os_str() != "-" {
-        let format = Format::of(&path, allowed)?;
-        return Ok(Target { place: Place::File(path), format, force });
+    if path.as_os_str() == "-" {
+        if usual == Format::Png && std::io::stdout().is_terminal() {
+            return Err(Failure::usage("a terminal cannot show a picture").hint("name a file with --output"));
+        }
+        return Ok(Target { place: Place::Stdout, kind: Kind { format: usual, gzip: false } });
     }
-    if usual.is_binary() && std::io::stdout().is_terminal() {
-        return Err(Failure::usage("a terminal cannot show a picture").hint("name a file with --output"));
-    }
-    Ok(Target { place: Place::Stdout, format: usual, force })
+    let kind = format::kind_of(&path, allowed)?;
+    Ok(Target { place: Place::File { path, force: force.force }, kind })
 }
 
-/// An argument that may be missing only beside `--dump-config`.
-fn required(path: Option<PathBuf>, command: &str, name: &str) -> Result<Input, clap::Error> {
-    path.map(Input::new).ok_or_else(|| {
-        let mut all = arguments::command();
-        let sub = all.find_subcommand_mut(command).expect("it was just parsed");
-        let mut error = clap::Error::new(ErrorKind::MissingRequiredArgument).with_cmd(sub);
-        let missing = ContextValue::Strings(vec![format!("<{name}>")]);
-        error.insert(ContextKind::InvalidArg, missing);
-        let usage = ContextValue::StyledStr(sub.render_usage());
-        error.insert(ContextKind::Usage, usage);
-        error
-    })
-}
-
-fn no_command() -> clap::Error {
-    let mut all = arguments::command();
-    let help = all.render_help();
-    all.error(ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand, help)
+/// An argument that the parser lets be missing only beside `--dump-config`.
+fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
+    path.map(Input::new).ok_or_else(|| Failure::usage("no input is given"))
 }

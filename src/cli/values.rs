@@ -19,7 +19,9 @@ impl FromStr for Size {
         let side = |t: &str| {
             let digits = !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit());
             let value = digits.then(|| t.parse::<u32>().ok()).flatten();
-            value.filter(|v| (1..=100_000).contains(v)).ok_or("expected 1000 or 1000x600, each 1 to 100000 px")
+            value
+                .filter(|v| (1..=100_000).contains(v))
+                .ok_or("expected 1000 or 1000x600, each 1 to 100000 px")
         };
         let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, text));
         Ok(Self { width: side(width)?, height: side(height)? })
@@ -131,7 +133,9 @@ mod tests {
     fn sizes_are_one_or_two_sides() {
         assert_eq!("1000".parse(), Ok(Size { width: 1000, height: 1000 }));
         assert_eq!("1000x600".parse(), Ok(Size { width: 1000, height: 600 }));
-        for bad in ["", "0", "x", "10x", "x10", "1x2x3", "-5", "+5", "1.5", "100001", "99999999999", "10 x 10"] {
+        for bad in
+            ["", "0", "x", "10x", "x10", "1x2x3", "-5", "+5", "1.5", "100001", "99999999999", "10 x 10"]
+        {
             assert!(bad.parse::<Size>().is_err(), "{bad}");
         }
     }
