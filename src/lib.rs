@@ -17,6 +17,7 @@ pub mod analyze;
 pub mod geometry;
 pub mod library;
 pub mod output;
+pub mod procedural;
 pub mod raster;
 pub mod sampling;
 pub mod scene;

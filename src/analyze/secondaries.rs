@@ -6,6 +6,7 @@ use crate::library::AnalyzeParams;
 use crate::raster::{LabelMap, Mask};
 use crate::segment::flood;
 use image::RgbImage;
+use std::collections::BTreeMap;
 
 /// What flood fill finds between the primaries.
 pub(super) struct Patches {
@@ -20,7 +21,8 @@ pub(super) struct Patches {
 /// smaller is ground. `rims` holds the rim strength of each primary.
 pub(super) fn find(image: &RgbImage, primaries: &LabelMap, rims: &[f32], params: &AnalyzeParams) -> Patches {
     let (w, h) = (image.width() as i32, image.height() as i32);
-    let regions = flood(image, &|i| primaries.labels[i] != 0, params.secondary_tolerance);
+    let mut regions = flood(image, &|i| primaries.labels[i] != 0, params.secondary_tolerance);
+    join_fragments(image, &mut regions, params.secondary_minimum);
     let count = regions.labels.iter().max().map_or(0, |m| *m as usize) + 1;
     let masks = Mask::all_of_labels(&regions, count);
     let mut areas: Vec<f64> = primaries.areas().into_iter().skip(1).map(f64::from).collect();
@@ -60,4 +62,71 @@ pub(super) fn spacing(centres: &[[f64; 2]], primaries: &LabelMap) -> f64 {
     };
     let spacing = quantile(edge_lengths(centres, across), 0.4).unwrap_or(0.0);
     libm::round(spacing * 1000.0) / 1000.0
+}
+
+/// Joins regions of fewer than `minimum` pixels to the neighbour whose mean colour is nearest, as
+/// Felzenszwalb and Huttenlocher do: flood fill leaves many, and dropped they would take the
+/// finest grain of the photograph with them. A fragment without neighbours stays.
+fn join_fragments(image: &RgbImage, regions: &mut LabelMap, minimum: u32) {
+    let (w, n) = (regions.width as usize, regions.labels.len());
+    let count = regions.labels.iter().max().map_or(0, |m| *m as usize) + 1;
+    let mut sums = vec![[0.0f32; 4]; count];
+    for (&label, pixel) in regions.labels.iter().zip(image.pixels()) {
+        let s = &mut sums[label as usize];
+        (0..3).for_each(|c| s[c] += f32::from(pixel.0[c]));
+        s[3] += 1.0;
+    }
+    let small: Vec<usize> = (0..n)
+        .filter(|&i| regions.labels[i] != 0 && sums[regions.labels[i] as usize][3] < minimum as f32)
+        .collect();
+    let mut joined: Vec<u32> = (0..count as u32).collect();
+    fn root(joined: &mut [u32], mut label: u32) -> u32 {
+        while joined[label as usize] != label {
+            joined[label as usize] = joined[joined[label as usize] as usize];
+            label = joined[label as usize];
+        }
+        label
+    }
+    loop {
+        // The nearest neighbour of every fragment still too small.
+        let mut nearest: BTreeMap<u32, (f32, u32)> = BTreeMap::new();
+        for &i in &small {
+            let own = root(&mut joined, regions.labels[i]);
+            if sums[own as usize][3] >= minimum as f32 {
+                continue;
+            }
+            let x = i % w;
+            let neighbours = [
+                (x > 0).then(|| i - 1),
+                (x + 1 < w).then_some(i + 1),
+                i.checked_sub(w),
+                (i + w < n).then_some(i + w),
+            ];
+            for j in neighbours.into_iter().flatten().filter(|&j| regions.labels[j] != 0) {
+                let other = root(&mut joined, regions.labels[j]);
+                if other != own {
+                    let (a, b) = (sums[own as usize], sums[other as usize]);
+                    let d: f32 = (0..3).map(|c| a[c] / a[3] - b[c] / b[3]).map(|v| v * v).sum();
+                    let best = nearest.entry(own).or_insert((d, other));
+                    if (d, other) < *best {
+                        *best = (d, other);
+                    }
+                }
+            }
+        }
+        if nearest.is_empty() {
+            break;
+        }
+        for (own, (_, other)) in nearest {
+            let (a, b) = (root(&mut joined, own), root(&mut joined, other));
+            if a != b {
+                let (low, high) = (a.min(b), a.max(b));
+                joined[high as usize] = low;
+                (0..4).for_each(|c| sums[low as usize][c] += sums[high as usize][c]);
+            }
+        }
+    }
+    for label in &mut regions.labels {
+        *label = root(&mut joined, *label);
+    }
 }

@@ -4,6 +4,7 @@
 //! neighbours meet without a gap. A face whose outline would cross itself has its arcs fitted more
 //! tightly, in the end as the polyline through the samples, which cannot cross itself.
 
+use super::arc_samples::{Junctions, sample_all};
 use super::fit::{Piece, fit_closed, fit_open};
 use super::simple::is_simple;
 use super::trace::{HalfArc, OUTSIDE, PlanarMap, Ring};
@@ -19,7 +20,7 @@ const UNDERLAP: f64 = 0.6;
 pub struct FittedMap {
     map: PlanarMap,
     arcs: Vec<Curve>,
-    /// Moved junctions and tangents, kept to fit variants of arcs.
+    /// Kept to fit variants of arcs.
     samples: Vec<Vec<Point>>,
     tolerance: f64,
 }
@@ -49,11 +50,14 @@ impl FittedMap {
             if left == OUTSIDE || right == OUTSIDE { 2u8 } else { u8::from(group(left) != group(right)) }
         };
         let junctions = Junctions::new(&map, rank);
+        let (rough, samples) = sample_all(&map, &junctions);
         let indices: Vec<usize> = (0..map.arcs.len()).collect();
-        let samples: Vec<Vec<Point>> = parallel::map(&indices, |&i| sample(&map, i, &junctions));
         let fit = |i: usize, level: usize| {
             let arc = &map.arcs[i];
-            let ends = if arc.closed { [None, None] } else { junctions.tangents(&map, i) };
+            if level + 1 == TIGHTNESS.len() {
+                return polyline(&rough[i], arc.closed);
+            }
+            let ends = if arc.closed { [None, None] } else { junctions.tangents(&map, &samples, i) };
             fit_arc(&samples[i], arc.closed, ends, tolerance * TIGHTNESS[level])
         };
         let mut arcs = parallel::map(&indices, |&i| fit(i, 0));
@@ -162,13 +166,13 @@ fn append_reversed(path: &mut BezPath, c: &Curve) {
     }
 }
 
+/// A point on the grid of outlines, so that both sides of an arc round alike.
+fn grid(p: Point) -> Point {
+    Point::new(libm::round(p.x / STEP) * STEP, libm::round(p.y / STEP) * STEP)
+}
+
 fn fit_arc(points: &[Point], closed: bool, ends: [Option<Vec2>; 2], tolerance: f64) -> Curve {
-    // Onto the grid of outlines first, so that both sides round alike.
-    let grid = |p: Point| Point::new(libm::round(p.x / STEP) * STEP, libm::round(p.y / STEP) * STEP);
-    let (start, pieces) = if tolerance <= 0.0 {
-        let rest = points[1..].iter().copied().chain(closed.then_some(points[0]));
-        (points[0], rest.map(Piece::Line).collect())
-    } else if closed {
+    let (start, pieces) = if closed {
         fit_closed(points, tolerance)
     } else {
         (points[0], fit_open(points, ends[0], ends[1], tolerance))
@@ -180,50 +184,9 @@ fn fit_arc(points: &[Point], closed: bool, ends: [Option<Vec2>; 2], tolerance: f
     Curve { start: grid(start), pieces: pieces.collect() }
 }
 
-/// Middles of the cracks, between the junctions at the ends.
-fn sample(map: &PlanarMap, i: usize, junctions: &Junctions) -> Vec<Point> {
-    let arc = &map.arcs[i];
-    let lattice = map.points_of(arc);
-    let middle =
-        |w: &[[i32; 2]]| Point::new(f64::from(w[0][0] + w[1][0]) / 2.0, f64::from(w[0][1] + w[1][1]) / 2.0);
-    let middles = lattice.windows(2).map(middle);
-    if arc.closed {
-        let points: Vec<Point> = middles.collect();
-        return keep_area(points, lattice);
-    }
-    let (first, last) = (lattice[0], lattice[lattice.len() - 1]);
-    let mut points = vec![junctions.position(first)];
-    points.extend(middles);
-    points.push(junctions.position(last));
-    points
-}
-
-/// Small closed curves lose area when their pixel corners are cut: scale about the centre until
-/// the polygon has the area of the pixels again.
-fn keep_area(mut points: Vec<Point>, lattice: &[[i32; 2]]) -> Vec<Point> {
-    let n = points.len();
-    let polygon = |p: &dyn Fn(usize) -> (f64, f64), n: usize| -> f64 {
-        (0..n)
-            .map(|i| {
-                let (a, b) = (p(i), p((i + 1) % n));
-                a.0 * b.1 - b.0 * a.1
-            })
-            .sum::<f64>()
-            / 2.0
-    };
-    let pixels = polygon(&|i| (f64::from(lattice[i][0]), f64::from(lattice[i][1])), lattice.len() - 1);
-    let cut = polygon(&|i| (points[i].x, points[i].y), n);
-    // A smooth curve through the middles bulges beyond their polygon by about half of what it cut.
-    let target = (pixels.abs() + cut.abs()) / 2.0;
-    if n >= 40 || cut.abs() < 1e-6 {
-        return points;
-    }
-    let centre = points.iter().fold(Vec2::ZERO, |s, p| s + p.to_vec2()) / n as f64;
-    let scale = libm::sqrt(target / cut.abs()).min(1.25);
-    for p in &mut points {
-        *p = (centre + (p.to_vec2() - centre) * scale).to_point();
-    }
-    points
+fn polyline(points: &[Point], closed: bool) -> Curve {
+    let rest = points[1..].iter().chain(closed.then_some(&points[0]));
+    Curve { start: grid(points[0]), pieces: rest.map(|&p| Piece::Line(grid(p))).collect() }
 }
 
 /// The samples moved sideways (to the right for positive `distance`), the ends kept.
@@ -245,90 +208,4 @@ fn offset(points: &[Point], closed: bool, distance: f64) -> Vec<Point> {
         }
     }
     moved
-}
-
-/// Where arcs meet.
-struct Junctions {
-    /// Half arcs that leave each junction, with their rank.
-    leaving: BTreeMap<[i32; 2], Vec<(HalfArc, u8)>>,
-    positions: BTreeMap<[i32; 2], Point>,
-}
-
-impl Junctions {
-    fn new(map: &PlanarMap, rank: impl Fn(u32, u32) -> u8) -> Self {
-        let mut leaving: BTreeMap<[i32; 2], Vec<(HalfArc, u8)>> = BTreeMap::new();
-        for (i, arc) in map.arcs.iter().enumerate().filter(|(_, a)| !a.closed) {
-            let p = map.points_of(arc);
-            let r = rank(arc.left, arc.right);
-            for (point, reversed) in [(p[0], false), (p[p.len() - 1], true)] {
-                leaving.entry(point).or_default().push((HalfArc { arc: i as u32, reversed }, r));
-            }
-        }
-        let mut junctions = Self { leaving, positions: BTreeMap::new() };
-        let at: Vec<[i32; 2]> = junctions.leaving.keys().copied().collect();
-        for point in at {
-            let vertex = Point::new(f64::from(point[0]), f64::from(point[1]));
-            let arms = match junctions.through(point) {
-                Some(pair) => pair.to_vec(),
-                None => junctions.leaving[&point].iter().map(|a| a.0).collect(),
-            };
-            // Within the hull of the nearest crack middles, so that polylines cannot cross.
-            let mean =
-                arms.iter().fold(Vec2::ZERO, |s, h| s + ahead(map, *h, 1).to_vec2()) / arms.len() as f64;
-            junctions.positions.insert(point, vertex.midpoint(mean.to_point()));
-        }
-        junctions
-    }
-
-    fn position(&self, point: [i32; 2]) -> Point {
-        self.positions[&point]
-    }
-
-    /// The two arcs that pass through a junction, if two outrank all others.
-    fn through(&self, point: [i32; 2]) -> Option<[HalfArc; 2]> {
-        let arms = &self.leaving[&point];
-        let top = arms.iter().map(|a| a.1).max()?;
-        let mut best = arms.iter().filter(|a| a.1 == top).map(|a| a.0);
-        let pair = [best.next()?, best.next()?];
-        (best.next().is_none() && arms.len() > 2).then_some(pair)
-    }
-
-    /// Unit tangents at both ends of an arc, along the arc, where it passes a junction smoothly.
-    fn tangents(&self, map: &PlanarMap, i: usize) -> [Option<Vec2>; 2] {
-        let p = map.points_of(&map.arcs[i]);
-        let ends = [(p[0], false), (p[p.len() - 1], true)];
-        ends.map(|(point, reversed)| {
-            let [a, b] = self.through(point)?;
-            let own = HalfArc { arc: i as u32, reversed };
-            let other = if own == a {
-                b
-            } else if own == b {
-                a
-            } else {
-                return None;
-            };
-            let (out, back) = (ahead(map, own, 4), ahead(map, other, 4));
-            let here = self.position(point);
-            let (u, v) = (out - here, here - back);
-            let lengths = libm::sqrt(u.hypot2() * v.hypot2());
-            if lengths < 1e-9 || u.dot(v) / lengths < 0.57 {
-                return None; // a corner stays a corner
-            }
-            let along = out - back;
-            let t = along / libm::sqrt(along.hypot2());
-            Some(if reversed { -t } else { t })
-        })
-    }
-}
-
-/// A point `steps` half-steps along an arc from its junction.
-fn ahead(map: &PlanarMap, h: HalfArc, steps: usize) -> Point {
-    let p = map.points_of(&map.arcs[h.arc as usize]);
-    let n = p.len();
-    let at = |k: usize| {
-        let q = if h.reversed { p[n - 1 - k] } else { p[k] };
-        Point::new(f64::from(q[0]), f64::from(q[1]))
-    };
-    let k = (steps / 2).min(n - 2);
-    at(k).midpoint(at(k + 1))
 }

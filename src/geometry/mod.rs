@@ -1,6 +1,7 @@
 //! Points, rings, outlines with holes, contour tracing, curve fitting.
 //! Knows nothing of images, libraries or scenes. Points and paths are those of `kurbo`.
 
+mod arc_samples;
 mod fit;
 mod fitted_map;
 mod outline;

@@ -1,0 +1,105 @@
+//! Makes the exemplars of `examples/exemplars`, random scenes with their ground truth, or a figure
+//! of speed.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use vtex::procedural::{self, Exemplar, Kind, SceneParams};
+
+#[path = "exemplars/scenes.rs"]
+mod scenes;
+
+const USAGE: &str = "\
+Usage: make_exemplars OUT_DIR                                 the scenes of examples/exemplars
+       make_exemplars OUT_DIR --random N [--size S] [--seed K] [--kind NAME]
+                                                              N random scenes of S x S pixels, seeds K, K+1 ...,
+                                                              each with its instances as a 16-bit label PNG
+       make_exemplars --bench [--size S]                      scenes per second on one core";
+
+struct Arguments {
+    folder: Option<PathBuf>,
+    random: Option<u64>,
+    size: u32,
+    seed: u64,
+    kind: Option<Kind>,
+    bench: bool,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = parse(std::env::args().skip(1)).map_err(|message| format!("{message}\n{USAGE}"))?;
+    if arguments.bench {
+        return bench(arguments.size);
+    }
+    let folder = arguments.folder.ok_or(USAGE)?;
+    std::fs::create_dir_all(&folder)?;
+    match arguments.random {
+        Some(count) => {
+            for seed in arguments.seed..arguments.seed + count {
+                let mut params = SceneParams::random(seed, arguments.size, arguments.size);
+                params.kind = arguments.kind.unwrap_or(params.kind);
+                let scene = procedural::generate(&params)?;
+                save_labels(&scene, &folder.join(format!("scene_{seed:05}.labels.png")))?;
+                save(&scene, &folder.join(format!("scene_{seed:05}.png")))?;
+            }
+        }
+        None => {
+            for (name, params) in scenes::finished() {
+                save(&procedural::generate(&params)?, &folder.join(format!("{name}.png")))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn parse(words: impl Iterator<Item = String>) -> Result<Arguments, String> {
+    let mut arguments =
+        Arguments { folder: None, random: None, size: 256, seed: 0, kind: None, bench: false };
+    let mut words = words;
+    while let Some(word) = words.next() {
+        let mut number = || {
+            let text = words.next().ok_or(format!("{word} needs a number"))?;
+            text.parse::<u64>().map_err(|_| format!("{word} {text}: not a whole number"))
+        };
+        match word.as_str() {
+            "--random" => arguments.random = Some(number()?),
+            "--size" => arguments.size = number()?.try_into().map_err(|_| "--size is too large")?,
+            "--seed" => arguments.seed = number()?,
+            "--bench" => arguments.bench = true,
+            "--kind" => {
+                let name = words.next().unwrap_or_default();
+                let kind = Kind::ALL.into_iter().find(|k| format!("{k:?}").eq_ignore_ascii_case(&name));
+                arguments.kind = Some(kind.ok_or(format!("--kind {name}: one of {:?}", Kind::ALL))?);
+            }
+            flag if flag.starts_with('-') => return Err(format!("unknown flag {flag}")),
+            _ => arguments.folder = Some(word.into()),
+        }
+    }
+    Ok(arguments)
+}
+
+fn save(scene: &Exemplar, path: &Path) -> Result<(), Box<dyn Error>> {
+    use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+    let file = std::io::BufWriter::new(std::fs::File::create(path)?);
+    let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive);
+    scene.image.write_with_encoder(encoder)?;
+    Ok(())
+}
+
+fn save_labels(scene: &Exemplar, path: &Path) -> Result<(), Box<dyn Error>> {
+    let map = &scene.instances;
+    let labels: Vec<u16> = map.labels.iter().map(|&l| l.try_into()).collect::<Result<_, _>>()?;
+    let picture = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(map.width, map.height, labels);
+    picture.ok_or("labels do not fill the map")?.save(path)?;
+    Ok(())
+}
+
+fn bench(size: u32) -> Result<(), Box<dyn Error>> {
+    let count = 200;
+    let started = Instant::now();
+    for seed in 0..count {
+        procedural::generate(&SceneParams::random(seed, size, size))?;
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    println!("{count} random scenes of {size} x {size}: {:.1} a second on one core", count as f64 / seconds);
+    Ok(())
+}

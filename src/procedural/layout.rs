@@ -1,0 +1,264 @@
+//! Where elements go: scattered with occlusion, packed without, or as cells with gaps.
+
+use super::looks::Look;
+use super::noise::fractal;
+use super::render::{Canvas, Element};
+use super::shapes::{Shape, centroid, clip, polygon_area};
+use crate::sampling::Stream;
+
+/// How elements are laid out.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Layout {
+    /// Anywhere, the later ones below the earlier ones (dead leaves). `cluster` 0 even, 1 in drifts.
+    Scatter { cluster: f32 },
+    /// Without overlap, `gap` pixels apart, the large ones first, small ones into what is left.
+    Packed { gap: f32 },
+    /// Cells of a power diagram, shrunk by about `gap` pixels.
+    Cells { gap: f32 },
+}
+
+/// Draws elements until they cover the share asked for or no more find a place.
+pub(super) fn place(look: &Look, coverage: f64, canvas: &mut Canvas, random: &mut Stream) {
+    if coverage <= 0.0 {
+        return;
+    }
+    match look.layout {
+        Layout::Scatter { cluster } => scatter(look, coverage, cluster, canvas, random),
+        Layout::Packed { gap } => packed(look, coverage, gap, canvas, random),
+        Layout::Cells { gap } => cells(look, coverage, gap, canvas, random),
+    }
+}
+
+fn scatter(look: &Look, coverage: f64, cluster: f32, canvas: &mut Canvas, random: &mut Stream) {
+    let pixels = (canvas.width * canvas.height) as f64;
+    let attempts = 500 + (12.0 * pixels / f64::from(look.radius[0] * look.radius[0])) as usize;
+    let seed = random.bits() as u32;
+    let wavelength = 4.0 * look.radius[1] + 20.0;
+    let mut label = 1;
+    for _ in 0..attempts {
+        if canvas.coverage() >= coverage {
+            break;
+        }
+        let radius = look.draw_radius(random);
+        let centre = anywhere(canvas, radius, random);
+        let density = 0.5 + fractal(centre[0] / wavelength, centre[1] / wavelength, 2, seed);
+        if random.unit() < f64::from(cluster * (1.0 - 1.6 * density)) {
+            continue;
+        }
+        draw(look, canvas, look.species(random).make(radius, label, random), centre);
+        label += 1;
+    }
+}
+
+fn packed(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut Stream) {
+    let pixels = (canvas.width * canvas.height) as f64;
+    let mut wanted = 1.05 * coverage * pixels;
+    let mut radii = Vec::new();
+    while wanted > 0.0 {
+        let radius = look.draw_radius(random);
+        wanted -= std::f64::consts::PI * f64::from(radius * radius);
+        radii.push(radius);
+    }
+    radii.sort_by(|a, b| b.total_cmp(a));
+    let mut label = 1;
+    for radius in radii {
+        if canvas.coverage() >= coverage {
+            return;
+        }
+        label += u32::from(settle(look, radius, label, gap, 24, canvas, random));
+    }
+    // What is left open is filled with small ones.
+    let fill_in = (pixels / f64::from(look.radius[0] * look.radius[0])) as usize;
+    for _ in 0..fill_in {
+        if canvas.coverage() >= coverage {
+            return;
+        }
+        let radius = look.radius[0] * random.range(1.0, 1.8) as f32;
+        label += u32::from(settle(look, radius, label, gap, 6, canvas, random));
+    }
+}
+
+/// Tries places for one element of about the given radius, shrinking it now and then.
+fn settle(
+    look: &Look,
+    radius: f32,
+    label: u32,
+    gap: f32,
+    tries: u32,
+    canvas: &mut Canvas,
+    random: &mut Stream,
+) -> bool {
+    let species = look.species(random);
+    let mut radius = radius;
+    for round in 0..3 {
+        let parts = species.make(radius, label, random);
+        for _ in 0..tries {
+            let centre = anywhere(canvas, radius * 0.7, random);
+            if !canvas.is_open(centre) {
+                continue;
+            }
+            let moved: bool = parts.iter().all(|part| {
+                let mut part = part.clone();
+                part.centre = [part.centre[0] + centre[0], part.centre[1] + centre[1]];
+                canvas.fits(&part, gap)
+            });
+            if moved {
+                draw(look, canvas, parts, centre);
+                return true;
+            }
+        }
+        radius = (radius * 0.75).max(look.radius[0]);
+        if round > 0 && radius <= look.radius[0] {
+            break;
+        }
+    }
+    false
+}
+
+fn cells(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut Stream) {
+    let sites = Sites::throw(look, canvas, random);
+    let mut order: Vec<usize> = (0..sites.points.len()).collect();
+    random.shuffle(&mut order);
+    for (k, &i) in order.iter().enumerate() {
+        if canvas.coverage() >= coverage {
+            return;
+        }
+        let gap = gap * random.range(0.5, 1.6) as f32;
+        let corners = sites.cell(i, 0.5 * gap);
+        if corners.len() < 3 {
+            continue;
+        }
+        let middle = centroid(&corners);
+        let local: Vec<[f32; 2]> = corners.iter().map(|c| [c[0] - middle[0], c[1] - middle[1]]).collect();
+        let radius = (polygon_area(&local).max(0.0) / std::f32::consts::PI).sqrt();
+        if radius < look.radius[0] {
+            continue;
+        }
+        let rounding = radius * random.range(0.05, 0.35) as f32;
+        if let Some(shape) = Shape::polygon(&local, rounding) {
+            let element = look.species(random).fill(shape, radius, k as u32 + 1, random);
+            let at = sites.points[i];
+            draw(look, canvas, vec![element], [at[0] + middle[0], at[1] + middle[1]]);
+        }
+    }
+}
+
+/// Points with radii, and a grid to find the near ones.
+struct Sites {
+    points: Vec<[f32; 3]>,
+    grid: Vec<Vec<usize>>,
+    cell: f32,
+    columns: usize,
+    rows: usize,
+    reach: f32,
+}
+
+impl Sites {
+    /// Throws points, none within the sum of the radii (less a little) of another.
+    fn throw(look: &Look, canvas: &Canvas, random: &mut Stream) -> Self {
+        let reach = look.radius[1];
+        let cell = (2.0 * look.radius[0]).max(4.0);
+        let (width, height) = (canvas.width as f32 + 2.0 * reach, canvas.height as f32 + 2.0 * reach);
+        let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
+        let grid = vec![Vec::new(); columns * rows];
+        let mut sites = Self { points: Vec::new(), grid, cell, columns, rows, reach };
+        let attempts = (4.0 * width * height / (look.radius[0] * look.radius[0])).min(60_000.0) as usize;
+        let (mut failed, mut scale) = (0, 1.0f32);
+        for _ in 0..attempts {
+            let radius = (look.draw_radius(random) * scale).max(look.radius[0]);
+            let p = [
+                random.range(0.0, f64::from(width)) as f32 - reach,
+                random.range(0.0, f64::from(height)) as f32 - reach,
+            ];
+            let crowded = sites.near(p, 0.85 * (radius + reach)).any(|j| {
+                let q = sites.points[j];
+                let (dx, dy, apart) = (p[0] - q[0], p[1] - q[1], 0.85 * (radius + q[2]));
+                dx * dx + dy * dy < apart * apart
+            });
+            if crowded {
+                failed += 1;
+                if failed % 12 == 0 {
+                    // No place for the large ones any more: what follows is smaller.
+                    scale = (scale * 0.96).max(look.radius[0] / look.radius[1]);
+                }
+                if failed > 400
+                    && scale * look.radius[1] <= look.radius[0] * 1.01
+                    && failed > 6 * sites.points.len()
+                {
+                    break;
+                }
+                continue;
+            }
+            let at = sites.bucket(p);
+            sites.grid[at].push(sites.points.len());
+            sites.points.push([p[0], p[1], radius]);
+        }
+        sites
+    }
+
+    fn bucket(&self, p: [f32; 2]) -> usize {
+        let x = (((p[0] + self.reach) / self.cell) as usize).min(self.columns - 1);
+        let y = (((p[1] + self.reach) / self.cell) as usize).min(self.rows - 1);
+        y * self.columns + x
+    }
+
+    /// Sites in the buckets within `distance` of a point.
+    fn near(&self, p: [f32; 2], distance: f32) -> impl Iterator<Item = usize> + '_ {
+        let low = self.bucket([p[0] - distance, p[1] - distance]);
+        let high = self.bucket([p[0] + distance, p[1] + distance]);
+        let (x0, x1, columns) = (low % self.columns, high % self.columns, self.columns);
+        (low / columns..=high / columns)
+            .flat_map(move |y| (x0..=x1).flat_map(move |x| self.grid[y * columns + x].iter().copied()))
+    }
+
+    /// Corners of the power cell of a site relative to it, all sides moved in by `inset`.
+    fn cell(&self, i: usize, inset: f32) -> Vec<[f32; 2]> {
+        let [x, y, r] = self.points[i];
+        let far = 2.2 * r + 4.0;
+        let mut corners = vec![[-far, -far], [far, -far], [far, far], [-far, far]];
+        for j in self.near([x, y], 2.0 * far) {
+            let [qx, qy, qr] = self.points[j];
+            let (dx, dy) = (qx - x, qy - y);
+            let distance = (dx * dx + dy * dy).sqrt();
+            if j != i && distance > 1e-3 {
+                let middle = 0.5 * (distance + (r * r - qr * qr) / distance);
+                clip(&mut corners, [dx / distance, dy / distance, middle - inset]);
+            }
+        }
+        corners
+    }
+}
+
+/// A point of the canvas widened by `margin`.
+fn anywhere(canvas: &Canvas, margin: f32, random: &mut Stream) -> [f32; 2] {
+    let mut along =
+        |length: usize| random.range(f64::from(-margin), length as f64 + f64::from(margin)) as f32;
+    [along(canvas.width), along(canvas.height)]
+}
+
+fn draw(look: &Look, canvas: &mut Canvas, parts: Vec<Element>, centre: [f32; 2]) {
+    for mut part in parts {
+        part.centre = [part.centre[0] + centre[0], part.centre[1] + centre[1]];
+        canvas.draw(&part, look.shadow.as_ref());
+    }
+}
+
+/// Draws growth without a label below all that is there, `amount` times the canvas' area of it.
+pub(super) fn grow(look: &Look, amount: f64, canvas: &mut Canvas, random: &mut Stream) {
+    if look.growth.is_empty() {
+        return;
+    }
+    let area = std::f64::consts::PI * f64::from(look.growth_radius * look.growth_radius);
+    let count = (amount * (canvas.width * canvas.height) as f64 / area) as usize;
+    for k in 0..count {
+        let radius = look.growth_radius * random.range(0.6, 1.4) as f32;
+        let centre = anywhere(canvas, radius, random);
+        let mut parts = look.growth[random.index(look.growth.len())].make(radius, 0, random);
+        for part in &mut parts {
+            // Deeper down there is less light.
+            part.fill.darken(1.0 - 0.8 * k as f32 / count as f32);
+            part.centre = [part.centre[0] + centre[0], part.centre[1] + centre[1]];
+            canvas.draw(part, None);
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! Properties of generated scenes.
+
+use super::*;
