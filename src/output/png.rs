@@ -48,15 +48,15 @@ pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
 /// Bilinear interpolation of the background's rows.
 fn paint_background(background: &Background, scale: [f64; 2], top: usize, width: usize, data: &mut [u8]) {
     let xs: Vec<f64> = (0..width).map(|x| (x as f64 + 0.5) / scale[0]).collect();
-    let mut current = usize::MAX;
+    let mut current = None;
     let (mut above, mut below) = (Vec::new(), Vec::new());
     for (y, line) in data.chunks_exact_mut(width * 4).enumerate() {
         let v = ((top + y) as f64 + 0.5) / scale[1] / background.row_height;
         let k = (v as usize).min(background.rows.len() - 2);
-        if k != current {
-            above = if current.wrapping_add(1) == k { below } else { background.row(k, &xs) };
+        if current != Some(k) {
+            above = background.row(k, &xs);
             below = background.row(k + 1, &xs);
-            current = k;
+            current = Some(k);
         }
         let t = (v - k as f64) as f32;
         for ((pixel, a), b) in line.chunks_exact_mut(4).zip(&above).zip(&below) {
