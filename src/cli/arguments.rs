@@ -134,7 +134,8 @@ pub(crate) struct TextureArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout [default: ./PHOTO.svg]
+    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// [default: ./PHOTO.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
@@ -163,7 +164,7 @@ pub(crate) struct AnalyzeArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// .lib.json or .lib.json.gz; - writes JSON to stdout [default: ./PHOTO.lib.json]
+    /// Result, .lib.json or .lib.json.gz; - writes JSON to stdout [default: ./PHOTO.lib.json]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
@@ -188,7 +189,8 @@ pub(crate) struct SynthArgs {
     /// The library, plain or gzip; - reads stdin
     #[arg(value_name = "LIBRARY", required = true)]
     pub(crate) library: Option<PathBuf>,
-    /// .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout [default: ./LIBRARY.svg]
+    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// [default: ./LIBRARY.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
@@ -215,8 +217,8 @@ pub(crate) struct RenderArgs {
     /// A library, scene or SVG, plain or gzip; - reads stdin
     #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Option<PathBuf>,
-    /// .png, and but for SVG .svg, .svgz, .scene.json or .scene.json.gz; - writes PNG to stdout
-    /// [default: ./FILE.png]
+    /// Result, .png; of a library or scene also .svg, .svgz, .scene.json or .scene.json.gz; - writes
+    /// PNG to stdout [default: ./FILE.png]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]

@@ -1,6 +1,7 @@
 //! Files and standard input, and what they hold.
 
 use super::failure::Failure;
+use super::interrupt;
 use flate2::read::GzDecoder;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -37,15 +38,14 @@ impl Input {
 
     /// All bytes.
     pub(crate) fn read(&self) -> Result<Vec<u8>> {
-        let fail = |e| Error::read(self.path(), e);
         let mut bytes = Vec::new();
-        match self {
-            Self::Stdin => std::io::stdin().lock().take(LARGEST + 1).read_to_end(&mut bytes).map_err(fail)?,
+        let read = interrupt::waiting(|| match self {
+            Self::Stdin => std::io::stdin().lock().take(LARGEST + 1).read_to_end(&mut bytes),
             Self::File(path) => {
-                let file = std::fs::File::open(path).map_err(fail)?;
-                file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(fail)?
+                std::fs::File::open(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut bytes))
             }
-        };
+        });
+        read.map_err(|e| Error::read(self.path(), e))?;
         if bytes.len() as u64 > LARGEST {
             let (found, limit) = ("more than 2 GiB".into(), "2 GiB".into());
             return Err(Error::TooLarge { name: self.name(), found, limit });
@@ -100,9 +100,10 @@ impl Kind {
         if wanted.contains(&kind) {
             return Ok(kind);
         }
-        let names: Vec<&str> = wanted.iter().map(|k| k.name()).collect();
+        let known = wanted.iter().filter(|k| **k != Self::Unknown);
+        let names: Vec<&str> = known.map(|k| k.name()).collect();
         let found = if bytes.is_empty() { "is empty".to_owned() } else { format!("holds {}", kind.name()) };
-        let failure = Failure::failed(format!("'{}' {found}, not {}", input.name(), names.join(" or ")));
+        let failure = Failure::failed(format!("'{}' {found}, not {}", input.name(), names.join(", not ")));
         Err(match kind {
             Self::Library => failure.hint("make a texture of it with 'vtex synth'"),
             Self::Scene | Self::Svg => failure.hint("draw it with 'vtex render'"),

@@ -42,7 +42,7 @@ pub(crate) enum Job {
     Texture(Analysis, Synthesis),
     Analyze(Analysis, Target),
     Synth(Input, Synthesis),
-    Render { file: Input, scale: RenderParameters, svg: SvgParameters, target: Target },
+    Render(Input, RenderOptions),
     Inspect(Input),
     Completions(Shell),
     Man(PathBuf),
@@ -66,6 +66,13 @@ pub(crate) enum MasksFrom {
 /// How a texture is made and written.
 pub(crate) struct Synthesis {
     pub(crate) parameters: SynthParams,
+    pub(crate) svg: SvgParameters,
+    pub(crate) target: Target,
+}
+
+/// How a file is drawn.
+pub(crate) struct RenderOptions {
+    pub(crate) scale: RenderParameters,
     pub(crate) svg: SvgParameters,
     pub(crate) target: Target,
 }
@@ -140,7 +147,7 @@ impl Job {
             Command::Render(a) => {
                 let file = required(a.file)?;
                 let target = target(a.output, &a.force, &file, format::OF_SCENE, Format::Png)?;
-                Self::Render { file, scale: render, svg, target }
+                Self::Render(file, RenderOptions { scale: render, svg, target })
             }
             Command::Inspect(a) => Self::Inspect(required(a.file)?),
             Command::Completions(a) => Self::Completions(a.shell),

@@ -63,13 +63,13 @@ impl Place {
     /// Those of `content` and of [`write_file`]; [`Error::Interrupted`].
     pub(crate) fn write<T>(&self, content: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<(T, u64)> {
         let outcome = match self {
-            Self::Stdout => {
+            Self::Stdout => interrupt::waiting(|| {
                 let mut out = Counting::new(io::BufWriter::new(io::stdout().lock()));
                 content(&mut out).and_then(|value| {
                     out.flush().map_err(|e| Error::write(self.path(), e))?;
                     Ok((value, out.count))
                 })
-            }
+            }),
             Self::File { path, force } => write_file(path, *force, |out| {
                 let mut out = Counting::new(out);
                 let value = content(&mut out)?;

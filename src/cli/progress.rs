@@ -71,17 +71,16 @@ impl Reporter {
     }
 
     /// Ends the bar and the last stage: seconds by stage in order, and all warnings.
-    ///
-    /// # Errors
-    /// The first picture that could not be written.
-    pub(crate) fn finish(&self) -> Result<(Vec<(&'static str, Duration)>, Vec<String>)> {
+    pub(crate) fn finish(&self) -> (Vec<(&'static str, Duration)>, Vec<String>) {
         self.bar.finish_and_clear();
         let mut state = self.state();
         state.enter("");
-        match state.failure.take() {
-            Some(e) => Err(e),
-            None => Ok((std::mem::take(&mut state.seconds), std::mem::take(&mut state.warnings))),
-        }
+        (std::mem::take(&mut state.seconds), std::mem::take(&mut state.warnings))
+    }
+
+    /// The first picture of a stage that could not be written.
+    pub(crate) fn failure(&self) -> Option<Error> {
+        self.state().failure.take()
     }
 
     fn state(&self) -> MutexGuard<'_, State> {

@@ -1,7 +1,7 @@
 //! The library's stages as the commands call them.
 
 use super::arguments::SegmenterName;
-use super::input::Input;
+use super::input::{Input, Kind};
 use super::options::{Analysis, MasksFrom};
 use super::output::Place;
 use super::progress::Reporter;
@@ -10,12 +10,14 @@ use vtex::analyze::{Exemplar, Limits};
 use vtex::library::Library;
 use vtex::scene::{Scene, SynthParams};
 use vtex::segment::{Felzenszwalb, MasksFile, ScoredMask, Segmenter, masks_to_bytes};
+use vtex::synth::Report;
 use vtex::{Error, Progress, Result};
 
 /// Photograph → library; saves the masks if asked.
-pub(super) fn analyze(analysis: &Analysis, reporter: &Reporter) -> Result<Library> {
+pub(super) fn analyze(analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
     reporter.stage("reading")?;
     let bytes = analysis.photo.read()?;
+    Kind::expect(&bytes, &analysis.photo, &[Kind::Image, Kind::Unknown])?;
     let name = match &analysis.photo {
         Input::Stdin => "-".into(),
         Input::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy(),
@@ -28,7 +30,7 @@ pub(super) fn analyze(analysis: &Analysis, reporter: &Reporter) -> Result<Librar
         MasksFrom::Segmenter(SegmenterName::Regions) => Box::new(Felzenszwalb::default()),
     };
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
-    vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)
+    Ok(vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?)
 }
 
 /// A segmenter that also saves what it finds.
@@ -53,33 +55,16 @@ impl Segmenter for Saving<'_> {
     }
 }
 
-/// Library → scene.
-pub(super) fn synthesize(library: &Library, parameters: &SynthParams, reporter: &Reporter) -> Result<Scene> {
-    reporter.stage("synthesis")?;
-    let mut scene = reconstruct(library);
-    (scene.width, scene.height) = (parameters.width, parameters.height);
-    scene.parameters = Some(parameters.clone());
-    Ok(scene)
+/// Library → scene, and how close it came to what was wanted.
+pub(super) fn synthesize(
+    library: Library,
+    parameters: &SynthParams,
+    reporter: &Reporter,
+) -> Result<(Scene, Report)> {
+    vtex::synth::synthesize_with_report(&[library], parameters, reporter)
 }
 
 /// Library → the exemplar as a scene.
 pub(super) fn reconstruct(library: &Library) -> Scene {
-    Scene {
-        format: Scene::FORMAT.into(),
-        version: Scene::VERSION,
-        width: library.source.width,
-        height: library.source.height,
-        tile: vtex::scene::Tile::default(),
-        parameters: None,
-        program: vtex::PROGRAM.into(),
-        libraries: Vec::new(),
-        textons: Vec::new(),
-        secondary: Vec::new(),
-        primary: Vec::new(),
-        background: vtex::scene::Field {
-            spacing: library.background.spacing,
-            fallback: library.background.fallback,
-            points: library.background.sites.clone(),
-        },
-    }
+    vtex::synth::reconstruct(library)
 }

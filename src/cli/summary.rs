@@ -7,6 +7,7 @@ use serde::{Serialize, Serializer};
 use std::time::Duration;
 use vtex::library::Library;
 use vtex::scene::Scene;
+use vtex::synth::CategoryReport;
 
 /// The summary of a command.
 #[derive(Debug, Serialize)]
@@ -81,7 +82,7 @@ impl Counts {
 }
 
 /// Share of the area that primaries cover, 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Coverage {
     /// In the exemplar.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -89,6 +90,9 @@ pub(crate) struct Coverage {
     /// In the result.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) got: Option<f64>,
+    /// The same by category, in the library's order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) categories: Vec<CategoryReport>,
 }
 
 /// Seconds by stage.
@@ -141,13 +145,11 @@ impl Summary {
                 c.primaries, c.categories, c.details, c.secondaries
             ));
         }
-        match self.coverage {
-            Some(Coverage { wanted: Some(wanted), got: Some(got) }) => {
+        match self.coverage.as_ref().map(|c| (c.wanted, c.got)) {
+            Some((Some(wanted), Some(got))) => {
                 line.push_str(&format!(", coverage {got:.3} of {wanted:.3}"));
             }
-            Some(
-                Coverage { wanted: Some(share), got: None } | Coverage { wanted: None, got: Some(share) },
-            ) => {
+            Some((Some(share), None) | (None, Some(share))) => {
                 line.push_str(&format!(", coverage {share:.3}"));
             }
             _ => {}

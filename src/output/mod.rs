@@ -5,12 +5,15 @@
 //! draws any SVG, [`file`] puts what they write safely in its place.
 
 mod background;
+mod coverage;
 pub mod file;
 pub mod png;
 pub mod raster_svg;
 pub mod svg;
 #[cfg(test)]
 mod testing;
+
+pub use coverage::coverage;
 
 use crate::error::{Error, Result};
 

@@ -137,7 +137,7 @@ fn fill(band: &mut PixmapMut<'_>, path: &tiny_skia::Path, colour: Colour, transf
 }
 
 /// The path as tiny-skia knows it; none if there is nothing to fill.
-fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
+pub(super) fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
     let mut builder = PathBuilder::new();
     for element in outline.path().elements() {
         match *element {

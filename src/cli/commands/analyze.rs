@@ -6,19 +6,23 @@ use crate::cli::progress::Reporter;
 use crate::cli::stages;
 use crate::cli::summary::{Counts, Coverage, Seconds, Summary, peak_memory};
 
-pub(super) fn run(common: &Common, analysis: &Analysis, target: &Target) -> anyhow::Result<()> {
+pub(super) fn run(
+    common: &Common,
+    reporter: &Reporter,
+    analysis: &Analysis,
+    target: &Target,
+) -> anyhow::Result<()> {
     target.place.probe()?;
     if let Some(place) = &analysis.save_masks {
         place.probe()?;
     }
-    let reporter = Reporter::new(common)?;
     if common.verbosity > 1 {
         say(&format!("{:#?}", analysis.parameters));
     }
-    let library = stages::analyze(analysis, &reporter)?;
+    let library = stages::analyze(analysis, reporter)?;
     reporter.stage("writing")?;
     let written = target.write_bytes(&library.to_json())?;
-    let (seconds, warnings) = reporter.finish()?;
+    let (seconds, warnings) = reporter.finish();
     let summary = Summary {
         program: vtex::PROGRAM,
         command: "analyze",
@@ -28,7 +32,7 @@ pub(super) fn run(common: &Common, analysis: &Analysis, target: &Target) -> anyh
         seed: Some(library.source.parameters.seed),
         size: [library.source.width, library.source.height],
         counts: Some(Counts::of_library(&library)),
-        coverage: Some(Coverage { wanted: Some(library.coverage), got: None }),
+        coverage: Some(Coverage { wanted: Some(library.coverage), got: None, categories: Vec::new() }),
         seconds: Seconds(seconds),
         peak_memory: peak_memory(),
         warnings,

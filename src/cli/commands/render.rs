@@ -1,10 +1,9 @@
 //! `vtex render`: library, scene or SVG → picture.
 
-use crate::cli::config::SvgParameters;
 use crate::cli::failure::Failure;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::Common;
-use crate::cli::output::{Place, Target, Written};
+use crate::cli::options::{Common, RenderOptions};
+use crate::cli::output::{Place, Written};
 use crate::cli::progress::Reporter;
 use crate::cli::stages;
 use crate::cli::summary::{Counts, Seconds, Summary, peak_memory};
@@ -16,13 +15,13 @@ use vtex::scene::Scene;
 
 pub(super) fn run(
     common: &Common,
+    reporter: &Reporter,
     input: &Input,
-    scale: f64,
-    svg: SvgParameters,
-    target: &Target,
+    options: &RenderOptions,
 ) -> anyhow::Result<()> {
+    let RenderOptions { scale, svg, target } = options;
+    let scale = scale.scale;
     target.place.probe()?;
-    let reporter = Reporter::new(common)?;
     reporter.stage("reading")?;
     let bytes = input.read()?;
     let name = input.name();
@@ -35,7 +34,7 @@ pub(super) fn run(
     let (written, size) = match &scene {
         Some(scene) => {
             let size = [scene.width, scene.height];
-            (target.write_scene(scene, &svg.into(), scale)?, size)
+            (target.write_scene(scene, &(*svg).into(), scale)?, size)
         }
         None if target.kind.format == Format::Png => {
             let picture = raster_svg::render_svg(&bytes, scale, &name)?;
@@ -50,7 +49,7 @@ pub(super) fn run(
     for warning in &written.warnings {
         reporter.warn(warning);
     }
-    let (seconds, warnings) = reporter.finish()?;
+    let (seconds, warnings) = reporter.finish();
     let drawn = |side: u32| (f64::from(side) * scale).round().max(1.0) as u32;
     let summary = Summary {
         program: vtex::PROGRAM,

@@ -9,37 +9,41 @@ use crate::cli::summary::{Counts, Coverage, Seconds, Summary, peak_memory};
 use vtex::Progress;
 use vtex::library::Library;
 
-pub(super) fn run(common: &Common, input: &Input, synthesis: &Synthesis) -> anyhow::Result<()> {
+pub(super) fn run(
+    common: &Common,
+    reporter: &Reporter,
+    input: &Input,
+    synthesis: &Synthesis,
+) -> anyhow::Result<()> {
     synthesis.target.place.probe()?;
-    let reporter = Reporter::new(common)?;
     reporter.stage("reading")?;
     let bytes = input.read()?;
     // What is nothing known may still be a damaged library, and reading it says where.
     Kind::expect(&bytes, input, &[Kind::Library, Kind::Unknown])?;
     let library = Library::from_bytes(&bytes, &input.name())?;
-    finish(common, "synth", input.name(), &library, synthesis, &reporter)
+    finish(common, reporter, "synth", input.name(), library, synthesis)
 }
 
 /// Makes, writes and sums up a texture: the second half of `texture` too.
 pub(super) fn finish(
     common: &Common,
+    reporter: &Reporter,
     command: &'static str,
     input: String,
-    library: &Library,
+    library: Library,
     synthesis: &Synthesis,
-    reporter: &Reporter,
 ) -> anyhow::Result<()> {
     let Synthesis { parameters, svg, target } = synthesis;
     if common.verbosity > 1 {
         say(&format!("{:#?}\n{parameters:#?}", library.source.parameters));
     }
-    let scene = stages::synthesize(library, parameters, reporter)?;
+    let (scene, report) = stages::synthesize(library, parameters, reporter)?;
     reporter.stage("writing")?;
     let written = target.write_scene(&scene, &(*svg).into(), 1.0)?;
     for warning in &written.warnings {
         reporter.warn(warning);
     }
-    let (seconds, warnings) = reporter.finish()?;
+    let (seconds, warnings) = reporter.finish();
     let summary = Summary {
         program: vtex::PROGRAM,
         command,
@@ -49,7 +53,11 @@ pub(super) fn finish(
         seed: Some(parameters.seed),
         size: [scene.width, scene.height],
         counts: Some(Counts::of_scene(&scene)),
-        coverage: Some(Coverage { wanted: Some(library.coverage), got: None }),
+        coverage: Some(Coverage {
+            wanted: Some(report.coverage_wanted),
+            got: Some(report.coverage),
+            categories: report.categories,
+        }),
         seconds: Seconds(seconds),
         peak_memory: peak_memory(),
         warnings,
