@@ -11,6 +11,7 @@ use crate::geometry::{Affine, Outline, PathEl, Rect};
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::{Instance, Scene};
+use image::RgbImage;
 use std::io::Write;
 use std::path::Path;
 use tiny_skia::{FillRule, Paint, PathBuilder, Pixmap, PixmapMut, Transform};
@@ -138,7 +139,7 @@ fn fill(band: &mut PixmapMut<'_>, path: &tiny_skia::Path, colour: Colour, transf
 }
 
 /// The path as tiny-skia knows it; none if there is nothing to fill.
-fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
+pub(super) fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
     let mut builder = PathBuilder::new();
     for element in outline.path().elements() {
         match *element {
@@ -167,13 +168,23 @@ pub fn encode(pixmap: &Pixmap, seed: Option<u64>, out: impl Write) -> Result<()>
         let c = pixel.demultiply();
         data.extend_from_slice(&[c.red(), c.green(), c.blue(), c.alpha()][..channels]);
     }
-    encode_data(pixmap.width(), pixmap.height(), opaque, &data, seed, out).map_err(|e| {
-        let source = match e {
-            png::EncodingError::IoError(e) => e,
-            other => std::io::Error::other(other.to_string()),
-        };
-        Error::write(Path::new("-"), source)
-    })
+    encode_data(pixmap.width(), pixmap.height(), opaque, &data, seed, out).map_err(failed)
+}
+
+/// As [`encode`], of plain RGB.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_rgb(image: &RgbImage, out: impl Write) -> Result<()> {
+    encode_data(image.width(), image.height(), true, image.as_raw(), None, out).map_err(failed)
+}
+
+fn failed(e: png::EncodingError) -> Error {
+    let source = match e {
+        png::EncodingError::IoError(e) => e,
+        other => std::io::Error::other(other.to_string()),
+    };
+    Error::write(Path::new("-"), source)
 }
 
 fn encode_data(
