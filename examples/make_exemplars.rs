@@ -3,6 +3,7 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::Instant;
 use vtex::procedural::{self, Exemplar, Kind, SceneParams};
 
@@ -25,7 +26,17 @@ struct Arguments {
     bench: bool,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let arguments = parse(std::env::args().skip(1)).map_err(|message| format!("{message}\n{USAGE}"))?;
     if arguments.bench {
         return bench(arguments.size, arguments.kind);

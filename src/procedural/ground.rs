@@ -45,7 +45,8 @@ impl Ground {
         let broad = fractal(bx, by, 3, self.seed);
         let mut colour = blend(self.base, self.second, (self.broad * (0.5 + broad)).clamp(0.0, 1.0));
         let (fx, fy) = (x / (self.fine_wavelength * self.stretch), y / self.fine_wavelength);
-        let fine = fractal(fx, fy, 2, self.seed ^ 0xf17e);
+        // Turned, so that the lattice does not weave along the pixels.
+        let fine = fractal(0.8 * fx + 0.6 * fy, 0.8 * fy - 0.6 * fx, 2, self.seed ^ 0xf17e);
         let dust = unit(hash(x as i32, y as i32, self.seed ^ 0xd057)) - 0.5;
         let gain = (1.0 + self.fine * fine + self.dust * dust).max(0.05);
         colour = colour.map(|c| c * gain);
