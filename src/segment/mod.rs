@@ -3,10 +3,12 @@
 mod felzenszwalb;
 mod flood;
 mod masks_file;
+pub mod regions;
 
 pub use felzenszwalb::{Felzenszwalb, Smoothed, details, felzenszwalb};
 pub use flood::flood;
 pub use masks_file::{MasksFile, masks_to_bytes};
+pub use regions::Regions;
 
 use crate::error::Result;
 use crate::progress::Progress;

@@ -1,0 +1,291 @@
+//! The tree of merged regions: which basins join, in which order, and what is known of each.
+
+use super::oversegmentation::Field;
+use crate::error::Result;
+use crate::progress::{Progress, advance};
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+/// Bins of the histogram of gradients along a rim; each is twice the one before, from 0.25.
+pub(super) const BINS: usize = 8;
+/// Share of the step across the border in a merge's weight; the rest is the difference of means.
+const BORDER: f32 = 0.5;
+/// Regions up to this size, in pixels, are cheaper to merge the smaller they are …
+const SMALL: f32 = 400.0;
+/// … by this power of their share of that size.
+const SMALL_POWER: f32 = 0.35;
+
+/// Sums over the pixels of a region. Sums of two regions add up to those of their union.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sums {
+    pub(super) area: f32,
+    pub(super) colour: [f64; 3],
+    pub(super) colour_square: [f64; 3],
+    pub(super) gradient: f64,
+    /// x, y, xx, yy, xy.
+    pub(super) place: [f64; 5],
+    /// Lightness times x and y.
+    pub(super) shade: [f64; 2],
+    /// First and last column and row.
+    pub(super) bounds: [u32; 4],
+    /// Pixel edges along each image border: left, top, right, bottom.
+    pub(super) border: [u32; 4],
+    /// Number of basins.
+    pub(super) basins: u32,
+}
+
+impl Sums {
+    fn add(&mut self, o: &Self) {
+        self.area += o.area;
+        self.gradient += o.gradient;
+        for c in 0..3 {
+            self.colour[c] += o.colour[c];
+            self.colour_square[c] += o.colour_square[c];
+        }
+        for k in 0..5 {
+            self.place[k] += o.place[k];
+        }
+        for k in 0..2 {
+            self.shade[k] += o.shade[k];
+            self.bounds[k] = self.bounds[k].min(o.bounds[k]);
+            self.bounds[k + 2] = self.bounds[k + 2].max(o.bounds[k + 2]);
+        }
+        for k in 0..4 {
+            self.border[k] += o.border[k];
+        }
+        self.basins += o.basins;
+    }
+
+    /// Mean colour.
+    pub(super) fn mean(&self) -> [f32; 3] {
+        self.colour.map(|c| (c / f64::from(self.area)) as f32)
+    }
+}
+
+/// Sums over the pixel edges between two regions, or along the whole rim of one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Rim {
+    pub(super) length: f32,
+    pub(super) gradient: f32,
+    pub(super) histogram: [f32; BINS],
+    /// Colours two pixels out minus two pixels in, and the lengths of these steps.
+    pub(super) step: [f32; 3],
+    pub(super) step_length: f32,
+    /// Pixel edges with a step of less than 2.
+    pub(super) faint: f32,
+}
+
+impl Rim {
+    /// Adds `factor` times another; `sign` turns its steps about.
+    fn add(&mut self, o: &Self, factor: f32, sign: f32) {
+        self.length += factor * o.length;
+        self.gradient += factor * o.gradient;
+        self.step_length += factor * o.step_length;
+        self.faint += factor * o.faint;
+        for (h, v) in self.histogram.iter_mut().zip(o.histogram) {
+            *h += factor * v;
+        }
+        for (s, v) in self.step.iter_mut().zip(o.step) {
+            *s += factor * sign * v;
+        }
+    }
+}
+
+/// A node of the tree: a basin, or the union of two nodes.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) sums: Sums,
+    pub(super) rim: Rim,
+    /// `None` of a basin.
+    pub(super) children: Option<[u32; 2]>,
+    /// `None` of a root.
+    pub(super) parent: Option<u32>,
+    /// Weight of the merge that made it, at least those of its children; 0 of a basin.
+    pub(super) weight: f32,
+}
+
+/// A border between two regions. Steps go from the first to the second.
+#[derive(Clone, Debug)]
+struct Border {
+    ends: [u32; 2],
+    rim: Rim,
+    alive: bool,
+}
+
+/// Nodes in the order they were made: basins first, children before parents.
+pub(super) struct Tree {
+    pub(super) nodes: Vec<Node>,
+}
+
+/// Basins and the borders between them.
+fn graph(field: &Field, labels: &[u32], count: usize) -> (Vec<Sums>, Vec<Border>, HashMap<u64, u32>) {
+    let (w, h) = (field.width, field.height);
+    let empty = Sums { bounds: [u32::MAX, u32::MAX, 0, 0], basins: 1, ..Sums::default() };
+    let mut sums = vec![empty; count];
+    let mut borders: Vec<Border> = Vec::with_capacity(3 * count);
+    let mut index = HashMap::with_capacity(3 * count);
+    let mut last = (u64::MAX, 0);
+    for y in 0..h {
+        for x in 0..w {
+            let i = y * w + x;
+            let colour = field.colours[i];
+            let s = &mut sums[labels[i] as usize];
+            s.area += 1.0;
+            s.gradient += f64::from(field.gradient[i]);
+            for c in 0..3 {
+                let v = f64::from(colour[c]);
+                s.colour[c] += v;
+                s.colour_square[c] += v * v;
+            }
+            let (fx, fy) = (x as f64, y as f64);
+            for (sum, v) in s.place.iter_mut().zip([fx, fy, fx * fx, fy * fy, fx * fy]) {
+                *sum += v;
+            }
+            s.shade[0] += f64::from(colour[0]) * fx;
+            s.shade[1] += f64::from(colour[0]) * fy;
+            let [x0, y0, x1, y1] = s.bounds;
+            s.bounds = [x0.min(x as u32), y0.min(y as u32), x1.max(x as u32), y1.max(y as u32)];
+            for (n, at) in s.border.iter_mut().zip([x == 0, y == 0, x + 1 == w, y + 1 == h]) {
+                *n += u32::from(at);
+            }
+            let mut meet = |j: usize, before: usize, after: usize| {
+                let (a, b) = (labels[i], labels[j]);
+                if a == b {
+                    return;
+                }
+                let key = key(a, b);
+                let found = if last.0 == key {
+                    last.1
+                } else {
+                    *index.entry(key).or_insert_with(|| {
+                        borders.push(Border { ends: [a, b], rim: Rim::default(), alive: true });
+                        borders.len() as u32 - 1
+                    })
+                };
+                last = (key, found);
+                let border = &mut borders[found as usize];
+                let (p, q) = (field.colours[before], field.colours[after]);
+                let sign = if border.ends[0] == a { 1.0 } else { -1.0 };
+                let step = [q[0] - p[0], q[1] - p[1], q[2] - p[2]];
+                let length = (step[0] * step[0] + step[1] * step[1] + step[2] * step[2]).sqrt();
+                let gradient = field.gradient[i].max(field.gradient[j]);
+                let bits = (4.0 * gradient).to_bits() >> 23; // exponent: 127 at 0.25
+                let mut histogram = [0.0; BINS];
+                histogram[(bits.saturating_sub(126) as usize).min(BINS - 1)] = 1.0;
+                let faint = if length < 2.0 { 1.0 } else { 0.0 };
+                let rim = Rim { length: 1.0, gradient, histogram, step, step_length: length, faint };
+                border.rim.add(&rim, 1.0, sign);
+            };
+            if x + 1 < w {
+                meet(i + 1, if x > 0 { i - 1 } else { i }, if x + 2 < w { i + 2 } else { i + 1 });
+            }
+            if y + 1 < h {
+                meet(i + w, if y > 0 { i - w } else { i }, if y + 2 < h { i + 2 * w } else { i + w });
+            }
+        }
+    }
+    (sums, borders, index)
+}
+
+fn key(a: u32, b: u32) -> u64 {
+    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
+}
+
+/// Weight of a merge: how much two regions differ, less if one is small.
+fn weight(a: &Sums, b: &Sums, rim: &Rim) -> f32 {
+    let (p, q) = (a.mean(), b.mean());
+    let d = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let means = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+    let step = rim.step;
+    let coherent = (step[0] * step[0] + step[1] * step[1] + step[2] * step[2]).sqrt() / rim.length;
+    let across = 0.5 * (rim.step_length / rim.length + coherent);
+    let small = a.area.min(b.area).min(SMALL) / SMALL;
+    (BORDER * across + (1.0 - BORDER) * means) * libm::powf(small, SMALL_POWER)
+}
+
+impl Tree {
+    /// Merges neighbours, least weight first (ties: the older border), until none are left.
+    pub(super) fn new(field: &Field, labels: &[u32], count: usize, progress: &dyn Progress) -> Result<Self> {
+        let (sums, mut borders, mut index) = graph(field, labels, count);
+        let mut nodes: Vec<Node> = Vec::with_capacity(2 * count);
+        nodes.extend(sums.into_iter().map(|sums| Node {
+            sums,
+            rim: Rim::default(),
+            children: None,
+            parent: None,
+            weight: 0.0,
+        }));
+        let mut around: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for (e, border) in borders.iter().enumerate() {
+            for (end, sign) in border.ends.into_iter().zip([1.0, -1.0]) {
+                around[end as usize].push(e as u32);
+                nodes[end as usize].rim.add(&border.rim, 1.0, sign);
+            }
+        }
+        // The node that each region, named by one of its basins, has become.
+        let mut current: Vec<u32> = (0..count as u32).collect();
+        let now = |nodes: &[Node], current: &[u32], border: &Border| {
+            let [a, b] = border.ends.map(|end| &nodes[current[end as usize] as usize].sums);
+            weight(a, b, &border.rim)
+        };
+        let mut heap: BinaryHeap<Reverse<(u32, u32)>> = (borders.iter().enumerate())
+            .map(|(e, border)| Reverse((now(&nodes, &current, border).to_bits(), e as u32)))
+            .collect();
+        while let Some(Reverse((bits, e))) = heap.pop() {
+            let border = &borders[e as usize];
+            if !border.alive {
+                continue;
+            }
+            let weight = now(&nodes, &current, border);
+            if weight > f32::from_bits(bits) {
+                heap.push(Reverse((weight.to_bits(), e)));
+                continue;
+            }
+            let made = nodes.len();
+            if made % 4096 == 0 {
+                advance(progress, "merging regions", (made - count) as u64, count as u64)?;
+            }
+            let (shared, [a, b]) = (border.rim, border.ends);
+            let children = [current[a as usize], current[b as usize]];
+            let [p, q] = children.map(|c| &nodes[c as usize]);
+            let mut node = p.clone();
+            node.sums.add(&q.sums);
+            node.rim.add(&q.rim, 1.0, 1.0);
+            node.rim.add(&shared, -2.0, 0.0);
+            node.weight = weight.max(p.weight).max(q.weight);
+            (node.children, node.parent) = (Some(children), None);
+            for child in children {
+                nodes[child as usize].parent = Some(made as u32);
+            }
+            nodes.push(node);
+            borders[e as usize].alive = false;
+            // The region with fewer borders takes the other's name.
+            let (gone, kept) =
+                if around[a as usize].len() < around[b as usize].len() { (a, b) } else { (b, a) };
+            current[kept as usize] = made as u32;
+            for e in std::mem::take(&mut around[gone as usize]) {
+                let old = &mut borders[e as usize];
+                if !old.alive {
+                    continue;
+                }
+                let at = usize::from(old.ends[1] == gone);
+                let other = old.ends[1 - at];
+                old.ends[at] = kept;
+                if let Some(&twin) = index.get(&key(kept, other)).filter(|&&t| t != e) {
+                    old.alive = false;
+                    let (ends, rim) = (old.ends, old.rim);
+                    let twin = &mut borders[twin as usize];
+                    twin.rim.add(&rim, 1.0, if twin.ends == ends { 1.0 } else { -1.0 });
+                    let renewed = now(&nodes, &current, &borders[index[&key(kept, other)] as usize]);
+                    heap.push(Reverse((renewed.to_bits(), index[&key(kept, other)])));
+                } else {
+                    index.insert(key(kept, other), e);
+                    around[kept as usize].push(e);
+                    let renewed = now(&nodes, &current, &borders[e as usize]);
+                    heap.push(Reverse((renewed.to_bits(), e)));
+                }
+            }
+        }
+        Ok(Self { nodes })
+    }
+}

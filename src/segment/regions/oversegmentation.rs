@@ -1,0 +1,125 @@
+//! An image in Oklab, its gradient, and the basins of the gradient.
+
+use crate::raster::colour::oklab;
+use crate::segment::felzenszwalb::{convolve, gaussian};
+use image::RgbImage;
+
+/// Smoothing before the gradient is taken, in pixels.
+const SIGMA: f64 = 0.8;
+
+/// What regions are made of.
+pub(super) struct Field {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    /// Smoothed Oklab, L times 100, a and b times 200, so that a step of 1 can just be seen.
+    pub(super) colours: Vec<[f32; 3]>,
+    /// Length of the colour gradient, per pixel.
+    pub(super) gradient: Vec<f32>,
+}
+
+impl Field {
+    pub(super) fn new(image: &RgbImage) -> Self {
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let raw: Vec<[f32; 3]> = (image.pixels())
+            .map(|p| {
+                let [l, a, b] = oklab(p.0);
+                [100.0 * l, 200.0 * a, 200.0 * b]
+            })
+            .collect();
+        let colours = convolve(&raw, width, height, &gaussian(SIGMA));
+        let mut gradient = vec![0.0; width * height];
+        for y in 0..height {
+            let (up, down) = (y.saturating_sub(1) * width, (y + 1).min(height - 1) * width);
+            for x in 0..width {
+                let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
+                let (l, r) = (colours[y * width + left], colours[y * width + right]);
+                let (u, d) = (colours[up + x], colours[down + x]);
+                let sum: f32 = (0..3)
+                    .map(|c| {
+                        let (dx, dy) = (r[c] - l[c], d[c] - u[c]);
+                        dx * dx + dy * dy
+                    })
+                    .sum();
+                gradient[y * width + x] = 0.5 * sum.sqrt();
+            }
+        }
+        Self { width, height, colours, gradient }
+    }
+
+    /// The basins of the gradient: each pixel runs to the lowest of its four neighbours until
+    /// there is none lower (ties: the lower index). Basins are 4-connected and numbered from 0 in
+    /// the order of their first pixel; also their number.
+    pub(super) fn basins(&self) -> (Vec<u32>, usize) {
+        let (w, count) = (self.width, self.width * self.height);
+        let mut next: Vec<u32> = Vec::with_capacity(count);
+        for i in 0..count {
+            let x = i % w;
+            let mut lowest = (self.gradient[i], i);
+            let mut look = |j: usize| {
+                if (self.gradient[j], j) < lowest {
+                    lowest = (self.gradient[j], j);
+                }
+            };
+            if i >= w {
+                look(i - w);
+            }
+            if x > 0 {
+                look(i - 1);
+            }
+            if x + 1 < w {
+                look(i + 1);
+            }
+            if i + w < count {
+                look(i + w);
+            }
+            next.push(lowest.1 as u32);
+        }
+        for i in 0..count {
+            let mut bottom = i;
+            while next[bottom] as usize != bottom {
+                bottom = next[bottom] as usize;
+            }
+            let mut j = i;
+            while next[j] as usize != bottom {
+                j = std::mem::replace(&mut next[j], bottom as u32) as usize;
+            }
+        }
+        let mut numbers = vec![u32::MAX; count];
+        let mut last = 0;
+        let labels = (next.iter())
+            .map(|&bottom| {
+                let number = &mut numbers[bottom as usize];
+                if *number == u32::MAX {
+                    *number = last;
+                    last += 1;
+                }
+                *number
+            })
+            .collect();
+        (labels, last as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::{Connectivity, LabelMap, components};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn basins_are_connected(values in prop::collection::vec(any::<[u8; 3]>(), 15 * 11)) {
+            let image = RgbImage::from_fn(15, 11, |x, y| image::Rgb(values[(y * 15 + x) as usize]));
+            let (labels, count) = Field::new(&image).basins();
+            let map = LabelMap { width: 15, height: 11, labels: labels.iter().map(|l| l + 1).collect() };
+            let (_, pieces) = components(&map, Connectivity::Four);
+            prop_assert_eq!(pieces.len(), count + 1);
+        }
+    }
+
+    #[test]
+    fn a_constant_image_is_one_basin() {
+        let image = RgbImage::from_pixel(9, 6, image::Rgb([10, 200, 90]));
+        assert_eq!(Field::new(&image).basins().1, 1);
+    }
+}

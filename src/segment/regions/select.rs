@@ -1,0 +1,62 @@
+//! Which nodes are textons: a small network scores each, dynamic programming picks the disjoint
+//! set worth most.
+
+use super::features::FEATURES;
+use super::merge_tree::Tree;
+
+/// Units of the hidden layer.
+pub const HIDDEN: usize = 24;
+
+/// A network of one hidden layer: how well a node would fit a texton, 0 to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Network {
+    /// Mean of each feature over the training set.
+    pub mean: [f32; FEATURES],
+    /// One over the deviation of each feature.
+    pub scale: [f32; FEATURES],
+    /// Weights of the hidden units.
+    pub hidden: [[f32; FEATURES]; HIDDEN],
+    /// Offsets of the hidden units.
+    pub hidden_offset: [f32; HIDDEN],
+    /// Weights of the output.
+    pub output: [f32; HIDDEN],
+    /// Offset of the output.
+    pub output_offset: f32,
+}
+
+impl Network {
+    /// The score of a node with these features.
+    pub fn score(&self, features: &[f32; FEATURES]) -> f32 {
+        let x: [f32; FEATURES] =
+            std::array::from_fn(|k| ((features[k] - self.mean[k]) * self.scale[k]).clamp(-4.0, 4.0));
+        let mut sum = self.output_offset;
+        for ((weights, offset), out) in self.hidden.iter().zip(self.hidden_offset).zip(self.output) {
+            let unit = offset + weights.iter().zip(x).map(|(w, v)| w * v).sum::<f32>();
+            sum += out * unit.max(0.0);
+        }
+        1.0 / (1.0 + libm::expf(-sum))
+    }
+}
+
+/// The disjoint nodes with the largest sum of area^`power` · (score − `least`), in the order of
+/// the tree. Nodes with a score of `None` are never taken.
+pub(super) fn best_cut(tree: &Tree, scores: &[Option<f32>], least: f32, power: f32) -> Vec<usize> {
+    let mut worth = vec![0.0f32; tree.nodes.len()];
+    let mut take = vec![false; tree.nodes.len()];
+    for (i, node) in tree.nodes.iter().enumerate() {
+        let below = node.children.map_or(0.0, |c| c.iter().map(|&c| worth[c as usize]).sum());
+        let own = scores[i].map_or(0.0, |s| (s - least) * libm::powf(node.sums.area, power));
+        take[i] = own > 0.0 && own >= below;
+        worth[i] = below.max(own);
+    }
+    let mut covered = vec![false; tree.nodes.len()];
+    let mut taken = Vec::new();
+    for (i, node) in tree.nodes.iter().enumerate().rev() {
+        covered[i] = node.parent.is_some_and(|p| covered[p as usize] || take[p as usize]);
+        if take[i] && !covered[i] {
+            taken.push(i);
+        }
+    }
+    taken.reverse();
+    taken
+}
