@@ -4,8 +4,9 @@ use super::model::Model;
 use super::sums::Sums;
 use crate::sampling::Stream;
 
-/// Halvings told apart; a texton used more often than that keeps its last chance.
-const HALVINGS: u32 = 32;
+/// Halvings told apart. More would keep the sizes of a category truer on large canvases, but then
+/// only those that fit nowhere, never used, would be drawn.
+const HALVINGS: u32 = 5;
 
 /// Selection weights of the members of every category (paper §3.3, duplication reduction).
 pub(super) struct Choice {

@@ -7,10 +7,8 @@ use crate::raster::colour::Colour;
 use crate::sampling::{Domain, poisson_disk, stream};
 use crate::scene::field::Interpolant;
 
-/// Points per area of a maximal Poisson-disk set of radius 1, as [`poisson_disk`] makes them.
-const POISSON_DENSITY: f64 = 0.69;
-/// Mean Delaunay edge of such a set.
-const POISSON_EDGE: f64 = 1.27;
+/// Points per area of a Poisson-disk set of radius 1, as [`poisson_disk`] makes them (measured).
+const POISSON_DENSITY: f64 = 0.616;
 /// A secondary is left out unless at least this share of its outline's points can be seen.
 const LEAST_VISIBLE: f64 = 0.3;
 
@@ -50,21 +48,15 @@ pub(super) fn place(library: &Library, map: &TargetMap<'_>, field: &Interpolant,
 }
 
 /// Radius of the Poisson-disk set that holds as many secondaries per area of ground as the
-/// exemplar; its spacing where that cannot be told. `None` if there are no secondaries.
+/// exemplar. `None` if there are no secondaries, or no ground to put them on.
 ///
-/// The number per ground is what the eye compares. The library's spacing is a percentile of
-/// Delaunay edges, which in clustered exemplars is well below what the number implies.
+/// The number per ground is what the eye compares. The library's spacing, a percentile of the
+/// distances between neighbours, is in clustered exemplars well below what the number implies.
 fn radius(library: &Library) -> Option<f64> {
     let count = library.secondaries.textons.len() as f64;
-    let ground =
-        f64::from(library.source.width) * f64::from(library.source.height) * (1.0 - library.coverage);
-    if count == 0.0 {
-        return None;
-    }
-    let by_spacing = library.secondaries.spacing / POISSON_EDGE;
-    let by_number = libm::sqrt(POISSON_DENSITY * ground / count);
-    let radius = if by_number > 0.0 { by_number } else { by_spacing };
-    (radius > 0.0).then_some(radius.max(1.0))
+    let exemplar = f64::from(library.source.width) * f64::from(library.source.height);
+    let ground = exemplar * (1.0 - library.coverage);
+    (count > 0.0 && ground > 0.0).then(|| libm::sqrt(POISSON_DENSITY * ground / count).max(1.0))
 }
 
 /// Origin of a secondary: its centroid in whole pixels.
@@ -89,4 +81,21 @@ fn visible(map: &TargetMap<'_>, samples: &[[f64; 2]], at: [i32; 2]) -> f64 {
         map.on_canvas(x, y) && !map.taken(map.index(x, y))
     };
     samples.iter().filter(free).count() as f64 / samples.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn density_of_poisson_sets_is_as_stated() {
+        let mut random = stream(1, "poisson density test", 0);
+        let points = poisson_disk(
+            Domain { wrap_x: true, wrap_y: true, ..Domain::plane(100.0, 100.0) },
+            1.0,
+            &mut random,
+        );
+        let density = points.len() as f64 / 1e4;
+        assert!((density / POISSON_DENSITY - 1.0).abs() < 0.01, "{density}");
+    }
 }

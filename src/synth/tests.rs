@@ -195,7 +195,10 @@ fn any_size_and_parameter_is_survived() {
         let p = SynthParams { candidates, moves, ..params(60, 60, 1) };
         assert!(run(&whole, &p).1.coverage > 0.3);
     }
-    // One texton as large as the exemplar, descriptors of no size, coverage that cannot be had.
+    let mut torus = whole.clone();
+    torus.source.parameters.wrap = true;
+    assert!(run(&torus, &params(90, 90, 1)).1.coverage > 0.3);
+    // Descriptors of no size, coverage that cannot be had, nothing placeable.
     whole.descriptor_half = 0;
     assert!(run(&whole, &params(90, 90, 1)).1.coverage > 0.3);
     whole.coverage = 1.0;
