@@ -54,10 +54,18 @@ pub(crate) enum Command {
 #[command(next_help_heading = "Global options")]
 pub(crate) struct Global {
     /// Seed of all random choices [0 to 18446744073709551615, default: chosen, printed and stored]
-    #[arg(long, global = true, value_name = "NUMBER")]
+    #[arg(long, global = true, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) seed: Option<Seed>,
     /// Threads to use; results do not depend on it [1 to 1024, default: all cores]
-    #[arg(short, long, global = true, value_name = "NUMBER", env = "VTEX_THREADS", hide_env_values = true)]
+    #[arg(
+        short,
+        long,
+        global = true,
+        value_name = "NUMBER",
+        env = "VTEX_THREADS",
+        hide_env_values = true,
+        allow_negative_numbers = true
+    )]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// Print nothing but errors
@@ -297,7 +305,7 @@ pub(crate) struct AnalyzeFlags {
     #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true, help_heading = "Segmentation")]
     pub(crate) segmenter: Option<SegmenterName>,
     /// Smallest primary texton, in px of area [1 to 1000000, default: 5]
-    #[arg(long, value_name = "PX")]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) minimum_area: Option<u32>,
     /// Scale of the details: larger means fewer [0 to 10000, default: 10]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
@@ -306,19 +314,19 @@ pub(crate) struct AnalyzeFlags {
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) detail_sigma: Option<f64>,
     /// Smallest detail, in px of area [1 to 10000, default: 3]
-    #[arg(long, value_name = "PX")]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) detail_minimum: Option<u32>,
     /// Largest colour difference within a secondary texton, as a share [0 to 1, default: 0.1]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub(crate) secondary_tolerance: Option<f64>,
     /// Smallest secondary texton, in px of area [1 to 10000, default: 3]
-    #[arg(long, value_name = "PX")]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) secondary_minimum: Option<u32>,
     /// Largest secondary texton, in px of area [1 to 100000, default: 300]
-    #[arg(long, value_name = "PX")]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) secondary_maximum: Option<u32>,
     /// Number of categories of primary textons [1 to 1000, default: 15]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) categories: Option<u32>,
     /// How far a texton sees, in mean distances between neighbours [0.5 to 10, default: 2.25]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
@@ -346,10 +354,10 @@ pub(crate) struct SynthFlags {
     #[arg(long, value_name = "SIZE")]
     pub(crate) size: Option<Size>,
     /// Textons tried for each place [1 to 1000, default: 20]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) candidates: Option<u32>,
     /// Moves by one cell that may improve a placement [0 to 100, default: 5]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) moves: Option<u32>,
     /// Weights of target, uncovered, empty, mismatched and same-overlap areas in the score of a
     /// placement [-10 to 10 each, default: 0.5,-0.4,-0.2,-0.5,-0.5]
@@ -371,7 +379,7 @@ pub(crate) struct SynthBackgroundFlags {
 #[command(next_help_heading = "Output")]
 pub(crate) struct SvgFlags {
     /// Decimals of numbers in an SVG [0 to 6, default: 2]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) precision: Option<u8>,
     /// Write each texton in full, not <symbol> and <use> [true or false, default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
