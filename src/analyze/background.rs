@@ -5,7 +5,7 @@ use crate::raster::{LabelMap, colour, squared_distance};
 use crate::sampling::{Domain, poisson_disk, stream};
 use crate::scene::ControlPoint;
 use image::RgbImage;
-use spade::{DelaunayTriangulation, Point2, Triangulation};
+use spade::{DelaunayTriangulation, Point2};
 
 /// Fewest pixels that give a cell a colour.
 const ENOUGH: usize = 12;

@@ -137,3 +137,42 @@ fn from_row(row: &mut [u8], other: &[u8], left: usize, right: usize) {
         *d = (*d).min(o.saturating_add(DIAGONAL));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::stream;
+    use crate::synth::model::Model;
+    use crate::synth::testing::{library, mosaic};
+
+    #[test]
+    fn kept_up_to_date_as_if_made_anew() {
+        let library = library(&mosaic(100, 14.0, 0.8, 1));
+        let model = Model::new(&library);
+        let placeable: Vec<u32> = model.members.iter().flatten().copied().collect();
+        let mut random = stream(1, "clearance test", 0);
+        let mut map = TargetMap::new(&model, 90, 70);
+        let mut clearance = Clearance::new(&map, 12, 4);
+        for _ in 0..12 {
+            let at = [random.index(map.width as usize) as i32, random.index(map.height as usize) as i32];
+            let id = map.stand(placeable[random.index(placeable.len())], at);
+            clearance.add(&map, id);
+            let anew = Clearance::new(&map, 12, 4);
+            assert!(clearance.distance == anew.distance);
+            for block in 0..(clearance.columns * ((map.height + BLOCK - 1) / BLOCK)) as usize {
+                assert_eq!(clearance.blocks.get(block), anew.blocks.get(block));
+            }
+            for _ in 0..20 {
+                let [x, y] = clearance.draw(&mut random).unwrap();
+                assert!(!map.taken(map.index(x, y)));
+            }
+        }
+        // Near the true distance (within the error of the chamfer, 8 %).
+        let squared =
+            crate::raster::squared_distance(map.width as usize, map.height as usize, |i| map.taken(i));
+        for (i, &d) in clearance.distance.iter().enumerate() {
+            let (got, true_one) = (f64::from(d) / 3.0, f64::from(libm::sqrtf(squared[i])).min(12.0));
+            assert!((got - true_one).abs() <= 0.09 * true_one + 0.34, "{got} {true_one}");
+        }
+    }
+}

@@ -22,6 +22,8 @@ const MORE_OVERLAP: f64 = 0.04;
 const COPY_PENALTY: f64 = 0.5;
 /// How much a cell of overlap outweighs a cell of free ground.
 const OVERLAP_COST: f64 = 3.0;
+/// Share of a texton that has to be on the canvas for it to be added.
+const LEAST_ON_CANVAS: f64 = 0.25;
 /// Steps of the moves that improve a place, in pixels.
 const STEPS: [i32; 3] = [4, 2, 1];
 
@@ -114,7 +116,10 @@ fn grow(
         .iter()
         .map(|m| m.iter().map(|&i| model.shapes[i as usize].area).min().map_or(f64::INFINITY, f64::from))
         .collect();
-    let frame = (map.margin - 1 - reach / 2).max(0);
+    // Centres may lie off the canvas, but not so far that most textons could not be seen.
+    let whole = model.members.iter().flatten().map(|&i| f64::from(model.shapes[i as usize].area));
+    let mean = whole.clone().sum::<f64>() / whole.count() as f64;
+    let frame = (map.margin - libm::sqrt(mean / std::f64::consts::PI) as i32).max(0);
     let mut clearance = Clearance::new(map, reach, frame);
     let lack = |map: &TargetMap<'_>, c: usize| {
         let lack = wanted[c] - map.covered[c] as f64;
@@ -191,22 +196,24 @@ fn candidate(
             }
         }
     }
-    (cells_on_canvas(map, primary, at) > 0).then_some((primary, at, overlap))
+    value.is_finite().then_some((primary, at, overlap))
 }
 
 /// How well a texton fits at a place: mean distance to what stands, as a share of the largest
-/// told apart, less the share of it that overlaps, weighted; and that share alone.
+/// told apart, less the share of it that overlaps, weighted; and that share alone. Only cells on
+/// the canvas count, and a good part of the texton has to be there.
 fn fit(map: &TargetMap<'_>, clearance: &Clearance, primary: u32, at: [i32; 2]) -> (f64, f64) {
     let (mut sum, mut taken, mut cells) = (0u32, 0u32, 0u32);
     for &span in map.model().shapes[primary as usize].mask.spans() {
-        let row = &clearance.distance[map.cells(span, at)];
+        let row = &clearance.distance[map.canvas_part(&map.cells(span, at))];
         cells += row.len() as u32;
         for &d in row {
             sum += u32::from(d);
             taken += u32::from(d == 0);
         }
     }
-    if cells == 0 {
+    let area = map.model().shapes[primary as usize].area;
+    if f64::from(cells) < LEAST_ON_CANVAS * f64::from(area) {
         return (f64::NEG_INFINITY, 1.0);
     }
     let share = |v: u32| f64::from(v) / f64::from(cells);

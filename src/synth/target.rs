@@ -126,15 +126,16 @@ impl<'a> TargetMap<'a> {
         first..first + (x1 - x0) as usize
     }
 
-    /// How many cells of a range are on the canvas (a range lies within one row).
-    fn canvas_part(&self, cells: &Range<usize>) -> Range<usize> {
+    /// The part of a range of cells, all in one row, that is on the canvas.
+    pub(super) fn canvas_part(&self, cells: &Range<usize>) -> Range<usize> {
         let (y, x) = ((cells.start / self.width as usize) as i32, (cells.start % self.width as usize) as i32);
         if !(self.margin..self.height - self.margin).contains(&y) {
             return 0..0;
         }
         let shift = cells.start as i64 - i64::from(x);
         let (low, high) = (shift + i64::from(self.margin), shift + i64::from(self.width - self.margin));
-        (low as usize).max(cells.start)..(high as usize).min(cells.end)
+        let (first, last) = ((low as usize).max(cells.start), (high as usize).min(cells.end));
+        first..last.max(first)
     }
 
     /// Whether texton `a` is painted over texton `b`: small over large, later over earlier, so
