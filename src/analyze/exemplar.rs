@@ -122,11 +122,23 @@ fn decode(bytes: &[u8], name: &str, limits: &Limits, warnings: &mut Vec<String>)
     Ok(rgb.into_rgb8())
 }
 
-/// Whether the mark of the end stands anywhere in a JPEG's last part: without it the decoder
-/// paints what is missing grey and reports nothing.
+/// Whether the mark of the end follows a JPEG's picture: without it the decoder paints what is
+/// missing grey and reports nothing.
 fn jpeg_is_whole(bytes: &[u8]) -> bool {
-    // What cameras append after the picture may be long; entropy-coded data never hold this mark.
-    bytes.windows(2).rev().any(|w| w == [0xff, 0xd9])
+    // Segments before the picture, such as a thumbnail, may hold such a mark of their own.
+    let mut rest = bytes.get(2..).unwrap_or_default();
+    while let [0xff, kind, after @ ..] = rest {
+        match (kind, after) {
+            (0xda, _) => break,
+            (0xff, _) => rest = &rest[1..],
+            (_, [high, low, ..]) => {
+                let length = usize::from(u16::from_be_bytes([*high, *low]));
+                rest = after.get(length..).unwrap_or_default();
+            }
+            _ => return false,
+        }
+    }
+    rest.windows(2).rev().any(|w| w == [0xff, 0xd9])
 }
 
 /// Lays what is transparent over white and rounds to 8 bits.

@@ -53,11 +53,20 @@ pub(crate) enum Command {
 #[derive(Args)]
 #[command(next_help_heading = "Global options")]
 pub(crate) struct Global {
-    /// Seed of all random choices [0 to 18446744073709551615, default: chosen, printed and stored]
-    #[arg(long, global = true, value_name = "NUMBER")]
+    /// Seed of all random choices [0 to 18446744073709551615, default: one chosen,
+    /// printed and stored]
+    #[arg(long, global = true, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) seed: Option<Seed>,
-    /// Threads to use; results do not depend on it [1 to 1024, default: all cores]
-    #[arg(short, long, global = true, value_name = "NUMBER", env = "VTEX_THREADS", hide_env_values = true)]
+    /// Threads; results do not depend on it [1 to 1024, default: all cores]
+    #[arg(
+        short,
+        long,
+        global = true,
+        value_name = "NUMBER",
+        env = "VTEX_THREADS",
+        hide_env_values = true,
+        allow_negative_numbers = true
+    )]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// Print nothing but errors
@@ -69,7 +78,7 @@ pub(crate) struct Global {
     /// Print a summary in JSON on stdout (on stderr if stdout carries data)
     #[arg(long, global = true)]
     pub(crate) json: bool,
-    /// When to use colours; NO_COLOR is honoured [auto, always or never, default: auto]
+    /// When to use colours; see also NO_COLOR [auto, always or never, default: auto]
     #[arg(long, global = true, value_name = "WHEN", value_enum, hide_possible_values = true)]
     pub(crate) color: Option<When>,
     /// Read parameters from a TOML file; options given here win over it
@@ -296,43 +305,46 @@ pub(crate) struct AnalyzeFlags {
     /// What finds the textons [regions or felzenszwalb, default: regions]
     #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true, help_heading = "Segmentation")]
     pub(crate) segmenter: Option<SegmenterName>,
-    /// Smallest primary texton, in px of area [1 to 1000000, default: 5]
-    #[arg(long, value_name = "PX")]
+    /// Smallest primary texton, px of area [1 to 1000000, default: 5]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) minimum_area: Option<u32>,
-    /// Scale of the details: larger means fewer [0 to 10000, default: 10]
+    /// Scale of details: larger means fewer [0 to 10000, default: 10]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) detail_scale: Option<f64>,
-    /// Smoothing before details are sought, in px [0 to 10, default: 0.95]
+    /// Smoothing before details are sought, px [0 to 10, default: 0.95]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) detail_sigma: Option<f64>,
-    /// Smallest detail, in px of area [1 to 10000, default: 3]
-    #[arg(long, value_name = "PX")]
+    /// Smallest detail, px of area [1 to 10000, default: 3]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) detail_minimum: Option<u32>,
-    /// Largest colour difference within a secondary texton, as a share [0 to 1, default: 0.1]
+    /// Colour difference within a secondary texton, a share [0 to 1, default: 0.1]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub(crate) secondary_tolerance: Option<f64>,
-    /// Smallest secondary texton, in px of area [1 to 10000, default: 3]
-    #[arg(long, value_name = "PX")]
+    /// Smallest secondary texton, px of area [1 to 10000, default: 3]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) secondary_minimum: Option<u32>,
-    /// Largest secondary texton, in px of area [1 to 100000, default: 300]
-    #[arg(long, value_name = "PX")]
+    /// Largest secondary texton, px of area [1 to 100000, default: 300]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) secondary_maximum: Option<u32>,
-    /// Number of categories of primary textons [1 to 1000, default: 15]
-    #[arg(long, value_name = "NUMBER")]
+    /// Categories of primary textons [1 to 1000, default: 15]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) categories: Option<u32>,
-    /// How far a texton sees, in mean distances between neighbours [0.5 to 10, default: 2.25]
+    /// How far a texton sees, in mean distances between textons [0.5 to 10,
+    /// default: 2.25]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) descriptor_reach: Option<f64>,
-    /// Distance between background colours, in px [4 to 1000, default: 25]
+    /// Distance between background colours, px [4 to 1000, default: 25]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) background_spacing: Option<f64>,
-    /// Strip around textons that is not background, in px [0 to 100, default: 5]
+    /// Strip around textons that is not background, px [0 to 100,
+    /// default: 5]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) background_margin: Option<f64>,
-    /// Largest distance of a smooth outline from the pixels, in px [0.05 to 5, default: 0.5]
+    /// Distance of smooth outlines from the pixels, px [0.05 to 5,
+    /// default: 0.5]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) fidelity: Option<f64>,
-    /// The photograph tiles: opposite borders are neighbours [true or false, default: false]
+    /// The photograph tiles: opposite borders join [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) wrap: Option<bool>,
@@ -342,14 +354,14 @@ pub(crate) struct AnalyzeFlags {
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
 pub(crate) struct SynthFlags {
-    /// Size of the canvas, in px: 1000 or 1000x600 [1 to 100000 each, default: 1000]
+    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, default: 1000]
     #[arg(long, value_name = "SIZE")]
     pub(crate) size: Option<Size>,
     /// Textons tried for each place [1 to 1000, default: 20]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) candidates: Option<u32>,
-    /// Moves by one cell that may improve a placement [0 to 100, default: 5]
-    #[arg(long, value_name = "NUMBER")]
+    /// Moves by one cell that may better a placement [0 to 100, default: 5]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) moves: Option<u32>,
     /// Weights of target, uncovered, empty, mismatched and same-overlap areas in the score of a
     /// placement [-10 to 10 each, default: 0.5,-0.4,-0.2,-0.5,-0.5]
@@ -361,7 +373,8 @@ pub(crate) struct SynthFlags {
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
 pub(crate) struct SynthBackgroundFlags {
-    /// Distance between background colours, in px [4 to 1000, default: the library's]
+    /// Distance between background colours, px [4 to 1000, default: as
+    /// in the library]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) background_spacing: Option<f64>,
 }
@@ -371,9 +384,9 @@ pub(crate) struct SynthBackgroundFlags {
 #[command(next_help_heading = "Output")]
 pub(crate) struct SvgFlags {
     /// Decimals of numbers in an SVG [0 to 6, default: 2]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) precision: Option<u8>,
-    /// Write each texton in full, not <symbol> and <use> [true or false, default: false]
+    /// Write textons in full, not as <symbol> and <use> [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) expand: Option<bool>,

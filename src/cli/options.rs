@@ -20,7 +20,7 @@ pub(crate) enum Options {
     /// Print the parameters.
     DumpConfig(String),
     /// Run a command.
-    Job(Common, Job),
+    Job(Common, Box<Job>),
 }
 
 /// What all commands share.
@@ -118,7 +118,7 @@ impl Options {
             json: global.json,
             debug_folder: global.debug_dir,
         };
-        Ok(Self::Job(common, Job::resolve(command, parameters, seed)?))
+        Ok(Self::Job(common, Box::new(Job::resolve(command, parameters, seed)?)))
     }
 }
 

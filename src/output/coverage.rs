@@ -81,8 +81,9 @@ mod tests {
 
     fn square(category: Option<u16>) -> Texton {
         let mut path = BezPath::new();
-        for p in [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)] {
-            if path.is_empty() { path.move_to(p) } else { path.line_to(p) }
+        path.move_to((0.0, 0.0));
+        for corner in [(10.0, 0.0), (10.0, 10.0), (0.0, 10.0)] {
+            path.line_to(corner);
         }
         path.close_path();
         Texton {

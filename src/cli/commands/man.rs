@@ -6,7 +6,8 @@ use vtex::Error;
 
 pub(super) fn run(folder: &Path) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
-    let command = arguments::command();
+    let mut command = arguments::command();
+    command.build();
     for command in std::iter::once(&command).chain(command.get_subcommands()) {
         let name = command.get_display_name().unwrap_or_else(|| command.get_name());
         let path = folder.join(format!("{name}.1"));
