@@ -113,18 +113,21 @@ impl State {
 impl Progress for Reporter {
     fn advance(&self, stage: &'static str, done: u64, total: u64) -> bool {
         let mut state = self.state();
-        if state.stage != stage {
+        let new = state.stage != stage;
+        if new {
             state.enter(stage);
+            self.bar.reset();
+        }
+        if total > 0 {
+            self.bar.set_length(total);
+        }
+        if new {
             let known = "{spinner} {msg:12} [{bar:32}] {human_pos}/{human_len} {eta}";
             let template = if total > 1 { known } else { "{spinner} {msg}" };
             let style =
                 ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
             self.bar.set_style(style.progress_chars("=> "));
             self.bar.set_message(stage);
-            self.bar.reset();
-        }
-        if total > 0 {
-            self.bar.set_length(total);
         }
         self.bar.set_position(done);
         state.failure.is_none() && !interrupt::asked()

@@ -9,7 +9,7 @@ use image::RgbImage;
 use vtex::analyze::{Exemplar, Limits};
 use vtex::library::Library;
 use vtex::scene::{Scene, SynthParams};
-use vtex::segment::{Felzenszwalb, MasksFile, ScoredMask, Segmenter, masks_to_bytes};
+use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
 use vtex::synth::Report;
 use vtex::{Error, Progress, Result};
 
@@ -27,7 +27,7 @@ pub(super) fn analyze(analysis: &Analysis, reporter: &Reporter) -> anyhow::Resul
     let segmenter: Box<dyn Segmenter> = match &analysis.masks {
         MasksFrom::File(path) => Box::new(MasksFile::read(path)?),
         MasksFrom::Segmenter(SegmenterName::Felzenszwalb) => Box::new(Felzenszwalb::default()),
-        MasksFrom::Segmenter(SegmenterName::Regions) => Box::new(Felzenszwalb::default()),
+        MasksFrom::Segmenter(SegmenterName::Regions) => Box::new(Regions),
     };
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
     Ok(vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?)

@@ -1,7 +1,8 @@
 //! Which files are written, replaced, left alone.
 
 use super::support::{Folder, is_document, photo, unpack};
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 #[test]
 fn default_names_stand_in_the_current_folder() {
@@ -95,15 +96,31 @@ fn a_disk_that_fills_up_leaves_the_old_file() {
 #[cfg(unix)]
 fn an_interrupt_leaves_no_half_file() {
     let folder = Folder::with_library();
-    let names = folder.names();
+    let mut names = folder.names();
+    names.push("stages".into());
     // Work for many seconds, so that the signal comes in its midst.
-    let mut child = folder.command("synth photo.lib.json --size 12000 -o big.svg -q").spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(400));
+    let arguments = "synth photo.lib.json --size 6000 -o big.svg --debug-dir stages";
+    let mut child = folder.command(arguments).stderr(Stdio::piped()).spawn().unwrap();
+    // The folder for pictures is made once signals are watched for.
+    while !folder.path("stages").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(100));
     let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
     let status = child.wait().unwrap();
     assert_eq!(status.code(), Some(130));
     assert_eq!(folder.names(), names);
+}
+
+#[test]
+fn the_segmenter_is_stored() {
+    let folder = Folder::new();
+    for (arguments, name) in [("", "regions"), ("--segmenter felzenszwalb", "felzenszwalb")] {
+        folder.run(&format!("analyze photo.png {arguments}")).succeeds();
+        let json = folder.run("inspect photo.lib.json --json").succeeds().json();
+        assert_eq!(json["segmenter"], name);
+    }
 }
 
 #[test]
