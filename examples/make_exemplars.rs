@@ -3,6 +3,7 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::Instant;
 use vtex::procedural::{self, Exemplar, Kind, SceneParams};
 
@@ -14,7 +15,7 @@ Usage: make_exemplars OUT_DIR                                 the scenes of exam
        make_exemplars OUT_DIR --random N [--size S] [--seed K] [--kind NAME]
                                                               N random scenes of S x S pixels, seeds K, K+1 ...,
                                                               each with its instances as a 16-bit label PNG
-       make_exemplars --bench [--size S]                      scenes per second on one core";
+       make_exemplars --bench [--size S] [--kind NAME]        scenes per second on one core";
 
 struct Arguments {
     folder: Option<PathBuf>,
@@ -25,10 +26,20 @@ struct Arguments {
     bench: bool,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let arguments = parse(std::env::args().skip(1)).map_err(|message| format!("{message}\n{USAGE}"))?;
     if arguments.bench {
-        return bench(arguments.size);
+        return bench(arguments.size, arguments.kind);
     }
     let folder = arguments.folder.ok_or(USAGE)?;
     std::fs::create_dir_all(&folder)?;
@@ -39,12 +50,12 @@ fn main() -> Result<(), Box<dyn Error>> {
                 params.kind = arguments.kind.unwrap_or(params.kind);
                 let scene = procedural::generate(&params)?;
                 save_labels(&scene, &folder.join(format!("scene_{seed:05}.labels.png")))?;
-                save(&scene, &folder.join(format!("scene_{seed:05}.png")))?;
+                save(&scene.image, &folder.join(format!("scene_{seed:05}.png")))?;
             }
         }
         None => {
             for (name, params) in scenes::finished() {
-                save(&procedural::generate(&params)?, &folder.join(format!("{name}.png")))?;
+                save(&scenes::picture(&params)?, &folder.join(format!("{name}.png")))?;
             }
         }
     }
@@ -77,11 +88,11 @@ fn parse(words: impl Iterator<Item = String>) -> Result<Arguments, String> {
     Ok(arguments)
 }
 
-fn save(scene: &Exemplar, path: &Path) -> Result<(), Box<dyn Error>> {
+fn save(image: &image::RgbImage, path: &Path) -> Result<(), Box<dyn Error>> {
     use image::codecs::png::{CompressionType, FilterType, PngEncoder};
     let file = std::io::BufWriter::new(std::fs::File::create(path)?);
     let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive);
-    scene.image.write_with_encoder(encoder)?;
+    image.write_with_encoder(encoder)?;
     Ok(())
 }
 
@@ -93,11 +104,13 @@ fn save_labels(scene: &Exemplar, path: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn bench(size: u32) -> Result<(), Box<dyn Error>> {
+fn bench(size: u32, kind: Option<Kind>) -> Result<(), Box<dyn Error>> {
     let count = 200;
     let started = Instant::now();
     for seed in 0..count {
-        procedural::generate(&SceneParams::random(seed, size, size))?;
+        let mut params = SceneParams::random(seed, size, size);
+        params.kind = kind.unwrap_or(params.kind);
+        procedural::generate(&params)?;
     }
     let seconds = started.elapsed().as_secs_f64();
     println!("{count} random scenes of {size} x {size}: {:.1} a second on one core", count as f64 / seconds);

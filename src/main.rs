@@ -1,1 +1,40 @@
-fn main() {}
+//! The `vtex` program: see [`cli`].
+
+#![forbid(unsafe_code)]
+
+mod cli;
+
+use clap::FromArgMatches;
+use cli::{Cli, Exit, Options, arguments, failure, interrupt};
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let choice = arguments::colour_choice(&arguments);
+    choice.as_choice().write_global();
+    let parsed = arguments::command_for(&arguments)
+        .color(choice.as_clap())
+        .try_get_matches_from(arguments)
+        .and_then(|matches| Cli::from_arg_matches(&matches));
+    let outcome = match parsed {
+        Ok(cli) => run(cli),
+        Err(e) => return failure::show_usage(&e).into(),
+    };
+    match outcome {
+        Ok(()) => Exit::Success,
+        Err(e) => failure::show(&e),
+    }
+    .into()
+}
+
+fn run(cli: Cli) -> anyhow::Result<()> {
+    match Options::resolve(cli)? {
+        Options::DumpConfig(text) => cli::output::print(text.as_bytes()),
+        Options::Job(common, job) => {
+            interrupt::watch();
+            cli::use_threads(common.threads)?;
+            cli::commands::run(&common, &job)
+        }
+    }
+}

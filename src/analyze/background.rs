@@ -5,15 +5,21 @@ use crate::raster::{LabelMap, colour, squared_distance};
 use crate::sampling::{Domain, poisson_disk, stream};
 use crate::scene::ControlPoint;
 use image::RgbImage;
-use spade::{DelaunayTriangulation, Point2, Triangulation};
+use spade::{DelaunayTriangulation, Point2};
 
-/// Fewest pixels that give a cell a colour.
-const ENOUGH: usize = 12;
+/// Share of a full cell's pixels that must be ground for the cell to have a colour.
+const ENOUGH: f64 = 0.12;
+/// Colours further from the middle of the palette than this many median distances are leftovers of
+/// textons that the masks missed, not ground.
+const OUTLIER: f32 = 3.5;
+/// No colour nearer than this to the middle of the palette is an outlier, in Oklab units.
+const ALIKE: f32 = 0.03;
 
 /// Takes the palette. `primaries` holds a label above 0 where a primary stands, `textons` where
 /// any texton stands. Of each cell the pixels at least `background_margin` from every texton
 /// count; where they are too few the strip is made thinner, in the end only primaries and the
-/// pixel around them are left out, so that what lies between small textons is ground too.
+/// pixels around them are left out, so that what lies between small textons is ground too.
+/// Cells of little ground and colours far from all others are left out.
 pub(super) fn palette(
     image: &RgbImage,
     primaries: &LabelMap,
@@ -33,25 +39,42 @@ pub(super) fn palette(
     }
     let rgb = |i: u32| image.as_raw()[3 * i as usize..][..3].try_into().unwrap_or([0; 3]);
     let margin = params.background_margin as f32;
+    let enough = ENOUGH * (w * h) as f64 / sites.len().max(1) as f64;
     let median_beyond = |cell: &[u32], distance2: &[f32], strip: f32| {
         let ground: Vec<u32> =
             cell.iter().copied().filter(|&i| distance2[i as usize] > strip * strip).collect();
-        if ground.len() >= ENOUGH { colour::median(ground.into_iter().map(rgb)) } else { None }
+        if ground.len() as f64 >= enough { colour::median(ground.into_iter().map(rgb)) } else { None }
     };
-    let strips = [1.0, 0.6, 0.4, 0.2].map(|share| margin * share);
     let mut found = Vec::new();
     for (site, cell) in sites.iter().zip(&pixels) {
-        let colour = strips
+        let colour = [1.0, 0.6, 0.4]
             .iter()
-            .find_map(|&strip| median_beyond(cell, &from_textons, strip))
-            .or_else(|| median_beyond(cell, &from_primaries, 1.0));
+            .find_map(|share| median_beyond(cell, &from_textons, margin * share))
+            .or_else(|| median_beyond(cell, &from_primaries, (0.4 * margin).min(2.0)));
         found.extend(colour.map(|colour| ControlPoint { x: round(site[0]), y: round(site[1]), colour }));
     }
+    drop_outliers(&mut found);
     let ground = (0..w as u32 * h as u32).filter(|&i| primaries.labels[i as usize] == 0);
-    let fallback = colour::median(ground.map(rgb))
+    let fallback = colour::median(found.iter().map(|s| s.colour.0))
+        .or_else(|| colour::median(ground.map(rgb)))
         .or_else(|| colour::median(image.pixels().map(|p| p.0)))
         .unwrap_or_default();
     Background { spacing: params.background_spacing, fallback, sites: found }
+}
+
+/// Drops sites whose colour lies far from the middle of the palette, measured by the median
+/// distance (Oklab). A ground of two colours has a large median distance and keeps both.
+fn drop_outliers(sites: &mut Vec<ControlPoint>) {
+    let Some(middle) = colour::median(sites.iter().map(|s| s.colour.0)) else { return };
+    let centre = middle.to_oklab();
+    let distance = |s: &ControlPoint| {
+        let lab = s.colour.to_oklab();
+        (0..3).map(|c| (lab[c] - centre[c]) * (lab[c] - centre[c])).sum::<f32>().sqrt()
+    };
+    let mut distances: Vec<f32> = sites.iter().map(distance).collect();
+    distances.sort_by(f32::total_cmp);
+    let limit = (OUTLIER * distances[distances.len() / 2]).max(ALIKE);
+    sites.retain(|s| distance(s) <= limit);
 }
 
 /// To a hundredth of a pixel, so that files stay small.

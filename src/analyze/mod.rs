@@ -13,7 +13,7 @@ mod secondaries;
 mod shapes;
 
 pub use crate::library::AnalyzeParams;
-pub use exemplar::Exemplar;
+pub use exemplar::{Exemplar, Limits};
 
 use crate::document::Document as _;
 use crate::error::Result;
@@ -99,7 +99,7 @@ pub fn analyze(
     let descriptor_half = descriptor_half(&centroids, width, height, params.descriptor_reach);
     progress.picture("descriptors", &|| pictures::descriptors(&primaries, &ids, &centroids, descriptor_half));
 
-    let mut warnings = Vec::new();
+    let mut warnings = exemplar.warnings.clone();
     warn_about(&primary_textons, &mut warnings);
     for warning in &warnings {
         progress.warn(warning);

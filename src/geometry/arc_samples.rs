@@ -4,7 +4,7 @@
 //! where two arcs pass through a junction, the junction moves with them. No point moves further
 //! than half a pixel, and junctions stay within the hull of the crack middles around them.
 
-use super::trace::{HalfArc, PlanarMap};
+use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap};
 use kurbo::{Point, Vec2};
 use std::collections::BTreeMap;
 
@@ -17,32 +17,29 @@ const REACH: f64 = 0.5;
 
 /// Points of every arc before and after relaxing. Open arcs begin and end at their junctions.
 pub(super) fn sample_all(map: &PlanarMap, junctions: &Junctions) -> (Vec<Vec<Point>>, Vec<Vec<Point>>) {
-    let rough: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc, junctions)).collect();
+    let rough: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
     let fixed: Vec<Vec<bool>> = rough.iter().zip(&map.arcs).map(|(p, a)| corners(p, a.closed)).collect();
     let mut smooth = rough.clone();
     for round in 0..2 * ROUNDS {
         relax(map, &mut smooth, &rough, &fixed, junctions, STEPS[round % 2]);
     }
-    for ((points, rough), arc) in smooth.iter_mut().zip(&rough).zip(&map.arcs) {
-        if arc.closed {
-            keep_area(points, map.points_of(arc));
-        }
-        debug_assert_eq!(points.len(), rough.len());
+    for (points, arc) in
+        smooth.iter_mut().zip(&map.arcs).filter(|(_, arc)| arc.closed && !borders_outside(arc))
+    {
+        keep_area(points, map.points_of(arc));
     }
     (rough, smooth)
 }
 
-fn middles(map: &PlanarMap, arc: &super::trace::Arc, junctions: &Junctions) -> Vec<Point> {
-    let lattice = map.points_of(arc);
-    let middle =
-        |w: &[[i32; 2]]| Point::new(f64::from(w[0][0] + w[1][0]) / 2.0, f64::from(w[0][1] + w[1][1]) / 2.0);
-    let mut points = Vec::with_capacity(lattice.len() + 1);
+fn middles(map: &PlanarMap, arc: &Arc) -> Vec<Point> {
+    let steps = map.points_of(arc);
+    let mut points = Vec::with_capacity(steps.len() + 1);
     if !arc.closed {
-        points.push(junctions.position(lattice[0]));
+        points.push(lattice(steps[0]));
     }
-    points.extend(lattice.windows(2).map(middle));
+    points.extend(steps.windows(2).map(|w| lattice(w[0]).midpoint(lattice(w[1]))));
     if !arc.closed {
-        points.push(junctions.position(lattice[lattice.len() - 1]));
+        points.push(lattice(steps[steps.len() - 1]));
     }
     points
 }
@@ -83,59 +80,52 @@ fn relax(
     junctions: &Junctions,
     step: f64,
 ) {
-    let moved = |p: Point, a: Point, b: Point| p + (a.midpoint(b) - p) * step;
     // Junctions first, from the points around them as they are.
-    let ends: BTreeMap<[i32; 2], Point> = junctions
-        .leaving
-        .keys()
-        .map(|&at| {
-            let here = junction_point(map, points, junctions, at);
-            let Some(pair) = junctions.through(at) else { return (at, here) };
-            let [a, b] = pair.map(|h| second(points, h));
-            let target = moved(here, a, b).to_vec2() - lattice(at).to_vec2();
+    let ends: Vec<Point> = (junctions.list.iter())
+        .map(|junction| {
+            let here = ahead(points, junction.arms[0], 0);
+            let at_border = |h: &HalfArc| borders_outside(&map.arcs[h.arc as usize]);
+            if junction.arms.iter().any(at_border) {
+                return junction.at;
+            }
+            let arms = junction.through.as_ref().map_or(&junction.arms[..], |pair| &pair[..]);
+            let sum = arms.iter().fold(Vec2::ZERO, |sum, &h| sum + ahead(points, h, 1).to_vec2());
+            let mean = (sum / arms.len() as f64).to_point();
+            let away = here + (mean - here) * step - junction.at;
             // Within the diamond of the four crack middles.
-            let size = target.x.abs() + target.y.abs();
-            let inside = if size > 0.49 { target * (0.49 / size) } else { target };
-            (at, lattice(at) + inside)
+            let size = away.x.abs() + away.y.abs();
+            junction.at + if size > 0.49 { away * (0.49 / size) } else { away }
         })
         .collect();
     for (i, arc) in map.arcs.iter().enumerate() {
-        let (old, n) = (points[i].clone(), points[i].len());
         let p = &mut points[i];
+        let n = p.len();
+        let first = p[0];
+        // The point before the one at hand, as it was.
+        let mut before = if arc.closed { p[n - 1] } else { p[0] };
         let range = if arc.closed { 0..n } else { 1..n - 1 };
         for k in range {
+            let here = p[k];
+            let after = if k + 1 < n { p[k + 1] } else { first };
             if !fixed[i][k] {
-                let (a, b) = (old[(k + n - 1) % n], old[(k + 1) % n]);
-                let away = moved(old[k], a, b) - rough[i][k];
+                let away = here + (before.midpoint(after) - here) * step - rough[i][k];
                 let length = libm::sqrt(away.hypot2());
                 p[k] = rough[i][k] + if length > REACH { away * (REACH / length) } else { away };
             }
+            before = here;
         }
-        if !arc.closed {
-            let lattice = map.points_of(arc);
-            (p[0], p[n - 1]) = (ends[&lattice[0]], ends[&lattice[lattice.len() - 1]]);
+        if let Some([a, b]) = junctions.ends[i] {
+            (p[0], p[n - 1]) = (ends[a], ends[b]);
         }
     }
+}
+
+fn borders_outside(arc: &Arc) -> bool {
+    arc.left == OUTSIDE || arc.right == OUTSIDE
 }
 
 fn lattice(at: [i32; 2]) -> Point {
     Point::new(f64::from(at[0]), f64::from(at[1]))
-}
-
-fn junction_point(map: &PlanarMap, points: &[Vec<Point>], junctions: &Junctions, at: [i32; 2]) -> Point {
-    match junctions.leaving[&at].first() {
-        Some(&(h, _)) => {
-            let p = &points[h.arc as usize];
-            debug_assert!(!map.arcs[h.arc as usize].closed);
-            if h.reversed { p[p.len() - 1] } else { p[0] }
-        }
-        None => lattice(at),
-    }
-}
-
-/// The point next to the junction that a half arc leaves.
-fn second(points: &[Vec<Point>], h: HalfArc) -> Point {
-    ahead(points, h, 1)
 }
 
 /// The point `steps` points along a half arc, or its last.
@@ -174,9 +164,20 @@ fn keep_area(points: &mut [Point], lattice: &[[i32; 2]]) {
 }
 
 /// Where arcs meet.
+struct Junction {
+    /// Its lattice point.
+    at: Point,
+    /// The half arcs that leave it.
+    arms: Vec<HalfArc>,
+    /// The two that pass through it, if two outrank all others.
+    through: Option<[HalfArc; 2]>,
+}
+
+/// All junctions of a map.
 pub(super) struct Junctions {
-    /// Half arcs that leave each junction, with their rank.
-    leaving: BTreeMap<[i32; 2], Vec<(HalfArc, u8)>>,
+    list: Vec<Junction>,
+    /// The junctions at the ends of each arc; none for closed ones.
+    ends: Vec<Option<[usize; 2]>>,
 }
 
 impl Junctions {
@@ -190,36 +191,31 @@ impl Junctions {
                 leaving.entry(point).or_default().push((HalfArc { arc: i as u32, reversed }, r));
             }
         }
-        Self { leaving }
-    }
-
-    /// Where a junction begins: on its lattice point.
-    fn position(&self, point: [i32; 2]) -> Point {
-        lattice(point)
-    }
-
-    /// The two arcs that pass through a junction, if two outrank all others.
-    fn through(&self, point: [i32; 2]) -> Option<[HalfArc; 2]> {
-        let arms = &self.leaving[&point];
-        let top = arms.iter().map(|a| a.1).max()?;
-        let mut best = arms.iter().filter(|a| a.1 == top).map(|a| a.0);
-        let pair = [best.next()?, best.next()?];
-        (best.next().is_none() && arms.len() > 2).then_some(pair)
+        let mut ends = vec![None; map.arcs.len()];
+        let mut list = Vec::with_capacity(leaving.len());
+        for (point, arms) in leaving {
+            for (h, _) in &arms {
+                ends[h.arc as usize].get_or_insert([0; 2])[usize::from(h.reversed)] = list.len();
+            }
+            let top = arms.iter().map(|a| a.1).max();
+            let best: Vec<HalfArc> = arms.iter().filter(|a| Some(a.1) == top).map(|a| a.0).collect();
+            let through = <[HalfArc; 2]>::try_from(best).ok().filter(|_| arms.len() > 2);
+            let arms = arms.into_iter().map(|a| a.0).collect();
+            list.push(Junction { at: lattice(point), arms, through });
+        }
+        Self { list, ends }
     }
 
     /// Unit tangents at both ends of an arc, along the arc, where it passes a junction smoothly.
-    pub(super) fn tangents(&self, map: &PlanarMap, points: &[Vec<Point>], i: usize) -> [Option<Vec2>; 2] {
-        let p = map.points_of(&map.arcs[i]);
-        [(p[0], false), (p[p.len() - 1], true)].map(|(point, reversed)| {
-            let [a, b] = self.through(point)?;
+    pub(super) fn tangents(&self, points: &[Vec<Point>], i: usize) -> [Option<Vec2>; 2] {
+        let Some(ends) = self.ends[i] else { return [None; 2] };
+        [(ends[0], false), (ends[1], true)].map(|(junction, reversed)| {
+            let [a, b] = self.list[junction].through?;
             let own = HalfArc { arc: i as u32, reversed };
-            let other = if own == a {
-                b
-            } else if own == b {
-                a
-            } else {
+            let other = if own == a { b } else { a };
+            if own != a && own != b {
                 return None;
-            };
+            }
             let here = ahead(points, own, 0);
             let (out, back) = (ahead(points, own, 3), ahead(points, other, 3));
             let (u, v) = (out - here, here - back);

@@ -6,7 +6,7 @@ use kurbo::{CubicBez, ParamCurve, ParamCurveDeriv, Point, Vec2};
 
 /// A piece of a fitted curve; it begins where the piece before it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Piece {
+pub(super) enum Piece {
     /// A straight line to a point.
     Line(Point),
     /// A cubic Bézier: two control points and the end.
@@ -15,7 +15,7 @@ pub enum Piece {
 
 impl Piece {
     /// Where the piece ends.
-    pub fn end(&self) -> Point {
+    pub(super) fn end(&self) -> Point {
         match *self {
             Self::Line(p) | Self::Cubic(_, _, p) => p,
         }
@@ -25,7 +25,12 @@ impl Piece {
 /// Fits `points` (at least two) within `tolerance`, in the units of the points. The curve passes
 /// through the first and the last point; `start` and `end` are unit tangents there, both pointing
 /// along the curve, or `None` to estimate them. Corners in between stay corners.
-pub fn fit_open(points: &[Point], start: Option<Vec2>, end: Option<Vec2>, tolerance: f64) -> Vec<Piece> {
+pub(super) fn fit_open(
+    points: &[Point],
+    start: Option<Vec2>,
+    end: Option<Vec2>,
+    tolerance: f64,
+) -> Vec<Piece> {
     let mut out = Vec::new();
     let mut from = 0;
     let corners = corners(points, false);
@@ -42,7 +47,7 @@ pub fn fit_open(points: &[Point], start: Option<Vec2>, end: Option<Vec2>, tolera
 
 /// Fits a closed curve through `points` (the last is not a repeat of the first; at least three).
 /// Gives the starting point and the pieces, which end there.
-pub fn fit_closed(points: &[Point], tolerance: f64) -> (Point, Vec<Piece>) {
+pub(super) fn fit_closed(points: &[Point], tolerance: f64) -> (Point, Vec<Piece>) {
     let n = points.len();
     let corners = corners(points, true);
     let first = corners.first().copied().unwrap_or(0);

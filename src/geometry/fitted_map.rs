@@ -54,10 +54,13 @@ impl FittedMap {
         let indices: Vec<usize> = (0..map.arcs.len()).collect();
         let fit = |i: usize, level: usize| {
             let arc = &map.arcs[i];
+            if arc.left == OUTSIDE || arc.right == OUTSIDE {
+                return along_border(map.points_of(arc));
+            }
             if level + 1 == TIGHTNESS.len() {
                 return polyline(&rough[i], arc.closed);
             }
-            let ends = if arc.closed { [None, None] } else { junctions.tangents(&map, &samples, i) };
+            let ends = junctions.tangents(&samples, i);
             fit_arc(&samples[i], arc.closed, ends, tolerance * TIGHTNESS[level])
         };
         let mut arcs = parallel::map(&indices, |&i| fit(i, 0));
@@ -184,6 +187,14 @@ fn fit_arc(points: &[Point], closed: bool, ends: [Option<Vec2>; 2], tolerance: f
     Curve { start: grid(start), pieces: pieces.collect() }
 }
 
+/// The border of the image, exactly: straight, with its corners.
+fn along_border(lattice: &[[i32; 2]]) -> Curve {
+    let point = |p: [i32; 2]| Point::new(f64::from(p[0]), f64::from(p[1]));
+    let turns = lattice.windows(3).filter(|w| w[0][0] != w[2][0] && w[0][1] != w[2][1]).map(|w| w[1]);
+    let pieces = turns.chain(lattice.last().copied()).map(|p| Piece::Line(point(p))).collect();
+    Curve { start: point(lattice[0]), pieces }
+}
+
 fn polyline(points: &[Point], closed: bool) -> Curve {
     let rest = points[1..].iter().chain(closed.then_some(&points[0]));
     Curve { start: grid(points[0]), pieces: rest.map(|&p| Piece::Line(grid(p))).collect() }
@@ -208,4 +219,83 @@ fn offset(points: &[Point], closed: bool, distance: f64) -> Vec<Point> {
         }
     }
     moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::is_simple;
+    use kurbo::Shape;
+    use proptest::prelude::*;
+
+    /// Label maps of blobs, thin lines and single pixels.
+    fn maps() -> impl Strategy<Value = (u32, u32, Vec<u32>)> {
+        let stamps = prop::collection::vec((0..24i32, 0..18i32, 1..7i32, 1..7i32, 0..6u32), 1..25);
+        (stamps, prop::collection::vec(prop::option::weighted(0.04, 0..6u32), 24 * 18)).prop_map(
+            |(stamps, noise)| {
+                let mut labels = vec![0; 24 * 18];
+                for (cx, cy, rx, ry, label) in stamps {
+                    for (i, l) in labels.iter_mut().enumerate() {
+                        let (dx, dy) = ((i % 24) as i32 - cx, (i / 24) as i32 - cy);
+                        if dx * dx * ry * ry + dy * dy * rx * rx <= rx * rx * ry * ry {
+                            *l = label;
+                        }
+                    }
+                }
+                for (l, n) in labels.iter_mut().zip(noise) {
+                    *l = n.unwrap_or(*l);
+                }
+                (24, 18, labels)
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+        #[test]
+        fn outlines_are_simple_and_share_their_borders(
+            (w, h, labels) in maps(),
+            tolerance in 0.1..2.0f64,
+        ) {
+            let group = |l: u32| l.div_ceil(2);
+            let fitted = FittedMap::new(PlanarMap::trace(w, h, &labels), tolerance, 5, 3, group);
+            let outlines = fitted.outlines(5, |l| l);
+            let groups = fitted.outlines(3, group);
+            let stacked = fitted.stacked_outlines(5, |a, b| a < b);
+            for (l, outline) in outlines.iter().enumerate().skip(1) {
+                let pixels = labels.iter().filter(|&&x| x == l as u32).count();
+                prop_assert_eq!(outline.is_empty(), pixels == 0);
+                prop_assert!(is_simple(outline.path()), "label {} {:?}", l, outline);
+                prop_assert!(is_simple(stacked[l].path()));
+                prop_assert!(stacked[l].area() > outline.area() - 1e-6);
+            }
+            for outline in &groups {
+                prop_assert!(is_simple(outline.path()));
+            }
+            // What is shared cancels: parts add up to the whole to rounding.
+            for g in 1..=3u32 {
+                let parts: f64 = (1..=5).filter(|&l| group(l) == g).map(|l| outlines[l as usize].path().area()).sum();
+                prop_assert!((parts - groups[g as usize].path().area()).abs() < 1e-6);
+            }
+            // The whole image is tiled: every face beside the image border has its straight edge.
+            let all = fitted.outlines(1, |_| 1);
+            prop_assert!((all[1].path().area() - f64::from(w * h)).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_disc_is_round_and_keeps_its_area() {
+        let labels: Vec<u32> = (0..60 * 60)
+            .map(|i| {
+                let (x, y) = (f64::from(i % 60) - 29.5, f64::from(i / 60) - 29.5);
+                u32::from(x * x + y * y < 20.0 * 20.0)
+            })
+            .collect();
+        let fitted = FittedMap::new(PlanarMap::trace(60, 60, &labels), 0.5, 1, 1, |l| l);
+        let outline = &fitted.outlines(1, |l| l)[1];
+        let pixels = labels.iter().sum::<u32>();
+        assert!((outline.area() - f64::from(pixels)).abs() < 0.01 * f64::from(pixels));
+        assert!(outline.compactness() > 0.98, "{}", outline.compactness());
+        assert!(outline.path().elements().len() <= 12, "{:?}", outline);
+    }
 }

@@ -15,8 +15,9 @@ const SAMPLE: f64 = 0.2;
 /// Samples from the beginning of one column to that of the next: a stop's offset then has at most
 /// two digits.
 const COLUMN: usize = 100;
-/// How far a row may lie from its samples, in 8-bit steps. Rounding a stop alone may cost 0.5.
-const TOLERANCE: f64 = 0.8;
+/// How far a row may lie from its samples, in 8-bit steps. Rounding a stop alone may cost 0.5; a
+/// tolerance of 0.8 takes a third more stops and brings the mean error from 0.46 to 0.40.
+const TOLERANCE: f64 = 1.2;
 
 /// The background of a scene, ready to paint.
 pub(super) struct Background {
@@ -53,11 +54,16 @@ impl Background {
         let mut columns: Vec<f64> = (0..samples).step_by(COLUMN).map(|i| i as f64 * step).collect();
         columns.push(width);
 
-        let ys: Vec<f64> = (0..=row_count).map(|k| k as f64 * row_height).collect();
-        let rows = parallel::map(&ys, |&y| {
+        // Rows, and half-way between them.
+        let ys: Vec<f64> = (0..=2 * row_count).map(|k| k as f64 * row_height / 2.0).collect();
+        let xs: Vec<f64> = (0..=samples).map(|i| (i as f64 * step).min(width)).collect();
+        let lines = parallel::map(&ys, |&y| -> Vec<[f32; 3]> {
+            xs.iter().map(|&x| field.at(x, y).map(|v| v as f32)).collect()
+        });
+        let indices: Vec<usize> = (0..=row_count).collect();
+        let rows = parallel::map(&indices, |&k| {
             let row: Vec<Sample> = (0..=samples)
-                .map(|i| (i as f64 * step).min(width))
-                .map(|x| Sample { x, colour: field.at(x, y).map(|v| v.clamp(0.0, 255.0)) })
+                .map(|i| Sample { x: xs[i], colour: fit(&lines, k, i).map(|v| v.clamp(0.0, 255.0)) })
                 .collect();
             (0..samples).step_by(COLUMN).map(|i| simplify(&row[i..=(i + COLUMN).min(samples)])).collect()
         });
@@ -86,6 +92,22 @@ impl Background {
 struct Sample {
     x: f64,
     colour: [f64; 3],
+}
+
+/// The colour of row `k` at sample `i`: the field there, raised or lowered so that the lines to the
+/// next rows lie as much above the field as below it. That halves the error at control points,
+/// where the field has peaks. The borders keep the field's colour, so that tiles meet.
+fn fit(lines: &[Vec<[f32; 3]>], k: usize, i: usize) -> [f64; 3] {
+    let at = |line: usize, c: usize| f64::from(lines[line][i][c]);
+    let own = 2 * k;
+    [0, 1, 2].map(|c| {
+        if own < 2 || own + 2 >= lines.len() {
+            return at(own, c);
+        }
+        let above = at(own - 1, c) - (at(own - 2, c) + at(own, c)) / 2.0;
+        let below = at(own + 1, c) - (at(own + 2, c) + at(own, c)) / 2.0;
+        at(own, c) + (above + below) / 2.0
+    })
 }
 
 /// Leaves out samples that the line between their neighbours reproduces; first and last stay.

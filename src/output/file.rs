@@ -146,3 +146,137 @@ fn is_png(start: &[u8]) -> bool {
     }
     false
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::{png, svg, testing};
+
+    fn put(path: &Path, force: bool, text: &str) -> Result<()> {
+        write_file(path, force, |w| w.write_all(text.as_bytes()).map_err(|e| Error::write(Path::new("-"), e)))
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn kinds_by_name() {
+        let kind = |name: &str| Kind::from_path(Path::new(name)).map(|k| (k.format, k.gzip));
+        assert_eq!(kind("a/b.svg"), Some((Format::Svg, false)));
+        assert_eq!(kind("b.SVGZ"), Some((Format::Svg, true)));
+        assert_eq!(kind("b.png"), Some((Format::Png, false)));
+        assert_eq!(kind("b.scene.json"), Some((Format::Scene, false)));
+        assert_eq!(kind("b.lib.json.gz"), Some((Format::Library, true)));
+        for other in ["b.json", "svg", "b.svg.gz", "", "-", "b.svg/.."] {
+            assert_eq!(kind(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn failing_content_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.svg");
+        put(&path, false, "old").unwrap();
+        let failed: Result<()> = write_file(&path, true, |w| {
+            w.write_all(&[b'x'; 100_000]).unwrap();
+            Err(Error::write(Path::new("-"), io::ErrorKind::StorageFull.into()))
+        });
+        let error = failed.unwrap_err();
+        assert!(matches!(&error, Error::Write { path: p, .. } if p == &path), "{error}");
+        let failed: Result<()> =
+            write_file(&folder.path().join("new.svg"), false, |_| Err(Error::Interrupted));
+        assert!(matches!(failed, Err(Error::Interrupted)));
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.svg"]);
+    }
+
+    #[test]
+    fn only_own_files_are_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let scene = testing::scene(40, 40, 1);
+        let mut drawn = Vec::new();
+        svg::write(&scene, &svg::SvgOptions::default(), &mut drawn).unwrap();
+        let mut packed = gzip(Vec::new());
+        packed.write_all(&drawn).unwrap();
+        let mut picture = Vec::new();
+        png::encode(&png::render(&scene, 1.0).unwrap(), None, &mut picture).unwrap();
+        let mut packed_json = gzip(Vec::new());
+        packed_json.write_all(&scene.to_json()).unwrap();
+        let own = [
+            drawn.clone(),
+            packed.finish().unwrap(),
+            picture.clone(),
+            scene.to_json(),
+            packed_json.finish().unwrap(),
+        ];
+        for (i, content) in own.iter().enumerate() {
+            fs::write(&path, content).unwrap();
+            put(&path, false, "new").unwrap_or_else(|e| panic!("{i}: {e}"));
+            assert_eq!(fs::read(&path).unwrap(), b"new");
+        }
+
+        let resaved = String::from_utf8(drawn).unwrap().replacen("UTF-8\"", "UTF-8\" standalone=\"no\"", 1);
+        let from_elsewhere = {
+            let at = picture.windows(5).position(|w| w == b"vtex ").unwrap();
+            [&picture[..at], b"gimp ", &picture[at + 5..]].concat()
+        };
+        let foreign: [&[u8]; 8] = [
+            b"",
+            b"my notes",
+            b"{\"format\":\"other\"}",
+            b"<svg xmlns=\"http://www.w3.org/2000/svg\"/>",
+            b"\x1f\x8b\x08",
+            b"\x89PNG\r\n\x1a\n\xff\xff\xff\xffIDAT",
+            resaved.as_bytes(),
+            &from_elsewhere,
+        ];
+        for (i, content) in foreign.iter().enumerate() {
+            fs::write(&path, content).unwrap();
+            assert!(matches!(put(&path, false, "new"), Err(Error::Exists { .. })), "{i}");
+            assert_eq!(&fs::read(&path).unwrap(), content);
+            put(&path, true, "new").unwrap();
+            assert_eq!(fs::read(&path).unwrap(), b"new");
+        }
+    }
+
+    #[test]
+    fn folders_that_are_missing_or_in_the_way() {
+        let folder = tempfile::tempdir().unwrap();
+        for path in [folder.path().to_owned(), folder.path().join("missing/a.svg")] {
+            assert!(matches!(put(&path, true, "new"), Err(Error::Write { .. })), "{}", path.display());
+        }
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_permissions_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.svg"), folder.path().join("link.svg"));
+        put(&path, false, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        put(&link, true, "new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+        put(Path::new("/dev/null"), false, "gone").unwrap();
+    }
+
+    #[test]
+    fn packing_gives_the_same_bytes() {
+        let pack = || {
+            let mut out = gzip(Vec::new());
+            out.write_all(b"texture").unwrap();
+            out.finish().unwrap()
+        };
+        assert_eq!(pack(), pack());
+        assert_eq!(pack()[4..8], [0; 4], "no time");
+    }
+}

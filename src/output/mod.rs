@@ -5,6 +5,7 @@
 //! draws any SVG, [`file`] puts what they write safely in its place.
 
 mod background;
+mod coverage;
 pub mod file;
 pub mod png;
 pub mod raster_svg;
@@ -12,7 +13,11 @@ pub mod svg;
 #[cfg(test)]
 mod testing;
 
+pub use coverage::coverage;
+
+use crate::document::Document;
 use crate::error::{Error, Result};
+use crate::scene::Scene;
 
 /// Largest picture drawn, in pixels: 4 GiB of memory.
 const LARGEST_PICTURE: u64 = 1 << 30;
@@ -35,4 +40,9 @@ fn picture_size(width: f64, height: f64, scale: f64, name: &str) -> Result<(u32,
         found: format!("a picture of {w:.0} x {h:.0} pixels"),
         limit: format!("{LARGEST_PICTURE} pixels"),
     })
+}
+
+/// Refuses a scene whose references or sizes are unsound, so that no writer meets one.
+fn check_scene(scene: &Scene) -> Result<()> {
+    scene.validate().map_err(|reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason })
 }

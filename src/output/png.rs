@@ -11,6 +11,7 @@ use crate::geometry::{Affine, Outline, PathEl, Rect};
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::{Instance, Scene};
+use image::RgbImage;
 use std::io::Write;
 use std::path::Path;
 use tiny_skia::{FillRule, Paint, PathBuilder, Pixmap, PixmapMut, Transform};
@@ -21,8 +22,10 @@ const BAND: usize = 256;
 /// Draws a scene, `scale` pixels of the picture to a pixel of the canvas; the size is rounded.
 ///
 /// # Errors
-/// A scale that is not above 0; [`Error::TooLarge`] beyond 2³⁰ pixels.
+/// A scale that is not above 0; a scene that breaks its invariants; [`Error::TooLarge`] beyond 2³⁰
+/// pixels.
 pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
+    super::check_scene(scene)?;
     let (canvas_width, canvas_height) = (f64::from(scene.width), f64::from(scene.height));
     let (width, height) = picture_size(canvas_width, canvas_height, scale, "scene")?;
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| Error::TooLarge {
@@ -47,15 +50,15 @@ pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
 /// Bilinear interpolation of the background's rows.
 fn paint_background(background: &Background, scale: [f64; 2], top: usize, width: usize, data: &mut [u8]) {
     let xs: Vec<f64> = (0..width).map(|x| (x as f64 + 0.5) / scale[0]).collect();
-    let mut current = usize::MAX;
+    let mut current = None;
     let (mut above, mut below) = (Vec::new(), Vec::new());
     for (y, line) in data.chunks_exact_mut(width * 4).enumerate() {
         let v = ((top + y) as f64 + 0.5) / scale[1] / background.row_height;
         let k = (v as usize).min(background.rows.len() - 2);
-        if k != current {
-            above = if current.wrapping_add(1) == k { below } else { background.row(k, &xs) };
+        if current != Some(k) {
+            above = background.row(k, &xs);
             below = background.row(k + 1, &xs);
-            current = k;
+            current = Some(k);
         }
         let t = (v - k as f64) as f32;
         for ((pixel, a), b) in line.chunks_exact_mut(4).zip(&above).zip(&below) {
@@ -136,7 +139,7 @@ fn fill(band: &mut PixmapMut<'_>, path: &tiny_skia::Path, colour: Colour, transf
 }
 
 /// The path as tiny-skia knows it; none if there is nothing to fill.
-fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
+pub(super) fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
     let mut builder = PathBuilder::new();
     for element in outline.path().elements() {
         match *element {
@@ -165,13 +168,23 @@ pub fn encode(pixmap: &Pixmap, seed: Option<u64>, out: impl Write) -> Result<()>
         let c = pixel.demultiply();
         data.extend_from_slice(&[c.red(), c.green(), c.blue(), c.alpha()][..channels]);
     }
-    encode_data(pixmap.width(), pixmap.height(), opaque, &data, seed, out).map_err(|e| {
-        let source = match e {
-            png::EncodingError::IoError(e) => e,
-            other => std::io::Error::other(other.to_string()),
-        };
-        Error::write(Path::new("-"), source)
-    })
+    encode_data(pixmap.width(), pixmap.height(), opaque, &data, seed, out).map_err(failed)
+}
+
+/// As [`encode`], of plain RGB.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_rgb(image: &RgbImage, out: impl Write) -> Result<()> {
+    encode_data(image.width(), image.height(), true, image.as_raw(), None, out).map_err(failed)
+}
+
+fn failed(e: png::EncodingError) -> Error {
+    let source = match e {
+        png::EncodingError::IoError(e) => e,
+        other => std::io::Error::other(other.to_string()),
+    };
+    Error::write(Path::new("-"), source)
 }
 
 fn encode_data(
@@ -193,4 +206,119 @@ fn encode_data(
     let mut writer = encoder.write_header()?;
     writer.write_image_data(data)?;
     writer.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::raster_svg::render_svg;
+    use crate::output::svg::{self, SvgOptions};
+    use crate::output::testing;
+
+    /// Mean and largest difference of two pictures, in 8-bit steps.
+    fn difference(a: &Pixmap, b: &Pixmap) -> (f64, u8) {
+        assert_eq!((a.width(), a.height()), (b.width(), b.height()));
+        let pairs = || a.data().iter().zip(b.data());
+        let sum: u64 = pairs().map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+        let most = pairs().map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
+        (sum as f64 / a.data().len() as f64, most)
+    }
+
+    fn by_svg(scene: &Scene, options: SvgOptions, scale: f64) -> Pixmap {
+        let mut bytes = Vec::new();
+        svg::write(scene, &options, &mut bytes).unwrap();
+        render_svg(&bytes, scale, "test").unwrap()
+    }
+
+    #[test]
+    fn agrees_with_resvg_at_any_scale() {
+        let scene = testing::scene(560, 320, 1);
+        for scale in [0.5, 1.0, 2.3] {
+            let direct = render(&scene, scale).unwrap();
+            for expand in [false, true] {
+                let options = SvgOptions { expand, ..SvgOptions::default() };
+                let (mean, most) = difference(&direct, &by_svg(&scene, options, scale));
+                assert!(mean < 0.5, "scale {scale}, expand {expand}: mean {mean}");
+                assert!(most <= 40, "scale {scale}, expand {expand}: {most} somewhere");
+            }
+        }
+    }
+
+    #[test]
+    fn textons_are_really_drawn() {
+        let mut scene = testing::scene(300, 300, 2);
+        let full = render(&scene, 1.0).unwrap();
+        scene.primary.clear();
+        scene.secondary.clear();
+        let (mean, _) = difference(&full, &render(&scene, 1.0).unwrap());
+        assert!(mean > 5.0, "{mean}");
+    }
+
+    #[test]
+    fn bands_of_the_background_leave_no_seam() {
+        let mut scene = testing::scene(1200, 120, 3);
+        scene.primary.clear();
+        scene.secondary.clear();
+        for scale in [1.0, 1.37, 4.0] {
+            let svg = by_svg(&scene, SvgOptions::default(), scale);
+            let (mean, most) = difference(&render(&scene, scale).unwrap(), &svg);
+            assert!(mean < 0.6 && most <= 3, "scale {scale}: mean {mean}, largest {most}");
+        }
+    }
+
+    #[test]
+    fn background_follows_the_field() {
+        let mut scene = testing::scene(200, 200, 4);
+        scene.primary.clear();
+        scene.secondary.clear();
+        let picture = render(&scene, 1.0).unwrap();
+        let field = crate::scene::field::Interpolant::new(&scene.background, 200, 200);
+        let mut sum = 0.0;
+        for (i, pixel) in picture.pixels().iter().enumerate() {
+            let at = field.at((i % 200) as f64 + 0.5, (i / 200) as f64 + 0.5);
+            let got = [pixel.red(), pixel.green(), pixel.blue()];
+            sum += (0..3).map(|c| (at[c].clamp(0.0, 255.0) - f64::from(got[c])).abs()).sum::<f64>();
+        }
+        let mean = sum / (3.0 * 200.0 * 200.0);
+        assert!(mean < 1.0, "{mean}");
+    }
+
+    #[test]
+    fn tiny_and_huge_pictures() {
+        let scene = testing::scene(1, 1, 5);
+        assert_eq!(render(&scene, 1.0).unwrap().width(), 1);
+        assert_eq!(render(&scene, 1e-9).unwrap().width(), 1);
+        let error = render(&scene, 1e5).unwrap_err().to_string();
+        assert!(error.contains("100000 x 100000"), "{error}");
+        for scale in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(render(&scene, scale), Err(Error::Parameter { name: "scale", .. })), "{scale}");
+        }
+    }
+
+    #[test]
+    fn png_comes_back_and_names_program_and_seed() {
+        let picture = render(&testing::scene(90, 60, 6), 1.0).unwrap();
+        let mut bytes = Vec::new();
+        encode(&picture, Some(77), &mut bytes).unwrap();
+        let decoder = png::Decoder::new(std::io::Cursor::new(&bytes));
+        let mut reader = decoder.read_info().unwrap();
+        let mut data = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut data).unwrap();
+        let drawn: Vec<u8> = picture.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+        assert_eq!(data, drawn);
+        let texts: Vec<(&str, &str)> = reader
+            .info()
+            .uncompressed_latin1_text
+            .iter()
+            .map(|t| (t.keyword.as_str(), t.text.as_str()))
+            .collect();
+        assert_eq!(texts, [("Software", crate::PROGRAM), ("Seed", "77")]);
+    }
+
+    #[test]
+    fn unsound_scenes_are_refused() {
+        let mut scene = testing::scene(20, 20, 7);
+        scene.primary[0].texton = 1000;
+        assert!(matches!(render(&scene, 1.0), Err(Error::Format { .. })));
+    }
 }

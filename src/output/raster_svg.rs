@@ -59,3 +59,61 @@ fn unpack<'a>(bytes: &'a [u8], name: &str) -> Result<Cow<'a, [u8]>> {
     }
     Ok(if is_gzip { unpacked.into() } else { bytes.into() })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    const RED: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="30" height="20"><rect width="30" height="20" fill="red"/>"#;
+
+    #[test]
+    fn plain_and_packed() {
+        let text = format!("{RED}</svg>");
+        let mut packed = crate::output::file::gzip(Vec::new());
+        packed.write_all(text.as_bytes()).unwrap();
+        let packed = packed.finish().unwrap();
+        for bytes in [text.as_bytes(), &packed] {
+            let picture = render_svg(bytes, 1.5, "red.svg").unwrap();
+            assert_eq!((picture.width(), picture.height()), (45, 30));
+            assert!(picture.pixels().iter().all(|p| (p.red(), p.green(), p.alpha()) == (255, 0, 255)));
+        }
+    }
+
+    #[test]
+    fn what_is_no_svg_is_refused() {
+        let deep = format!("{RED}{}", "<g>".repeat(100_000));
+        let bomb = "<!DOCTYPE svg [<!ENTITY a 'aaaaaaaaaa'><!ENTITY b '&a;&a;&a;&a;&a;'><!ENTITY c '&b;&b;&b;'>]>\
+                    <svg>&c;";
+        for bad in ["", "no svg", "<svg", "<html/>", RED, bomb, &deep, "\u{1f}\u{fffd}"] {
+            let error = render_svg(bad.as_bytes(), 1.0, "bad.svg").unwrap_err();
+            assert!(matches!(error, Error::Render { .. }), "{error}");
+        }
+        assert!(render_svg(&[0x1f, 0x8b, 8, 0, 1], 1.0, "bad.svgz").is_err());
+    }
+
+    #[test]
+    fn deep_nesting_is_no_harm() {
+        let deep = format!("{RED}{}{}</svg>", "<g>".repeat(100_000), "</g>".repeat(100_000));
+        let _ = render_svg(deep.as_bytes(), 1.0, "deep.svg");
+    }
+
+    #[test]
+    fn pictures_are_never_loaded() {
+        let folder = tempfile::tempdir().unwrap();
+        let inner = folder.path().join("inner.svg");
+        std::fs::write(&inner, format!("{RED}</svg>")).unwrap();
+        let outer = format!(
+            r#"<svg xmlns="http://www.w3.org/2000/svg" width="30" height="20"><image width="30" height="20" href="{}"/></svg>"#,
+            inner.display()
+        );
+        let picture = render_svg(outer.as_bytes(), 1.0, "outer.svg").unwrap();
+        assert!(picture.pixels().iter().all(|p| p.alpha() == 0));
+    }
+
+    #[test]
+    fn huge_pictures_are_refused() {
+        let huge = r#"<svg xmlns="http://www.w3.org/2000/svg" width="1e9" height="1e9"/>"#;
+        assert!(matches!(render_svg(huge.as_bytes(), 1.0, "huge.svg"), Err(Error::TooLarge { .. })));
+    }
+}

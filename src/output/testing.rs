@@ -2,7 +2,7 @@
 
 use crate::geometry::{Affine, BezPath, Outline, Point};
 use crate::raster::colour::Colour;
-use crate::sampling::{Stream, stream};
+use crate::sampling::{Domain, Stream, poisson_disk, stream};
 use crate::scene::{ControlPoint, Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
 
 /// A closed smooth ring around a centre, bumpy by `rough`; clockwise, or the other way for holes.
@@ -104,12 +104,12 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
     };
     let secondary = place(24..40, (area / 400.0) as usize + 4, false, rng);
     let primary = place(0..24, (area / 2500.0) as usize + 4, true, rng);
-    let sites = (area / 700.0) as usize + 4;
-    let points = (0..sites)
-        .map(|_| ControlPoint {
-            x: rng.unit() * f64::from(width),
-            y: rng.unit() * f64::from(height),
-            colour: colour([105.0, 110.0, 80.0], 30.0, rng),
+    let domain = Domain::plane(f64::from(width), f64::from(height));
+    let points = poisson_disk(domain, 25.0, rng)
+        .into_iter()
+        .map(|[x, y]| {
+            let light = rng.range(-30.0, 30.0);
+            ControlPoint { x, y, colour: colour([105.0, 110.0, 80.0].map(|v| v + light), 6.0, rng) }
         })
         .collect();
     Scene {

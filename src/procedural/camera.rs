@@ -30,6 +30,7 @@ impl Camera {
                 1.0 + self.gradient[0] * u + self.gradient[1] * v - 0.5 * self.vignette * (u * u + v * v);
             *pixel = pixel.map(|c| c * gain.max(0.1));
         }
+        expose(&mut light);
         blur(&mut light, width, height, self.blur);
         let mut bytes = Vec::with_capacity(light.len() * 3);
         for (i, pixel) in light.iter().enumerate() {
@@ -52,6 +53,18 @@ impl Camera {
 fn bell(bits: u32) -> f32 {
     let sum = (bits & 255) + ((bits >> 8) & 255) + ((bits >> 16) & 255);
     (sum as f32 - 382.5) * (1.0 / 128.0)
+}
+
+/// Brightens a dark picture, as automatic exposure does.
+fn expose(light: &mut [Light]) {
+    let sum: f64 = light.iter().map(|c| f64::from(c[0] + c[1] + c[2])).sum();
+    let mean = sum / (3 * light.len()) as f64;
+    if mean < 0.15 {
+        let gain = libm::pow(0.15 / mean.max(0.002), 0.4) as f32;
+        for pixel in light {
+            *pixel = pixel.map(|c| c * gain);
+        }
+    }
 }
 
 /// Repeated three-tap blur with the variance of a Gaussian of deviation `sigma`.

@@ -137,7 +137,7 @@ impl Fill {
         let mut colour = self.base;
         if s.mottle > 0.0 {
             let scale = 1.0 / (s.wavelength * self.radius).max(2.0);
-            let v = fractal(p[0] * scale, p[1] * scale, 4, self.seed);
+            let v = fractal(p[0] * scale, p[1] * scale, 3, self.seed);
             let t = (0.5 + v * s.hardness).clamp(0.0, 1.0);
             colour = blend(colour, self.second, t * s.mottle);
         }
@@ -146,7 +146,7 @@ impl Fill {
             let [c, d] = self.direction;
             let along = (p[0] * c + p[1] * d) * (0.35 / self.radius);
             let across = (p[1] * c - p[0] * d) * (3.0 / self.radius).min(0.45);
-            gain *= 1.0 + s.streak * fractal(along, across, 3, self.seed ^ 0x51ed);
+            gain *= 1.0 + s.streak * fractal(along, across, 2, self.seed ^ 0x51ed);
         }
         if s.veins > 0.0 {
             let scale = 0.7 / self.radius;
@@ -162,7 +162,7 @@ impl Fill {
             gain *= 1.0 + s.rim * (1.0 - smoothstep(0.0, (s.rim_width * self.radius).max(1.2), hit.depth));
         }
         if s.ribs > 0.0 {
-            gain *= 1.0 + s.ribs * self.ribs(p, hit);
+            gain *= 1.0 + s.ribs * self.ribs(hit);
         }
         if s.dome > 0.0 {
             let t = 1.0 - (hit.depth / (s.dome_width * self.radius).max(1.0)).clamp(0.0, 1.0);
@@ -194,17 +194,16 @@ impl Fill {
         colour.map(|c| c * gain.max(0.05))
     }
 
-    /// Midrib and side ribs: -1 in a groove, +1 on a ridge.
+    /// Midrib, side ribs and the hollow between petals: below 0 darker, above 0 brighter.
     #[inline]
-    fn ribs(&self, p: [f32; 2], hit: &Hit) -> f32 {
-        let [u, v] = hit.place;
-        // Width of a rib in pixels, so that small leaves do not drown in them.
-        let across = v.abs() * self.radius * 0.6;
-        let midrib = 1.0 - smoothstep(0.4, 1.3, across);
-        let phase = u * 5.0 - v.abs() * 1.6;
+    fn ribs(&self, hit: &Hit) -> f32 {
+        let [along, across] = hit.place;
+        // In pixels, so that small leaves do not drown in their ribs.
+        let midrib = 1.0 - smoothstep(0.35, 1.2, hit.off_axis);
+        let phase = along * 5.0 - hit.off_axis * (4.0 / self.radius);
         let saw = (phase - phase as i32 as f32).abs();
-        let side = (1.0 - smoothstep(0.0, 0.22, saw.min(1.0 - saw))) * (1.0 - 0.6 * v.abs());
-        let wave = noise(p[0] * 0.3, p[1] * 0.3, self.seed ^ 0x99);
-        midrib + 0.55 * side * smoothstep(6.0, 14.0, self.radius) + 0.2 * wave
+        let side = (1.0 - smoothstep(0.0, 0.2, saw.min(1.0 - saw))) * (1.0 - 0.6 * across.abs());
+        let hollow = across * across * across * across;
+        midrib + 0.5 * side * smoothstep(8.0, 18.0, self.radius) - 0.4 * hollow
     }
 }

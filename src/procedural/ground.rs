@@ -42,10 +42,11 @@ impl Ground {
     #[inline]
     pub(super) fn at(&self, x: f32, y: f32, light: [f32; 3]) -> Light {
         let (bx, by) = (x / self.broad_wavelength, y / self.broad_wavelength);
-        let broad = fractal(bx, by, 4, self.seed);
+        let broad = fractal(bx, by, 3, self.seed);
         let mut colour = blend(self.base, self.second, (self.broad * (0.5 + broad)).clamp(0.0, 1.0));
         let (fx, fy) = (x / (self.fine_wavelength * self.stretch), y / self.fine_wavelength);
-        let fine = fractal(fx, fy, 3, self.seed ^ 0xf17e);
+        // Turned, so that the lattice does not weave along the pixels.
+        let fine = fractal(0.8 * fx + 0.6 * fy, 0.8 * fy - 0.6 * fx, 2, self.seed ^ 0xf17e);
         let dust = unit(hash(x as i32, y as i32, self.seed ^ 0xd057)) - 0.5;
         let gain = (1.0 + self.fine * fine + self.dust * dust).max(0.05);
         colour = colour.map(|c| c * gain);
@@ -59,9 +60,10 @@ impl Ground {
 impl Grains {
     #[inline]
     fn over(&self, below: Light, x: f32, y: f32, seed: u32, light: [f32; 3]) -> Light {
-        // Every layer is turned by its own angle (a Pythagorean one: no trigonometry needed).
-        let (x, y) = if seed & 1 == 0 { (0.8 * x + 0.6 * y, 0.8 * y - 0.6 * x) } else { (x, y) };
-        let shift = (split(y / self.cell).0 as f32 * 0.618) % 1.0;
+        // Every layer is turned, so that no row of its grid runs along the pixels.
+        let (c, s) = [(0.8, 0.6), (0.28, 0.96), (0.923_076_9, 0.384_615_4)][seed as usize % 3];
+        let (x, y) = (c * x + s * y, c * y - s * x);
+        let shift = split(split(y / self.cell).0 as f32 * 0.618).1;
         let (cx, fx) = split(x / self.cell + shift);
         let (cy, fy) = split(y / self.cell);
         let h = hash(cx, cy, seed);
@@ -69,20 +71,25 @@ impl Grains {
             return below;
         }
         let g = hash(cy, cx, seed ^ 0x6a09);
-        let size = 0.175 + 0.275 * unit(g << 8) * unit(g << 16).max(0.3);
+        let size = 0.15 + 0.3 * unit(g << 8) * unit(g << 16);
         let oval = 0.65 + 0.35 * unit(h << 10);
         let room = 0.5 - size;
         let dx = fx - 0.5 - room * (2.0 * unit(h << 5) - 1.0);
         let dy = fy - 0.5 - room * (2.0 * unit(g << 3) - 1.0);
         let (c, s) = if g & 2 == 0 { (0.8, 0.6) } else { (0.28, -0.96) };
         let (ax, ay) = (dx * c + dy * s, (dy * c - dx * s) / oval);
-        let rho = (ax * ax + ay * ay).sqrt();
+        // Every other grain is angular.
+        let rho = if g & 4 == 0 {
+            (ax * ax + ay * ay).sqrt()
+        } else {
+            ax.abs().max(ay.abs()).max(0.78 * (ax + 1.3 * ay).abs())
+        };
         let cover = ((size - rho) * self.cell + 0.5).clamp(0.0, 1.0);
         if cover <= 0.0 {
             return below;
         }
         let colour = self.colours[(g >> 24) as usize % self.colours.len()];
-        let tone = 0.75 + 0.5 * unit(h << 14);
+        let tone = 0.75 + 0.4 * unit(h << 14);
         let shade = 1.0 + self.relief * (dx * light[0] + dy * light[1]) / size;
         let rim = 1.0 - 0.3 * self.relief.abs() * smoothstep(0.6 * size, size, rho);
         let lit = (tone * shade * rim).max(0.1);

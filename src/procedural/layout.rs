@@ -6,6 +6,9 @@ use super::render::{Canvas, Element};
 use super::shapes::{Shape, centroid, clip, polygon_area};
 use crate::sampling::Stream;
 
+/// Radius of the smallest cell kept: about 30 square pixels.
+const SMALLEST: f32 = 3.1;
+
 /// How elements are laid out.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Layout {
@@ -23,18 +26,18 @@ pub(super) fn place(look: &Look, coverage: f64, canvas: &mut Canvas, random: &mu
         return;
     }
     match look.layout {
-        Layout::Scatter { cluster } => scatter(look, coverage, cluster, canvas, random),
+        Layout::Scatter { cluster } => scatter(look, coverage, cluster, 1, canvas, random),
         Layout::Packed { gap } => packed(look, coverage, gap, canvas, random),
         Layout::Cells { gap } => cells(look, coverage, gap, canvas, random),
     }
 }
 
-fn scatter(look: &Look, coverage: f64, cluster: f32, canvas: &mut Canvas, random: &mut Stream) {
+fn scatter(look: &Look, coverage: f64, cluster: f32, first: u32, canvas: &mut Canvas, random: &mut Stream) {
     let pixels = (canvas.width * canvas.height) as f64;
     let attempts = 500 + (12.0 * pixels / f64::from(look.radius[0] * look.radius[0])) as usize;
     let seed = random.bits() as u32;
     let wavelength = 4.0 * look.radius[1] + 20.0;
-    let mut label = 1;
+    let mut label = first;
     for _ in 0..attempts {
         if canvas.coverage() >= coverage {
             break;
@@ -67,9 +70,14 @@ fn packed(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mu
         }
         label += u32::from(settle(look, radius, label, gap, 24, canvas, random));
     }
-    // What is left open is filled with small ones.
-    let fill_in = (pixels / f64::from(look.radius[0] * look.radius[0])) as usize;
-    for _ in 0..fill_in {
+    fill_gaps(look, coverage, gap, label, canvas, random);
+}
+
+/// Puts small elements into what is left open.
+fn fill_gaps(look: &Look, coverage: f64, gap: f32, first: u32, canvas: &mut Canvas, random: &mut Stream) {
+    let pixels = (canvas.width * canvas.height) as f64;
+    let mut label = first;
+    for _ in 0..(0.6 * pixels / f64::from(look.radius[0] * look.radius[0])) as usize {
         if canvas.coverage() >= coverage {
             return;
         }
@@ -123,15 +131,21 @@ fn cells(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut
         if canvas.coverage() >= coverage {
             return;
         }
-        let gap = gap * random.range(0.5, 1.6) as f32;
-        let corners = sites.cell(i, 0.5 * gap);
+        let gap = (gap * random.range(0.5, 1.6) as f32).min(0.3 * sites.points[i][2]);
+        let mut corners = sites.cell(i, 0.5 * gap);
+        // Broken corners: stones are not perfect cells.
+        for _ in 0..random.below(3) {
+            let (angle, offset) = (random.range(0.0, std::f64::consts::TAU), random.range(0.75, 1.2));
+            let offset = offset as f32 * sites.points[i][2];
+            clip(&mut corners, [libm::cos(angle) as f32, libm::sin(angle) as f32, offset]);
+        }
         if corners.len() < 3 {
             continue;
         }
         let middle = centroid(&corners);
         let local: Vec<[f32; 2]> = corners.iter().map(|c| [c[0] - middle[0], c[1] - middle[1]]).collect();
         let radius = (polygon_area(&local).max(0.0) / std::f32::consts::PI).sqrt();
-        if radius < look.radius[0] {
+        if radius < SMALLEST {
             continue;
         }
         let rounding = radius * random.range(0.05, 0.35) as f32;
@@ -140,6 +154,13 @@ fn cells(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut
             let at = sites.points[i];
             draw(look, canvas, vec![element], [at[0] + middle[0], at[1] + middle[1]]);
         }
+    }
+    // Stones that throw shadows lie on others; flat ones have small ones between them.
+    let first = order.len() as u32 + 1;
+    if look.shadow.is_some() {
+        scatter(look, coverage, 0.0, first, canvas, random);
+    } else {
+        fill_gaps(look, coverage, 0.5 * gap, first, canvas, random);
     }
 }
 
@@ -156,7 +177,7 @@ struct Sites {
 impl Sites {
     /// Throws points, none within the sum of the radii (less a little) of another.
     fn throw(look: &Look, canvas: &Canvas, random: &mut Stream) -> Self {
-        let reach = look.radius[1];
+        let reach = 1.05 * look.radius[1];
         let cell = (2.0 * look.radius[0]).max(4.0);
         let (width, height) = (canvas.width as f32 + 2.0 * reach, canvas.height as f32 + 2.0 * reach);
         let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
@@ -165,14 +186,15 @@ impl Sites {
         let attempts = (4.0 * width * height / (look.radius[0] * look.radius[0])).min(60_000.0) as usize;
         let (mut failed, mut scale) = (0, 1.0f32);
         for _ in 0..attempts {
-            let radius = (look.draw_radius(random) * scale).max(look.radius[0]);
+            // Cells lose their gaps: sites below this would leave none.
+            let radius = (look.draw_radius(random) * scale).max(look.radius[0]).max(1.3 * SMALLEST);
             let p = [
                 random.range(0.0, f64::from(width)) as f32 - reach,
                 random.range(0.0, f64::from(height)) as f32 - reach,
             ];
-            let crowded = sites.near(p, 0.85 * (radius + reach)).any(|j| {
+            let crowded = sites.near(p, 0.9 * (radius + reach)).any(|j| {
                 let q = sites.points[j];
-                let (dx, dy, apart) = (p[0] - q[0], p[1] - q[1], 0.85 * (radius + q[2]));
+                let (dx, dy, apart) = (p[0] - q[0], p[1] - q[1], 0.9 * (radius + q[2]));
                 dx * dx + dy * dy < apart * apart
             });
             if crowded {
@@ -221,7 +243,7 @@ impl Sites {
             let (dx, dy) = (qx - x, qy - y);
             let distance = (dx * dx + dy * dy).sqrt();
             if j != i && distance > 1e-3 {
-                let middle = 0.5 * (distance + (r * r - qr * qr) / distance);
+                let middle = 0.5 * (distance + 0.6 * (r * r - qr * qr) / distance);
                 clip(&mut corners, [dx / distance, dy / distance, middle - inset]);
             }
         }
@@ -251,6 +273,9 @@ pub(super) fn grow(look: &Look, amount: f64, canvas: &mut Canvas, random: &mut S
     let area = std::f64::consts::PI * f64::from(look.growth_radius * look.growth_radius);
     let count = (amount * (canvas.width * canvas.height) as f64 / area) as usize;
     for k in 0..count {
+        if canvas.openness() < 0.003 {
+            return;
+        }
         let radius = look.growth_radius * random.range(0.6, 1.4) as f32;
         let centre = anywhere(canvas, radius, random);
         let mut parts = look.growth[random.index(look.growth.len())].make(radius, 0, random);

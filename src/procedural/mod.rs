@@ -142,7 +142,7 @@ impl SceneParams {
             if random.chance(0.25) { Kind::Mixed } else { Kind::ALL[random.index(Kind::ALL.len() - 1)] };
         let [low, high] = kind.usual_coverage();
         let contrast = if random.chance(0.3) { random.range(0.15, 0.6) } else { random.range(0.6, 1.0) };
-        let largest = f64::from(width.min(height)).clamp(24.0, 260.0) * 0.36;
+        let largest = f64::from(width.min(height)).clamp(24.0, 260.0) * 0.45;
         let octaves = libm::log2(largest / 12.0).max(0.0);
         Self {
             width,

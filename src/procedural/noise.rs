@@ -45,8 +45,13 @@ pub(super) fn noise(x: f32, y: f32, seed: u32) -> f32 {
         [0.924, -0.383],
     ];
     let ((xi, fx), (yi, fy)) = (split(x), split(y));
-    let corner = |dx: i32, dy: i32| {
-        let g = GRADIENTS[(hash(xi.wrapping_add(dx), yi.wrapping_add(dy), seed) >> 28) as usize];
+    // One round of mixing is enough for the top bits.
+    let (column, row) = ((xi as u32).wrapping_mul(0x9e37_79b1), (yi as u32).wrapping_mul(0x85eb_ca77) ^ seed);
+    let columns = [column, column.wrapping_add(0x9e37_79b1)];
+    let rows = [row, (yi as u32).wrapping_add(1).wrapping_mul(0x85eb_ca77) ^ seed];
+    let corner = |dx: usize, dy: usize| {
+        let h = columns[dx] ^ rows[dy];
+        let g = GRADIENTS[((h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d) >> 28) as usize];
         g[0] * (fx - dx as f32) + g[1] * (fy - dy as f32)
     };
     let fade = |t: f32| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);

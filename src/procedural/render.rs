@@ -3,7 +3,7 @@
 use super::fills::{Fill, Light};
 use super::ground::Ground;
 use super::noise::smoothstep;
-use super::shapes::{Hit, Shape};
+use super::shapes::Shape;
 use crate::raster::LabelMap;
 
 /// Label of a pixel of which nothing is decided yet.
@@ -42,6 +42,7 @@ pub(super) struct Canvas {
     lit: Vec<f32>,
     labels: Vec<u32>,
     labelled: usize,
+    open: usize,
     light: [f32; 3],
 }
 
@@ -57,6 +58,7 @@ impl Canvas {
             lit: vec![1.0; n],
             labels: vec![OPEN; n],
             labelled: 0,
+            open: n,
             light,
         }
     }
@@ -64,6 +66,11 @@ impl Canvas {
     /// Share of the pixels that carry a label.
     pub(super) fn coverage(&self) -> f64 {
         self.labelled as f64 / self.labels.len() as f64
+    }
+
+    /// Share of the pixels of which nothing is decided yet.
+    pub(super) fn openness(&self) -> f64 {
+        self.open as f64 / self.labels.len() as f64
     }
 
     /// Whether nothing is decided about the pixel nearest to a point; `true` outside.
@@ -76,7 +83,7 @@ impl Canvas {
     pub(super) fn fits(&self, element: &Element, gap: f32) -> bool {
         let stride = ((element.shape.extent[1] / 5.0) as usize).clamp(1, 6);
         let mut free = true;
-        for_pixels(self.width, self.height, element, gap, stride, |i, p| {
+        for_pixels(self.width, self.height, element, element.centre, gap, stride, |i, p| {
             if free && self.labels[i] != OPEN && element.shape.at(p).depth > -gap {
                 free = false;
             }
@@ -89,7 +96,7 @@ impl Canvas {
     pub(super) fn draw(&mut self, element: &Element, shadow: Option<&Shadow>) {
         let light = into_frame(element, self.light);
         let (width, height) = (self.width, self.height);
-        for_pixels(width, height, element, 1.0, 1, |i, p| {
+        for_pixels(width, height, element, element.centre, 1.0, 1, |i, p| {
             let clear = self.clear[i];
             if clear < OPAQUE {
                 return true;
@@ -102,6 +109,7 @@ impl Canvas {
                 if cover >= 0.5 && self.labels[i] == OPEN {
                     self.labels[i] = element.label;
                     self.labelled += usize::from(element.label != 0);
+                    self.open -= 1;
                 }
             }
             true
@@ -112,12 +120,11 @@ impl Canvas {
     }
 
     fn shade(&mut self, element: &Element, shadow: &Shadow) {
-        let mut thrown = element.clone();
-        thrown.centre = [element.centre[0] + shadow.offset[0], element.centre[1] + shadow.offset[1]];
+        let centre = [element.centre[0] + shadow.offset[0], element.centre[1] + shadow.offset[1]];
         let soft = shadow.softness.max(0.5);
-        for_pixels(self.width, self.height, &thrown, soft, 1, |i, p| {
+        for_pixels(self.width, self.height, element, centre, soft, 1, |i, p| {
             if self.clear[i] >= OPAQUE {
-                let Hit { depth, .. } = thrown.shape.at(p);
+                let depth = element.shape.smooth(p).depth;
                 self.lit[i] *= 1.0 - shadow.strength * smoothstep(-soft, soft, depth);
             }
             true
@@ -168,19 +175,20 @@ fn into_frame(element: &Element, light: [f32; 3]) -> [f32; 3] {
 }
 
 /// `f(pixel, point in the element's frame)` for every pixel, or every `stride`-th, of the
-/// element's box widened by `margin`, until `f` answers `false`.
+/// element's box, moved to `centre` and widened by `margin`, until `f` answers `false`.
 #[inline]
 fn for_pixels(
     width: usize,
     height: usize,
     element: &Element,
+    centre: [f32; 2],
     margin: f32,
     stride: usize,
     mut f: impl FnMut(usize, [f32; 2]) -> bool,
 ) {
     let [c, s] = element.turn;
     let [ex, ey] = element.shape.extent.map(|e| e + margin);
-    let [cx, cy] = element.centre;
+    let [cx, cy] = centre;
     let tall = (ex * s).abs() + (ey * c).abs();
     let clamp = |v: f32, limit: usize| v.clamp(0.0, limit as f32) as usize;
     for row in (clamp(cy - tall, height)..clamp(cy + tall + 1.0, height)).step_by(stride) {

@@ -26,8 +26,10 @@ pub(super) struct Shape {
 enum Outline {
     /// Intersection of half planes `x n₀ + y n₁ <= n₂`, corners rounded.
     Convex { sides: Vec<[f32; 3]>, rounding: f32 },
-    /// Radius by direction, in equal steps of the diamond angle.
-    Radial(Vec<f32>),
+    /// Radius by direction, in equal steps of the diamond angle, and how far the direction lies
+    /// from the axis of the nearest petal or lobe, 0 on it, 1 at its edge; `spread` is the angle
+    /// from axis to edge.
+    Radial { radii: Vec<[f32; 2]>, spread: f32 },
     /// Two edges about a bent midrib.
     Leaf { half_length: f32, widths: [f32; PROFILE + 1], bend: f32 },
 }
@@ -39,9 +41,11 @@ pub(super) struct Hit {
     pub(super) depth: f32,
     /// Unit vector towards the outside.
     pub(super) normal: [f32; 2],
-    /// Leaves: place along and across, -1..1. Radial: share of the radius 0..1, share of the turn.
-    /// Convex: place in the bounding box, -1..1.
+    /// Leaves: place along and across, -1..1. Radial: shares of the radius and of the way from
+    /// the axis of the petal to its edge. Others: 0.
     pub(super) place: [f32; 2],
+    /// Distance in pixels from the midrib or the axis of the petal.
+    pub(super) off_axis: f32,
 }
 
 impl Shape {
@@ -104,7 +108,7 @@ impl Shape {
                 [(size * libm::cos(phase)) as f32, (size * libm::sin(phase)) as f32]
             })
             .collect();
-        Self::radial(radius, |_, c, s| {
+        Self::radial(radius, 0.0, |_, c, s| {
             let ellipse = 1.0 / ((c / stretch) * (c / stretch) + (s * stretch) * (s * stretch)).sqrt();
             let (mut re, mut im) = (c * c - s * s, 2.0 * c * s);
             let mut sum = 1.0;
@@ -112,7 +116,7 @@ impl Shape {
                 sum += w[0] * re + w[1] * im;
                 (re, im) = (re * c - im * s, re * s + im * c);
             }
-            ellipse * sum.max(0.25)
+            [ellipse * sum.max(0.25), 0.0]
         })
     }
 
@@ -127,17 +131,19 @@ impl Shape {
             })
             .collect();
         let teeth = random.range(24.0, 44.0) as f32;
-        Self::radial(radius, |angle, _, _| {
+        let half = spread / lobes as f32;
+        Self::radial(radius, half, |angle, _, _| {
             let turn = if angle > PI { angle - TAU } else { angle };
-            let mut r = 1.0 - depth;
+            let (mut r, mut across) = (1.0 - depth, 9.0f32);
             for [at, length, width] in &tips {
                 let t = ((turn - at) / width).abs();
-                r = r.max(length * (1.0 - depth * t * (0.6 + 0.8 * t)));
+                across = across.min((turn - at).abs() / half);
+                r = r.max(length * (1.0 - depth * t * (1.35 - 0.3 * t)));
             }
             let tooth = (split(angle * teeth / TAU).1 - 0.5).abs();
             // The notch at the stalk.
             let notch = 1.0 - 0.7 * super::noise::smoothstep(PI - 0.35, PI, turn.abs());
-            r * notch * (1.0 + serration * (tooth - 0.25))
+            [r * notch * (1.0 + serration * (tooth - 0.25)), across]
         })
     }
 
@@ -146,12 +152,12 @@ impl Shape {
     pub(super) fn star(radius: f32, petals: u32, pointed: f32, gap: f32, random: &mut Stream) -> Self {
         let lengths: Vec<f32> = (0..petals).map(|_| random.range(0.8, 1.05) as f32).collect();
         let shift = random.unit() as f32;
-        Self::radial(radius, |angle, _, _| {
+        Self::radial(radius, PI / petals as f32, |angle, _, _| {
             let (k, f) = split(angle / TAU * petals as f32 + shift);
             let x = (2.0 * f - 1.0).abs();
             let round = (1.0 - x * x * x).max(0.0).sqrt();
             let profile = mix(round, 1.0 - x, pointed);
-            lengths[k.rem_euclid(petals as i32) as usize] * (1.0 - gap + gap * profile)
+            [lengths[k.rem_euclid(petals as i32) as usize] * (1.0 - gap + gap * profile), x]
         })
     }
 
@@ -165,11 +171,14 @@ impl Shape {
         serration: f32,
         teeth: u32,
     ) -> Self {
-        let (p, q) = (0.35 + 1.1 * fullness, 0.35 + 1.1 * (1.0 - fullness));
+        // Moves the widest place; up to 0.95 the map stays monotone.
+        let shift = ((0.5 - fullness) / (fullness * (1.0 - fullness)).max(0.1)).clamp(-0.95, 0.95);
         let mut widths: [f32; PROFILE + 1] = std::array::from_fn(|i| {
             let t = i as f32 / PROFILE as f32;
             let tooth = (split(t * teeth as f32).1 - 0.5) * serration;
-            libm::powf(t, p) * libm::powf(1.0 - t, q) * (1.0 + tooth)
+            let s = t + shift * t * (1.0 - t);
+            let lens = (4.0 * s * (1.0 - s)).max(0.0).sqrt();
+            lens * lens.sqrt() * (1.0 + tooth)
         });
         let widest = widths.iter().copied().fold(1e-6, f32::max);
         // Area of the unit leaf: half length 1, half width 1 / ratio.
@@ -182,28 +191,29 @@ impl Shape {
         let bend = bend * half_length;
         Self {
             outline: Outline::Leaf { half_length, widths, bend },
-            extent: [half_length, half_width + bend.abs()],
+            extent: [half_length, half_width + 0.5 * bend.abs()],
             roughness: 0.0,
             wavelength: 1.0,
             seed: 0,
         }
     }
 
-    fn radial(radius: f32, f: impl Fn(f32, f32, f32) -> f32) -> Self {
+    /// From `f(angle, cosine, sine)`, which gives the radius and the share of the way off the axis.
+    fn radial(radius: f32, spread: f32, f: impl Fn(f32, f32, f32) -> [f32; 2]) -> Self {
         let directions = directions();
-        let mut radii: Vec<f32> = directions.iter().map(|[angle, c, s]| f(*angle, *c, *s)).collect();
+        let mut radii: Vec<[f32; 2]> = directions.iter().map(|[angle, c, s]| f(*angle, *c, *s)).collect();
         let mut area = 0.0;
         for i in 0..STEPS {
             let (a, b) = (directions[i], directions[i + 1]);
-            area += 0.5 * radii[i] * radii[i + 1] * (a[1] * b[2] - a[2] * b[1]);
+            area += 0.5 * radii[i][0] * radii[i + 1][0] * (a[1] * b[2] - a[2] * b[1]);
         }
         let scale = radius * (PI / area.max(1e-3)).sqrt();
         let mut extent = [0.0f32; 2];
-        for (r, [_, c, s]) in radii.iter_mut().zip(directions) {
+        for ([r, _], [_, c, s]) in radii.iter_mut().zip(directions) {
             *r *= scale;
             extent = [extent[0].max((*r * c).abs()), extent[1].max((*r * s).abs())];
         }
-        Self { outline: Outline::Radial(radii), extent, roughness: 0.0, wavelength: 1.0, seed: 0 }
+        Self { outline: Outline::Radial { radii, spread }, extent, roughness: 0.0, wavelength: 1.0, seed: 0 }
     }
 
     /// The same outline moved in and out by noise of `amount` pixels and the given wavelength.
@@ -216,21 +226,27 @@ impl Shape {
     /// Where the point lies.
     #[inline]
     pub(super) fn at(&self, p: [f32; 2]) -> Hit {
-        let mut hit = match &self.outline {
-            Outline::Convex { sides, rounding } => convex(sides, *rounding, self.extent, p),
-            Outline::Radial(radii) => radial(radii, p),
-            Outline::Leaf { half_length, widths, bend } => leaf(*half_length, widths, *bend, p),
-        };
+        let mut hit = self.smooth(p);
         if self.roughness > 0.0 && hit.depth.abs() < 2.0 * self.roughness + 1.0 {
             let (x, y) = (p[0] / self.wavelength, p[1] / self.wavelength);
             hit.depth += self.roughness * fractal(x, y, 2, self.seed).clamp(-1.0, 1.0);
         }
         hit
     }
+
+    /// Where the point lies, but for the roughness of the outline.
+    #[inline]
+    pub(super) fn smooth(&self, p: [f32; 2]) -> Hit {
+        match &self.outline {
+            Outline::Convex { sides, rounding } => convex(sides, *rounding, p),
+            Outline::Radial { radii, spread } => radial(radii, *spread, p),
+            Outline::Leaf { half_length, widths, bend } => leaf(*half_length, widths, *bend, p),
+        }
+    }
 }
 
 #[inline]
-fn convex(sides: &[[f32; 3]], rounding: f32, extent: [f32; 2], p: [f32; 2]) -> Hit {
+fn convex(sides: &[[f32; 3]], rounding: f32, p: [f32; 2]) -> Hit {
     let (mut first, mut second) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
     let (mut at, mut next) = (0, 0);
     for (i, s) in sides.iter().enumerate() {
@@ -251,12 +267,13 @@ fn convex(sides: &[[f32; 3]], rounding: f32, extent: [f32; 2], p: [f32; 2]) -> H
     Hit {
         depth: -(first + h * h * rounding * 0.25),
         normal: [n[0] / length, n[1] / length],
-        place: [p[0] / extent[0].max(0.1), p[1] / extent[1].max(0.1)],
+        place: [0.0; 2],
+        off_axis: 0.0,
     }
 }
 
 #[inline]
-fn radial(radii: &[f32], p: [f32; 2]) -> Hit {
+fn radial(radii: &[[f32; 2]], spread: f32, p: [f32; 2]) -> Hit {
     let [x, y] = p;
     let sum = x.abs() + y.abs();
     let t = if sum > 1e-6 { y / sum } else { 0.0 };
@@ -269,7 +286,8 @@ fn radial(radii: &[f32], p: [f32; 2]) -> Hit {
     };
     let (i, f) = split(diamond * (STEPS as f32 / 4.0));
     let i = (i as usize).min(STEPS - 1);
-    let (a, b) = (radii[i], radii[i + 1]);
+    let ([a, from], [b, to]) = (radii[i], radii[i + 1]);
+    let across = mix(from, to, f);
     let radius = mix(a, b, f);
     let rho = (x * x + y * y).sqrt();
     let within = split(diamond).1;
@@ -280,7 +298,8 @@ fn radial(radii: &[f32], p: [f32; 2]) -> Hit {
     Hit {
         depth: (radius - rho) * norm,
         normal: [(e[0] + slope * e[1]) * norm, (e[1] - slope * e[0]) * norm],
-        place: [rho / radius.max(0.1), diamond * 0.25],
+        place: [rho / radius.max(0.1), across],
+        off_axis: across * spread * rho,
     }
 }
 
@@ -292,7 +311,12 @@ fn leaf(half_length: f32, widths: &[f32; PROFILE + 1], bend: f32, p: [f32; 2]) -
     let side = if y < 0.0 { -1.0 } else { 1.0 };
     if !(0.0..=1.0).contains(&t) {
         let beyond = p[0].abs() - half_length;
-        return Hit { depth: -(beyond * beyond + y * y).sqrt(), normal: [0.0, side], place: [u, 0.0] };
+        return Hit {
+            depth: -(beyond * beyond + y * y).sqrt(),
+            normal: [0.0, side],
+            place: [u, 0.0],
+            off_axis: y.abs(),
+        };
     }
     let (i, f) = split(t * PROFILE as f32);
     let i = (i as usize).min(PROFILE - 1);
@@ -306,6 +330,7 @@ fn leaf(half_length: f32, widths: &[f32; PROFILE + 1], bend: f32, p: [f32; 2]) -
         depth: (width - y.abs()) * norm,
         normal: [-slope * norm, side * norm],
         place: [u, y / width.max(0.5)],
+        off_axis: y.abs(),
     }
 }
 

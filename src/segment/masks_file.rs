@@ -250,6 +250,8 @@ fn write_png(document: &MasksDocument) -> std::result::Result<Vec<u8>, String> {
     } else {
         labels.iter().map(|&l| l as u8).collect()
     };
+    // By this text the file is known as vtex's own, until an editor saves it.
+    encoder.add_text_chunk("Software".into(), crate::PROGRAM.into()).map_err(|e| e.to_string())?;
     let write = |encoder: png::Encoder<'_, _>| {
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&data)?;

@@ -1,1 +1,90 @@
 //! Library → scene: target map, scoring, density, secondaries, background.
+//!
+//! Primaries are placed on a target map by their descriptors until nothing is asked for any more
+//! (`primaries`), then coverage is corrected in both directions (`density`). Secondaries fill
+//! the ground between them, and a field of colours through random points lies beneath all.
+//!
+//! When this works badly: exemplars with long curves or large-scale structure, which windows of a
+//! few textons cannot carry; and exemplars with so few whole textons that copies are seen.
+
+mod background;
+mod choice;
+mod clearance;
+mod compose;
+mod density;
+mod model;
+mod picture;
+mod primaries;
+mod report;
+mod secondaries;
+mod sums;
+mod target;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+
+pub use compose::reconstruct;
+pub use report::{CategoryReport, Report};
+
+use crate::error::{Error, Result, check};
+use crate::library::Library;
+use crate::progress::{Progress, advance};
+use crate::scene::field::Interpolant;
+use crate::scene::{Scene, SynthParams};
+
+/// Largest canvas, in pixels: the target map takes six bytes for each.
+const LARGEST_CANVAS: u64 = 400_000_000;
+
+/// A new texture like the exemplar that the library was made from, of the size in `params`.
+/// Same library, parameters and program: the same scene, on any number of threads.
+///
+/// Exactly one library is taken so far.
+///
+/// # Errors
+/// [`Error::Parameter`] for a parameter out of range or another number of libraries,
+/// [`Error::TooLarge`] for a canvas of more than 400 megapixels, [`Error::Interrupted`].
+pub fn synthesize(libraries: &[Library], params: &SynthParams, progress: &dyn Progress) -> Result<Scene> {
+    synthesize_with_report(libraries, params, progress).map(|(scene, _)| scene)
+}
+
+/// [`synthesize`], and how close the result came to what was wanted.
+///
+/// # Errors
+/// As [`synthesize`].
+pub fn synthesize_with_report(
+    libraries: &[Library],
+    params: &SynthParams,
+    progress: &dyn Progress,
+) -> Result<(Scene, Report)> {
+    params.validate()?;
+    let count = libraries.len();
+    check(count == 1, "libraries", count, "exactly one library")?;
+    let library = &libraries[0];
+    let canvas = u64::from(params.width) * u64::from(params.height);
+    if canvas > LARGEST_CANVAS {
+        return Err(Error::TooLarge {
+            name: "size".into(),
+            found: format!("{} x {} px", params.width, params.height),
+            limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
+        });
+    }
+
+    let model = model::Model::new(library);
+    let mut map = target::TargetMap::new(&model, params.width, params.height);
+    let mut choice = choice::Choice::new(&model);
+    let placement = primaries::place(&mut map, &mut choice, params, progress)?;
+    let correction = density::correct(&mut map, &mut choice, params, progress)?;
+    progress.picture("synth-2-placed", &|| picture::placed(&map));
+
+    advance(progress, "ground", 0, 2)?;
+    let field = background::field(library, params);
+    let interpolant = Interpolant::new(&field, params.width, params.height);
+    advance(progress, "ground", 1, 2)?;
+    let secondaries = secondaries::place(library, &map, &interpolant, params.seed);
+    advance(progress, "ground", 2, 2)?;
+
+    let scene = compose::scene(library, params, &map, &secondaries, field);
+    let report = report::Report::new(library, &map, &scene, placement, correction);
+    Ok((scene, report))
+}

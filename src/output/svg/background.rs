@@ -7,6 +7,12 @@
 //! is then t · odd + (1 - t) · even: linear in y. Joints of bands cannot show: those of the even
 //! bands lie where the odd ones are opaque, those of the odd bands where they are transparent.
 //!
+//! Another way was compared: bands painted in turn, from the top, each under its own mask that
+//! rises from 0 to 1 over its first half. At 4000 x 2800 resvg needs 1.3 s and 95 MB for that, and
+//! 0.9 s and 154 MB for the single mask; Chromium needs the same for both. One masked group is
+//! also easier to handle in an editor than hundreds. Both differ from a direct evaluation of the
+//! grid by 0.4 of an 8-bit step on average and by 2 at most, at every scale.
+//!
 //! The rows are divided into columns of at most a hundred stops, because some renderers look
 //! gradients up in a table of 256 colours.
 

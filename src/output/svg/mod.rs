@@ -12,6 +12,8 @@
 mod background;
 mod metadata;
 mod number;
+#[cfg(test)]
+mod tests;
 mod textons;
 mod xml;
 
@@ -63,9 +65,10 @@ pub struct SvgSummary {
 /// Writes a scene as SVG. Same scene and options: the same bytes.
 ///
 /// # Errors
-/// A precision out of range; a failing writer, as [`Error::Write`] with the path `-`.
+/// A precision out of range; a scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
 pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
     check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
+    super::check_scene(scene)?;
     let background = Background::new(scene);
     let textons = Textons::new(scene, options);
     let written = document(scene, &background, &textons, out).map_err(|e| Error::write(Path::new("-"), e))?;

@@ -9,8 +9,8 @@ pub(super) fn solve(matrix: &mut [f64], right: &mut [[f64; 3]]) -> bool {
     for k in 0..n {
         let pivot =
             (k..n).fold(k, |p, i| if matrix[i * n + k].abs() > matrix[p * n + k].abs() { i } else { p });
-        // NaN fails this test as well.
-        if !(matrix[pivot * n + k].abs() > largest * 1e-14) {
+        let size = matrix[pivot * n + k].abs();
+        if size.is_nan() || size <= largest * 1e-14 {
             return false;
         }
         if pivot != k {

@@ -1,0 +1,456 @@
+//! The command line as clap sees it: commands, options, their help. Nothing is checked here that
+//! needs a file or another option; see [`super::options`].
+//!
+//! Options that stand in a configuration file too are `Option`s, so that one given on the command
+//! line is told apart from a default. Their help names range and default, and a test compares
+//! these with the parameter structs.
+
+use super::values::{FiveWeights, Seed, Size};
+use clap::builder::styling::{AnsiColor, Styles};
+use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
+use serde::{Deserialize, Serialize};
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+const STYLES: Styles = Styles::styled()
+    .header(AnsiColor::Yellow.on_default().bold())
+    .usage(AnsiColor::Yellow.on_default().bold())
+    .literal(AnsiColor::Green.on_default())
+    .placeholder(AnsiColor::Cyan.on_default());
+
+const EXAMPLES: &str = "\
+Examples:
+  vtex texture photo.jpg -o out.svg --size 1000     photograph to vector texture, in one go
+  vtex analyze photo.jpg                            photograph to photo.lib.json
+  vtex synth photo.lib.json --size 1000x600         library to photo.svg
+
+Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
+
+/// Turn a photograph of a texture into an editable vector texture of any size
+#[derive(Parser)]
+#[command(name = "vtex", version, styles = STYLES, max_term_width = 100, after_help = EXAMPLES)]
+#[command(disable_help_subcommand = true, subcommand_required = true, arg_required_else_help = true)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) global: Global,
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    Texture(TextureArgs),
+    Analyze(AnalyzeArgs),
+    Synth(SynthArgs),
+    Render(RenderArgs),
+    Inspect(InspectArgs),
+    Completions(CompletionsArgs),
+    Man(ManArgs),
+}
+
+/// Options of every command.
+#[derive(Args)]
+#[command(next_help_heading = "Global options")]
+pub(crate) struct Global {
+    /// Seed of all random choices [0 to 18446744073709551615, default: one chosen,
+    /// printed and stored]
+    #[arg(long, global = true, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) seed: Option<Seed>,
+    /// Threads; results do not depend on it [1 to 1024, default: all cores]
+    #[arg(
+        short,
+        long,
+        global = true,
+        value_name = "NUMBER",
+        env = "VTEX_THREADS",
+        hide_env_values = true,
+        allow_negative_numbers = true
+    )]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Print nothing but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Say more: -v seconds by stage, -vv also all parameters
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub(crate) verbose: u8,
+    /// Print a summary in JSON on stdout (on stderr if stdout carries data)
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// When to use colours; see also NO_COLOR [auto, always or never, default: auto]
+    #[arg(long, global = true, value_name = "WHEN", value_enum, hide_possible_values = true)]
+    pub(crate) color: Option<When>,
+    /// Read parameters from a TOML file; options given here win over it
+    #[arg(long, global = true, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Print all parameters as a file for --config and do nothing else
+    #[arg(long, global = true)]
+    pub(crate) dump_config: bool,
+    /// Write a numbered PNG of every stage into a folder, made if need be
+    #[arg(long, global = true, value_name = "DIR")]
+    pub(crate) debug_dir: Option<PathBuf>,
+}
+
+/// When to use colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum When {
+    #[default]
+    Auto,
+    Always,
+    Never,
+}
+
+impl When {
+    /// As the printing macros know it.
+    pub(crate) fn as_choice(self) -> anstream::ColorChoice {
+        match self {
+            Self::Auto => anstream::ColorChoice::Auto,
+            Self::Always => anstream::ColorChoice::Always,
+            Self::Never => anstream::ColorChoice::Never,
+        }
+    }
+
+    /// As the argument parser knows it.
+    pub(crate) fn as_clap(self) -> ColorChoice {
+        match self {
+            Self::Auto => ColorChoice::Auto,
+            Self::Always => ColorChoice::Always,
+            Self::Never => ColorChoice::Never,
+        }
+    }
+}
+
+/// Where results go.
+#[derive(Args)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct ForceArgs {
+    /// Replace an existing file even if vtex did not write it
+    #[arg(short, long)]
+    pub(crate) force: bool,
+}
+
+/// Photograph to vector texture, in one go
+#[derive(Args)]
+#[command(
+    override_usage = "vtex texture [OPTIONS] <PHOTO>",
+    after_help = "\
+Examples:
+  vtex texture photo.jpg -o out.svg --size 1000
+  vtex texture photo.jpg -o - --size 400x300 --seed 7 > out.svg"
+)]
+pub(crate) struct TextureArgs {
+    /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
+    #[arg(value_name = "PHOTO", required = true)]
+    pub(crate) photo: Option<PathBuf>,
+    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// [default: ./PHOTO.svg]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+    #[command(flatten)]
+    pub(crate) synth: SynthFlags,
+    #[command(flatten)]
+    pub(crate) masks: MasksArgs,
+    #[command(flatten)]
+    pub(crate) analyze: AnalyzeFlags,
+}
+
+/// Photograph to texton library
+#[derive(Args)]
+#[command(
+    override_usage = "vtex analyze [OPTIONS] <PHOTO>",
+    after_help = "\
+Examples:
+  vtex analyze photo.jpg
+  vtex analyze photo.jpg -o photo.lib.json.gz --save-masks photo.masks.png
+  vtex analyze photo.jpg --masks corrected.png --debug-dir stages"
+)]
+pub(crate) struct AnalyzeArgs {
+    /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
+    #[arg(value_name = "PHOTO", required = true)]
+    pub(crate) photo: Option<PathBuf>,
+    /// Result, .lib.json or .lib.json.gz; - writes JSON to stdout [default: ./PHOTO.lib.json]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) masks: MasksArgs,
+    #[command(flatten)]
+    pub(crate) analyze: AnalyzeFlags,
+}
+
+/// Texton library to vector texture
+#[derive(Args)]
+#[command(
+    override_usage = "vtex synth [OPTIONS] <LIBRARY>",
+    after_help = "\
+Examples:
+  vtex synth photo.lib.json --size 1000x600 --seed 7
+  vtex synth photo.lib.json -o out.scene.json.gz
+  vtex synth photo.lib.json -o - | gzip > out.svgz"
+)]
+pub(crate) struct SynthArgs {
+    /// The library, plain or gzip; - reads stdin
+    #[arg(value_name = "LIBRARY", required = true)]
+    pub(crate) library: Option<PathBuf>,
+    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// [default: ./LIBRARY.svg]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+    #[command(flatten)]
+    pub(crate) synth: SynthFlags,
+    #[command(flatten)]
+    pub(crate) background: SynthBackgroundFlags,
+}
+
+/// Library (drawn back as its exemplar), scene or SVG to picture
+#[derive(Args)]
+#[command(
+    override_usage = "vtex render [OPTIONS] <FILE>",
+    after_help = "\
+Examples:
+  vtex render photo.lib.json -o reconstruction.png
+  vtex render out.svg -o out.png --scale 2
+  vtex render out.scene.json -o out.svg"
+)]
+pub(crate) struct RenderArgs {
+    /// A library, scene or SVG, plain or gzip; - reads stdin
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) file: Option<PathBuf>,
+    /// Result, .png; of a library or scene also .svg, .svgz, .scene.json or .scene.json.gz; - writes
+    /// PNG to stdout [default: ./FILE.png]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+}
+
+/// Say what a library or a scene holds
+#[derive(Args)]
+#[command(
+    override_usage = "vtex inspect [OPTIONS] <FILE>",
+    after_help = "\
+Examples:
+  vtex inspect photo.lib.json
+  vtex inspect out.scene.json --json | jq .counts"
+)]
+pub(crate) struct InspectArgs {
+    /// A library or scene, plain or gzip; - reads stdin
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) file: Option<PathBuf>,
+}
+
+/// Print completions for a shell
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  vtex completions bash > ~/.local/share/bash-completion/completions/vtex
+  vtex completions zsh > ~/.zfunc/_vtex
+  vtex completions fish > ~/.config/fish/completions/vtex.fish")]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum, value_name = "SHELL")]
+    pub(crate) shell: Shell,
+}
+
+/// Write the man pages into a folder
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  vtex man ~/.local/share/man/man1")]
+pub(crate) struct ManArgs {
+    /// The folder, made if need be
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+}
+
+/// How masks are found.
+#[derive(Args)]
+#[command(next_help_heading = "Segmentation")]
+pub(crate) struct MasksArgs {
+    /// Use the masks of a file: a label PNG (8 or 16 bits, 0 is ground) or vtex's own JSON
+    #[arg(long, value_name = "FILE", conflicts_with = "segmenter")]
+    pub(crate) masks: Option<PathBuf>,
+    /// Save the masks found: .masks.json, .masks.json.gz (exact) or .png (labels)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) save_masks: Option<PathBuf>,
+}
+
+/// What finds the masks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum SegmenterName {
+    #[default]
+    Regions,
+    Felzenszwalb,
+}
+
+/// Section `[analyze]`.
+#[derive(Args, Serialize)]
+#[command(next_help_heading = "Analysis (lengths in pixels of the photograph)")]
+pub(crate) struct AnalyzeFlags {
+    /// What finds the textons [regions or felzenszwalb, default: regions]
+    #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true, help_heading = "Segmentation")]
+    pub(crate) segmenter: Option<SegmenterName>,
+    /// Smallest primary texton, px of area [1 to 1000000, default: 5]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) minimum_area: Option<u32>,
+    /// Scale of details: larger means fewer [0 to 10000, default: 10]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) detail_scale: Option<f64>,
+    /// Smoothing before details are sought, px [0 to 10, default: 0.95]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) detail_sigma: Option<f64>,
+    /// Smallest detail, px of area [1 to 10000, default: 3]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) detail_minimum: Option<u32>,
+    /// Colour difference within a secondary texton, a share [0 to 1, default: 0.1]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    pub(crate) secondary_tolerance: Option<f64>,
+    /// Smallest secondary texton, px of area [1 to 10000, default: 3]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) secondary_minimum: Option<u32>,
+    /// Largest secondary texton, px of area [1 to 100000, default: 300]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) secondary_maximum: Option<u32>,
+    /// Categories of primary textons [1 to 1000, default: 15]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) categories: Option<u32>,
+    /// How far a texton sees, in mean distances between textons [0.5 to 10,
+    /// default: 2.25]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) descriptor_reach: Option<f64>,
+    /// Distance between background colours, px [4 to 1000, default: 25]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) background_spacing: Option<f64>,
+    /// Strip around textons that is not background, px [0 to 100,
+    /// default: 5]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) background_margin: Option<f64>,
+    /// Distance of smooth outlines from the pixels, px [0.05 to 5,
+    /// default: 0.5]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) fidelity: Option<f64>,
+    /// The photograph tiles: opposite borders join [default: false]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    #[arg(hide_possible_values = true)]
+    pub(crate) wrap: Option<bool>,
+}
+
+/// Section `[synth]`.
+#[derive(Args, Serialize)]
+#[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
+pub(crate) struct SynthFlags {
+    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, default: 1000]
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) size: Option<Size>,
+    /// Textons tried for each place [1 to 1000, default: 20]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) candidates: Option<u32>,
+    /// Moves by one cell that may better a placement [0 to 100, default: 5]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) moves: Option<u32>,
+    /// Weights of target, uncovered, empty, mismatched and same-overlap areas in the score of a
+    /// placement [-10 to 10 each, default: 0.5,-0.4,-0.2,-0.5,-0.5]
+    #[arg(long, value_name = "T,U,E,M,S", allow_hyphen_values = true)]
+    pub(crate) weights: Option<FiveWeights>,
+}
+
+/// Also of section `[synth]`; `texture` has the option from the analysis.
+#[derive(Args, Serialize)]
+#[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
+pub(crate) struct SynthBackgroundFlags {
+    /// Distance between background colours, px [4 to 1000, default: as
+    /// in the library]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) background_spacing: Option<f64>,
+}
+
+/// Section `[svg]`.
+#[derive(Args, Serialize)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct SvgFlags {
+    /// Decimals of numbers in an SVG [0 to 6, default: 2]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) precision: Option<u8>,
+    /// Write textons in full, not as <symbol> and <use> [default: false]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    #[arg(hide_possible_values = true)]
+    pub(crate) expand: Option<bool>,
+}
+
+/// Section `[render]`.
+#[derive(Args, Serialize)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct RenderFlags {
+    /// Pixels of a PNG for each pixel of the canvas [0.01 to 100, default: 1]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) scale: Option<f64>,
+}
+
+/// The whole command, from which parser, completions and man pages are made.
+pub(crate) fn command() -> clap::Command {
+    const WORK: [&str; 2] = ["seed", "debug_dir"];
+    const PARAMETERS: [&str; 3] = ["threads", "config", "dump_config"];
+    const TELLING: [&str; 3] = ["quiet", "verbose", "json"];
+    let command = Cli::command();
+    let global: Vec<Arg> = command.get_arguments().cloned().collect();
+    // Every command takes the options of all, but does not show those that mean nothing to it.
+    let hide = |command: clap::Command, name: &str, hidden: &[&str]| {
+        let args = global.iter().filter(|a| hidden.contains(&a.get_id().as_str()));
+        let args: Vec<Arg> = args.map(|a| a.clone().hide(true)).collect();
+        command.mut_subcommand(name, |sub| sub.args(args))
+    };
+    let command = hide(command, "render", &WORK);
+    let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
+    let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();
+    hide(hide(command, "completions", &all), "man", &all)
+}
+
+/// [`command`], in which nothing else is needed beside `--dump-config`.
+pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
+    let mut command = command();
+    if arguments.iter().any(|a| a == "--dump-config") {
+        command = command.subcommand_required(false);
+        for (name, argument) in [
+            ("texture", "photo"),
+            ("analyze", "photo"),
+            ("synth", "library"),
+            ("render", "file"),
+            ("inspect", "file"),
+        ] {
+            command = command.mut_subcommand(name, |c| c.mut_arg(argument, |a| a.required(false)));
+        }
+    }
+    command
+}
+
+/// The value of `--color`, sought before parsing so that errors of parsing follow it too.
+pub(crate) fn colour_choice(arguments: &[OsString]) -> When {
+    let mut choice = When::default();
+    let mut rest = arguments.iter().skip(1).map_while(|a| (a != "--").then(|| a.to_string_lossy()));
+    while let Some(argument) = rest.next() {
+        let value = match argument.strip_prefix("--color") {
+            Some("") => rest.next(),
+            Some(v) => v.strip_prefix('=').map(|v| v.to_owned().into()),
+            None => None,
+        };
+        if let Some(when) = value.and_then(|v| When::from_str(&v, false).ok()) {
+            choice = when;
+        }
+    }
+    choice
+}

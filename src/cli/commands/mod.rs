@@ -1,0 +1,31 @@
+//! One file for each command.
+
+mod analyze;
+mod completions;
+mod inspect;
+mod man;
+mod render;
+mod synth;
+mod texture;
+
+use super::options::{Common, Job};
+use super::progress::Reporter;
+
+/// Runs a command.
+pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
+    let reporter = Reporter::new(common)?;
+    let outcome = match job {
+        Job::Texture(analysis, synthesis) => texture::run(common, &reporter, analysis, synthesis),
+        Job::Analyze(analysis, target) => analyze::run(common, &reporter, analysis, target),
+        Job::Synth(library, synthesis) => synth::run(common, &reporter, library, synthesis),
+        Job::Render(file, options) => render::run(common, &reporter, file, options),
+        Job::Inspect(file) => inspect::run(common, file),
+        Job::Completions(shell) => completions::run(*shell),
+        Job::Man(folder) => man::run(folder),
+    };
+    // Work is also stopped when a picture of a stage cannot be written: that is then the reason.
+    match reporter.failure() {
+        Some(reason) => Err(reason.into()),
+        None => outcome,
+    }
+}

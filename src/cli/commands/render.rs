@@ -1,0 +1,69 @@
+//! `vtex render`: library, scene or SVG → picture.
+
+use crate::cli::failure::Failure;
+use crate::cli::input::{Input, Kind};
+use crate::cli::options::{Common, RenderOptions};
+use crate::cli::output::{Place, Written};
+use crate::cli::progress::Reporter;
+use crate::cli::stages;
+use crate::cli::summary::{Counts, Seconds, Summary, peak_memory};
+use vtex::Progress;
+use vtex::library::Library;
+use vtex::output::file::Format;
+use vtex::output::{png, raster_svg};
+use vtex::scene::Scene;
+
+pub(super) fn run(
+    common: &Common,
+    reporter: &Reporter,
+    input: &Input,
+    options: &RenderOptions,
+) -> anyhow::Result<()> {
+    let RenderOptions { scale, svg, target } = options;
+    let scale = scale.scale;
+    target.place.probe()?;
+    reporter.stage("reading")?;
+    let bytes = input.read()?;
+    let name = input.name();
+    let scene = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Svg])? {
+        Kind::Library => Some(stages::reconstruct(&Library::from_bytes(&bytes, &name)?)),
+        Kind::Scene => Some(Scene::from_bytes(&bytes, &name)?),
+        _ => None,
+    };
+    reporter.stage("drawing")?;
+    let (written, size) = match &scene {
+        Some(scene) => {
+            let size = [scene.width, scene.height];
+            (target.write_scene(scene, &(*svg).into(), scale)?, size)
+        }
+        None if target.kind.format == Format::Png => {
+            let picture = raster_svg::render_svg(&bytes, scale, &name)?;
+            let (_, bytes) = target.place.write(|out| png::encode(&picture, None, out))?;
+            (Written { bytes, warnings: Vec::new() }, [picture.width(), picture.height()])
+        }
+        None => {
+            let message = format!("'{name}' is an SVG already; it can be drawn as .png only");
+            return Err(Failure::usage(message).hint("to write an SVG, give a library or a scene").into());
+        }
+    };
+    for warning in &written.warnings {
+        reporter.warn(warning);
+    }
+    let (seconds, warnings) = reporter.finish();
+    let drawn = |side: u32| (f64::from(side) * scale).round().max(1.0) as u32;
+    let summary = Summary {
+        program: vtex::PROGRAM,
+        command: "render",
+        input: name,
+        output: target.place.path().display().to_string(),
+        bytes: written.bytes,
+        seed: None,
+        size: if scene.is_some() && target.kind.format == Format::Png { size.map(drawn) } else { size },
+        counts: scene.as_ref().map(Counts::of_scene),
+        coverage: None,
+        seconds: Seconds(seconds),
+        peak_memory: peak_memory(),
+        warnings,
+    };
+    summary.tell(common, target.place == Place::Stdout)
+}

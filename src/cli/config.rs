@@ -1,0 +1,418 @@
+//! Parameters from three places: defaults, then the file of `--config`, then the command line.
+//!
+//! The keys of the file are the long names of the options, in sections, so there is one definition
+//! of both: the structs in [`super::arguments`]. A section and the options of the command line are
+//! laid over the defaults as tables, and the result becomes a parameter struct of the library.
+
+use super::arguments::{
+    AnalyzeFlags, Global, RenderFlags, SegmenterName, SvgFlags, SynthBackgroundFlags, SynthFlags,
+};
+use super::failure::Failure;
+use super::values::{FiveWeights, Seed, Size};
+use clap::Args;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::fmt::Write;
+use std::path::Path;
+use toml::{Table, Value};
+use vtex::Error;
+use vtex::library::AnalyzeParams;
+use vtex::output::svg::SvgOptions;
+use vtex::scene::SynthParams;
+
+/// Every parameter, resolved.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Parameters {
+    pub(crate) seed: Option<Seed>,
+    pub(crate) threads: Option<u16>,
+    pub(crate) segmenter: SegmenterName,
+    pub(crate) analyze: AnalyzeParams,
+    pub(crate) synth: SynthParams,
+    pub(crate) svg: SvgParameters,
+    pub(crate) render: RenderParameters,
+}
+
+/// How an SVG is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) struct SvgParameters {
+    /// Decimals of numbers. 0 to 6.
+    pub(crate) precision: u8,
+    /// Whether textons are written in full wherever they stand.
+    pub(crate) expand: bool,
+}
+
+impl From<SvgParameters> for SvgOptions {
+    fn from(SvgParameters { precision, expand }: SvgParameters) -> Self {
+        Self { precision, expand }
+    }
+}
+
+/// How a picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) struct RenderParameters {
+    /// Pixels for each pixel of the canvas. 0.01 to 100.
+    pub(crate) scale: f64,
+}
+
+/// What the command line gives, a table for each section.
+#[derive(Debug, Default)]
+pub(crate) struct Given(Table);
+
+impl Given {
+    /// Adds the options given to a section (`""` is the top).
+    pub(crate) fn add(&mut self, section: &str, flags: &impl Serialize) {
+        let table = Table::try_from(flags).expect("options are plain values");
+        if section.is_empty() {
+            self.0.extend(table);
+        } else if let Some(known) =
+            self.0.entry(section).or_insert_with(|| Value::Table(Table::new())).as_table_mut()
+        {
+            known.extend(table);
+        }
+    }
+}
+
+/// The options of [`Global`] that are parameters.
+#[derive(Serialize)]
+pub(crate) struct Top {
+    pub(crate) seed: Option<Seed>,
+    pub(crate) threads: Option<u16>,
+}
+
+const SECTIONS: [&str; 5] = ["", "analyze", "synth", "svg", "render"];
+
+/// Name and help of every key of a section, in order.
+fn keys(section: &str) -> Vec<(String, String)> {
+    let command = clap::Command::new("");
+    let command = match section {
+        "" => Global::augment_args(command),
+        "analyze" => AnalyzeFlags::augment_args(command),
+        "synth" => SynthBackgroundFlags::augment_args(SynthFlags::augment_args(command)),
+        "svg" => SvgFlags::augment_args(command),
+        "render" => RenderFlags::augment_args(command),
+        _ => command,
+    };
+    let all = command.get_arguments().filter_map(|a| {
+        let name = a.get_long()?.to_owned();
+        Some((name, a.get_help().map(ToString::to_string).unwrap_or_default()))
+    });
+    all.filter(|(name, _)| !section.is_empty() || ["seed", "threads"].contains(&name.as_str())).collect()
+}
+
+/// Reads a configuration file and checks that every key is known.
+fn read(path: &Path) -> anyhow::Result<Table> {
+    let text = std::fs::read_to_string(path).map_err(|e| vtex::Error::read(path, e))?;
+    let table: Table = text.parse().map_err(|e: toml::de::Error| {
+        Failure::usage(format!("cannot read '{}': {}", path.display(), e.to_string().trim_end()))
+            .hint("'vtex --dump-config' prints a valid file")
+    })?;
+    for (key, value) in &table {
+        match value {
+            Value::Table(section) if SECTIONS[1..].contains(&key.as_str()) => {
+                for inner in section.keys() {
+                    known(inner, key, path)?;
+                }
+            }
+            _ if SECTIONS[1..].contains(&key.as_str()) => {
+                let message = format!("'{key}' in '{}' is not a section", path.display());
+                return Err(Failure::usage(message)
+                    .hint(format!("write [{key}] on a line of its own"))
+                    .into());
+            }
+            _ => known(key, "", path)?,
+        }
+    }
+    Ok(table)
+}
+
+/// An error that names the nearest key unless `key` is known in `section`.
+fn known(key: &str, section: &str, path: &Path) -> Result<(), Failure> {
+    let mut names: Vec<String> = keys(section).into_iter().map(|k| k.0).collect();
+    if names.iter().any(|n| n == key) {
+        return Ok(());
+    }
+    let place = if section.is_empty() { String::new() } else { format!(" in [{section}]") };
+    let failure = Failure::usage(format!("'{}' has an unknown key '{key}'{place}", path.display()));
+    let home = |s: &&str| *s != section && keys(s).iter().any(|k| k.0 == key);
+    Err(match SECTIONS.iter().copied().find(home) {
+        Some("") => failure.hint(format!("'{key}' stands at the top, before all sections")),
+        Some(home) => failure.hint(format!("'{key}' belongs in [{home}]")),
+        None => {
+            if section.is_empty() {
+                names.extend(SECTIONS[1..].iter().map(|s| (*s).to_owned()));
+            }
+            let nearest = names.iter().min_by_key(|n| edits(key, n)).expect("every section has keys");
+            failure.hint(format!("did you mean '{nearest}'?"))
+        }
+    })
+}
+
+/// Number of letters to add, remove or replace to make one word the other (Levenshtein 1966).
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self {
+            seed: None,
+            threads: None,
+            segmenter: SegmenterName::default(),
+            analyze: AnalyzeParams::default(),
+            synth: SynthParams::default(),
+            svg: SvgParameters { precision: 2, expand: false },
+            render: RenderParameters { scale: 1.0 },
+        }
+    }
+}
+
+impl Parameters {
+    /// Defaults, file and command line laid over one another, every range checked.
+    pub(crate) fn resolve(config: Option<&Path>, given: &Given) -> anyhow::Result<Self> {
+        let mut parameters = Self::default();
+        if let Some(path) = config {
+            let table = read(path)?;
+            // One key at a time, so that an error can name it.
+            for section in SECTIONS {
+                let inner = if section.is_empty() { Some(&table) } else { section_of(&table, section) };
+                for (key, value) in inner.into_iter().flatten().filter(|(_, v)| !v.is_table()) {
+                    let one: Table = [(key.clone(), value.clone())].into_iter().collect();
+                    parameters.lay(section, &one).map_err(|reason| {
+                        Failure::usage(format!("'{}': {key} = {value}: {reason}", path.display()))
+                    })?;
+                }
+            }
+        }
+        for section in SECTIONS {
+            let inner = if section.is_empty() { Some(&given.0) } else { section_of(&given.0, section) };
+            if let Some(table) = inner {
+                parameters.lay(section, table).map_err(Failure::usage)?;
+            }
+        }
+        parameters.validate()?;
+        Ok(parameters)
+    }
+
+    fn validate(&self) -> vtex::Result<()> {
+        let check = |ok: bool, name, value: String, allowed| {
+            if ok { Ok(()) } else { Err(Error::Parameter { name, value, allowed }) }
+        };
+        if let Some(threads) = self.threads {
+            check((1..=1024).contains(&threads), "threads", threads.to_string(), "1 to 1024")?;
+        }
+        self.analyze.validate()?;
+        self.synth.validate()?;
+        let SvgParameters { precision, .. } = self.svg;
+        check(precision <= 6, "precision", precision.to_string(), "0 to 6 decimals")?;
+        let RenderParameters { scale } = self.render;
+        check((0.01..=100.0).contains(&scale), "scale", scale.to_string(), "0.01 to 100")
+    }
+
+    /// Lays values over those of a section.
+    fn lay(&mut self, section: &str, values: &Table) -> Result<(), String> {
+        let mut values = values.clone();
+        values.retain(|_, v| !v.is_table());
+        match section {
+            "" => {
+                take(&mut values, "seed", |v| self.seed = Some(v))?;
+                take(&mut values, "threads", |v| self.threads = Some(v))?;
+            }
+            "analyze" => {
+                take(&mut values, "segmenter", |v| self.segmenter = v)?;
+                self.analyze = over(&self.analyze, values)?;
+            }
+            "synth" => {
+                take(&mut values, "size", |Size { width, height }| {
+                    (self.synth.width, self.synth.height) = (width, height);
+                })?;
+                take(&mut values, "weights", |v: FiveWeights| self.synth.weights = v.into())?;
+                self.synth = over(&self.synth, values)?;
+            }
+            "svg" => self.svg = over(&self.svg, values)?,
+            "render" => self.render = over(&self.render, values)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The values of a section, by key.
+    fn section(&self, section: &str) -> Table {
+        let table = |v: Result<Table, toml::ser::Error>| v.expect("parameters are plain values");
+        let mut values = match section {
+            "" => table(Table::try_from(Top { seed: self.seed, threads: self.threads })),
+            "analyze" => {
+                let mut t = table(Table::try_from(&AnalyzeParams { seed: 0, ..self.analyze.clone() }));
+                t.insert("segmenter".into(), Value::try_from(self.segmenter).expect("a name"));
+                t
+            }
+            "synth" => {
+                let mut t = table(Table::try_from(&SynthParams { seed: 0, ..self.synth.clone() }));
+                let size = Size { width: self.synth.width, height: self.synth.height };
+                t.insert("size".into(), Value::try_from(size).expect("text"));
+                let weights = FiveWeights::from(self.synth.weights.clone());
+                t.insert("weights".into(), Value::try_from(weights).expect("numbers"));
+                t
+            }
+            "svg" => table(Table::try_from(self.svg)),
+            "render" => table(Table::try_from(self.render)),
+            _ => Table::new(),
+        };
+        values = values.into_iter().map(|(k, v)| (k.replace('_', "-"), v)).collect();
+        values
+    }
+
+    /// All parameters as a file for `--config`, each under its help. Those without a value are
+    /// left as comments.
+    pub(crate) fn dump(&self) -> String {
+        let mut text = format!("# Parameters of {}. Options on the command line win.\n", vtex::PROGRAM);
+        for section in SECTIONS {
+            if !section.is_empty() {
+                let _ = write!(text, "\n[{section}]\n");
+            }
+            let values = self.section(section);
+            for (key, help) in keys(section) {
+                let _ = match values.get(&key) {
+                    Some(value) => write!(text, "# {help}\n{key} = {value}\n"),
+                    None => write!(text, "# {help}\n#{key} =\n"),
+                };
+            }
+        }
+        text
+    }
+}
+
+fn section_of<'a>(table: &'a Table, section: &str) -> Option<&'a Table> {
+    table.get(section).and_then(Value::as_table)
+}
+
+/// Takes a value out of a table, if it is there.
+fn take<T: DeserializeOwned>(values: &mut Table, key: &str, set: impl FnOnce(T)) -> Result<(), String> {
+    if let Some(value) = values.remove(key) {
+        set(value.try_into().map_err(|e: toml::de::Error| e.message().to_owned())?);
+    }
+    Ok(())
+}
+
+/// A parameter struct with some of its fields replaced; keys with hyphens or underscores.
+fn over<T: Serialize + DeserializeOwned>(base: &T, values: Table) -> Result<T, String> {
+    let mut table = Table::try_from(base).map_err(|e| e.to_string())?;
+    table.extend(values.into_iter().map(|(k, v)| (k.replace('-', "_"), v)));
+    Value::Table(table).try_into().map_err(|e: toml::de::Error| e.message().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The keys of a parameter struct that options stand for one by one.
+    fn fields(parameters: impl Serialize, handled: &[&str]) -> Vec<String> {
+        let table = serde_json::to_value(parameters).unwrap();
+        let names = table.as_object().unwrap().keys().filter(|k| !handled.contains(&k.as_str()));
+        let mut names: Vec<String> = names.map(|k| k.replace('_', "-")).collect();
+        names.sort();
+        names
+    }
+
+    fn sorted_keys(section: &str, handled: &[&str]) -> Vec<String> {
+        let mut names: Vec<String> = keys(section).into_iter().map(|k| k.0).collect();
+        names.retain(|n| !handled.contains(&n.as_str()));
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn every_parameter_has_an_option() {
+        assert_eq!(fields(AnalyzeParams::default(), &["seed"]), sorted_keys("analyze", &["segmenter"]));
+        let handled = ["seed", "width", "height", "weights"];
+        assert_eq!(fields(SynthParams::default(), &handled), sorted_keys("synth", &["size", "weights"]));
+    }
+
+    #[test]
+    fn help_names_the_true_defaults() {
+        let parameters = Parameters::default();
+        for section in &SECTIONS[1..] {
+            let values = parameters.section(section);
+            for (key, help) in keys(section) {
+                let Some(value) = values.get(&key) else { continue };
+                let shown = match value {
+                    Value::String(s) if s == "1000x1000" => "1000".into(),
+                    Value::String(s) => s.clone(),
+                    Value::Float(f) => f.to_string(),
+                    Value::Array(a) => {
+                        a.iter().map(|v| v.as_float().unwrap().to_string()).collect::<Vec<_>>().join(",")
+                    }
+                    other => other.to_string(),
+                };
+                assert!(help.ends_with(&format!("default: {shown}]")), "[{section}] {key} = {shown}: {help}");
+            }
+        }
+    }
+
+    #[test]
+    fn help_names_the_true_ranges() {
+        // Just outside what the help says is refused, the limits themselves are not.
+        for (section, key, low, high) in [
+            ("analyze", "detail-scale", "0", "10000"),
+            ("analyze", "fidelity", "0.05", "5"),
+            ("analyze", "descriptor-reach", "0.5", "10"),
+            ("analyze", "background-margin", "0", "100"),
+            ("analyze", "background-spacing", "4", "1000"),
+            ("synth", "background-spacing", "4", "1000"),
+            ("synth", "candidates", "1", "1000"),
+            ("synth", "moves", "0", "100"),
+            ("svg", "precision", "0", "6"),
+            ("render", "scale", "0.01", "100"),
+        ] {
+            let help = keys(section).into_iter().find(|k| k.0 == key).unwrap().1;
+            assert!(help.contains(&format!("[{low} to {high},")), "{help}");
+            let test = |value: &str| {
+                let mut p = Parameters::default();
+                let table: Table = format!("{key} = {value}").parse().unwrap();
+                p.lay(section, &table).is_ok() && p.validate().is_ok()
+            };
+            assert!(test(low) && test(high), "{key}");
+            assert!(!test(&format!("{high}1")), "{key}");
+            let below = if low.parse::<f64>().unwrap() > 0.0 { "0" } else { "-1" };
+            assert!(!test(below), "{key}");
+        }
+    }
+
+    #[test]
+    fn a_dump_reads_back_as_itself() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("vtex.toml");
+        let mut given = Given::default();
+        let table: Table = "seed = '18446744073709551615'\n[synth]\nsize = 70\nbackground-spacing = 9\n\
+            weights = [1, 0, -1.5, 2.5, 0.1]\n[analyze]\nwrap = true\ndetail-sigma = 1.5"
+            .parse()
+            .unwrap();
+        given.0 = table;
+        let parameters = Parameters::resolve(None, &given).unwrap();
+        assert_eq!(parameters.seed, Some(Seed(u64::MAX)));
+        assert_eq!((parameters.synth.height, parameters.synth.weights.mismatched), (70, 2.5));
+        for p in [parameters, Parameters::default()] {
+            std::fs::write(&path, p.dump()).unwrap();
+            let again = Parameters::resolve(Some(&path), &Given::default()).unwrap();
+            assert_eq!(again, p);
+            assert_eq!(again.dump(), p.dump());
+        }
+    }
+
+    #[test]
+    fn edits_are_counted() {
+        assert_eq!((edits("", "abc"), edits("kitten", "sitting"), edits("a", "a")), (3, 3, 0));
+    }
+}

@@ -1,0 +1,75 @@
+//! What the user is told when something goes wrong, and the exit code that goes with it.
+
+use super::Exit;
+use anstyle::{AnsiColor, Style};
+use std::io::ErrorKind;
+use vtex::Error;
+
+/// A failure of the command line's own, beside those of the library.
+#[derive(Debug, thiserror::Error)]
+#[error("{message}")]
+pub(crate) struct Failure {
+    message: String,
+    hint: Option<String>,
+    exit: Exit,
+}
+
+impl Failure {
+    /// The command line or the configuration is wrong.
+    pub(crate) fn usage(message: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: None, exit: Exit::Usage }
+    }
+
+    /// The work failed.
+    pub(crate) fn failed(message: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: None, exit: Exit::Failed }
+    }
+
+    /// What the user may try, in one sentence without a full stop.
+    pub(crate) fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+/// The style of `error:` and `warning:`.
+pub(crate) const fn label(colour: AnsiColor) -> Style {
+    Style::new().bold().fg_color(Some(anstyle::Color::Ansi(colour)))
+}
+
+/// Prints an error of the argument parser, or the help or version that was asked for.
+pub(crate) fn show_usage(error: &clap::Error) -> Exit {
+    // A closed pipe (`vtex --help | head -1`) is no failure.
+    let _ = error.print();
+    if error.use_stderr() { Exit::Usage } else { Exit::Success }
+}
+
+/// Prints an error and its hint on stderr and says how to exit. Silent if the reader of stdout
+/// has gone.
+pub(crate) fn show(error: &anyhow::Error) -> Exit {
+    if let Some(error) = error.downcast_ref::<clap::Error>() {
+        return show_usage(error);
+    }
+    let (message, hint, exit) = match error.downcast_ref::<Error>() {
+        Some(Error::Write { path, source })
+            if source.kind() == ErrorKind::BrokenPipe && path.as_os_str() == "-" =>
+        {
+            return Exit::Success;
+        }
+        Some(e @ Error::Interrupted) => (e.to_string(), e.hint(), Exit::Interrupted),
+        Some(e @ Error::Parameter { .. }) => (e.to_string(), e.hint(), Exit::Usage),
+        Some(e) => (e.to_string(), e.hint(), Exit::Failed),
+        None => match error.downcast_ref::<Failure>() {
+            Some(f) => (f.message.clone(), f.hint.clone(), f.exit),
+            None => (format!("{error:#}"), None, Exit::Failed),
+        },
+    };
+    let red = label(AnsiColor::Red);
+    let mut text = format!("{red}error:{red:#} {message}\n");
+    if let Some(hint) = hint {
+        let cyan = label(AnsiColor::Cyan);
+        text.push_str(&format!("{cyan}hint:{cyan:#} {hint}\n"));
+    }
+    anstream::eprint!("{text}");
+    exit
+}

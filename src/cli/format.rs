@@ -1,0 +1,88 @@
+//! File formats told by extension, and default names.
+
+use super::failure::Failure;
+use std::path::{Path, PathBuf};
+use vtex::output::file::{Format, Kind};
+
+/// What `texture`, `synth` and `render` can write.
+pub(crate) const OF_SCENE: &[Format] = &[Format::Svg, Format::Png, Format::Scene];
+/// What `analyze` can write.
+pub(crate) const OF_LIBRARY: &[Format] = &[Format::Library];
+
+fn extensions(format: Format) -> &'static [&'static str] {
+    match format {
+        Format::Svg => &[".svg", ".svgz"],
+        Format::Png => &[".png"],
+        Format::Scene => &[".scene.json", ".scene.json.gz"],
+        Format::Library => &[".lib.json", ".lib.json.gz"],
+    }
+}
+
+/// The kind of file that the name `path` asks for, among those allowed.
+pub(crate) fn kind_of(path: &Path, allowed: &[Format]) -> Result<Kind, Failure> {
+    let kind = Kind::from_path(path).filter(|k| allowed.contains(&k.format));
+    kind.ok_or_else(|| {
+        let known: Vec<&str> = allowed.iter().flat_map(|f| extensions(*f)).copied().collect();
+        unknown_name("--output", path, &known)
+    })
+}
+
+/// Checks that masks can be saved under a name.
+pub(crate) fn check_masks_name(path: &Path) -> Result<(), Failure> {
+    let known = [".png", ".json", ".json.gz"];
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    if known.iter().any(|e| name.ends_with(e)) {
+        Ok(())
+    } else {
+        Err(unknown_name("--save-masks", path, &known))
+    }
+}
+
+fn unknown_name(flag: &str, path: &Path, known: &[&str]) -> Failure {
+    let (last, others) = known.split_last().expect("some format is allowed");
+    Failure::usage(format!("cannot tell the format from the name '{}'", path.display()))
+        .hint(format!("give {flag} a name that ends in {} or {last}", others.join(", ")))
+}
+
+/// `photo.svg` in the current folder for `some/photo.lib.json` and [`Format::Svg`].
+pub(crate) fn default_name(input: &Path, format: Format) -> PathBuf {
+    let mut stem = input.file_name().unwrap_or("texture".as_ref()).to_os_string();
+    if let Some(name) = input.file_name().and_then(|n| n.to_str()) {
+        let lower = name.to_ascii_lowercase();
+        let known = [".lib.json.gz", ".lib.json", ".scene.json.gz", ".scene.json"];
+        stem = match known.iter().find(|e| lower.ends_with(*e) && lower.len() > e.len()) {
+            Some(e) => name[..name.len() - e.len()].into(),
+            None => Path::new(name).file_stem().unwrap_or(name.as_ref()).into(),
+        };
+    } else if let Some(short) = input.file_stem() {
+        stem = short.into();
+    }
+    stem.push(extensions(format)[0]);
+    stem.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_held_to_what_a_command_writes() {
+        let of = |name: &str| kind_of(Path::new(name), OF_SCENE).ok().map(|k| k.format);
+        assert_eq!(of("a.SVGZ"), Some(Format::Svg));
+        assert_eq!(of("dir.svg/a.scene.json.gz"), Some(Format::Scene));
+        assert_eq!(of("a.lib.json"), None);
+        assert_eq!(of("a.json"), None);
+        assert!(check_masks_name(Path::new("m.masks.json.gz")).is_ok());
+        assert!(check_masks_name(Path::new("m.jpg")).is_err());
+    }
+
+    #[test]
+    fn default_names_stand_in_the_current_folder() {
+        let name = |input: &str, format| default_name(Path::new(input), format);
+        assert_eq!(name("/x/photo.jpg", Format::Library), Path::new("photo.lib.json"));
+        assert_eq!(name("y/photo.LIB.json.gz", Format::Svg), Path::new("photo.svg"));
+        assert_eq!(name("my.photo.jpeg", Format::Svg), Path::new("my.photo.svg"));
+        assert_eq!(name("photo", Format::Png), Path::new("photo.png"));
+        assert_eq!(name(".lib.json", Format::Svg), Path::new(".lib.svg"));
+    }
+}

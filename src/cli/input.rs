@@ -1,0 +1,142 @@
+//! Files and standard input, and what they hold.
+
+use super::failure::Failure;
+use super::interrupt;
+use flate2::read::GzDecoder;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use vtex::{Error, Result};
+
+/// Most bytes read from a file or from standard input.
+const LARGEST: u64 = 2 << 30;
+
+/// Where input comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Input {
+    Stdin,
+    File(PathBuf),
+}
+
+impl Input {
+    /// `-` is standard input.
+    pub(crate) fn new(path: PathBuf) -> Self {
+        if path.as_os_str() == "-" { Self::Stdin } else { Self::File(path) }
+    }
+
+    /// The path as given, `-` for standard input.
+    pub(crate) fn path(&self) -> &Path {
+        match self {
+            Self::Stdin => Path::new("-"),
+            Self::File(path) => path,
+        }
+    }
+
+    /// [`Input::path`] as text.
+    pub(crate) fn name(&self) -> String {
+        self.path().display().to_string()
+    }
+
+    /// All bytes.
+    pub(crate) fn read(&self) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let read = interrupt::waiting(|| match self {
+            Self::Stdin => std::io::stdin().lock().take(LARGEST + 1).read_to_end(&mut bytes),
+            Self::File(path) => {
+                std::fs::File::open(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut bytes))
+            }
+        });
+        read.map_err(|e| Error::read(self.path(), e))?;
+        if bytes.len() as u64 > LARGEST {
+            let (found, limit) = ("more than 2 GiB".into(), "2 GiB".into());
+            return Err(Error::TooLarge { name: self.name(), found, limit });
+        }
+        Ok(bytes)
+    }
+}
+
+/// What a file holds, by its content.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Library,
+    Scene,
+    Svg,
+    Image,
+    Unknown,
+}
+
+impl Kind {
+    /// Recognises content, plain or gzip, by its first bytes.
+    pub(crate) fn of(bytes: &[u8]) -> Self {
+        let mut head = Vec::new();
+        if bytes.starts_with(&[0x1f, 0x8b]) {
+            // Damaged data shows up again, with its reason, when all of it is read.
+            let _ = GzDecoder::new(bytes).take(HEAD).read_to_end(&mut head);
+        } else {
+            head.extend_from_slice(&bytes[..bytes.len().min(HEAD as usize)]);
+        }
+        if image::guess_format(&head).is_ok() {
+            return Self::Image;
+        }
+        let text = String::from_utf8_lossy(&head);
+        let text = text.trim_start_matches('\u{feff}').trim_start();
+        let named = |name: &str| text.contains(&format!("\"{name}\""));
+        if text.starts_with('{') {
+            if named(vtex::scene::Scene::FORMAT) {
+                return Self::Scene;
+            }
+            if named(vtex::library::Library::FORMAT) {
+                return Self::Library;
+            }
+        } else if text.starts_with('<') && text.contains("<svg") {
+            return Self::Svg;
+        }
+        Self::Unknown
+    }
+
+    /// The kind, which must be one of `wanted`; otherwise an error that says what the file is and
+    /// which command reads it.
+    pub(crate) fn expect(bytes: &[u8], input: &Input, wanted: &[Self]) -> Result<Self, Failure> {
+        let kind = Self::of(bytes);
+        if wanted.contains(&kind) {
+            return Ok(kind);
+        }
+        let known = wanted.iter().filter(|k| **k != Self::Unknown);
+        let names: Vec<&str> = known.map(|k| k.name()).collect();
+        let found = if bytes.is_empty() { "is empty".to_owned() } else { format!("holds {}", kind.name()) };
+        let failure = Failure::failed(format!("'{}' {found}, not {}", input.name(), names.join(", not ")));
+        Err(match kind {
+            Self::Library => failure.hint("make a texture of it with 'vtex synth'"),
+            Self::Scene | Self::Svg => failure.hint("draw it with 'vtex render'"),
+            Self::Image => failure.hint("make a library of it with 'vtex analyze' first"),
+            Self::Unknown => failure.hint("libraries are made by 'vtex analyze', scenes by 'vtex synth'"),
+        })
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Library => "a library",
+            Self::Scene => "a scene",
+            Self::Svg => "an SVG",
+            Self::Image => "an image",
+            Self::Unknown => "something else",
+        }
+    }
+}
+
+/// How much of a file is looked at; vtex writes the name of the format first.
+const HEAD: u64 = 4096;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_tells_the_kind() {
+        assert_eq!(Kind::of(b" \n{\"format\":\"vtex-library\"}"), Kind::Library);
+        assert_eq!(Kind::of(b"{\"version\":1,\"format\":\"vtex-scene\"}"), Kind::Scene);
+        assert_eq!(Kind::of(b"\xef\xbb\xbf<?xml version='1.0'?><!-- c --><svg/>"), Kind::Svg);
+        assert_eq!(Kind::of(b"\x89PNG\r\n\x1a\n...."), Kind::Image);
+        assert_eq!(Kind::of(b""), Kind::Unknown);
+        assert_eq!(Kind::of(b"\x1f\x8b damaged"), Kind::Unknown);
+    }
+}

@@ -1,0 +1,202 @@
+//! What the user asked for, checked as far as it can be without reading anything but the
+//! configuration: from [`Cli`] to a job and what all jobs share.
+
+use super::arguments::{Cli, Command, ForceArgs, MasksArgs, SegmenterName};
+use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
+use super::failure::Failure;
+use super::format::{self, default_name};
+use super::input::Input;
+use super::output::{Place, Target};
+use super::values::Seed;
+use clap_complete::Shell;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use vtex::library::AnalyzeParams;
+use vtex::output::file::{Format, Kind};
+use vtex::scene::SynthParams;
+
+/// What is to be done.
+pub(crate) enum Options {
+    /// Print the parameters.
+    DumpConfig(String),
+    /// Run a command.
+    Job(Common, Box<Job>),
+}
+
+/// What all commands share.
+#[derive(Debug)]
+pub(crate) struct Common {
+    /// Threads to use, if said.
+    pub(crate) threads: Option<u16>,
+    /// Whether no seed was given.
+    pub(crate) seed_chosen: bool,
+    pub(crate) quiet: bool,
+    /// 0, 1 or 2.
+    pub(crate) verbosity: u8,
+    pub(crate) json: bool,
+    pub(crate) debug_folder: Option<PathBuf>,
+}
+
+/// A command with its options.
+pub(crate) enum Job {
+    Texture(Analysis, Synthesis),
+    Analyze(Analysis, Target),
+    Synth(Input, Synthesis),
+    Render(Input, RenderOptions),
+    Inspect(Input),
+    Completions(Shell),
+    Man(PathBuf),
+}
+
+/// How a photograph is analyzed.
+pub(crate) struct Analysis {
+    pub(crate) photo: Input,
+    pub(crate) masks: MasksFrom,
+    pub(crate) save_masks: Option<Place>,
+    pub(crate) parameters: AnalyzeParams,
+}
+
+/// Where masks come from.
+#[derive(Clone, Debug)]
+pub(crate) enum MasksFrom {
+    Segmenter(SegmenterName),
+    File(PathBuf),
+}
+
+/// How a texture is made and written.
+pub(crate) struct Synthesis {
+    pub(crate) parameters: SynthParams,
+    pub(crate) svg: SvgParameters,
+    pub(crate) target: Target,
+}
+
+/// How a file is drawn.
+pub(crate) struct RenderOptions {
+    pub(crate) scale: RenderParameters,
+    pub(crate) svg: SvgParameters,
+    pub(crate) target: Target,
+}
+
+impl Options {
+    /// Checks a command line.
+    ///
+    /// # Errors
+    /// Usage errors, and a configuration that cannot be read.
+    pub(crate) fn resolve(cli: Cli) -> anyhow::Result<Self> {
+        let Cli { global, command } = cli;
+        let mut given = Given::default();
+        given.add("", &Top { seed: global.seed, threads: global.threads });
+        match &command {
+            Some(Command::Texture(a)) => {
+                given.add("analyze", &a.analyze);
+                given.add("synth", &a.synth);
+                given.add("svg", &a.svg);
+            }
+            Some(Command::Analyze(a)) => given.add("analyze", &a.analyze),
+            Some(Command::Synth(a)) => {
+                given.add("synth", &a.synth);
+                given.add("synth", &a.background);
+                given.add("svg", &a.svg);
+            }
+            Some(Command::Render(a)) => {
+                given.add("render", &a.render);
+                given.add("svg", &a.svg);
+            }
+            Some(Command::Inspect(_) | Command::Completions(_) | Command::Man(_)) | None => {}
+        }
+        let parameters = Parameters::resolve(global.config.as_deref(), &given)?;
+        if global.dump_config {
+            return Ok(Self::DumpConfig(parameters.dump()));
+        }
+        let command = command.ok_or_else(|| Failure::usage("no command is given"))?;
+        let seed = parameters.seed.unwrap_or_else(Seed::chosen);
+        let common = Common {
+            threads: parameters.threads,
+            seed_chosen: parameters.seed.is_none(),
+            quiet: global.quiet,
+            verbosity: global.verbose,
+            json: global.json,
+            debug_folder: global.debug_dir,
+        };
+        Ok(Self::Job(common, Box::new(Job::resolve(command, parameters, seed)?)))
+    }
+}
+
+impl Job {
+    fn resolve(command: Command, parameters: Parameters, seed: Seed) -> anyhow::Result<Self> {
+        let Parameters { segmenter, analyze, synth, svg, render, .. } = parameters;
+        let analyze = AnalyzeParams { seed: seed.0, ..analyze };
+        let synth = SynthParams { seed: seed.0, ..synth };
+        Ok(match command {
+            Command::Texture(a) => {
+                let photo = required(a.photo)?;
+                let target = target(a.output, &a.force, &photo, format::OF_SCENE, Format::Svg)?;
+                let analysis = Analysis::new(photo, a.masks, &a.force, segmenter, analyze)?;
+                Self::Texture(analysis, Synthesis { parameters: synth, svg, target })
+            }
+            Command::Analyze(a) => {
+                let photo = required(a.photo)?;
+                let target = target(a.output, &a.force, &photo, format::OF_LIBRARY, Format::Library)?;
+                Self::Analyze(Analysis::new(photo, a.masks, &a.force, segmenter, analyze)?, target)
+            }
+            Command::Synth(a) => {
+                let library = required(a.library)?;
+                let target = target(a.output, &a.force, &library, format::OF_SCENE, Format::Svg)?;
+                Self::Synth(library, Synthesis { parameters: synth, svg, target })
+            }
+            Command::Render(a) => {
+                let file = required(a.file)?;
+                let target = target(a.output, &a.force, &file, format::OF_SCENE, Format::Png)?;
+                Self::Render(file, RenderOptions { scale: render, svg, target })
+            }
+            Command::Inspect(a) => Self::Inspect(required(a.file)?),
+            Command::Completions(a) => Self::Completions(a.shell),
+            Command::Man(a) => Self::Man(a.folder),
+        })
+    }
+}
+
+impl Analysis {
+    fn new(
+        photo: Input,
+        masks: MasksArgs,
+        force: &ForceArgs,
+        segmenter: SegmenterName,
+        parameters: AnalyzeParams,
+    ) -> Result<Self, Failure> {
+        if let Some(path) = &masks.save_masks {
+            format::check_masks_name(path)?;
+        }
+        let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
+        let from = masks.masks.map_or(MasksFrom::Segmenter(segmenter), MasksFrom::File);
+        Ok(Self { photo, masks: from, save_masks, parameters })
+    }
+}
+
+/// Where results go: as asked; else stdout if the input is stdin; else a file named after it.
+fn target(
+    output: Option<PathBuf>,
+    force: &ForceArgs,
+    input: &Input,
+    allowed: &[Format],
+    usual: Format,
+) -> Result<Target, Failure> {
+    let path = match (output, input) {
+        (Some(path), _) => path,
+        (None, Input::Stdin) => Path::new("-").into(),
+        (None, Input::File(path)) => default_name(path, usual),
+    };
+    if path.as_os_str() == "-" {
+        if usual == Format::Png && std::io::stdout().is_terminal() {
+            return Err(Failure::usage("a terminal cannot show a picture").hint("name a file with --output"));
+        }
+        return Ok(Target { place: Place::Stdout, kind: Kind { format: usual, gzip: false } });
+    }
+    let kind = format::kind_of(&path, allowed)?;
+    Ok(Target { place: Place::File { path, force: force.force }, kind })
+}
+
+/// An argument that the parser lets be missing only beside `--dump-config`.
+fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
+    path.map(Input::new).ok_or_else(|| Failure::usage("no input is given"))
+}

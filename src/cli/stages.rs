@@ -1,0 +1,70 @@
+//! The library's stages as the commands call them.
+
+use super::arguments::SegmenterName;
+use super::input::{Input, Kind};
+use super::options::{Analysis, MasksFrom};
+use super::output::Place;
+use super::progress::Reporter;
+use image::RgbImage;
+use vtex::analyze::{Exemplar, Limits};
+use vtex::library::Library;
+use vtex::scene::{Scene, SynthParams};
+use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
+use vtex::synth::Report;
+use vtex::{Error, Progress, Result};
+
+/// Photograph → library; saves the masks if asked.
+pub(super) fn analyze(analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
+    reporter.stage("reading")?;
+    let bytes = analysis.photo.read()?;
+    Kind::expect(&bytes, &analysis.photo, &[Kind::Image, Kind::Unknown])?;
+    let name = match &analysis.photo {
+        Input::Stdin => "-".into(),
+        Input::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy(),
+    };
+    let exemplar = Exemplar::from_bytes(&bytes, &name, &Limits::default())?;
+    drop(bytes);
+    let segmenter: Box<dyn Segmenter> = match &analysis.masks {
+        MasksFrom::File(path) => Box::new(MasksFile::read(path)?),
+        MasksFrom::Segmenter(SegmenterName::Felzenszwalb) => Box::new(Felzenszwalb::default()),
+        MasksFrom::Segmenter(SegmenterName::Regions) => Box::new(Regions),
+    };
+    let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
+    Ok(vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?)
+}
+
+/// A segmenter that also saves what it finds.
+struct Saving<'a> {
+    segmenter: Box<dyn Segmenter>,
+    place: Option<&'a Place>,
+}
+
+impl Segmenter for Saving<'_> {
+    fn name(&self) -> String {
+        self.segmenter.name()
+    }
+
+    fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
+        let masks = self.segmenter.segment(image, progress)?;
+        if let Some(place) = self.place {
+            let (width, height) = image.dimensions();
+            let bytes = masks_to_bytes(place.path(), &self.name(), width, height, &masks)?;
+            place.write(|out| out.write_all(&bytes).map_err(|e| Error::write(place.path(), e)))?;
+        }
+        Ok(masks)
+    }
+}
+
+/// Library → scene, and how close it came to what was wanted.
+pub(super) fn synthesize(
+    library: Library,
+    parameters: &SynthParams,
+    reporter: &Reporter,
+) -> Result<(Scene, Report)> {
+    vtex::synth::synthesize_with_report(&[library], parameters, reporter)
+}
+
+/// Library → the exemplar as a scene.
+pub(super) fn reconstruct(library: &Library) -> Scene {
+    vtex::synth::reconstruct(library)
+}

@@ -1,0 +1,206 @@
+//! What was done, in JSON for programs and in a line or two for people.
+
+use super::options::Common;
+use super::output::{print, say};
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+use std::time::Duration;
+use vtex::library::Library;
+use vtex::scene::Scene;
+use vtex::synth::CategoryReport;
+
+/// The summary of a command.
+#[derive(Debug, Serialize)]
+pub(crate) struct Summary {
+    pub(crate) program: &'static str,
+    pub(crate) command: &'static str,
+    pub(crate) input: String,
+    pub(crate) output: String,
+    /// Bytes written.
+    pub(crate) bytes: u64,
+    /// The seed, where one matters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) seed: Option<u64>,
+    /// Size of the picture, in pixels.
+    pub(crate) size: [u32; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) counts: Option<Counts>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) coverage: Option<Coverage>,
+    /// Seconds by stage, in the order of the stages.
+    pub(crate) seconds: Seconds,
+    /// Most memory used, in bytes, where the system tells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) peak_memory: Option<u64>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// How many of what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct Counts {
+    /// Of a library: primaries known. Of a scene: primaries placed.
+    pub(crate) primaries: usize,
+    /// Primaries that the border cuts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) clipped: Option<usize>,
+    /// Details on primaries.
+    pub(crate) details: usize,
+    pub(crate) secondaries: usize,
+    /// Categories of primaries.
+    pub(crate) categories: usize,
+    /// Colours of the background.
+    pub(crate) background: usize,
+}
+
+impl Counts {
+    /// Of a library.
+    pub(crate) fn of_library(library: &Library) -> Self {
+        Self {
+            primaries: library.primaries.len(),
+            clipped: Some(library.primaries.iter().filter(|p| p.clipped).count()),
+            details: library.primaries.iter().map(|p| p.details.len()).sum(),
+            secondaries: library.secondaries.textons.len(),
+            categories: library.categories.len(),
+            background: library.background.sites.len(),
+        }
+    }
+
+    /// Of a scene, which must have been validated.
+    pub(crate) fn of_scene(scene: &Scene) -> Self {
+        let textons = || scene.primary.iter().map(|i| &scene.textons[i.texton as usize]);
+        let categories: std::collections::BTreeSet<_> =
+            textons().filter_map(|t| t.category.map(|c| (t.library, c))).collect();
+        Self {
+            primaries: scene.primary.len(),
+            clipped: None,
+            details: textons().map(|t| t.details.len()).sum(),
+            secondaries: scene.secondary.len(),
+            categories: categories.len(),
+            background: scene.background.points.len(),
+        }
+    }
+}
+
+/// Share of the area that primaries cover, 0 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Coverage {
+    /// In the exemplar.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) wanted: Option<f64>,
+    /// In the result.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) got: Option<f64>,
+    /// The same by category, in the library's order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) categories: Vec<CategoryReport>,
+}
+
+/// Seconds by stage.
+#[derive(Debug)]
+pub(crate) struct Seconds(pub(crate) Vec<(&'static str, Duration)>);
+
+impl Seconds {
+    fn total(&self) -> f64 {
+        self.0.iter().map(|s| s.1.as_secs_f64()).sum()
+    }
+}
+
+impl Serialize for Seconds {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let milliseconds = |s: f64| (s * 1e3).round() / 1e3;
+        let mut map = serializer.serialize_map(Some(self.0.len() + 1))?;
+        for (stage, spent) in &self.0 {
+            map.serialize_entry(stage, &milliseconds(spent.as_secs_f64()))?;
+        }
+        map.serialize_entry("total", &milliseconds(self.total()))?;
+        map.end()
+    }
+}
+
+impl Summary {
+    /// Tells the user, as far and in the form they asked for.
+    ///
+    /// # Errors
+    /// A closed standard output.
+    pub(crate) fn tell(&self, common: &Common, stdout_is_taken: bool) -> anyhow::Result<()> {
+        if common.json {
+            let text = serde_json::to_string_pretty(self)?;
+            if stdout_is_taken {
+                say(&text);
+                return Ok(());
+            }
+            return print(format!("{text}\n").as_bytes());
+        }
+        if common.quiet {
+            return Ok(());
+        }
+        let mut line = format!("{}: {} x {} px", self.output, self.size[0], self.size[1]);
+        if let Some(c) = self.counts {
+            let clipped = match c.clipped {
+                Some(n) if n > 0 => format!(" ({n} cut by the border)"),
+                _ => String::new(),
+            };
+            line.push_str(&format!(
+                ", {} primaries{clipped} in {} categories, {} details, {} secondaries",
+                c.primaries, c.categories, c.details, c.secondaries
+            ));
+        }
+        match self.coverage.as_ref().map(|c| (c.wanted, c.got)) {
+            Some((Some(wanted), Some(got))) => {
+                line.push_str(&format!(", coverage {got:.3} of {wanted:.3}"));
+            }
+            Some((Some(share), None) | (None, Some(share))) => {
+                line.push_str(&format!(", coverage {share:.3}"));
+            }
+            _ => {}
+        }
+        line.push_str(&format!(", {} in {:.2} s", bytes(self.bytes), self.seconds.total()));
+        say(&line);
+        if let (Some(seed), true) = (self.seed, common.seed_chosen) {
+            say(&format!("seed: {seed} (give --seed {seed} for the same again)"));
+        }
+        if common.verbosity > 0 {
+            for (stage, spent) in &self.seconds.0 {
+                say(&format!("  {stage:16} {:8.3} s", spent.as_secs_f64()));
+            }
+            if let Some(peak) = self.peak_memory {
+                say(&format!("  {:16} {:>10}", "peak memory", bytes(peak)));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A number of bytes, as people read it.
+pub(crate) fn bytes(count: u64) -> String {
+    match count {
+        0..1_000 => format!("{count} B"),
+        1_000..1_000_000 => format!("{:.1} kB", count as f64 / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.1} MB", count as f64 / 1e6),
+        _ => format!("{:.2} GB", count as f64 / 1e9),
+    }
+}
+
+/// Most memory that this process has used, in bytes.
+pub(crate) fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_readable() {
+        let shown = [0, 999, 1_000, 2_345_678, 7_000_000_000].map(bytes);
+        assert_eq!(shown, ["0 B", "999 B", "1.0 kB", "2.3 MB", "7.00 GB"]);
+    }
+
+    #[test]
+    fn seconds_keep_the_order_of_stages() {
+        let seconds = Seconds(vec![("b", Duration::from_millis(1500)), ("a", Duration::from_millis(250))]);
+        assert_eq!(serde_json::to_string(&seconds).unwrap(), r#"{"b":1.5,"a":0.25,"total":1.75}"#);
+    }
+}

@@ -1,0 +1,157 @@
+//! Values of options that need reading: canvas sizes, seeds, weights.
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::str::FromStr;
+use vtex::scene::Weights;
+
+/// `1000` or `1000x600`, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |t: &str| {
+            let digits = !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit());
+            let value = digits.then(|| t.parse::<u32>().ok()).flatten();
+            value
+                .filter(|v| (1..=100_000).contains(v))
+                .ok_or("expected 1000 or 1000x600, each 1 to 100000 px")
+        };
+        let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, text));
+        Ok(Self { width: side(width)?, height: side(height)? })
+    }
+}
+
+impl Serialize for Size {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&format_args!("{}x{}", self.width, self.height))
+    }
+}
+
+impl<'de> Deserialize<'de> for Size {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Either {
+            Number(u32),
+            Text(String),
+        }
+        let text = match Either::deserialize(deserializer)? {
+            Either::Number(side) => side.to_string(),
+            Either::Text(text) => text,
+        };
+        text.parse().map_err(D::Error::custom)
+    }
+}
+
+/// A 64-bit seed. TOML integers have 63 bits, so a larger one is written as text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Seed(pub(crate) u64);
+
+impl Seed {
+    /// A seed that the user did not give: 32 random bits, short enough to be read out and exact in
+    /// every JSON reader.
+    pub(crate) fn chosen() -> Self {
+        use std::hash::{BuildHasher, Hasher};
+        // The standard library keys its hashers from the system's random numbers.
+        Self(std::collections::hash_map::RandomState::new().build_hasher().finish() >> 32)
+    }
+}
+
+impl FromStr for Seed {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        text.parse().map(Self).map_err(|_| "expected a whole number, 0 to 18446744073709551615".into())
+    }
+}
+
+impl Serialize for Seed {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match i64::try_from(self.0) {
+            Ok(number) => serializer.serialize_i64(number),
+            Err(_) => serializer.collect_str(&self.0),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Seed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Either {
+            Number(u64),
+            Text(String),
+        }
+        match Either::deserialize(deserializer).map_err(|_| D::Error::custom(SEED_EXPECTED))? {
+            Either::Number(number) => Ok(Self(number)),
+            Either::Text(text) => text.parse().map_err(D::Error::custom),
+        }
+    }
+}
+
+const SEED_EXPECTED: &str = "expected a whole number, 0 to 18446744073709551615";
+
+/// The five weights of the score, in the order of [`Weights`]; `0.5,-0.4,-0.2,-0.5,-0.5`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub(crate) struct FiveWeights(pub(crate) [f64; 5]);
+
+impl FromStr for FiveWeights {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let values: Result<Vec<f64>, _> = text.split(',').map(|t| t.trim().parse()).collect();
+        let five = values.ok().and_then(|v| <[f64; 5]>::try_from(v).ok());
+        five.map(Self).ok_or_else(|| "expected five numbers with commas between".into())
+    }
+}
+
+impl From<Weights> for FiveWeights {
+    fn from(w: Weights) -> Self {
+        Self([w.target, w.uncovered, w.empty, w.mismatched, w.same_overlap])
+    }
+}
+
+impl From<FiveWeights> for Weights {
+    fn from(FiveWeights([target, uncovered, empty, mismatched, same_overlap]): FiveWeights) -> Self {
+        Self { target, uncovered, empty, mismatched, same_overlap }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_one_or_two_sides() {
+        assert_eq!("1000".parse(), Ok(Size { width: 1000, height: 1000 }));
+        assert_eq!("1000x600".parse(), Ok(Size { width: 1000, height: 600 }));
+        for bad in
+            ["", "0", "x", "10x", "x10", "1x2x3", "-5", "+5", "1.5", "100001", "99999999999", "10 x 10"]
+        {
+            assert!(bad.parse::<Size>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn chosen_seeds_are_short_and_differ() {
+        let seeds: Vec<Seed> = (0..8).map(|_| Seed::chosen()).collect();
+        assert!(seeds.iter().all(|s| s.0 < 1 << 32));
+        assert!(seeds.windows(2).any(|w| w[0] != w[1]));
+    }
+
+    #[test]
+    fn weights_are_five_numbers() {
+        assert_eq!("0.5,-0.4, -0.2,-0.5,-0.5".parse(), Ok(FiveWeights::from(Weights::default())));
+        for bad in ["", "1,2,3,4", "1,2,3,4,5,6", "1,2,3,4,x"] {
+            assert!(bad.parse::<FiveWeights>().is_err(), "{bad}");
+        }
+    }
+}

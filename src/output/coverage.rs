@@ -1,0 +1,126 @@
+//! Scene → how much of the canvas the primaries of each category cover.
+
+use super::png::path_of;
+use crate::geometry::{Affine, Rect};
+use crate::parallel;
+use crate::scene::Scene;
+use std::collections::BTreeMap;
+use tiny_skia::{Color, FillRule, Paint, Path, PixmapMut, Transform};
+
+/// Height of the bands counted at a time, in pixels.
+const BAND: u32 = 256;
+
+/// Number of pixels, of the canvas's `width * height`, in which a primary of a category is on top:
+/// by library and category, in order. Pixels are counted by their centres. Categories without a
+/// texton in the scene are left out.
+pub fn coverage(scene: &Scene) -> BTreeMap<(u32, u16), u64> {
+    let mut pixels: BTreeMap<(u32, u16), u64> = BTreeMap::new();
+    for texton in &scene.textons {
+        pixels.extend(texton.category.map(|c| ((texton.library, c), 0)));
+    }
+    let keys: Vec<(u32, u16)> = pixels.keys().copied().collect();
+    let shapes: Vec<Option<(Path, Rect, u32)>> = parallel::map(&scene.textons, |texton| {
+        let key = (texton.library, texton.category?);
+        let number = keys.binary_search(&key).ok()? as u32 + 1;
+        Some((path_of(&texton.outline)?, texton.outline.bounds(), number))
+    });
+    let bands: Vec<u32> = (0..scene.height.div_ceil(BAND)).collect();
+    let counts = parallel::map(&bands, |band| {
+        let (top, rows) = (band * BAND, BAND.min(scene.height - band * BAND));
+        count_band(scene, &shapes, keys.len(), top, rows)
+    });
+    for band in counts {
+        for (total, count) in pixels.values_mut().zip(band) {
+            *total += count;
+        }
+    }
+    pixels
+}
+
+fn count_band(
+    scene: &Scene,
+    shapes: &[Option<(Path, Rect, u32)>],
+    categories: usize,
+    top: u32,
+    rows: u32,
+) -> Vec<u64> {
+    let mut counts = vec![0; categories];
+    let mut data = vec![0; scene.width as usize * rows as usize * 4];
+    let Some(mut band) = PixmapMut::from_bytes(&mut data, scene.width, rows) else { return counts };
+    let (y0, y1) = (f64::from(top), f64::from(top + rows));
+    for instance in &scene.primary {
+        let Some((path, bounds, number)) = &shapes[instance.texton as usize] else { continue };
+        let affine: Affine = instance.affine();
+        let bounds = affine.transform_rect_bbox(*bounds);
+        if bounds.y1 < y0 || bounds.y0 > y1 {
+            continue;
+        }
+        // The number of the category, as an opaque colour without blending.
+        let [_, r, g, b] = number.to_be_bytes();
+        let mut paint = Paint { anti_alias: false, ..Paint::default() };
+        paint.set_color(Color::from_rgba8(r, g, b, 255));
+        let [a, bb, c, d, e, f] = affine.as_coeffs();
+        let [a, bb, c, d, e, f] = [a, bb, c, d, e, f - y0].map(|v| v as f32);
+        band.fill_path(path, &paint, FillRule::Winding, Transform::from_row(a, bb, c, d, e, f), None);
+    }
+    for pixel in data.chunks_exact(4) {
+        let number = u32::from_be_bytes([0, pixel[0], pixel[1], pixel[2]]) as usize;
+        if let Some(count) = number.checked_sub(1).and_then(|i| counts.get_mut(i)) {
+            *count += 1;
+        }
+    }
+    counts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{BezPath, Outline};
+    use crate::raster::colour::Colour;
+    use crate::scene::{Field, Instance, LibraryRef, Texton, Tile};
+
+    fn square(category: Option<u16>) -> Texton {
+        let mut path = BezPath::new();
+        path.move_to((0.0, 0.0));
+        for corner in [(10.0, 0.0), (10.0, 10.0), (0.0, 10.0)] {
+            path.line_to(corner);
+        }
+        path.close_path();
+        Texton {
+            library: 0,
+            source: 0,
+            category,
+            outline: Outline::new(&path).unwrap(),
+            colour: Colour([9; 3]),
+            details: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_is_on_top_and_inside_counts() {
+        let place =
+            |id, texton, x, y| Instance { id, texton, transform: [1.0, 0.0, 0.0, 1.0, x, y], colour: None };
+        let scene = Scene {
+            format: Scene::FORMAT.into(),
+            version: Scene::VERSION,
+            width: 40,
+            height: 600,
+            tile: Tile::default(),
+            parameters: None,
+            program: crate::PROGRAM.into(),
+            libraries: vec![LibraryRef { exemplar: "a".into(), sha256: "0".into() }],
+            textons: vec![square(Some(3)), square(Some(300)), square(None), square(Some(7))],
+            secondary: vec![place(0, 2, 20.0, 20.0)],
+            // Half covered, across two bands, half outside.
+            primary: vec![
+                place(1, 0, 0.0, 0.0),
+                place(2, 1, 5.0, 0.0),
+                place(3, 0, 20.0, 251.0),
+                place(4, 1, 35.0, 590.0),
+            ],
+            background: Field { spacing: 25.0, fallback: Colour([0; 3]), points: Vec::new() },
+        };
+        let counted: Vec<_> = coverage(&scene).into_iter().collect();
+        assert_eq!(counted, [((0, 3), 150), ((0, 7), 0), ((0, 300), 150)]);
+    }
+}

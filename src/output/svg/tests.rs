@@ -1,0 +1,189 @@
+//! What every SVG of vtex holds to.
+
+use super::*;
+use crate::output::raster_svg::render_svg;
+use crate::output::testing;
+use resvg::usvg;
+use roxmltree::{Document, Node};
+use std::collections::BTreeSet;
+
+fn text(scene: &Scene, options: &SvgOptions) -> (String, SvgSummary) {
+    let mut bytes = Vec::new();
+    let summary = write(scene, options, &mut bytes).unwrap();
+    (String::from_utf8(bytes).unwrap(), summary)
+}
+
+const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true };
+
+fn named<'a>(document: &'a Document<'_>, name: &str) -> Vec<Node<'a, 'a>> {
+    document.descendants().filter(|n| n.has_tag_name(("http://www.w3.org/2000/svg", name))).collect()
+}
+
+#[test]
+fn well_formed_with_unique_ids_and_no_picture() {
+    for options in [SvgOptions::default(), EXPANDED] {
+        let (text, summary) = text(&testing::scene(400, 300, 1), &options);
+        usvg::Tree::from_str(&text, &usvg::Options::default()).unwrap();
+        let document = Document::parse(&text).unwrap();
+        let ids: Vec<&str> = document.descendants().filter_map(|n| n.attribute("id")).collect();
+        assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len());
+        assert!(named(&document, "image").is_empty());
+        assert_eq!(summary.bytes, text.len() as u64);
+        assert_eq!(summary.elements, document.descendants().filter(Node::is_element).count() as u64);
+        assert_eq!(summary.warnings, Vec::<String>::new());
+        // Whatever is referred to is there.
+        let known: BTreeSet<&str> = ids.into_iter().collect();
+        let links =
+            document.descendants().filter_map(|n| n.attribute(("http://www.w3.org/1999/xlink", "href")));
+        let paints = document.descendants().filter_map(|n| n.attribute("fill").or(n.attribute("mask")));
+        let paints = paints.filter_map(|p| p.strip_prefix("url(")).map(|p| p.trim_end_matches(')'));
+        for link in links.chain(paints) {
+            assert!(link.strip_prefix('#').is_some_and(|id| known.contains(id)), "{link}");
+        }
+    }
+}
+
+#[test]
+fn layers_in_order_with_a_group_for_each_primary() {
+    let scene = testing::scene(400, 300, 2);
+    let (text, _) = text(&scene, &SvgOptions::default());
+    let document = Document::parse(&text).unwrap();
+    let root = document.root_element();
+    assert_eq!(root.attribute("viewBox"), Some("0 0 400 300"));
+    assert_eq!((root.attribute("width"), root.attribute("height")), (Some("400"), Some("300")));
+    let children: Vec<Node<'_, '_>> = root.children().filter(Node::is_element).collect();
+    let names: Vec<&str> =
+        children.iter().map(|n| n.attribute("id").unwrap_or(n.tag_name().name())).collect();
+    assert_eq!(names, ["title", "metadata", "defs", "background", "secondary", "primary"]);
+    let groups: Vec<Node<'_, '_>> = children[5].children().filter(Node::is_element).collect();
+    assert_eq!(groups.len(), scene.primary.len());
+    for (group, instance) in groups.iter().zip(&scene.primary) {
+        assert!(group.has_tag_name(("http://www.w3.org/2000/svg", "g")));
+        assert_eq!(group.attribute("id"), Some(&format!("p{}", instance.id)[..]));
+        let category = scene.textons[instance.texton as usize].category.map(|c| c.to_string());
+        assert_eq!(group.attribute("data-category"), category.as_deref());
+    }
+}
+
+#[test]
+fn each_texton_used_twice_is_defined_once() {
+    let scene = testing::scene(400, 300, 3);
+    let (text, summary) = text(&scene, &SvgOptions::default());
+    let document = Document::parse(&text).unwrap();
+    let instances: Vec<u32> = scene.secondary.iter().chain(&scene.primary).map(|i| i.texton).collect();
+    let uses = |t: usize| instances.iter().filter(|i| **i as usize == t).count();
+    let defined: Vec<usize> =
+        document.descendants().filter_map(|n| n.attribute("id")?.strip_prefix('t')?.parse().ok()).collect();
+    let expected: Vec<usize> = (0..scene.textons.len()).filter(|t| uses(*t) > 1).collect();
+    assert_eq!(defined, expected);
+    assert_eq!(summary.shared_textons, expected.len() as u64);
+    assert!((0..scene.textons.len()).any(|t| uses(t) == 1) && (0..scene.textons.len()).any(|t| uses(t) == 0));
+
+    let (text, summary) = self::text(&scene, &EXPANDED);
+    let document = Document::parse(&text).unwrap();
+    assert!(["use", "symbol"].iter().all(|name| named(&document, name).is_empty()));
+    assert!(document.descendants().all(|n| !n.has_attribute("transform")));
+    assert_eq!(summary.shared_textons, 0);
+}
+
+#[test]
+fn shared_and_expanded_look_alike() {
+    let scene = testing::scene(400, 300, 4);
+    let [shared, expanded] = [SvgOptions::default(), EXPANDED]
+        .map(|options| render_svg(text(&scene, &options).0.as_bytes(), 1.0, "test").unwrap());
+    let pairs = shared.data().iter().zip(expanded.data());
+    let sum: u64 = pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    let mean = sum as f64 / shared.data().len() as f64;
+    assert!(mean < 0.02, "{mean}");
+}
+
+#[test]
+fn metadata_come_back() {
+    let mut scene = testing::scene(60, 50, 5);
+    scene.libraries[0].exemplar = "]]> \u{1}\u{7f}<b> \"ü\" \u{ffff} &amp;.jpg".into();
+    let (text, _) = text(&scene, &SvgOptions::default());
+    let document = Document::parse(&text).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_str(named(&document, "metadata")[0].text().unwrap()).unwrap();
+    assert_eq!(json["format"], "vtex-svg");
+    assert_eq!(json["seed"], 5);
+    assert_eq!(json["program"], "vtex test");
+    let parameters: crate::scene::SynthParams = serde_json::from_value(json["parameters"].clone()).unwrap();
+    assert_eq!(Some(parameters), scene.parameters);
+    // XML cannot hold the last character of the plane.
+    let exemplar = scene.libraries[0].exemplar.replace('\u{ffff}', "\u{fffd}");
+    assert_eq!(json["libraries"][0]["exemplar"], exemplar);
+    assert!(named(&document, "title")[0].text().unwrap().starts_with("Texture from ]]>"));
+}
+
+#[test]
+fn more_digits_more_bytes_and_nothing_lost_at_two() {
+    let scene = testing::scene(300, 300, 6);
+    let bytes: Vec<u64> =
+        (0..=4).map(|precision| text(&scene, &SvgOptions { precision, expand: false }).1.bytes).collect();
+    assert!(bytes.is_sorted() && bytes[0] < bytes[1] && bytes[1] < bytes[2], "{bytes:?}");
+    let (text, _) = text(&scene, &SvgOptions::default());
+    let document = Document::parse(&text).unwrap();
+    for (i, texton) in scene.textons.iter().enumerate() {
+        let id = format!("t{i}");
+        let Some(node) = document.descendants().find(|n| n.attribute("id") == Some(&id)) else { continue };
+        let path = node.descendants().find_map(|n| n.attribute("d")).unwrap();
+        assert_eq!(serde_json::to_value(&texton.outline).unwrap(), path);
+    }
+    let wrong = write(&scene, &SvgOptions { precision: 7, expand: false }, std::io::sink());
+    assert!(matches!(wrong, Err(Error::Parameter { name: "precision", .. })));
+}
+
+#[test]
+fn same_bytes_on_every_run_and_any_number_of_threads() {
+    let scene = testing::scene(300, 200, 7);
+    let first = text(&scene, &SvgOptions::default());
+    assert_eq!(first, text(&scene, &SvgOptions::default()));
+    #[cfg(feature = "parallel")]
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let (svg, picture) = pool.install(|| {
+            (text(&scene, &SvgOptions::default()), crate::output::png::render(&scene, 3.0).unwrap())
+        });
+        assert_eq!(first, svg);
+        assert_eq!(picture, crate::output::png::render(&scene, 3.0).unwrap());
+    }
+}
+
+#[test]
+fn failing_writers_are_reported() {
+    struct Full;
+    impl Write for Full {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(io::ErrorKind::StorageFull.into())
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+    let result = write(&testing::scene(50, 50, 8), &SvgOptions::default(), Full);
+    assert!(
+        matches!(result, Err(Error::Write { source, .. }) if source.kind() == io::ErrorKind::StorageFull)
+    );
+}
+
+/// The whole text of a scene on an even ground, by its hash. `VTEX_BLESS=1` stores a new one.
+#[test]
+fn golden() {
+    use sha2::{Digest, Sha256};
+    let mut scene = testing::scene(120, 90, 9);
+    scene.background.points.clear();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/output.sha256");
+    let mut found = String::new();
+    for options in [SvgOptions::default(), EXPANDED] {
+        let (text, _) = text(&scene, &options);
+        let hash = Sha256::digest(text.replace(crate::PROGRAM, "vtex"));
+        found += &hash.iter().map(|b| format!("{b:02x}")).collect::<String>();
+        found.push('\n');
+    }
+    if std::env::var_os("VTEX_BLESS").is_some() {
+        std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+        std::fs::write(&file, &found).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(&file).unwrap_or_default(), found, "see {}", file.display());
+}

@@ -1,0 +1,150 @@
+//! Scenes put together from placed textons; the exemplar's own arrangement as a scene.
+
+use super::secondaries;
+use super::target::TargetMap;
+use crate::PROGRAM;
+use crate::geometry::{Affine, Outline};
+use crate::library::{Library, Primary, Secondary};
+use crate::raster::colour::Colour;
+use crate::scene::{Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
+
+/// The scene of a filled map. Textons are listed in the order in which they first appear.
+pub(super) fn scene(
+    library: &Library,
+    params: &SynthParams,
+    map: &TargetMap<'_>,
+    placed: &[secondaries::Placed],
+    background: Field,
+) -> Scene {
+    let mut scene = empty(library, params.width, params.height, background);
+    scene.parameters = Some(params.clone());
+    let mut textons = Textons::new(library);
+    for p in placed {
+        let texton = textons.secondary(&mut scene, p.secondary);
+        push(&mut scene, Layer::Secondary, texton, p.at, Some(p.colour));
+    }
+    for id in map.painting_order() {
+        let p = map.placed[id as usize];
+        let shape = &map.model().shapes[p.primary as usize];
+        let cells = shape.mask.spans().iter().flat_map(|&s| map.cells(s, p.at));
+        let width = map.width as usize;
+        let mut seen = cells.filter(|&i| map.owner[i] == id);
+        if seen.any(|i| map.on_canvas((i % width) as i32, (i / width) as i32)) {
+            let texton = textons.primary(&mut scene, p.primary);
+            push(&mut scene, Layer::Primary, texton, p.at.map(|v| v - map.margin), None);
+        }
+    }
+    scene
+}
+
+/// The exemplar's own arrangement: what the library knows of the photograph, drawn back. Primaries
+/// in their order with their details, secondaries where they are in their own colour, and the
+/// palette's sites as the background.
+pub fn reconstruct(library: &Library) -> Scene {
+    let b = &library.background;
+    let background = Field { spacing: b.spacing, fallback: b.fallback, points: b.sites.clone() };
+    let mut scene = empty(library, library.source.width, library.source.height, background);
+    let mut textons = Textons::new(library);
+    for (i, s) in library.secondaries.textons.iter().enumerate() {
+        let texton = textons.secondary(&mut scene, i as u32);
+        push(&mut scene, Layer::Secondary, texton, secondaries::origin(s), Some(s.colour));
+    }
+    for (i, p) in library.primaries.iter().enumerate() {
+        let texton = textons.primary(&mut scene, i as u32);
+        push(&mut scene, Layer::Primary, texton, origin(p), None);
+    }
+    scene
+}
+
+fn empty(library: &Library, width: u32, height: u32, background: Field) -> Scene {
+    let reference =
+        LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() };
+    Scene {
+        format: Scene::FORMAT.into(),
+        version: Scene::VERSION,
+        width,
+        height,
+        tile: Tile::default(),
+        parameters: None,
+        program: PROGRAM.into(),
+        libraries: vec![reference],
+        textons: Vec::new(),
+        secondary: Vec::new(),
+        primary: Vec::new(),
+        background,
+    }
+}
+
+enum Layer {
+    Secondary,
+    Primary,
+}
+
+/// Appends an instance; ids count through both layers.
+fn push(scene: &mut Scene, layer: Layer, texton: u32, at: [i32; 2], colour: Option<Colour>) {
+    let id = (scene.secondary.len() + scene.primary.len()) as u32;
+    let transform = [1.0, 0.0, 0.0, 1.0, f64::from(at[0]), f64::from(at[1])];
+    let instance = Instance { id, texton, transform, colour };
+    match layer {
+        Layer::Secondary => scene.secondary.push(instance),
+        Layer::Primary => scene.primary.push(instance),
+    }
+}
+
+/// Which of a library's textons a scene holds already, and where.
+struct Textons<'a> {
+    library: &'a Library,
+    primaries: Vec<Option<u32>>,
+    secondaries: Vec<Option<u32>>,
+}
+
+impl<'a> Textons<'a> {
+    fn new(library: &'a Library) -> Self {
+        let secondaries = vec![None; library.secondaries.textons.len()];
+        Self { library, primaries: vec![None; library.primaries.len()], secondaries }
+    }
+
+    fn primary(&mut self, scene: &mut Scene, index: u32) -> u32 {
+        let p = &self.library.primaries[index as usize];
+        *self.primaries[index as usize].get_or_insert_with(|| {
+            let moved = |outline: &Outline| translated(outline, origin(p));
+            let patch = |d: &crate::library::Detail| Patch { outline: moved(&d.outline), colour: d.colour };
+            scene.textons.push(Texton {
+                library: 0,
+                source: index,
+                category: Some(p.category.0),
+                outline: moved(&p.outline),
+                colour: p.base,
+                details: p.details.iter().map(patch).collect(),
+            });
+            scene.textons.len() as u32 - 1
+        })
+    }
+
+    fn secondary(&mut self, scene: &mut Scene, index: u32) -> u32 {
+        let s: &Secondary = &self.library.secondaries.textons[index as usize];
+        *self.secondaries[index as usize].get_or_insert_with(|| {
+            scene.textons.push(Texton {
+                library: 0,
+                source: index,
+                category: None,
+                outline: translated(&s.outline, secondaries::origin(s)),
+                colour: s.colour,
+                details: Vec::new(),
+            });
+            scene.textons.len() as u32 - 1
+        })
+    }
+}
+
+/// Origin of a primary: its centroid in whole pixels.
+fn origin(primary: &Primary) -> [i32; 2] {
+    primary.centroid.map(|v| libm::round(v) as i32)
+}
+
+/// An outline moved so that `origin` comes to (0, 0).
+fn translated(outline: &Outline, origin: [i32; 2]) -> Outline {
+    let shift = Affine::translate((-f64::from(origin[0]), -f64::from(origin[1])));
+    // Fails only beyond any exemplar's size; then the texton stays where it was.
+    Outline::new(&(shift * outline.path())).unwrap_or_else(|| outline.clone())
+}

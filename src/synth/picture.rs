@@ -1,0 +1,29 @@
+//! Pictures of the target map, for people who look at what placement did.
+
+use super::model::{EMPTY, UNDEFINED};
+use super::target::TargetMap;
+use crate::raster::picture::label_colour;
+use image::{Rgb, RgbImage};
+
+/// States by category: placed textons in full colour, requests pale, empty cells white,
+/// undefined ones grey.
+pub(super) fn target(map: &TargetMap<'_>) -> RgbImage {
+    canvas(map, |i| match map.state[i] {
+        UNDEFINED => [150; 3],
+        EMPTY => [255; 3],
+        code if map.taken(i) => label_colour(u32::from(code)),
+        code => label_colour(u32::from(code)).map(|v| v / 4 + 191),
+    })
+}
+
+/// The placed textons, each in a colour of its own.
+pub(super) fn placed(map: &TargetMap<'_>) -> RgbImage {
+    canvas(map, |i| if map.taken(i) { label_colour(map.owner[i] + 1) } else { [0; 3] })
+}
+
+fn canvas(map: &TargetMap<'_>, colour: impl Fn(usize) -> [u8; 3]) -> RgbImage {
+    let m = map.margin;
+    RgbImage::from_fn((map.width - 2 * m) as u32, (map.height - 2 * m) as u32, |x, y| {
+        Rgb(colour(map.index(x as i32 + m, y as i32 + m)))
+    })
+}

@@ -1,0 +1,285 @@
+//! Properties of whole synthesised scenes.
+
+use super::testing::{library, mosaic};
+use super::{Report, model, reconstruct, synthesize, synthesize_with_report, target};
+use crate::document::Document;
+use crate::error::Error;
+use crate::library::Library;
+use crate::raster::LabelMap;
+use crate::scene::{Scene, SynthParams};
+
+fn params(width: u32, height: u32, seed: u64) -> SynthParams {
+    SynthParams { width, height, seed, ..SynthParams::default() }
+}
+
+fn run(library: &Library, params: &SynthParams) -> (Scene, Report) {
+    synthesize_with_report(std::slice::from_ref(library), params, &()).unwrap()
+}
+
+/// The placed textons of a scene painted on a map of instance indices, from 1.
+fn painted(library: &Library, scene: &Scene) -> LabelMap {
+    let shapes = model::Model::new(library).shapes;
+    let mut map = LabelMap::filled(scene.width, scene.height, 0);
+    for (i, instance) in scene.primary.iter().enumerate() {
+        let shape = &shapes[scene.textons[instance.texton as usize].source as usize];
+        let moved = shape.mask.shifted(instance.transform[4] as i32, instance.transform[5] as i32);
+        for (x, y) in moved.pixels() {
+            if map.at(i64::from(x), i64::from(y)).is_some() {
+                map.set(x as u32, y as u32, i as u32 + 1);
+            }
+        }
+    }
+    map
+}
+
+#[test]
+fn test_libraries_are_valid() {
+    for fill in [0.3, 0.97] {
+        let library = library(&mosaic(120, 14.0, fill, 1));
+        assert_eq!(library.validate(), Ok(()));
+        assert!(library.primaries.len() > 20);
+    }
+}
+
+#[test]
+fn coverage_is_that_of_the_exemplar() {
+    for (fill, seed) in [(0.35, 1), (0.6, 2), (0.9, 3), (1.2, 4)] {
+        let library = library(&mosaic(200, 15.0, fill, seed));
+        for (w, h) in [(330, 270), (180, 400)] {
+            let (scene, report) = run(&library, &params(w, h, seed));
+            assert_eq!(scene.validate(), Ok(()));
+            // What the report says is what is painted.
+            let map = painted(&library, &scene);
+            let covered = map.labels.iter().filter(|&&l| l != 0).count() as f64 / map.labels.len() as f64;
+            assert!((covered - report.coverage).abs() < 1e-9);
+            assert!((covered - library.coverage).abs() < 0.02, "{covered} {}", library.coverage);
+            for c in report.categories.iter().filter(|c| c.wanted > 0.02) {
+                assert!((c.got / c.wanted - 1.0).abs() < 0.2, "fill {fill}: {c:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn textons_stand_all_over_the_canvas() {
+    // No quarter, and no strip along a border, is much emptier than the whole.
+    let library = library(&mosaic(200, 15.0, 0.6, 5));
+    let (scene, report) = run(&library, &params(400, 400, 5));
+    let map = painted(&library, &scene);
+    let boxes =
+        [(0, 0, 200, 200), (200, 0, 400, 200), (0, 200, 200, 400), (200, 200, 400, 400), (0, 0, 400, 12)];
+    for (x0, y0, x1, y1) in boxes.into_iter().chain([(0, 388, 400, 400), (0, 0, 12, 400), (388, 0, 400, 400)])
+    {
+        let taken: usize = (y0..y1).map(|y| (x0..x1).filter(|&x| map.get(x, y) != 0).count()).sum();
+        let share = taken as f64 / f64::from((x1 - x0) * (y1 - y0));
+        assert!(
+            share > 0.7 * report.coverage && share < 1.3 * report.coverage,
+            "{share} {}",
+            report.coverage
+        );
+    }
+}
+
+#[test]
+fn clipped_textons_are_never_placed() {
+    let library = library(&mosaic(150, 14.0, 0.9, 6));
+    let (scene, _) = run(&library, &params(300, 300, 6));
+    assert!(library.primaries.iter().any(|p| p.clipped));
+    for instance in &scene.primary {
+        let texton = &scene.textons[instance.texton as usize];
+        assert!(!library.primaries[texton.source as usize].clipped);
+    }
+}
+
+#[test]
+fn little_is_hidden() {
+    for (fill, most) in [(0.35, 0.08), (0.9, 0.3)] {
+        let library = library(&mosaic(200, 15.0, fill, 7));
+        let (scene, _) = run(&library, &params(400, 400, 7));
+        let map = painted(&library, &scene);
+        let areas = map.areas();
+        let model = model::Model::new(&library);
+        let (mut visible, mut whole) = (0u32, 0u32);
+        for (i, instance) in scene.primary.iter().enumerate() {
+            let shape = &model.shapes[scene.textons[instance.texton as usize].source as usize];
+            let [x, y] = [instance.transform[4] as i32, instance.transform[5] as i32];
+            let b = shape.bounds;
+            if x + b[0] >= 0 && y + b[1] >= 0 && x + b[2] <= 400 && y + b[3] <= 400 {
+                visible += areas[i + 1];
+                whole += shape.area;
+                assert!(areas[i + 1] > 0, "a texton is hidden altogether");
+            }
+        }
+        let hidden = 1.0 - f64::from(visible) / f64::from(whole);
+        assert!(hidden < most, "fill {fill}: {hidden}");
+    }
+}
+
+#[test]
+fn no_secondary_is_hidden() {
+    let library = library(&mosaic(200, 15.0, 0.8, 8));
+    let (scene, report) = run(&library, &params(400, 300, 8));
+    let map = painted(&library, &scene);
+    assert!(report.secondaries > 50);
+    for instance in &scene.secondary {
+        let [x, y] = [instance.transform[4] as i64, instance.transform[5] as i64];
+        // A test secondary is the four pixels around its origin.
+        let seen =
+            [(-1, -1), (0, -1), (-1, 0), (0, 0)].iter().any(|(dx, dy)| map.at(x + dx, y + dy) == Some(0));
+        assert!(seen, "{x} {y}");
+        assert!(instance.colour.is_some());
+    }
+    // As many per area of ground as in the exemplar.
+    let ground = |coverage: f64, w: u32, h: u32| (1.0 - coverage) * f64::from(w) * f64::from(h);
+    let wanted = library.secondaries.textons.len() as f64 / ground(library.coverage, 200, 200);
+    let got = report.secondaries as f64 / ground(report.coverage, 400, 300);
+    assert!((got / wanted - 1.0).abs() < 0.2, "{got} {wanted}");
+}
+
+#[test]
+fn equal_textons_keep_apart() {
+    let library = library(&mosaic(200, 15.0, 0.6, 9));
+    let (scene, _) = run(&library, &params(500, 500, 9));
+    let near = scene.primary.iter().enumerate().filter(|(i, a)| {
+        scene.primary[..*i].iter().any(|b| {
+            let [dx, dy] = [4, 5].map(|k| a.transform[k] - b.transform[k]);
+            a.texton == b.texton && libm::hypot(dx, dy) < 20.0
+        })
+    });
+    let share = near.count() as f64 / scene.primary.len() as f64;
+    assert!(share < 0.02, "{share}");
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn same_bytes_on_every_run_and_any_number_of_threads() {
+    let library = library(&mosaic(150, 14.0, 0.7, 10));
+    let run = |threads: usize, seed: u64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            synthesize(std::slice::from_ref(&library), &params(300, 200, seed), &()).unwrap().to_json()
+        })
+    };
+    let first = run(1, 3);
+    assert!(first == run(1, 3) && first == run(4, 3));
+    assert!(first != run(1, 4));
+}
+
+#[test]
+fn a_library_without_primaries_gives_ground() {
+    let library = library(&LabelMap::filled(100, 80, 0));
+    assert_eq!(library.validate(), Ok(()));
+    let (scene, report) = run(&library, &params(200, 150, 1));
+    assert!(scene.primary.is_empty() && !scene.secondary.is_empty());
+    assert!(scene.background.points.len() > 20);
+    assert_eq!((report.coverage, report.attempts), (0.0, 0));
+
+    let mut bare = library.clone();
+    bare.secondaries.textons.clear();
+    bare.background.sites.clear();
+    let (scene, _) = run(&bare, &params(64, 64, 1));
+    assert!(scene.secondary.is_empty() && scene.background.points.is_empty());
+    assert_eq!(scene.validate(), Ok(()));
+}
+
+#[test]
+fn any_size_and_parameter_is_survived() {
+    let mut whole = library(&mosaic(80, 16.0, 0.9, 11));
+    let sizes = [(1, 1), (3, 2000), (700, 2), (20, 20)];
+    for (w, h) in sizes {
+        let (scene, _) = run(&whole, &params(w, h, 0));
+        assert_eq!(scene.validate(), Ok(()));
+        assert_eq!((scene.width, scene.height), (w, h));
+    }
+    for (candidates, moves) in [(1, 0), (100, 20)] {
+        let p = SynthParams { candidates, moves, ..params(60, 60, 1) };
+        assert!(run(&whole, &p).1.coverage > 0.3);
+    }
+    let mut torus = whole.clone();
+    torus.source.parameters.wrap = true;
+    assert!(run(&torus, &params(90, 90, 1)).1.coverage > 0.3);
+    // Descriptors of no size, coverage that cannot be had, nothing placeable.
+    whole.descriptor_half = 0;
+    assert!(run(&whole, &params(90, 90, 1)).1.coverage > 0.3);
+    whole.coverage = 1.0;
+    whole.categories.iter_mut().for_each(|c| c.coverage = 1.0);
+    run(&whole, &params(90, 90, 1));
+    whole.primaries.iter_mut().for_each(|p| p.clipped = true);
+    assert!(run(&whole, &params(50, 50, 1)).0.primary.is_empty());
+    let one = library(&LabelMap::filled(30, 30, 1));
+    assert!(run(&one, &params(50, 50, 1)).0.primary.is_empty());
+}
+
+#[test]
+fn refused_are_bad_parameters_and_other_numbers_of_libraries() {
+    let library = library(&mosaic(60, 16.0, 0.9, 12));
+    let fails = |libraries: &[Library], p: &SynthParams| synthesize(libraries, p, &()).unwrap_err();
+    assert!(matches!(fails(&[], &params(9, 9, 0)), Error::Parameter { name: "libraries", .. }));
+    let two = [library.clone(), library.clone()];
+    assert!(matches!(fails(&two, &params(9, 9, 0)), Error::Parameter { name: "libraries", .. }));
+    let one = std::slice::from_ref(&library);
+    assert!(matches!(fails(one, &params(0, 9, 0)), Error::Parameter { name: "size", .. }));
+    assert!(matches!(fails(one, &params(100_000, 100_000, 0)), Error::TooLarge { .. }));
+}
+
+#[test]
+fn asked_to_stop_it_stops() {
+    struct Stop;
+    impl crate::Progress for Stop {
+        fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+            false
+        }
+    }
+    let library = library(&mosaic(60, 16.0, 0.9, 13));
+    let result = synthesize(&[library], &params(90, 90, 0), &Stop);
+    assert!(matches!(result, Err(Error::Interrupted)));
+}
+
+#[test]
+fn reconstruction_is_the_exemplar() {
+    let map = mosaic(120, 14.0, 0.9, 14);
+    let library = library(&map);
+    let scene = reconstruct(&library);
+    assert_eq!(scene.validate(), Ok(()));
+    assert_eq!(painted(&library, &scene), map);
+    // Outlines stand where they stood.
+    for (instance, p) in scene.primary.iter().zip(&library.primaries) {
+        let texton = &scene.textons[instance.texton as usize];
+        let moved = instance.affine() * texton.outline.path();
+        assert_eq!(crate::geometry::Outline::new(&moved), Some(p.outline.clone()));
+    }
+}
+
+#[test]
+fn a_texton_taken_away_leaves_no_trace() {
+    // The map after placing and removing equals, cell by cell, one on which the texton never stood.
+    let library = library(&mosaic(120, 15.0, 0.9, 15));
+    let model = model::Model::new(&library);
+    let placeable: Vec<u32> = model.members.iter().flatten().copied().collect();
+    let mut random = crate::sampling::stream(15, "removal test", 0);
+    let mut map = target::TargetMap::new(&model, 90, 90);
+    let mut ids = Vec::new();
+    for _ in 0..60 {
+        let primary = placeable[random.index(placeable.len())];
+        let at = [random.index(map.width as usize) as i32, random.index(map.height as usize) as i32];
+        ids.push(map.stand(primary, at));
+    }
+    random.shuffle(&mut ids);
+    for &id in &ids[..30] {
+        map.remove(id);
+    }
+    let mut plain = target::TargetMap::new(&model, 90, 90);
+    let mut kept = ids[30..].to_vec();
+    kept.sort_unstable();
+    for &id in &kept {
+        plain.stand(map.placed[id as usize].primary, map.placed[id as usize].at);
+    }
+    assert_eq!(map.covered, plain.covered);
+    for i in 0..map.owner.len() {
+        let name = |owner: u32| kept.iter().position(|&id| id == owner);
+        assert_eq!(name(map.owner[i]), (plain.owner[i] != target::NOBODY).then_some(plain.owner[i] as usize));
+    }
+    for (k, &id) in kept.iter().enumerate() {
+        assert_eq!(map.placed[id as usize].visible, plain.placed[k].visible);
+    }
+}

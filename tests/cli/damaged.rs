@@ -1,0 +1,111 @@
+//! Libraries and scenes that are damaged or hostile.
+
+use super::support::{Folder, library};
+use serde_json::{Value, json};
+
+fn value() -> Value {
+    serde_json::from_slice(library()).unwrap()
+}
+
+#[test]
+fn broken_invariants_are_named() {
+    let folder = Folder::new();
+    type Change = fn(&mut Value);
+    let changes: [(Change, &str); 17] = [
+        (|v| v["version"] = json!(2), "version 2; this vtex reads version 1"),
+        (|v| v["format"] = json!("vtex-something"), "vtex-something"),
+        (|v| v["coverage"] = json!(1.5), "coverage = 1.5"),
+        (|v| v["coverage"] = json!(null), "null"),
+        (|v| v["extra"] = json!(1), "unknown field `extra`"),
+        (|v| v["primaries"][0]["category"] = json!(60000), "primaries[0].category is 60000"),
+        (|v| v["primaries"][1]["id"] = json!(0), "primaries[1].id is 0"),
+        (|v| v["primaries"][0]["outline"] = json!("M0 0L1e300 0 1 1z"), "out of range"),
+        (|v| v["primaries"][0]["outline"] = json!("M0 0Lnan 0z"), "line 1"),
+        (|v| v["primaries"][0]["outline"] = json!(""), "primaries[0] is empty"),
+        (|v| v["primaries"][0]["centroid"] = json!([-5, 1e9]), "outside the exemplar"),
+        (|v| v["primaries"][0]["colour"] = json!("red"), "'red' is not a colour"),
+        (|v| v["source"]["width"] = json!(4_000_000_000u32), "4000000000"),
+        (
+            |v| v["arrangement"]["runs"] = json!([0, 4_294_967_295u32, 0, 4_294_967_295u32]),
+            "8589934590 pixels",
+        ),
+        (|v| v["arrangement"]["runs"] = json!([4_000_000_000u32, 1]), "names primary 4000000000"),
+        (|v| v["descriptor_half"] = json!(4_000_000_000u32), "descriptor_half"),
+        (|v| v["background"]["sites"][0]["x"] = json!(1e300), "background.sites[0]"),
+    ];
+    for (change, message) in changes {
+        let mut library = value();
+        change(&mut library);
+        folder.write("bad.lib.json", serde_json::to_vec(&library).unwrap());
+        for command in ["synth bad.lib.json -o a.svg", "render bad.lib.json -o a.png", "inspect bad.lib.json"]
+        {
+            let run = folder.run(command);
+            assert_eq!(run.code, Some(1), "{command} {message}: {}", run.stderr);
+            if command.starts_with("synth") {
+                run.fails(1, message);
+            }
+        }
+    }
+    assert_eq!(folder.names(), ["bad.lib.json", "photo.png"]);
+}
+
+#[test]
+fn a_library_cut_short_anywhere_is_refused() {
+    let folder = Folder::new();
+    let whole = library();
+    for part in 0..12 {
+        folder.write("cut.lib.json", &whole[..whole.len() * part / 12]);
+        let run = folder.run("synth cut.lib.json -o a.svg");
+        assert_eq!(run.code, Some(1), "{part}: {}", run.stderr);
+        assert!(run.stderr.contains("hint: "), "{}", run.stderr);
+    }
+    folder.run("analyze photo.png -o whole.lib.json.gz").succeeds();
+    let packed = folder.read("whole.lib.json.gz");
+    folder.write("cut.lib.json.gz", &packed[..packed.len() / 2]);
+    folder.run("synth cut.lib.json.gz -o a.svg").fails(1, "damaged gzip data");
+}
+
+#[test]
+fn text_that_is_not_json_is_refused() {
+    let folder = Folder::new();
+    let deep = "[".repeat(100_000);
+    let not_a_number = String::from_utf8(library().to_vec()).unwrap().replacen(
+        "\"coverage\":",
+        "\"coverage\":NaN,\"x\":",
+        1,
+    );
+    for text in
+        [deep.as_str(), "{}", "{\"format\":7}", "null", "{\"format\":\"vtex-library\"}", &not_a_number]
+    {
+        folder.write("bad.lib.json", text);
+        folder.run("synth bad.lib.json").fails(1, "is not a valid vtex-library file");
+    }
+}
+
+#[test]
+fn scenes_are_checked_too() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json -o good.scene.json --size 60").succeeds();
+    let scene: Value = serde_json::from_slice(&folder.read("good.scene.json")).unwrap();
+    type Change = fn(&mut Value);
+    let changes: [(Change, &str); 6] = [
+        (|v| v["version"] = json!(9), "version 9"),
+        (|v| v["width"] = json!(4_000_000_000u32), "4000000000"),
+        (|v| v["primary"][0]["texton"] = json!(4_000_000_000u32), "primary[0].texton"),
+        (|v| v["primary"][0]["transform"][4] = json!(1e300), "transform is out of range"),
+        (|v| v["primary"][1]["id"] = v["primary"][0]["id"].clone(), "used twice"),
+        (|v| v["textons"][0]["library"] = json!(7), "textons[0].library is 7"),
+    ];
+    for (change, message) in changes {
+        let mut bad = scene.clone();
+        change(&mut bad);
+        folder.write("bad.scene.json", serde_json::to_vec(&bad).unwrap());
+        folder.run("render bad.scene.json").fails(1, message);
+        folder.run("inspect bad.scene.json").fails(1, message);
+    }
+    // A picture that no memory holds is refused before it is drawn.
+    let mut large = scene;
+    (large["width"], large["height"]) = (json!(100_000), json!(100_000));
+    folder.write("large.scene.json", serde_json::to_vec(&large).unwrap());
+    folder.run("render large.scene.json --scale 100").fails(1, "too large");
+}

@@ -1,0 +1,156 @@
+//! Which files are written, replaced, left alone.
+
+use super::support::{Folder, is_document, photo, unpack};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+#[test]
+fn default_names_stand_in_the_current_folder() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("sub")).unwrap();
+    folder.write("sub/stone.png", photo());
+    folder.run("analyze sub/stone.png").succeeds();
+    folder.run("synth stone.lib.json --size 60").succeeds();
+    folder.run("render stone.lib.json").succeeds();
+    assert_eq!(folder.names(), ["photo.png", "stone.lib.json", "stone.png", "stone.svg", "sub"]);
+    assert!(is_document(&folder.read("stone.lib.json"), "vtex-library"));
+}
+
+#[test]
+fn the_extension_decides() {
+    let folder = Folder::with_library();
+    for name in ["a.svg", "a.svgz", "a.png", "a.scene.json", "a.scene.json.gz", "B.SVG"] {
+        folder.run(&format!("synth photo.lib.json --size 50x40 --seed 1 -o {name}")).succeeds();
+    }
+    let svg = folder.read("a.svg");
+    assert!(svg.starts_with(b"<?xml"));
+    assert_eq!(folder.read("B.SVG"), svg);
+    assert_eq!(unpack(&folder.path("a.svgz")), svg);
+    let picture = image::load_from_memory(&folder.read("a.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (50, 40));
+    let scene = folder.read("a.scene.json");
+    assert!(is_document(&scene, "vtex-scene"));
+    assert_eq!(unpack(&folder.path("a.scene.json.gz")), scene);
+    // A scene read and written again is the same; drawn, it is what synth would have drawn.
+    folder.run("render a.scene.json.gz -o b.scene.json").succeeds();
+    folder.run("render a.scene.json -o b.svg").succeeds();
+    assert_eq!((folder.read("b.scene.json"), folder.read("b.svg")), (scene, svg));
+    folder.run("analyze photo.png --seed 7 -o c.lib.json.gz").succeeds();
+    assert_eq!(unpack(&folder.path("c.lib.json.gz")), folder.read("photo.lib.json"));
+}
+
+#[test]
+fn only_files_of_vtex_are_replaced_unless_forced() {
+    let folder = Folder::with_library();
+    for name in ["a.svg", "a.svgz", "a.png", "a.scene.json", "a.scene.json.gz"] {
+        let synth = format!("synth photo.lib.json --size 40 -o {name}");
+        folder.write(name, "mine");
+        let run = folder.run(&synth).fails(1, "exists and was not written by vtex");
+        assert!(run.stderr.contains("--force"), "{}", run.stderr);
+        assert_eq!(folder.read(name), b"mine");
+        folder.run(&format!("{synth} --force")).succeeds();
+        assert_ne!(folder.read(name), b"mine");
+        folder.run(&synth).succeeds();
+    }
+    for name in ["m.png", "m.masks.json", "m.json.gz"] {
+        let analyze = format!("analyze photo.png --save-masks {name}");
+        folder.write(name, "mine");
+        folder.run(&analyze).fails(1, "exists and was not written by vtex");
+        folder.run(&format!("{analyze} -f")).succeeds();
+        folder.run(&analyze).succeeds();
+    }
+    // The photograph itself is not vtex's.
+    folder.run("render photo.lib.json -o photo.png").fails(1, "exists and was not written by vtex");
+    assert_eq!(folder.read("photo.png"), photo());
+}
+
+#[test]
+fn a_foreign_file_is_noticed_before_the_work() {
+    let folder = Folder::new();
+    folder.write("photo.svg", "mine");
+    // The photograph is not even opened.
+    folder.run("texture photo.jpg").fails(1, "'photo.svg' exists");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_disk_that_fills_up_leaves_the_old_file() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json -o a.scene.json --size 40 --seed 1").succeeds();
+    let old = folder.read("a.scene.json");
+    let names = folder.names();
+    // Files may grow to a few kilobytes only: writing fails half-way.
+    let script = format!(
+        "ulimit -f 2; trap '' XFSZ; exec '{}' synth photo.lib.json -o a.scene.json --size 300",
+        env!("CARGO_BIN_EXE_vtex")
+    );
+    let output = Command::new("sh").args(["-c", &script]).current_dir(folder.path("")).output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.starts_with("error: cannot write 'a.scene.json'"), "{stderr}");
+    assert_eq!(folder.read("a.scene.json"), old);
+    assert_eq!(folder.names(), names);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_leaves_no_half_file() {
+    let folder = Folder::with_library();
+    let mut names = folder.names();
+    names.push("stages".into());
+    // Work for many seconds, so that the signal comes in its midst.
+    let arguments = "synth photo.lib.json --size 6000 -o big.svg --debug-dir stages";
+    let mut child = folder.command(arguments).stderr(Stdio::piped()).spawn().unwrap();
+    // The folder for pictures is made once signals are watched for.
+    while !folder.path("stages").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(130));
+    assert_eq!(folder.names(), names);
+}
+
+#[test]
+fn the_segmenter_is_stored() {
+    let folder = Folder::new();
+    for (arguments, name) in [("", "regions"), ("--segmenter felzenszwalb", "felzenszwalb")] {
+        folder.run(&format!("analyze photo.png {arguments}")).succeeds();
+        let json = folder.run("inspect photo.lib.json --json").succeeds().json();
+        assert_eq!(json["segmenter"], name);
+    }
+}
+
+#[test]
+fn masks_saved_and_given_back_make_the_same_textons() {
+    let folder = Folder::new();
+    folder.run("analyze photo.png --seed 1 --save-masks m.masks.json.gz -o a.lib.json").succeeds();
+    folder.run("analyze photo.png --seed 1 --masks m.masks.json.gz -o b.lib.json").succeeds();
+    let library = |name: &str| {
+        let mut value: serde_json::Value = serde_json::from_slice(&folder.read(name)).unwrap();
+        value["source"]["segmenter"].take();
+        value
+    };
+    assert!(library("a.lib.json")["primaries"].as_array().unwrap().len() > 5);
+    assert_eq!(library("a.lib.json"), library("b.lib.json"));
+}
+
+#[test]
+fn pictures_of_the_stages_are_written() {
+    let folder = Folder::new();
+    folder.run("texture photo.png --size 60 --debug-dir stages/here").succeeds();
+    let mut names: Vec<_> =
+        std::fs::read_dir(folder.path("stages/here")).unwrap().map(|e| e.unwrap().path()).collect();
+    names.sort();
+    assert!(names.len() >= 4, "{names:?}");
+    assert!(names[0].ends_with("01-masks.png"), "{names:?}");
+    for path in &names {
+        image::open(path).unwrap();
+    }
+    // A second time they are replaced; a foreign picture is not, and is the reason given.
+    folder.run("texture photo.png --size 60 --debug-dir stages/here").succeeds();
+    std::fs::write(&names[0], photo()).unwrap();
+    folder.run("texture photo.png --size 60 --debug-dir stages/here").fails(1, "01-masks.png' exists");
+}

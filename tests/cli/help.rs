@@ -1,0 +1,78 @@
+//! Help, version, completions and manual pages.
+
+use super::support::{Folder, vtex};
+
+/// What the program prints for a command line.
+fn printed(arguments: &str) -> String {
+    Folder::new().run(arguments).succeeds().text().to_owned()
+}
+
+#[test]
+fn help_of_every_command() {
+    insta::assert_snapshot!("vtex", printed("--help"));
+    for command in ["texture", "analyze", "synth", "render", "inspect", "completions", "man"] {
+        let help = printed(&format!("{command} --help"));
+        assert!(help.contains("Examples:\n  vtex "), "{command} has no example");
+        assert_eq!(help, printed(&format!("{command} -h")), "{command}");
+        insta::assert_snapshot!(command, help);
+    }
+}
+
+#[test]
+fn every_option_says_its_range_or_default() {
+    for command in ["texture", "analyze", "synth", "render"] {
+        let help = printed(&format!("{command} --help")).replace(['\n'], " ");
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        for part in help.split(" --").skip(1) {
+            let takes_number = part.contains("<NUMBER>") || part.contains("<PX>") || part.contains("<SIZE>");
+            if takes_number && !part.starts_with("size") {
+                assert!(part.contains("default:") && part.contains(" to "), "{command}: --{part}");
+            }
+        }
+    }
+}
+
+#[test]
+fn version_names_the_program() {
+    assert_eq!(printed("--version"), format!("vtex {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn examples_of_the_help_can_be_parsed() {
+    // Everything but the files is accepted: what fails is reading, not the usage.
+    for command in ["texture", "analyze", "synth", "render", "inspect"] {
+        let help = printed(&format!("{command} --help"));
+        let examples = help.split("Examples:").nth(1).unwrap();
+        for line in examples.lines().filter_map(|l| l.trim().strip_prefix("vtex ")) {
+            let arguments = line.split(['|', '>']).next().unwrap();
+            let empty = tempfile::tempdir().unwrap();
+            let output = vtex().args(arguments.split_whitespace()).current_dir(&empty).output().unwrap();
+            let stderr = String::from_utf8(output.stderr).unwrap();
+            assert_eq!(output.status.code(), Some(1), "{line}: {stderr}");
+            assert!(stderr.contains("cannot read"), "{line}: {stderr}");
+        }
+    }
+}
+
+#[test]
+fn completions_name_commands_and_options() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = printed(&format!("completions {shell}"));
+        for word in ["texture", "analyze", "secondary-tolerance", "debug-dir"] {
+            assert!(script.contains(word), "{shell} does not know {word}");
+        }
+    }
+    Folder::new().run("completions tcsh").fails(2, "tcsh");
+}
+
+#[test]
+fn manual_pages_are_written() {
+    let folder = Folder::new();
+    folder.run("man pages/man1").succeeds();
+    for name in ["vtex", "vtex-texture", "vtex-analyze", "vtex-synth", "vtex-render", "vtex-inspect"] {
+        let page = String::from_utf8(folder.read(&format!("pages/man1/{name}.1"))).unwrap();
+        assert!(page.contains(".TH ") && page.contains(".SH OPTIONS"), "{name}");
+    }
+    let page = String::from_utf8(folder.read("pages/man1/vtex-analyze.1")).unwrap();
+    assert!(page.contains("secondary\\-tolerance"), "{page}");
+}

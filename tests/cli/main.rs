@@ -1,0 +1,11 @@
+//! The program as a user meets it at the shell.
+#![cfg(feature = "cli")]
+
+mod config;
+mod damaged;
+mod files;
+mod help;
+mod messages;
+mod output;
+mod stages;
+mod support;

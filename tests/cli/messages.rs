@@ -1,0 +1,109 @@
+//! Exit codes, messages, hints, colours.
+
+use super::support::Folder;
+
+#[test]
+fn wrong_usage_exits_with_2() {
+    let folder = Folder::with_library();
+    for (arguments, message) in [
+        ("synth", "<LIBRARY>"),
+        ("synth photo.lib.json --sizes 7", "--sizes"),
+        ("synth photo.lib.json --size 0", "1000x600"),
+        ("synth photo.lib.json --size 10x", "1000x600"),
+        ("synth photo.lib.json --size 100001", "100000"),
+        ("synth photo.lib.json --seed -1", "--seed"),
+        ("synth photo.lib.json --seed 18446744073709551616", "18446744073709551615"),
+        ("synth photo.lib.json --candidates 0", "candidates = 0 is out of range: 1 to 1000"),
+        ("synth photo.lib.json --weights 1,2", "five numbers"),
+        ("synth photo.lib.json --weights 1,2,3,4,11", "-10 to 10"),
+        ("synth photo.lib.json --weights 1,2,3,4,NaN", "-10 to 10"),
+        ("synth photo.lib.json --threads 0", "--threads"),
+        ("synth photo.lib.json -q -v", "--quiet"),
+        ("synth photo.lib.json -o out.jpg", "cannot tell the format from the name 'out.jpg'"),
+        ("synth photo.lib.json -o out.lib.json", "cannot tell the format"),
+        ("synth photo.lib.json --color sometimes", "sometimes"),
+        ("analyze photo.png --minimum-area 0", "minimum-area = 0 is out of range"),
+        ("analyze photo.png --fidelity NaN", "fidelity = NaN is out of range"),
+        ("analyze photo.png --detail-sigma -1", "detail-sigma = -1 is out of range"),
+        ("analyze photo.png --secondary-minimum 9 --secondary-maximum 8", "at most secondary-maximum"),
+        ("analyze photo.png --segmenter magic", "magic"),
+        ("analyze photo.png --masks a.png --segmenter regions", "--masks"),
+        ("analyze photo.png --save-masks a.jpg", "cannot tell the format"),
+        ("analyze photo.png -o photo.svg", "cannot tell the format"),
+        ("render photo.lib.json --scale 0", "scale = 0 is out of range"),
+        ("frobnicate", "frobnicate"),
+    ] {
+        folder.run(arguments).fails(2, message);
+        assert_eq!(folder.names(), ["photo.lib.json", "photo.png"], "{arguments} left something");
+    }
+    let nothing = folder.run("");
+    assert_eq!((nothing.code, nothing.stdout.len()), (Some(2), 0));
+    assert!(nothing.stderr.contains("Usage: vtex"));
+}
+
+#[test]
+fn what_fails_says_why_and_what_to_try() {
+    let folder = Folder::with_library();
+    folder.write("empty.png", b"");
+    folder.write("text.txt", b"hello");
+    folder.run("synth photo.lib.json -o scene.svg --size 50").succeeds();
+    for (arguments, message, hint) in [
+        ("analyze none.png", "cannot read 'none.png': ", "hint: check the spelling"),
+        ("analyze empty.png", "cannot decode 'empty.png' as an image: the file is empty", "hint: PNG, JPEG"),
+        ("analyze text.txt", "cannot decode 'text.txt'", "hint: PNG, JPEG"),
+        ("analyze photo.lib.json", "'photo.lib.json' holds a library, not an image", "hint: make a texture"),
+        ("synth photo.png", "'photo.png' holds an image, not a library", "hint: make a library"),
+        ("synth scene.svg", "'scene.svg' holds an SVG, not a library", "hint: "),
+        ("synth text.txt", "'text.txt' is not a valid vtex-library file", "hint: make a library"),
+        ("inspect scene.svg", "holds an SVG", "hint: draw it with 'vtex render'"),
+        ("inspect text.txt", "holds something else", "hint: libraries are made by"),
+        ("render photo.png -o new.png", "holds an image", "hint: "),
+        (
+            "synth photo.lib.json -o nowhere/out.svg",
+            "cannot write 'nowhere/out.svg'",
+            "hint: the folder does not",
+        ),
+        ("analyze photo.png --masks none.png", "cannot read 'none.png'", "hint: check the spelling"),
+        ("analyze photo.png --masks text.txt", "'text.txt' is not a valid", ""),
+        ("texture photo.png --debug-dir photo.png", "cannot write 'photo.png'", ""),
+    ] {
+        let run = folder.run(arguments).fails(1, message);
+        assert!(run.stderr.contains(hint), "{arguments}: {}", run.stderr);
+        assert!(run.stdout.is_empty());
+    }
+    // Below a file there can be no folder, whoever asks.
+    folder.run("synth photo.lib.json -o photo.png/out.svg").fails(1, "cannot write 'photo.png/out.svg'");
+    folder.run("render scene.svg -o other.svg").fails(2, "is an SVG already");
+}
+
+#[test]
+fn colours_only_where_they_are_wanted() {
+    let folder = Folder::with_library();
+    let coloured = |arguments: &str, no_color: bool| {
+        let mut command = folder.command(arguments);
+        if no_color {
+            command.env("NO_COLOR", "1");
+        }
+        let output = command.output().unwrap();
+        output.stdout.contains(&0x1b) || output.stderr.contains(&0x1b)
+    };
+    for arguments in ["inspect photo.lib.json", "inspect none.json", "synth --sizes", "--help"] {
+        assert!(!coloured(arguments, false), "{arguments} in a pipe");
+        assert!(coloured(&format!("{arguments} --color always"), false), "{arguments} always");
+        assert!(coloured(&format!("{arguments} --color=always"), true), "{arguments} always wins");
+        assert!(!coloured(&format!("{arguments} --color never"), false), "{arguments} never");
+    }
+}
+
+#[test]
+fn quiet_prints_nothing_and_verbose_more() {
+    let folder = Folder::with_library();
+    let length = |flags: &str| {
+        let run = folder.run(&format!("synth photo.lib.json --size 60 {flags}")).succeeds();
+        assert!(run.stdout.is_empty());
+        run.stderr.len()
+    };
+    assert_eq!(length("-q"), 0);
+    let (plain, more, most) = (length(""), length("-v"), length("-vv"));
+    assert!(0 < plain && plain < more && more < most, "{plain} {more} {most}");
+}

@@ -1,0 +1,131 @@
+//! Standard input and output, the summary, seeds.
+
+use super::support::{Folder, is_document, library, photo};
+use std::io::Read;
+use std::process::Stdio;
+
+#[test]
+fn nothing_but_data_is_on_stdout() {
+    let folder = Folder::with_library();
+    let synth = folder.feed("synth - -o - --size 50 --seed 3 -vv", library()).succeeds();
+    folder.run("synth photo.lib.json -o a.svg --size 50 --seed 3").succeeds();
+    assert_eq!(synth.stdout, folder.read("a.svg"));
+    assert!(!synth.stderr.is_empty());
+    let analyze = folder.feed("analyze - --seed 7", &photo()).succeeds();
+    assert!(is_document(&analyze.stdout, "vtex-library"));
+    let render = folder.feed("render - --scale 2", &synth.stdout).succeeds();
+    assert_eq!(image::load_from_memory(&render.stdout).unwrap().width(), 100);
+    let texture = folder.feed("texture - -o - --size 50 --json", &photo()).succeeds();
+    assert!(texture.stdout.starts_with(b"<?xml"));
+    let summary: serde_json::Value = serde_json::from_str(&texture.stderr).unwrap();
+    assert_eq!(summary["bytes"], texture.stdout.len());
+    assert_eq!(folder.names(), ["a.svg", "photo.lib.json", "photo.png"]);
+}
+
+#[test]
+fn the_summary_counts_what_was_written() {
+    let folder = Folder::new();
+    let run = folder.run("texture photo.png -o a.scene.json --size 120x90 --json").succeeds();
+    assert_eq!(run.stderr, "");
+    let summary = run.json();
+    let scene: serde_json::Value = serde_json::from_slice(&folder.read("a.scene.json")).unwrap();
+    let length = |v: &serde_json::Value| v.as_array().unwrap().len();
+    assert_eq!(summary["counts"]["primaries"], length(&scene["primary"]));
+    assert_eq!(summary["counts"]["secondaries"], length(&scene["secondary"]));
+    assert_eq!(summary["counts"]["background"], length(&scene["background"]["points"]));
+    assert_eq!(summary["bytes"], folder.read("a.scene.json").len());
+    assert_eq!(summary["seed"], scene["parameters"]["seed"]);
+    assert_eq!(summary["size"], serde_json::json!([120, 90]));
+    let number = |v: &serde_json::Value| v.as_f64().unwrap();
+    let (wanted, got) = (number(&summary["coverage"]["wanted"]), number(&summary["coverage"]["got"]));
+    assert!((0.0..=1.0).contains(&wanted) && (0.0..=1.0).contains(&got), "{wanted} {got}");
+    let seconds = summary["seconds"].as_object().unwrap();
+    let sum: f64 = seconds.iter().filter(|s| s.0 != "total").map(|s| number(s.1)).sum();
+    assert!((sum - number(&seconds["total"])).abs() < 0.02, "{seconds:?}");
+    assert!(summary["warnings"].is_array());
+}
+
+#[test]
+fn a_seed_that_was_chosen_is_told_and_stored() {
+    let folder = Folder::with_library();
+    let run = folder.run("synth photo.lib.json --size 60 -o a.scene.json").succeeds();
+    let told = run.stderr.lines().find_map(|l| l.strip_prefix("seed: ")).unwrap();
+    let seed: u64 = told.split(' ').next().unwrap().parse().unwrap();
+    let scene: serde_json::Value = serde_json::from_slice(&folder.read("a.scene.json")).unwrap();
+    assert_eq!(scene["parameters"]["seed"], seed);
+    // With it the same comes out again; the chance that two chosen seeds agree is nil.
+    folder.run(&format!("synth photo.lib.json --size 60 -o b.scene.json --seed {seed}")).succeeds();
+    assert_eq!(folder.read("a.scene.json"), folder.read("b.scene.json"));
+    folder.run("synth photo.lib.json --size 60 -o b.scene.json").succeeds();
+    assert_ne!(folder.read("a.scene.json"), folder.read("b.scene.json"));
+    folder.run("analyze photo.png --seed 18446744073709551615").succeeds();
+    assert!(String::from_utf8(folder.read("photo.lib.json")).unwrap().contains("18446744073709551615"));
+}
+
+#[test]
+fn one_and_four_threads_write_the_same() {
+    let folder = Folder::new();
+    for threads in [1, 4] {
+        let name = format!("{threads}.svg");
+        folder.run(&format!("texture photo.png -o {name} --size 200 --seed 9 -t {threads} -q")).succeeds();
+    }
+    assert_eq!(folder.read("1.svg"), folder.read("4.svg"));
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let folder = Folder::with_library();
+    for arguments in
+        ["synth photo.lib.json -o - --size 400", "completions zsh", "inspect photo.lib.json", "--help"]
+    {
+        let mut command = folder.command(arguments);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut start = [0; 10];
+        let mut stdout = child.stdout.take().unwrap();
+        stdout.read_exact(&mut start).unwrap();
+        drop(stdout);
+        let output = child.wait_with_output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments}: {stderr}");
+        assert!(!stderr.contains("error") && !stderr.contains("panic"), "{arguments}: {stderr}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_behind_stdout_is_reported() {
+    let folder = Folder::with_library();
+    let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
+    for arguments in ["synth photo.lib.json -o - --size 50", "inspect photo.lib.json", "--dump-config"] {
+        let output = folder.command(arguments).stdout(full()).output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments}: {stderr}");
+        assert!(stderr.starts_with("error: cannot write '-': "), "{arguments}: {stderr}");
+    }
+    // Nobody can be told, but the work is done.
+    let output = folder.command("synth photo.lib.json --size 50").stderr(full()).output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+}
+
+#[test]
+fn inspect_tells_the_same_to_people_and_programs() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json --size 120 -o a.scene.json.gz --seed 4").succeeds();
+    for name in ["photo.lib.json", "a.scene.json.gz"] {
+        // Whatever the name, the content decides.
+        std::fs::copy(folder.path(name), folder.path("plain")).unwrap();
+        let json = folder.run("inspect plain --json").succeeds().json();
+        let text = folder.run("inspect plain").succeeds().text().to_owned();
+        let primaries = json["counts"]["primaries"].as_u64().unwrap();
+        assert!(primaries > 0);
+        let line = text.lines().find(|l| l.starts_with("primaries ")).unwrap();
+        assert_eq!(line.split_whitespace().nth(1), Some(primaries.to_string().as_str()), "{text}");
+        let categories = json["categories"].as_array().unwrap();
+        let sum: f64 = categories.iter().map(|c| c["coverage"].as_f64().unwrap()).sum();
+        assert!((sum - json["coverage"].as_f64().unwrap()).abs() < 1e-9);
+        let members: u64 = categories.iter().map(|c| c["primaries"].as_u64().unwrap()).sum();
+        assert_eq!(members, primaries);
+        assert_eq!(json["bytes"], folder.read("plain").len());
+        assert!(text.lines().all(|l| l == l.trim_end()), "{text}");
+    }
+}

@@ -1,0 +1,168 @@
+//! Running the program in a folder of its own, and small inputs for it.
+
+use image::{Rgb, RgbImage};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+
+/// A folder with a small photograph `photo.png`, in which the program is run.
+pub(crate) struct Folder(tempfile::TempDir);
+
+/// What a run of the program left behind.
+pub(crate) struct Run {
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: Vec<u8>,
+    pub(crate) stderr: String,
+}
+
+impl Folder {
+    pub(crate) fn new() -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
+        std::fs::write(folder.path("photo.png"), photo()).unwrap();
+        folder
+    }
+
+    /// A folder that also holds `photo.lib.json`.
+    pub(crate) fn with_library() -> Self {
+        let folder = Self::new();
+        std::fs::write(folder.path("photo.lib.json"), library()).unwrap();
+        folder
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), content).unwrap();
+    }
+
+    /// Names of all files, sorted.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let all = std::fs::read_dir(self.0.path()).unwrap();
+        let mut names: Vec<String> =
+            all.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    /// The program, ready to run here with arguments split at blanks.
+    pub(crate) fn command(&self, arguments: &str) -> Command {
+        let mut command = vtex();
+        command.args(arguments.split_whitespace()).current_dir(self.0.path());
+        command
+    }
+
+    pub(crate) fn run(&self, arguments: &str) -> Run {
+        self.command(arguments).output().unwrap().into()
+    }
+
+    /// Runs the program with something on standard input.
+    pub(crate) fn feed(&self, arguments: &str, input: &[u8]) -> Run {
+        let mut command = self.command(arguments);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let mut stdin = child.stdin.take().unwrap();
+        let input = input.to_vec();
+        let feeder = std::thread::spawn(move || {
+            // The program may end without reading all.
+            let _ = stdin.write_all(&input);
+        });
+        let output = child.wait_with_output().unwrap();
+        feeder.join().unwrap();
+        output.into()
+    }
+}
+
+impl From<Output> for Run {
+    fn from(output: Output) -> Self {
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(!stderr.contains("panicked"), "{stderr}");
+        Self { code: output.status.code(), stdout: output.stdout, stderr }
+    }
+}
+
+impl Run {
+    #[track_caller]
+    pub(crate) fn succeeds(self) -> Self {
+        assert_eq!(self.code, Some(0), "{}", self.stderr);
+        self
+    }
+
+    /// Checks exit code and message.
+    #[track_caller]
+    pub(crate) fn fails(self, code: i32, message: &str) -> Self {
+        assert_eq!(self.code, Some(code), "{}", self.stderr);
+        assert!(self.stderr.starts_with("error: "), "{}", self.stderr);
+        assert!(self.stderr.contains(message), "'{message}' is not in: {}", self.stderr);
+        self
+    }
+
+    #[track_caller]
+    pub(crate) fn json(&self) -> serde_json::Value {
+        serde_json::from_slice(&self.stdout).unwrap()
+    }
+
+    pub(crate) fn text(&self) -> &str {
+        std::str::from_utf8(&self.stdout).unwrap()
+    }
+}
+
+/// The program in an environment that is the same everywhere.
+pub(crate) fn vtex() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vtex"));
+    for name in ["VTEX_THREADS", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "LINES"] {
+        command.env_remove(name);
+    }
+    command.env("TERM", "xterm-256color").stdin(Stdio::null());
+    command
+}
+
+/// A photograph of discs in two colours on noisy ground, 96 × 80, as PNG.
+pub(crate) fn photo() -> Vec<u8> {
+    let image = RgbImage::from_fn(96, 80, |x, y| {
+        let noise = (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(40_503)) >> 7 & 7;
+        let (cx, cy) = (x as i32 % 16 - 8, y as i32 % 16 - 8);
+        let number = x / 16 + y / 16;
+        let base: [u32; 3] = match (cx * cx + cy * cy < 26, number % 2) {
+            (false, _) => [120, 110, 90],
+            (true, 0) => [220, 210, 200],
+            (true, _) => [60, 70, 140],
+        };
+        Rgb(base.map(|v| (v + noise) as u8))
+    });
+    encode(&image.into(), image::ImageFormat::Png)
+}
+
+/// The library of [`photo`], made once.
+pub(crate) fn library() -> &'static [u8] {
+    static LIBRARY: OnceLock<Vec<u8>> = OnceLock::new();
+    LIBRARY.get_or_init(|| {
+        let run = Folder::new().run("analyze photo.png --seed 7 -o -");
+        run.succeeds().stdout
+    })
+}
+
+pub(crate) fn encode(image: &image::DynamicImage, format: image::ImageFormat) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut bytes, format).unwrap();
+    bytes.into_inner()
+}
+
+/// Whether bytes are a document of vtex with a given format.
+pub(crate) fn is_document(bytes: &[u8], format: &str) -> bool {
+    serde_json::from_slice::<serde_json::Value>(bytes).is_ok_and(|v| v["format"] == format)
+}
+
+/// Unpacks gzip.
+pub(crate) fn unpack(path: &Path) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).unwrap();
+    std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(file), &mut bytes).unwrap();
+    bytes
+}
