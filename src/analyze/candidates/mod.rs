@@ -252,7 +252,16 @@ fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
         let mean_rim =
             parts.iter().map(|&p| f64::from(candidates[p].rim)).sum::<f64>() / parts.len().max(1) as f64;
         let ground = parts.len() >= 2 && f64::from(candidates[i].rim) < WEAK * mean_rim;
-        whole[i] = !ground && worth(&candidates[i]) >= sum;
+        // One part that is most of the whole is the same thing seen twice: the better one counts.
+        let twin = match parts[..] {
+            [p] if 2 * candidates[p].area > candidates[i].area && whole[p] => Some(&candidates[p]),
+            _ => None,
+        };
+        let better = match twin {
+            Some(twin) => candidates[i].quality >= twin.quality,
+            None => worth(&candidates[i]) >= sum,
+        };
+        whole[i] = !ground && better;
         best[i] = if whole[i] { worth(&candidates[i]) } else { sum };
     }
     let mut kept = Vec::new();

@@ -72,7 +72,7 @@ fn stray_masks_do_not_swallow_true_ones() {
     assert!(scenes >= 15.0);
     let (recall, ground) = (sum / scenes, covered as f64 / f64::from(ground_area));
     assert!(recall >= 0.93, "true textons kept: {recall}");
-    assert!(ground <= 0.10, "ground taken for textons: {ground}");
+    assert!(ground <= 0.12, "ground taken for textons: {ground}");
 }
 
 #[test]
