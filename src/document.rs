@@ -1,6 +1,6 @@
 //! Versioned JSON documents, plain or gzip: what libraries and scenes share.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, clip};
 use flate2::read::GzDecoder;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::io::Read;
@@ -58,7 +58,7 @@ pub(crate) fn from_bytes<T: Document>(bytes: &[u8], name: &str) -> Result<T> {
     let header: Header = serde_json::from_slice(json).map_err(|e| fail(e.to_string()))?;
     match header.format.as_deref() {
         Some(f) if f == T::FORMAT => {}
-        Some(f) => return Err(fail(format!("its format is '{}'", crate::raster::colour::clip(f)))),
+        Some(f) => return Err(fail(format!("its format is '{}'", clip(f)))),
         None => return Err(fail("it has no field 'format'".into())),
     }
     match header.version {

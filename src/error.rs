@@ -165,3 +165,8 @@ pub(crate) fn check(
 ) -> Result<()> {
     if ok { Ok(()) } else { Err(Error::Parameter { name, value: value.to_string(), allowed }) }
 }
+
+/// The first characters of a hostile string, for an error message.
+pub(crate) fn clip(text: &str) -> String {
+    text.chars().take(24).collect()
+}

@@ -58,7 +58,7 @@ impl<'de> Deserialize<'de> for Colour {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = <std::borrow::Cow<'_, str>>::deserialize(deserializer)?;
         Self::from_hex(&text).ok_or_else(|| {
-            serde::de::Error::custom(format_args!("'{}' is not a colour like #a0b1c2", clip(&text)))
+            serde::de::Error::custom(format_args!("'{}' is not a colour like #a0b1c2", crate::error::clip(&text)))
         })
     }
 }
@@ -71,11 +71,6 @@ impl JsonSchema for Colour {
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
         schemars::json_schema!({"type": "string", "pattern": "^#[0-9a-f]{6}$"})
     }
-}
-
-/// The first characters of a hostile string, for an error message.
-pub(crate) fn clip(text: &str) -> String {
-    text.chars().take(24).collect()
 }
 
 /// Linear light in 0..=1 of an 8-bit sRGB component (IEC 61966-2-1).

@@ -1,0 +1,333 @@
+//! What each stage costs: CPU seconds, peak memory and bytes, on the exemplars of the repository
+//! and on photographs. See `benches/README.md`.
+//!
+//! Every measurement runs in a child process of this program, so that peaks of memory are separate.
+
+use image::RgbImage;
+use serde_json::{Value, json};
+use std::error::Error;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::sync::Mutex;
+use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
+use vtex::library::Library;
+use vtex::output::{file, png, svg};
+use vtex::scene::SynthParams;
+use vtex::segment::{Regions, ScoredMask, Segmenter};
+use vtex::{Progress, synth};
+
+const USAGE: &str = "\
+Usage: cargo bench --bench stages [-- [--json] [IMAGE...]]
+Without images: examples/exemplars, and what has 500 x 500 pixels in ../shared/exemplars.";
+
+/// Sides of the canvases, in pixels.
+const SIDES: [u32; 2] = [500, 1000];
+/// First argument of a child process.
+const MEASURE: &str = "--measure";
+
+type Outcome<T = ()> = Result<T, Box<dyn Error>>;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let done = match arguments.first().map(String::as_str) {
+        Some(MEASURE) => measure(&arguments[1..]),
+        _ => report(&arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Measures all images and prints tables or JSON.
+fn report(arguments: &[String]) -> Outcome {
+    let as_json = arguments.iter().any(|a| a == "--json");
+    let mut images: Vec<PathBuf> = Vec::new();
+    for argument in arguments.iter().filter(|a| *a != "--json") {
+        if argument.starts_with('-') {
+            return Err(format!("unknown flag {argument}\n{USAGE}").into());
+        }
+        images.push(argument.into());
+    }
+    if images.is_empty() {
+        images = pictures_in("examples/exemplars", |_| true);
+        images.extend(pictures_in("../shared/exemplars", |size| size == (500, 500)));
+    }
+    let folder = tempfile::tempdir()?;
+    let mut all = Vec::new();
+    for image in &images {
+        let library = folder.path().join("exemplar.lib.json");
+        let name = image.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let mut found = json!({ "exemplar": name });
+        found["analyze"] = child(&["analyze".as_ref(), image.as_os_str(), library.as_os_str()])?;
+        for side in SIDES {
+            let side = side.to_string();
+            found[format!("synth_{side}")] = child(&["synth".as_ref(), library.as_os_str(), side.as_ref()])?;
+        }
+        eprintln!("measured {name}");
+        all.push(found);
+    }
+    let text = if as_json { serde_json::to_string_pretty(&all)? + "\n" } else { tables(&all) };
+    io::stdout().write_all(text.as_bytes())?;
+    Ok(())
+}
+
+/// PNG and JPEG files of a folder whose size in pixels is wanted, by name; none if there is no such
+/// folder.
+fn pictures_in(folder: &str, wanted: impl Fn((u32, u32)) -> bool) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut found: Vec<PathBuf> = entries
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|e| e == "png" || e == "jpg"))
+        .filter(|path| image::image_dimensions(path).is_ok_and(&wanted))
+        .collect();
+    found.sort();
+    found
+}
+
+/// Runs one measurement in a process of its own.
+fn child(arguments: &[&std::ffi::OsStr]) -> Outcome<Value> {
+    let output = Command::new(std::env::current_exe()?).arg(MEASURE).args(arguments).output()?;
+    if !output.status.success() {
+        return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());
+    }
+    Ok(serde_json::from_slice(&output.stdout)?)
+}
+
+/// A measurement, printed as JSON.
+fn measure(arguments: &[String]) -> Outcome {
+    let found = match arguments {
+        [what, photo, library] if what == "analyze" => measure_analysis(photo.as_ref(), library.as_ref())?,
+        [what, library, side] if what == "synth" => measure_synthesis(library.as_ref(), side.parse()?)?,
+        _ => return Err("unknown measurement".into()),
+    };
+    println!("{found}");
+    Ok(())
+}
+
+fn measure_analysis(photo: &Path, place: &Path) -> Outcome<Value> {
+    let exemplar = Exemplar::open(photo, &Limits::default())?;
+    let watch = Watch::start("segment");
+    let library = analyze(&exemplar, &Silent(Regions), &AnalyzeParams::default(), &watch)?;
+    let seconds = watch.stop();
+    let peak = peak_memory();
+    let bytes = library.to_json();
+    std::fs::write(place, &bytes)?;
+    let scene = synth::reconstruct(&library);
+    let picture = png::render(&scene, 1.0)?;
+    Ok(json!({
+        "seconds": seconds,
+        "peak_bytes": peak,
+        "library_bytes": bytes.len(),
+        "library_gzip_bytes": packed(|out| Ok(out.write_all(&bytes)?))?,
+        "reconstruction_svg_bytes": svg::write(&scene, &svg::SvgOptions::default(), io::sink())?.bytes,
+        "reconstruction_psnr": psnr(&exemplar.image, picture.data()),
+    }))
+}
+
+fn measure_synthesis(library: &Path, side: u32) -> Outcome<Value> {
+    let library = Library::read(library)?;
+    let params = SynthParams { width: side, height: side, ..SynthParams::default() };
+    let watch = Watch::start("primaries");
+    let scene = synth::synthesize(std::slice::from_ref(&library), &params, &watch)?;
+    watch.next("svg");
+    let options = svg::SvgOptions::default();
+    let svg_bytes = svg::write(&scene, &options, io::sink())?.bytes;
+    let peak = peak_memory();
+    watch.next("svgz");
+    let svgz_bytes = packed(|out| svg::write(&scene, &options, out).map(|_| ()).map_err(Into::into))?;
+    watch.next("png");
+    let mut png_bytes = Count(0);
+    png::encode(&png::render(&scene, 1.0)?, Some(params.seed), &mut png_bytes)?;
+    Ok(json!({
+        "seconds": watch.stop(),
+        "peak_bytes": peak,
+        "svg_bytes": svg_bytes,
+        "svgz_bytes": svgz_bytes,
+        "png_bytes": png_bytes.0,
+    }))
+}
+
+/// CPU seconds by stage. A stage lasts until the next one is named.
+struct Watch(Mutex<(Vec<(String, f64)>, f64)>);
+
+impl Watch {
+    fn start(stage: &str) -> Self {
+        Self(Mutex::new((vec![(stage.into(), 0.0)], cpu_seconds())))
+    }
+
+    fn next(&self, stage: &str) {
+        let mut state = self.0.lock().expect("no measurement panics");
+        let (stages, since) = &mut *state;
+        let now = cpu_seconds();
+        if let Some(last) = stages.last_mut() {
+            last.1 += now - *since;
+        }
+        *since = now;
+        if stages.last().is_none_or(|last| last.0 != stage) {
+            stages.push((stage.into(), 0.0));
+        }
+    }
+
+    /// Stages in order, with their sum as `total`.
+    fn stop(self) -> Value {
+        self.next("");
+        let (stages, _) = self.0.into_inner().expect("no measurement panics");
+        let mut seconds = serde_json::Map::new();
+        let mut total = 0.0;
+        for (stage, time) in stages.iter().filter(|s| !s.0.is_empty()) {
+            total += time;
+            let sum = seconds.get(stage).and_then(Value::as_f64).unwrap_or(0.0) + time;
+            seconds.insert(stage.clone(), json!(sum));
+        }
+        seconds.insert("total".into(), json!(total));
+        seconds.into()
+    }
+}
+
+impl Progress for Watch {
+    fn advance(&self, stage: &'static str, _: u64, _: u64) -> bool {
+        self.next(stage);
+        true
+    }
+}
+
+/// A segmenter whose steps count as one stage.
+struct Silent(Regions);
+
+impl Segmenter for Silent {
+    fn name(&self) -> String {
+        self.0.name()
+    }
+
+    fn segment(&self, image: &RgbImage, _: &dyn Progress) -> vtex::Result<Vec<ScoredMask>> {
+        self.0.segment(image, &())
+    }
+}
+
+/// CPU time of this process, user and system, of all threads.
+fn cpu_seconds() -> f64 {
+    #[cfg(unix)]
+    {
+        let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+        time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+    }
+    #[cfg(not(unix))]
+    {
+        f64::NAN
+    }
+}
+
+/// Largest memory of this process so far, in bytes; none where the system does not tell.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
+/// Counts bytes and forgets them.
+struct Count(u64);
+
+impl Write for Count {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0 += bytes.len() as u64;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Bytes of what `content` writes, packed.
+fn packed(content: impl FnOnce(&mut dyn Write) -> Outcome) -> Outcome<u64> {
+    let mut out = file::gzip(Count(0));
+    content(&mut out)?;
+    Ok(out.finish()?.0)
+}
+
+/// Peak signal-to-noise ratio over the sRGB components, in dB; `rgba` holds opaque pixels.
+fn psnr(image: &RgbImage, rgba: &[u8]) -> f64 {
+    let mut sum = 0.0;
+    for (a, b) in image.pixels().zip(rgba.chunks_exact(4)) {
+        for c in 0..3 {
+            let d = f64::from(a.0[c]) - f64::from(b[c]);
+            sum += d * d;
+        }
+    }
+    let mean = sum / f64::from(3 * image.width() * image.height());
+    10.0 * libm::log10(255.0 * 255.0 / mean)
+}
+
+/// The figures as Markdown.
+fn tables(all: &[Value]) -> String {
+    let stages = ["segment", "primaries", "details", "outlines", "background", "categories"];
+    let mut text = String::from("### Analysis: CPU seconds, memory, library, reconstruction\n\n");
+    text += &row(
+        ["exemplar"]
+            .into_iter()
+            .chain(stages)
+            .chain(["all", "peak MB", "library kB", "gzip kB", "PSNR dB", "SVG kB"])
+            .map(String::from),
+    );
+    text += &rule(stages.len() + 7);
+    for found in all {
+        let a = &found["analyze"];
+        let mut cells = vec![found["exemplar"].as_str().unwrap_or_default().to_owned()];
+        cells.extend(stages.iter().chain(&["total"]).map(|s| seconds(&a["seconds"][s])));
+        cells.push(mega(&a["peak_bytes"]));
+        cells.extend(["library_bytes", "library_gzip_bytes"].map(|k| kilo(&a[k])));
+        cells.push(format!("{:.1}", a["reconstruction_psnr"].as_f64().unwrap_or(f64::NAN)));
+        cells.push(kilo(&a["reconstruction_svg_bytes"]));
+        text += &row(cells);
+    }
+    let stages = ["primaries", "density", "ground", "svg", "svgz", "png"];
+    for side in SIDES {
+        text += &format!("\n### Synthesis at {side} x {side}: CPU seconds, memory, files\n\n");
+        text += &row(
+            ["exemplar"]
+                .into_iter()
+                .chain(stages)
+                .chain(["to SVG", "peak MB", "SVG kB", "SVGZ kB", "PNG kB"])
+                .map(String::from),
+        );
+        text += &rule(stages.len() + 6);
+        for found in all {
+            let s = &found[format!("synth_{side}")];
+            let to_svg: f64 = stages[..4].iter().filter_map(|k| s["seconds"][k].as_f64()).sum();
+            let mut cells = vec![found["exemplar"].as_str().unwrap_or_default().to_owned()];
+            cells.extend(stages.map(|k| seconds(&s["seconds"][k])));
+            cells.push(format!("{to_svg:.2}"));
+            cells.push(mega(&s["peak_bytes"]));
+            cells.extend(["svg_bytes", "svgz_bytes", "png_bytes"].map(|k| kilo(&s[k])));
+            text += &row(cells);
+        }
+    }
+    text
+}
+
+fn row(cells: impl IntoIterator<Item = String>) -> String {
+    let cells: Vec<String> = cells.into_iter().collect();
+    format!("| {} |\n", cells.join(" | "))
+}
+
+fn rule(columns: usize) -> String {
+    format!("|---{}|\n", "|--:".repeat(columns - 1))
+}
+
+fn seconds(value: &Value) -> String {
+    value.as_f64().map_or("–".into(), |v| format!("{v:.2}"))
+}
+
+fn kilo(value: &Value) -> String {
+    value.as_f64().map_or("–".into(), |v| format!("{:.0}", v / 1e3))
+}
+
+fn mega(value: &Value) -> String {
+    value.as_f64().map_or("–".into(), |v| format!("{:.0}", v / 1e6))
+}
