@@ -268,13 +268,11 @@ fn psnr(image: &RgbImage, rgba: &[u8]) -> f64 {
 fn tables(all: &[Value]) -> String {
     let stages = ["segment", "primaries", "details", "outlines", "background", "categories"];
     let mut text = String::from("### Analysis: CPU seconds, memory, library, reconstruction\n\n");
-    text += &row(
-        ["exemplar"]
-            .into_iter()
-            .chain(stages)
-            .chain(["all", "peak MB", "library kB", "gzip kB", "PSNR dB", "SVG kB"])
-            .map(String::from),
-    );
+    text += &row(["exemplar"]
+        .into_iter()
+        .chain(stages)
+        .chain(["all", "peak MB", "library kB", "gzip kB", "PSNR dB", "SVG kB"])
+        .map(String::from));
     text += &rule(stages.len() + 7);
     for found in all {
         let a = &found["analyze"];
@@ -289,13 +287,11 @@ fn tables(all: &[Value]) -> String {
     let stages = ["primaries", "density", "ground", "svg", "svgz", "png"];
     for side in SIDES {
         text += &format!("\n### Synthesis at {side} x {side}: CPU seconds, memory, files\n\n");
-        text += &row(
-            ["exemplar"]
-                .into_iter()
-                .chain(stages)
-                .chain(["to SVG", "peak MB", "SVG kB", "SVGZ kB", "PNG kB"])
-                .map(String::from),
-        );
+        text += &row(["exemplar"]
+            .into_iter()
+            .chain(stages)
+            .chain(["to SVG", "peak MB", "SVG kB", "SVGZ kB", "PNG kB"])
+            .map(String::from));
         text += &rule(stages.len() + 6);
         for found in all {
             let s = &found[format!("synth_{side}")];

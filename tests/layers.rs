@@ -19,7 +19,8 @@ fn layers() -> Vec<Layer> {
     let rows = text.lines().filter(|line| line.starts_with("| `src/"));
     rows.map(|line| {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-        let quoted = |cell: &str| -> Vec<String> { cell.split('`').skip(1).step_by(2).map(Into::into).collect() };
+        let quoted =
+            |cell: &str| -> Vec<String> { cell.split('`').skip(1).step_by(2).map(Into::into).collect() };
         let name = quoted(cells[1])[0].trim_start_matches("src/").trim_end_matches('/').to_owned();
         let name = name.trim_end_matches(".rs").to_owned();
         Layer { name, imports: quoted(cells[2]).into_iter().collect() }
@@ -108,7 +109,11 @@ fn sources_import_only_what_the_table_allows() {
         let found = imports(&text, if binary { "vtex::" } else { "crate::" });
         let upward: Vec<&String> =
             found.iter().filter(|import| **import != name && !layer.imports.contains(*import)).collect();
-        assert!(upward.is_empty(), "{} imports {upward:?}, which ARCHITECTURE.md does not allow", file.display());
+        assert!(
+            upward.is_empty(),
+            "{} imports {upward:?}, which ARCHITECTURE.md does not allow",
+            file.display()
+        );
     }
 }
 

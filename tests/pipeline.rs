@@ -191,7 +191,8 @@ fn a_photograph_without_textons_still_gives_its_ground() {
     let scene = scene(&library);
     let drawn = png::render(&scene, 1.0).unwrap();
     // The colours are those of the slope.
-    let inside = |c: usize, low: u8, high: u8| drawn.data().chunks_exact(4).all(|p| (low..=high).contains(&p[c]));
+    let inside =
+        |c: usize, low: u8, high: u8| drawn.data().chunks_exact(4).all(|p| (low..=high).contains(&p[c]));
     assert!(inside(0, 50, 160) && inside(1, 80, 160) && inside(2, 100, 125));
 }
 

@@ -58,7 +58,10 @@ impl<'de> Deserialize<'de> for Colour {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = <std::borrow::Cow<'_, str>>::deserialize(deserializer)?;
         Self::from_hex(&text).ok_or_else(|| {
-            serde::de::Error::custom(format_args!("'{}' is not a colour like #a0b1c2", crate::error::clip(&text)))
+            serde::de::Error::custom(format_args!(
+                "'{}' is not a colour like #a0b1c2",
+                crate::error::clip(&text)
+            ))
         })
     }
 }
