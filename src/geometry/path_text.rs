@@ -17,7 +17,13 @@ pub(super) const STORED: PathText = PathText { precision: 2 };
 pub fn write_path(path: &BezPath, style: PathText) -> String {
     let scale = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6][usize::from(style.precision.min(6))];
     let grid = |p: Point| (libm::round(p.x * scale) as i64, libm::round(p.y * scale) as i64);
-    let mut w = Writer { out: String::new(), precision: style.precision.min(6), command: 0, tight: true };
+    let mut w = Writer {
+        out: String::new(),
+        precision: style.precision.min(6),
+        command: 0,
+        tight: true,
+        dotted: false,
+    };
     let (mut at, mut start) = ((0i64, 0i64), (0i64, 0i64));
     for element in path.elements() {
         match *element {
@@ -76,6 +82,8 @@ struct Writer {
     command: u8,
     /// Whether the next number may follow without a separator.
     tight: bool,
+    /// Whether the number before has a decimal point, so that another point begins a new one.
+    dotted: bool,
 }
 
 impl Writer {
@@ -96,12 +104,13 @@ impl Writer {
     fn number(&mut self, units: i64) {
         use std::fmt::Write;
         let scale = 10i64.pow(u32::from(self.precision));
+        let (whole, part) = (units.unsigned_abs() / scale as u64, units.unsigned_abs() % scale as u64);
         if units < 0 {
             self.out.push('-');
-        } else if !self.tight {
+        } else if !(self.tight || self.dotted && whole == 0 && part != 0) {
             self.out.push(' ');
         }
-        let (whole, part) = (units.unsigned_abs() / scale as u64, units.unsigned_abs() % scale as u64);
+        self.dotted = part != 0;
         if whole != 0 || part == 0 {
             let _ = write!(self.out, "{whole}");
         }

@@ -109,7 +109,7 @@ pub fn felzenszwalb(image: &Smoothed, scale: f64, minimum: u32) -> LabelMap {
     let mut forest = Forest::new(w * h);
     let ends = |e: u32| {
         let i = e as usize / 2;
-        (i, if e % 2 == 0 { i + 1 } else { i + w })
+        (i, if e.is_multiple_of(2) { i + 1 } else { i + w })
     };
     forest.grow(edges, ends, scale as f32, minimum);
     let labels = forest.number();

@@ -12,6 +12,9 @@ const POISSON_DENSITY: f64 = 0.616;
 /// A secondary is left out unless at least this share of its outline's points can be seen.
 const LEAST_VISIBLE: f64 = 0.3;
 
+/// Step of the colours of secondaries, per sRGB component.
+const COLOUR_STEP: f64 = 5.0;
+
 /// A secondary texton on the canvas.
 pub(super) struct Placed {
     /// Index among the library's secondaries.
@@ -42,9 +45,20 @@ pub(super) fn place(library: &Library, map: &TargetMap<'_>, field: &Interpolant,
         }
         let ground = field.at(f64::from(at[0]), f64::from(at[1]));
         let colour = [0, 1, 2].map(|c| ground[c] + f64::from(textons[k].difference[c]));
-        placed.push(Placed { secondary: k as u32, at, colour: Colour::from_f64(colour) });
+        placed.push(Placed { secondary: k as u32, at, colour: coarse(colour) });
     }
+    // Equal fills side by side, for smaller files; secondaries hardly overlap, so which of them is
+    // painted first matters little. The order of the fills is mixed, so that no tone is always on top.
+    placed.sort_by_key(|p| {
+        let [r, g, b] = p.colour.0.map(u32::from);
+        ((r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1), p.at[1], p.at[0])
+    });
     placed
+}
+
+/// The colour in steps of [`COLOUR_STEP`], too small to be seen on a speck.
+fn coarse(colour: [f64; 3]) -> Colour {
+    Colour::from_f64(colour.map(|v| COLOUR_STEP * libm::round(v / COLOUR_STEP)))
 }
 
 /// Radius of the Poisson-disk set that holds as many secondaries per area of ground as the

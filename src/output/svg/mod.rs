@@ -20,6 +20,7 @@ mod xml;
 use super::background::Background;
 use crate::error::{Error, Result, check};
 use crate::scene::Scene;
+use number::Paint;
 use std::io::{self, Write};
 use std::path::Path;
 use textons::Textons;
@@ -121,9 +122,24 @@ fn document(
     xml.line();
 
     layer(&mut xml, "secondary", "Secondary");
-    for instance in &scene.secondary {
-        textons.write_instance(&mut xml, instance)?;
-        xml.line();
+    // Neighbours in painting order that share a fill take it from one group.
+    for run in
+        scene.secondary.chunk_by(|a, b| textons.fill(a).is_some() && textons.fill(a) == textons.fill(b))
+    {
+        let fill = textons.fill(&run[0]).filter(|_| run.len() > 1);
+        if let Some(fill) = fill {
+            xml.open("g");
+            xml.attribute("fill", Paint(fill));
+            xml.line();
+        }
+        for instance in run {
+            textons.write_instance(&mut xml, instance, fill.is_none())?;
+            xml.line();
+        }
+        if fill.is_some() {
+            xml.close()?;
+            xml.line();
+        }
     }
     xml.close()?;
     xml.line();
@@ -135,7 +151,7 @@ fn document(
         if let Some(category) = scene.textons[instance.texton as usize].category {
             xml.attribute("data-category", category);
         }
-        textons.write_instance(&mut xml, instance)?;
+        textons.write_instance(&mut xml, instance, true)?;
         xml.close()?;
         xml.line();
     }

@@ -59,18 +59,30 @@ impl<'a> Textons<'a> {
         Ok(())
     }
 
-    /// One placed texton.
-    pub(super) fn write_instance<W: Write>(&self, xml: &mut Xml<W>, instance: &Instance) -> io::Result<()> {
+    /// The one fill of a placed texton; none if it has details.
+    pub(super) fn fill(&self, instance: &Instance) -> Option<Colour> {
+        let texton = &self.scene.textons[instance.texton as usize];
+        texton.details.is_empty().then(|| instance.colour.unwrap_or(texton.colour))
+    }
+
+    /// One placed texton; its fill is left to the group around it unless `with_fill`.
+    pub(super) fn write_instance<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        instance: &Instance,
+        with_fill: bool,
+    ) -> io::Result<()> {
         let index = instance.texton as usize;
         let texton = &self.scene.textons[index];
         let colour = instance.colour.unwrap_or(texton.colour);
         if !self.shared[index] {
-            return self.write_paths(xml, texton, Some(colour), Some(instance.affine()));
+            let fill = with_fill.then_some(colour);
+            return self.write_paths(xml, texton, fill, Some(instance.affine()));
         }
         xml.open("use");
         xml.attribute("xlink:href", format_args!("#t{index}"));
         self.write_transform(xml, &instance.transform);
-        if self.inherits[index] {
+        if self.inherits[index] && with_fill {
             xml.attribute("fill", Paint(colour));
         }
         xml.close()

@@ -8,8 +8,6 @@ use std::collections::{BinaryHeap, HashMap};
 
 /// Bins of the histogram of gradients along a rim; each is twice the one before, from 0.25.
 pub(super) const BINS: usize = 8;
-/// Share of the step across the border in a merge's weight; the rest is the difference of means.
-const BORDER: f32 = 0.5;
 /// Regions up to this size, in pixels, are cheaper to merge the smaller they are …
 const SMALL: f32 = 400.0;
 /// … by this power of their share of that size.
@@ -192,7 +190,7 @@ fn key(a: u32, b: u32) -> u64 {
 }
 
 /// Weight of a merge: how much two regions differ, less if one is small.
-fn weight(a: &Sums, b: &Sums, rim: &Rim) -> f32 {
+fn weight(a: &Sums, b: &Sums, rim: &Rim, border: f32) -> f32 {
     let (p, q) = (a.mean(), b.mean());
     let d = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
     let means = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
@@ -200,12 +198,19 @@ fn weight(a: &Sums, b: &Sums, rim: &Rim) -> f32 {
     let coherent = (step[0] * step[0] + step[1] * step[1] + step[2] * step[2]).sqrt() / rim.length;
     let across = 0.5 * (rim.step_length / rim.length + coherent);
     let small = a.area.min(b.area).min(SMALL) / SMALL;
-    (BORDER * across + (1.0 - BORDER) * means) * libm::powf(small, SMALL_POWER)
+    (border * across + (1.0 - border) * means) * libm::powf(small, SMALL_POWER)
 }
 
 impl Tree {
-    /// Merges neighbours, least weight first (ties: the older border), until none are left.
-    pub(super) fn new(field: &Field, labels: &[u32], count: usize, progress: &dyn Progress) -> Result<Self> {
+    /// Merges neighbours, least weight first (ties: the older border), until none are left. `share`
+    /// is that of the step across the border in a merge's weight; the rest is the difference of means.
+    pub(super) fn new(
+        field: &Field,
+        labels: &[u32],
+        count: usize,
+        share: f32,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let (sums, mut borders, mut index) = graph(field, labels, count);
         let mut nodes: Vec<Node> = Vec::with_capacity(2 * count);
         nodes.extend(sums.into_iter().map(|sums| Node {
@@ -226,7 +231,7 @@ impl Tree {
         let mut current: Vec<u32> = (0..count as u32).collect();
         let now = |nodes: &[Node], current: &[u32], border: &Border| {
             let [a, b] = border.ends.map(|end| &nodes[current[end as usize] as usize].sums);
-            weight(a, b, &border.rim)
+            weight(a, b, &border.rim, share)
         };
         let mut heap: BinaryHeap<Reverse<(u32, u32)>> = (borders.iter().enumerate())
             .map(|(e, border)| Reverse((now(&nodes, &current, border).to_bits(), e as u32)))

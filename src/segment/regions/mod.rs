@@ -19,8 +19,9 @@ pub use select::{HIDDEN, Network};
 
 use super::{ScoredMask, Segmenter};
 use crate::error::Result;
+use crate::parallel::map;
 use crate::progress::{Progress, advance};
-use crate::raster::{LabelMap, Mask};
+use crate::raster::{Connectivity, LabelMap, Mask, components};
 use features::Context;
 use image::RgbImage;
 use merge_tree::Tree;
@@ -35,6 +36,13 @@ const LEAST_SCORE: f32 = 0.3;
 /// A node is worth its area to this power times its score above the least.
 const AREA_POWER: f32 = 0.5;
 
+/// Smoothing (pixels) and share of the border in a merge's weight, for each tree.
+const LAYERS: [(f64, f32); 3] = [(0.5, 0.9), (1.0, 0.5), (2.0, 0.7)];
+/// A mask may lose this share of its pixels to masks worth more.
+const MOST_LOST: f32 = 0.1;
+/// How often what is left is searched again.
+const ROUNDS: usize = 3;
+
 /// The hierarchical segmenter. Its masks are disjoint and 4-connected.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Regions;
@@ -48,20 +56,26 @@ pub struct Candidate {
     pub features: [f32; FEATURES],
 }
 
-struct Analysis {
+/// A tree over the whole image.
+struct Layer {
     labels: Vec<u32>,
     tree: Tree,
     context: Context,
 }
 
-impl Analysis {
-    fn new(image: &RgbImage, progress: &dyn Progress) -> Result<Self> {
+impl Layer {
+    fn new(image: &RgbImage, sigma: f64, share: f32, progress: &dyn Progress) -> Result<Self> {
         advance(progress, "merging regions", 0, 0)?;
-        let field = Field::new(image);
+        let field = Field::new(image, sigma);
         let (labels, count) = field.basins();
         let context = Context::new(&field);
-        let tree = Tree::new(&field, &labels, count, progress)?;
+        let tree = Tree::new(&field, &labels, count, share, progress)?;
         Ok(Self { labels, tree, context })
+    }
+
+    /// All layers of an image.
+    fn all(image: &RgbImage, progress: &dyn Progress) -> Result<Vec<Self>> {
+        map(&LAYERS, |&(sigma, share)| Self::new(image, sigma, share, progress)).into_iter().collect()
     }
 
     /// Whether a node may be a texton at all: what touches opposite borders is ground.
@@ -71,6 +85,27 @@ impl Analysis {
         let all = image.width() as f32 * image.height() as f32;
         let spans = left > 0 && right > 0 || top > 0 && bottom > 0;
         sums.area >= SMALLEST && sums.area <= LARGEST * all && !spans
+    }
+
+    fn scores(&self, image: &RgbImage) -> Vec<Option<f32>> {
+        let score = |i| weights::NETWORK.score(&self.context.features(&self.tree, i));
+        (0..self.tree.nodes.len()).map(|i| self.eligible(image, i).then(|| score(i))).collect()
+    }
+
+    /// Forgets the scores of nodes that have lost too much to what is taken.
+    fn block(&self, taken: &LabelMap, scores: &mut [Option<f32>]) {
+        let mut lost = vec![0u32; scores.len()];
+        for (&label, &t) in self.labels.iter().zip(&taken.labels) {
+            lost[label as usize] += u32::from(t != 0);
+        }
+        for (i, node) in self.tree.nodes.iter().enumerate() {
+            if let Some([a, b]) = node.children {
+                lost[i] = lost[a as usize] + lost[b as usize];
+            }
+            if lost[i] as f32 > MOST_LOST * node.sums.area {
+                scores[i] = None;
+            }
+        }
     }
 
     /// The masks of some disjoint nodes.
@@ -89,28 +124,33 @@ impl Analysis {
         let map = LabelMap { width: image.width(), height: image.height(), labels };
         Mask::all_of_labels(&map, chosen.len() + 1).into_iter().skip(1).collect()
     }
+
+    fn candidates(&self, image: &RgbImage, found: &mut Vec<Candidate>) {
+        let nodes = &self.tree.nodes;
+        let basins = nodes.iter().filter(|n| n.children.is_none()).count();
+        let map = LabelMap { width: image.width(), height: image.height(), labels: self.labels.clone() };
+        let mut masks = Mask::all_of_labels(&map, basins);
+        for (i, node) in nodes.iter().enumerate() {
+            if let Some(children) = node.children {
+                let spans = children.iter().flat_map(|&c| masks[c as usize].spans());
+                masks.push(Mask::from_spans(spans.copied().collect()));
+            }
+            if self.eligible(image, i) {
+                let features = self.context.features(&self.tree, i);
+                found.push(Candidate { mask: masks[i].clone(), features });
+            }
+        }
+    }
 }
 
-/// All nodes of the tree that may be textons, largest last; they contain one another.
+/// All nodes of the trees that may be textons; they contain one another.
 ///
 /// # Errors
 /// [`crate::Error::Interrupted`].
 pub fn candidates(image: &RgbImage, progress: &dyn Progress) -> Result<Vec<Candidate>> {
-    let analysis = Analysis::new(image, progress)?;
-    let nodes = &analysis.tree.nodes;
-    let basins = nodes.iter().filter(|n| n.children.is_none()).count();
-    let map = LabelMap { width: image.width(), height: image.height(), labels: analysis.labels.clone() };
-    let mut masks = Mask::all_of_labels(&map, basins);
     let mut found = Vec::new();
-    for (i, node) in nodes.iter().enumerate() {
-        if let Some(children) = node.children {
-            let spans = children.iter().flat_map(|&c| masks[c as usize].spans());
-            masks.push(Mask::from_spans(spans.copied().collect()));
-        }
-        if analysis.eligible(image, i) {
-            let features = analysis.context.features(&analysis.tree, i);
-            found.push(Candidate { mask: masks[i].clone(), features });
-        }
+    for layer in Layer::all(image, progress)? {
+        layer.candidates(image, &mut found);
     }
     Ok(found)
 }
@@ -124,17 +164,49 @@ impl Segmenter for Regions {
         if image.width() == 0 || image.height() == 0 {
             return Ok(Vec::new());
         }
-        let analysis = Analysis::new(image, progress)?;
-        let tree = &analysis.tree;
-        let scores: Vec<Option<f32>> = (0..tree.nodes.len())
-            .map(|i| {
-                let eligible = analysis.eligible(image, i);
-                eligible.then(|| weights::NETWORK.score(&analysis.context.features(tree, i)))
-            })
-            .collect();
-        let chosen = select::best_cut(tree, &scores, LEAST_SCORE, AREA_POWER);
-        let masks = analysis.masks(image, &chosen);
-        let scored = masks.into_iter().zip(&chosen);
-        Ok(scored.map(|(mask, &i)| ScoredMask { mask, score: scores[i].unwrap_or(0.0) }).collect())
+        let layers = Layer::all(image, progress)?;
+        let mut scores = map(&layers, |layer| layer.scores(image));
+        let mut taken = LabelMap::filled(image.width(), image.height(), 0);
+        let mut taken_scores = vec![0.0];
+        for _ in 0..ROUNDS {
+            let mut offers = Vec::new();
+            for (layer, scores) in layers.iter().zip(&mut scores) {
+                layer.block(&taken, scores);
+                let chosen = select::best_cut(&layer.tree, scores, LEAST_SCORE, AREA_POWER);
+                let masks = layer.masks(image, &chosen);
+                offers.extend(masks.into_iter().zip(chosen.iter().map(|&i| scores[i].unwrap_or(0.0))));
+            }
+            let worth = |(mask, score): &(Mask, f32)| {
+                (score - LEAST_SCORE) * libm::powf(mask.area() as f32, AREA_POWER)
+            };
+            let mut order: Vec<(f32, usize)> = offers.iter().map(worth).zip(0..).collect();
+            order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            for (_, k) in order {
+                let (mask, score) = &offers[k];
+                let free = |&(x, y): &(i32, i32)| taken.get(x as u32, y as u32) == 0;
+                let left = mask.pixels().filter(free).count() as f32;
+                if left >= (1.0 - MOST_LOST) * mask.area() as f32 {
+                    let label = taken_scores.len() as u32;
+                    taken_scores.push(*score);
+                    for (x, y) in mask.pixels() {
+                        if taken.get(x as u32, y as u32) == 0 {
+                            taken.set(x as u32, y as u32, label);
+                        }
+                    }
+                }
+            }
+        }
+        // What a mask worth more cut off is dropped.
+        let (pieces, owners) = components(&taken, Connectivity::Four);
+        let masks = Mask::all_of_labels(&pieces, owners.len());
+        let mut best: Vec<Option<Mask>> = vec![None; taken_scores.len()];
+        for (mask, &owner) in masks.into_iter().zip(&owners).skip(1) {
+            let held = &mut best[owner as usize];
+            if held.as_ref().is_none_or(|h| h.area() < mask.area()) {
+                *held = Some(mask);
+            }
+        }
+        let scored = best.into_iter().zip(taken_scores);
+        Ok(scored.filter_map(|(mask, score)| Some(ScoredMask { mask: mask?, score })).collect())
     }
 }

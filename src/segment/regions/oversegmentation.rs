@@ -4,9 +4,6 @@ use crate::raster::colour::oklab;
 use crate::segment::felzenszwalb::{convolve, gaussian};
 use image::RgbImage;
 
-/// Smoothing before the gradient is taken, in pixels.
-const SIGMA: f64 = 0.8;
-
 /// What regions are made of.
 pub(super) struct Field {
     pub(super) width: usize,
@@ -18,7 +15,8 @@ pub(super) struct Field {
 }
 
 impl Field {
-    pub(super) fn new(image: &RgbImage) -> Self {
+    /// `sigma`: smoothing beforehand, in pixels.
+    pub(super) fn new(image: &RgbImage, sigma: f64) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
         let raw: Vec<[f32; 3]> = (image.pixels())
             .map(|p| {
@@ -26,7 +24,7 @@ impl Field {
                 [100.0 * l, 200.0 * a, 200.0 * b]
             })
             .collect();
-        let colours = convolve(&raw, width, height, &gaussian(SIGMA));
+        let colours = convolve(&raw, width, height, &gaussian(sigma));
         let mut gradient = vec![0.0; width * height];
         for y in 0..height {
             let (up, down) = (y.saturating_sub(1) * width, (y + 1).min(height - 1) * width);
@@ -110,7 +108,7 @@ mod tests {
         #[test]
         fn basins_are_connected(values in prop::collection::vec(any::<[u8; 3]>(), 15 * 11)) {
             let image = RgbImage::from_fn(15, 11, |x, y| image::Rgb(values[(y * 15 + x) as usize]));
-            let (labels, count) = Field::new(&image).basins();
+            let (labels, count) = Field::new(&image, 0.8).basins();
             let map = LabelMap { width: 15, height: 11, labels: labels.iter().map(|l| l + 1).collect() };
             let (_, pieces) = components(&map, Connectivity::Four);
             prop_assert_eq!(pieces.len(), count + 1);
@@ -120,6 +118,6 @@ mod tests {
     #[test]
     fn a_constant_image_is_one_basin() {
         let image = RgbImage::from_pixel(9, 6, image::Rgb([10, 200, 90]));
-        assert_eq!(Field::new(&image).basins().1, 1);
+        assert_eq!(Field::new(&image, 0.8).basins().1, 1);
     }
 }

@@ -17,7 +17,7 @@ use score::Scorer;
 const COPY_PENALTY: f64 = 0.3;
 
 /// Name of the stage.
-const STAGE: &str = "primaries";
+const STAGE: &str = "placement";
 
 /// What placement by descriptors did.
 #[derive(Clone, Copy, Debug, Default)]

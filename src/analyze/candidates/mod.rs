@@ -8,11 +8,18 @@
 //! rim as its parts and is more compact, so it wins over them; ground has a weak rim where it ends
 //! for no reason, and loses to the stones on it. Masks that span opposite borders, that surround
 //! other candidates like a net, or that hold several candidates within a much weaker rim are
-//! ground in any case.
+//! ground in any case, and so are masks that cut through several smaller ones.
 
 use crate::raster::{Connectivity, LabelMap, Mask, Span, colour::oklab, components_of_mask};
 use crate::segment::ScoredMask;
 use image::RgbImage;
+
+/// Share of a rim that may be weaker than its strength.
+const RIM_QUANTILE: f64 = 0.35;
+/// A mask whose rim is weaker than this share of its parts' rims is ground.
+const WEAK: f64 = 0.6;
+/// A mask that cuts through this many smaller ones is no thing.
+const CUTS: usize = 3;
 
 /// A connected mask with what is needed to compare it with others.
 struct Candidate {
@@ -20,7 +27,7 @@ struct Candidate {
     area: u32,
     bounds: (i32, i32, i32, i32),
     score: f32,
-    /// Mean colour step across the rim, in Oklab units.
+    /// Colour step that most of the rim exceeds, in Oklab units.
     rim: f32,
     quality: f32,
 }
@@ -35,6 +42,7 @@ pub(super) fn select(image: &RgbImage, masks: &[ScoredMask], minimum_area: u32) 
     candidates.sort_by(|a, b| b.area.cmp(&a.area).then(b.quality.total_cmp(&a.quality)));
     drop_duplicates(&mut candidates);
     drop_nets(&mut candidates);
+    drop_cutters(&mut candidates);
     let kept = best_of_nests(&candidates);
     paint(&candidates, &kept, image.width(), image.height(), minimum_area)
 }
@@ -102,10 +110,11 @@ impl Lab {
         self.pixels[(y * self.width + x) as usize]
     }
 
-    /// Mean colour step across the rim of a mask, between pixels two steps inside and outside, and
-    /// the number of cracks of its rim. The image border does not count as rim.
+    /// Colour step across the rim of a mask, between pixels two steps inside and outside, that most
+    /// of the rim exceeds; and the number of cracks of the rim. The image border does not count as
+    /// rim. A true border is strong nearly everywhere; a cut through things only here and there.
     pub(super) fn rim(&self, mask: &Mask) -> (f32, u32) {
-        let (mut sum, mut seen, mut cracks) = (0.0, 0u32, 0u32);
+        let (mut steps, mut cracks) = (Vec::new(), 0u32);
         let mut step = |x: i32, y: i32, dx: i32, dy: i32| {
             cracks += 1;
             let (ox, oy) = (x + dx, y + dy);
@@ -115,8 +124,7 @@ impl Lab {
             let inner = if mask.contains(x - dx, y - dy) { self.at(x - dx, y - dy) } else { self.at(x, y) };
             let outer = self.at(ox + dx, oy + dy);
             let d2: f32 = inner.iter().zip(outer).map(|(a, b)| (a - b) * (a - b)).sum();
-            sum += d2.sqrt();
-            seen += 1;
+            steps.push(d2.sqrt());
         };
         for s in mask.spans() {
             step(s.x0, s.y, -1, 0);
@@ -129,7 +137,9 @@ impl Lab {
                 }
             }
         }
-        (if seen > 0 { sum / seen as f32 } else { 0.0 }, cracks)
+        let at = (RIM_QUANTILE * steps.len() as f64) as usize;
+        let rim = if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(at, f32::total_cmp).1 };
+        (rim, cracks)
     }
 }
 
@@ -177,6 +187,20 @@ fn drop_duplicates(candidates: &mut Vec<Candidate>) {
     }
     let mut index = 0..;
     candidates.retain(|_| !dropped[index.next().unwrap_or(0)]);
+}
+
+/// Drops candidates whose rim cuts through several smaller ones: patches of ground with parts of
+/// the things on it.
+fn drop_cutters(candidates: &mut Vec<Candidate>) {
+    let cuts = |big: &Candidate, small: &Candidate| {
+        let inside = f64::from(big.overlap(small)) / f64::from(small.area);
+        2 * small.area < big.area && inside > 0.15 && inside < 0.85
+    };
+    let cutters: Vec<bool> = (candidates.iter().enumerate())
+        .map(|(i, big)| candidates[i + 1..].iter().filter(|small| cuts(big, small)).count() >= CUTS)
+        .collect();
+    let mut index = 0..;
+    candidates.retain(|_| !cutters[index.next().unwrap_or(0)]);
 }
 
 /// Drops candidates in whose holes two or more others lie: ground around things.
@@ -227,8 +251,17 @@ fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
         let sum: f64 = parts.iter().map(|&p| best[p]).sum();
         let mean_rim =
             parts.iter().map(|&p| f64::from(candidates[p].rim)).sum::<f64>() / parts.len().max(1) as f64;
-        let ground = parts.len() >= 2 && f64::from(candidates[i].rim) < 0.4 * mean_rim;
-        whole[i] = !ground && worth(&candidates[i]) >= sum;
+        let ground = parts.len() >= 2 && f64::from(candidates[i].rim) < WEAK * mean_rim;
+        // One part that is most of the whole is the same thing seen twice: the better one counts.
+        let twin = match parts[..] {
+            [p] if 2 * candidates[p].area > candidates[i].area && whole[p] => Some(&candidates[p]),
+            _ => None,
+        };
+        let better = match twin {
+            Some(twin) => candidates[i].quality >= twin.quality,
+            None => worth(&candidates[i]) >= sum,
+        };
+        whole[i] = !ground && better;
         best[i] = if whole[i] { worth(&candidates[i]) } else { sum };
     }
     let mut kept = Vec::new();
@@ -274,3 +307,6 @@ fn paint(
     }
     (map, left.into_iter().map(|(_, rim)| rim).collect())
 }
+
+#[cfg(test)]
+mod tests;
