@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::progress::{Progress, advance};
 use crate::raster::{LabelMap, Mask, Span};
 use image::RgbImage;
+use schemars::{JsonSchema, Schema, schema_for};
 use serde::{Deserialize, Serialize};
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -19,23 +20,33 @@ const LABEL_PNG: &str = "label PNG";
 const LARGEST_SIDE: u32 = 1 << 14;
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// The run-length JSON.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Masks found in an image, which may overlap; what none covers is ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "Masks")]
 struct MasksDocument {
+    /// Always `vtex-masks`.
     format: String,
+    /// Version of the format; this is 1.
     version: u32,
+    /// Width of the image, in pixels.
     width: u32,
+    /// Height of the image, in pixels.
     height: u32,
+    /// What made the masks, such as `regions`.
     segmenter: String,
+    /// The masks.
     masks: Vec<StoredMask>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// A set of pixels with a confidence.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Mask")]
 struct StoredMask {
+    /// Confidence, 0 to 1.
     score: f32,
-    /// Row, first column, one past the last column.
+    /// The pixels: row, first column, one past the last column.
     runs: Vec<[u32; 3]>,
 }
 
@@ -77,6 +88,11 @@ enum Content {
 }
 
 impl MasksFile {
+    /// The JSON Schema of the run-length JSON.
+    pub fn json_schema() -> Schema {
+        schema_for!(MasksDocument)
+    }
+
     /// Reads a label PNG or run-length JSON (plain or gzip), told apart by content. A PNG is
     /// decoded by [`Segmenter::segment`].
     ///

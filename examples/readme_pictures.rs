@@ -1,0 +1,124 @@
+//! Draws the pictures of the README from the exemplars of this repository.
+//!
+//! `cargo run --release --example readme_pictures [FOLDER]`, by default `docs/images`
+
+use image::RgbImage;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::imageops::{self, FilterType as Scaling};
+use std::error::Error;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use vtex::Progress;
+use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
+use vtex::library::Library;
+use vtex::output::png;
+use vtex::scene::{Scene, SynthParams};
+use vtex::segment::Regions;
+use vtex::synth::{reconstruct, synthesize};
+
+/// White between the parts of a picture, in pixels.
+const GAP: u32 = 8;
+/// Height of the pictures that show a whole texture, in pixels.
+const HEIGHT: u32 = 210;
+
+type Outcome<T = ()> = Result<T, Box<dyn Error>>;
+
+fn main() -> Outcome {
+    let folder = std::env::args_os().nth(1).map_or("docs/images".into(), PathBuf::from);
+    std::fs::create_dir_all(&folder)?;
+    for name in ["terrazzo", "flowers", "leaves", "pebbles"] {
+        let photo = open(name)?;
+        let library = library(&photo, &())?;
+        let scene = scene(&library, 1024, 512, &())?;
+        let small = imageops::resize(&photo.image, HEIGHT, HEIGHT, Scaling::Lanczos3);
+        let result = draw(&scene, f64::from(HEIGHT) / 512.0)?;
+        save(&row(&[small, result]), &folder.join(format!("{name}.png")))?;
+    }
+    zoom(&folder.join("zoom.png"))?;
+    stages(&folder.join("stages.png"))
+}
+
+fn open(name: &str) -> Outcome<Exemplar> {
+    Ok(Exemplar::open(Path::new(&format!("examples/exemplars/{name}.png")), &Limits::default())?)
+}
+
+fn library(photo: &Exemplar, progress: &dyn Progress) -> Outcome<Library> {
+    Ok(analyze(photo, &Regions, &AnalyzeParams::default(), progress)?)
+}
+
+fn scene(library: &Library, width: u32, height: u32, progress: &dyn Progress) -> Outcome<Scene> {
+    let params = SynthParams { width, height, seed: 7, ..SynthParams::default() };
+    Ok(synthesize(std::slice::from_ref(library), &params, progress)?)
+}
+
+fn draw(scene: &Scene, scale: f64) -> Outcome<RgbImage> {
+    let picture = png::render(scene, scale)?;
+    let rgb = picture.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    Ok(RgbImage::from_raw(picture.width(), picture.height(), rgb).ok_or("too few pixels")?)
+}
+
+/// A part of the photograph, five times enlarged, beside the same part drawn from its library.
+fn zoom(path: &Path) -> Outcome {
+    let (x, y, width, height, scale) = (125, 166, 64, 64, 5);
+    let photo = open("flowers")?;
+    let pixels = imageops::crop_imm(&photo.image, x, y, width, height).to_image();
+    let pixels = imageops::resize(&pixels, width * scale, height * scale, Scaling::Nearest);
+    let vectors = draw(&reconstruct(&library(&photo, &())?), f64::from(scale))?;
+    let vectors = imageops::crop_imm(&vectors, x * scale, y * scale, width * scale, height * scale);
+    save(&row(&[pixels, vectors.to_image()]), path)
+}
+
+/// Keeps the pictures that the stages offer.
+struct Keep(Mutex<Vec<(String, RgbImage)>>);
+
+impl Progress for Keep {
+    fn picture(&self, name: &str, draw: &dyn Fn() -> RgbImage) {
+        self.0.lock().expect("nothing here panics").push((name.into(), draw()));
+    }
+}
+
+/// Photograph, primaries, categories, target map, result.
+fn stages(path: &Path) -> Outcome {
+    let keep = Keep(Mutex::new(Vec::new()));
+    let photo = open("terrazzo")?;
+    let scene = scene(&library(&photo, &keep)?, 512, 512, &keep)?;
+    let kept = keep.0.into_inner()?;
+    let mut parts = vec![photo.image];
+    for wanted in ["masks", "categories", "synth-2-placed"] {
+        let found = kept.iter().find(|(name, _)| name == wanted).ok_or(wanted)?;
+        parts.push(found.1.clone());
+    }
+    parts.push(draw(&scene, 1.0)?);
+    let parts: Vec<RgbImage> =
+        parts.iter().map(|part| imageops::resize(part, 160, 160, Scaling::CatmullRom)).collect();
+    save(&row(&parts), path)
+}
+
+/// Pictures side by side.
+fn row(parts: &[RgbImage]) -> RgbImage {
+    let width = parts.iter().map(|p| p.width() + GAP).sum::<u32>() - GAP;
+    let height = parts.iter().map(RgbImage::height).max().unwrap_or(0);
+    let mut row = RgbImage::from_pixel(width, height, image::Rgb([255; 3]));
+    let mut x = 0;
+    for part in parts {
+        imageops::replace(&mut row, part, x, 0);
+        x += i64::from(part.width() + GAP);
+    }
+    row
+}
+
+/// Saves in 32 tones per channel, which halves the file.
+fn save(picture: &RgbImage, path: &Path) -> Outcome {
+    let mut picture = picture.clone();
+    picture.iter_mut().for_each(|v| *v = *v / 8 * 8 + *v / 32);
+    let out = BufWriter::new(File::create(path)?);
+    picture.write_with_encoder(PngEncoder::new_with_quality(
+        out,
+        CompressionType::Best,
+        FilterType::Adaptive,
+    ))?;
+    println!("{}: {} kB", path.display(), std::fs::metadata(path)?.len() / 1000);
+    Ok(())
+}

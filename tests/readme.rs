@@ -1,0 +1,85 @@
+//! The commands and links of the README work.
+#![cfg(all(unix, feature = "cli"))]
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn readme() -> String {
+    std::fs::read_to_string(root().join("README.md")).unwrap()
+}
+
+/// Lines of the `sh` blocks that stand beneath a mark `<!-- tour -->`, in order.
+fn tour(text: &str) -> Vec<&str> {
+    let blocks = text.split("<!-- tour -->\n```sh\n").skip(1);
+    blocks.flat_map(|block| block.split("```").next().unwrap_or_default().lines()).collect()
+}
+
+/// Every file beneath a folder, with its size.
+fn files(folder: &Path) -> Vec<(String, u64)> {
+    let entries = std::fs::read_dir(folder).unwrap().map(Result::unwrap);
+    let mut found: Vec<_> = entries
+        .map(|e| (e.file_name().to_string_lossy().into_owned(), e.metadata().unwrap().len()))
+        .collect();
+    found.sort();
+    found
+}
+
+#[test]
+fn the_tour_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let photo = image::open(root().join("examples/exemplars/terrazzo.png")).unwrap();
+    photo.crop_imm(160, 160, 192, 160).save(folder.path().join("photo.jpg")).unwrap();
+    let program = Path::new(env!("CARGO_BIN_EXE_vtex")).parent().unwrap();
+    let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
+    let text = readme();
+    let lines = tour(&text);
+    assert!(lines.len() > 12, "{lines:?}");
+    for line in lines {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", line]).current_dir(folder.path()).env("PATH", &path).stdin(Stdio::null());
+        let output = shell.output().unwrap();
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{line}\n{message}");
+        assert!(!message.contains("error") && !message.contains("panicked"), "{line}\n{message}");
+        // Whatever it names as its result is there.
+        let words: Vec<&str> = line.split_whitespace().collect();
+        for pair in words.windows(2).filter(|p| ["-o", ">", "--save-masks"].contains(&p[0]) && p[1] != "-") {
+            let size = std::fs::metadata(folder.path().join(pair[1])).map_or(0, |m| m.len());
+            assert!(size > 0, "{line}: no {}", pair[1]);
+        }
+    }
+    let found = files(folder.path());
+    assert!(found.iter().all(|(_, size)| *size > 0), "{found:?}");
+    for name in ["photo.lib.json", "man1", "stages"] {
+        assert!(found.iter().any(|(file, _)| file == name), "no {name} in {found:?}");
+    }
+}
+
+#[test]
+fn links_lead_somewhere_and_pictures_are_small() {
+    let text = readme();
+    let mut links = 0;
+    for part in text.split("](").skip(1) {
+        let target = part.split(')').next().unwrap();
+        if target.starts_with("https://") {
+            continue;
+        }
+        links += 1;
+        let file = root().join(target);
+        let size = std::fs::metadata(&file).unwrap_or_else(|e| panic!("{target}: {e}")).len();
+        assert!(!target.ends_with(".png") || size < 200_000, "{target} has {size} bytes");
+    }
+    assert!(links > 10);
+}
+
+#[test]
+fn the_first_command_names_what_the_repository_holds() {
+    let text = readme();
+    let line = text.lines().find(|line| line.starts_with("cargo run --release -- texture ")).unwrap();
+    let photo = line.split_whitespace().nth(5).unwrap();
+    assert!(root().join(photo).is_file(), "{photo}");
+}
