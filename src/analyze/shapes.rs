@@ -4,12 +4,16 @@
 //! painted from the largest to the smallest; each reaches a little beneath those painted after
 //! it. The largest is the base, painted as the primary's whole outline.
 
-use crate::geometry::{FittedMap, Outline, PlanarMap};
+use crate::geometry::{Affine, FittedMap, Outline, PlanarMap};
 use crate::library::{CategoryId, Detail, Primary, Secondary, TextonId};
 use crate::raster::colour::{self, Colour};
 use crate::raster::{LabelMap, Mask};
 use crate::scene::field::Interpolant;
 use image::RgbImage;
+
+/// Secondaries of at most so many pixels are traced by themselves: they have no shape but that of
+/// their pixels, so equal ones are equal to the last digit and stand in files once.
+const SPECK: u32 = 9;
 
 /// All pieces of an exemplar, disjoint.
 pub(super) struct Pieces {
@@ -94,11 +98,23 @@ pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shap
         });
     }
     let secondaries = pieces.secondaries.iter().enumerate().map(|(k, mask)| Patch {
-        outline: whole[primary_count + k + 1].clone(),
+        outline: if mask.area() <= SPECK { alone(mask) } else { whole[primary_count + k + 1].clone() },
         colour: median(mask),
         mask: mask.clone(),
     });
     Shapes { secondaries: secondaries.filter(|s| !s.outline.is_empty()).collect(), primaries }
+}
+
+/// The outline of a mask traced by itself.
+fn alone(mask: &Mask) -> Outline {
+    let Some((x0, y0, x1, y1)) = mask.bounds() else { return Outline::default() };
+    let mut map = LabelMap::filled((x1 - x0 + 2) as u32, (y1 - y0 + 2) as u32, 0);
+    let corner = (1 - x0, 1 - y0);
+    fill(&mut map, &mask.shifted(corner.0, corner.1), 1);
+    let planar = PlanarMap::trace(map.width, map.height, &map.labels);
+    let outline = FittedMap::new(planar, 0.5, 1, 1, |l| l).outlines(1, |l| l).swap_remove(1);
+    let back = Affine::translate((-f64::from(corner.0), -f64::from(corner.1)));
+    Outline::new(&(back * outline.path())).unwrap_or_default()
 }
 
 /// Secondaries with their colour differences to a background field.

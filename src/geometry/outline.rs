@@ -102,9 +102,16 @@ fn end_of(path: &BezPath) -> Option<Point> {
     path.elements().last().and_then(PathEl::end_point)
 }
 
+impl std::fmt::Display for Outline {
+    /// The path data, exact.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&write_path(&self.0, path_text::STORED))
+    }
+}
+
 impl Serialize for Outline {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(&write_path(&self.0, path_text::STORED))
+        serializer.collect_str(self)
     }
 }
 

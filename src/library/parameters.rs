@@ -18,7 +18,7 @@ pub struct AnalyzeParams {
     pub detail_sigma: f64,
     /// Smallest detail, in pixels. 1 to 10 000, default 3.
     pub detail_minimum: u32,
-    /// Largest RGB distance to the seed of a secondary, as a share of the range. 0 to 1, default 0.06
+    /// Largest RGB distance to the seed of a secondary, as a share of the range. 0 to 1, default 0.055
     /// (the paper's program uses 0.1, and loses the finest grain).
     pub secondary_tolerance: f64,
     /// Smallest secondary, in pixels. 1 to 10 000, default 3.
@@ -47,7 +47,7 @@ impl Default for AnalyzeParams {
             detail_scale: 10.0,
             detail_sigma: 0.95,
             detail_minimum: 3,
-            secondary_tolerance: 0.06,
+            secondary_tolerance: 0.055,
             secondary_minimum: 3,
             secondary_maximum: 300,
             categories: 15,

@@ -7,6 +7,7 @@ use crate::geometry::{Affine, Outline};
 use crate::library::{Library, Primary, Secondary};
 use crate::raster::colour::Colour;
 use crate::scene::{Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
+use std::collections::BTreeMap;
 
 /// The scene of a filled map. Textons are listed in the order in which they first appear.
 pub(super) fn scene(
@@ -96,12 +97,15 @@ struct Textons<'a> {
     library: &'a Library,
     primaries: Vec<Option<u32>>,
     secondaries: Vec<Option<u32>>,
+    /// Shapes of secondaries by their path data: the smallest are often alike to the pixel, and
+    /// every instance has its own colour.
+    alike: BTreeMap<String, u32>,
 }
 
 impl<'a> Textons<'a> {
     fn new(library: &'a Library) -> Self {
         let secondaries = vec![None; library.secondaries.textons.len()];
-        Self { library, primaries: vec![None; library.primaries.len()], secondaries }
+        Self { library, primaries: vec![None; library.primaries.len()], secondaries, alike: BTreeMap::new() }
     }
 
     fn primary(&mut self, scene: &mut Scene, index: u32) -> u32 {
@@ -124,15 +128,19 @@ impl<'a> Textons<'a> {
     fn secondary(&mut self, scene: &mut Scene, index: u32) -> u32 {
         let s: &Secondary = &self.library.secondaries.textons[index as usize];
         *self.secondaries[index as usize].get_or_insert_with(|| {
-            scene.textons.push(Texton {
-                library: 0,
-                source: index,
-                category: None,
-                outline: translated(&s.outline, secondaries::origin(s)),
-                colour: s.colour,
-                details: Vec::new(),
-            });
-            scene.textons.len() as u32 - 1
+            let outline = translated(&s.outline, secondaries::origin(s));
+            *self.alike.entry(outline.to_string()).or_insert_with(|| {
+                let texton = Texton {
+                    library: 0,
+                    source: index,
+                    category: None,
+                    outline,
+                    colour: s.colour,
+                    details: Vec::new(),
+                };
+                scene.textons.push(texton);
+                scene.textons.len() as u32 - 1
+            })
         })
     }
 }
