@@ -167,8 +167,8 @@ fn search(side: u32) -> Result<Felzenszwalb, Failure> {
         .collect::<Result<_, _>>()?;
     let mut best = (0.0, Felzenszwalb::default());
     for scale in [50.0, 100.0, 200.0, 400.0, 800.0] {
-        for sigma in [0.5, 0.8, 1.2] {
-            for minimum in [20, 40, 80] {
+        for sigma in [0.3, 0.5, 0.8, 1.2] {
+            for minimum in [12, 20, 40, 80] {
                 let setting = Felzenszwalb { scale, sigma, minimum };
                 let mut sum = Tally::default();
                 for scene in &scenes {

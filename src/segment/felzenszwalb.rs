@@ -243,17 +243,17 @@ impl Forest {
 /// Plain Felzenszwalb as a segmenter: every region that is neither ground nor a speck is a mask.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Felzenszwalb {
-    /// Larger means larger regions. 0 to 100 000, default 150.
+    /// Larger means larger regions. 0 to 100 000, default 200.
     pub scale: f64,
-    /// Smoothing beforehand, in pixels. 0 to 10, default 0.8.
+    /// Smoothing beforehand, in pixels. 0 to 10, default 0.5.
     pub sigma: f64,
-    /// Smallest region, in pixels. 1 to 1 000 000, default 30.
+    /// Smallest region, in pixels. 1 to 1 000 000, default 20.
     pub minimum: u32,
 }
 
 impl Default for Felzenszwalb {
     fn default() -> Self {
-        Self { scale: 150.0, sigma: 0.8, minimum: 30 }
+        Self { scale: 200.0, sigma: 0.5, minimum: 20 }
     }
 }
 

@@ -13,6 +13,7 @@ mod clearance;
 mod compose;
 mod density;
 mod model;
+mod neighbourhoods;
 mod picture;
 mod primaries;
 mod report;

@@ -1,17 +1,31 @@
 //! Secondary textons between the primaries (paper §3.2.2).
+//!
+//! The paper scatters secondaries one by one over a Poisson-disk set. Where they tile the ground of
+//! the exemplar that loses a third of them to overlap and leaves gaps of bare ground, and with them
+//! a fifth of the contrast. Here a Poisson-disk set of wider spacing divides the ground into small
+//! cells, and each cell takes a neighbourhood of the exemplar: all secondaries around a place whose
+//! primaries lie most as they lie in the cell. So secondaries keep their distances, and those that
+//! sit beside primaries do so again. Where too few came of it, single ones follow in the gaps.
+//!
+//! Works badly where secondaries form structures larger than a cell: those are cut.
 
+use super::neighbourhoods::{Exemplar, Sites};
 use super::target::TargetMap;
 use crate::geometry::Point;
 use crate::library::{Library, Secondary};
+use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::sampling::{Domain, poisson_disk, stream};
 use crate::scene::field::Interpolant;
 
 /// Points per area of a Poisson-disk set of radius 1, as [`poisson_disk`] makes them (measured).
 const POISSON_DENSITY: f64 = 0.616;
+/// Radius of the cells, in radii of the set that would hold single secondaries.
+const CELL: f64 = 3.0;
+/// Places of the exemplar compared for each cell.
+const CANDIDATES: usize = 8;
 /// A secondary is left out unless at least this share of its outline's points can be seen.
 const LEAST_VISIBLE: f64 = 0.3;
-
 /// Step of the colours of secondaries, per sRGB component.
 const COLOUR_STEP: f64 = 5.0;
 
@@ -25,35 +39,97 @@ pub(super) struct Placed {
     pub(super) colour: Colour,
 }
 
-/// Secondaries at Poisson-disk places, each drawn at random, in the colour of the ground there
-/// plus its own difference. Those that primaries hide are left out.
+/// Secondaries in the colour of the ground beneath them plus their own difference; as many per area
+/// of ground as in the exemplar. Those that primaries hide are left out.
 pub(super) fn place(library: &Library, map: &TargetMap<'_>, field: &Interpolant, seed: u64) -> Vec<Placed> {
-    let textons = &library.secondaries.textons;
     let Some(radius) = radius(library) else { return Vec::new() };
-    let mut random = stream(seed, "synth/secondaries", 0);
-    let canvas = [map.width - 2 * map.margin, map.height - 2 * map.margin];
-    // Those just outside may reach in.
-    let domain = Domain::plane(f64::from(canvas[0]) + 2.0 * radius, f64::from(canvas[1]) + 2.0 * radius);
-    let places = poisson_disk(domain, radius, &mut random);
-    let samples: Vec<Vec<[f64; 2]>> = textons.iter().map(samples).collect();
-    let mut placed = Vec::new();
-    for place in places {
-        let k = random.index(textons.len());
-        let at = [0, 1].map(|c| libm::floor(place[c] - radius) as i32);
-        if visible(map, &samples[k], at) < LEAST_VISIBLE {
-            continue;
-        }
+    let samples: Vec<Vec<[f64; 2]>> = library.secondaries.textons.iter().map(samples).collect();
+    let visible = |k: u32, at: [i32; 2]| visible(map, &samples[k as usize], at) >= LEAST_VISIBLE;
+    let mut places = neighbourhoods(library, map, radius, seed);
+    places.retain(|&(k, at)| visible(k, at));
+    fill_gaps(library, map, radius, seed, &mut places, visible);
+    let mut placed = parallel::map(&places, |&(k, at)| {
+        let difference = library.secondaries.textons[k as usize].difference;
         let ground = field.at(f64::from(at[0]), f64::from(at[1]));
-        let colour = [0, 1, 2].map(|c| ground[c] + f64::from(textons[k].difference[c]));
-        placed.push(Placed { secondary: k as u32, at, colour: coarse(colour) });
-    }
+        let colour = [0, 1, 2].map(|c| ground[c] + f64::from(difference[c]));
+        Placed { secondary: k, at, colour: coarse(colour) }
+    });
     // Equal fills side by side, for smaller files; secondaries hardly overlap, so which of them is
     // painted first matters little. The order of the fills is mixed, so that no tone is always on top.
     placed.sort_by_key(|p| {
         let [r, g, b] = p.colour.0.map(u32::from);
-        ((r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1), p.at[1], p.at[0])
+        ((r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1), p.at[1], p.at[0], p.secondary)
     });
     placed
+}
+
+/// Size of the canvas, in pixels.
+fn canvas(map: &TargetMap<'_>) -> [f64; 2] {
+    [map.width, map.height].map(|side| f64::from(side - 2 * map.margin))
+}
+
+/// A secondary and its place for every secondary of the neighbourhoods chosen.
+fn neighbourhoods(library: &Library, map: &TargetMap<'_>, radius: f64, seed: u64) -> Vec<(u32, [i32; 2])> {
+    let reach = CELL * radius;
+    let [width, height] = canvas(map);
+    // Cells just outside reach in.
+    let domain = Domain::plane(width + 2.0 * reach, height + 2.0 * reach);
+    let centres: Vec<[i32; 2]> = poisson_disk(domain, reach, &mut stream(seed, "synth/secondaries", 0))
+        .into_iter()
+        .map(|p| [0, 1].map(|c| libm::floor(p[c] - reach) as i32))
+        .collect();
+    let sites = Sites::new(centres, reach);
+    let exemplar = Exemplar::new(library, reach);
+    let free = |x: i32, y: i32| {
+        let (x, y) = (x + map.margin, y + map.margin);
+        !map.on_canvas(x, y) || !map.taken(map.index(x, y))
+    };
+    let indices: Vec<usize> = (0..sites.centres().len()).collect();
+    let cells = parallel::map(&indices, |&i| {
+        let here = sites.centres()[i];
+        let mut random = stream(seed, "synth/neighbourhood", i as u64);
+        let source = exemplar.best_source(here, CANDIDATES, free, &mut random);
+        let mut found = Vec::new();
+        exemplar.around(source, |k, offset| {
+            let at = [here[0] + offset[0], here[1] + offset[1]];
+            if sites.nearest(at) == i {
+                found.push((k, at));
+            }
+        });
+        found
+    });
+    cells.into_iter().flatten().collect()
+}
+
+/// Adds single secondaries, as far as possible from all others, until there are as many per area of
+/// free ground as in the exemplar.
+fn fill_gaps(
+    library: &Library,
+    map: &TargetMap<'_>,
+    radius: f64,
+    seed: u64,
+    places: &mut Vec<(u32, [i32; 2])>,
+    visible: impl Fn(u32, [i32; 2]) -> bool,
+) {
+    let [width, height] = canvas(map);
+    let covered: f64 = map.covered.iter().map(|&c| c as f64).sum();
+    let wanted = POISSON_DENSITY * (width * height - covered) / (radius * radius);
+    let missing = wanted - places.len() as f64;
+    if missing < 1.0 {
+        return;
+    }
+    let sites = Sites::new(places.iter().map(|p| p.1).collect(), radius);
+    let mut random = stream(seed, "synth/secondaries/gaps", 0);
+    let mut gaps: Vec<[i32; 2]> = poisson_disk(Domain::plane(width, height), radius, &mut random)
+        .into_iter()
+        .map(|p| p.map(|v| libm::floor(v) as i32))
+        .filter(|&at| !sites.any_within(at, radius))
+        .collect();
+    random.shuffle(&mut gaps);
+    let count = library.secondaries.textons.len();
+    let singles =
+        gaps.into_iter().map(|at| (random.index(count) as u32, at)).filter(|&(k, at)| visible(k, at));
+    places.extend(singles.take(missing as usize));
 }
 
 /// The colour in steps of [`COLOUR_STEP`], too small to be seen on a speck.

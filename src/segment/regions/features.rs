@@ -4,12 +4,13 @@ use super::merge_tree::{BINS, Node, Tree};
 use super::oversegmentation::Field;
 
 /// Number of features.
-pub const FEATURES: usize = 30;
+pub const FEATURES: usize = 31;
 
 /// What is measured once for an image.
 pub(super) struct Context {
     width: usize,
     height: usize,
+    sigma: f32,
     mean: [f32; 3],
     deviation: [f32; 3],
     gradient: f32,
@@ -81,6 +82,7 @@ impl Context {
         Self {
             width: w,
             height: h,
+            sigma: field.sigma as f32,
             mean: mean.map(|v| v as f32),
             deviation,
             gradient: gradient as f32,
@@ -190,6 +192,7 @@ impl Context {
             ln(self.gradient),
             ln(libm::sqrt(ring_variance) as f32),
             libm::logf(outer + 0.5) - libm::logf(node.weight + 0.5),
+            self.sigma,
         ]
     }
 }

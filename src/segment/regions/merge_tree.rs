@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::progress::{Progress, advance};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
+use std::hash::{BuildHasherDefault, Hasher};
 
 /// Bins of the histogram of gradients along a rim; each is twice the one before, from 0.25.
 pub(super) const BINS: usize = 8;
@@ -115,13 +116,35 @@ pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
 }
 
+/// Which border lies between two regions, by [`key`]. Only looked up, never iterated over.
+type Index = HashMap<u64, u32, BuildHasherDefault<PairHasher>>;
+
+/// Multiplicative hashing: the keys are pairs of indices, and no enemy chooses them.
+#[derive(Default)]
+struct PairHasher(u64);
+
+impl Hasher for PairHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&b| self.write_u64(u64::from(b)));
+    }
+
+    fn write_u64(&mut self, n: u64) {
+        let mixed = (self.0 ^ n).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = mixed ^ (mixed >> 29);
+    }
+}
+
 /// Basins and the borders between them.
-fn graph(field: &Field, labels: &[u32], count: usize) -> (Vec<Sums>, Vec<Border>, HashMap<u64, u32>) {
+fn graph(field: &Field, labels: &[u32], count: usize) -> (Vec<Sums>, Vec<Border>, Index) {
     let (w, h) = (field.width, field.height);
     let empty = Sums { bounds: [u32::MAX, u32::MAX, 0, 0], basins: 1, ..Sums::default() };
     let mut sums = vec![empty; count];
     let mut borders: Vec<Border> = Vec::with_capacity(3 * count);
-    let mut index = HashMap::with_capacity(3 * count);
+    let mut index = Index::with_capacity_and_hasher(3 * count, BuildHasherDefault::default());
     let mut last = (u64::MAX, 0);
     for y in 0..h {
         for x in 0..w {
@@ -247,7 +270,7 @@ impl Tree {
                 continue;
             }
             let made = nodes.len();
-            if made % 4096 == 0 {
+            if made.is_multiple_of(4096) {
                 advance(progress, "merging regions", (made - count) as u64, count as u64)?;
             }
             let (shared, [a, b]) = (border.rim, border.ends);
@@ -292,5 +315,54 @@ impl Tree {
             }
         }
         Ok(Self { nodes })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::RgbImage;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        #[test]
+        fn sums_and_rims_are_those_of_the_pixels(values in prop::collection::vec(0..6u8, 14 * 12)) {
+            let image = RgbImage::from_fn(14, 12, |x, y| {
+                let v = 40 * values[(y * 14 + x) as usize];
+                image::Rgb([v, 255 - v, v / 2])
+            });
+            let field = Field::new(&image, 0.5);
+            let (labels, count) = field.basins();
+            let tree = Tree::new(&field, &labels, count, 0.7, &()).unwrap();
+            prop_assert_eq!(tree.nodes.len(), 2 * count - 1);
+            let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); count];
+            for (i, &label) in labels.iter().enumerate() {
+                pixels[label as usize].push(i);
+            }
+            for (i, node) in tree.nodes.iter().enumerate() {
+                if let Some([a, b]) = node.children {
+                    let both = [&pixels[a as usize][..], &pixels[b as usize][..]].concat();
+                    pixels.push(both);
+                    prop_assert!(node.weight >= tree.nodes[a as usize].weight);
+                    prop_assert_eq!(tree.nodes[b as usize].parent, Some(i as u32));
+                }
+                let inside = |x: usize, y: usize| pixels[i].contains(&(y * 14 + x));
+                let (mut rim, mut border, mut lightness) = (0, 0, 0.0);
+                for &p in &pixels[i] {
+                    let (x, y) = (p % 14, p / 14);
+                    rim += usize::from(x > 0 && !inside(x - 1, y)) + usize::from(x < 13 && !inside(x + 1, y));
+                    rim += usize::from(y > 0 && !inside(x, y - 1)) + usize::from(y < 11 && !inside(x, y + 1));
+                    border += u32::from(x == 0) + u32::from(y == 0) + u32::from(x == 13) + u32::from(y == 11);
+                    lightness += field.colours[p][0];
+                }
+                prop_assert_eq!(node.sums.area, pixels[i].len() as f32);
+                prop_assert!((node.rim.length - rim as f32).abs() < 1e-3);
+                prop_assert!((node.rim.histogram.iter().sum::<f32>() - rim as f32).abs() < 1e-3);
+                prop_assert_eq!(node.sums.border.iter().sum::<u32>(), border);
+                prop_assert!((node.sums.mean()[0] - lightness / pixels[i].len() as f32).abs() < 1e-2);
+            }
+        }
     }
 }

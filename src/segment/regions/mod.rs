@@ -210,3 +210,104 @@ impl Segmenter for Regions {
         Ok(scored.filter_map(|(mask, score)| Some(ScoredMask { mask: mask?, score })).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::procedural::{Kind, SceneParams, generate};
+    use crate::raster::components_of_mask;
+    use proptest::prelude::*;
+
+    fn sound(masks: &[ScoredMask], width: u32, height: u32) -> Result<(), TestCaseError> {
+        let mut seen = LabelMap::filled(width, height, 0);
+        for scored in masks {
+            prop_assert!((0.0..=1.0).contains(&scored.score));
+            prop_assert_eq!(components_of_mask(&scored.mask, Connectivity::Four).len(), 1);
+            for (x, y) in scored.mask.pixels() {
+                prop_assert_eq!(seen.at(i64::from(x), i64::from(y)), Some(0));
+                seen.set(x as u32, y as u32, 1);
+            }
+        }
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        #[test]
+        fn masks_are_disjoint_and_connected(
+            (width, height) in (1..40u32, 1..40u32),
+            values in prop::collection::vec(any::<[u8; 3]>(), 1..64),
+            block in 1..9u32,
+        ) {
+            let image = RgbImage::from_fn(width, height, |x, y| {
+                image::Rgb(values[(x / block + y / block * 7) as usize % values.len()])
+            });
+            sound(&Regions.segment(&image, &()).unwrap(), width, height)?;
+        }
+    }
+
+    #[test]
+    fn nothing_is_found_where_nothing_is() {
+        for (w, h) in [(0, 0), (1, 1), (1, 50), (64, 48)] {
+            let image = RgbImage::from_pixel(w, h, image::Rgb([120, 90, 30]));
+            assert_eq!(Regions.segment(&image, &()).unwrap(), [], "{w} x {h}");
+        }
+    }
+
+    #[test]
+    fn discs_are_found_whole() {
+        // Discs of three sizes on a slope of light, a little noise on all.
+        let discs = [(40.0, 40.0, 22.0), (110.0, 50.0, 12.0), (60.0, 110.0, 16.0), (120.0, 115.0, 8.0)];
+        let inside = |x: u32, y: u32, (cx, cy, r): (f64, f64, f64)| {
+            let (dx, dy) = (f64::from(x) + 0.5 - cx, f64::from(y) + 0.5 - cy);
+            dx * dx + dy * dy < r * r
+        };
+        let image = RgbImage::from_fn(150, 150, |x, y| {
+            let light = 0.9 + f64::from(x) / 1000.0 + f64::from((x * 7919 + y * 104_729) % 17) / 400.0;
+            let disc = discs.iter().any(|&d| inside(x, y, d));
+            let colour: [f64; 3] = if disc { [120.0, 60.0, 50.0] } else { [190.0, 180.0, 160.0] };
+            image::Rgb(colour.map(|c| (c * light) as u8))
+        });
+        let masks = Regions.segment(&image, &()).unwrap();
+        for disc in discs {
+            let best = masks.iter().map(|m| {
+                let both = m.mask.pixels().filter(|&(x, y)| inside(x as u32, y as u32, disc)).count() as f64;
+                both / (std::f64::consts::PI * disc.2 * disc.2 + f64::from(m.mask.area()) - both)
+            });
+            let best = best.fold(0.0, f64::max);
+            assert!(best > 0.9, "{disc:?}: {best}");
+        }
+    }
+
+    #[test]
+    fn most_chips_of_a_terrazzo_are_found() {
+        let parameters =
+            SceneParams { width: 200, height: 200, seed: 77, kind: Kind::Terrazzo, ..SceneParams::default() };
+        let scene = generate(&parameters).unwrap();
+        let masks = Regions.segment(&scene.image, &()).unwrap();
+        let areas = scene.instances.areas();
+        let truth = Mask::all_of_labels(&scene.instances, areas.len());
+        let large: Vec<&Mask> = truth.iter().skip(1).filter(|m| m.area() >= 100).collect();
+        let found = large.iter().filter(|t| {
+            masks.iter().any(|m| {
+                let both = t.overlap(&m.mask);
+                f64::from(both) >= 0.7 * f64::from(t.area() + m.mask.area() - both)
+            })
+        });
+        let (found, all) = (found.count(), large.len());
+        assert!(all > 10 && 10 * found >= 6 * all, "{found} of {all}");
+    }
+
+    #[test]
+    fn work_can_be_interrupted() {
+        struct Stop;
+        impl Progress for Stop {
+            fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+                false
+            }
+        }
+        let answer = Regions.segment(&RgbImage::new(20, 20), &Stop);
+        assert!(matches!(answer, Err(crate::Error::Interrupted)));
+    }
+}

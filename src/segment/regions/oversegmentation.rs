@@ -8,6 +8,8 @@ use image::RgbImage;
 pub(super) struct Field {
     pub(super) width: usize,
     pub(super) height: usize,
+    /// Smoothing before all else, in pixels.
+    pub(super) sigma: f64,
     /// Smoothed Oklab, L times 100, a and b times 200, so that a step of 1 can just be seen.
     pub(super) colours: Vec<[f32; 3]>,
     /// Length of the colour gradient, per pixel.
@@ -41,7 +43,7 @@ impl Field {
                 gradient[y * width + x] = 0.5 * sum.sqrt();
             }
         }
-        Self { width, height, colours, gradient }
+        Self { width, height, sigma, colours, gradient }
     }
 
     /// The basins of the gradient: each pixel runs to the lowest of its four neighbours until

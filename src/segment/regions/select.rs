@@ -5,7 +5,7 @@ use super::features::FEATURES;
 use super::merge_tree::Tree;
 
 /// Units of the hidden layer.
-pub const HIDDEN: usize = 24;
+pub const HIDDEN: usize = 32;
 
 /// A network of one hidden layer: how well a node would fit a texton, 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,4 +59,40 @@ pub(super) fn best_cut(tree: &Tree, scores: &[Option<f32>], least: f32, power: f
     }
     taken.reverse();
     taken
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::merge_tree::{Node, Rim, Sums};
+    use super::*;
+
+    /// Basins 0, 1, 2 of 100 px each; 3 = 0 + 1, 4 = 3 + 2.
+    fn tree() -> Tree {
+        let node = |area: f32, children, parent| Node {
+            sums: Sums { area, ..Sums::default() },
+            rim: Rim::default(),
+            children,
+            parent,
+            weight: 0.0,
+        };
+        Tree {
+            nodes: vec![
+                node(100.0, None, Some(3)),
+                node(100.0, None, Some(3)),
+                node(100.0, None, Some(4)),
+                node(200.0, Some([0, 1]), Some(4)),
+                node(300.0, Some([3, 2]), None),
+            ],
+        }
+    }
+
+    #[test]
+    fn the_set_worth_most_is_taken() {
+        let cut = |scores: [f32; 5]| best_cut(&tree(), &scores.map(Some), 0.3, 0.5);
+        assert_eq!(cut([0.9, 0.9, 0.1, 0.5, 0.1]), [0, 1]);
+        assert_eq!(cut([0.5, 0.5, 0.5, 0.9, 0.4]), [2, 3]);
+        assert_eq!(cut([0.5, 0.1, 0.1, 0.4, 0.9]), [4]);
+        assert!(cut([0.3; 5]).is_empty());
+        assert_eq!(best_cut(&tree(), &[None, None, Some(0.4), None, None], 0.3, 0.5), [2]);
+    }
 }

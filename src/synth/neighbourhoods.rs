@@ -1,0 +1,182 @@
+//! Small neighbourhoods of secondaries in the exemplar, and the cells that take them.
+
+use super::secondaries::origin;
+use crate::library::Library;
+use crate::raster::LabelMap;
+use crate::sampling::Stream;
+
+/// Points in square buckets, to look up what is near. Positions are whole pixels.
+struct Buckets {
+    side: f64,
+    low: [i32; 2],
+    columns: usize,
+    rows: usize,
+    /// Where each bucket begins in `items`; one more entry than buckets.
+    start: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Buckets {
+    fn new(points: &[[i32; 2]], side: f64) -> Self {
+        let side = side.max(1.0);
+        let fold = |c: usize, f: fn(i32, i32) -> i32| points.iter().map(|p| p[c]).reduce(f).unwrap_or(0);
+        let low = [0, 1].map(|c| fold(c, i32::min));
+        let count = |c: usize| (f64::from(fold(c, i32::max) - low[c]) / side) as usize + 1;
+        let (columns, rows) = (count(0), count(1));
+        let mut buckets = Self {
+            side,
+            low,
+            columns,
+            rows,
+            start: vec![0; columns * rows + 1],
+            items: vec![0; points.len()],
+        };
+        // Counting sort keeps the order of the points within a bucket.
+        let of: Vec<usize> = points.iter().map(|&p| buckets.bucket(p)).collect();
+        for &b in &of {
+            buckets.start[b + 1] += 1;
+        }
+        for b in 0..columns * rows {
+            buckets.start[b + 1] += buckets.start[b];
+        }
+        let mut next = buckets.start.clone();
+        for (i, &b) in of.iter().enumerate() {
+            buckets.items[next[b] as usize] = i as u32;
+            next[b] += 1;
+        }
+        buckets
+    }
+
+    fn column_row(&self, p: [i32; 2]) -> [i64; 2] {
+        [0, 1].map(|c| libm::floor(f64::from(p[c] - self.low[c]) / self.side) as i64)
+    }
+
+    fn bucket(&self, p: [i32; 2]) -> usize {
+        let [column, row] = self.column_row(p);
+        row as usize * self.columns + column as usize
+    }
+
+    /// Calls `visit` with every point in the buckets within `reach` buckets of that of `p`.
+    fn near(&self, p: [i32; 2], reach: i64, mut visit: impl FnMut(u32)) {
+        let [column, row] = self.column_row(p);
+        let range =
+            |centre: i64, count: usize| (centre - reach).max(0)..(centre + reach + 1).min(count as i64);
+        for r in range(row, self.rows) {
+            for c in range(column, self.columns) {
+                let b = r as usize * self.columns + c as usize;
+                self.items[self.start[b] as usize..self.start[b + 1] as usize].iter().for_each(|&i| visit(i));
+            }
+        }
+    }
+}
+
+fn distance2(a: [i32; 2], b: [i32; 2]) -> i64 {
+    let [dx, dy] = [0, 1].map(|c| i64::from(a[c] - b[c]));
+    dx * dx + dy * dy
+}
+
+/// Points of the canvas, each the owner of what lies nearest to it.
+pub(super) struct Sites {
+    centres: Vec<[i32; 2]>,
+    buckets: Buckets,
+}
+
+impl Sites {
+    /// Sites about `radius` pixels apart.
+    pub(super) fn new(centres: Vec<[i32; 2]>, radius: f64) -> Self {
+        let buckets = Buckets::new(&centres, radius);
+        Self { centres, buckets }
+    }
+
+    /// The sites.
+    pub(super) fn centres(&self) -> &[[i32; 2]] {
+        &self.centres
+    }
+
+    /// Index of the site nearest to a point, of those within two buckets; the first of equals.
+    pub(super) fn nearest(&self, p: [i32; 2]) -> usize {
+        let mut best = (i64::MAX, usize::MAX);
+        self.buckets.near(p, 2, |i| {
+            best = best.min((distance2(self.centres[i as usize], p), i as usize));
+        });
+        best.1
+    }
+
+    /// Whether a site lies within `radius` pixels, at most that of the sites, of a point.
+    pub(super) fn any_within(&self, p: [i32; 2], radius: f64) -> bool {
+        let mut found = false;
+        self.buckets.near(p, 1, |i| {
+            found |= (distance2(self.centres[i as usize], p) as f64) < radius * radius;
+        });
+        found
+    }
+}
+
+/// The exemplar's secondaries and its ground.
+pub(super) struct Exemplar {
+    primaries: LabelMap,
+    origins: Vec<[i32; 2]>,
+    buckets: Buckets,
+    /// Secondaries far enough from the border for a whole neighbourhood around them.
+    sources: Vec<u32>,
+    reach: f64,
+}
+
+impl Exemplar {
+    /// Neighbourhoods of `reach` pixels each way.
+    pub(super) fn new(library: &Library, reach: f64) -> Self {
+        let origins: Vec<[i32; 2]> = library.secondaries.textons.iter().map(origin).collect();
+        let (w, h) = (f64::from(library.source.width), f64::from(library.source.height));
+        let inside = |v: i32, size: f64| f64::from(v) >= reach && f64::from(v) <= size - reach;
+        let mut sources: Vec<u32> = (0..origins.len() as u32)
+            .filter(|&i| inside(origins[i as usize][0], w) && inside(origins[i as usize][1], h))
+            .collect();
+        if sources.is_empty() {
+            sources = (0..origins.len() as u32).collect();
+        }
+        let buckets = Buckets::new(&origins, reach);
+        Self { primaries: library.arrangement.to_labels(), origins, buckets, sources, reach }
+    }
+
+    /// Of `candidates` secondaries drawn at random the one around which ground and primaries lie
+    /// most as they do around `here`, where `free` tells ground.
+    pub(super) fn best_source(
+        &self,
+        here: [i32; 2],
+        candidates: usize,
+        free: impl Fn(i32, i32) -> bool,
+        random: &mut Stream,
+    ) -> u32 {
+        const PROBES: i32 = 3;
+        let step = self.reach / f64::from(PROBES);
+        let probes: Vec<[i32; 2]> = (-PROBES..=PROBES)
+            .flat_map(|v| (-PROBES..=PROBES).map(move |u| [u, v]))
+            .filter(|[u, v]| u * u + v * v <= PROBES * PROBES)
+            .map(|p| p.map(|k| libm::round(f64::from(k) * step) as i32))
+            .collect();
+        let wanted: Vec<bool> = probes.iter().map(|p| free(here[0] + p[0], here[1] + p[1])).collect();
+        let mut best = (usize::MAX, 0);
+        for _ in 0..candidates {
+            let source = self.sources[random.index(self.sources.len())];
+            let [x, y] = self.origins[source as usize].map(i64::from);
+            let ground = |p: &[i32; 2]| {
+                self.primaries.at(x + i64::from(p[0]), y + i64::from(p[1])).is_none_or(|label| label == 0)
+            };
+            let unlike = probes.iter().zip(&wanted).filter(|(p, w)| ground(p) != **w).count();
+            // The first of equals, so that a plain ground takes what was drawn first.
+            if unlike < best.0 {
+                best = (unlike, source);
+            }
+        }
+        best.1
+    }
+
+    /// Calls `visit` with every secondary near a source, and its offset from it.
+    pub(super) fn around(&self, source: u32, mut visit: impl FnMut(u32, [i32; 2])) {
+        let centre = self.origins[source as usize];
+        self.buckets.near(centre, 2, |i| {
+            let p = self.origins[i as usize];
+            visit(i, [p[0] - centre[0], p[1] - centre[1]]);
+        });
+    }
+}
