@@ -202,6 +202,7 @@ fn source(network: &Network, scenes: u64, passes: usize) -> String {
          use super::select::Network;\n\n\
          /// See [`Network`].\n\
          #[rustfmt::skip]\n\
+         #[allow(clippy::approx_constant)] // chance\n\
          pub(super) static NETWORK: Network = Network {{\n"
     );
     let mut field = |name: &str, value: String| writeln!(text, "    {name}: {value},").expect("memory");

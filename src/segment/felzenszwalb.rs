@@ -245,7 +245,7 @@ impl Forest {
 pub struct Felzenszwalb {
     /// Larger means larger regions. 0 to 100 000, default 200.
     pub scale: f64,
-    /// Smoothing beforehand, in pixels. 0 to 10, default 0.5.
+    /// Smoothing beforehand, in pixels. 0 to 10, default 0.3.
     pub sigma: f64,
     /// Smallest region, in pixels. 1 to 1 000 000, default 20.
     pub minimum: u32,
@@ -253,7 +253,7 @@ pub struct Felzenszwalb {
 
 impl Default for Felzenszwalb {
     fn default() -> Self {
-        Self { scale: 200.0, sigma: 0.5, minimum: 20 }
+        Self { scale: 200.0, sigma: 0.3, minimum: 20 }
     }
 }
 

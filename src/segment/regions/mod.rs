@@ -31,10 +31,6 @@ use oversegmentation::Field;
 const SMALLEST: f32 = 16.0;
 /// Largest mask, as a share of the image.
 const LARGEST: f32 = 0.2;
-/// Score below which a node is ground.
-const LEAST_SCORE: f32 = 0.3;
-/// A node is worth its area to this power times its score above the least.
-const AREA_POWER: f32 = 0.5;
 
 /// Smoothing (pixels) and share of the border in a merge's weight, for each tree.
 const LAYERS: [(f64, f32); 3] = [(0.5, 0.9), (1.0, 0.5), (2.0, 0.7)];
@@ -172,13 +168,11 @@ impl Segmenter for Regions {
             let mut offers = Vec::new();
             for (layer, scores) in layers.iter().zip(&mut scores) {
                 layer.block(&taken, scores);
-                let chosen = select::best_cut(&layer.tree, scores, LEAST_SCORE, AREA_POWER);
+                let chosen = select::best_cut(&layer.tree, scores);
                 let masks = layer.masks(image, &chosen);
                 offers.extend(masks.into_iter().zip(chosen.iter().map(|&i| scores[i].unwrap_or(0.0))));
             }
-            let worth = |(mask, score): &(Mask, f32)| {
-                (score - LEAST_SCORE) * libm::powf(mask.area() as f32, AREA_POWER)
-            };
+            let worth = |(mask, score): &(Mask, f32)| select::worth(mask.area() as f32, *score);
             let mut order: Vec<(f32, usize)> = offers.iter().map(worth).zip(0..).collect();
             order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
             for (_, k) in order {
