@@ -113,14 +113,15 @@ fn measure_analysis(photo: &Path, place: &Path) -> Outcome<Value> {
     let exemplar = Exemplar::open(photo, &Limits::default())?;
     let watch = Watch::start("segment");
     let library = analyze(&exemplar, &Silent(Regions), &AnalyzeParams::default(), &watch)?;
-    let seconds = watch.stop();
+    let stages = watch.stop();
     let peak = peak_memory();
     let bytes = library.to_json();
     std::fs::write(place, &bytes)?;
     let scene = synth::reconstruct(&library);
     let picture = png::render(&scene, 1.0)?;
     Ok(json!({
-        "seconds": seconds,
+        "seconds": sum(&stages, ""),
+        "stages": stages,
         "peak_bytes": peak,
         "library_bytes": bytes.len(),
         "library_gzip_bytes": packed(|out| Ok(out.write_all(&bytes)?))?,
@@ -132,7 +133,7 @@ fn measure_analysis(photo: &Path, place: &Path) -> Outcome<Value> {
 fn measure_synthesis(library: &Path, side: u32) -> Outcome<Value> {
     let library = Library::read(library)?;
     let params = SynthParams { width: side, height: side, ..SynthParams::default() };
-    let watch = Watch::start("primaries");
+    let watch = Watch::start("preparation");
     let scene = synth::synthesize(std::slice::from_ref(&library), &params, &watch)?;
     watch.next("svg");
     let options = svg::SvgOptions::default();
@@ -143,8 +144,10 @@ fn measure_synthesis(library: &Path, side: u32) -> Outcome<Value> {
     watch.next("png");
     let mut png_bytes = Count(0);
     png::encode(&png::render(&scene, 1.0)?, Some(params.seed), &mut png_bytes)?;
+    let stages = watch.stop();
     Ok(json!({
-        "seconds": watch.stop(),
+        "seconds": sum(&stages, "svgz"),
+        "stages": stages,
         "peak_bytes": peak,
         "svg_bytes": svg_bytes,
         "svgz_bytes": svgz_bytes,
@@ -173,20 +176,31 @@ impl Watch {
         }
     }
 
-    /// Stages in order, with their sum as `total`.
-    fn stop(self) -> Value {
+    /// Stages in order, each once.
+    fn stop(self) -> Vec<Stage> {
         self.next("");
-        let (stages, _) = self.0.into_inner().expect("no measurement panics");
-        let mut seconds = serde_json::Map::new();
-        let mut total = 0.0;
-        for (stage, time) in stages.iter().filter(|s| !s.0.is_empty()) {
-            total += time;
-            let sum = seconds.get(stage).and_then(Value::as_f64).unwrap_or(0.0) + time;
-            seconds.insert(stage.clone(), json!(sum));
+        let (times, _) = self.0.into_inner().expect("no measurement panics");
+        let mut stages: Vec<Stage> = Vec::new();
+        for (stage, seconds) in times.into_iter().filter(|s| !s.0.is_empty()) {
+            match stages.iter_mut().find(|s| s.stage == stage) {
+                Some(known) => known.seconds += seconds,
+                None => stages.push(Stage { stage, seconds }),
+            }
         }
-        seconds.insert("total".into(), json!(total));
-        seconds.into()
+        stages
     }
+}
+
+/// CPU seconds of a stage.
+#[derive(serde::Serialize)]
+struct Stage {
+    stage: String,
+    seconds: f64,
+}
+
+/// Seconds of all stages before one.
+fn sum(stages: &[Stage], before: &str) -> f64 {
+    stages.iter().take_while(|s| s.stage != before).map(|s| s.seconds).sum()
 }
 
 impl Progress for Watch {
@@ -266,43 +280,51 @@ fn psnr(image: &RgbImage, rgba: &[u8]) -> f64 {
 
 /// The figures as Markdown.
 fn tables(all: &[Value]) -> String {
-    let stages = ["segment", "primaries", "details", "outlines", "background", "categories"];
     let mut text = String::from("### Analysis: CPU seconds, memory, library, reconstruction\n\n");
-    text += &row(["exemplar"]
-        .into_iter()
-        .chain(stages)
-        .chain(["all", "peak MB", "library kB", "gzip kB", "PSNR dB", "SVG kB"])
-        .map(String::from));
-    text += &rule(stages.len() + 7);
-    for found in all {
-        let a = &found["analyze"];
-        let mut cells = vec![found["exemplar"].as_str().unwrap_or_default().to_owned()];
-        cells.extend(stages.iter().chain(&["total"]).map(|s| seconds(&a["seconds"][s])));
-        cells.push(mega(&a["peak_bytes"]));
-        cells.extend(["library_bytes", "library_gzip_bytes"].map(|k| kilo(&a[k])));
-        cells.push(format!("{:.1}", a["reconstruction_psnr"].as_f64().unwrap_or(f64::NAN)));
-        cells.push(kilo(&a["reconstruction_svg_bytes"]));
-        text += &row(cells);
-    }
-    let stages = ["primaries", "density", "ground", "svg", "svgz", "png"];
+    text += &table(all, "analyze", &["all", "peak MB", "library kB", "gzip kB", "PSNR dB", "SVG kB"], |a| {
+        vec![
+            mega(&a["peak_bytes"]),
+            kilo(&a["library_bytes"]),
+            kilo(&a["library_gzip_bytes"]),
+            format!("{:.1}", a["reconstruction_psnr"].as_f64().unwrap_or(f64::NAN)),
+            kilo(&a["reconstruction_svg_bytes"]),
+        ]
+    });
     for side in SIDES {
         text += &format!("\n### Synthesis at {side} x {side}: CPU seconds, memory, files\n\n");
-        text += &row(["exemplar"]
-            .into_iter()
-            .chain(stages)
-            .chain(["to SVG", "peak MB", "SVG kB", "SVGZ kB", "PNG kB"])
-            .map(String::from));
-        text += &rule(stages.len() + 6);
-        for found in all {
-            let s = &found[format!("synth_{side}")];
-            let to_svg: f64 = stages[..4].iter().filter_map(|k| s["seconds"][k].as_f64()).sum();
-            let mut cells = vec![found["exemplar"].as_str().unwrap_or_default().to_owned()];
-            cells.extend(stages.map(|k| seconds(&s["seconds"][k])));
-            cells.push(format!("{to_svg:.2}"));
-            cells.push(mega(&s["peak_bytes"]));
+        let titles = ["to SVG", "peak MB", "SVG kB", "SVGZ kB", "PNG kB"];
+        text += &table(all, &format!("synth_{side}"), &titles, |s| {
+            let mut cells = vec![mega(&s["peak_bytes"])];
             cells.extend(["svg_bytes", "svgz_bytes", "png_bytes"].map(|k| kilo(&s[k])));
-            text += &row(cells);
+            cells
+        });
+    }
+    text
+}
+
+/// One row for each exemplar: CPU seconds of the stages, their sum, and what `cells` gives.
+fn table(all: &[Value], part: &str, titles: &[&str], cells: impl Fn(&Value) -> Vec<String>) -> String {
+    let stages_of = |found: &Value| found[part]["stages"].as_array().cloned().unwrap_or_default();
+    let mut names: Vec<String> = Vec::new();
+    for stage in all.iter().flat_map(stages_of) {
+        let name = stage["stage"].as_str().unwrap_or_default();
+        if !names.iter().any(|n| n == name) {
+            names.push(name.into());
         }
+    }
+    let head = ["exemplar".into()].into_iter().chain(names.clone());
+    let mut text = row(head.chain(titles.iter().map(|t| (*t).into())));
+    text += &format!("|---{}|\n", "|--:".repeat(names.len() + titles.len()));
+    for found in all {
+        let stages = stages_of(found);
+        let mut line = vec![found["exemplar"].as_str().unwrap_or_default().to_owned()];
+        for name in &names {
+            let stage = stages.iter().find(|s| s["stage"] == name.as_str());
+            line.push(stage.map_or("–".into(), |s| seconds(&s["seconds"])));
+        }
+        line.push(seconds(&found[part]["seconds"]));
+        line.extend(cells(&found[part]));
+        text += &row(line);
     }
     text
 }
@@ -310,10 +332,6 @@ fn tables(all: &[Value]) -> String {
 fn row(cells: impl IntoIterator<Item = String>) -> String {
     let cells: Vec<String> = cells.into_iter().collect();
     format!("| {} |\n", cells.join(" | "))
-}
-
-fn rule(columns: usize) -> String {
-    format!("|---{}|\n", "|--:".repeat(columns - 1))
 }
 
 fn seconds(value: &Value) -> String {
