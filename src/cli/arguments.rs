@@ -317,7 +317,7 @@ pub(crate) struct AnalyzeFlags {
     /// Smallest detail, px of area [1 to 10000, default: 3]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) detail_minimum: Option<u32>,
-    /// Colour difference within a secondary texton, a share [0 to 1, default: 0.1]
+    /// Colour difference within a secondary texton, a share [0 to 1, default: 0.055]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub(crate) secondary_tolerance: Option<f64>,
     /// Smallest secondary texton, px of area [1 to 10000, default: 3]
