@@ -105,7 +105,7 @@ pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shap
     Shapes { secondaries: secondaries.filter(|s| !s.outline.is_empty()).collect(), primaries }
 }
 
-/// The outline of a mask traced by itself.
+/// The outline of a mask traced by itself, of the mask's area.
 fn alone(mask: &Mask) -> Outline {
     let Some((x0, y0, x1, y1)) = mask.bounds() else { return Outline::default() };
     let mut map = LabelMap::filled((x1 - x0 + 2) as u32, (y1 - y0 + 2) as u32, 0);
@@ -113,8 +113,12 @@ fn alone(mask: &Mask) -> Outline {
     fill(&mut map, &mask.shifted(corner.0, corner.1), 1);
     let planar = PlanarMap::trace(map.width, map.height, &map.labels);
     let outline = FittedMap::new(planar, 0.5, 1, 1, |l| l).outlines(1, |l| l).swap_remove(1);
+    // Rounding the corners of a few pixels takes a good part of them, and with it contrast.
+    let grow = libm::sqrt(f64::from(mask.area()) / outline.area().max(0.1)).min(1.4);
+    let [cx, cy] = centroid(mask);
+    let about = Affine::translate((cx, cy)) * Affine::scale(grow) * Affine::translate((-cx, -cy));
     let back = Affine::translate((-f64::from(corner.0), -f64::from(corner.1)));
-    Outline::new(&(back * outline.path())).unwrap_or_default()
+    Outline::new(&(about * back * outline.path())).unwrap_or_default()
 }
 
 /// Secondaries with their colour differences to a background field.
