@@ -97,12 +97,17 @@ pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shap
             outline,
         });
     }
-    let secondaries = pieces.secondaries.iter().enumerate().map(|(k, mask)| Patch {
-        outline: if mask.area() <= SPECK { alone(mask) } else { whole[primary_count + k + 1].clone() },
-        colour: median(mask),
-        mask: mask.clone(),
+    let indices: Vec<usize> = (0..pieces.secondaries.len()).collect();
+    let secondaries = crate::parallel::map(&indices, |&k| {
+        let mask = &pieces.secondaries[k];
+        let speck = mask.area() <= SPECK;
+        Patch {
+            outline: if speck { alone(mask) } else { whole[primary_count + k + 1].clone() },
+            colour: median(mask),
+            mask: mask.clone(),
+        }
     });
-    Shapes { secondaries: secondaries.filter(|s| !s.outline.is_empty()).collect(), primaries }
+    Shapes { secondaries: secondaries.into_iter().filter(|s| !s.outline.is_empty()).collect(), primaries }
 }
 
 /// The outline of a mask traced by itself, of the mask's area.
