@@ -125,13 +125,17 @@ impl Error {
                 ErrorKind::PermissionDenied => "the file is there but may not be read by you".into(),
                 _ => return None,
             },
-            Self::Write { source, .. } => match source.kind() {
+            Self::Write { path, source } => match source.kind() {
                 ErrorKind::NotFound => "the folder does not exist; create it first".into(),
                 ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
                     "choose another place with -o".into()
                 }
+                ErrorKind::StorageFull if path == Path::new("-") => "standard output is full".into(),
                 ErrorKind::StorageFull => {
                     "the disk is full; nothing was left behind, any old file is as it was".into()
+                }
+                ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+                    "a folder is needed where there is a file".into()
                 }
                 _ => return None,
             },
@@ -139,6 +143,7 @@ impl Error {
             Self::Decode { .. } => {
                 "PNG, JPEG, TIFF, WebP, BMP, GIF and PNM are read; is the file complete?".into()
             }
+            Self::TooLarge { name, .. } if name == "size" => "ask for a smaller --size".into(),
             Self::TooLarge { .. } => "scale it down first, or crop a part of it".into(),
             Self::Unusable { .. } => {
                 "use a photograph of at least 32 x 32 pixels that shows the texture from above".into()

@@ -21,7 +21,7 @@ pub trait Progress: Sync {
     }
 
     /// A picture of an intermediate result is at hand; `draw` makes it. `name` is a file stem
-    /// such as `3-categories`. Nothing is drawn unless an implementation calls `draw`.
+    /// such as `categories`. Nothing is drawn unless an implementation calls `draw`.
     fn picture(&self, name: &str, draw: &dyn Fn() -> RgbImage) {
         let _ = (name, draw);
     }

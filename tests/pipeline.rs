@@ -190,6 +190,7 @@ fn a_photograph_without_textons_still_gives_its_ground() {
     let library = library(&load(&slope(), "slope").unwrap());
     assert!(!library.source.warnings.is_empty(), "no warning, {} primaries", library.primaries.len());
     assert!(library.coverage < 0.1, "{} of a slope are primaries", library.coverage);
+    assert!(library.coverage.is_sign_positive(), "written as -0.0");
     assert!(!library.background.sites.is_empty());
     let scene = scene(&library);
     let drawn = png::render(&scene, 1.0).unwrap();

@@ -118,7 +118,8 @@ pub fn analyze(
             program: crate::PROGRAM.into(),
             warnings,
         },
-        coverage: categories.iter().map(|c| c.coverage).sum::<f64>().min(1.0),
+        // An empty sum of floats is -0, so from 0 on.
+        coverage: categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0),
         primaries: primary_textons,
         secondaries: Secondaries { spacing, textons: secondary_textons },
         categories,

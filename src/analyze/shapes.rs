@@ -1,6 +1,6 @@
 //! Pixels → shapes: outlines and colours of primaries, details and secondaries.
 //!
-//! All pieces share one planar map, so that each border is fitted once. Details of a primary are
+//! All pieces but specks share one planar map, so that each border is fitted once. Details of a primary are
 //! painted from the largest to the smallest; each reaches a little beneath those painted after
 //! it. The largest is the base, painted as the primary's whole outline.
 

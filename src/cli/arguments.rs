@@ -354,7 +354,7 @@ pub(crate) struct AnalyzeFlags {
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
 pub(crate) struct SynthFlags {
-    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, default: 1000]
+    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, at most 400 megapixels, default: 1000]
     #[arg(long, value_name = "SIZE")]
     pub(crate) size: Option<Size>,
     /// Textons tried for each place [1 to 1000, default: 20]

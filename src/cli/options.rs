@@ -130,14 +130,20 @@ impl Job {
         Ok(match command {
             Command::Texture(a) => {
                 let photo = required(a.photo)?;
+                let output = a.output.clone();
                 let target = target(a.output, &a.force, &photo, format::OF_SCENE, Format::Svg)?;
-                let analysis = Analysis::new(photo, a.masks, &a.force, segmenter, analyze)?;
+                let analysis =
+                    Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?;
                 Self::Texture(analysis, Synthesis { parameters: synth, svg, target })
             }
             Command::Analyze(a) => {
                 let photo = required(a.photo)?;
+                let output = a.output.clone();
                 let target = target(a.output, &a.force, &photo, format::OF_LIBRARY, Format::Library)?;
-                Self::Analyze(Analysis::new(photo, a.masks, &a.force, segmenter, analyze)?, target)
+                Self::Analyze(
+                    Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?,
+                    target,
+                )
             }
             Command::Synth(a) => {
                 let library = required(a.library)?;
@@ -163,14 +169,38 @@ impl Analysis {
         force: &ForceArgs,
         segmenter: SegmenterName,
         parameters: AnalyzeParams,
+        output: Option<&Path>,
     ) -> Result<Self, Failure> {
         if let Some(path) = &masks.save_masks {
             format::check_masks_name(path)?;
         }
+        let photo_path = match &photo {
+            Input::File(path) => Some(path.as_path()),
+            _ => None,
+        };
+        let read = [("the photograph", photo_path), ("--masks", masks.masks.as_deref())];
+        let written = [("-o", output), ("--save-masks", masks.save_masks.as_deref())];
+        apart(&[read[0], written[0], written[1]])?;
+        apart(&[read[1], written[0]])?;
         let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
         let from = masks.masks.map_or(MasksFrom::Segmenter(segmenter), MasksFrom::File);
         Ok(Self { photo, masks: from, save_masks, parameters })
     }
+}
+
+/// Refuses that one file is to hold two things: the later would destroy the earlier, `--force` or not.
+fn apart(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+    for (i, (name, path)) in files.iter().enumerate() {
+        for (other, second) in &files[i + 1..] {
+            if let (Some(a), Some(b)) = (path, second)
+                && a == b
+            {
+                let message = format!("{name} and {other} name the same file, '{}'", a.display());
+                return Err(Failure::usage(message).hint("give one of them another name"));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Where results go: as asked; else stdout if the input is stdin; else a file named after it.

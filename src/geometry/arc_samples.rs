@@ -1,8 +1,9 @@
 //! Arcs as points: the middles of their cracks, relaxed so that pixel stairs vanish.
 //!
-//! Points move by Taubin's two-step filter, which does not shrink; corners of outlines stay where
-//! they are, those between details do not, for there they are those of pixels; where two arcs pass through a junction, the junction moves with them. No point moves further
-//! than half a pixel, and junctions stay within the hull of the crack middles around them.
+//! Points move by Taubin's two-step filter, which does not shrink. Corners of outlines stay where
+//! they are; corners between details are only those of pixels, and are rounded. Where two arcs pass
+//! through a junction, it moves with them. No point moves further than half a pixel, and junctions
+//! stay within the hull of the crack middles around them.
 
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap};
 use kurbo::{Point, Vec2};
@@ -22,13 +23,18 @@ pub(super) fn sample_all(
     junctions: &Junctions,
     soft: impl Fn(&Arc) -> bool,
 ) -> (Vec<Vec<Point>>, Vec<Vec<Point>>) {
-    let rough: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
+    let mut rough: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
     let fixed: Vec<Vec<bool>> = (rough.iter().zip(&map.arcs))
         .map(|(p, arc)| if soft(arc) { vec![false; p.len()] } else { corners(p, arc.closed) })
         .collect();
     let mut smooth = rough.clone();
     for round in 0..2 * ROUNDS {
         relax(map, &mut smooth, &rough, &fixed, junctions, STEPS[round % 2]);
+    }
+    // Both ways an arc ends where its junction has moved to, so that all that meet there meet.
+    for ((rough, smooth), _) in rough.iter_mut().zip(&smooth).zip(&map.arcs).filter(|(_, arc)| !arc.closed) {
+        let last = rough.len() - 1;
+        (rough[0], rough[last]) = (smooth[0], smooth[last]);
     }
     for (points, arc) in
         smooth.iter_mut().zip(&map.arcs).filter(|(_, arc)| arc.closed && !borders_outside(arc))

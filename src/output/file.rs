@@ -98,7 +98,8 @@ pub fn write_file<T>(
     builder.prefix(".vtex-").suffix(".tmp");
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
-    let temporary = builder.tempfile_in(folder).map_err(fail)?;
+    // Without the temporary name, which tells the user nothing.
+    let temporary = builder.tempfile_in(folder).map_err(|e| fail(e.kind().into()))?;
     let mut out = BufWriter::new(temporary);
     let value = content(&mut out).map_err(named)?;
     let temporary = out.into_inner().map_err(|e| fail(e.into_error()))?;

@@ -93,13 +93,6 @@ fn linear_table() -> &'static [f32; 256] {
     })
 }
 
-/// 8-bit sRGB component of linear light; values outside 0..=1 are clamped.
-pub fn from_linear(light: f64) -> u8 {
-    let l = light.clamp(0.0, 1.0);
-    let v = if l <= 0.003_130_8 { l * 12.92 } else { 1.055 * libm::pow(l, 1.0 / 2.4) - 0.055 };
-    libm::round(v * 255.0) as u8
-}
-
 /// Oklab of an 8-bit sRGB colour (Ottosson 2020).
 pub fn oklab(rgb: [u8; 3]) -> [f32; 3] {
     let [r, g, b] = rgb.map(linear);
@@ -146,13 +139,6 @@ mod tests {
         assert_eq!(Colour([10, 27, 255]).to_string(), "#0a1bff");
         for bad in ["0a1bff", "#0a1bf", "#0a1bfg", "#+a1bff", "", "#ééé"] {
             assert_eq!(Colour::from_hex(bad), None, "{bad}");
-        }
-    }
-
-    #[test]
-    fn linear_light_goes_there_and_back() {
-        for v in 0..=255u8 {
-            assert_eq!(from_linear(f64::from(linear(v))), v);
         }
     }
 

@@ -76,7 +76,7 @@ pub fn synthesize_with_report(
     let mut choice = choice::Choice::new(&model);
     let placement = primaries::place(&mut map, &mut choice, params, progress)?;
     let correction = density::correct(&mut map, &mut choice, params, progress)?;
-    progress.picture("synth-2-placed", &|| picture::placed(&map));
+    progress.picture("placed", &|| picture::placed(&map));
 
     advance(progress, "ground", 0, 2)?;
     let field = background::field(library, params);

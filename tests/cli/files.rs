@@ -65,6 +65,23 @@ fn only_files_of_vtex_are_replaced_unless_forced() {
 }
 
 #[test]
+fn one_file_never_holds_two_things() {
+    let folder = Folder::new();
+    for (command, message) in [
+        ("texture photo.png -o photo.png --force", "the photograph and -o name the same file"),
+        (
+            "analyze photo.png --save-masks a.lib.json -o a.lib.json --force",
+            "-o and --save-masks name the same file",
+        ),
+        ("analyze photo.png --save-masks photo.png --force", "the photograph and --save-masks"),
+        ("analyze photo.png --masks m.lib.json -o m.lib.json --force", "--masks and -o name the same file"),
+    ] {
+        folder.run(command).fails(2, message);
+    }
+    assert_eq!(folder.read("photo.png"), photo());
+}
+
+#[test]
 fn a_foreign_file_is_noticed_before_the_work() {
     let folder = Folder::new();
     folder.write("photo.svg", "mine");

@@ -179,7 +179,7 @@ impl Pictures {
     }
 
     fn picture(&self, map: &TargetMap<'_>, progress: &dyn Progress) {
-        let name = format!("synth-1-target-{:03}", self.shown * 25);
+        let name = format!("target-map-{:03}", self.shown * 25);
         progress.picture(&name, &|| super::picture::target(map));
     }
 }
