@@ -107,3 +107,10 @@ fn quiet_prints_nothing_and_verbose_more() {
     let (plain, more, most) = (length(""), length("-v"), length("-vv"));
     assert!(0 < plain && plain < more && more < most, "{plain} {more} {most}");
 }
+
+#[test]
+fn a_scale_without_effect_is_said() {
+    let folder = Folder::with_library();
+    let run = folder.run("render photo.lib.json -o a.svg --scale 2").succeeds();
+    assert!(run.stderr.contains("--scale has no effect"), "{}", run.stderr);
+}

@@ -22,6 +22,9 @@ pub(super) fn run(
     let RenderOptions { scale, svg, target } = options;
     let scale = scale.scale;
     target.place.probe()?;
+    if scale != 1.0 && target.kind.format != Format::Png {
+        reporter.warn("--scale has no effect here: only a .png has a resolution");
+    }
     reporter.stage("reading")?;
     let bytes = input.read()?;
     let name = input.name();
