@@ -135,7 +135,7 @@ pub fn analyze(
 fn promote(primaries: &mut LabelMap, promoted: &[Mask]) {
     let first = primaries.labels.iter().max().map_or(0, |m| *m) + 1;
     for (k, mask) in promoted.iter().enumerate() {
-        shapes::fill(primaries, mask, first + k as u32);
+        primaries.fill(mask, first + k as u32);
     }
 }
 
@@ -143,7 +143,7 @@ fn promote(primaries: &mut LabelMap, promoted: &[Mask]) {
 fn any_texton<'a>(primaries: &LabelMap, secondaries: impl Iterator<Item = &'a Mask>) -> LabelMap {
     let mut map = primaries.clone();
     for mask in secondaries {
-        shapes::fill(&mut map, mask, 1);
+        map.fill(mask, 1);
     }
     map
 }

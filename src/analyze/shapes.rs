@@ -49,7 +49,7 @@ pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shap
         let mut details: Vec<&Mask> = details.iter().collect();
         details.sort_by_key(|m| std::cmp::Reverse(m.area()));
         for mask in &details {
-            fill(&mut map, mask, groups.len() as u32);
+            map.fill(mask, groups.len() as u32);
             groups.push(k as u32 + 1);
         }
         ordered.push(details);
@@ -57,7 +57,7 @@ pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shap
     let first_secondary = groups.len();
     let primary_count = pieces.details.len();
     for (k, mask) in pieces.secondaries.iter().enumerate() {
-        fill(&mut map, mask, groups.len() as u32);
+        map.fill(mask, groups.len() as u32);
         groups.push((primary_count + k) as u32 + 1);
     }
     let group = |label: u32| groups.get(label as usize).copied().unwrap_or(0);
@@ -115,7 +115,7 @@ fn alone(mask: &Mask) -> Outline {
     let Some((x0, y0, x1, y1)) = mask.bounds() else { return Outline::default() };
     let mut map = LabelMap::filled((x1 - x0 + 2) as u32, (y1 - y0 + 2) as u32, 0);
     let corner = (1 - x0, 1 - y0);
-    fill(&mut map, &mask.shifted(corner.0, corner.1), 1);
+    map.fill(&mask.shifted(corner.0, corner.1), 1);
     let planar = PlanarMap::trace(map.width, map.height, &map.labels);
     let outline = FittedMap::new(planar, 0.5, 1, 1, |l| l).outlines(1, |l| l).swap_remove(1);
     // Rounding the corners of a few pixels takes a good part of them, and with it contrast.
@@ -135,14 +135,6 @@ pub(super) fn secondaries(patches: &[Patch], field: &Interpolant) -> Vec<Seconda
         let difference = std::array::from_fn(|i| libm::round(own[i] - ground[i].clamp(0.0, 255.0)) as i16);
         Secondary { outline: p.outline.clone(), colour: p.colour, difference, area: p.mask.area(), centroid }
     })
-}
-
-/// Paints a label over the pixels of a mask within the map.
-pub(super) fn fill(map: &mut LabelMap, mask: &Mask, label: u32) {
-    for s in mask.spans() {
-        let start = map.index(s.x0 as u32, s.y as u32);
-        map.labels[start..start + s.len() as usize].fill(label);
-    }
 }
 
 fn centroid(mask: &Mask) -> [f64; 2] {

@@ -1,5 +1,7 @@
 //! A map of labels, one per pixel.
 
+use super::Mask;
+
 /// A row-major map of labels. What a label means is the user's affair; by custom 0 is "none".
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LabelMap {
@@ -32,6 +34,14 @@ impl LabelMap {
     pub fn at(&self, x: i64, y: i64) -> Option<u32> {
         let inside = x >= 0 && y >= 0 && x < i64::from(self.width) && y < i64::from(self.height);
         inside.then(|| self.get(x as u32, y as u32))
+    }
+
+    /// Sets the label of all pixels of a mask that lies inside the map.
+    pub fn fill(&mut self, mask: &Mask, label: u32) {
+        for s in mask.spans() {
+            let start = self.index(s.x0 as u32, s.y as u32);
+            self.labels[start..start + s.len() as usize].fill(label);
+        }
     }
 
     /// Index of a pixel in [`LabelMap::labels`].

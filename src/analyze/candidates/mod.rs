@@ -285,10 +285,7 @@ fn paint(
     order.sort_by(|&a, &b| candidates[a].quality.total_cmp(&candidates[b].quality).then(b.cmp(&a)));
     let mut owner = LabelMap::filled(width, height, 0);
     for (rank, &i) in order.iter().enumerate() {
-        for s in candidates[i].mask.spans() {
-            let start = owner.index(s.x0 as u32, s.y as u32);
-            owner.labels[start..start + s.len() as usize].fill(rank as u32 + 1);
-        }
+        owner.fill(&candidates[i].mask, rank as u32 + 1);
     }
     let mut left: Vec<(Mask, f32)> = Vec::new();
     for (rank, visible) in Mask::all_of_labels(&owner, order.len() + 1).into_iter().enumerate().skip(1) {
@@ -300,10 +297,7 @@ fn paint(
     left.sort_by_key(|(m, _)| m.spans().first().map(|s| (s.y, s.x0)));
     let mut map = LabelMap::filled(width, height, 0);
     for (k, (mask, _)) in left.iter().enumerate() {
-        for s in mask.spans() {
-            let start = map.index(s.x0 as u32, s.y as u32);
-            map.labels[start..start + s.len() as usize].fill(k as u32 + 1);
-        }
+        map.fill(mask, k as u32 + 1);
     }
     (map, left.into_iter().map(|(_, rim)| rim).collect())
 }
