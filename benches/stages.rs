@@ -134,7 +134,7 @@ fn measure_synthesis(library: &Path, side: u32) -> Outcome<Value> {
     let library = Library::read(library)?;
     let params = SynthParams { width: side, height: side, ..SynthParams::default() };
     let watch = Watch::start("preparation");
-    let scene = synth::synthesize(std::slice::from_ref(&library), &params, &watch)?;
+    let scene = synth::synthesize(&library, &params, &watch)?;
     watch.next("svg");
     let options = svg::SvgOptions::default();
     let svg_bytes = svg::write(&scene, &options, io::sink())?.bytes;

@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Library → scene, of any size. The same seed always gives the same scene.
     let params = SynthParams { width: 900, height: 600, seed: 7, ..SynthParams::default() };
-    let scene = synthesize(&[library], &params, &())?;
+    let scene = synthesize(&library, &params, &())?;
 
     // Scene → file. `write_file` leaves the old file alone until the new one is complete.
     let options = svg::SvgOptions::default();

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // A scene holds the textons that it uses, so it can be drawn without the library.
     let params = SynthParams { width: 600, height: 400, seed: 7, ..SynthParams::default() };
-    let scene = synthesize(&[library], &params, &())?;
+    let scene = synthesize(&library, &params, &())?;
     let saved = scene.to_json();
     let replayed = Scene::from_bytes(&saved, "pebbles.scene.json")?;
     println!("scene: {} kB, read back exactly: {}", saved.len() / 1000, replayed == scene);

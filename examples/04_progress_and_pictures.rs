@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let exemplar = Exemplar::open(&photo, &Limits::default())?;
     let library = analyze(&exemplar, &Regions, &AnalyzeParams::default(), &watch)?;
     let params = SynthParams { width: 600, height: 600, ..SynthParams::default() };
-    let scene = synthesize(&[library], &params, &watch)?;
+    let scene = synthesize(&library, &params, &watch)?;
     println!("{} primaries, {} secondaries", scene.primary.len(), scene.secondary.len());
     Ok(())
 }

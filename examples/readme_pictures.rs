@@ -50,7 +50,7 @@ fn library(photo: &Exemplar, progress: &dyn Progress) -> Outcome<Library> {
 
 fn scene(library: &Library, width: u32, height: u32, progress: &dyn Progress) -> Outcome<Scene> {
     let params = SynthParams { width, height, seed: 7, ..SynthParams::default() };
-    Ok(synthesize(std::slice::from_ref(library), &params, progress)?)
+    Ok(synthesize(library, &params, progress)?)
 }
 
 fn draw(scene: &Scene, scale: f64) -> Outcome<RgbImage> {

@@ -54,7 +54,7 @@ static FILES: LazyLock<Files> = LazyLock::new(|| {
 
 fn small_scene(library: &Library) -> vtex::Result<Scene> {
     let params = SynthParams { width: 40, height: 30, ..SynthParams::default() };
-    synthesize(std::slice::from_ref(library), &params, &())
+    synthesize(library, &params, &())
 }
 
 fn use_library(bytes: &[u8]) {

@@ -44,7 +44,7 @@ fn library(exemplar: &Exemplar) -> Library {
 
 fn scene(library: &Library) -> Scene {
     let params = SynthParams { width: 240, height: 200, seed: 3, ..SynthParams::default() };
-    synthesize(std::slice::from_ref(library), &params, &()).unwrap()
+    synthesize(library, &params, &()).unwrap()
 }
 
 fn svg_of(scene: &Scene) -> Vec<u8> {
@@ -120,7 +120,7 @@ fn another_seed_gives_another_texture() {
     let library = library(&exemplar("terrazzo"));
     let with = |seed| {
         let params = SynthParams { width: 200, height: 200, seed, ..SynthParams::default() };
-        synthesize(std::slice::from_ref(&library), &params, &()).unwrap().primary
+        synthesize(&library, &params, &()).unwrap().primary
     };
     assert_ne!(with(1), with(2));
 }

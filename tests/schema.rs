@@ -102,6 +102,9 @@ fn check(value: &Value, schema: &Value, root: &Value, at: &str) -> Result<(), St
                 true
             }
             "anyOf" => rule.as_array().unwrap().iter().any(|one| check(value, one, root, at).is_ok()),
+            "oneOf" => {
+                rule.as_array().unwrap().iter().filter(|one| check(value, one, root, at).is_ok()).count() == 1
+            }
             "$ref" => {
                 let target = root.pointer(rule.as_str().unwrap().trim_start_matches('#'));
                 check(value, target.unwrap_or_else(|| panic!("{at}: {rule} leads nowhere")), root, at)?;
@@ -127,7 +130,7 @@ fn written() -> Vec<(Value, Value)> {
     let masks = masks_to_bytes("crop.masks.json".as_ref(), "regions", 120, 100, &masks).unwrap();
     let library = analyze(&exemplar, &Regions, &AnalyzeParams::default(), &()).unwrap();
     let params = SynthParams { width: 150, height: 90, ..SynthParams::default() };
-    let scene = synthesize(std::slice::from_ref(&library), &params, &()).unwrap();
+    let scene = synthesize(&library, &params, &()).unwrap();
     let files = [library.to_json(), scene.to_json(), masks, reconstruct(&library).to_json()];
     let schemas = schemas().map(|(_, schema, format)| published(schema, format));
     let order = [0, 1, 2, 1].map(|i| schemas[i].clone());

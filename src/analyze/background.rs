@@ -2,7 +2,7 @@
 
 use crate::library::{AnalyzeParams, Background};
 use crate::raster::{LabelMap, colour, squared_distance};
-use crate::sampling::{Domain, poisson_disk, stream};
+use crate::sampling::{Area, poisson_disk, stream};
 use crate::scene::ControlPoint;
 use image::RgbImage;
 use spade::{DelaunayTriangulation, Point2};
@@ -27,7 +27,7 @@ pub(super) fn palette(
     params: &AnalyzeParams,
 ) -> Background {
     let (w, h) = (image.width() as usize, image.height() as usize);
-    let domain = Domain { width: w as f64, height: h as f64, wrap_x: params.wrap, wrap_y: params.wrap };
+    let domain = Area { width: w as f64, height: h as f64, wrap_x: params.wrap, wrap_y: params.wrap };
     let mut random = stream(params.seed, "analyze/background", 0);
     let sites = poisson_disk(domain, params.background_spacing, &mut random);
     let cells = nearest_site(w, h, &sites);

@@ -5,13 +5,14 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use super::values::{FiveWeights, Seed, Size};
+use super::values::{Axes, FiveWeights, Seed, Size, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::path::PathBuf;
+use vtex::scene::{Ablation, Edge};
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Yellow.on_default().bold())
@@ -367,6 +368,28 @@ pub(crate) struct SynthFlags {
     /// placement [-10 to 10 each, default: 0.5,-0.4,-0.2,-0.5,-0.5]
     #[arg(long, value_name = "T,U,E,M,S", allow_hyphen_values = true)]
     pub(crate) weights: Option<FiveWeights>,
+    /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
+    /// default: none]
+    #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
+    pub(crate) tile: Option<Axes>,
+    /// Turn each texton by a random angle, at most this many degrees either way [0 to 180, default: 0]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) rotate: Option<f64>,
+    /// Mirror half of the textons [default: false]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    #[arg(hide_possible_values = true)]
+    pub(crate) mirror: Option<bool>,
+    /// Change each texton's size at random, at most this many per cent either way [0 to 50, default: 0]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) scale_jitter: Option<f64>,
+    /// At the edge of a domain keep textons whole, clip them, or avoid it [keep, clip or avoid,
+    /// default: clip]
+    #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
+    pub(crate) edge: Option<Edge>,
+    /// Leave parts of the method out, to see what they do: secondary, overlap, density, decay,
+    /// improve, growth, removal, copies, seeds, neighbourhoods [default: none]
+    #[arg(long, value_name = "PART,...", value_parser = named::<Ablation>, value_delimiter = ',')]
+    pub(crate) ablate: Option<Vec<Ablation>>,
 }
 
 /// Also of section `[synth]`; `texture` has the option from the analysis.

@@ -8,7 +8,7 @@ use super::arguments::{
     AnalyzeFlags, Global, RenderFlags, SegmenterName, SvgFlags, SynthBackgroundFlags, SynthFlags,
 };
 use super::failure::Failure;
-use super::values::{FiveWeights, Seed, Size};
+use super::values::{Axes, FiveWeights, Seed, Size};
 use clap::Args;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -238,6 +238,7 @@ impl Parameters {
                 take(&mut values, "size", |Size { width, height }| {
                     (self.synth.width, self.synth.height) = (width, height);
                 })?;
+                take(&mut values, "tile", |Axes(tile)| self.synth.tile = tile)?;
                 take(&mut values, "weights", |v: FiveWeights| self.synth.weights = v.into())?;
                 self.synth = over(&self.synth, values)?;
             }
@@ -264,6 +265,7 @@ impl Parameters {
                 t.insert("size".into(), Value::try_from(size).expect("text"));
                 let weights = FiveWeights::from(self.synth.weights.clone());
                 t.insert("weights".into(), Value::try_from(weights).expect("numbers"));
+                t.insert("tile".into(), Value::try_from(Axes(self.synth.tile)).expect("text"));
                 t
             }
             "svg" => table(Table::try_from(self.svg)),
@@ -351,6 +353,7 @@ mod tests {
                     Value::String(s) if s == "1000x1000" => "1000".into(),
                     Value::String(s) => s.clone(),
                     Value::Float(f) => f.to_string(),
+                    Value::Array(a) if a.is_empty() => "none".into(),
                     Value::Array(a) => {
                         a.iter().map(|v| v.as_float().unwrap().to_string()).collect::<Vec<_>>().join(",")
                     }
@@ -373,6 +376,8 @@ mod tests {
             ("synth", "background-spacing", "4", "1000"),
             ("synth", "candidates", "1", "1000"),
             ("synth", "moves", "0", "100"),
+            ("synth", "rotate", "0", "180"),
+            ("synth", "scale-jitter", "0", "50"),
             ("svg", "precision", "0", "6"),
             ("render", "scale", "0.01", "100"),
         ] {

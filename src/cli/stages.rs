@@ -10,7 +10,7 @@ use vtex::analyze::{Exemplar, Limits};
 use vtex::library::Library;
 use vtex::scene::{Scene, SynthParams};
 use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
-use vtex::synth::Report;
+use vtex::synth::{Controls, Report};
 use vtex::{Error, Progress, Result};
 
 /// Photograph → library; saves the masks if asked.
@@ -61,7 +61,7 @@ pub(super) fn synthesize(
     parameters: &SynthParams,
     reporter: &Reporter,
 ) -> Result<(Scene, Report)> {
-    vtex::synth::synthesize_with_report(&[library], parameters, reporter)
+    vtex::synth::synthesize_with(&[library], parameters, &Controls::default(), reporter)
 }
 
 /// Library → the exemplar as a scene.

@@ -1,9 +1,11 @@
 //! Values of options that need reading: canvas sizes, seeds, weights.
 
 use serde::de::Error as _;
+use serde::de::value::{Error as ValueError, StrDeserializer};
+use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::str::FromStr;
-use vtex::scene::Weights;
+use vtex::scene::{Tile, Weights};
 
 /// `1000` or `1000x600`, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,6 +127,48 @@ impl From<FiveWeights> for Weights {
     }
 }
 
+/// Axes along which a texture repeats: `none`, `both`, `x` or `y`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Axes(pub(crate) Tile);
+
+impl FromStr for Axes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (x, y) = match text {
+            "none" => (false, false),
+            "both" => (true, true),
+            "x" => (true, false),
+            "y" => (false, true),
+            _ => return Err("expected both, x, y or none".into()),
+        };
+        Ok(Self(Tile { x, y }))
+    }
+}
+
+impl Serialize for Axes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(match (self.0.x, self.0.y) {
+            (false, false) => "none",
+            (true, true) => "both",
+            (true, false) => "x",
+            (false, true) => "y",
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for Axes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
+}
+
+/// A value by the name that it has in files.
+pub(crate) fn named<T: DeserializeOwned>(text: &str) -> Result<T, String> {
+    let name: StrDeserializer<'_, ValueError> = text.into_deserializer();
+    T::deserialize(name).map_err(|e| e.to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,6 +189,16 @@ mod tests {
         let seeds: Vec<Seed> = (0..8).map(|_| Seed::chosen()).collect();
         assert!(seeds.iter().all(|s| s.0 < 1 << 32));
         assert!(seeds.windows(2).any(|w| w[0] != w[1]));
+    }
+
+    #[test]
+    fn axes_come_back() {
+        for name in ["none", "both", "x", "y"] {
+            let axes: Axes = name.parse().unwrap();
+            assert_eq!(serde_json::to_value(axes).unwrap(), name);
+        }
+        assert!("xy".parse::<Axes>().is_err());
+        assert!(named::<vtex::scene::Edge>("cut").unwrap_err().contains("keep"));
     }
 
     #[test]

@@ -119,6 +119,7 @@ mod tests {
                 place(4, 1, 35.0, 590.0),
             ],
             background: Field { spacing: 25.0, fallback: Colour([0; 3]), points: Vec::new() },
+            domain: None,
         };
         let counted: Vec<_> = coverage(&scene).into_iter().collect();
         assert_eq!(counted, [((0, 3), 150), ((0, 7), 0), ((0, 300), 150)]);

@@ -2,7 +2,7 @@
 
 use crate::geometry::{Affine, BezPath, Outline, Point};
 use crate::raster::colour::Colour;
-use crate::sampling::{Domain, Stream, poisson_disk, stream};
+use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::{ControlPoint, Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
 
 /// A closed smooth ring around a centre, bumpy by `rough`; clockwise, or the other way for holes.
@@ -104,7 +104,7 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
     };
     let secondary = place(24..40, (area / 400.0) as usize + 4, false, rng);
     let primary = place(0..24, (area / 2500.0) as usize + 4, true, rng);
-    let domain = Domain::plane(f64::from(width), f64::from(height));
+    let domain = Area::plane(f64::from(width), f64::from(height));
     let points = poisson_disk(domain, 25.0, rng)
         .into_iter()
         .map(|[x, y]| {
@@ -125,5 +125,6 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
         secondary,
         primary,
         background: Field { spacing: 25.0, fallback: Colour([105, 110, 80]), points },
+        domain: None,
     }
 }

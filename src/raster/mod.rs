@@ -3,12 +3,14 @@
 
 pub mod colour;
 mod components;
+mod control_map;
 mod distance;
 mod labels;
 mod mask;
 pub mod picture;
 
 pub use components::{Connectivity, components, components_of_mask};
+pub use control_map::ControlMap;
 pub use distance::squared_distance;
 pub use labels::LabelMap;
 pub use mask::{Mask, Span};

@@ -3,5 +3,5 @@
 mod poisson;
 mod stream;
 
-pub use poisson::{Domain, poisson_disk};
+pub use poisson::{Area, poisson_disk};
 pub use stream::{Stream, stream};

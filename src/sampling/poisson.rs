@@ -4,7 +4,7 @@ use super::Stream;
 
 /// Where points may lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Domain {
+pub struct Area {
     /// Width, in pixels.
     pub width: f64,
     /// Height, in pixels.
@@ -15,7 +15,7 @@ pub struct Domain {
     pub wrap_y: bool,
 }
 
-impl Domain {
+impl Area {
     /// A plain rectangle.
     pub fn plane(width: f64, height: f64) -> Self {
         Self { width, height, wrap_x: false, wrap_y: false }
@@ -25,7 +25,7 @@ impl Domain {
 /// A maximal Poisson-disk set: no two points closer than `radius`, no place for another left that
 /// 30 attempts around each point could find. Starts anew wherever a part of the domain was left
 /// empty, so the set never collapses to one corner. Points lie in `0..width` × `0..height`.
-pub fn poisson_disk(domain: Domain, radius: f64, random: &mut Stream) -> Vec<[f64; 2]> {
+pub fn poisson_disk(domain: Area, radius: f64, random: &mut Stream) -> Vec<[f64; 2]> {
     const ATTEMPTS: usize = 30;
     if !(radius > 0.0 && domain.width > 0.0 && domain.height > 0.0) {
         return Vec::new();
@@ -68,7 +68,7 @@ const EMPTY: u32 = u32::MAX;
 
 /// Cells of side at most radius / √2, so each holds at most one point.
 struct Grid {
-    domain: Domain,
+    domain: Area,
     radius: f64,
     columns: usize,
     rows: usize,
@@ -77,7 +77,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(domain: Domain, radius: f64) -> Self {
+    fn new(domain: Area, radius: f64) -> Self {
         let side = radius / std::f64::consts::SQRT_2;
         let columns = (libm::ceil(domain.width / side) as usize).max(1);
         let rows = (libm::ceil(domain.height / side) as usize).max(1);
@@ -167,7 +167,7 @@ mod tests {
         #[test]
         fn apart_and_full(w in 5.0..120.0f64, h in 5.0..90.0f64, r in 2.0..30.0f64,
                           wrap_x: bool, wrap_y: bool, seed: u64) {
-            let domain = Domain { width: w, height: h, wrap_x, wrap_y };
+            let domain = Area { width: w, height: h, wrap_x, wrap_y };
             let points = poisson_disk(domain, r, &mut stream(seed, "poisson test", 0));
             let distance = |a: [f64; 2], b: [f64; 2]| {
                 let gap = |d: f64, size: f64, wrap: bool| if wrap { d.abs().min(size - d.abs()) } else { d.abs() };

@@ -262,12 +262,12 @@ fn cells(points: &[Site], spacing: f64, width: u32, height: u32) -> Grid {
 mod tests {
     use super::*;
     use crate::raster::colour::Colour;
-    use crate::sampling::{Domain, poisson_disk, stream};
+    use crate::sampling::{Area, poisson_disk, stream};
     use crate::scene::ControlPoint;
 
     fn field(width: f64, height: f64, spacing: f64, seed: u64) -> Field {
         let mut random = stream(seed, "field test", 0);
-        let places = poisson_disk(Domain::plane(width, height), spacing, &mut random);
+        let places = poisson_disk(Area::plane(width, height), spacing, &mut random);
         let mut colour = || Colour([0; 3].map(|_| random.below(256) as u8));
         let points = places.iter().map(|p| ControlPoint { x: p[0], y: p[1], colour: colour() }).collect();
         Field { spacing, fallback: Colour([9, 8, 7]), points }

@@ -4,7 +4,7 @@ pub mod field;
 mod parameters;
 mod validate;
 
-pub use parameters::{SynthParams, Weights};
+pub use parameters::{Ablation, SynthParams, Weights};
 
 use crate::document::{self, Document};
 use crate::error::Result;
@@ -43,6 +43,32 @@ pub struct Scene {
     pub primary: Vec<Instance>,
     /// The background.
     pub background: Field,
+    /// The shape that the texture fills, where that is not the whole canvas.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub domain: Option<Domain>,
+}
+
+/// The shape that a texture fills.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Domain {
+    /// Its outline, on the canvas. Background and secondaries are cut along it.
+    pub outline: Outline,
+    /// What becomes of primaries at its edge.
+    pub edge: Edge,
+}
+
+/// What becomes of primary textons at the edge of a domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Edge {
+    /// Those whose centre lies inside are kept whole and may stick out; no other is shown.
+    Keep,
+    /// They are cut along the edge, as at the border of the canvas.
+    #[default]
+    Clip,
+    /// None crosses the edge.
+    Avoid,
 }
 
 /// Along which axes a scene repeats.

@@ -1,7 +1,7 @@
 //! Parameters of synthesis, as stored in the scene.
 
-use crate::error::Result;
-use crate::error::check;
+use super::{Edge, Tile};
+use crate::error::{Result, check};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,60 @@ pub struct SynthParams {
     pub weights: Weights,
     /// Distance between background points; by default the library's.
     pub background_spacing: Option<f64>,
+    /// Along which axes the texture repeats without a seam. Default neither.
+    pub tile: Tile,
+    /// Largest angle by which a texton is turned, in degrees, either way. 0 to 180, default 0.
+    pub rotate: f64,
+    /// Whether half of the textons are mirrored. Default false.
+    pub mirror: bool,
+    /// Largest change of a texton's size, in per cent, either way. 0 to 50, default 0.
+    pub scale_jitter: f64,
+    /// What becomes of textons at the edge of a domain. Default clip.
+    pub edge: Edge,
+    /// Parts of the method left out, to see what they do. Default none.
+    pub ablate: Vec<Ablation>,
+}
+
+/// A part of the method that can be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ablation {
+    /// No secondary textons (paper, table 3).
+    Secondary,
+    /// Any overlap with a placed texton refuses a candidate (paper, table 3).
+    Overlap,
+    /// Coverage is not corrected, neither way (paper, table 3).
+    Density,
+    /// A texton is as likely after use as before (paper, table 3).
+    Decay,
+    /// No moves that better a placement.
+    Improve,
+    /// No textons are added where requests ran out.
+    Growth,
+    /// Textons too many are taken away at random, not those that overlap most and fit worst.
+    Removal,
+    /// Copies of a texton may stand side by side.
+    Copies,
+    /// Placement begins at one place only.
+    Seeds,
+    /// Secondaries are scattered one by one, not by neighbourhoods of the exemplar.
+    Neighbourhoods,
+}
+
+impl Ablation {
+    /// All of them.
+    pub const ALL: [Self; 10] = [
+        Self::Secondary,
+        Self::Overlap,
+        Self::Density,
+        Self::Decay,
+        Self::Improve,
+        Self::Growth,
+        Self::Removal,
+        Self::Copies,
+        Self::Seeds,
+        Self::Neighbourhoods,
+    ];
 }
 
 /// Weights of the five areas of the score (paper §3.2.1). Each -10 to 10.
@@ -57,6 +111,12 @@ impl Default for SynthParams {
             moves: 5,
             weights: Weights::default(),
             background_spacing: None,
+            tile: Tile::default(),
+            rotate: 0.0,
+            mirror: false,
+            scale_jitter: 0.0,
+            edge: Edge::default(),
+            ablate: Vec::new(),
         }
     }
 }
@@ -82,6 +142,17 @@ impl SynthParams {
         if let Some(spacing) = self.background_spacing {
             check((4.0..=1000.0).contains(&spacing), "background-spacing", spacing, "4 to 1000 px")?;
         }
-        Ok(())
+        check((0.0..=180.0).contains(&self.rotate), "rotate", self.rotate, "0 to 180 degrees")?;
+        check(
+            (0.0..=50.0).contains(&self.scale_jitter),
+            "scale-jitter",
+            self.scale_jitter,
+            "0 to 50 per cent",
+        )
+    }
+
+    /// Whether a part of the method is left out.
+    pub fn without(&self, part: Ablation) -> bool {
+        self.ablate.contains(&part)
     }
 }

@@ -1,7 +1,7 @@
 //! The background field's control points (paper §3.2.3).
 
 use crate::library::Library;
-use crate::sampling::{Domain, poisson_disk, stream};
+use crate::sampling::{Area, poisson_disk, stream};
 use crate::scene::{ControlPoint, Field, SynthParams};
 
 /// How far control points reach beyond the canvas, in spacings.
@@ -17,8 +17,7 @@ pub(super) fn field(library: &Library, params: &SynthParams) -> Field {
     }
     let mut random = stream(params.seed, "synth/background", 0);
     let margin = MARGIN * spacing;
-    let domain =
-        Domain::plane(f64::from(params.width) + 2.0 * margin, f64::from(params.height) + 2.0 * margin);
+    let domain = Area::plane(f64::from(params.width) + 2.0 * margin, f64::from(params.height) + 2.0 * margin);
     for [x, y] in poisson_disk(domain, spacing, &mut random) {
         let site = background.sites[random.index(background.sites.len())];
         // A hundredth of a pixel is enough, and shorter to write.

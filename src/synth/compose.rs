@@ -73,6 +73,7 @@ fn empty(library: &Library, width: u32, height: u32, background: Field) -> Scene
         secondary: Vec::new(),
         primary: Vec::new(),
         background,
+        domain: None,
     }
 }
 

@@ -11,6 +11,7 @@ mod background;
 mod choice;
 mod clearance;
 mod compose;
+mod controls;
 mod density;
 mod model;
 mod neighbourhoods;
@@ -26,9 +27,10 @@ mod testing;
 mod tests;
 
 pub use compose::reconstruct;
+pub use controls::Controls;
 pub use report::{CategoryReport, Report};
 
-use crate::error::{Error, Result, check};
+use crate::error::{Error, Result};
 use crate::library::Library;
 use crate::progress::{Progress, advance};
 use crate::scene::field::Interpolant;
@@ -40,27 +42,28 @@ const LARGEST_CANVAS: u64 = 400_000_000;
 /// A new texture like the exemplar that the library was made from, of the size in `params`.
 /// Same library, parameters and program: the same scene, on any number of threads.
 ///
-/// Exactly one library is taken so far.
-///
 /// # Errors
-/// [`Error::Parameter`] for a parameter out of range or another number of libraries,
-/// [`Error::TooLarge`] for a canvas of more than 400 megapixels, [`Error::Interrupted`].
-pub fn synthesize(libraries: &[Library], params: &SynthParams, progress: &dyn Progress) -> Result<Scene> {
-    synthesize_with_report(libraries, params, progress).map(|(scene, _)| scene)
+/// [`Error::Parameter`] for a parameter out of range, [`Error::TooLarge`] for a canvas of more than
+/// 400 megapixels, [`Error::Interrupted`].
+pub fn synthesize(library: &Library, params: &SynthParams, progress: &dyn Progress) -> Result<Scene> {
+    let libraries = std::slice::from_ref(library);
+    synthesize_with(libraries, params, &Controls::default(), progress).map(|(scene, _)| scene)
 }
 
-/// [`synthesize`], and how close the result came to what was wanted.
+/// [`synthesize`] from several libraries and under control, with how close the result came to
+/// what was wanted.
 ///
 /// # Errors
-/// As [`synthesize`].
-pub fn synthesize_with_report(
+/// As [`synthesize`]; also [`Error::Parameter`] for no library, more than
+/// [`Controls::MOST_LIBRARIES`], or not as many maps of shares as libraries.
+pub fn synthesize_with(
     libraries: &[Library],
     params: &SynthParams,
+    controls: &Controls,
     progress: &dyn Progress,
 ) -> Result<(Scene, Report)> {
     params.validate()?;
-    let count = libraries.len();
-    check(count == 1, "libraries", count, "exactly one library")?;
+    controls.validate(libraries.len())?;
     let library = &libraries[0];
     let canvas = u64::from(params.width) * u64::from(params.height);
     if canvas > LARGEST_CANVAS {

@@ -15,7 +15,7 @@ use crate::geometry::Point;
 use crate::library::{Library, Secondary};
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::sampling::{Domain, poisson_disk, stream};
+use crate::sampling::{Area, poisson_disk, stream};
 use crate::scene::field::Interpolant;
 
 /// Points per area of a Poisson-disk set of radius 1, as [`poisson_disk`] makes them (measured).
@@ -73,7 +73,7 @@ fn neighbourhoods(library: &Library, map: &TargetMap<'_>, radius: f64, seed: u64
     let reach = CELL * radius;
     let [width, height] = canvas(map);
     // Cells just outside reach in.
-    let domain = Domain::plane(width + 2.0 * reach, height + 2.0 * reach);
+    let domain = Area::plane(width + 2.0 * reach, height + 2.0 * reach);
     let centres: Vec<[i32; 2]> = poisson_disk(domain, reach, &mut stream(seed, "synth/secondaries", 0))
         .into_iter()
         .map(|p| [0, 1].map(|c| libm::floor(p[c] - reach) as i32))
@@ -120,7 +120,7 @@ fn fill_gaps(
     }
     let sites = Sites::new(places.iter().map(|p| p.1).collect(), radius);
     let mut random = stream(seed, "synth/secondaries/gaps", 0);
-    let mut gaps: Vec<[i32; 2]> = poisson_disk(Domain::plane(width, height), radius, &mut random)
+    let mut gaps: Vec<[i32; 2]> = poisson_disk(Area::plane(width, height), radius, &mut random)
         .into_iter()
         .map(|p| p.map(|v| libm::floor(v) as i32))
         .filter(|&at| !sites.any_within(at, radius))
@@ -180,11 +180,8 @@ mod tests {
     #[test]
     fn density_of_poisson_sets_is_as_stated() {
         let mut random = stream(1, "poisson density test", 0);
-        let points = poisson_disk(
-            Domain { wrap_x: true, wrap_y: true, ..Domain::plane(100.0, 100.0) },
-            1.0,
-            &mut random,
-        );
+        let points =
+            poisson_disk(Area { wrap_x: true, wrap_y: true, ..Area::plane(100.0, 100.0) }, 1.0, &mut random);
         let density = points.len() as f64 / 1e4;
         assert!((density / POISSON_DENSITY - 1.0).abs() < 0.01, "{density}");
     }

@@ -7,7 +7,7 @@ use crate::library::{
 };
 use crate::raster::colour::Colour;
 use crate::raster::{LabelMap, Mask};
-use crate::sampling::{Domain, poisson_disk, stream};
+use crate::sampling::{Area, poisson_disk, stream};
 use crate::scene::ControlPoint;
 
 /// One ring around each run of a mask.
@@ -59,7 +59,7 @@ pub(super) fn library(map: &LabelMap) -> Library {
         .collect();
     let coverage = categories.iter().map(|c| c.coverage).sum::<f64>().min(1.0);
     let mut random = stream(1, "testing/secondaries", 0);
-    let ground = poisson_disk(Domain::plane(f64::from(w - 2), f64::from(h - 2)), 9.0, &mut random);
+    let ground = poisson_disk(Area::plane(f64::from(w - 2), f64::from(h - 2)), 9.0, &mut random);
     let ground = ground.into_iter().map(|p| p.map(|v| v as i32));
     let secondaries = ground.filter(|p| map.get(p[0] as u32, p[1] as u32) == 0).map(|[x, y]| {
         let spans = [0, 1].map(|dy| crate::raster::Span { y: y + dy, x0: x, x1: x + 2 });
@@ -104,7 +104,7 @@ pub(super) fn library(map: &LabelMap) -> Library {
 pub(super) fn mosaic(side: u32, spacing: f64, fill: f64, seed: u64) -> LabelMap {
     let mut random = stream(seed, "testing/mosaic", 0);
     let size = f64::from(side);
-    let centres = poisson_disk(Domain::plane(size, size), spacing, &mut random);
+    let centres = poisson_disk(Area::plane(size, size), spacing, &mut random);
     let scale: Vec<f64> = centres.iter().map(|_| random.range(0.75, 1.0)).collect();
     let mut map = LabelMap::filled(side, side, 0);
     for y in 0..side {

@@ -1,7 +1,7 @@
 //! Properties of whole synthesised scenes.
 
 use super::testing::{library, mosaic};
-use super::{Report, model, reconstruct, synthesize, synthesize_with_report, target};
+use super::{Controls, Report, model, reconstruct, synthesize, synthesize_with, target};
 use crate::document::Document;
 use crate::error::Error;
 use crate::library::Library;
@@ -13,7 +13,7 @@ fn params(width: u32, height: u32, seed: u64) -> SynthParams {
 }
 
 fn run(library: &Library, params: &SynthParams) -> (Scene, Report) {
-    synthesize_with_report(std::slice::from_ref(library), params, &()).unwrap()
+    synthesize_with(std::slice::from_ref(library), params, &Controls::default(), &()).unwrap()
 }
 
 /// The placed textons of a scene painted on a map of instance indices, from 1.
@@ -156,9 +156,7 @@ fn same_bytes_on_every_run_and_any_number_of_threads() {
     let library = library(&mosaic(150, 14.0, 0.7, 10));
     let run = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            synthesize(std::slice::from_ref(&library), &params(300, 200, seed), &()).unwrap().to_json()
-        })
+        pool.install(|| synthesize(&library, &params(300, 200, seed), &()).unwrap().to_json())
     };
     let first = run(1, 3);
     assert!(first == run(1, 3) && first == run(4, 3));
@@ -211,12 +209,14 @@ fn any_size_and_parameter_is_survived() {
 }
 
 #[test]
-fn refused_are_bad_parameters_and_other_numbers_of_libraries() {
+fn refused_are_bad_parameters_and_other_numbers_of_maps() {
     let library = library(&mosaic(60, 16.0, 0.9, 12));
-    let fails = |libraries: &[Library], p: &SynthParams| synthesize(libraries, p, &()).unwrap_err();
+    let fails = |libraries: &[Library], p: &SynthParams| {
+        synthesize_with(libraries, p, &Controls::default(), &()).unwrap_err()
+    };
     assert!(matches!(fails(&[], &params(9, 9, 0)), Error::Parameter { name: "libraries", .. }));
     let two = [library.clone(), library.clone()];
-    assert!(matches!(fails(&two, &params(9, 9, 0)), Error::Parameter { name: "libraries", .. }));
+    assert!(matches!(fails(&two, &params(9, 9, 0)), Error::Parameter { name: "map", .. }));
     let one = std::slice::from_ref(&library);
     assert!(matches!(fails(one, &params(0, 9, 0)), Error::Parameter { name: "size", .. }));
     assert!(matches!(fails(one, &params(100_000, 100_000, 0)), Error::TooLarge { .. }));
@@ -231,7 +231,7 @@ fn asked_to_stop_it_stops() {
         }
     }
     let library = library(&mosaic(60, 16.0, 0.9, 13));
-    let result = synthesize(&[library], &params(90, 90, 0), &Stop);
+    let result = synthesize(&library, &params(90, 90, 0), &Stop);
     assert!(matches!(result, Err(Error::Interrupted)));
 }
 

@@ -1,0 +1,61 @@
+//! Maps of numbers that steer something over a canvas of any size.
+
+/// A map of numbers, row by row, read as if stretched over a canvas.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControlMap {
+    width: u32,
+    height: u32,
+    values: Vec<f32>,
+}
+
+impl ControlMap {
+    /// A map of `width * height` values; `None` if there are not as many, if there are none, or if
+    /// one is not finite.
+    pub fn new(width: u32, height: u32, values: Vec<f32>) -> Option<Self> {
+        let count = width as usize * height as usize;
+        let sound = count > 0 && values.len() == count && values.iter().all(|v| v.is_finite());
+        sound.then_some(Self { width, height, values })
+    }
+
+    /// Width and height, in pixels of the map.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// The value at a point of a canvas of the given size, both in pixels: bilinear between the
+    /// centres of the map's pixels, constant beyond the outermost.
+    pub fn at(&self, point: [f64; 2], canvas: [f64; 2]) -> f64 {
+        let axis = |v: f64, size: f64, count: u32| {
+            let v = (v / size * f64::from(count) - 0.5).clamp(0.0, f64::from(count - 1));
+            let low = libm::floor(v);
+            (low as usize, (low as usize + 1).min(count as usize - 1), v - low)
+        };
+        let (x0, x1, u) = axis(point[0], canvas[0], self.width);
+        let (y0, y1, v) = axis(point[1], canvas[1], self.height);
+        let value = |x: usize, y: usize| f64::from(self.values[y * self.width as usize + x]);
+        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+        mix(mix(value(x0, y0), value(x1, y0), u), mix(value(x0, y1), value(x1, y1), u), v)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretched_over_the_canvas() {
+        let map = ControlMap::new(2, 1, vec![0.0, 2.0]).unwrap();
+        let at = |x: f64, y: f64| map.at([x, y], [100.0, 40.0]);
+        assert_eq!(
+            [at(0.0, 0.0), at(25.0, 39.0), at(50.0, 7.0), at(75.0, 1.0), at(100.0, 9.0)],
+            [0.0, 0.0, 1.0, 2.0, 2.0]
+        );
+        assert_eq!(at(-5.0, 900.0), 0.0);
+    }
+
+    #[test]
+    fn unsound_maps_are_refused() {
+        assert!(ControlMap::new(2, 2, vec![0.0; 3]).is_none() && ControlMap::new(0, 5, vec![]).is_none());
+        assert!(ControlMap::new(1, 1, vec![f32::NAN]).is_none());
+    }
+}
