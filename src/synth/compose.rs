@@ -34,8 +34,8 @@ pub(super) fn scene(
     }
     for id in map.painting_order() {
         let p = map.placed[id as usize];
-        let cells = map.model().shape(p.form).mask.spans().iter().flat_map(|&s| map.grid.cells(s, p.at));
-        let canvas = cells.flat_map(|run| map.grid.canvas_part(&run));
+        let spans = map.model().shape(p.form).mask.spans().iter();
+        let canvas = spans.flat_map(|&s| map.grid.parts(s, p.at)).flat_map(|part| part.canvas);
         let mut filled = canvas.filter(|&i| map.ground.zone(i).is_some());
         if filled.any(|i| map.owner[i] == id) {
             let primary = map.model().primary(p.form);

@@ -180,11 +180,12 @@ impl Task<'_, '_> {
             let variation = drawn(variations, &mut random);
             let varied = &variations[usize::from(variation)];
             let source = exemplar.best_source(here, CANDIDATES, varied, free, &mut random);
+            let cell = sites.cell(i);
             let mut found = Vec::new();
             exemplar.around(source, |secondary, offset| {
                 let [dx, dy] = varied.there(offset);
                 let at = [here[0] + dx, here[1] + dy];
-                if sites.nearest(at) == i {
+                if cell.owns(at) {
                     let density = map.ground.density(at.map(f64::from));
                     if density >= 1.0 || random.chance(density) {
                         found.push(Place { secondary, at: self.canonical(at), variation });
