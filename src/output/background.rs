@@ -43,7 +43,7 @@ pub(super) struct Stop {
 impl Background {
     /// Samples the field of a scene.
     pub(super) fn new(scene: &Scene) -> Self {
-        let field = Interpolant::new(&scene.background, scene.width, scene.height);
+        let field = Interpolant::new(&scene.background, scene.width, scene.height, scene.tile);
         let (width, height) = (f64::from(scene.width), f64::from(scene.height));
         let spacing = scene.background.spacing.clamp(5.0, 1000.0);
         // Whole and half pixels are short in text.

@@ -272,7 +272,7 @@ mod tests {
         scene.primary.clear();
         scene.secondary.clear();
         let picture = render(&scene, 1.0).unwrap();
-        let field = crate::scene::field::Interpolant::new(&scene.background, 200, 200);
+        let field = crate::scene::field::Interpolant::new(&scene.background, 200, 200, scene.tile);
         let mut sum = 0.0;
         for (i, pixel) in picture.pixels().iter().enumerate() {
             let at = field.at((i % 200) as f64 + 0.5, (i / 200) as f64 + 0.5);
