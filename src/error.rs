@@ -159,7 +159,7 @@ impl Error {
             }
             Self::Version { .. } => "write the file again with this version of vtex".into(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
-            Self::Seams => "make the texture with --tile".into(),
+            Self::Seams => "make the texture with --tile, for both axes".into(),
             _ => return None,
         })
     }

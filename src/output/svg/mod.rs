@@ -38,6 +38,10 @@ pub(super) const BEGINNING: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n
 /// The id of the pattern.
 const PATTERN: &str = "texture";
 
+/// How far what a pattern repeats reaches beyond its cell, in pixels. Renderers draw the cell into
+/// whole pixels; where it ends within one, the paper would show through as a hairline.
+const BLEED: f64 = 8.0;
+
 /// From this many elements on many programs struggle with the file.
 const MANY_ELEMENTS: u64 = 1_000_000;
 
@@ -76,7 +80,7 @@ pub struct SvgSummary {
 /// # Errors
 /// A precision out of range; a scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
 pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
-    let document = Document::new(scene, options)?;
+    let document = Document::new(scene, options, 0.0)?;
     summed(&document, out, |xml| document.write(xml))
 }
 
@@ -90,7 +94,7 @@ pub fn write_pattern(scene: &Scene, options: &SvgOptions, out: impl Write) -> Re
     if !scene.tile.both() {
         return Err(Error::Seams);
     }
-    let document = Document::new(scene, options)?;
+    let document = Document::new(scene, options, BLEED)?;
     summed(&document, out, |xml| document.write_pattern(xml))
 }
 
@@ -119,13 +123,16 @@ struct Document<'a> {
     scene: &'a Scene,
     background: Background,
     textons: Textons<'a>,
+    /// How far beyond the canvas it reaches, in pixels.
+    bleed: f64,
 }
 
 impl<'a> Document<'a> {
-    fn new(scene: &'a Scene, options: &SvgOptions) -> Result<Self> {
+    fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Result<Self> {
         check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
         super::check_scene(scene)?;
-        Ok(Self { scene, background: Background::new(scene), textons: Textons::new(scene, options) })
+        let textons = Textons::new(scene, options, bleed);
+        Ok(Self { scene, background: Background::new(scene), textons, bleed })
     }
 
     /// The canvas as it is.
@@ -190,7 +197,7 @@ impl<'a> Document<'a> {
     fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         xml.open("defs");
         xml.line();
-        self.background.write_definitions(xml)?;
+        self.background.write_definitions(xml, self.bleed)?;
         self.textons.write_definitions(xml)?;
         if let Some(domain) = &self.scene.domain {
             xml.open("clipPath");
@@ -217,7 +224,7 @@ impl<'a> Document<'a> {
         }
         layer(xml, "background", "Background");
         xml.line();
-        self.background.write_bands(xml)?;
+        self.background.write_bands(xml, self.bleed)?;
         xml.close()?;
         xml.line();
         self.write_secondaries(xml)?;

@@ -13,6 +13,8 @@ pub(super) struct Textons<'a> {
     scene: &'a Scene,
     precision: u8,
     expand: bool,
+    /// How far beyond the canvas copies are written, in pixels.
+    bleed: f64,
     /// Whether a texton is defined once and placed by reference.
     shared: Vec<bool>,
     /// Whether a shared texton has no colour of its own and takes that of the instance.
@@ -23,13 +25,13 @@ pub(super) struct Textons<'a> {
 
 impl<'a> Textons<'a> {
     /// Decides which textons are shared.
-    pub(super) fn new(scene: &'a Scene, options: &SvgOptions) -> Self {
+    pub(super) fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Self {
         let inherits = scene.textons.iter().map(|t| t.details.is_empty()).collect();
         let bounds =
             if scene.tile.any() { scene.textons.iter().map(Texton::bounds).collect() } else { Vec::new() };
         let shared = vec![false; scene.textons.len()];
         let SvgOptions { precision, expand } = *options;
-        let mut textons = Self { scene, precision, expand, shared, inherits, bounds };
+        let mut textons = Self { scene, precision, expand, bleed, shared, inherits, bounds };
         let mut uses = vec![0; scene.textons.len()];
         // Copies of primaries refer to their original as a whole.
         let secondary = scene.secondary.iter().map(|i| (i, textons.copies(i).count()));
@@ -52,8 +54,8 @@ impl<'a> Textons<'a> {
     /// The same of anything with the given bounds on the canvas.
     pub(super) fn copies_of(&self, bounds: Rect) -> impl Iterator<Item = Vec2> + use<> {
         // Rounding may move an outline by as much as the last digit.
-        let step = 1.0 / f64::from(10u32.pow(self.precision.into()));
-        self.scene.copies(bounds.inflate(step, step))
+        let reach = self.bleed + 1.0 / f64::from(10u32.pow(self.precision.into()));
+        self.scene.copies(bounds.inflate(reach, reach))
     }
 
     /// Whether every texton is written in full where it stands.
