@@ -190,6 +190,12 @@ fn a_pattern_shows_the_tile_again_and_again() {
     assert_eq!((sheet.width(), sheet.height()), (360, 270));
     let (mean, bad) = difference(&tile, &sheet, 0, 0, 3);
     assert!(mean < 0.2 && bad == 0.0, "{mean} {bad}");
+    // Where the cell ends within a pixel of the picture there is no hairline either.
+    for scale in [0.77, 1.37, 1.75, 2.5] {
+        let sheet = text.replacen("width=\"100%\" height=\"100%\"", "width=\"400\" height=\"300\"", 1);
+        let sheet = render_svg(sheet.as_bytes(), scale, "sheet").unwrap();
+        assert!(sheet.pixels().iter().all(|p| p.alpha() == 255), "{scale}");
+    }
     for tile in [TILES[1], TILES[2], Tile::default()] {
         let scene = testing::tiled(120, 90, 8, tile);
         let error = svg::write_pattern(&scene, &SvgOptions::default(), std::io::sink()).unwrap_err();
