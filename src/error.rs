@@ -100,6 +100,9 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// A pattern was asked for of a scene that does not tile along both axes.
+    #[error("a pattern needs a texture that repeats along both axes")]
+    Seams,
     /// The caller asked to stop (see [`crate::Progress`]).
     #[error("interrupted")]
     Interrupted,
@@ -156,6 +159,7 @@ impl Error {
             }
             Self::Version { .. } => "write the file again with this version of vtex".into(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
+            Self::Seams => "make the texture with --tile, for both axes".into(),
             _ => return None,
         })
     }

@@ -131,6 +131,16 @@ pub(crate) struct ForceArgs {
     pub(crate) force: bool,
 }
 
+/// The texture as a pattern, beside the result.
+#[derive(Args)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct PatternArgs {
+    /// Also write an SVG of any size, filled with the texture as a <pattern>: .svg or .svgz; the
+    /// texture must repeat along both axes (--tile)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) pattern: Option<PathBuf>,
+}
+
 /// Photograph to vector texture, in one go
 #[derive(Args)]
 #[command(
@@ -150,6 +160,8 @@ pub(crate) struct TextureArgs {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) pattern: PatternArgs,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
     #[command(flatten)]
@@ -193,6 +205,7 @@ pub(crate) struct AnalyzeArgs {
 Examples:
   vtex synth photo.lib.json --size 1000x600 --seed 7
   vtex synth photo.lib.json -o out.scene.json.gz
+  vtex synth photo.lib.json --tile --pattern page.svg
   vtex synth photo.lib.json -o - | gzip > out.svgz"
 )]
 pub(crate) struct SynthArgs {
@@ -205,6 +218,8 @@ pub(crate) struct SynthArgs {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) pattern: PatternArgs,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
     #[command(flatten)]
@@ -233,6 +248,8 @@ pub(crate) struct RenderArgs {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) pattern: PatternArgs,
     #[command(flatten)]
     pub(crate) render: RenderFlags,
     #[command(flatten)]
@@ -459,21 +476,4 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
         }
     }
     command
-}
-
-/// The value of `--color`, sought before parsing so that errors of parsing follow it too.
-pub(crate) fn colour_choice(arguments: &[OsString]) -> When {
-    let mut choice = When::default();
-    let mut rest = arguments.iter().skip(1).map_while(|a| (a != "--").then(|| a.to_string_lossy()));
-    while let Some(argument) = rest.next() {
-        let value = match argument.strip_prefix("--color") {
-            Some("") => rest.next(),
-            Some(v) => v.strip_prefix('=').map(|v| v.to_owned().into()),
-            None => None,
-        };
-        if let Some(when) = value.and_then(|v| When::from_str(&v, false).ok()) {
-            choice = when;
-        }
-    }
-    choice
 }

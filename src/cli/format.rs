@@ -8,6 +8,8 @@ use vtex::output::file::{Format, Kind};
 pub(crate) const OF_SCENE: &[Format] = &[Format::Svg, Format::Png, Format::Scene];
 /// What `analyze` can write.
 pub(crate) const OF_LIBRARY: &[Format] = &[Format::Library];
+/// What `--pattern` can write.
+pub(crate) const OF_PATTERN: &[Format] = &[Format::Svg];
 
 fn extensions(format: Format) -> &'static [&'static str] {
     match format {
@@ -18,12 +20,12 @@ fn extensions(format: Format) -> &'static [&'static str] {
     }
 }
 
-/// The kind of file that the name `path` asks for, among those allowed.
-pub(crate) fn kind_of(path: &Path, allowed: &[Format]) -> Result<Kind, Failure> {
+/// The kind of file that the name `path`, given for `flag`, asks for, among those allowed.
+pub(crate) fn kind_of(flag: &str, path: &Path, allowed: &[Format]) -> Result<Kind, Failure> {
     let kind = Kind::from_path(path).filter(|k| allowed.contains(&k.format));
     kind.ok_or_else(|| {
         let known: Vec<&str> = allowed.iter().flat_map(|f| extensions(*f)).copied().collect();
-        unknown_name("--output", path, &known)
+        unknown_name(flag, path, &known)
     })
 }
 
@@ -67,7 +69,7 @@ mod tests {
 
     #[test]
     fn names_are_held_to_what_a_command_writes() {
-        let of = |name: &str| kind_of(Path::new(name), OF_SCENE).ok().map(|k| k.format);
+        let of = |name: &str| kind_of("--output", Path::new(name), OF_SCENE).ok().map(|k| k.format);
         assert_eq!(of("a.SVGZ"), Some(Format::Svg));
         assert_eq!(of("dir.svg/a.scene.json.gz"), Some(Format::Scene));
         assert_eq!(of("a.lib.json"), None);

@@ -1,7 +1,7 @@
 //! What the user asked for, checked as far as it can be without reading anything but the
 //! configuration: from [`Cli`] to a job and what all jobs share.
 
-use super::arguments::{Cli, Command, ForceArgs, MasksArgs, SegmenterName};
+use super::arguments::{Cli, Command, ForceArgs, MasksArgs, PatternArgs, SegmenterName};
 use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
 use super::failure::Failure;
 use super::format::{self, default_name};
@@ -68,6 +68,7 @@ pub(crate) struct Synthesis {
     pub(crate) parameters: SynthParams,
     pub(crate) svg: SvgParameters,
     pub(crate) target: Target,
+    pub(crate) pattern: Option<Target>,
 }
 
 /// How a file is drawn.
@@ -75,6 +76,7 @@ pub(crate) struct RenderOptions {
     pub(crate) scale: RenderParameters,
     pub(crate) svg: SvgParameters,
     pub(crate) target: Target,
+    pub(crate) pattern: Option<Target>,
 }
 
 impl Options {
@@ -134,7 +136,7 @@ impl Job {
                 let target = target(a.output, &a.force, &photo, format::OF_SCENE, Format::Svg)?;
                 let analysis =
                     Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?;
-                Self::Texture(analysis, Synthesis { parameters: synth, svg, target })
+                Self::Texture(analysis, Synthesis::new(synth, svg, target, a.pattern, &a.force)?)
             }
             Command::Analyze(a) => {
                 let photo = required(a.photo)?;
@@ -148,17 +150,44 @@ impl Job {
             Command::Synth(a) => {
                 let library = required(a.library)?;
                 let target = target(a.output, &a.force, &library, format::OF_SCENE, Format::Svg)?;
-                Self::Synth(library, Synthesis { parameters: synth, svg, target })
+                Self::Synth(library, Synthesis::new(synth, svg, target, a.pattern, &a.force)?)
             }
             Command::Render(a) => {
                 let file = required(a.file)?;
                 let target = target(a.output, &a.force, &file, format::OF_SCENE, Format::Png)?;
-                Self::Render(file, RenderOptions { scale: render, svg, target })
+                let pattern = pattern(a.pattern, &a.force, &target)?;
+                Self::Render(file, RenderOptions { scale: render, svg, target, pattern })
             }
             Command::Inspect(a) => Self::Inspect(required(a.file)?),
             Command::Completions(a) => Self::Completions(a.shell),
             Command::Man(a) => Self::Man(a.folder),
         })
+    }
+}
+
+impl Synthesis {
+    fn new(
+        parameters: SynthParams,
+        svg: SvgParameters,
+        target: Target,
+        pattern_args: PatternArgs,
+        force: &ForceArgs,
+    ) -> Result<Self, Failure> {
+        let pattern = pattern(pattern_args, force, &target)?;
+        if pattern.is_some() && !parameters.tile.both() {
+            let message = "--pattern needs a texture that repeats along both axes";
+            return Err(Failure::usage(message).hint("give --tile, for both axes"));
+        }
+        Ok(Self { parameters, svg, target, pattern })
+    }
+
+    /// Fails now if a file could not be written later.
+    ///
+    /// # Errors
+    /// As [`Place::probe`].
+    pub(crate) fn probe(&self) -> vtex::Result<()> {
+        self.target.place.probe()?;
+        self.pattern.as_ref().map_or(Ok(()), |p| p.place.probe())
     }
 }
 
@@ -222,8 +251,16 @@ fn target(
         }
         return Ok(Target { place: Place::Stdout, kind: Kind { format: usual, gzip: false } });
     }
-    let kind = format::kind_of(&path, allowed)?;
+    let kind = format::kind_of("--output", &path, allowed)?;
     Ok(Target { place: Place::File { path, force: force.force }, kind })
+}
+
+/// Where a pattern goes: a file of its own.
+fn pattern(args: PatternArgs, force: &ForceArgs, output: &Target) -> Result<Option<Target>, Failure> {
+    let Some(path) = args.pattern else { return Ok(None) };
+    let kind = format::kind_of("--pattern", &path, format::OF_PATTERN)?;
+    apart(&[("the output", Some(output.place.path())), ("--pattern", Some(&path))])?;
+    Ok(Some(Target { place: Place::File { path, force: force.force }, kind }))
 }
 
 /// An argument that the parser lets be missing only beside `--dump-config`.

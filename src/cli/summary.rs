@@ -16,7 +16,10 @@ pub(crate) struct Summary {
     pub(crate) command: &'static str,
     pub(crate) input: String,
     pub(crate) output: String,
-    /// Bytes written.
+    /// The file of the pattern, if one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) pattern: Option<String>,
+    /// Bytes of the output.
     pub(crate) bytes: u64,
     /// The seed, where one matters.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -153,6 +156,9 @@ impl Summary {
                 line.push_str(&format!(", coverage {share:.3}"));
             }
             _ => {}
+        }
+        if let Some(pattern) = &self.pattern {
+            line.push_str(&format!(", pattern in {pattern}"));
         }
         line.push_str(&format!(", {} in {:.2} s", bytes(self.bytes), self.seconds.total()));
         say(&line);

@@ -131,6 +131,11 @@ impl From<FiveWeights> for Weights {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Axes(pub(crate) Tile);
 
+impl Axes {
+    /// How they are named.
+    pub(crate) const NAMES: [&str; 4] = ["none", "both", "x", "y"];
+}
+
 impl FromStr for Axes {
     type Err = String;
 
@@ -193,7 +198,7 @@ mod tests {
 
     #[test]
     fn axes_come_back() {
-        for name in ["none", "both", "x", "y"] {
+        for name in Axes::NAMES {
             let axes: Axes = name.parse().unwrap();
             assert_eq!(serde_json::to_value(axes).unwrap(), name);
         }

@@ -88,7 +88,7 @@ pub fn synthesize_with(
 
     advance(progress, "ground", 0, 2)?;
     let field = background::field(libraries, &map.ground, params);
-    let interpolant = Interpolant::new(&field, params.width, params.height);
+    let interpolant = Interpolant::new(&field, params.width, params.height, params.tile);
     advance(progress, "ground", 1, 2)?;
     let secondaries = secondaries::place(libraries, &map, &interpolant, params);
     advance(progress, "ground", 2, 2)?;

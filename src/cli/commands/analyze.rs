@@ -28,6 +28,7 @@ pub(super) fn run(
         command: "analyze",
         input: analysis.photo.name(),
         output: target.place.path().display().to_string(),
+        pattern: None,
         bytes: written.bytes,
         seed: Some(library.source.parameters.seed),
         size: [library.source.width, library.source.height],

@@ -15,7 +15,7 @@ pub(super) fn run(
     input: &Input,
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
-    synthesis.target.place.probe()?;
+    synthesis.probe()?;
     reporter.stage("reading")?;
     let bytes = input.read()?;
     // What is nothing known may still be a damaged library, and reading it says where.
@@ -33,13 +33,16 @@ pub(super) fn finish(
     library: Library,
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
-    let Synthesis { parameters, svg, target } = synthesis;
+    let Synthesis { parameters, svg, target, pattern } = synthesis;
     if common.verbosity > 1 {
         say(&format!("{:#?}\n{parameters:#?}", library.source.parameters));
     }
     let (scene, report) = stages::synthesize(library, parameters, reporter)?;
     reporter.stage("writing")?;
     let written = target.write_scene(&scene, &(*svg).into(), 1.0)?;
+    if let Some(pattern) = pattern {
+        pattern.write_pattern(&scene, &(*svg).into())?;
+    }
     for warning in &written.warnings {
         reporter.warn(warning);
     }
@@ -49,6 +52,7 @@ pub(super) fn finish(
         command,
         input,
         output: target.place.path().display().to_string(),
+        pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
         bytes: written.bytes,
         seed: Some(parameters.seed),
         size: [scene.width, scene.height],
