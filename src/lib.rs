@@ -12,6 +12,7 @@ mod document;
 pub mod error;
 mod parallel;
 mod progress;
+mod svg_tree;
 
 pub mod analyze;
 pub mod geometry;
