@@ -15,6 +15,7 @@ mod progress;
 mod svg_tree;
 
 pub mod analyze;
+pub mod control;
 pub mod geometry;
 pub mod library;
 pub mod output;
