@@ -276,7 +276,8 @@ mod tests {
 
     #[test]
     fn a_wrong_number_of_colours_is_told() {
-        let photo = RgbImage::from_fn(300, 300, |x, y| Rgb([x as u8, y as u8, (x * y) as u8]));
+        let photo =
+            RgbImage::from_fn(300, 300, |x, y| Rgb([x as u8, y as u8, (x / 256 + y / 256 * 2) as u8]));
         for (picture, libraries, message) in [
             (stripes(), 2, "it has 81 colours, 3 of them over half a per cent of the picture; 2 are needed"),
             (stripes(), 4, "4 are needed for 4 libraries"),

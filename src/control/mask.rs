@@ -3,14 +3,16 @@
 use super::picture;
 use crate::error::{Error, Result};
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap};
+use crate::raster::ControlMap;
 
-/// Small masks are enlarged to this side before they are traced, so that soft borders are followed
-/// more finely than to their pixels.
+/// Small masks with soft borders are enlarged to this side before they are traced, because such
+/// borders say more than which pixels are inside.
 const FINE_SIDE: u32 = 1024;
 /// Most times that a mask is enlarged.
 const MOST_ENLARGED: u32 = 8;
-/// How far the outline may lie from the border between the pixels, in pixels of the mask.
-const TOLERANCE: f64 = 0.4;
+/// How far the outline may lie from the border, in pixels of the mask: of a soft border, and of one
+/// that runs along pixels.
+const TOLERANCE: [f64; 2] = [0.2, 0.5];
 
 /// The outline of what is white in a picture, at least half, stretched over a canvas of `width` ×
 /// `height` pixels. In a picture that is transparent anywhere, what is opaque counts instead,
@@ -30,24 +32,63 @@ pub fn mask(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outli
     };
     let map = picture::map(grey.width(), grey.height(), share).ok_or_else(empty)?;
     let [columns, rows] = map.size();
-    let fine = (FINE_SIDE / columns.max(rows)).clamp(1, MOST_ENLARGED);
+    let soft = is_soft(&map);
+    let fine = if soft { (FINE_SIDE / columns.max(rows)).clamp(1, MOST_ENLARGED) } else { 1 };
     let (across, down) = (columns * fine, rows * fine);
     let mut labels = Vec::with_capacity(across as usize * down as usize);
     for y in 0..down {
         let row = (0..across).map(|x| {
             let centre = [f64::from(x) + 0.5, f64::from(y) + 0.5];
-            u32::from(map.at(centre, [f64::from(across), f64::from(down)]) >= 0.5)
+            u32::from(level(&map, centre, fine) >= 0.5)
         });
         labels.extend(row);
     }
     let planar = PlanarMap::trace(across, down, &labels);
     drop(labels);
-    let fitted = FittedMap::new(planar, TOLERANCE * f64::from(fine), 1, 1, |label| label);
+    let fitted = FittedMap::new(planar, TOLERANCE[usize::from(!soft)] * f64::from(fine), 1, 1, |label| label);
     let traced = fitted.outlines(1, |label| label).swap_remove(1);
     let stretch =
         Affine::scale_non_uniform(f64::from(width) / f64::from(across), f64::from(height) / f64::from(down));
     let outline = Outline::new(&(stretch * traced.path())).unwrap_or_default();
     if outline.area() >= 1.0 { Ok(outline) } else { Err(empty()) }
+}
+
+/// The value at a point of a map enlarged so many times. Bilinear values between pixels wave from
+/// pixel to pixel; averaged over about a pixel they do not.
+fn level(map: &ControlMap, [x, y]: [f64; 2], fine: u32) -> f64 {
+    let [columns, rows] = map.size().map(f64::from);
+    let fine = f64::from(fine);
+    let at = |dx: f64, dy: f64| map.at([x / fine + dx, y / fine + dy], [columns, rows]);
+    if fine == 1.0 {
+        return at(0.0, 0.0);
+    }
+    let h = 0.5;
+    (at(-h, -h) + at(h, -h) + at(-h, h) + at(h, h)) / 4.0
+}
+
+/// Whether the border between inside and outside passes through pixels that are neither.
+fn is_soft(map: &ControlMap) -> bool {
+    let [columns, rows] = map.size();
+    let value = |x: u32, y: u32| {
+        map.at([f64::from(x) + 0.5, f64::from(y) + 0.5], [f64::from(columns), f64::from(rows)])
+    };
+    let between = |v: f64| (0.1..0.9).contains(&v);
+    let (mut soft, mut hard) = (0u64, 0u64);
+    for y in 0..rows {
+        for x in 0..columns {
+            let here = value(x, y);
+            for (x, y) in [(x + 1, y), (x, y + 1)] {
+                if x < columns && y < rows {
+                    let there = value(x, y);
+                    if (here >= 0.5) != (there >= 0.5) {
+                        let counted = if between(here) || between(there) { &mut soft } else { &mut hard };
+                        *counted += 1;
+                    }
+                }
+            }
+        }
+    }
+    soft > hard
 }
 
 #[cfg(test)]
