@@ -13,6 +13,7 @@ pub(super) struct Choice {
     categories: Vec<Weights>,
     /// Place of each primary among the members of its category.
     slot: Vec<u32>,
+    decay: bool,
 }
 
 /// Weights 2^-uses, renormalised: the least used member has the largest.
@@ -25,9 +26,9 @@ struct Weights {
 }
 
 impl Choice {
-    /// All members of a category alike.
-    pub(super) fn new(model: &Model) -> Self {
-        let mut slot = vec![0; model.shapes.len()];
+    /// All members of a category alike; for good unless use makes a difference.
+    pub(super) fn new(model: &Model, decay: bool) -> Self {
+        let mut slot = vec![0; model.primaries.len()];
         let categories = model.members.iter().map(|members| {
             for (i, &m) in members.iter().enumerate() {
                 slot[m as usize] = i as u32;
@@ -36,7 +37,7 @@ impl Choice {
             (0..members.len()).for_each(|i| sums.set(i, 1 << HALVINGS));
             Weights { uses: vec![0; members.len()], least: 0, at_least: members.len() as u32, sums }
         });
-        Self { categories: categories.collect(), slot }
+        Self { categories: categories.collect(), slot, decay }
     }
 
     /// A member of a category, drawn by weight; `None` if it has none.
@@ -45,10 +46,13 @@ impl Choice {
         Some(model.members[category][slot])
     }
 
-    /// Halves the weight of a primary.
-    pub(super) fn used(&mut self, model: &Model, primary: u32) {
-        let w = &mut self.categories[model.shapes[primary as usize].category];
-        let slot = self.slot[primary as usize] as usize;
+    /// Halves the weight of the primary of a form.
+    pub(super) fn used(&mut self, model: &Model, form: u32) {
+        if !self.decay {
+            return;
+        }
+        let w = &mut self.categories[model.primary(form).category];
+        let slot = self.slot[model.primary_of(form) as usize] as usize;
         if w.uses[slot] == w.least {
             w.at_least -= 1;
         }

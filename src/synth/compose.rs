@@ -1,38 +1,46 @@
 //! Scenes put together from placed textons; the exemplar's own arrangement as a scene.
 
+use super::controls::Controls;
 use super::secondaries;
 use super::target::TargetMap;
+use super::variation::Variation;
 use crate::PROGRAM;
 use crate::geometry::{Affine, Outline};
 use crate::library::{Library, Primary, Secondary};
 use crate::raster::colour::Colour;
-use crate::scene::{Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
+use crate::scene::{Domain, Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
 use std::collections::BTreeMap;
 
 /// The scene of a filled map. Textons are listed in the order in which they first appear.
 pub(super) fn scene(
-    library: &Library,
+    libraries: &[Library],
     params: &SynthParams,
+    controls: &Controls,
     map: &TargetMap<'_>,
     placed: &[secondaries::Placed],
     background: Field,
 ) -> Scene {
-    let mut scene = empty(library, params.width, params.height, background);
+    let references = libraries.iter().map(reference).collect();
+    let mut scene = empty(references, params.width, params.height, background);
     scene.parameters = Some(params.clone());
-    let mut textons = Textons::new(library);
+    scene.tile = params.tile;
+    scene.domain = controls.domain.clone().map(|outline| Domain { outline, edge: params.edge });
+    let mut textons: Vec<Textons<'_>> =
+        libraries.iter().enumerate().map(|(k, l)| Textons::new(k as u32, l)).collect();
     for p in placed {
-        let texton = textons.secondary(&mut scene, p.secondary);
-        push(&mut scene, Layer::Secondary, texton, p.at, Some(p.colour));
+        let texton = textons[p.library].secondary(&mut scene, p.secondary);
+        push(&mut scene, Layer::Secondary, texton, p.at, &p.variation, Some(p.colour));
     }
     for id in map.painting_order() {
         let p = map.placed[id as usize];
-        let shape = &map.model().shapes[p.primary as usize];
-        let cells = shape.mask.spans().iter().flat_map(|&s| map.cells(s, p.at));
-        let width = map.width as usize;
-        let mut seen = cells.filter(|&i| map.owner[i] == id);
-        if seen.any(|i| map.on_canvas((i % width) as i32, (i / width) as i32)) {
-            let texton = textons.primary(&mut scene, p.primary);
-            push(&mut scene, Layer::Primary, texton, p.at.map(|v| v - map.margin), None);
+        let cells = map.model().shape(p.form).mask.spans().iter().flat_map(|&s| map.grid.cells(s, p.at));
+        let canvas = cells.flat_map(|run| map.grid.canvas_part(&run));
+        let mut filled = canvas.filter(|&i| map.ground.zone(i).is_some());
+        if filled.any(|i| map.owner[i] == id) {
+            let primary = map.model().primary(p.form);
+            let texton = textons[primary.library].primary(&mut scene, primary.index);
+            let at = [0, 1].map(|k| p.at[k] - map.grid.margin[k]);
+            push(&mut scene, Layer::Primary, texton, at, map.model().variation(p.form), None);
         }
     }
     scene
@@ -44,22 +52,26 @@ pub(super) fn scene(
 pub fn reconstruct(library: &Library) -> Scene {
     let b = &library.background;
     let background = Field { spacing: b.spacing, fallback: b.fallback, points: b.sites.clone() };
-    let mut scene = empty(library, library.source.width, library.source.height, background);
-    let mut textons = Textons::new(library);
+    let (width, height) = (library.source.width, library.source.height);
+    let mut scene = empty(vec![reference(library)], width, height, background);
+    let mut textons = Textons::new(0, library);
+    let none = Variation::default();
     for (i, s) in library.secondaries.textons.iter().enumerate() {
         let texton = textons.secondary(&mut scene, i as u32);
-        push(&mut scene, Layer::Secondary, texton, secondaries::origin(s), Some(s.colour));
+        push(&mut scene, Layer::Secondary, texton, secondaries::origin(s), &none, Some(s.colour));
     }
     for (i, p) in library.primaries.iter().enumerate() {
         let texton = textons.primary(&mut scene, i as u32);
-        push(&mut scene, Layer::Primary, texton, origin(p), None);
+        push(&mut scene, Layer::Primary, texton, origin(p), &none, None);
     }
     scene
 }
 
-fn empty(library: &Library, width: u32, height: u32, background: Field) -> Scene {
-    let reference =
-        LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() };
+fn reference(library: &Library) -> LibraryRef {
+    LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
+}
+
+fn empty(libraries: Vec<LibraryRef>, width: u32, height: u32, background: Field) -> Scene {
     Scene {
         format: Scene::FORMAT.into(),
         version: Scene::VERSION,
@@ -68,7 +80,7 @@ fn empty(library: &Library, width: u32, height: u32, background: Field) -> Scene
         tile: Tile::default(),
         parameters: None,
         program: PROGRAM.into(),
-        libraries: vec![reference],
+        libraries,
         textons: Vec::new(),
         secondary: Vec::new(),
         primary: Vec::new(),
@@ -83,9 +95,18 @@ enum Layer {
 }
 
 /// Appends an instance; ids count through both layers.
-fn push(scene: &mut Scene, layer: Layer, texton: u32, at: [i32; 2], colour: Option<Colour>) {
+fn push(
+    scene: &mut Scene,
+    layer: Layer,
+    texton: u32,
+    at: [i32; 2],
+    variation: &Variation,
+    colour: Option<Colour>,
+) {
     let id = (scene.secondary.len() + scene.primary.len()) as u32;
-    let transform = [1.0, 0.0, 0.0, 1.0, f64::from(at[0]), f64::from(at[1])];
+    // Five decimals are a hundredth of a pixel at a distance of a thousand, and short to write.
+    let [a, b, c, d] = variation.matrix.map(|v| libm::round(v * 1e5) / 1e5);
+    let transform = [a, b, c, d, f64::from(at[0]), f64::from(at[1])];
     let instance = Instance { id, texton, transform, colour };
     match layer {
         Layer::Secondary => scene.secondary.push(instance),
@@ -95,6 +116,8 @@ fn push(scene: &mut Scene, layer: Layer, texton: u32, at: [i32; 2], colour: Opti
 
 /// Which of a library's textons a scene holds already, and where.
 struct Textons<'a> {
+    /// Which library of the scene.
+    number: u32,
     library: &'a Library,
     primaries: Vec<Option<u32>>,
     secondaries: Vec<Option<u32>>,
@@ -104,9 +127,10 @@ struct Textons<'a> {
 }
 
 impl<'a> Textons<'a> {
-    fn new(library: &'a Library) -> Self {
+    fn new(number: u32, library: &'a Library) -> Self {
         let secondaries = vec![None; library.secondaries.textons.len()];
-        Self { library, primaries: vec![None; library.primaries.len()], secondaries, alike: BTreeMap::new() }
+        let primaries = vec![None; library.primaries.len()];
+        Self { number, library, primaries, secondaries, alike: BTreeMap::new() }
     }
 
     fn primary(&mut self, scene: &mut Scene, index: u32) -> u32 {
@@ -115,7 +139,7 @@ impl<'a> Textons<'a> {
             let moved = |outline: &Outline| translated(outline, origin(p));
             let patch = |d: &crate::library::Detail| Patch { outline: moved(&d.outline), colour: d.colour };
             scene.textons.push(Texton {
-                library: 0,
+                library: self.number,
                 source: index,
                 category: Some(p.category.0),
                 outline: moved(&p.outline),
@@ -132,7 +156,7 @@ impl<'a> Textons<'a> {
             let outline = translated(&s.outline, secondaries::origin(s));
             *self.alike.entry(outline.to_string()).or_insert_with(|| {
                 let texton = Texton {
-                    library: 0,
+                    library: self.number,
                     source: index,
                     category: None,
                     outline,

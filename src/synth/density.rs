@@ -1,5 +1,10 @@
-//! Coverage as in the exemplar, in both directions: textons are taken away from categories that
-//! cover too much and added, where there is room, to those that cover too little.
+//! Coverage as wanted, in both directions: textons are taken away from categories that cover too
+//! much and added, where there is room, to those that cover too little. Both zone by zone, where
+//! density differs from place to place.
+//!
+//! Taken away is, of a few drawn at random, the texton that is hidden most and that fitted worst.
+//! Added is where the way to what stands is longest, in proportion to what each category lacks, the
+//! texton that overlaps least; more overlap is allowed only when nothing else has worked.
 
 use super::choice::Choice;
 use super::clearance::Clearance;
@@ -8,7 +13,7 @@ use super::target::TargetMap;
 use crate::error::Result;
 use crate::progress::{Progress, advance};
 use crate::sampling::{Stream, stream};
-use crate::scene::SynthParams;
+use crate::scene::{Ablation, SynthParams};
 
 /// A texton of which a smaller share is visible is taken away: it adds more pile-up than cover.
 const LEAST_VISIBLE: f64 = 0.4;
@@ -22,6 +27,12 @@ const MORE_OVERLAP: f64 = 0.04;
 const COPY_PENALTY: f64 = 0.5;
 /// How much a cell of overlap outweighs a cell of free ground.
 const OVERLAP_COST: f64 = 3.0;
+/// How much a bad fit counts for removal, against being hidden altogether.
+const MISFIT: f64 = 0.5;
+/// Most overlap allowed, as a share of the texton's area.
+const MOST_OVERLAP: f64 = 1.0;
+/// Places drawn until one suits the category wanted.
+const PLACES: usize = 24;
 /// Share of a texton that has to be on the canvas for it to be added.
 const LEAST_ON_CANVAS: f64 = 0.25;
 /// Steps of the moves that improve a place, in pixels.
@@ -39,46 +50,55 @@ pub(super) struct Counts {
     pub(super) added: u64,
 }
 
-/// Brings the coverage of every category to what the exemplar has.
+/// Brings the coverage of every category to what is wanted.
 pub(super) fn correct(
     map: &mut TargetMap<'_>,
     choice: &mut Choice,
     params: &SynthParams,
     progress: &dyn Progress,
 ) -> Result<Counts> {
+    let mut counts = Counts::default();
+    if params.without(Ablation::Density) {
+        return Ok(counts);
+    }
     let mut random = stream(params.seed, "synth/density", 0);
-    let canvas = f64::from(params.width) * f64::from(params.height);
-    let wanted: Vec<f64> = map.model().wanted.iter().map(|share| share * canvas).collect();
-    let removed = thin(map, &wanted, &mut random);
-    let added = grow(map, choice, &wanted, params, progress, &mut random)?;
-    Ok(Counts { removed, added })
+    let wanted = map.ground.wanted(map.model());
+    counts.removed = thin(map, &wanted, !params.without(Ablation::Removal), &mut random);
+    if !params.without(Ablation::Growth) {
+        counts.added = grow(map, choice, &wanted, params, progress, &mut random)?;
+    }
+    Ok(counts)
 }
 
-/// Takes away what is nearly hidden, then from every category what is too much.
-fn thin(map: &mut TargetMap<'_>, wanted: &[f64], random: &mut Stream) -> u64 {
+/// Takes away what is nearly hidden, then from every category what is too much; the worst first,
+/// or any.
+fn thin(map: &mut TargetMap<'_>, wanted: &[Vec<f64>], worst: bool, random: &mut Stream) -> u64 {
     let mut removed = 0;
-    let mut standing: Vec<Vec<u32>> = vec![Vec::new(); wanted.len()];
+    let categories = map.model().members.len();
+    let mut standing: Vec<Vec<u32>> = vec![Vec::new(); wanted.len() * categories];
     for id in 0..map.placed.len() as u32 {
         let p = map.placed[id as usize];
-        if f64::from(p.visible) < LEAST_VISIBLE * f64::from(p.cells) || p.cells == 0 {
+        if p.removed {
+        } else if f64::from(p.visible) < LEAST_VISIBLE * f64::from(p.cells) || p.cells == 0 {
             map.remove(id);
             removed += 1;
-        } else if cells_on_canvas(map, p.primary, p.at) > 0 {
-            standing[map.model().shapes[p.primary as usize].category].push(id);
+        } else if let Some(zone) = zone_of(map, p.form, p.at) {
+            standing[zone * categories + map.model().primary(p.form).category].push(id);
         }
     }
-    for (category, textons) in standing.iter_mut().enumerate() {
+    for (k, textons) in standing.iter_mut().enumerate() {
+        let (zone, category) = (k / categories, k % categories);
         loop {
-            let excess = map.covered[category] as f64 - wanted[category];
-            // Of several drawn, the one that is hidden most; none that would leave a larger gap.
-            let candidates: Vec<usize> =
-                (0..REMOVAL_CANDIDATES.min(textons.len())).map(|_| random.index(textons.len())).collect();
-            let hidden = |&k: &usize| {
+            let excess = map.covered[zone][category] as f64 - wanted[zone][category];
+            let count = if worst { REMOVAL_CANDIDATES.min(textons.len()) } else { 1.min(textons.len()) };
+            let candidates: Vec<usize> = (0..count).map(|_| random.index(textons.len())).collect();
+            let badness = |&k: &usize| {
                 let p = map.placed[textons[k] as usize];
-                1.0 - f64::from(p.visible) / f64::from(p.cells)
+                1.0 - f64::from(p.visible) / f64::from(p.cells) - MISFIT * f64::from(p.score)
             };
+            // None that would leave a larger gap than there is excess.
             let fits = |&k: &usize| f64::from(map.placed[textons[k] as usize].visible) < 2.0 * excess;
-            let best = candidates.into_iter().filter(fits).max_by(|a, b| hidden(a).total_cmp(&hidden(b)));
+            let best = candidates.into_iter().filter(fits).max_by(|a, b| badness(a).total_cmp(&badness(b)));
             let Some(k) = best else { break };
             map.remove(textons.swap_remove(k));
             removed += 1;
@@ -87,19 +107,46 @@ fn thin(map: &mut TargetMap<'_>, wanted: &[f64], random: &mut Stream) -> u64 {
     removed
 }
 
-/// How many cells of a texton at a place are on the canvas.
-fn cells_on_canvas(map: &TargetMap<'_>, primary: u32, at: [i32; 2]) -> u32 {
-    let (m, w, h) = (map.margin, map.width, map.height);
-    let spans = map.model().shapes[primary as usize].mask.spans().iter();
-    let inside = spans.filter(|s| (m..h - m).contains(&(s.y + at[1])));
-    inside.map(|s| ((s.x1 + at[0]).min(w - m) - (s.x0 + at[0]).max(m)).max(0) as u32).sum()
+/// The zone in which a texton stands: that of its origin, or of the first of its cells that is to
+/// be filled; none if it cannot be seen.
+fn zone_of(map: &TargetMap<'_>, form: u32, at: [i32; 2]) -> Option<usize> {
+    let zone = |i: usize| {
+        let canvas = map.grid.canvas_part(&(i..i + 1));
+        if canvas.is_empty() { None } else { map.ground.zone(i) }
+    };
+    if let Some(zone) = map.grid.cell(at).and_then(zone) {
+        return Some(zone);
+    }
+    let spans = map.model().shape(form).mask.spans().iter();
+    spans.flat_map(|&s| map.grid.cells(s, at)).flatten().find_map(zone)
+}
+
+/// What every category lacks in every zone.
+struct Lack<'w> {
+    wanted: &'w [Vec<f64>],
+    /// Area of the smallest texton of each category.
+    smallest: Vec<f64>,
+}
+
+impl Lack<'_> {
+    /// Pixels of a category lacking in a zone; zero if its smallest texton would be too much.
+    fn of(&self, map: &TargetMap<'_>, zone: usize, category: usize) -> f64 {
+        let lack = self.wanted[zone][category] - map.covered[zone][category] as f64;
+        if lack > 0.5 * self.smallest[category] { lack } else { 0.0 }
+    }
+
+    /// What is lacking of each category in each zone, zone by zone.
+    fn all(&self, map: &TargetMap<'_>) -> Vec<f64> {
+        let zones = 0..self.wanted.len();
+        zones.flat_map(|z| (0..self.smallest.len()).map(move |c| self.of(map, z, c))).collect()
+    }
 }
 
 /// Adds textons in free space until every category covers what it should.
 fn grow(
     map: &mut TargetMap<'_>,
     choice: &mut Choice,
-    wanted: &[f64],
+    wanted: &[Vec<f64>],
     params: &SynthParams,
     progress: &dyn Progress,
     random: &mut Stream,
@@ -111,39 +158,32 @@ fn grow(
     // Half the typical distance between textons, so that distances tell how far the middle of a
     // gap is from what stands around it.
     let reach = libm::round(0.5 / libm::sqrt(model.density().max(1e-9))).clamp(4.0, 40.0) as i32;
-    let smallest: Vec<f64> = model
-        .members
-        .iter()
-        .map(|m| m.iter().map(|&i| model.shapes[i as usize].area).min().map_or(f64::INFINITY, f64::from))
-        .collect();
+    let smallest =
+        |m: &Vec<u32>| m.iter().map(|&p| model.plain(p).area).min().map_or(f64::INFINITY, f64::from);
+    let lack = Lack { wanted, smallest: model.members.iter().map(smallest).collect() };
     // Centres may lie off the canvas, but not so far that most textons could not be seen.
-    let whole = model.members.iter().flatten().map(|&i| f64::from(model.shapes[i as usize].area));
-    let mean = whole.clone().sum::<f64>() / whole.count() as f64;
-    let frame = (map.margin - libm::sqrt(mean / std::f64::consts::PI) as i32).max(0);
-    let mut clearance = Clearance::new(map, reach, frame);
-    let lack = |map: &TargetMap<'_>, c: usize| {
-        let lack = wanted[c] - map.covered[c] as f64;
-        if lack > 0.5 * smallest[c] { lack } else { 0.0 }
-    };
-    let total = |map: &TargetMap<'_>| (0..wanted.len()).map(|c| lack(map, c)).sum::<f64>();
-    let begin = total(map);
+    let outside = libm::sqrt(model.mean_area() / std::f64::consts::PI) as i32;
+    let mut clearance = Clearance::new(map, reach, outside);
+    let mut lacks = lack.all(map);
+    let begin: f64 = lacks.iter().sum();
     let (mut allowed, mut failures, mut added, mut attempts) = (0.02, 0, 0, 0u64);
-    while allowed < 1.0 {
+    while allowed < MOST_OVERLAP {
         if attempts % 256 == 0 {
-            let done = (begin - total(map)).max(0.0) as u64;
+            let done = (begin - lacks.iter().sum::<f64>()).max(0.0) as u64;
             advance(progress, STAGE, done, begin as u64)?;
         }
         attempts += 1;
-        let lacks: Vec<f64> = (0..wanted.len()).map(|c| lack(map, c)).collect();
-        let Some(category) = random.weighted(lacks.iter().copied()) else { break };
-        let most = 1.5 * lacks[category].max(smallest[category]);
-        match candidate(map, choice, &clearance, category, most, params, random) {
-            Some((primary, at, overlap)) if overlap <= allowed => {
-                let id = map.stand(primary, at);
+        let Some(k) = random.weighted(lacks.iter().copied()) else { break };
+        let (zone, category) = (k / lack.smallest.len(), k % lack.smallest.len());
+        let most = 1.5 * lacks[k].max(lack.smallest[category]);
+        match candidate(map, choice, &clearance, [zone, category], most, params, random) {
+            Some((form, at, overlap)) if overlap <= allowed => {
+                let id = map.stand(form, at, 0.0);
                 clearance.add(map, id);
-                choice.used(model, primary);
+                choice.used(model, form);
                 added += 1;
                 failures = 0;
+                lacks = lack.all(map);
             }
             _ => failures += 1,
         }
@@ -155,13 +195,36 @@ fn grow(
     Ok(added)
 }
 
-/// The best of several textons of a category, each at a place of its own, moved to where it
-/// overlaps least, and the share of it that overlaps. `most` bounds what it may add, in pixels.
+/// A free place in a zone where a library has a part: drawn anywhere until one suits.
+fn free_place(
+    map: &TargetMap<'_>,
+    clearance: &Clearance,
+    zone: usize,
+    library: usize,
+    random: &mut Stream,
+) -> Option<[i32; 2]> {
+    if map.ground.is_plain() && !map.ground.is_shared() {
+        return clearance.draw(map, random);
+    }
+    for _ in 0..PLACES {
+        let at = clearance.draw(map, random)?;
+        let i = map.grid.index(at[0], at[1]);
+        let suits = map.ground.zone(i) == Some(zone) && map.ground.admits(i, library);
+        if suits && (!map.ground.is_shared() || random.chance(map.ground.shares(map.grid.point(at))[library]))
+        {
+            return Some(at);
+        }
+    }
+    None
+}
+
+/// The best of several textons of a category, each at a place of its own in a zone, moved to where
+/// it overlaps least, and the share of it that overlaps. `most` bounds what it may add, in pixels.
 fn candidate(
     map: &TargetMap<'_>,
     choice: &Choice,
     clearance: &Clearance,
-    category: usize,
+    [zone, category]: [usize; 2],
     most: f64,
     params: &SynthParams,
     random: &mut Stream,
@@ -170,23 +233,29 @@ fn candidate(
     let mut best: Option<(f64, u32, [i32; 2])> = None;
     for _ in 0..params.candidates.div_ceil(2) {
         let primary = choice.draw(model, category, random)?;
-        let at = clearance.draw(random)?;
-        if f64::from(cells_on_canvas(map, primary, at)) > most {
+        let form = model.form(primary, random);
+        let Some(at) = free_place(map, clearance, zone, model.primary(form).library, random) else {
+            continue;
+        };
+        if f64::from(map.cells_inside(form, at)) > most {
             continue;
         }
-        let value = fit(map, clearance, primary, at).0 - COPY_PENALTY * copy_penalty(map, primary, at);
+        let mut value = fit(map, clearance, form, at).0;
+        if !params.without(Ablation::Copies) {
+            value -= COPY_PENALTY * copy_penalty(map, primary, at);
+        }
         if best.is_none_or(|b| value > b.0) {
-            best = Some((value, primary, at));
+            best = Some((value, form, at));
         }
     }
-    let (_, primary, mut at) = best?;
-    let (mut value, mut overlap) = fit(map, clearance, primary, at);
+    let (_, form, mut at) = best?;
+    let (mut value, mut overlap) = fit(map, clearance, form, at);
     for step in STEPS {
         for _ in 0..params.moves {
             let here = at;
             for (dx, dy) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
                 let there = [here[0] + dx * step, here[1] + dy * step];
-                let (v, o) = fit(map, clearance, primary, there);
+                let (v, o) = fit(map, clearance, form, there);
                 if v > value {
                     (value, overlap, at) = (v, o, there);
                 }
@@ -196,25 +265,42 @@ fn candidate(
             }
         }
     }
-    value.is_finite().then_some((primary, at, overlap))
+    value.is_finite().then_some((form, at, overlap))
 }
 
 /// How well a texton fits at a place: mean distance to what stands, as a share of the largest
 /// told apart, less the share of it that overlaps, weighted; and that share alone. Only cells on
-/// the canvas count, and a good part of the texton has to be there.
-fn fit(map: &TargetMap<'_>, clearance: &Clearance, primary: u32, at: [i32; 2]) -> (f64, f64) {
+/// the canvas count, and a good part of the texton has to be there. Land in which its library has
+/// no part counts as taken.
+fn fit(map: &TargetMap<'_>, clearance: &Clearance, form: u32, at: [i32; 2]) -> (f64, f64) {
+    const NOT_THERE: (f64, f64) = (f64::NEG_INFINITY, 1.0);
+    if !map.allows(form, at) {
+        return NOT_THERE;
+    }
     let (mut sum, mut taken, mut cells) = (0u32, 0u32, 0u32);
-    for &span in map.model().shapes[primary as usize].mask.spans() {
-        let row = &clearance.distance[map.canvas_part(&map.cells(span, at))];
-        cells += row.len() as u32;
-        for &d in row {
+    let shape = map.model().shape(form);
+    let library = map.model().primary(form).library;
+    let plain = map.ground.is_plain() && !map.ground.is_shared();
+    for run in shape.mask.spans().iter().flat_map(|&s| map.grid.cells(s, at)) {
+        let canvas = map.grid.canvas_part(&run);
+        if plain {
+            let row = &clearance.distance[canvas];
+            cells += row.len() as u32;
+            for &d in row {
+                sum += u32::from(d);
+                taken += u32::from(d == 0);
+            }
+            continue;
+        }
+        for i in canvas.filter(|&i| map.ground.zone(i).is_some()) {
+            let d = if map.ground.admits(i, library) { clearance.distance[i] } else { 0 };
+            cells += 1;
             sum += u32::from(d);
             taken += u32::from(d == 0);
         }
     }
-    let area = map.model().shapes[primary as usize].area;
-    if f64::from(cells) < LEAST_ON_CANVAS * f64::from(area) {
-        return (f64::NEG_INFINITY, 1.0);
+    if cells == 0 || f64::from(cells) < LEAST_ON_CANVAS * f64::from(shape.area) {
+        return NOT_THERE;
     }
     let share = |v: u32| f64::from(v) / f64::from(cells);
     (share(sum) / f64::from(clearance.limit) - OVERLAP_COST * share(taken), share(taken))

@@ -13,6 +13,8 @@ mod clearance;
 mod compose;
 mod controls;
 mod density;
+mod grid;
+mod ground;
 mod model;
 mod neighbourhoods;
 mod picture;
@@ -25,6 +27,7 @@ mod target;
 mod testing;
 #[cfg(test)]
 mod tests;
+mod variation;
 
 pub use compose::reconstruct;
 pub use controls::Controls;
@@ -34,7 +37,7 @@ use crate::error::{Error, Result};
 use crate::library::Library;
 use crate::progress::{Progress, advance};
 use crate::scene::field::Interpolant;
-use crate::scene::{Scene, SynthParams};
+use crate::scene::{Ablation, Scene, SynthParams};
 
 /// Largest canvas, in pixels: the target map takes six bytes for each.
 const LARGEST_CANVAS: u64 = 400_000_000;
@@ -64,7 +67,6 @@ pub fn synthesize_with(
 ) -> Result<(Scene, Report)> {
     params.validate()?;
     controls.validate(libraries.len())?;
-    let library = &libraries[0];
     let canvas = u64::from(params.width) * u64::from(params.height);
     if canvas > LARGEST_CANVAS {
         return Err(Error::TooLarge {
@@ -74,21 +76,23 @@ pub fn synthesize_with(
         });
     }
 
-    let model = model::Model::new(library);
-    let mut map = target::TargetMap::new(&model, params.width, params.height);
-    let mut choice = choice::Choice::new(&model);
+    let model = model::Model::new(libraries, params);
+    let grid = target::TargetMap::grid(&model, params.width, params.height, params.tile);
+    let ground = ground::Ground::new(&grid, controls, params);
+    let mut map = target::TargetMap::new(&model, &ground, grid);
+    let mut choice = choice::Choice::new(&model, !params.without(Ablation::Decay));
     let placement = primaries::place(&mut map, &mut choice, params, progress)?;
     let correction = density::correct(&mut map, &mut choice, params, progress)?;
     progress.picture("placed", &|| picture::placed(&map));
 
     advance(progress, "ground", 0, 2)?;
-    let field = background::field(library, params);
+    let field = background::field(libraries, &ground, params);
     let interpolant = Interpolant::new(&field, params.width, params.height);
     advance(progress, "ground", 1, 2)?;
-    let secondaries = secondaries::place(library, &map, &interpolant, params.seed);
+    let secondaries = secondaries::place(libraries, &map, &interpolant, params);
     advance(progress, "ground", 2, 2)?;
 
-    let scene = compose::scene(library, params, &map, &secondaries, field);
-    let report = report::Report::new(library, &map, &scene, placement, correction);
+    let scene = compose::scene(libraries, params, controls, &map, &secondaries, field);
+    let report = report::Report::new(libraries, &map, &scene, placement, correction);
     Ok((scene, report))
 }

@@ -1,45 +1,86 @@
-//! What synthesis derives from a library once: masks around their origins, the exemplar's runs,
-//! and which textons may be placed.
+//! What synthesis derives from libraries once: forms to place, the exemplars' runs, and what may
+//! be placed.
+//!
+//! A *form* is a primary in one of its variations (turned, mirrored, scaled). Forms are numbered
+//! primary by primary; without variation there is one for each and the numbers are the same.
+//! Primaries and categories count through all libraries.
 
+use super::variation::Variation;
 use crate::library::Library;
 use crate::raster::{LabelMap, Mask, Span};
+use crate::scene::SynthParams;
+use std::ops::Range;
+use std::sync::OnceLock;
 
 /// A cell of which nothing is known.
 pub(super) const UNDEFINED: u16 = u16::MAX;
 /// A cell that should hold no primary.
 pub(super) const EMPTY: u16 = 0;
 
-/// The shape of a primary.
+/// A form: the shape of a primary in one variation.
 pub(super) struct Shape {
     /// Its pixels, relative to the origin.
     pub(super) mask: Mask,
-    /// Its centroid in the exemplar, rounded to whole pixels.
-    pub(super) origin: [i32; 2],
     /// Box around its pixels relative to the origin: x0, y0, x1, y1, ends exclusive.
     pub(super) bounds: [i32; 4],
     /// Number of pixels.
     pub(super) area: u32,
+}
+
+impl Shape {
+    fn new(mask: Mask) -> Self {
+        let bounds = mask.bounds().map_or([0; 4], |b| [b.0, b.1, b.2, b.3]);
+        Self { area: mask.area(), bounds, mask }
+    }
+}
+
+/// A primary of one of the libraries.
+#[derive(Clone, Copy)]
+pub(super) struct Primary {
+    /// Which library.
+    pub(super) library: usize,
+    /// Its index there.
+    pub(super) index: u32,
+    /// Its centroid in the exemplar, rounded to whole pixels.
+    pub(super) origin: [i32; 2],
     /// Its category.
     pub(super) category: usize,
     /// Its category as a cell of the target map; [`EMPTY`] if the category cannot be placed.
     pub(super) code: u16,
-    /// Whole, so it may be placed anew.
+    /// Whole, and small enough for the canvas, so it may be placed anew.
     pub(super) placeable: bool,
 }
 
-/// A library made ready for placement.
+/// What belongs to one library.
+pub(super) struct Source {
+    /// Its primaries.
+    pub(super) primaries: Range<u32>,
+    /// Its categories.
+    pub(super) categories: Range<usize>,
+    /// Half the side of its descriptors, in pixels.
+    pub(super) half: i32,
+    /// Placeable textons per pixel of the exemplar.
+    pub(super) density: f64,
+    exemplar: Runs,
+}
+
+/// Libraries made ready for placement.
 pub(super) struct Model {
-    /// One for each primary.
-    pub(super) shapes: Vec<Shape>,
+    /// The libraries.
+    pub(super) sources: Vec<Source>,
+    /// All primaries.
+    pub(super) primaries: Vec<Primary>,
     /// Primaries of each category that may be placed.
     pub(super) members: Vec<Vec<u32>>,
-    /// Half the side of descriptors, in pixels.
+    /// Half the side of the largest descriptor, in pixels.
     pub(super) half: i32,
     /// Largest distance of a placeable pixel from its origin along an axis, in pixels.
     pub(super) reach: i32,
-    /// Wanted share of the canvas, each category; zero where nothing can be placed.
+    /// Wanted share of the library's area, each category; zero where nothing can be placed.
     pub(super) wanted: Vec<f64>,
-    exemplar: Runs,
+    /// The variations; the first is none.
+    pub(super) variations: Vec<Variation>,
+    shapes: Vec<OnceLock<Shape>>,
 }
 
 /// The exemplar's arrangement as runs by row.
@@ -68,6 +109,10 @@ impl Runs {
         Self { width: map.width as i32, height: map.height as i32, wrap, rows, runs }
     }
 
+    fn row_of(&self, y: i32) -> &[(i32, u32)] {
+        &self.runs[self.rows[y as usize] as usize..self.rows[y as usize + 1] as usize]
+    }
+
     /// Calls `visit(x0, x1, label)` for the runs of row `y` within `from..to`.
     fn row(&self, y: i32, from: i32, to: i32, mut visit: impl FnMut(i32, i32, u32)) {
         let (row, first, last) = if self.wrap {
@@ -78,7 +123,7 @@ impl Runs {
         } else {
             return;
         };
-        let runs = &self.runs[self.rows[row as usize] as usize..self.rows[row as usize + 1] as usize];
+        let runs = self.row_of(row);
         for tile in first..=last {
             let shift = tile * self.width;
             let (low, high) = ((from - shift).max(0), (to - shift).min(self.width));
@@ -94,70 +139,175 @@ impl Runs {
             }
         }
     }
+
+    /// The label at a place; none outside the exemplar.
+    fn at(&self, [x, y]: [i32; 2]) -> Option<u32> {
+        let [x, y] = if self.wrap { [x.rem_euclid(self.width), y.rem_euclid(self.height)] } else { [x, y] };
+        if !(0..self.width).contains(&x) || !(0..self.height).contains(&y) {
+            return None;
+        }
+        let runs = self.row_of(y);
+        runs.get(runs.partition_point(|r| r.0 <= x)).map(|r| r.1)
+    }
 }
 
 impl Model {
-    /// From a library.
-    pub(super) fn new(library: &Library) -> Self {
-        let map = library.arrangement.to_labels();
-        let (width, height) = (map.width as i32, map.height as i32);
-        let wrap = library.source.parameters.wrap;
-        let masks = Mask::all_of_labels(&map, library.primaries.len() + 1);
-        let mut shapes: Vec<Shape> = library
-            .primaries
-            .iter()
-            .zip(&masks[1..])
-            .map(|(p, mask)| {
-                let origin = p.centroid.map(|v| libm::round(v) as i32);
-                let mask = relative(mask, origin, wrap.then_some([width, height]));
-                let bounds = mask.bounds().map_or([0; 4], |b| [b.0, b.1, b.2, b.3]);
-                let (area, placeable) = (mask.area(), !p.clipped && !mask.is_empty());
-                Shape {
-                    mask,
-                    origin,
-                    bounds,
-                    area,
-                    category: usize::from(p.category.0),
-                    code: EMPTY,
-                    placeable,
-                }
-            })
-            .collect();
-        let mut members = vec![Vec::new(); library.categories.len()];
-        for (i, s) in shapes.iter().enumerate().filter(|(_, s)| s.placeable) {
-            members[s.category].push(i as u32);
+    /// From libraries, for the canvas and the variations that the parameters ask for.
+    pub(super) fn new(libraries: &[Library], params: &SynthParams) -> Self {
+        let variations = Variation::all(params);
+        let mut model = Self {
+            sources: Vec::new(),
+            primaries: Vec::new(),
+            members: Vec::new(),
+            half: 0,
+            reach: 0,
+            wanted: Vec::new(),
+            variations,
+            shapes: Vec::new(),
+        };
+        for library in libraries {
+            model.add(library, params);
         }
-        for s in &mut shapes {
-            if !members[s.category].is_empty() && s.category < usize::from(UNDEFINED - 1) {
-                s.code = s.category as u16 + 1;
+        model
+    }
+
+    fn add(&mut self, library: &Library, params: &SynthParams) {
+        let map = library.arrangement.to_labels();
+        let wrap = library.source.parameters.wrap;
+        let torus = wrap.then_some([map.width as i32, map.height as i32]);
+        let masks = Mask::all_of_labels(&map, library.primaries.len() + 1);
+        let (first, base) = (self.primaries.len() as u32, self.members.len());
+        self.members.resize(base + library.categories.len(), Vec::new());
+        // A texton as large as the period would meet itself.
+        let room = [(params.tile.x, params.width), (params.tile.y, params.height)]
+            .map(|(wrap, size)| if wrap { size as i32 } else { i32::MAX });
+        let growth = self.variations.iter().map(Variation::growth).fold(1.0, f64::max);
+        for (p, mask) in library.primaries.iter().zip(&masks[1..]) {
+            let origin = p.centroid.map(|v| libm::round(v) as i32);
+            let shape = Shape::new(relative(mask, origin, torus));
+            let b = shape.bounds;
+            let reach = b.map(i32::abs).into_iter().max().unwrap_or(0);
+            let [w, h] = if self.variations.len() > 1 { [2 * reach; 2] } else { [b[2] - b[0], b[3] - b[1]] };
+            let fits =
+                growth * f64::from(w) < f64::from(room[0]) && growth * f64::from(h) < f64::from(room[1]);
+            let placeable = !p.clipped && shape.area > 0 && fits;
+            let category = base + usize::from(p.category.0);
+            if placeable {
+                self.members[category].push(self.primaries.len() as u32);
+                self.reach = self.reach.max(libm::ceil(growth * f64::from(reach)) as i32);
+            }
+            let index = self.primaries.len() as u32 - first;
+            let library = self.sources.len();
+            self.primaries.push(Primary { library, index, origin, category, code: EMPTY, placeable });
+            self.shapes.push(OnceLock::from(shape));
+            self.shapes.extend((1..self.variations.len()).map(|_| OnceLock::new()));
+        }
+        for p in &mut self.primaries[first as usize..] {
+            if !self.members[p.category].is_empty() && p.category < usize::from(UNDEFINED - 1) {
+                p.code = p.category as u16 + 1;
             }
         }
-        let reach = shapes.iter().filter(|s| s.placeable).flat_map(|s| s.bounds.map(i32::abs)).max();
-        Self {
+        let count = self.members[base..].iter().map(Vec::len).sum::<usize>();
+        self.wanted.extend(wanted(library, &self.members[base..]));
+        self.half = self.half.max(library.descriptor_half as i32);
+        self.sources.push(Source {
+            primaries: first..self.primaries.len() as u32,
+            categories: base..self.members.len(),
             half: library.descriptor_half as i32,
-            reach: reach.unwrap_or(0),
-            wanted: wanted(library, &members),
+            density: count as f64 / (f64::from(map.width) * f64::from(map.height)),
             exemplar: Runs::new(&map, wrap),
-            shapes,
-            members,
+        });
+    }
+
+    /// The primary of a form.
+    pub(super) fn primary_of(&self, form: u32) -> u32 {
+        form / self.variations.len() as u32
+    }
+
+    /// What is known of the primary of a form.
+    pub(super) fn primary(&self, form: u32) -> &Primary {
+        &self.primaries[self.primary_of(form) as usize]
+    }
+
+    /// How a form differs from its primary.
+    pub(super) fn variation(&self, form: u32) -> &Variation {
+        &self.variations[form as usize % self.variations.len()]
+    }
+
+    /// A primary in the variation of another form.
+    pub(super) fn varied(&self, primary: u32, like: u32) -> u32 {
+        let count = self.variations.len() as u32;
+        primary * count + like % count
+    }
+
+    /// A primary in a variation drawn at random.
+    pub(super) fn form(&self, primary: u32, random: &mut crate::sampling::Stream) -> u32 {
+        let count = self.variations.len();
+        let variation = if count > 1 { random.index(count) } else { 0 };
+        primary * count as u32 + variation as u32
+    }
+
+    /// The shape of a form, made when first needed.
+    pub(super) fn shape(&self, form: u32) -> &Shape {
+        self.shapes[form as usize].get_or_init(|| {
+            let count = self.variations.len();
+            let plain = form as usize / count * count;
+            let plain =
+                &self.shapes[plain].get().expect("the first form of each primary is made at once").mask;
+            Shape::new(self.variation(form).of_mask(plain))
+        })
+    }
+
+    /// Calls `visit(y, x0, x1, label)` for the runs of the window around a form, relative to its
+    /// origin; label k is primary k - 1 of its library. Outside the exemplar there are none.
+    pub(super) fn window(&self, form: u32, mut visit: impl FnMut(i32, i32, i32, u32)) {
+        let primary = self.primary(form);
+        let Source { half, exemplar, .. } = &self.sources[primary.library];
+        let [ox, oy] = primary.origin;
+        let variation = self.variation(form);
+        for y in -half..=*half {
+            if variation.is_none() {
+                exemplar.row(oy + y, ox - half, ox + half + 1, |x0, x1, label| {
+                    visit(y, x0 - ox, x1 - ox, label);
+                });
+                continue;
+            }
+            let mut run: Option<(i32, u32)> = None;
+            for x in -half..=half + 1 {
+                let label = if x <= *half {
+                    let [dx, dy] = variation.back([x, y]);
+                    exemplar.at([ox + dx, oy + dy])
+                } else {
+                    None
+                };
+                if let Some((start, old)) = run
+                    && label != Some(old)
+                {
+                    visit(y, start, x, old);
+                    run = None;
+                }
+                if let (None, Some(label)) = (run, label) {
+                    run = Some((x, label));
+                }
+            }
         }
     }
 
-    /// Calls `visit(y, x0, x1, label)` for the runs of the window around a primary, relative to
-    /// its origin; outside the exemplar there are none.
-    pub(super) fn window(&self, primary: u32, mut visit: impl FnMut(i32, i32, i32, u32)) {
-        let [ox, oy] = self.shapes[primary as usize].origin;
-        for y in -self.half..=self.half {
-            self.exemplar.row(oy + y, ox - self.half, ox + self.half + 1, |x0, x1, label| {
-                visit(y, x0 - ox, x1 - ox, label);
-            });
-        }
-    }
-
-    /// Placeable textons per pixel of the exemplar.
+    /// Placeable textons per pixel, of all libraries on average.
     pub(super) fn density(&self) -> f64 {
-        let count = self.members.iter().map(Vec::len).sum::<usize>();
-        count as f64 / (f64::from(self.exemplar.width) * f64::from(self.exemplar.height))
+        self.sources.iter().map(|s| s.density).sum::<f64>() / self.sources.len() as f64
+    }
+
+    /// Mean area of the placeable primaries, in pixels.
+    pub(super) fn mean_area(&self) -> f64 {
+        let areas = self.members.iter().flatten().map(|&p| f64::from(self.plain(p).area));
+        let count = self.members.iter().map(Vec::len).sum::<usize>().max(1);
+        areas.sum::<f64>() / count as f64
+    }
+
+    /// The shape of a primary without variation.
+    pub(super) fn plain(&self, primary: u32) -> &Shape {
+        self.shape(primary * self.variations.len() as u32)
     }
 }
 

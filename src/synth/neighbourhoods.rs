@@ -1,9 +1,11 @@
 //! Small neighbourhoods of secondaries in the exemplar, and the cells that take them.
 
 use super::secondaries::origin;
+use super::variation::Variation;
 use crate::library::Library;
 use crate::raster::LabelMap;
 use crate::sampling::Stream;
+use crate::scene::Tile;
 
 /// Points in square buckets, to look up what is near. Positions are whole pixels.
 struct Buckets {
@@ -77,23 +79,54 @@ fn distance2(a: [i32; 2], b: [i32; 2]) -> i64 {
 
 /// Points of the canvas, each the owner of what lies nearest to it.
 pub(super) struct Sites {
+    /// The sites, then their copies on the other sides of seams.
     centres: Vec<[i32; 2]>,
+    /// Index of the site that a copy is of, from the first copy on.
+    copied: Vec<usize>,
     buckets: Buckets,
 }
 
 impl Sites {
-    /// Sites about `radius` pixels apart.
-    pub(super) fn new(centres: Vec<[i32; 2]>, radius: f64) -> Self {
+    /// Sites about `radius` pixels apart on a canvas that may repeat. What is asked about must lie
+    /// within twice the radius of the canvas.
+    pub(super) fn new(mut centres: Vec<[i32; 2]>, radius: f64, canvas: [f64; 2], tile: Tile) -> Self {
+        let mut copied = Vec::new();
+        let shifts = |wrap: bool, size: f64| {
+            let most = if wrap { libm::ceil(4.0 * radius / size) as i32 } else { 0 };
+            (-most..=most).map(move |k| k * size as i32)
+        };
+        for i in 0..centres.len() {
+            for dy in shifts(tile.y, canvas[1]) {
+                for dx in shifts(tile.x, canvas[0]) {
+                    let copy = [centres[i][0] + dx, centres[i][1] + dy];
+                    let near = |k: usize| {
+                        let v = f64::from(copy[k]);
+                        v >= -4.0 * radius && v <= canvas[k] + 4.0 * radius
+                    };
+                    if [dx, dy] != [0, 0] && near(0) && near(1) {
+                        centres.push(copy);
+                        copied.push(i);
+                    }
+                }
+            }
+        }
         let buckets = Buckets::new(&centres, radius);
-        Self { centres, buckets }
+        Self { centres, copied, buckets }
     }
 
-    /// The sites.
+    /// The sites, without copies.
     pub(super) fn centres(&self) -> &[[i32; 2]] {
-        &self.centres
+        &self.centres[..self.centres.len() - self.copied.len()]
     }
 
-    /// Index of the site nearest to a point, of those within two buckets; the first of equals.
+    /// The site that is nearest to a point, itself or by a copy.
+    pub(super) fn owner(&self, p: [i32; 2]) -> Option<usize> {
+        let (nearest, count) = (self.nearest(p), self.centres().len());
+        if nearest < count { Some(nearest) } else { self.copied.get(nearest - count).copied() }
+    }
+
+    /// Index of the site or copy nearest to a point, of those within two buckets; the first of
+    /// equals. Copies come after all sites.
     pub(super) fn nearest(&self, p: [i32; 2]) -> usize {
         let mut best = (i64::MAX, usize::MAX);
         self.buckets.near(p, 2, |i| {
@@ -139,11 +172,12 @@ impl Exemplar {
     }
 
     /// Of `candidates` secondaries drawn at random the one around which ground and primaries lie
-    /// most as they do around `here`, where `free` tells ground.
+    /// most as they do around `here`, where `free` tells ground, if they are varied.
     pub(super) fn best_source(
         &self,
         here: [i32; 2],
         candidates: usize,
+        variation: &Variation,
         free: impl Fn(i32, i32) -> bool,
         random: &mut Stream,
     ) -> u32 {
@@ -160,7 +194,8 @@ impl Exemplar {
             let source = self.sources[random.index(self.sources.len())];
             let [x, y] = self.origins[source as usize].map(i64::from);
             let ground = |p: &[i32; 2]| {
-                self.primaries.at(x + i64::from(p[0]), y + i64::from(p[1])).is_none_or(|label| label == 0)
+                let [u, v] = variation.back(*p).map(i64::from);
+                self.primaries.at(x + u, y + v).is_none_or(|label| label == 0)
             };
             let unlike = probes.iter().zip(&wanted).filter(|(p, w)| ground(p) != **w).count();
             // The first of equals, so that a plain ground takes what was drawn first.

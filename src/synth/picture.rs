@@ -22,8 +22,9 @@ pub(super) fn placed(map: &TargetMap<'_>) -> RgbImage {
 }
 
 fn canvas(map: &TargetMap<'_>, colour: impl Fn(usize) -> [u8; 3]) -> RgbImage {
-    let m = map.margin;
-    RgbImage::from_fn((map.width - 2 * m) as u32, (map.height - 2 * m) as u32, |x, y| {
-        Rgb(colour(map.index(x as i32 + m, y as i32 + m)))
+    let [mx, my] = map.grid.margin;
+    let [width, height] = map.grid.canvas();
+    RgbImage::from_fn(width as u32, height as u32, |x, y| {
+        Rgb(colour(map.grid.index(x as i32 + mx, y as i32 + my)))
     })
 }

@@ -9,11 +9,12 @@ use serde::Serialize;
 /// Coverage wanted and got, and what was done for it. Shares are of the canvas, 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// Share of the exemplar that primaries cover.
+    /// Share of the canvas that primaries should cover: for one library without maps and domain,
+    /// that of the exemplar.
     pub coverage_wanted: f64,
     /// Share of the canvas that primaries cover.
     pub coverage: f64,
-    /// The same by category, in the library's order.
+    /// The same by category, library by library in their order.
     pub categories: Vec<CategoryReport>,
     /// Primary textons placed.
     pub primaries: usize,
@@ -36,7 +37,7 @@ pub struct Report {
 /// Coverage of one category.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CategoryReport {
-    /// Share of the exemplar.
+    /// Share wanted of the canvas.
     pub wanted: f64,
     /// Share of the canvas that can be seen of it.
     pub got: f64,
@@ -44,21 +45,28 @@ pub struct CategoryReport {
 
 impl Report {
     pub(super) fn new(
-        library: &Library,
+        libraries: &[Library],
         map: &TargetMap<'_>,
         scene: &Scene,
         placement: primaries::Counts,
         correction: density::Counts,
     ) -> Self {
         let canvas = f64::from(scene.width) * f64::from(scene.height);
-        let category = |(c, covered): (&crate::library::Category, &u64)| CategoryReport {
-            wanted: c.coverage,
-            got: *covered as f64 / canvas,
+        let wanted = map.ground.wanted(map.model());
+        let wanted = |c: usize| wanted.iter().map(|zone| zone[c]).sum::<f64>() / canvas;
+        let plain = libraries.len() == 1 && map.ground.is_plain();
+        let category = |(c, category): (usize, &crate::library::Category)| CategoryReport {
+            // What cannot be placed is wanted too, where nothing but the exemplar says what is.
+            wanted: if plain { category.coverage } else { wanted(c) },
+            got: map.covered_by(c) as f64 / canvas,
         };
+        let all = libraries.iter().flat_map(|l| &l.categories);
+        let categories: Vec<CategoryReport> = all.enumerate().map(category).collect();
+        let sum = |of: fn(&CategoryReport) -> f64| categories.iter().map(of).sum::<f64>();
         Self {
-            coverage_wanted: library.coverage,
-            coverage: map.covered.iter().sum::<u64>() as f64 / canvas,
-            categories: library.categories.iter().zip(&map.covered).map(category).collect(),
+            coverage_wanted: if plain { libraries[0].coverage } else { sum(|c| c.wanted) },
+            coverage: sum(|c| c.got),
+            categories,
             primaries: scene.primary.len(),
             textons: scene.textons.iter().filter(|t| t.category.is_some()).count(),
             secondaries: scene.secondary.len(),

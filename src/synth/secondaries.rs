@@ -11,12 +11,14 @@
 
 use super::neighbourhoods::{Exemplar, Sites};
 use super::target::TargetMap;
+use super::variation::Variation;
 use crate::geometry::Point;
 use crate::library::{Library, Secondary};
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::sampling::{Area, poisson_disk, stream};
+use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::field::Interpolant;
+use crate::scene::{Ablation, SynthParams};
 
 /// Points per area of a Poisson-disk set of radius 1, as [`poisson_disk`] makes them (measured).
 const POISSON_DENSITY: f64 = 0.616;
@@ -30,106 +32,219 @@ const LEAST_VISIBLE: f64 = 0.3;
 const COLOUR_STEP: f64 = 5.0;
 
 /// A secondary texton on the canvas.
+#[derive(Clone, Copy)]
 pub(super) struct Placed {
+    /// Which library.
+    pub(super) library: usize,
     /// Index among the library's secondaries.
     pub(super) secondary: u32,
     /// Place of its origin, in whole pixels.
     pub(super) at: [i32; 2],
+    /// How it is varied.
+    pub(super) variation: Variation,
     /// Its colour.
     pub(super) colour: Colour,
 }
 
+/// A secondary of one library and its place, before it has a colour.
+#[derive(Clone, Copy)]
+struct Place {
+    secondary: u32,
+    at: [i32; 2],
+    variation: Variation,
+}
+
 /// Secondaries in the colour of the ground beneath them plus their own difference; as many per area
-/// of ground as in the exemplar. Those that primaries hide are left out.
-pub(super) fn place(library: &Library, map: &TargetMap<'_>, field: &Interpolant, seed: u64) -> Vec<Placed> {
-    let Some(radius) = radius(library) else { return Vec::new() };
-    let samples: Vec<Vec<[f64; 2]>> = library.secondaries.textons.iter().map(samples).collect();
-    let visible = |k: u32, at: [i32; 2]| visible(map, &samples[k as usize], at) >= LEAST_VISIBLE;
-    let mut places = neighbourhoods(library, map, radius, seed);
-    places.retain(|&(k, at)| visible(k, at));
-    fill_gaps(library, map, radius, seed, &mut places, visible);
-    let mut placed = parallel::map(&places, |&(k, at)| {
-        let difference = library.secondaries.textons[k as usize].difference;
-        let ground = field.at(f64::from(at[0]), f64::from(at[1]));
+/// of ground as in the exemplar, or as the map of densities says. Those that primaries hide are left
+/// out.
+pub(super) fn place(
+    libraries: &[Library],
+    map: &TargetMap<'_>,
+    field: &Interpolant,
+    params: &SynthParams,
+) -> Vec<Placed> {
+    if params.without(Ablation::Secondary) {
+        return Vec::new();
+    }
+    let lands = Lands::new(libraries, map, params.seed);
+    let mut placed = Vec::new();
+    for (number, library) in libraries.iter().enumerate() {
+        let Some(radius) = radius(library) else { continue };
+        let task = Task { number, library, map, radius, params };
+        for Place { secondary, at, variation } in task.places(&lands) {
+            let colour = Colour([0; 3]);
+            placed.push(Placed { library: number, secondary, at, variation, colour });
+        }
+    }
+    let mut placed = parallel::map(&placed, |p| {
+        let difference = libraries[p.library].secondaries.textons[p.secondary as usize].difference;
+        let ground = field.at(f64::from(p.at[0]), f64::from(p.at[1]));
         let colour = [0, 1, 2].map(|c| ground[c] + f64::from(difference[c]));
-        Placed { secondary: k, at, colour: coarse(colour) }
+        Placed { colour: coarse(colour), ..*p }
     });
     // Equal fills side by side, for smaller files; secondaries hardly overlap, so which of them is
     // painted first matters little. The order of the fills is mixed, so that no tone is always on top.
     placed.sort_by_key(|p| {
         let [r, g, b] = p.colour.0.map(u32::from);
-        ((r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1), p.at[1], p.at[0], p.secondary)
+        let colour = (r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1);
+        (colour, p.at[1], p.at[0], p.library, p.secondary)
     });
     placed
 }
 
-/// Size of the canvas, in pixels.
-fn canvas(map: &TargetMap<'_>) -> [f64; 2] {
-    [map.width, map.height].map(|side| f64::from(side - 2 * map.margin))
+/// Which library's secondaries stand where.
+struct Lands {
+    /// Sites and the library of each; none for a single library.
+    sites: Option<(Sites, Vec<usize>)>,
 }
 
-/// A secondary and its place for every secondary of the neighbourhoods chosen.
-fn neighbourhoods(library: &Library, map: &TargetMap<'_>, radius: f64, seed: u64) -> Vec<(u32, [i32; 2])> {
-    let reach = CELL * radius;
-    let [width, height] = canvas(map);
-    // Cells just outside reach in.
-    let domain = Area::plane(width + 2.0 * reach, height + 2.0 * reach);
-    let centres: Vec<[i32; 2]> = poisson_disk(domain, reach, &mut stream(seed, "synth/secondaries", 0))
-        .into_iter()
-        .map(|p| [0, 1].map(|c| libm::floor(p[c] - reach) as i32))
-        .collect();
-    let sites = Sites::new(centres, reach);
-    let exemplar = Exemplar::new(library, reach);
-    let free = |x: i32, y: i32| {
-        let (x, y) = (x + map.margin, y + map.margin);
-        !map.on_canvas(x, y) || !map.taken(map.index(x, y))
-    };
-    let indices: Vec<usize> = (0..sites.centres().len()).collect();
-    let cells = parallel::map(&indices, |&i| {
-        let here = sites.centres()[i];
-        let mut random = stream(seed, "synth/neighbourhood", i as u64);
-        let source = exemplar.best_source(here, CANDIDATES, free, &mut random);
-        let mut found = Vec::new();
-        exemplar.around(source, |k, offset| {
-            let at = [here[0] + offset[0], here[1] + offset[1]];
-            if sites.nearest(at) == i {
-                found.push((k, at));
-            }
-        });
-        found
-    });
-    cells.into_iter().flatten().collect()
-}
-
-/// Adds single secondaries, as far as possible from all others, until there are as many per area of
-/// free ground as in the exemplar.
-fn fill_gaps(
-    library: &Library,
-    map: &TargetMap<'_>,
-    radius: f64,
-    seed: u64,
-    places: &mut Vec<(u32, [i32; 2])>,
-    visible: impl Fn(u32, [i32; 2]) -> bool,
-) {
-    let [width, height] = canvas(map);
-    let covered: f64 = map.covered.iter().map(|&c| c as f64).sum();
-    let wanted = POISSON_DENSITY * (width * height - covered) / (radius * radius);
-    let missing = wanted - places.len() as f64;
-    if missing < 1.0 {
-        return;
+impl Lands {
+    /// Cells about as large as a neighbourhood, each given to a library by its share there.
+    fn new(libraries: &[Library], map: &TargetMap<'_>, seed: u64) -> Self {
+        let reach = libraries.iter().filter_map(radius).fold(f64::INFINITY, f64::min) * CELL;
+        if libraries.len() < 2 || !reach.is_finite() {
+            return Self { sites: None };
+        }
+        let mut random = stream(seed, "synth/secondaries/lands", 0);
+        let sites = scattered(map, reach, reach, &mut random);
+        let library = |p: &[i32; 2]| map.ground.draw_library(p.map(f64::from), &mut random);
+        let of = sites.centres().to_vec().iter().map(library).collect();
+        Self { sites: Some((sites, of)) }
     }
-    let sites = Sites::new(places.iter().map(|p| p.1).collect(), radius);
-    let mut random = stream(seed, "synth/secondaries/gaps", 0);
-    let mut gaps: Vec<[i32; 2]> = poisson_disk(Area::plane(width, height), radius, &mut random)
-        .into_iter()
-        .map(|p| p.map(|v| libm::floor(v) as i32))
-        .filter(|&at| !sites.any_within(at, radius))
-        .collect();
-    random.shuffle(&mut gaps);
-    let count = library.secondaries.textons.len();
-    let singles =
-        gaps.into_iter().map(|at| (random.index(count) as u32, at)).filter(|&(k, at)| visible(k, at));
-    places.extend(singles.take(missing as usize));
+
+    fn belongs(&self, at: [i32; 2], library: usize) -> bool {
+        self.sites.as_ref().is_none_or(|(sites, of)| sites.owner(at).is_some_and(|site| of[site] == library))
+    }
+}
+
+/// Sites of a Poisson-disk set over the canvas and, beyond borders, `outside` pixels more.
+fn scattered(map: &TargetMap<'_>, radius: f64, outside: f64, random: &mut Stream) -> Sites {
+    let (canvas, tile) = (map.grid.canvas(), map.grid.tile);
+    let margin = [tile.x, tile.y].map(|wrap| if wrap { 0.0 } else { outside });
+    let area = Area {
+        width: canvas[0] + 2.0 * margin[0],
+        height: canvas[1] + 2.0 * margin[1],
+        wrap_x: tile.x,
+        wrap_y: tile.y,
+    };
+    let centres = poisson_disk(area, radius, random).into_iter();
+    let centres = centres.map(|p| [0, 1].map(|k| libm::floor(p[k] - margin[k]) as i32)).collect();
+    Sites::new(centres, radius, canvas, tile)
+}
+
+/// The secondaries of one library.
+struct Task<'t, 'a> {
+    number: usize,
+    library: &'t Library,
+    map: &'t TargetMap<'a>,
+    /// Radius of the Poisson-disk set that holds as many as there are, in pixels.
+    radius: f64,
+    params: &'t SynthParams,
+}
+
+impl Task<'_, '_> {
+    fn places(&self, lands: &Lands) -> Vec<Place> {
+        let samples: Vec<Vec<[f64; 2]>> = self.library.secondaries.textons.iter().map(samples).collect();
+        let fits = |p: &Place| {
+            lands.belongs(p.at, self.number)
+                && visible(self.map, &samples[p.secondary as usize], p) >= LEAST_VISIBLE
+        };
+        let mut places = Vec::new();
+        if !self.params.without(Ablation::Neighbourhoods) {
+            places = self.neighbourhoods();
+            places.retain(&fits);
+        }
+        self.fill_gaps(&mut places, &fits);
+        places
+    }
+
+    /// Every secondary of the neighbourhoods chosen.
+    fn neighbourhoods(&self) -> Vec<Place> {
+        let (map, seed) = (self.map, self.params.seed);
+        let reach = CELL * self.radius;
+        // Each library has draws of its own; those of the first do not depend on the others.
+        let item = |i: usize| (self.number as u64) << 40 | i as u64;
+        // Cells just outside reach in.
+        let sites = scattered(map, reach, reach, &mut stream(seed, "synth/secondaries", item(0)));
+        let exemplar = Exemplar::new(self.library, reach);
+        let [mx, my] = map.grid.margin;
+        let free = |x: i32, y: i32| {
+            let at = [x + mx, y + my];
+            !map.inside(at) || map.grid.cell(at).is_none_or(|i| !map.taken(i))
+        };
+        let variations = &map.model().variations;
+        let indices: Vec<usize> = (0..sites.centres().len()).collect();
+        let cells = parallel::map(&indices, |&i| {
+            let here = sites.centres()[i];
+            let mut random = stream(seed, "synth/neighbourhood", item(i));
+            let variation = drawn(variations, &mut random);
+            let source = exemplar.best_source(here, CANDIDATES, &variation, free, &mut random);
+            let mut found = Vec::new();
+            exemplar.around(source, |secondary, offset| {
+                let [dx, dy] = variation.there(offset);
+                let at = [here[0] + dx, here[1] + dy];
+                if sites.nearest(at) == i {
+                    let density = map.ground.density(at.map(f64::from));
+                    if density >= 1.0 || random.chance(density) {
+                        found.push(Place { secondary, at: self.canonical(at), variation });
+                    }
+                }
+            });
+            found
+        });
+        cells.into_iter().flatten().collect()
+    }
+
+    /// A place of the canvas in its canonical period.
+    fn canonical(&self, at: [i32; 2]) -> [i32; 2] {
+        let [mx, my] = self.map.grid.margin;
+        let [x, y] = self.map.grid.canonical([at[0] + mx, at[1] + my]);
+        [x - mx, y - my]
+    }
+
+    /// Adds single secondaries, as far as possible from all others, until there are as many per
+    /// area of free ground as wanted.
+    fn fill_gaps(&self, places: &mut Vec<Place>, fits: impl Fn(&Place) -> bool) {
+        let (map, radius) = (self.map, self.radius);
+        let categories = map.model().sources[self.number].categories.clone();
+        let ground = |zone: usize| {
+            let covered: u64 = map.covered[zone][categories.clone()].iter().sum();
+            map.ground.level(zone) * (map.ground.area(zone, self.number) - covered as f64).max(0.0)
+        };
+        let zones = 0..map.ground.zone_count();
+        let wanted = POISSON_DENSITY * zones.clone().map(ground).sum::<f64>() / (radius * radius);
+        let missing = wanted - places.len() as f64;
+        if missing < 1.0 {
+            return;
+        }
+        // Where more is wanted than in the exemplar, single ones stand closer.
+        let closer = |density: f64| radius / libm::sqrt(density.max(1.0));
+        let used = zones.filter(|&z| map.ground.area(z, self.number) > 0.0);
+        let densest = used.map(|z| map.ground.level(z)).fold(1.0, f64::max);
+        let (canvas, tile) = (map.grid.canvas(), map.grid.tile);
+        let sites = Sites::new(places.iter().map(|p| p.at).collect(), radius, canvas, tile);
+        let item = (self.number as u64) << 40;
+        let mut random = stream(self.params.seed, "synth/secondaries/gaps", item);
+        let mut gaps = scattered(map, closer(densest), 0.0, &mut random).centres().to_vec();
+        gaps.retain(|&at| {
+            let density = map.ground.density(at.map(f64::from));
+            !sites.any_within(at, closer(density)) && (density >= 1.0 || random.chance(density))
+        });
+        random.shuffle(&mut gaps);
+        let count = self.library.secondaries.textons.len();
+        let variations = &map.model().variations;
+        let single = |at| {
+            let secondary = random.index(count) as u32;
+            Place { secondary, at, variation: drawn(variations, &mut random) }
+        };
+        let singles = gaps.into_iter().map(single).filter(fits);
+        places.extend(singles.take(missing as usize));
+    }
+}
+
+/// A variation drawn at random; draws nothing where there is one.
+fn drawn(variations: &[Variation], random: &mut Stream) -> Variation {
+    if let [only] = variations { *only } else { variations[random.index(variations.len())] }
 }
 
 /// The colour in steps of [`COLOUR_STEP`], too small to be seen on a speck.
@@ -164,11 +279,12 @@ fn samples(secondary: &Secondary) -> Vec<[f64; 2]> {
     std::iter::once(Point::new(cx, cy)).chain(ends).map(inner).collect()
 }
 
-/// Share of the points that lie on the canvas and that no primary covers.
-fn visible(map: &TargetMap<'_>, samples: &[[f64; 2]], at: [i32; 2]) -> f64 {
+/// Share of the points that lie where is to be filled and that no primary covers.
+fn visible(map: &TargetMap<'_>, samples: &[[f64; 2]], place: &Place) -> f64 {
     let free = |p: &&[f64; 2]| {
-        let [x, y] = [0, 1].map(|c| at[c] + map.margin + libm::floor(p[c]) as i32);
-        map.on_canvas(x, y) && !map.taken(map.index(x, y))
+        let p = place.variation.of_point(**p);
+        let at = [0, 1].map(|k| place.at[k] + map.grid.margin[k] + libm::floor(p[k]) as i32);
+        map.inside(at) && map.grid.cell(at).is_some_and(|i| !map.taken(i))
     };
     samples.iter().filter(free).count() as f64 / samples.len() as f64
 }

@@ -3,10 +3,15 @@
 //! Cells are canvas pixels. Besides its state every cell knows its owner, the request or the
 //! placed texton that it belongs to, so the region of a request needs no search and textons can be
 //! taken away again. What one placement costs depends on the size of its descriptor alone.
+//!
+//! Where libraries share a canvas a descriptor writes only on land in which its library has a part.
 
+use super::grid::Grid;
+use super::ground::Ground;
 use super::model::{EMPTY, Model, UNDEFINED};
 use super::sums::Sums;
 use crate::raster::Span;
+use crate::scene::Edge;
 use std::ops::Range;
 
 /// Owners from here on are requests, smaller ones placed textons; see [`NOBODY`].
@@ -21,10 +26,12 @@ const WIDEST_MARGIN: i32 = 256;
 /// A placed texton.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
-    /// Index of the primary.
-    pub(super) primary: u32,
+    /// Which form.
+    pub(super) form: u32,
     /// Place of its origin on the map, in pixels.
     pub(super) at: [i32; 2],
+    /// Its score when it was placed, per pixel of its area.
+    pub(super) score: f32,
     /// Cells of it that no other texton covers.
     pub(super) visible: u32,
     /// Cells of it on the map.
@@ -36,8 +43,8 @@ pub(super) struct Placed {
 /// A texton asked for by a descriptor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Request {
-    /// The primary that stands there in the exemplar.
-    pub(super) primary: u32,
+    /// The form that stands there in the exemplar.
+    pub(super) form: u32,
     /// Place of its origin on the map, in pixels.
     pub(super) at: [i32; 2],
     /// Cells it asked for at first.
@@ -47,12 +54,10 @@ pub(super) struct Request {
 /// The target map.
 pub(super) struct TargetMap<'a> {
     model: &'a Model,
-    /// Width of the map, in cells.
-    pub(super) width: i32,
-    /// Height of the map, in cells.
-    pub(super) height: i32,
-    /// Cells around the canvas on each side.
-    pub(super) margin: i32,
+    /// What is wanted where.
+    pub(super) ground: &'a Ground<'a>,
+    /// The cells.
+    pub(super) grid: Grid,
     /// [`UNDEFINED`], [`EMPTY`], or category + 1, of requests and placed textons alike.
     pub(super) state: Vec<u16>,
     /// Index of a placed texton, [`REQUESTS`] + index of a request, or [`NOBODY`].
@@ -62,8 +67,8 @@ pub(super) struct TargetMap<'a> {
     requests: Vec<Request>,
     /// Weight of each request in the draw.
     weights: Sums,
-    /// Visible cells on the canvas, by category.
-    pub(super) covered: Vec<u64>,
+    /// Visible cells to be filled, by zone and category.
+    pub(super) covered: Vec<Vec<u64>>,
     bins: Vec<Vec<u32>>,
     seen: Vec<u32>,
     scratch: Vec<u16>,
@@ -76,27 +81,28 @@ pub(super) struct Region {
 }
 
 impl<'a> TargetMap<'a> {
-    /// A map of undefined cells for a canvas.
-    pub(super) fn new(model: &'a Model, width: u32, height: u32) -> Self {
-        let margin = (model.reach + 2).min(WIDEST_MARGIN);
-        let (width, height) = (width as i32 + 2 * margin, height as i32 + 2 * margin);
-        let count = width as usize * height as usize;
-        let bins = (width / BIN + 1) as usize * (height / BIN + 1) as usize;
+    /// A map of undefined cells.
+    pub(super) fn new(model: &'a Model, ground: &'a Ground<'a>, grid: Grid) -> Self {
+        let bins = columns(grid.width) as usize * columns(grid.height) as usize;
         Self {
             model,
-            width,
-            height,
-            margin,
-            state: vec![UNDEFINED; count],
-            owner: vec![NOBODY; count],
+            ground,
+            state: vec![UNDEFINED; grid.len()],
+            owner: vec![NOBODY; grid.len()],
             placed: Vec::new(),
             requests: Vec::new(),
             weights: Sums::default(),
-            covered: vec![0; model.members.len()],
+            covered: vec![vec![0; model.members.len()]; ground.zone_count()],
             bins: vec![Vec::new(); bins],
-            seen: vec![0; model.shapes.len()],
+            seen: vec![0; model.primaries.len()],
             scratch: Vec::new(),
+            grid,
         }
+    }
+
+    /// The grid for a canvas: margins wide enough for textons that reach in from outside.
+    pub(super) fn grid(model: &Model, width: u32, height: u32, tile: crate::scene::Tile) -> Grid {
+        Grid::new([width, height], tile, (model.reach + 2).min(WIDEST_MARGIN))
     }
 
     /// The model that textons are taken from.
@@ -104,85 +110,64 @@ impl<'a> TargetMap<'a> {
         self.model
     }
 
-    /// Index of a cell.
-    pub(super) fn index(&self, x: i32, y: i32) -> usize {
-        y as usize * self.width as usize + x as usize
+    /// The zone of a cell of `canvas`; none if it is elsewhere or not to be filled.
+    fn zone(&self, i: usize, canvas: &Range<usize>) -> Option<usize> {
+        if canvas.contains(&i) { self.ground.zone(i) } else { None }
     }
 
-    /// Whether a cell lies on the canvas.
-    pub(super) fn on_canvas(&self, x: i32, y: i32) -> bool {
-        let inside = |v: i32, size: i32| (self.margin..size - self.margin).contains(&v);
-        inside(x, self.width) && inside(y, self.height)
+    /// Whether a place lies on the canvas and is to be filled.
+    pub(super) fn inside(&self, at: [i32; 2]) -> bool {
+        let cell = self.grid.cell(at);
+        cell.is_some_and(|i| self.zone(i, &self.grid.canvas_part(&(i..i + 1))).is_some())
     }
 
-    /// The cells of a span moved to a place, as far as they are on the map.
-    pub(super) fn cells(&self, span: Span, at: [i32; 2]) -> Range<usize> {
-        let y = span.y + at[1];
-        let (x0, x1) = ((span.x0 + at[0]).max(0), (span.x1 + at[0]).min(self.width));
-        if !(0..self.height).contains(&y) || x0 >= x1 {
-            return 0..0;
-        }
-        let first = self.index(x0, y);
-        first..first + (x1 - x0) as usize
-    }
-
-    /// The part of a range of cells, all in one row, that is on the canvas.
-    pub(super) fn canvas_part(&self, cells: &Range<usize>) -> Range<usize> {
-        let (y, x) = ((cells.start / self.width as usize) as i32, (cells.start % self.width as usize) as i32);
-        if !(self.margin..self.height - self.margin).contains(&y) {
-            return 0..0;
-        }
-        let shift = cells.start as i64 - i64::from(x);
-        let (low, high) = (shift + i64::from(self.margin), shift + i64::from(self.width - self.margin));
-        let (first, last) = ((low as usize).max(cells.start), (high as usize).min(cells.end));
-        first..last.max(first)
+    /// Visible cells to be filled of a category, in all zones.
+    pub(super) fn covered_by(&self, category: usize) -> u64 {
+        self.covered.iter().map(|zone| zone[category]).sum()
     }
 
     /// Whether texton `a` is painted over texton `b`: small over large, later over earlier, so
     /// that as little as possible is hidden.
     fn above(&self, a: u32, b: u32) -> bool {
-        let area = |i: u32| self.model.shapes[self.placed[i as usize].primary as usize].area;
+        let area = |i: u32| self.model.shape(self.placed[i as usize].form).area;
         (area(b), a) > (area(a), b)
     }
 
     /// Places a texton and its descriptor (paper, algorithm 2). Gives its index.
-    pub(super) fn place(&mut self, primary: u32, at: [i32; 2]) -> u32 {
-        let id = self.stand(primary, at);
-        self.write_descriptor(primary, at);
+    pub(super) fn place(&mut self, form: u32, at: [i32; 2], score: f32) -> u32 {
+        let id = self.stand(form, at, score);
+        self.write_descriptor(id);
         id
     }
 
     /// Places a texton without its descriptor. Gives its index.
-    pub(super) fn stand(&mut self, primary: u32, at: [i32; 2]) -> u32 {
+    pub(super) fn stand(&mut self, form: u32, at: [i32; 2], score: f32) -> u32 {
         let model = self.model;
-        let shape = &model.shapes[primary as usize];
+        let shape = model.shape(form);
+        let at = self.grid.canonical(at);
         let id = self.placed.len() as u32;
-        self.placed.push(Placed { primary, at, visible: 0, cells: 0, removed: false });
+        self.placed.push(Placed { form, at, score, visible: 0, cells: 0, removed: false });
         let mut touched = Vec::new();
         for &span in shape.mask.spans() {
-            let cells = self.cells(span, at);
-            let canvas = self.canvas_part(&cells);
-            self.placed[id as usize].cells += cells.len() as u32;
-            for i in cells {
-                let owner = self.owner[i];
-                if owner >= REQUESTS {
-                    if owner != NOBODY && touched.last() != Some(&owner) {
-                        touched.push(owner);
+            for cells in self.grid.cells(span, at) {
+                let canvas = self.grid.canvas_part(&cells);
+                self.placed[id as usize].cells += cells.len() as u32;
+                for i in cells {
+                    let owner = self.owner[i];
+                    if owner >= REQUESTS {
+                        if owner != NOBODY && touched.last() != Some(&owner) {
+                            touched.push(owner);
+                        }
+                    } else if self.above(owner, id) {
+                        continue;
+                    } else {
+                        self.disown(i, &canvas);
                     }
-                } else if self.above(owner, id) {
-                    continue;
-                } else {
-                    let below = &mut self.placed[owner as usize];
-                    below.visible -= 1;
-                    if canvas.contains(&i) {
-                        self.covered[model.shapes[below.primary as usize].category] -= 1;
-                    }
+                    self.own(i, id, &canvas);
                 }
-                self.own(i, id, &canvas);
             }
         }
-        let bins = self.bins_at(shape.bounds, at);
-        for bin in bins {
+        for bin in self.bins_at(shape.bounds, at) {
             self.bins[bin].push(id);
         }
         touched.sort_unstable();
@@ -197,26 +182,35 @@ impl<'a> TargetMap<'a> {
     fn own(&mut self, i: usize, id: u32, canvas: &Range<usize>) {
         let texton = &mut self.placed[id as usize];
         texton.visible += 1;
-        let shape = &self.model.shapes[texton.primary as usize];
+        let primary = self.model.primary(texton.form);
         self.owner[i] = id;
-        self.state[i] = shape.code;
-        if canvas.contains(&i) {
-            self.covered[shape.category] += 1;
+        self.state[i] = primary.code;
+        if let Some(zone) = self.zone(i, canvas) {
+            self.covered[zone][primary.category] += 1;
+        }
+    }
+
+    /// Makes a cell of a placed texton one that cannot be seen.
+    fn disown(&mut self, i: usize, canvas: &Range<usize>) {
+        let below = &mut self.placed[self.owner[i] as usize];
+        below.visible -= 1;
+        let category = self.model.primary(below.form).category;
+        if let Some(zone) = self.zone(i, canvas) {
+            self.covered[zone][category] -= 1;
         }
     }
 
     /// Takes a texton away; what it hid comes to light, the rest of its cells become empty.
     pub(super) fn remove(&mut self, id: u32) {
         let model = self.model;
-        let Placed { primary, at, .. } = self.placed[id as usize];
-        let shape = &model.shapes[primary as usize];
+        let Placed { form, at, .. } = self.placed[id as usize];
+        let shape = model.shape(form);
         for &span in shape.mask.spans() {
-            let cells = self.cells(span, at);
-            let canvas = self.canvas_part(&cells);
-            for i in cells.filter(|&i| self.owner[i] == id).collect::<Vec<_>>() {
-                (self.owner[i], self.state[i]) = (NOBODY, EMPTY);
-                if canvas.contains(&i) {
-                    self.covered[shape.category] -= 1;
+            for cells in self.grid.cells(span, at) {
+                let canvas = self.grid.canvas_part(&cells);
+                for i in cells.filter(|&i| self.owner[i] == id).collect::<Vec<_>>() {
+                    self.disown(i, &canvas);
+                    (self.owner[i], self.state[i]) = (NOBODY, EMPTY);
                 }
             }
         }
@@ -232,88 +226,119 @@ impl<'a> TargetMap<'a> {
             |&a, &b| if self.above(a, b) { std::cmp::Ordering::Less } else { std::cmp::Ordering::Greater },
         );
         for other in near {
-            let Placed { primary, at: place, .. } = self.placed[other as usize];
-            let other_shape = &model.shapes[primary as usize];
-            if !overlap(shape.bounds, at, other_shape.bounds, place) {
+            let Placed { form, at: place, .. } = self.placed[other as usize];
+            let other_shape = model.shape(form);
+            if !self.grid.boxes_meet(shape.bounds, at, other_shape.bounds, place) {
                 continue;
             }
             for &span in other_shape.mask.spans() {
-                let cells = self.cells(span, place);
-                let canvas = self.canvas_part(&cells);
-                for i in cells {
-                    if self.owner[i] == NOBODY {
-                        self.own(i, other, &canvas);
+                for cells in self.grid.cells(span, place) {
+                    let canvas = self.grid.canvas_part(&cells);
+                    for i in cells {
+                        if self.owner[i] == NOBODY {
+                            self.own(i, other, &canvas);
+                        }
                     }
                 }
             }
         }
-        let texton = &mut self.placed[id as usize];
-        (texton.visible, texton.removed) = (0, true);
+        self.placed[id as usize].removed = true;
     }
 
-    /// Writes what the exemplar holds around a primary wherever nothing is known yet.
-    fn write_descriptor(&mut self, primary: u32, at: [i32; 2]) {
+    /// Writes what the exemplar holds around a placed texton wherever nothing is known yet.
+    pub(super) fn write_descriptor(&mut self, id: u32) {
         let model = self.model;
+        let Placed { form, at, .. } = self.placed[id as usize];
+        let own = model.primary_of(form);
+        let source = &model.sources[model.primaries[own as usize].library];
+        let first = source.primaries.start;
+        // On a small torus a window would come around to itself.
+        let half = |wrap: bool, size: i32| if wrap { source.half.min((size - 1) / 2) } else { source.half };
+        let half = [half(self.grid.tile.x, self.grid.width), half(self.grid.tile.y, self.grid.height)];
         let mut neighbours = Vec::new();
-        let stamp = self.placed.len() as u32;
-        model.window(primary, |y, x0, x1, label| {
-            if label == 0 {
-                self.clear_undefined(self.cells(Span { y, x0, x1 }, at));
-            } else if self.seen[label as usize - 1] != stamp {
-                self.seen[label as usize - 1] = stamp;
-                neighbours.push(label - 1);
+        let stamp = id + 1;
+        model.window(form, |y, x0, x1, label| {
+            let (x0, x1) = (x0.max(-half[0]), x1.min(half[0] + 1));
+            if y.abs() > half[1] || x0 >= x1 {
+            } else if label == 0 {
+                self.clear_undefined(Span { y, x0, x1 }, at, form);
+            } else if self.seen[(first + label - 1) as usize] != stamp {
+                self.seen[(first + label - 1) as usize] = stamp;
+                neighbours.push(first + label - 1);
             }
         });
-        let [ox, oy] = model.shapes[primary as usize].origin;
+        let origin = model.primaries[own as usize].origin;
         for neighbour in neighbours {
-            if neighbour == primary {
+            if neighbour == own {
                 continue;
             }
-            let shape = &model.shapes[neighbour as usize];
-            let place = [at[0] + shape.origin[0] - ox, at[1] + shape.origin[1] - oy];
-            if shape.code == EMPTY {
-                for &span in shape.mask.spans() {
-                    self.clear_undefined(self.cells(span, place));
+            let primary = &model.primaries[neighbour as usize];
+            let away = [primary.origin[0] - origin[0], primary.origin[1] - origin[1]];
+            let away = model.variation(form).there(away);
+            let place = [at[0] + away[0], at[1] + away[1]];
+            let neighbour = model.varied(neighbour, form);
+            if primary.code == EMPTY {
+                for &span in model.shape(neighbour).mask.spans() {
+                    self.clear_undefined(span, place, form);
                 }
-            } else if shape.placeable {
+            } else if primary.placeable {
                 self.request(neighbour, place);
             }
             // Of a texton cut by the border nobody knows what it looks like: left undefined.
         }
     }
 
-    fn clear_undefined(&mut self, cells: Range<usize>) {
-        for state in &mut self.state[cells] {
-            if *state == UNDEFINED {
-                *state = EMPTY;
+    /// Makes undefined cells of a span empty, on the land of a form's library.
+    fn clear_undefined(&mut self, span: Span, at: [i32; 2], form: u32) {
+        let library = self.model.primary(form).library;
+        for cells in self.grid.cells(span, at) {
+            if self.ground.is_shared() {
+                for i in cells {
+                    if self.state[i] == UNDEFINED && self.ground.admits(i, library) {
+                        self.state[i] = EMPTY;
+                    }
+                }
+            } else {
+                for state in &mut self.state[cells] {
+                    if *state == UNDEFINED {
+                        *state = EMPTY;
+                    }
+                }
             }
         }
     }
 
-    /// Asks for a texton like `primary`, unless half of it or more is known already: then the
-    /// rest is left for other descriptors to define.
-    fn request(&mut self, primary: u32, at: [i32; 2]) {
-        let shape = &self.model.shapes[primary as usize];
-        let free = |cells: Range<usize>| self.state[cells].iter().filter(|&&s| s == UNDEFINED).count() as u32;
-        let cells: u32 = shape.mask.spans().iter().map(|&s| free(self.cells(s, at))).sum();
+    /// Asks for a texton like `form`, unless half of it or more is known already: then the rest is
+    /// left for other descriptors to define.
+    fn request(&mut self, form: u32, at: [i32; 2]) {
+        let model = self.model;
+        let (shape, primary) = (model.shape(form), model.primary(form));
+        let ground = self.ground;
+        let free = |state: u16, i: usize| state == UNDEFINED && ground.admits(i, primary.library);
+        let mut cells = 0;
+        for &span in shape.mask.spans() {
+            for run in self.grid.cells(span, at) {
+                cells += run.filter(|&i| free(self.state[i], i)).count() as u32;
+            }
+        }
         if cells * 2 <= shape.area {
             return;
         }
         let id = self.requests.len() as u32;
         for &span in shape.mask.spans() {
-            for i in self.cells(span, at) {
-                if self.state[i] == UNDEFINED {
-                    (self.state[i], self.owner[i]) = (shape.code, REQUESTS + id);
+            for i in self.grid.cells(span, at).flatten() {
+                if free(self.state[i], i) {
+                    (self.state[i], self.owner[i]) = (primary.code, REQUESTS + id);
                 }
             }
         }
-        self.requests.push(Request { primary, at, cells });
+        self.requests.push(Request { form, at, cells });
         self.weights.push(0);
         self.weigh(id);
     }
 
-    /// Sets the weight of a request: the sum of distances to its border, zero if none of it is on
-    /// the canvas. A request of which less than half is left is dropped.
+    /// Sets the weight of a request: the sum of distances to its border, zero if none of it is to be
+    /// filled. A request of which less than half is left is dropped.
     fn weigh(&mut self, request: u32) {
         let region = self.region(request);
         let asked = self.requests[request as usize].cells as usize;
@@ -321,17 +346,18 @@ impl<'a> TargetMap<'a> {
             self.drop_request(request);
             return;
         }
-        let seen = region.cells.iter().any(|&([x, y], _)| self.on_canvas(x, y));
+        let seen = region.cells.iter().any(|&(cell, _)| self.inside(cell));
         let weight = if seen { region.cells.iter().map(|c| u64::from(c.1)).sum() } else { 0 };
         self.weights.set(request as usize, weight);
     }
 
     /// Makes what is left of a request empty.
     pub(super) fn drop_request(&mut self, request: u32) {
-        let Request { primary, at, .. } = self.requests[request as usize];
+        let Request { form, at, .. } = self.requests[request as usize];
         self.weights.set(request as usize, 0);
-        for &span in self.model.shapes[primary as usize].mask.spans() {
-            for i in self.cells(span, at) {
+        let model = self.model;
+        for &span in model.shape(form).mask.spans() {
+            for i in self.grid.cells(span, at).flatten() {
                 if self.owner[i] == REQUESTS + request {
                     (self.owner[i], self.state[i]) = (NOBODY, EMPTY);
                 }
@@ -356,8 +382,8 @@ impl<'a> TargetMap<'a> {
 
     /// The cells of a request that are still asked for.
     pub(super) fn region(&mut self, request: u32) -> Region {
-        let Request { primary, at, .. } = self.requests[request as usize];
-        let shape = &self.model.shapes[primary as usize];
+        let Request { form, at, .. } = self.requests[request as usize];
+        let shape = self.model.shape(form);
         let [x0, y0, x1, y1] = shape.bounds;
         // City-block distances in two passes over the box, with a frame of zeros around it.
         let (w, h) = ((x1 - x0 + 2) as usize, (y1 - y0 + 2) as usize);
@@ -366,12 +392,15 @@ impl<'a> TargetMap<'a> {
         distance.resize(w * h, 0);
         let mut cells = Vec::new();
         for &span in shape.mask.spans() {
-            for i in self.cells(span, at) {
-                if self.owner[i] == REQUESTS + request {
-                    let (x, y) = ((i % self.width as usize) as i32, (i / self.width as usize) as i32);
-                    let local = (y - at[1] - y0 + 1) as usize * w + (x - at[0] - x0 + 1) as usize;
-                    distance[local] = distance[local - 1].min(distance[local - w]).saturating_add(1);
-                    cells.push(([x, y], local));
+            for part in self.grid.parts(span, at) {
+                let [mut x, y] = part.at;
+                for i in part.cells {
+                    if self.owner[i] == REQUESTS + request {
+                        let local = (y - at[1] - y0 + 1) as usize * w + (x - at[0] - x0 + 1) as usize;
+                        distance[local] = distance[local - 1].min(distance[local - w]).saturating_add(1);
+                        cells.push(([x, y], local));
+                    }
+                    x += 1;
                 }
             }
         }
@@ -392,8 +421,8 @@ impl<'a> TargetMap<'a> {
         for bin in self.bins_at([-reach, -reach, reach + 1, reach + 1], at) {
             for &id in &self.bins[bin] {
                 let other = &self.placed[id as usize];
-                if other.primary == primary {
-                    let [dx, dy] = [0, 1].map(|k| i64::from(other.at[k] - at[k]));
+                if self.model.primary_of(other.form) == primary {
+                    let [dx, dy] = self.grid.way(at, other.at).map(i64::from);
                     if dx * dx + dy * dy <= nearest {
                         (nearest, found) = (dx * dx + dy * dy, true);
                     }
@@ -403,20 +432,30 @@ impl<'a> TargetMap<'a> {
         found.then(|| libm::sqrt(nearest as f64))
     }
 
-    /// The bins that a box around a place touches.
+    /// The bins that a box around a place touches, each once.
     fn bins_at(&self, bounds: [i32; 4], at: [i32; 2]) -> impl Iterator<Item = usize> + use<> {
-        let clamp = |v: i32, size: i32| v.clamp(0, size - 1) / BIN;
-        let (x0, x1) = (clamp(at[0] + bounds[0], self.width), clamp(at[0] + bounds[2] - 1, self.width));
-        let (y0, y1) = (clamp(at[1] + bounds[1], self.height), clamp(at[1] + bounds[3] - 1, self.height));
-        let columns = self.width / BIN + 1;
-        (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| (y * columns + x) as usize))
+        let axis = |low: i32, high: i32, size: i32, wrap: bool| {
+            let count = columns(size);
+            if !wrap {
+                let (first, last) = (low.clamp(0, size - 1) / BIN, (high - 1).clamp(0, size - 1) / BIN);
+                return (first, last - first + 1, count);
+            }
+            let first = low.rem_euclid(size) / BIN;
+            let last = (high - 1).rem_euclid(size) / BIN;
+            let whole = high - low >= size || (first == last && high - low > BIN);
+            (first, if whole { count } else { (last - first).rem_euclid(count) + 1 }, count)
+        };
+        let (x, w, columns) = axis(at[0] + bounds[0], at[0] + bounds[2], self.grid.width, self.grid.tile.x);
+        let (y, h, rows) = axis(at[1] + bounds[1], at[1] + bounds[3], self.grid.height, self.grid.tile.y);
+        let cell = move |j: i32, i: i32| ((y + j) % rows * columns + (x + i) % columns) as usize;
+        (0..h).flat_map(move |j| (0..w).map(move |i| cell(j, i)))
     }
 
     /// Indices of the textons that stand, in painting order.
     pub(super) fn painting_order(&self) -> Vec<u32> {
         let mut order: Vec<u32> =
             (0..self.placed.len() as u32).filter(|&i| !self.placed[i as usize].removed).collect();
-        let area = |i: u32| self.model.shapes[self.placed[i as usize].primary as usize].area;
+        let area = |i: u32| self.model.shape(self.placed[i as usize].form).area;
         order.sort_by_key(|&i| (std::cmp::Reverse(area(i)), i));
         order
     }
@@ -425,9 +464,32 @@ impl<'a> TargetMap<'a> {
     pub(super) fn taken(&self, i: usize) -> bool {
         self.owner[i] < REQUESTS
     }
+
+    /// How many cells of a form at a place are to be filled.
+    pub(super) fn cells_inside(&self, form: u32, at: [i32; 2]) -> u32 {
+        let runs = self.model.shape(form).mask.spans().iter().flat_map(|&s| self.grid.cells(s, at));
+        runs.map(|cells| {
+            let canvas = self.grid.canvas_part(&cells);
+            if self.ground.is_plain() {
+                canvas.len() as u32
+            } else {
+                canvas.filter(|&i| self.ground.zone(i).is_some()).count() as u32
+            }
+        })
+        .sum()
+    }
+
+    /// Whether the edge allows a form at a place.
+    pub(super) fn allows(&self, form: u32, at: [i32; 2]) -> bool {
+        match self.ground.edge {
+            Edge::Clip => true,
+            Edge::Keep => self.inside(at),
+            Edge::Avoid => self.inside(at) && self.cells_inside(form, at) == self.model.shape(form).area,
+        }
+    }
 }
 
-/// Whether two boxes, each around its place, have a cell in common.
-fn overlap(a: [i32; 4], at: [i32; 2], b: [i32; 4], place: [i32; 2]) -> bool {
-    (0..2).all(|k| a[k] + at[k] < b[k + 2] + place[k] && b[k] + place[k] < a[k + 2] + at[k])
+/// Number of bins along a side.
+fn columns(size: i32) -> i32 {
+    (size - 1) / BIN + 1
 }

@@ -1,12 +1,12 @@
 //! Properties of whole synthesised scenes.
 
 use super::testing::{library, mosaic};
-use super::{Controls, Report, model, reconstruct, synthesize, synthesize_with, target};
+use super::{Controls, Report, ground, model, reconstruct, synthesize, synthesize_with, target};
 use crate::document::Document;
 use crate::error::Error;
 use crate::library::Library;
 use crate::raster::LabelMap;
-use crate::scene::{Scene, SynthParams};
+use crate::scene::{Scene, SynthParams, Tile};
 
 fn params(width: u32, height: u32, seed: u64) -> SynthParams {
     SynthParams { width, height, seed, ..SynthParams::default() }
@@ -18,10 +18,10 @@ fn run(library: &Library, params: &SynthParams) -> (Scene, Report) {
 
 /// The placed textons of a scene painted on a map of instance indices, from 1.
 fn painted(library: &Library, scene: &Scene) -> LabelMap {
-    let shapes = model::Model::new(library).shapes;
+    let model = model::Model::new(std::slice::from_ref(library), &SynthParams::default());
     let mut map = LabelMap::filled(scene.width, scene.height, 0);
     for (i, instance) in scene.primary.iter().enumerate() {
-        let shape = &shapes[scene.textons[instance.texton as usize].source as usize];
+        let shape = model.shape(scene.textons[instance.texton as usize].source);
         let moved = shape.mask.shifted(instance.transform[4] as i32, instance.transform[5] as i32);
         for (x, y) in moved.pixels() {
             if map.at(i64::from(x), i64::from(y)).is_some() {
@@ -98,10 +98,10 @@ fn little_is_hidden() {
         let (scene, _) = run(&library, &params(400, 400, 7));
         let map = painted(&library, &scene);
         let areas = map.areas();
-        let model = model::Model::new(&library);
+        let model = model::Model::new(std::slice::from_ref(&library), &SynthParams::default());
         let (mut visible, mut whole) = (0u32, 0u32);
         for (i, instance) in scene.primary.iter().enumerate() {
-            let shape = &model.shapes[scene.textons[instance.texton as usize].source as usize];
+            let shape = model.shape(scene.textons[instance.texton as usize].source);
             let [x, y] = [instance.transform[4] as i32, instance.transform[5] as i32];
             let b = shape.bounds;
             if x + b[0] >= 0 && y + b[1] >= 0 && x + b[2] <= 400 && y + b[3] <= 400 {
@@ -254,32 +254,39 @@ fn reconstruction_is_the_exemplar() {
 fn a_texton_taken_away_leaves_no_trace() {
     // The map after placing and removing equals, cell by cell, one on which the texton never stood.
     let library = library(&mosaic(120, 15.0, 0.9, 15));
-    let model = model::Model::new(&library);
-    let placeable: Vec<u32> = model.members.iter().flatten().copied().collect();
-    let mut random = crate::sampling::stream(15, "removal test", 0);
-    let mut map = target::TargetMap::new(&model, 90, 90);
-    let mut ids = Vec::new();
-    for _ in 0..60 {
-        let primary = placeable[random.index(placeable.len())];
-        let at = [random.index(map.width as usize) as i32, random.index(map.height as usize) as i32];
-        ids.push(map.stand(primary, at));
-    }
-    random.shuffle(&mut ids);
-    for &id in &ids[..30] {
-        map.remove(id);
-    }
-    let mut plain = target::TargetMap::new(&model, 90, 90);
-    let mut kept = ids[30..].to_vec();
-    kept.sort_unstable();
-    for &id in &kept {
-        plain.stand(map.placed[id as usize].primary, map.placed[id as usize].at);
-    }
-    assert_eq!(map.covered, plain.covered);
-    for i in 0..map.owner.len() {
-        let name = |owner: u32| kept.iter().position(|&id| id == owner);
-        assert_eq!(name(map.owner[i]), (plain.owner[i] != target::NOBODY).then_some(plain.owner[i] as usize));
-    }
-    for (k, &id) in kept.iter().enumerate() {
-        assert_eq!(map.placed[id as usize].visible, plain.placed[k].visible);
+    let controls = Controls::default();
+    for tile in [Tile::default(), Tile { x: true, y: true }] {
+        let p = SynthParams { tile, ..params(90, 90, 15) };
+        let model = model::Model::new(std::slice::from_ref(&library), &p);
+        let grid = target::TargetMap::grid(&model, 90, 90, tile);
+        let ground = ground::Ground::new(&grid, &controls, &p);
+        let placeable: Vec<u32> = model.members.iter().flatten().copied().collect();
+        let mut random = crate::sampling::stream(15, "removal test", 0);
+        let mut map = target::TargetMap::new(&model, &ground, grid.clone());
+        let mut ids = Vec::new();
+        for _ in 0..60 {
+            let primary = placeable[random.index(placeable.len())];
+            let at = [grid.width, grid.height].map(|size| random.index(size as usize) as i32);
+            ids.push(map.stand(primary, at, 0.0));
+        }
+        random.shuffle(&mut ids);
+        for &id in &ids[..30] {
+            map.remove(id);
+        }
+        let mut plain = target::TargetMap::new(&model, &ground, grid);
+        let mut kept = ids[30..].to_vec();
+        kept.sort_unstable();
+        for &id in &kept {
+            plain.stand(map.placed[id as usize].form, map.placed[id as usize].at, 0.0);
+        }
+        assert_eq!(map.covered, plain.covered);
+        for i in 0..map.owner.len() {
+            let name = |owner: u32| kept.iter().position(|&id| id == owner);
+            let wanted = (plain.owner[i] != target::NOBODY).then_some(plain.owner[i] as usize);
+            assert_eq!(name(map.owner[i]), wanted);
+        }
+        for (k, &id) in kept.iter().enumerate() {
+            assert_eq!(map.placed[id as usize].visible, plain.placed[k].visible);
+        }
     }
 }

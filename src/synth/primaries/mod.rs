@@ -2,15 +2,34 @@
 //!
 //! A region is the texton that a descriptor asked for: textons of one category that touch are
 //! separate regions, so packed exemplars are matched stone by stone.
+//!
+//! # What an attempt costs, and why few fail
+//!
+//! The paper draws a cell of the map for each attempt, finds its region anew, scores twenty
+//! candidates, and leaves the map as it is when none is good enough: four of five attempts fail,
+//! most of them where others have failed before. Here
+//!
+//! * a request keeps its cells, so its region is found by visiting the cells of one texton;
+//! * a request is drawn by its weight from running sums, and is tried once: answered or refused, it
+//!   is not asked for again. A second attempt would meet the same region with other candidates of the
+//!   same category; what it could have added, [`super::density`] adds where it is lacking;
+//! * a request of which others have covered more than half is dropped at once: whatever answered it
+//!   would stand on them;
+//! * candidates are tried at the place drawn and in the middle of the region, where most fit best;
+//! * a candidate whose size alone keeps it below the best so far is not counted. That changes no
+//!   choice.
+//!
+//! So an attempt visits cells of the textons concerned only, whatever the size of the canvas.
 
 mod score;
 
 use super::choice::Choice;
+use super::model::{EMPTY, UNDEFINED};
 use super::target::TargetMap;
 use crate::error::Result;
 use crate::progress::{Progress, advance};
 use crate::sampling::{Stream, stream};
-use crate::scene::SynthParams;
+use crate::scene::{Ablation, SynthParams};
 use score::Scorer;
 
 /// How much a copy of the same texton nearby lowers a candidate's rank, as a share of its area.
@@ -37,11 +56,16 @@ pub(super) fn place(
 ) -> Result<Counts> {
     let mut random = stream(params.seed, "synth/primaries", 0);
     let mut counts = Counts::default();
-    let expected = (map.model().density() * f64::from(map.width) * f64::from(map.height)) as u64;
+    let expected = (map.model().density() * map.grid.len() as f64) as u64;
     let mut pictures = Pictures { shown: 0, expected };
-    for seed in seeds(map, &mut random) {
-        if map.state[map.index(seed[0], seed[1])] != super::model::UNDEFINED
-            || !plant(map, choice, seed, &mut random)
+    let mut seeds = seeds(map, &mut random);
+    if params.without(Ablation::Seeds) {
+        seeds.truncate(1);
+    }
+    // Textons that stand already may have asked before anything is planted.
+    for seed in std::iter::once(None).chain(seeds.into_iter().map(Some)) {
+        if let Some([x, y]) = seed
+            && (map.state[map.grid.index(x, y)] != UNDEFINED || !plant(map, choice, [x, y], &mut random))
         {
             continue;
         }
@@ -67,12 +91,15 @@ pub(super) fn place(
 /// requests died out before they reached everything.
 fn seeds(map: &TargetMap<'_>, random: &mut Stream) -> Vec<[i32; 2]> {
     let step = (map.model().half / 2).max(8);
-    let inside = |size: i32| (map.margin + step / 2..size - map.margin).step_by(step as usize);
+    let inside = |size: i32, margin: i32| (margin + step / 2..size - margin).step_by(step as usize);
+    let [mx, my] = map.grid.margin;
+    let columns = || inside(map.grid.width, mx);
     let mut seeds: Vec<[i32; 2]> =
-        inside(map.height).flat_map(|y| inside(map.width).map(move |x| [x, y])).collect();
+        inside(map.grid.height, my).flat_map(|y| columns().map(move |x| [x, y])).collect();
     if seeds.is_empty() {
-        seeds.push([map.width / 2, map.height / 2]);
+        seeds.push([map.grid.width / 2, map.grid.height / 2]);
     }
+    seeds.retain(|&at| map.inside(at));
     random.shuffle(&mut seeds);
     seeds
 }
@@ -80,15 +107,19 @@ fn seeds(map: &TargetMap<'_>, random: &mut Stream) -> Vec<[i32; 2]> {
 /// Places a texton drawn by area; false if it would stand on another, or if there is none.
 fn plant(map: &mut TargetMap<'_>, choice: &mut Choice, at: [i32; 2], random: &mut Stream) -> bool {
     let model = map.model();
-    let areas = model.shapes.iter().map(|s| if s.placeable { f64::from(s.area) } else { 0.0 });
-    let Some(primary) = random.weighted(areas) else { return false };
-    let known = |i: usize| !matches!(map.state[i], super::model::UNDEFINED | super::model::EMPTY);
-    let spans = model.shapes[primary].mask.spans();
-    if spans.iter().any(|&s| map.cells(s, at).any(known)) {
+    let library = map.ground.draw_library(map.grid.point(at), random);
+    let source = &model.sources[library];
+    let area =
+        |p: u32| if model.primaries[p as usize].placeable { f64::from(model.plain(p).area) } else { 0.0 };
+    let Some(drawn) = random.weighted(source.primaries.clone().map(area)) else { return false };
+    let form = model.form(source.primaries.start + drawn as u32, random);
+    let known = |i: usize| !matches!(map.state[i], UNDEFINED | EMPTY) || !map.ground.admits(i, library);
+    let spans = model.shape(form).mask.spans();
+    if !map.allows(form, at) || spans.iter().flat_map(|&s| map.grid.cells(s, at)).flatten().any(known) {
         return false;
     }
-    map.place(primary as u32, at);
-    choice.used(model, primary as u32);
+    map.place(form, at, 0.0);
+    choice.used(model, form);
     true
 }
 
@@ -101,7 +132,7 @@ fn answer(
     random: &mut Stream,
 ) -> bool {
     let model = map.model();
-    let category = model.shapes[map.request_of(request).primary as usize].category;
+    let asking = *model.primary(map.request_of(request).form);
     let region = map.region(request).cells;
     // The place drawn, and the middle of the region: most textons fit better there.
     let Some(drawn) = random.weighted(region.iter().map(|c| f64::from(c.1))) else {
@@ -110,31 +141,54 @@ fn answer(
     };
     let mean = |k: usize| region.iter().map(|c| i64::from(c.0[k])).sum::<i64>() / region.len() as i64;
     let places = [region[drawn].0, [mean(0) as i32, mean(1) as i32]];
+    // Where libraries meet, whose texton stands here is drawn by their shares.
+    let library = map.ground.draw_library(map.grid.point(places[1]), random);
+    let categories = &model.sources[library].categories;
+    let home = library == asking.library;
+    let covers = categories.clone().map(|c| model.wanted[c]);
 
-    let scorer = Scorer::new(map, request, region.len() as u32, &params.weights);
+    let strict = params.without(Ablation::Overlap);
+    let scorer = Scorer::new(map, request, region.len() as u32, &params.weights, strict);
     let mut best: Option<(f64, u32, [i32; 2])> = None;
     for _ in 0..params.candidates {
+        let category = if home {
+            asking.category
+        } else {
+            let Some(drawn) = random.weighted(covers.clone()) else { break };
+            categories.start + drawn
+        };
         let Some(primary) = choice.draw(model, category, random) else { break };
-        let copy = copy_penalty(map, primary, places[0])
-            * COPY_PENALTY
-            * f64::from(model.shapes[primary as usize].area);
+        let form = model.form(primary, random);
+        let bound = scorer.bound(form);
+        if best.is_some_and(|b| bound <= b.0) {
+            continue;
+        }
+        let mut copy = 0.0;
+        if !params.without(Ablation::Copies) {
+            let penalty = copy_penalty(map, primary, places[0]);
+            copy = penalty * COPY_PENALTY * f64::from(model.shape(form).area);
+        }
+        if best.is_some_and(|b| bound - copy <= b.0) {
+            continue;
+        }
         for at in places {
-            let score = scorer.score(primary, at) - copy;
+            let score = scorer.score(form, at) - copy;
             if best.is_none_or(|b| score > b.0) {
-                best = Some((score, primary, at));
+                best = Some((score, form, at));
             }
         }
     }
-    let Some((_, primary, mut at)) = best else {
+    let Some((_, form, mut at)) = best else {
         map.drop_request(request);
         return false;
     };
-    let mut score = scorer.score(primary, at);
-    for _ in 0..params.moves {
+    let mut score = scorer.score(form, at);
+    let moves = if params.without(Ablation::Improve) { 0 } else { params.moves };
+    for _ in 0..moves {
         let here = at;
         for (dx, dy) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
             let there = [here[0] + dx, here[1] + dy];
-            let s = scorer.score(primary, there);
+            let s = scorer.score(form, there);
             if s > score {
                 (score, at) = (s, there);
             }
@@ -144,8 +198,8 @@ fn answer(
         }
     }
     if score > 0.0 {
-        map.place(primary, at);
-        choice.used(model, primary);
+        map.place(form, at, (score / f64::from(model.shape(form).area)) as f32);
+        choice.used(model, form);
     }
     // Answered or refused: what is left of it is not asked for again.
     map.drop_request(request);

@@ -1,0 +1,194 @@
+//! The cells of the target map: a canvas, margins where it ends, and seams where it repeats.
+
+use crate::raster::Span;
+use crate::scene::Tile;
+use std::ops::Range;
+
+/// Cells in rows. Along an axis that repeats there is no margin and the last cell is followed by
+/// the first; places may then lie anywhere and mean the cell a whole number of periods away.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    /// Width of the map, in cells.
+    pub(super) width: i32,
+    /// Height of the map, in cells.
+    pub(super) height: i32,
+    /// Cells beside the canvas, left and right, and above and below.
+    pub(super) margin: [i32; 2],
+    /// Along which axes the map repeats.
+    pub(super) tile: Tile,
+}
+
+/// A run of cells of one row of a shape.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    /// Place of its first cell, counted on from the shape's own place: not wrapped.
+    pub(super) at: [i32; 2],
+    /// Indices of the cells.
+    pub(super) cells: Range<usize>,
+}
+
+impl Grid {
+    /// For a canvas of `size` pixels with `margin` cells beyond its borders.
+    pub(super) fn new(size: [u32; 2], tile: Tile, margin: i32) -> Self {
+        let margin = [tile.x, tile.y].map(|wrap| if wrap { 0 } else { margin });
+        let [width, height] = [0, 1].map(|k| size[k] as i32 + 2 * margin[k]);
+        Self { width, height, margin, tile }
+    }
+
+    /// Number of cells.
+    pub(super) fn len(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Size of the canvas, in pixels.
+    pub(super) fn canvas(&self) -> [f64; 2] {
+        [self.width - 2 * self.margin[0], self.height - 2 * self.margin[1]].map(f64::from)
+    }
+
+    /// Index of a cell of the map.
+    pub(super) fn index(&self, x: i32, y: i32) -> usize {
+        y as usize * self.width as usize + x as usize
+    }
+
+    /// Column and row of a cell.
+    pub(super) fn place(&self, i: usize) -> [i32; 2] {
+        [(i % self.width as usize) as i32, (i / self.width as usize) as i32]
+    }
+
+    /// The place on the map that a place means; itself along an axis that does not repeat.
+    pub(super) fn canonical(&self, [x, y]: [i32; 2]) -> [i32; 2] {
+        let axis = |v: i32, size: i32, wrap: bool| if wrap { v.rem_euclid(size) } else { v };
+        [axis(x, self.width, self.tile.x), axis(y, self.height, self.tile.y)]
+    }
+
+    /// Index of the cell that a place means; none beyond the margin.
+    pub(super) fn cell(&self, at: [i32; 2]) -> Option<usize> {
+        let [x, y] = self.canonical(at);
+        ((0..self.width).contains(&x) && (0..self.height).contains(&y)).then(|| self.index(x, y))
+    }
+
+    /// Middle of a cell, in pixels of the canvas.
+    pub(super) fn point(&self, at: [i32; 2]) -> [f64; 2] {
+        [0, 1].map(|k| f64::from(at[k] - self.margin[k]) + 0.5)
+    }
+
+    /// The way from `a` to `b`, the shortest one where the map repeats.
+    pub(super) fn way(&self, a: [i32; 2], b: [i32; 2]) -> [i32; 2] {
+        let axis = |d: i32, size: i32, wrap: bool| {
+            if wrap { (d + size / 2).rem_euclid(size) - size / 2 } else { d }
+        };
+        [axis(b[0] - a[0], self.width, self.tile.x), axis(b[1] - a[1], self.height, self.tile.y)]
+    }
+
+    /// The cells of a span moved to a place, as far as they are on the map: two runs where it
+    /// crosses a seam, never a cell twice.
+    pub(super) fn parts(&self, span: Span, at: [i32; 2]) -> impl Iterator<Item = Part> + use<> {
+        let (x0, x1, y) = (span.x0 + at[0], span.x1 + at[0], span.y + at[1]);
+        let row = if self.tile.y { y.rem_euclid(self.height) } else { y };
+        let (low, high) = if !(0..self.height).contains(&row) {
+            (0, 0)
+        } else if self.tile.x {
+            (x0, x1.min(x0 + self.width))
+        } else {
+            (x0.max(0), x1.min(self.width))
+        };
+        let first = if self.tile.x { low.rem_euclid(self.width) } else { low };
+        // From the first column to the seam, then from the seam on.
+        let length = (high - low).max(0);
+        let before = length.min(self.width - first.min(self.width));
+        let start = if length > 0 { self.index(first, row) } else { 0 };
+        let seam = if length > 0 { self.index(0, row) } else { 0 };
+        let one = Part { at: [low, y], cells: start..start + before as usize };
+        let two = Part { at: [low + before, y], cells: seam..seam + (length - before) as usize };
+        [one, two].into_iter().filter(|p| !p.cells.is_empty())
+    }
+
+    /// [`Grid::parts`] without their places.
+    pub(super) fn cells(&self, span: Span, at: [i32; 2]) -> impl Iterator<Item = Range<usize>> + use<> {
+        self.parts(span, at).map(|p| p.cells)
+    }
+
+    /// The part of a run of cells that is on the canvas.
+    pub(super) fn canvas_part(&self, cells: &Range<usize>) -> Range<usize> {
+        let [x, y] = self.place(cells.start);
+        let [mx, my] = self.margin;
+        if !(my..self.height - my).contains(&y) {
+            return 0..0;
+        }
+        let shift = cells.start as i64 - i64::from(x);
+        let (low, high) = (shift + i64::from(mx), shift + i64::from(self.width - mx));
+        let (first, last) = ((low as usize).max(cells.start), (high as usize).min(cells.end));
+        first..last.max(first)
+    }
+}
+
+/// Whether two intervals, each as low and high end, have a number in common on a circle of
+/// `period`, or on a line.
+fn meet(a: [i32; 2], b: [i32; 2], period: Option<i32>) -> bool {
+    match period {
+        None => a[0] < b[1] && b[0] < a[1],
+        Some(p) => (b[0] - a[0]).rem_euclid(p) < a[1] - a[0] || (a[0] - b[0]).rem_euclid(p) < b[1] - b[0],
+    }
+}
+
+impl Grid {
+    /// Whether two boxes (x0, y0, x1, y1), each around its place, have a cell in common.
+    pub(super) fn boxes_meet(&self, a: [i32; 4], at: [i32; 2], b: [i32; 4], place: [i32; 2]) -> bool {
+        let periods = [self.tile.x.then_some(self.width), self.tile.y.then_some(self.height)];
+        (0..2).all(|k| {
+            meet([a[k] + at[k], a[k + 2] + at[k]], [b[k] + place[k], b[k + 2] + place[k]], periods[k])
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn parts_are_the_cells_meant(
+            w in 1..30u32, h in 1..20u32, x: bool, y: bool,
+            x0 in -60..60i32, length in 1..40i32, row in -40..40i32,
+        ) {
+            let grid = Grid::new([w, h], Tile { x, y }, 3);
+            let span = Span { y: row, x0, x1: x0 + length };
+            let mut wanted = Vec::new();
+            for column in x0..x0 + length.min(if x { w as i32 } else { length }) {
+                wanted.extend(grid.cell([column + 2, row - 1]));
+            }
+            let got: Vec<usize> = grid.cells(span, [2, -1]).flatten().collect();
+            prop_assert_eq!(&got, &wanted);
+            for part in grid.parts(span, [2, -1]) {
+                prop_assert_eq!(grid.cell(part.at), Some(part.cells.start));
+                let canvas = grid.canvas_part(&part.cells);
+                for i in part.cells {
+                    let [cx, cy] = grid.point(grid.place(i));
+                    let inside = cx > 0.0 && cy > 0.0 && cx < f64::from(w) && cy < f64::from(h);
+                    prop_assert_eq!(inside, canvas.contains(&i));
+                }
+            }
+        }
+
+        #[test]
+        fn boxes_meet_where_a_cell_is_common(
+            a in 0..12i32, la in 1..9i32, b in -30..30i32, lb in 1..9i32, wrap: bool,
+        ) {
+            let grid = Grid::new([12, 12], Tile { x: wrap, y: false }, 0);
+            let cells = |low: i32, length: i32| -> Vec<i32> {
+                (low..low + length).map(|v| if wrap { v.rem_euclid(12) } else { v }).collect()
+            };
+            let common = cells(a, la).iter().any(|v| cells(b, lb).contains(v));
+            prop_assert_eq!(grid.boxes_meet([0, 0, la, 1], [a, 0], [0, 0, lb, 1], [b, 0]), common);
+        }
+    }
+
+    #[test]
+    fn the_shortest_way_crosses_the_seam() {
+        let grid = Grid::new([100, 50], Tile { x: true, y: false }, 4);
+        assert_eq!(grid.way([95, 1], [5, 3]), [10, 2]);
+        assert_eq!(grid.way([5, 3], [95, 1]), [-10, -2]);
+        assert_eq!(grid.canonical([-3, -3]), [97, -3]);
+    }
+}
