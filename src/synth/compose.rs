@@ -29,7 +29,8 @@ pub(super) fn scene(
         libraries.iter().enumerate().map(|(k, l)| Textons::new(k as u32, l)).collect();
     for p in placed {
         let texton = textons[p.library].secondary(&mut scene, p.secondary);
-        push(&mut scene, Layer::Secondary, texton, p.at, &p.variation, Some(p.colour));
+        let variation = &map.model().variations[usize::from(p.variation)];
+        push(&mut scene, Layer::Secondary, texton, p.at, variation, Some(p.colour));
     }
     for id in map.painting_order() {
         let p = map.placed[id as usize];

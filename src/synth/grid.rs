@@ -16,6 +16,9 @@ pub(super) struct Grid {
     pub(super) margin: [i32; 2],
     /// Along which axes the map repeats.
     pub(super) tile: Tile,
+    /// Row of the whole map that is the first here, and its number of rows: this may be a band.
+    first: i32,
+    whole: i32,
 }
 
 /// A run of cells of one row of a shape.
@@ -32,7 +35,13 @@ impl Grid {
     pub(super) fn new(size: [u32; 2], tile: Tile, margin: i32) -> Self {
         let margin = [tile.x, tile.y].map(|wrap| if wrap { 0 } else { margin });
         let [width, height] = [0, 1].map(|k| size[k] as i32 + 2 * margin[k]);
-        Self { width, height, margin, tile }
+        Self { width, height, margin, tile, first: 0, whole: height }
+    }
+
+    /// The grid of some rows of this one, which may reach across a seam.
+    pub(super) fn band(&self, rows: &Range<i32>) -> Self {
+        let tile = Tile { y: false, ..self.tile };
+        Self { height: rows.end - rows.start, first: rows.start, tile, ..self.clone() }
     }
 
     /// Number of cells.
@@ -40,9 +49,19 @@ impl Grid {
         self.width as usize * self.height as usize
     }
 
+    /// The values of some rows, of a value for each cell.
+    pub(super) fn rows_of<T: Copy>(&self, values: &[T], rows: &Range<i32>) -> Vec<T> {
+        let mut copy = Vec::with_capacity(self.width as usize * rows.len());
+        for row in rows.clone() {
+            let start = self.index(0, row.rem_euclid(self.height));
+            copy.extend_from_slice(&values[start..start + self.width as usize]);
+        }
+        copy
+    }
+
     /// Size of the canvas, in pixels.
     pub(super) fn canvas(&self) -> [f64; 2] {
-        [self.width - 2 * self.margin[0], self.height - 2 * self.margin[1]].map(f64::from)
+        [self.width - 2 * self.margin[0], self.whole - 2 * self.margin[1]].map(f64::from)
     }
 
     /// Index of a cell of the map.
@@ -69,7 +88,8 @@ impl Grid {
 
     /// Middle of a cell, in pixels of the canvas.
     pub(super) fn point(&self, at: [i32; 2]) -> [f64; 2] {
-        [0, 1].map(|k| f64::from(at[k] - self.margin[k]) + 0.5)
+        let row = if self.whole == self.height { at[1] } else { (at[1] + self.first).rem_euclid(self.whole) };
+        [at[0] - self.margin[0], row - self.margin[1]].map(|v| f64::from(v) + 0.5)
     }
 
     /// The way from `a` to `b`, the shortest one where the map repeats.
@@ -112,7 +132,8 @@ impl Grid {
     pub(super) fn canvas_part(&self, cells: &Range<usize>) -> Range<usize> {
         let [x, y] = self.place(cells.start);
         let [mx, my] = self.margin;
-        if !(my..self.height - my).contains(&y) {
+        // Where the map repeats there is no margin, and every row is one of the canvas.
+        if my > 0 && !(my..self.whole - my).contains(&(y + self.first)) {
             return 0..0;
         }
         let shift = cells.start as i64 - i64::from(x);

@@ -15,7 +15,7 @@ use crate::scene::Edge;
 use std::ops::Range;
 
 /// Owners from here on are requests, smaller ones placed textons; see [`NOBODY`].
-const REQUESTS: u32 = 1 << 31;
+pub(super) const REQUESTS: u32 = 1 << 31;
 /// Owner of a cell of no request and no texton.
 pub(super) const NOBODY: u32 = u32::MAX;
 /// Side of the bins in which placed textons are found, in pixels.
@@ -48,14 +48,14 @@ pub(super) struct Request {
     /// Place of its origin on the map, in pixels.
     pub(super) at: [i32; 2],
     /// Cells it asked for at first.
-    cells: u32,
+    pub(super) cells: u32,
 }
 
 /// The target map.
 pub(super) struct TargetMap<'a> {
     model: &'a Model,
     /// What is wanted where.
-    pub(super) ground: &'a Ground<'a>,
+    pub(super) ground: Ground<'a>,
     /// The cells.
     pub(super) grid: Grid,
     /// [`UNDEFINED`], [`EMPTY`], or category + 1, of requests and placed textons alike.
@@ -64,14 +64,17 @@ pub(super) struct TargetMap<'a> {
     pub(super) owner: Vec<u32>,
     /// All textons ever placed.
     pub(super) placed: Vec<Placed>,
-    requests: Vec<Request>,
+    pub(super) requests: Vec<Request>,
     /// Weight of each request in the draw.
-    weights: Sums,
+    pub(super) weights: Sums,
     /// Visible cells to be filled, by zone and category.
     pub(super) covered: Vec<Vec<u64>>,
     bins: Vec<Vec<u32>>,
     seen: Vec<u32>,
     scratch: Vec<u16>,
+    /// Rows whose requests are answered here, if not all; the others are put off.
+    pub(super) core: Option<Range<i32>>,
+    pub(super) put_off: Vec<u32>,
 }
 
 /// A region of cells and its distances to its border.
@@ -82,17 +85,19 @@ pub(super) struct Region {
 
 impl<'a> TargetMap<'a> {
     /// A map of undefined cells.
-    pub(super) fn new(model: &'a Model, ground: &'a Ground<'a>, grid: Grid) -> Self {
+    pub(super) fn new(model: &'a Model, ground: Ground<'a>, grid: Grid) -> Self {
         let bins = columns(grid.width) as usize * columns(grid.height) as usize;
         Self {
             model,
-            ground,
             state: vec![UNDEFINED; grid.len()],
             owner: vec![NOBODY; grid.len()],
             placed: Vec::new(),
             requests: Vec::new(),
             weights: Sums::default(),
             covered: vec![vec![0; model.members.len()]; ground.zone_count()],
+            ground,
+            core: None,
+            put_off: Vec::new(),
             bins: vec![Vec::new(); bins],
             seen: vec![0; model.primaries.len()],
             scratch: Vec::new(),
@@ -167,15 +172,33 @@ impl<'a> TargetMap<'a> {
                 }
             }
         }
-        for bin in self.bins_at(shape.bounds, at) {
-            self.bins[bin].push(id);
-        }
+        self.find(id);
         touched.sort_unstable();
         touched.dedup();
         for request in touched {
             self.weigh(request - REQUESTS);
         }
         id
+    }
+
+    /// Notes where a placed texton is found.
+    pub(super) fn find(&mut self, id: u32) {
+        let Placed { form, at, .. } = self.placed[id as usize];
+        for bin in self.bins_at(self.model.shape(form).bounds, at) {
+            self.bins[bin].push(id);
+        }
+    }
+
+    /// Notes where all textons are found that reach into the map.
+    pub(super) fn find_placed(&mut self) {
+        for id in 0..self.placed.len() as u32 {
+            let Placed { form, at, removed, .. } = self.placed[id as usize];
+            let bounds = self.model.shape(form).bounds;
+            let whole = [0, 0, self.grid.width, self.grid.height];
+            if !removed && self.grid.boxes_meet(bounds, at, whole, [0, 0]) {
+                self.find(id);
+            }
+        }
     }
 
     /// Makes a cell a visible one of a placed texton.
@@ -313,12 +336,11 @@ impl<'a> TargetMap<'a> {
     fn request(&mut self, form: u32, at: [i32; 2]) {
         let model = self.model;
         let (shape, primary) = (model.shape(form), model.primary(form));
-        let ground = self.ground;
-        let free = |state: u16, i: usize| state == UNDEFINED && ground.admits(i, primary.library);
+        let free = |map: &Self, i: usize| map.state[i] == UNDEFINED && map.ground.admits(i, primary.library);
         let mut cells = 0;
         for &span in shape.mask.spans() {
             for run in self.grid.cells(span, at) {
-                cells += run.filter(|&i| free(self.state[i], i)).count() as u32;
+                cells += run.filter(|&i| free(self, i)).count() as u32;
             }
         }
         if cells * 2 <= shape.area {
@@ -327,7 +349,7 @@ impl<'a> TargetMap<'a> {
         let id = self.requests.len() as u32;
         for &span in shape.mask.spans() {
             for i in self.grid.cells(span, at).flatten() {
-                if free(self.state[i], i) {
+                if free(self, i) {
                     (self.state[i], self.owner[i]) = (primary.code, REQUESTS + id);
                 }
             }
@@ -339,7 +361,12 @@ impl<'a> TargetMap<'a> {
 
     /// Sets the weight of a request: the sum of distances to its border, zero if none of it is to be
     /// filled. A request of which less than half is left is dropped.
-    fn weigh(&mut self, request: u32) {
+    pub(super) fn weigh(&mut self, request: u32) {
+        if self.core.as_ref().is_some_and(|core| !core.contains(&self.requests[request as usize].at[1])) {
+            self.weights.set(request as usize, 0);
+            self.put_off.push(request);
+            return;
+        }
         let region = self.region(request);
         let asked = self.requests[request as usize].cells as usize;
         if region.cells.len() * 2 < asked || region.cells.is_empty() {
