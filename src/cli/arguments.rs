@@ -167,6 +167,8 @@ pub(crate) struct TextureArgs {
     #[command(flatten)]
     pub(crate) synth: SynthFlags,
     #[command(flatten)]
+    pub(crate) control: ControlArgs,
+    #[command(flatten)]
     pub(crate) masks: MasksArgs,
     #[command(flatten)]
     pub(crate) analyze: AnalyzeFlags,
@@ -200,18 +202,20 @@ pub(crate) struct AnalyzeArgs {
 /// Texton library to vector texture
 #[derive(Args)]
 #[command(
-    override_usage = "vtex synth [OPTIONS] <LIBRARY>",
+    override_usage = "vtex synth [OPTIONS] <LIBRARY>...",
     after_help = "\
 Examples:
   vtex synth photo.lib.json --size 1000x600 --seed 7
+  vtex synth photo.lib.json --domain logo.svg --density dense-left.png
+  vtex synth sand.lib.json stones.lib.json --map where-stones.png
   vtex synth photo.lib.json -o out.scene.json.gz
   vtex synth photo.lib.json --tile --pattern page.svg
   vtex synth photo.lib.json -o - | gzip > out.svgz"
 )]
 pub(crate) struct SynthArgs {
-    /// The library, plain or gzip; - reads stdin
+    /// The library, plain or gzip; - reads stdin. Several, at most 16, share the canvas by --map
     #[arg(value_name = "LIBRARY", required = true)]
-    pub(crate) library: Option<PathBuf>,
+    pub(crate) library: Vec<PathBuf>,
     /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
     /// [default: ./LIBRARY.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
@@ -226,6 +230,28 @@ pub(crate) struct SynthArgs {
     pub(crate) synth: SynthFlags,
     #[command(flatten)]
     pub(crate) background: SynthBackgroundFlags,
+    #[command(flatten)]
+    pub(crate) control: ControlArgs,
+    /// Which library is where, for several: one grey picture for two (black the first, white the
+    /// second), one with a colour for each (in the order of its palette, or from dark to light), or a
+    /// grey one for each (white all, black nothing), given one after the other
+    #[arg(long, value_name = "FILE", help_heading = "Control (pictures are stretched over the canvas)")]
+    pub(crate) map: Vec<PathBuf>,
+}
+
+/// Files that steer synthesis.
+#[derive(Args)]
+#[command(next_help_heading = "Control (pictures are stretched over the canvas)")]
+pub(crate) struct ControlArgs {
+    /// Fill a shape: an SVG with one closed path, fitted to the canvas as a whole
+    #[arg(long, value_name = "FILE", conflicts_with = "mask")]
+    pub(crate) domain: Option<PathBuf>,
+    /// Fill what is white in a picture, or opaque where it is partly transparent
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mask: Option<PathBuf>,
+    /// Density relative to the photograph's: a grey picture, black 0, middle grey 1, white 2
+    #[arg(long, value_name = "FILE")]
+    pub(crate) density: Option<PathBuf>,
 }
 
 /// Library (drawn back as its exemplar), scene or SVG to picture

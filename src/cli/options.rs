@@ -1,7 +1,7 @@
 //! What the user asked for, checked as far as it can be without reading anything but the
 //! configuration: from [`Cli`] to a job and what all jobs share.
 
-use super::arguments::{Cli, Command, ForceArgs, MasksArgs, PatternArgs, SegmenterName};
+use super::arguments::{Cli, Command, ControlArgs, ForceArgs, MasksArgs, PatternArgs, SegmenterName};
 use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
 use super::failure::Failure;
 use super::format::{self, default_name};
@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use vtex::library::AnalyzeParams;
 use vtex::output::file::{Format, Kind};
 use vtex::scene::SynthParams;
+use vtex::synth::Controls;
 
 /// What is to be done.
 pub(crate) enum Options {
@@ -41,7 +42,7 @@ pub(crate) struct Common {
 pub(crate) enum Job {
     Texture(Analysis, Synthesis),
     Analyze(Analysis, Target),
-    Synth(Input, Synthesis),
+    Synth(Vec<Input>, Synthesis),
     Render(Input, RenderOptions),
     Inspect(Input),
     Completions(Shell),
@@ -66,9 +67,25 @@ pub(crate) enum MasksFrom {
 /// How a texture is made and written.
 pub(crate) struct Synthesis {
     pub(crate) parameters: SynthParams,
+    pub(crate) steering: Steering,
     pub(crate) svg: SvgParameters,
     pub(crate) target: Target,
     pub(crate) pattern: Option<Target>,
+}
+
+/// Files that steer synthesis.
+#[derive(Debug, Default)]
+pub(crate) struct Steering {
+    pub(crate) domain: Option<DomainFrom>,
+    pub(crate) density: Option<Input>,
+    pub(crate) maps: Vec<Input>,
+}
+
+/// Where the shape to fill comes from.
+#[derive(Debug)]
+pub(crate) enum DomainFrom {
+    Shape(Input),
+    Mask(Input),
 }
 
 /// How a file is drawn.
@@ -134,9 +151,14 @@ impl Job {
                 let photo = required(a.photo)?;
                 let output = a.output.clone();
                 let target = target(a.output, &a.force, &photo, format::OF_SCENE, Format::Svg)?;
+                let steering = Steering::new(a.control, Vec::new());
+                steering.check(
+                    &[("the photograph", &photo)],
+                    &[("-o", output.as_deref()), ("--save-masks", a.masks.save_masks.as_deref())],
+                )?;
                 let analysis =
                     Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?;
-                Self::Texture(analysis, Synthesis::new(synth, svg, target, a.pattern, &a.force)?)
+                Self::Texture(analysis, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
             }
             Command::Analyze(a) => {
                 let photo = required(a.photo)?;
@@ -148,9 +170,17 @@ impl Job {
                 )
             }
             Command::Synth(a) => {
-                let library = required(a.library)?;
-                let target = target(a.output, &a.force, &library, format::OF_SCENE, Format::Svg)?;
-                Self::Synth(library, Synthesis::new(synth, svg, target, a.pattern, &a.force)?)
+                let libraries: Vec<Input> = a.library.into_iter().map(Input::new).collect();
+                let Some(first) = libraries.first() else {
+                    return Err(Failure::usage("no input is given").into());
+                };
+                let output = a.output.clone();
+                let target = target(a.output, &a.force, first, format::OF_SCENE, Format::Svg)?;
+                let steering = Steering::new(a.control, a.map);
+                let read: Vec<_> = libraries.iter().map(|file| ("the library", file)).collect();
+                steering.check(&read, &[("-o", output.as_deref())])?;
+                steering.check_counts(libraries.len())?;
+                Self::Synth(libraries, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
             }
             Command::Render(a) => {
                 let file = required(a.file)?;
@@ -168,6 +198,7 @@ impl Job {
 impl Synthesis {
     fn new(
         parameters: SynthParams,
+        steering: Steering,
         svg: SvgParameters,
         target: Target,
         pattern_args: PatternArgs,
@@ -178,7 +209,7 @@ impl Synthesis {
             let message = "--pattern needs a texture that repeats along both axes";
             return Err(Failure::usage(message).hint("give --tile, for both axes"));
         }
-        Ok(Self { parameters, svg, target, pattern })
+        Ok(Self { parameters, steering, svg, target, pattern })
     }
 
     /// Fails now if a file could not be written later.
@@ -214,6 +245,67 @@ impl Analysis {
         let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
         let from = masks.masks.map_or(MasksFrom::Segmenter(segmenter), MasksFrom::File);
         Ok(Self { photo, masks: from, save_masks, parameters })
+    }
+}
+
+impl Steering {
+    fn new(control: ControlArgs, maps: Vec<PathBuf>) -> Self {
+        let shape = control.domain.map(|path| DomainFrom::Shape(Input::new(path)));
+        Self {
+            domain: shape.or(control.mask.map(|path| DomainFrom::Mask(Input::new(path)))),
+            density: control.density.map(Input::new),
+            maps: maps.into_iter().map(Input::new).collect(),
+        }
+    }
+
+    /// The files with their flags.
+    fn files(&self) -> impl Iterator<Item = (&'static str, &Input)> {
+        let domain = self.domain.iter().map(|d| match d {
+            DomainFrom::Shape(file) => ("--domain", file),
+            DomainFrom::Mask(file) => ("--mask", file),
+        });
+        let density = self.density.iter().map(|file| ("--density", file));
+        domain.chain(density).chain(self.maps.iter().map(|file| ("--map", file)))
+    }
+
+    /// Refuses that a file is read and written, or standard input read twice.
+    fn check(
+        &self,
+        inputs: &[(&'static str, &Input)],
+        written: &[(&str, Option<&Path>)],
+    ) -> Result<(), Failure> {
+        let all: Vec<(&str, &Input)> = inputs.iter().copied().chain(self.files()).collect();
+        if all.iter().filter(|(_, file)| **file == Input::Stdin).count() > 1 {
+            return Err(
+                Failure::usage("'-' stands for more than one file").hint("standard input can be read once")
+            );
+        }
+        for (name, file) in all {
+            let read = match file {
+                Input::File(path) => Some(path.as_path()),
+                Input::Stdin => None,
+            };
+            for &other in written {
+                apart(&[(name, read), other])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a number of maps that does not fit the libraries.
+    fn check_counts(&self, libraries: usize) -> Result<(), Failure> {
+        let most = Controls::MOST_LIBRARIES;
+        let maps = self.maps.len();
+        let message = match (libraries, maps) {
+            (1, 0) => return Ok(()),
+            (1, _) => "--map is for several libraries, one is given".to_owned(),
+            (n, _) if n > most => format!("{n} libraries are given, at most {most} make a scene"),
+            (_, 1) => return Ok(()),
+            (n, 0) => format!("{n} libraries are given, and nothing that says which is where"),
+            (n, maps) if n == maps => return Ok(()),
+            (n, maps) => format!("{maps} times --map is given for {n} libraries"),
+        };
+        Err(Failure::usage(message).hint("give one --map for all libraries, or one for each"))
     }
 }
 

@@ -14,7 +14,8 @@ use vtex::synth::CategoryReport;
 pub(crate) struct Summary {
     pub(crate) program: &'static str,
     pub(crate) command: &'static str,
-    pub(crate) input: String,
+    /// The photograph, libraries or file.
+    pub(crate) inputs: Vec<String>,
     pub(crate) output: String,
     /// The file of the pattern, if one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]

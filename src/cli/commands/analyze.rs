@@ -26,7 +26,7 @@ pub(super) fn run(
     let summary = Summary {
         program: vtex::PROGRAM,
         command: "analyze",
-        input: analysis.photo.name(),
+        inputs: vec![analysis.photo.name()],
         output: target.place.path().display().to_string(),
         pattern: None,
         bytes: written.bytes,

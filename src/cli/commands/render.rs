@@ -73,7 +73,7 @@ pub(super) fn run(
     let summary = Summary {
         program: vtex::PROGRAM,
         command: "render",
-        input: name,
+        inputs: vec![name],
         output: target.place.path().display().to_string(),
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
         bytes: written.bytes,

@@ -8,20 +8,26 @@ use crate::cli::stages;
 use crate::cli::summary::{Counts, Coverage, Seconds, Summary, peak_memory};
 use vtex::Progress;
 use vtex::library::Library;
+use vtex::synth::Controls;
 
 pub(super) fn run(
     common: &Common,
     reporter: &Reporter,
-    input: &Input,
+    inputs: &[Input],
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
     synthesis.probe()?;
     reporter.stage("reading")?;
-    let bytes = input.read()?;
-    // What is nothing known may still be a damaged library, and reading it says where.
-    Kind::expect(&bytes, input, &[Kind::Library, Kind::Unknown])?;
-    let library = Library::from_bytes(&bytes, &input.name())?;
-    finish(common, reporter, "synth", input.name(), library, synthesis)
+    let controls = stages::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
+    let mut libraries = Vec::with_capacity(inputs.len());
+    for input in inputs {
+        let bytes = input.read()?;
+        // What is nothing known may still be a damaged library, and reading it says where.
+        Kind::expect(&bytes, input, &[Kind::Library, Kind::Unknown])?;
+        libraries.push(Library::from_bytes(&bytes, &input.name())?);
+    }
+    let names = inputs.iter().map(Input::name).collect();
+    finish(common, reporter, "synth", names, &libraries, &controls, synthesis)
 }
 
 /// Makes, writes and sums up a texture: the second half of `texture` too.
@@ -29,15 +35,19 @@ pub(super) fn finish(
     common: &Common,
     reporter: &Reporter,
     command: &'static str,
-    input: String,
-    library: Library,
+    inputs: Vec<String>,
+    libraries: &[Library],
+    controls: &Controls,
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
-    let Synthesis { parameters, svg, target, pattern } = synthesis;
+    let Synthesis { parameters, svg, target, pattern, .. } = synthesis;
     if common.verbosity > 1 {
-        say(&format!("{:#?}\n{parameters:#?}", library.source.parameters));
+        for library in libraries {
+            say(&format!("{:#?}", library.source.parameters));
+        }
+        say(&format!("{parameters:#?}"));
     }
-    let (scene, report) = stages::synthesize(library, parameters, reporter)?;
+    let (scene, report) = stages::synthesize(libraries, parameters, controls, reporter)?;
     reporter.stage("writing")?;
     let written = target.write_scene(&scene, &(*svg).into(), 1.0)?;
     if let Some(pattern) = pattern {
@@ -50,7 +60,7 @@ pub(super) fn finish(
     let summary = Summary {
         program: vtex::PROGRAM,
         command,
-        input,
+        inputs,
         output: target.place.path().display().to_string(),
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
         bytes: written.bytes,
