@@ -19,6 +19,7 @@ mod picture;
 mod primaries;
 mod report;
 mod secondaries;
+pub mod statistics;
 mod sums;
 mod target;
 #[cfg(test)]
@@ -89,6 +90,6 @@ pub fn synthesize_with(
     advance(progress, "ground", 2, 2)?;
 
     let scene = compose::scene(library, params, &map, &secondaries, field);
-    let report = report::Report::new(library, &map, &scene, placement, correction);
+    let report = report::Report::new(libraries, &map, &scene, placement, correction);
     Ok((scene, report))
 }

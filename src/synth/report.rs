@@ -1,5 +1,6 @@
 //! How close a synthesised scene came to its exemplar, in figures.
 
+use super::statistics::{Overlap, Repetition};
 use super::target::TargetMap;
 use super::{density, primaries};
 use crate::library::Library;
@@ -31,6 +32,10 @@ pub struct Report {
     pub removed: u64,
     /// Textons added to correct the density.
     pub added: u64,
+    /// How much primaries hide of one another.
+    pub overlap: Overlap,
+    /// How often the same primaries come back.
+    pub repetition: Repetition,
 }
 
 /// Coverage of one category.
@@ -44,12 +49,13 @@ pub struct CategoryReport {
 
 impl Report {
     pub(super) fn new(
-        library: &Library,
+        libraries: &[Library],
         map: &TargetMap<'_>,
         scene: &Scene,
         placement: primaries::Counts,
         correction: density::Counts,
     ) -> Self {
+        let library = &libraries[0];
         let canvas = f64::from(scene.width) * f64::from(scene.height);
         let category = |(c, covered): (&crate::library::Category, &u64)| CategoryReport {
             wanted: c.coverage,
@@ -67,6 +73,8 @@ impl Report {
             refused: placement.refused,
             removed: correction.removed,
             added: correction.added,
+            overlap: Overlap::of_scene(scene, libraries),
+            repetition: Repetition::of_scene(scene, libraries),
         }
     }
 }
