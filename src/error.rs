@@ -154,6 +154,9 @@ impl Error {
             Self::Format { format: "vtex-scene", .. } => {
                 "make a scene with 'vtex synth photo.lib.json -o out.scene.json'".into()
             }
+            Self::Format { format: "vtex-weights", .. } => {
+                "search weights with 'vtex tune photo.lib.json'".into()
+            }
             Self::Version { .. } => "write the file again with this version of vtex".into(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
             _ => return None,

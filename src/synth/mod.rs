@@ -26,6 +26,7 @@ mod target;
 mod testing;
 #[cfg(test)]
 mod tests;
+pub mod tune;
 
 pub use compose::reconstruct;
 pub use controls::Controls;
@@ -92,4 +93,22 @@ pub fn synthesize_with(
     let scene = compose::scene(library, params, &map, &secondaries, field);
     let report = report::Report::new(libraries, &map, &scene, placement, correction);
     Ok((scene, report))
+}
+
+/// The primaries of a scene alone, as placement and density leave them, and the share of the canvas
+/// that each category covered before density was corrected.
+fn primaries_alone(
+    libraries: &[Library],
+    params: &SynthParams,
+    progress: &dyn Progress,
+) -> Result<(Scene, Vec<f64>)> {
+    let model = model::Model::new(&libraries[0]);
+    let mut map = target::TargetMap::new(&model, params.width, params.height);
+    let mut choice = choice::Choice::new(&model);
+    primaries::place(&mut map, &mut choice, params, progress)?;
+    let canvas = f64::from(params.width) * f64::from(params.height);
+    let covered = map.covered.iter().map(|&cells| cells as f64 / canvas).collect();
+    density::correct(&mut map, &mut choice, params, progress)?;
+    let ground = crate::scene::Field { spacing: 1.0, fallback: Default::default(), points: Vec::new() };
+    Ok((compose::scene(&libraries[0], params, &map, &[], ground), covered))
 }
