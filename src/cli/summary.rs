@@ -107,7 +107,8 @@ pub(crate) struct Coverage {
 pub(crate) struct Seconds(pub(crate) Vec<(&'static str, Duration)>);
 
 impl Seconds {
-    fn total(&self) -> f64 {
+    /// All of them together.
+    pub(crate) fn total(&self) -> f64 {
         self.0.iter().map(|s| s.1.as_secs_f64()).sum()
     }
 }
