@@ -215,16 +215,16 @@ pub(crate) struct SynthArgs {
 }
 
 /// Search weights of the score that suit a library
-///
-/// Writes LIBRARY.NAME.weights.json beside the library. Nothing uses it unless asked to, as with
-/// 'vtex synth photo.lib.json --weights tuned'.
 #[derive(Args)]
 #[command(
     override_usage = "vtex tune [OPTIONS] <LIBRARY>",
     after_help = "\
 Examples:
   vtex tune photo.lib.json
-  vtex tune photo.lib.json --name thorough --seeds 10 --evaluations 2000 --seed 7"
+  vtex tune photo.lib.json --name thorough --seeds 10 --evaluations 2000 --seed 7
+
+Weights are written beside the library, as photo.tuned.weights.json. Nothing uses them unless
+asked to: vtex synth photo.lib.json --weights tuned"
 )]
 pub(crate) struct TuneArgs {
     /// The library, plain or gzip
@@ -479,6 +479,7 @@ pub(crate) fn command() -> clap::Command {
         let args: Vec<Arg> = args.map(|a| a.clone().hide(true)).collect();
         command.mut_subcommand(name, |sub| sub.args(args))
     };
+    let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "render", &WORK);
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();

@@ -7,9 +7,9 @@ use crate::cli::progress::Reporter;
 use crate::cli::summary::{Seconds, bytes, peak_memory};
 use serde::Serialize;
 use std::fmt::Write;
+use vtex::Error;
 use vtex::library::Library;
 use vtex::synth::tune::{Terms, TunedWeights, tune};
-use vtex::Error;
 
 /// The summary in JSON.
 #[derive(Serialize)]

@@ -11,17 +11,23 @@
 //! The score is homogeneous, so one weight stands for the scale of all and keeps its default. The
 //! others keep their signs, and are searched by their logarithms (`cmaes`).
 //!
+//! Every generation has canvases of its own, so that the search cannot learn the chances of a few.
 //! The answer is the middle of the last distribution, which suffers less from chance than the best
-//! set seen. It is judged on scenes that the search has not seen, and where it is no better than
-//! the defaults there, the defaults are the answer.
+//! set seen. It is judged on canvases that the search has not seen, and where it is no better than
+//! the weights to begin with, these are the answer.
+//!
+//! When this works badly: where all weights do about equally well. What they change most is how much
+//! is left for density to correct; arrangements as seen in the end hardly depend on them.
 
 mod cmaes;
 mod document;
+#[cfg(test)]
+mod tests;
 
 pub use document::TunedWeights;
 
 use super::statistics::{Correlation, Layout, Overlap, Repetition, largest_categories, neighbour_distance};
-use crate::error::{Error, Result, check};
+use crate::error::{Result, check};
 use crate::library::Library;
 use crate::parallel;
 use crate::progress::{Progress, advance};
@@ -34,7 +40,7 @@ use serde::{Deserialize, Serialize};
 const STAGE: &str = "tuning";
 /// First step of the search, in logarithms of weights.
 const STEP: f64 = 0.5;
-/// Canvases on which the answer is judged, for each on which it was sought.
+/// Canvases on which the answer is judged, for each of a set of weights in the search.
 const UNSEEN: u32 = 4;
 
 /// How weights are searched.
@@ -60,7 +66,7 @@ impl TuneParams {
     /// Checks every range.
     ///
     /// # Errors
-    /// [`Error::Parameter`] naming the first parameter out of range.
+    /// [`crate::Error::Parameter`] naming the first parameter out of range.
     pub fn validate(&self) -> Result<()> {
         self.synth.validate()?;
         check((1..=100).contains(&self.seeds), "seeds", self.seeds, "1 to 100")?;
@@ -114,22 +120,16 @@ impl<'a> Judge<'a> {
         Self { library, params, categories, unit, exemplar }
     }
 
-    /// The terms of several sets of weights, each on the canvases of `seeds`.
-    fn terms(
-        &self,
-        all: &[Weights],
-        seeds: std::ops::Range<u32>,
-        progress: &dyn Progress,
-    ) -> Result<Vec<Terms>> {
-        let jobs: Vec<(&Weights, u32)> =
-            all.iter().flat_map(|w| seeds.clone().map(move |s| (w, s))).collect();
+    /// The terms of several sets of weights, each on canvases of the same seeds.
+    fn terms(&self, all: &[Weights], seeds: &[u64], progress: &dyn Progress) -> Result<Vec<Terms>> {
+        let jobs: Vec<(&Weights, u64)> =
+            all.iter().flat_map(|w| seeds.iter().map(move |s| (w, *s))).collect();
         let samples = parallel::map(&jobs, |(w, s)| self.sample(w, *s, progress));
         let samples = samples.into_iter().collect::<Result<Vec<Sample>>>()?;
         Ok(samples.chunks(seeds.len()).map(|of_one| self.together(of_one)).collect())
     }
 
-    fn sample(&self, weights: &Weights, seed: u32, progress: &dyn Progress) -> Result<Sample> {
-        let seed = stream(self.params.synth.seed, "tune/canvas", u64::from(seed)).bits();
+    fn sample(&self, weights: &Weights, seed: u64, progress: &dyn Progress) -> Result<Sample> {
         let params = SynthParams { weights: weights.clone(), seed, ..self.params.synth.clone() };
         let libraries = std::slice::from_ref(self.library);
         let (scene, covered) = super::primaries_alone(libraries, &params, progress)?;
@@ -171,19 +171,15 @@ impl<'a> Judge<'a> {
 /// weights, on any number of threads.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a parameter out of range, [`Error::Unusable`] for a library of which
-/// nothing can be placed, [`Error::Interrupted`].
+/// [`crate::Error::Parameter`] for a parameter out of range, [`crate::Error::Interrupted`].
 pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> Result<TunedWeights> {
     params.validate()?;
-    if library.primaries.iter().all(|p| p.clipped) {
-        let name = library.source.file.clone();
-        return Err(Error::Unusable { name, reason: "it has no primary textons to place".into() });
-    }
     let judge = Judge::new(library, params);
     let begin = &params.synth.weights;
     let mut random = stream(params.synth.seed, "tune/search", 0);
     let mut search = cmaes::Search::new(coordinates(begin), STEP);
-    let unseen = params.seeds..params.seeds * (1 + UNSEEN);
+    let mut canvases = stream(params.synth.seed, "tune/canvases", 0);
+    let mut seeds = |count: u32| -> Vec<u64> { (0..count).map(|_| canvases.bits()).collect() };
     let total = u64::from(params.evaluations);
     let mut tried = 0;
     advance(progress, STAGE, 0, total)?;
@@ -191,7 +187,7 @@ pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> 
         let points = search.ask(&mut random);
         let weights: Vec<Weights> = points.iter().map(|p| at(begin, *p)).collect();
         let watch = Watch { progress, done: u64::from(tried), total };
-        let terms = judge.terms(&weights, 0..params.seeds, &watch)?;
+        let terms = judge.terms(&weights, &seeds(params.seeds), &watch)?;
         let values: Vec<f64> = terms.iter().map(Terms::objective).collect();
         search.tell(&points, &values);
         tried += points.len() as u32;
@@ -199,7 +195,7 @@ pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> 
     }
     let found = at(begin, search.mean);
     let watch = Watch { progress, done: total, total };
-    let judged = judge.terms(&[begin.clone(), found.clone()], unseen, &watch)?;
+    let judged = judge.terms(&[begin.clone(), found.clone()], &seeds(params.seeds * UNSEEN), &watch)?;
     let better = judged[1].objective() < judged[0].objective();
     let (weights, after) = if better { (found, judged[1]) } else { (begin.clone(), judged[0]) };
     if !better {
