@@ -172,6 +172,9 @@ impl Error {
             Self::Format { format: "vtex-scene", .. } => {
                 "make a scene with 'vtex synth photo.lib.json -o out.scene.json'".into()
             }
+            Self::Format { format: "vtex-weights", .. } => {
+                "search weights with 'vtex tune photo.lib.json'".into()
+            }
             Self::Version { .. } => "write the file again with this version of vtex".into(),
             Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
             Self::Control { advice, .. } => (*advice).into(),

@@ -1,13 +1,15 @@
 //! What the user asked for, checked as far as it can be without reading anything but the
 //! configuration: from [`Cli`] to a job and what all jobs share.
 
-use super::arguments::{Cli, Command, ControlArgs, ForceArgs, MasksArgs, PatternArgs, SegmenterName};
+use super::arguments::{
+    Cli, Command, ControlArgs, ForceArgs, MasksArgs, PatternArgs, SegmenterName, TuneArgs,
+};
 use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
 use super::failure::Failure;
-use super::format::{self, default_name};
+use super::format::{self, default_name, weights_path};
 use super::input::Input;
 use super::output::{Place, Target};
-use super::values::Seed;
+use super::values::{Seed, WeightsName};
 use clap_complete::Shell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -15,6 +17,7 @@ use vtex::library::AnalyzeParams;
 use vtex::output::file::{Format, Kind};
 use vtex::scene::SynthParams;
 use vtex::synth::Controls;
+use vtex::synth::tune::{TuneParams, TunedWeights};
 
 /// What is to be done.
 pub(crate) enum Options {
@@ -43,6 +46,7 @@ pub(crate) enum Job {
     Texture(Analysis, Synthesis),
     Analyze(Analysis, Target),
     Synth(Vec<Input>, Synthesis),
+    Tune(Input, Tuning),
     Render(Input, RenderOptions),
     Inspect(Input),
     Completions(Shell),
@@ -88,6 +92,13 @@ pub(crate) enum DomainFrom {
     Mask(Input),
 }
 
+/// How weights are searched, and where they go.
+pub(crate) struct Tuning {
+    pub(crate) name: String,
+    pub(crate) parameters: TuneParams,
+    pub(crate) place: Place,
+}
+
 /// How a file is drawn.
 pub(crate) struct RenderOptions {
     pub(crate) scale: RenderParameters,
@@ -121,7 +132,8 @@ impl Options {
                 given.add("render", &a.render);
                 given.add("svg", &a.svg);
             }
-            Some(Command::Inspect(_) | Command::Completions(_) | Command::Man(_)) | None => {}
+            Some(Command::Tune(_) | Command::Inspect(_) | Command::Completions(_) | Command::Man(_))
+            | None => {}
         }
         let parameters = Parameters::resolve(global.config.as_deref(), &given)?;
         if global.dump_config {
@@ -143,12 +155,13 @@ impl Options {
 
 impl Job {
     fn resolve(command: Command, parameters: Parameters, seed: Seed) -> anyhow::Result<Self> {
-        let Parameters { segmenter, analyze, synth, svg, render, .. } = parameters;
+        let Parameters { segmenter, analyze, synth, weights, svg, render, .. } = parameters;
         let analyze = AnalyzeParams { seed: seed.0, ..analyze };
-        let synth = SynthParams { seed: seed.0, ..synth };
+        let mut synth = SynthParams { seed: seed.0, ..synth };
         Ok(match command {
             Command::Texture(a) => {
                 let photo = required(a.photo)?;
+                read_weights(weights, &photo, &mut synth)?;
                 let output = a.output.clone();
                 let target = target(a.output, &a.force, &photo, format::OF_SCENE, Format::Svg)?;
                 let steering = Steering::new(a.control, Vec::new());
@@ -180,7 +193,14 @@ impl Job {
                 let read: Vec<_> = libraries.iter().map(|file| ("the library", file)).collect();
                 steering.check(&read, &[("-o", output.as_deref())])?;
                 steering.check_counts(libraries.len())?;
+                read_weights(weights, first, &mut synth)?;
                 Self::Synth(libraries, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
+            }
+            Command::Tune(mut a) => {
+                let library = required(a.library.take())?;
+                read_weights(weights, &library, &mut synth)?;
+                let tuning = Tuning::new(a, &library, synth)?;
+                Self::Tune(library, tuning)
             }
             Command::Render(a) => {
                 let file = required(a.file)?;
@@ -307,6 +327,49 @@ impl Steering {
         };
         Err(Failure::usage(message).hint("give one --map for all libraries, or one for each"))
     }
+}
+
+impl Tuning {
+    fn new(a: TuneArgs, library: &Input, synth: SynthParams) -> anyhow::Result<Self> {
+        let Input::File(beside) = library else {
+            let failure = Failure::usage("the weights are written beside the library, so it must be a file");
+            return Err(failure.hint("write the library to a file first").into());
+        };
+        let defaults = TuneParams::default();
+        let (width, height) =
+            a.search.size.map_or((defaults.synth.width, defaults.synth.height), |s| (s.width, s.height));
+        let parameters = TuneParams {
+            synth: SynthParams { width, height, ..synth },
+            seeds: a.search.seeds.unwrap_or(defaults.seeds),
+            evaluations: a.search.evaluations.unwrap_or(defaults.evaluations),
+        };
+        parameters.validate()?;
+        let name = a.name.map_or("tuned".into(), |n| n.as_str().to_owned());
+        let path = weights_path(beside, &name);
+        Ok(Self { name, parameters, place: Place::File { path, force: a.force.force } })
+    }
+}
+
+/// Replaces the weights by those of a name, which are in a file beside the library, or beside the
+/// photograph of one.
+fn read_weights(name: Option<WeightsName>, beside: &Input, synth: &mut SynthParams) -> anyhow::Result<()> {
+    let Some(name) = name else { return Ok(()) };
+    let name = name.as_str();
+    let Input::File(beside) = beside else {
+        let failure = Failure::usage(format!("the weights '{name}' are beside no file"));
+        return Err(failure.hint("give the name of a file in place of -, or the weights as numbers").into());
+    };
+    let path = weights_path(beside, name);
+    if !path.exists() {
+        let library = default_name(beside, Format::Library);
+        let library = beside.with_file_name(library.file_name().unwrap_or_default());
+        let failure =
+            Failure::failed(format!("there are no weights '{name}': cannot read '{}'", path.display()));
+        let made = format!("'vtex tune {} --name {name}' makes them", library.display());
+        return Err(failure.hint(made).into());
+    }
+    synth.weights = TunedWeights::read(&path)?.weights;
+    Ok(())
 }
 
 /// Refuses that one file is to hold two things: the later would destroy the earlier, `--force` or not.

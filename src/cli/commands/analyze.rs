@@ -34,6 +34,8 @@ pub(super) fn run(
         size: [library.source.width, library.source.height],
         counts: Some(Counts::of_library(&library)),
         coverage: Some(Coverage { wanted: Some(library.coverage), got: None, categories: Vec::new() }),
+        overlap: None,
+        repetition: None,
         seconds: Seconds(seconds),
         peak_memory: peak_memory(),
         warnings,

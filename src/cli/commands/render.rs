@@ -81,6 +81,8 @@ pub(super) fn run(
         size: if scene.is_some() && target.kind.format == Format::Png { size.map(drawn) } else { size },
         counts: scene.as_ref().map(Counts::of_scene),
         coverage: None,
+        overlap: None,
+        repetition: None,
         seconds: Seconds(seconds),
         peak_memory: peak_memory(),
         warnings,

@@ -72,6 +72,8 @@ pub(super) fn finish(
             got: Some(report.coverage),
             categories: report.categories,
         }),
+        overlap: Some(report.overlap),
+        repetition: Some(report.repetition),
         seconds: Seconds(seconds),
         peak_memory: peak_memory(),
         warnings,
