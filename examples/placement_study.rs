@@ -19,6 +19,7 @@ use std::process::ExitCode;
 use support::{MEASURE, Outcome, Watch, child, kilo, mega, peak_memory, row, seconds, sum};
 use vtex::library::Library;
 use vtex::output::{png, svg};
+use vtex::sampling::{Stream, stream};
 use vtex::scene::{Ablation, Scene, SynthParams};
 use vtex::synth::statistics::{Correlation, Difference, Layout, largest_categories, neighbour_distance};
 use vtex::synth::tune::TunedWeights;
@@ -192,7 +193,16 @@ impl Study {
         );
         let with_noise =
             |d: Option<Difference>| d.map_or("–".into(), |d| format!("{:.3} ({:.3})", d.rms, d.noise));
-        text += &head(&["exemplar", "default", "reference-like", "tuned", "own halves"]);
+        let titles = [
+            "exemplar",
+            "default",
+            "reference-like",
+            "tuned",
+            "own halves",
+            "categories shuffled",
+            "scattered",
+        ];
+        text += &head(&titles);
         for e in &self.exemplars {
             let tuned = match e.tuned()? {
                 Some(params) => with_noise(e.figures_of(&params, self.seeds)?.difference),
@@ -204,6 +214,8 @@ impl Study {
                 with_noise(e.figures(&REFERENCE_LIKE, self.seeds)?.difference),
                 tuned,
                 with_noise(e.halves()),
+                with_noise(e.spoilt(self.seeds, shuffle)?),
+                with_noise(e.spoilt(self.seeds, scatter)?),
             ]);
         }
         Ok(text)
@@ -303,6 +315,23 @@ impl Exemplar {
         Some(Difference { rms: mean(0), noise: mean(1) })
     }
 
+    /// How far default scenes are from the exemplar once they have been spoilt: what the measure
+    /// says of something bad.
+    fn spoilt(&self, seeds: u64, spoil: fn(&mut Layout, &mut Stream)) -> Outcome<Option<Difference>> {
+        let mut curves = Vec::new();
+        for seed in 1..=seeds {
+            let scene = synth::synthesize(&self.library, &SynthParams { seed, ..params(&[]) }, &())?;
+            let mut layout = Layout::of_scene(&scene);
+            spoil(&mut layout, &mut stream(seed, "study/spoil", 0));
+            curves.push(self.correlation_of(&layout));
+        }
+        let all = curves.into_iter().reduce(|mut all, one| {
+            all.add(&one);
+            all
+        });
+        Ok(all.and_then(|c| c.difference(&self.correlation)))
+    }
+
     fn figures(&self, without: &[Ablation], seeds: u64) -> Outcome<Figures> {
         self.figures_of(&params(without), seeds)
     }
@@ -327,6 +356,19 @@ impl Exemplar {
         f.difference = curves.and_then(|c| c.difference(&self.correlation));
         Ok(f)
     }
+}
+
+/// Every place keeps a primary, but any of them.
+fn shuffle(layout: &mut Layout, random: &mut Stream) {
+    let mut places: Vec<[f64; 2]> = layout.centres.iter().map(|c| c.at).collect();
+    random.shuffle(&mut places);
+    layout.centres.iter_mut().zip(places).for_each(|(c, at)| c.at = at);
+}
+
+/// All primaries anywhere.
+fn scatter(layout: &mut Layout, random: &mut Stream) {
+    let size = layout.size;
+    layout.centres.iter_mut().for_each(|c| c.at = size.map(|side| random.range(0.0, side)));
 }
 
 /// Mean figures of several scenes; shares are 0 to 1, lengths pixels.
