@@ -42,8 +42,11 @@ use crate::progress::{Progress, advance};
 use crate::scene::field::Interpolant;
 use crate::scene::{Ablation, Scene, SynthParams};
 
-/// Largest canvas, in pixels: the target map takes six bytes for each.
+/// Largest canvas, in pixels.
 const LARGEST_CANVAS: u64 = 400_000_000;
+/// Memory that a pixel of the canvas takes, in bytes: seven of the target map, the rest its share of
+/// what is placed (measured on sandy concrete, which has the most).
+const BYTES_PER_PIXEL: u64 = 25;
 
 /// A new texture like the exemplar that the library was made from, of the size in `params`.
 /// Same library, parameters and program: the same scene, on any number of threads.
@@ -74,8 +77,17 @@ pub fn synthesize_with(
     if canvas > LARGEST_CANVAS {
         return Err(Error::TooLarge {
             name: "size".into(),
-            found: format!("{} x {} px", params.width, params.height),
-            limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
+            found: format!(
+                "{} x {} px would take about {} GB of memory",
+                params.width,
+                params.height,
+                canvas * BYTES_PER_PIXEL / 1_000_000_000
+            ),
+            limit: format!(
+                "{} megapixels, about {} GB",
+                LARGEST_CANVAS / 1_000_000,
+                LARGEST_CANVAS * BYTES_PER_PIXEL / 1_000_000_000
+            ),
         });
     }
 
