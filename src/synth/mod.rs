@@ -29,10 +29,12 @@ mod testing;
 #[cfg(test)]
 mod tests;
 mod variation;
+mod warp;
 
 pub use compose::reconstruct;
 pub use controls::Controls;
 pub use report::{CategoryReport, Report};
+pub use warp::{Bend, WarpParams, warp};
 
 use crate::error::{Error, Result};
 use crate::library::Library;
@@ -68,14 +70,7 @@ pub fn synthesize_with(
 ) -> Result<(Scene, Report)> {
     params.validate()?;
     controls.validate(libraries.len())?;
-    let canvas = u64::from(params.width) * u64::from(params.height);
-    if canvas > LARGEST_CANVAS {
-        return Err(Error::TooLarge {
-            name: "size".into(),
-            found: format!("{} x {} px", params.width, params.height),
-            limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
-        });
-    }
+    check_canvas(params)?;
 
     let model = model::Model::new(libraries, params);
     let grid = target::TargetMap::grid(&model, params.width, params.height, params.tile);
@@ -96,4 +91,16 @@ pub fn synthesize_with(
     let scene = compose::scene(libraries, params, controls, &map, &secondaries, field);
     let report = report::Report::new(libraries, &map, &scene, placement, correction);
     Ok((scene, report))
+}
+
+/// An error if the canvas is too large.
+fn check_canvas(params: &SynthParams) -> Result<()> {
+    if u64::from(params.width) * u64::from(params.height) <= LARGEST_CANVAS {
+        return Ok(());
+    }
+    Err(Error::TooLarge {
+        name: "size".into(),
+        found: format!("{} x {} px", params.width, params.height),
+        limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
+    })
 }
