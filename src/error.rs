@@ -100,6 +100,9 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// A pattern was asked for of a scene that does not tile along both axes.
+    #[error("a pattern needs a texture that repeats along both axes")]
+    Seams,
     /// The caller asked to stop (see [`crate::Progress`]).
     #[error("interrupted")]
     Interrupted,
@@ -169,10 +172,14 @@ impl Error {
             Self::Format { format: "vtex-scene", .. } => {
                 "make a scene with 'vtex synth photo.lib.json -o out.scene.json'".into()
             }
+            Self::Format { format: "vtex-weights", .. } => {
+                "search weights with 'vtex tune photo.lib.json'".into()
+            }
             Self::Version { .. } => "write the file again with this version of vtex".into(),
             Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
             Self::Control { advice, .. } => (*advice).into(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
+            Self::Seams => "make the texture with --tile, for both axes".into(),
             _ => return None,
         })
     }

@@ -5,13 +5,13 @@
 mod cli;
 
 use clap::FromArgMatches;
-use cli::{Cli, Exit, Options, arguments, failure, interrupt};
+use cli::{Cli, Exit, Options, arguments, failure, interrupt, raw_arguments};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments: Vec<OsString> = std::env::args_os().collect();
-    let choice = arguments::colour_choice(&arguments);
+    let arguments: Vec<OsString> = raw_arguments::joined(std::env::args_os().collect());
+    let choice = raw_arguments::colour_choice(&arguments);
     choice.as_choice().write_global();
     let parsed = arguments::command_for(&arguments)
         .color(choice.as_clap())

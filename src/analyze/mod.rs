@@ -22,6 +22,7 @@ use crate::library::{Arrangement, Library, Secondaries, Source};
 use crate::progress::{Progress, advance};
 use crate::raster::{LabelMap, Mask};
 use crate::scene::Field;
+use crate::scene::Tile;
 use crate::scene::field::Interpolant;
 use crate::segment::{Segmenter, Smoothed, details};
 use shapes::Pieces;
@@ -75,7 +76,7 @@ pub fn analyze(
         points: background.sites.clone(),
     };
     let secondary_textons =
-        shapes::secondaries(&shapes.secondaries, &Interpolant::new(&field, width, height));
+        shapes::secondaries(&shapes.secondaries, &Interpolant::new(&field, width, height, Tile::default()));
 
     advance(progress, "categories", 0, 1)?;
     let image_area = f64::from(width) * f64::from(height);

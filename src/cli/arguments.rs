@@ -5,7 +5,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use super::values::{Axes, FiveWeights, Seed, Size, named};
+use super::values::{Axes, Seed, Size, WeightsFrom, WeightsName, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -44,6 +44,7 @@ pub(crate) enum Command {
     Texture(TextureArgs),
     Analyze(AnalyzeArgs),
     Synth(SynthArgs),
+    Tune(TuneArgs),
     Render(RenderArgs),
     Inspect(InspectArgs),
     Completions(CompletionsArgs),
@@ -131,6 +132,16 @@ pub(crate) struct ForceArgs {
     pub(crate) force: bool,
 }
 
+/// The texture as a pattern, beside the result.
+#[derive(Args)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct PatternArgs {
+    /// Also write an SVG of any size, filled with the texture as a <pattern>: .svg or .svgz; the
+    /// texture must repeat along both axes (--tile)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) pattern: Option<PathBuf>,
+}
+
 /// Photograph to vector texture, in one go
 #[derive(Args)]
 #[command(
@@ -150,6 +161,8 @@ pub(crate) struct TextureArgs {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) pattern: PatternArgs,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
     #[command(flatten)]
@@ -197,6 +210,7 @@ Examples:
   vtex synth photo.lib.json --domain logo.svg --density dense-left.png
   vtex synth sand.lib.json stones.lib.json --map where-stones.png
   vtex synth photo.lib.json -o out.scene.json.gz
+  vtex synth photo.lib.json --tile --pattern page.svg
   vtex synth photo.lib.json -o - | gzip > out.svgz"
 )]
 pub(crate) struct SynthArgs {
@@ -209,6 +223,8 @@ pub(crate) struct SynthArgs {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) pattern: PatternArgs,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
     #[command(flatten)]
@@ -239,6 +255,46 @@ pub(crate) struct ControlArgs {
     pub(crate) density: Option<PathBuf>,
 }
 
+/// Search weights of the score that suit a library
+#[derive(Args)]
+#[command(
+    override_usage = "vtex tune [OPTIONS] <LIBRARY>",
+    after_help = "\
+Examples:
+  vtex tune photo.lib.json
+  vtex tune photo.lib.json --name thorough --seeds 10 --evaluations 2000 --seed 7
+
+Weights are written beside the library, as photo.tuned.weights.json. Nothing uses them unless
+asked to: vtex synth photo.lib.json --weights tuned"
+)]
+pub(crate) struct TuneArgs {
+    /// The library, plain or gzip
+    #[arg(value_name = "LIBRARY", required = true)]
+    pub(crate) library: Option<PathBuf>,
+    /// Name of the weights: letters, digits, - and _ [default: tuned]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<WeightsName>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) search: TuneFlags,
+}
+
+/// How weights are searched.
+#[derive(Args)]
+#[command(next_help_heading = "Search")]
+pub(crate) struct TuneFlags {
+    /// Canvases placed for each set of weights [1 to 100, default: 3]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) seeds: Option<u32>,
+    /// Sets of weights tried [10 to 100000, default: 200]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) evaluations: Option<u32>,
+    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, at most 400 megapixels, default: 500]
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) size: Option<Size>,
+}
+
 /// Library (drawn back as its exemplar), scene or SVG to picture
 #[derive(Args)]
 #[command(
@@ -259,6 +315,8 @@ pub(crate) struct RenderArgs {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) pattern: PatternArgs,
     #[command(flatten)]
     pub(crate) render: RenderFlags,
     #[command(flatten)]
@@ -391,9 +449,10 @@ pub(crate) struct SynthFlags {
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) moves: Option<u32>,
     /// Weights of target, uncovered, empty, mismatched and same-overlap areas in the score of a
-    /// placement [-10 to 10 each, default: 0.5,-0.4,-0.2,-0.5,-0.5]
-    #[arg(long, value_name = "T,U,E,M,S", allow_hyphen_values = true)]
-    pub(crate) weights: Option<FiveWeights>,
+    /// placement, or the name of weights found by 'vtex tune' [-10 to 10 each,
+    /// default: 0.5,-0.4,-0.2,-0.5,-0.5]
+    #[arg(long, value_name = "T,U,E,M,S|NAME", allow_hyphen_values = true)]
+    pub(crate) weights: Option<WeightsFrom>,
     /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
     /// default: none]
     #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
@@ -463,6 +522,7 @@ pub(crate) fn command() -> clap::Command {
         let args: Vec<Arg> = args.map(|a| a.clone().hide(true)).collect();
         command.mut_subcommand(name, |sub| sub.args(args))
     };
+    let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "render", &WORK);
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();
@@ -478,6 +538,7 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("texture", "photo"),
             ("analyze", "photo"),
             ("synth", "library"),
+            ("tune", "library"),
             ("render", "file"),
             ("inspect", "file"),
         ] {
@@ -485,21 +546,4 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
         }
     }
     command
-}
-
-/// The value of `--color`, sought before parsing so that errors of parsing follow it too.
-pub(crate) fn colour_choice(arguments: &[OsString]) -> When {
-    let mut choice = When::default();
-    let mut rest = arguments.iter().skip(1).map_while(|a| (a != "--").then(|| a.to_string_lossy()));
-    while let Some(argument) = rest.next() {
-        let value = match argument.strip_prefix("--color") {
-            Some("") => rest.next(),
-            Some(v) => v.strip_prefix('=').map(|v| v.to_owned().into()),
-            None => None,
-        };
-        if let Some(when) = value.and_then(|v| When::from_str(&v, false).ok()) {
-            choice = when;
-        }
-    }
-    choice
 }

@@ -1,6 +1,7 @@
 //! File formats told by extension, and default names.
 
 use super::failure::Failure;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use vtex::output::file::{Format, Kind};
 
@@ -8,6 +9,8 @@ use vtex::output::file::{Format, Kind};
 pub(crate) const OF_SCENE: &[Format] = &[Format::Svg, Format::Png, Format::Scene];
 /// What `analyze` can write.
 pub(crate) const OF_LIBRARY: &[Format] = &[Format::Library];
+/// What `--pattern` can write.
+pub(crate) const OF_PATTERN: &[Format] = &[Format::Svg];
 
 fn extensions(format: Format) -> &'static [&'static str] {
     match format {
@@ -18,12 +21,12 @@ fn extensions(format: Format) -> &'static [&'static str] {
     }
 }
 
-/// The kind of file that the name `path` asks for, among those allowed.
-pub(crate) fn kind_of(path: &Path, allowed: &[Format]) -> Result<Kind, Failure> {
+/// The kind of file that the name `path`, given for `flag`, asks for, among those allowed.
+pub(crate) fn kind_of(flag: &str, path: &Path, allowed: &[Format]) -> Result<Kind, Failure> {
     let kind = Kind::from_path(path).filter(|k| allowed.contains(&k.format));
     kind.ok_or_else(|| {
         let known: Vec<&str> = allowed.iter().flat_map(|f| extensions(*f)).copied().collect();
-        unknown_name("--output", path, &known)
+        unknown_name(flag, path, &known)
     })
 }
 
@@ -44,8 +47,22 @@ fn unknown_name(flag: &str, path: &Path, known: &[&str]) -> Failure {
         .hint(format!("give {flag} a name that ends in {} or {last}", others.join(", ")))
 }
 
+/// `some/photo.tuned.weights.json` for `some/photo.lib.json` and the name `tuned`.
+pub(crate) fn weights_path(beside: &Path, name: &str) -> PathBuf {
+    let mut file = stem(beside);
+    file.push(format!(".{name}.weights.json"));
+    beside.with_file_name(file)
+}
+
 /// `photo.svg` in the current folder for `some/photo.lib.json` and [`Format::Svg`].
 pub(crate) fn default_name(input: &Path, format: Format) -> PathBuf {
+    let mut name = stem(input);
+    name.push(extensions(format)[0]);
+    name.into()
+}
+
+/// `photo` for `some/photo.lib.json`.
+fn stem(input: &Path) -> OsString {
     let mut stem = input.file_name().unwrap_or("texture".as_ref()).to_os_string();
     if let Some(name) = input.file_name().and_then(|n| n.to_str()) {
         let lower = name.to_ascii_lowercase();
@@ -57,8 +74,7 @@ pub(crate) fn default_name(input: &Path, format: Format) -> PathBuf {
     } else if let Some(short) = input.file_stem() {
         stem = short.into();
     }
-    stem.push(extensions(format)[0]);
-    stem.into()
+    stem
 }
 
 #[cfg(test)]
@@ -67,7 +83,7 @@ mod tests {
 
     #[test]
     fn names_are_held_to_what_a_command_writes() {
-        let of = |name: &str| kind_of(Path::new(name), OF_SCENE).ok().map(|k| k.format);
+        let of = |name: &str| kind_of("--output", Path::new(name), OF_SCENE).ok().map(|k| k.format);
         assert_eq!(of("a.SVGZ"), Some(Format::Svg));
         assert_eq!(of("dir.svg/a.scene.json.gz"), Some(Format::Scene));
         assert_eq!(of("a.lib.json"), None);
@@ -84,5 +100,12 @@ mod tests {
         assert_eq!(name("my.photo.jpeg", Format::Svg), Path::new("my.photo.svg"));
         assert_eq!(name("photo", Format::Png), Path::new("photo.png"));
         assert_eq!(name(".lib.json", Format::Svg), Path::new(".lib.svg"));
+    }
+
+    #[test]
+    fn weights_stand_beside_what_they_are_for() {
+        let path = |input: &str| weights_path(Path::new(input), "tuned");
+        assert_eq!(path("/x/photo.lib.json.gz"), Path::new("/x/photo.tuned.weights.json"));
+        assert_eq!(path("photo.jpg"), Path::new("photo.tuned.weights.json"));
     }
 }

@@ -12,6 +12,7 @@ pub(crate) mod interrupt;
 mod options;
 pub(crate) mod output;
 mod progress;
+pub(crate) mod raw_arguments;
 mod stages;
 mod summary;
 mod values;

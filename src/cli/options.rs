@@ -1,13 +1,15 @@
 //! What the user asked for, checked as far as it can be without reading anything but the
 //! configuration: from [`Cli`] to a job and what all jobs share.
 
-use super::arguments::{Cli, Command, ControlArgs, ForceArgs, MasksArgs, SegmenterName};
+use super::arguments::{
+    Cli, Command, ControlArgs, ForceArgs, MasksArgs, PatternArgs, SegmenterName, TuneArgs,
+};
 use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
 use super::failure::Failure;
-use super::format::{self, default_name};
+use super::format::{self, default_name, weights_path};
 use super::input::Input;
 use super::output::{Place, Target};
-use super::values::Seed;
+use super::values::{Seed, WeightsName};
 use clap_complete::Shell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -15,6 +17,7 @@ use vtex::library::AnalyzeParams;
 use vtex::output::file::{Format, Kind};
 use vtex::scene::SynthParams;
 use vtex::synth::Controls;
+use vtex::synth::tune::{TuneParams, TunedWeights};
 
 /// What is to be done.
 pub(crate) enum Options {
@@ -43,6 +46,7 @@ pub(crate) enum Job {
     Texture(Analysis, Synthesis),
     Analyze(Analysis, Target),
     Synth(Vec<Input>, Synthesis),
+    Tune(Input, Tuning),
     Render(Input, RenderOptions),
     Inspect(Input),
     Completions(Shell),
@@ -70,6 +74,7 @@ pub(crate) struct Synthesis {
     pub(crate) steering: Steering,
     pub(crate) svg: SvgParameters,
     pub(crate) target: Target,
+    pub(crate) pattern: Option<Target>,
 }
 
 /// Files that steer synthesis.
@@ -87,11 +92,19 @@ pub(crate) enum DomainFrom {
     Mask(Input),
 }
 
+/// How weights are searched, and where they go.
+pub(crate) struct Tuning {
+    pub(crate) name: String,
+    pub(crate) parameters: TuneParams,
+    pub(crate) place: Place,
+}
+
 /// How a file is drawn.
 pub(crate) struct RenderOptions {
     pub(crate) scale: RenderParameters,
     pub(crate) svg: SvgParameters,
     pub(crate) target: Target,
+    pub(crate) pattern: Option<Target>,
 }
 
 impl Options {
@@ -119,7 +132,8 @@ impl Options {
                 given.add("render", &a.render);
                 given.add("svg", &a.svg);
             }
-            Some(Command::Inspect(_) | Command::Completions(_) | Command::Man(_)) | None => {}
+            Some(Command::Tune(_) | Command::Inspect(_) | Command::Completions(_) | Command::Man(_))
+            | None => {}
         }
         let parameters = Parameters::resolve(global.config.as_deref(), &given)?;
         if global.dump_config {
@@ -141,12 +155,13 @@ impl Options {
 
 impl Job {
     fn resolve(command: Command, parameters: Parameters, seed: Seed) -> anyhow::Result<Self> {
-        let Parameters { segmenter, analyze, synth, svg, render, .. } = parameters;
+        let Parameters { segmenter, analyze, synth, weights, svg, render, .. } = parameters;
         let analyze = AnalyzeParams { seed: seed.0, ..analyze };
-        let synth = SynthParams { seed: seed.0, ..synth };
+        let mut synth = SynthParams { seed: seed.0, ..synth };
         Ok(match command {
             Command::Texture(a) => {
                 let photo = required(a.photo)?;
+                read_weights(weights, &photo, &mut synth)?;
                 let output = a.output.clone();
                 let target = target(a.output, &a.force, &photo, format::OF_SCENE, Format::Svg)?;
                 let steering = Steering::new(a.control, Vec::new());
@@ -156,7 +171,7 @@ impl Job {
                 )?;
                 let analysis =
                     Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?;
-                Self::Texture(analysis, Synthesis { parameters: synth, steering, svg, target })
+                Self::Texture(analysis, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
             }
             Command::Analyze(a) => {
                 let photo = required(a.photo)?;
@@ -178,17 +193,52 @@ impl Job {
                 let read: Vec<_> = libraries.iter().map(|file| ("the library", file)).collect();
                 steering.check(&read, &[("-o", output.as_deref())])?;
                 steering.check_counts(libraries.len())?;
-                Self::Synth(libraries, Synthesis { parameters: synth, steering, svg, target })
+                read_weights(weights, first, &mut synth)?;
+                Self::Synth(libraries, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
+            }
+            Command::Tune(mut a) => {
+                let library = required(a.library.take())?;
+                read_weights(weights, &library, &mut synth)?;
+                let tuning = Tuning::new(a, &library, synth)?;
+                Self::Tune(library, tuning)
             }
             Command::Render(a) => {
                 let file = required(a.file)?;
                 let target = target(a.output, &a.force, &file, format::OF_SCENE, Format::Png)?;
-                Self::Render(file, RenderOptions { scale: render, svg, target })
+                let pattern = pattern(a.pattern, &a.force, &target)?;
+                Self::Render(file, RenderOptions { scale: render, svg, target, pattern })
             }
             Command::Inspect(a) => Self::Inspect(required(a.file)?),
             Command::Completions(a) => Self::Completions(a.shell),
             Command::Man(a) => Self::Man(a.folder),
         })
+    }
+}
+
+impl Synthesis {
+    fn new(
+        parameters: SynthParams,
+        steering: Steering,
+        svg: SvgParameters,
+        target: Target,
+        pattern_args: PatternArgs,
+        force: &ForceArgs,
+    ) -> Result<Self, Failure> {
+        let pattern = pattern(pattern_args, force, &target)?;
+        if pattern.is_some() && !parameters.tile.both() {
+            let message = "--pattern needs a texture that repeats along both axes";
+            return Err(Failure::usage(message).hint("give --tile, for both axes"));
+        }
+        Ok(Self { parameters, steering, svg, target, pattern })
+    }
+
+    /// Fails now if a file could not be written later.
+    ///
+    /// # Errors
+    /// As [`Place::probe`].
+    pub(crate) fn probe(&self) -> vtex::Result<()> {
+        self.target.place.probe()?;
+        self.pattern.as_ref().map_or(Ok(()), |p| p.place.probe())
     }
 }
 
@@ -279,6 +329,49 @@ impl Steering {
     }
 }
 
+impl Tuning {
+    fn new(a: TuneArgs, library: &Input, synth: SynthParams) -> anyhow::Result<Self> {
+        let Input::File(beside) = library else {
+            let failure = Failure::usage("the weights are written beside the library, so it must be a file");
+            return Err(failure.hint("write the library to a file first").into());
+        };
+        let defaults = TuneParams::default();
+        let (width, height) =
+            a.search.size.map_or((defaults.synth.width, defaults.synth.height), |s| (s.width, s.height));
+        let parameters = TuneParams {
+            synth: SynthParams { width, height, ..synth },
+            seeds: a.search.seeds.unwrap_or(defaults.seeds),
+            evaluations: a.search.evaluations.unwrap_or(defaults.evaluations),
+        };
+        parameters.validate()?;
+        let name = a.name.map_or("tuned".into(), |n| n.as_str().to_owned());
+        let path = weights_path(beside, &name);
+        Ok(Self { name, parameters, place: Place::File { path, force: a.force.force } })
+    }
+}
+
+/// Replaces the weights by those of a name, which are in a file beside the library, or beside the
+/// photograph of one.
+fn read_weights(name: Option<WeightsName>, beside: &Input, synth: &mut SynthParams) -> anyhow::Result<()> {
+    let Some(name) = name else { return Ok(()) };
+    let name = name.as_str();
+    let Input::File(beside) = beside else {
+        let failure = Failure::usage(format!("the weights '{name}' are beside no file"));
+        return Err(failure.hint("give the name of a file in place of -, or the weights as numbers").into());
+    };
+    let path = weights_path(beside, name);
+    if !path.exists() {
+        let library = default_name(beside, Format::Library);
+        let library = beside.with_file_name(library.file_name().unwrap_or_default());
+        let failure =
+            Failure::failed(format!("there are no weights '{name}': cannot read '{}'", path.display()));
+        let made = format!("'vtex tune {} --name {name}' makes them", library.display());
+        return Err(failure.hint(made).into());
+    }
+    synth.weights = TunedWeights::read(&path)?.weights;
+    Ok(())
+}
+
 /// Refuses that one file is to hold two things: the later would destroy the earlier, `--force` or not.
 fn apart(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
     for (i, (name, path)) in files.iter().enumerate() {
@@ -313,8 +406,16 @@ fn target(
         }
         return Ok(Target { place: Place::Stdout, kind: Kind { format: usual, gzip: false } });
     }
-    let kind = format::kind_of(&path, allowed)?;
+    let kind = format::kind_of("--output", &path, allowed)?;
     Ok(Target { place: Place::File { path, force: force.force }, kind })
+}
+
+/// Where a pattern goes: a file of its own.
+fn pattern(args: PatternArgs, force: &ForceArgs, output: &Target) -> Result<Option<Target>, Failure> {
+    let Some(path) = args.pattern else { return Ok(None) };
+    let kind = format::kind_of("--pattern", &path, format::OF_PATTERN)?;
+    apart(&[("the output", Some(output.place.path())), ("--pattern", Some(&path))])?;
+    Ok(Some(Target { place: Place::File { path, force: force.force }, kind }))
 }
 
 /// An argument that the parser lets be missing only beside `--dump-config`.

@@ -117,19 +117,29 @@ impl Target {
                 let (_, bytes) = self.place.write(|out| png::encode(&picture, seed, out))?;
                 Ok(Written { bytes, warnings: Vec::new() })
             }
-            Format::Svg => {
-                let (summary, bytes) = self.place.write(|out| {
-                    if !self.kind.gzip {
-                        return svg::write(scene, options, out);
-                    }
-                    let mut packed = gzip(out);
-                    let summary = svg::write(scene, options, &mut packed)?;
-                    packed.finish().map_err(|e| Error::write(Path::new("-"), e))?;
-                    Ok(summary)
-                })?;
-                Ok(Written { bytes, warnings: summary.warnings })
-            }
+            Format::Svg => self.write_svg(|out| svg::write(scene, options, out)),
         }
+    }
+
+    /// Writes a scene as a pattern.
+    ///
+    /// # Errors
+    /// As [`Place::write`], and those of [`svg::write_pattern`].
+    pub(crate) fn write_pattern(&self, scene: &Scene, options: &svg::SvgOptions) -> Result<Written> {
+        self.write_svg(|out| svg::write_pattern(scene, options, out))
+    }
+
+    fn write_svg(&self, content: impl FnOnce(&mut dyn Write) -> Result<svg::SvgSummary>) -> Result<Written> {
+        let (summary, bytes) = self.place.write(|out| {
+            if !self.kind.gzip {
+                return content(out);
+            }
+            let mut packed = gzip(out);
+            let summary = content(&mut packed)?;
+            packed.finish().map_err(|e| Error::write(Path::new("-"), e))?;
+            Ok(summary)
+        })?;
+        Ok(Written { bytes, warnings: summary.warnings })
     }
 }
 

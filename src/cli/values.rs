@@ -115,6 +115,67 @@ impl FromStr for FiveWeights {
     }
 }
 
+/// Weights of the score: five numbers, or the name of a file that holds them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub(crate) enum WeightsFrom {
+    Numbers(FiveWeights),
+    Name(WeightsName),
+}
+
+impl FromStr for WeightsFrom {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            Ok(name) => Ok(Self::Name(name)),
+            Err(_) if text.contains(',') => text.parse().map(Self::Numbers),
+            Err(_) => Err("expected five numbers with commas between, or a name".into()),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for WeightsFrom {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Either {
+            Numbers(FiveWeights),
+            Text(String),
+        }
+        let expected = |_| D::Error::custom("expected five numbers or a name");
+        match Either::deserialize(deserializer).map_err(expected)? {
+            Either::Numbers(numbers) => Ok(Self::Numbers(numbers)),
+            Either::Text(text) => text.parse().map_err(D::Error::custom),
+        }
+    }
+}
+
+/// A name of weights: letters of ASCII, at least one, digits, `-` and `_`; at most 64.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub(crate) struct WeightsName(String);
+
+impl WeightsName {
+    /// The name.
+    pub(crate) fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl FromStr for WeightsName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let allowed = |c: u8| c.is_ascii_alphanumeric() || c == b'-' || c == b'_';
+        let named = text.len() <= 64 && text.bytes().any(|c| c.is_ascii_alphabetic());
+        if named && text.bytes().all(allowed) {
+            return Ok(Self(text.to_owned()));
+        }
+        Err("expected letters, digits, - and _, at most 64 and at least one letter".into())
+    }
+}
+
 impl From<Weights> for FiveWeights {
     fn from(w: Weights) -> Self {
         Self([w.target, w.uncovered, w.empty, w.mismatched, w.same_overlap])
@@ -130,6 +191,11 @@ impl From<FiveWeights> for Weights {
 /// Axes along which a texture repeats: `none`, `both`, `x` or `y`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Axes(pub(crate) Tile);
+
+impl Axes {
+    /// How they are named.
+    pub(crate) const NAMES: [&str; 4] = ["none", "both", "x", "y"];
+}
 
 impl FromStr for Axes {
     type Err = String;
@@ -193,7 +259,7 @@ mod tests {
 
     #[test]
     fn axes_come_back() {
-        for name in ["none", "both", "x", "y"] {
+        for name in Axes::NAMES {
             let axes: Axes = name.parse().unwrap();
             assert_eq!(serde_json::to_value(axes).unwrap(), name);
         }
@@ -206,6 +272,19 @@ mod tests {
         assert_eq!("0.5,-0.4, -0.2,-0.5,-0.5".parse(), Ok(FiveWeights::from(Weights::default())));
         for bad in ["", "1,2,3,4", "1,2,3,4,5,6", "1,2,3,4,x"] {
             assert!(bad.parse::<FiveWeights>().is_err(), "{bad}");
+            assert!(bad.parse::<WeightsFrom>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn weights_may_have_a_name() {
+        for good in ["tuned", "a-1_B", "-x"] {
+            let weights: WeightsFrom = good.parse().unwrap();
+            assert_eq!(serde_json::to_value(&weights).unwrap(), good);
+            assert_eq!(named::<WeightsFrom>(good), Ok(weights));
+        }
+        for bad in ["7", "-0.5", "a.b", "../a", "a b", "ä", &"a".repeat(65)] {
+            assert!(bad.parse::<WeightsFrom>().is_err(), "{bad}");
         }
     }
 }

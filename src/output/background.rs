@@ -3,10 +3,13 @@
 //! Rows lie at equal distances. Within a row colours change linearly between stops, between rows
 //! linearly from one to the next. That is what gradients can paint exactly, so the field is
 //! approximated here once and every writer paints the same.
+//!
+//! Where the scene tiles the grid is periodic: a row's last stop has the colour of its first, the
+//! last row is the first again.
 
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::scene::{Scene, field::Interpolant};
+use crate::scene::{Scene, Tile, field::Interpolant};
 
 /// Distance of rows, as a share of the distance between control points.
 const ROW: f64 = 0.4;
@@ -43,7 +46,7 @@ pub(super) struct Stop {
 impl Background {
     /// Samples the field of a scene.
     pub(super) fn new(scene: &Scene) -> Self {
-        let field = Interpolant::new(&scene.background, scene.width, scene.height);
+        let field = Interpolant::new(&scene.background, scene.width, scene.height, scene.tile);
         let (width, height) = (f64::from(scene.width), f64::from(scene.height));
         let spacing = scene.background.spacing.clamp(5.0, 1000.0);
         // Whole and half pixels are short in text.
@@ -57,13 +60,20 @@ impl Background {
         // Rows, and half-way between them.
         let ys: Vec<f64> = (0..=2 * row_count).map(|k| k as f64 * row_height / 2.0).collect();
         let xs: Vec<f64> = (0..=samples).map(|i| (i as f64 * step).min(width)).collect();
-        let lines = parallel::map(&ys, |&y| -> Vec<[f32; 3]> {
+        let mut lines = parallel::map(&ys, |&y| -> Vec<[f32; 3]> {
             xs.iter().map(|&x| field.at(x, y).map(|v| v as f32)).collect()
         });
+        if scene.tile.y {
+            // Row times height may miss the border by a bit.
+            lines[2 * row_count] = lines[0].clone();
+        }
         let indices: Vec<usize> = (0..=row_count).collect();
         let rows = parallel::map(&indices, |&k| {
             let row: Vec<Sample> = (0..=samples)
-                .map(|i| Sample { x: xs[i], colour: fit(&lines, k, i).map(|v| v.clamp(0.0, 255.0)) })
+                .map(|i| Sample {
+                    x: xs[i],
+                    colour: fit(&lines, k, i, scene.tile).map(|v| v.clamp(0.0, 255.0)),
+                })
                 .collect();
             (0..samples).step_by(COLUMN).map(|i| simplify(&row[i..=(i + COLUMN).min(samples)])).collect()
         });
@@ -96,16 +106,19 @@ struct Sample {
 
 /// The colour of row `k` at sample `i`: the field there, raised or lowered so that the lines to the
 /// next rows lie as much above the field as below it. That halves the error at control points,
-/// where the field has peaks. The borders keep the field's colour, so that tiles meet.
-fn fit(lines: &[Vec<[f32; 3]>], k: usize, i: usize) -> [f64; 3] {
+/// where the field has peaks. Beyond a border lies what the scene repeats there; where it does not,
+/// the border keeps the field's colour.
+fn fit(lines: &[Vec<[f32; 3]>], k: usize, i: usize, tile: Tile) -> [f64; 3] {
     let at = |line: usize, c: usize| f64::from(lines[line][i][c]);
-    let own = 2 * k;
+    let (own, last) = (2 * k, lines.len() - 1);
+    let border = own == 0 || own == last;
     [0, 1, 2].map(|c| {
-        if own < 2 || own + 2 >= lines.len() {
+        if border && !tile.y {
             return at(own, c);
         }
-        let above = at(own - 1, c) - (at(own - 2, c) + at(own, c)) / 2.0;
-        let below = at(own + 1, c) - (at(own + 2, c) + at(own, c)) / 2.0;
+        let (before, after) = if border { (last, 0) } else { (own, own) };
+        let above = at(before - 1, c) - (at(before - 2, c) + at(own, c)) / 2.0;
+        let below = at(after + 1, c) - (at(after + 2, c) + at(own, c)) / 2.0;
         at(own, c) + (above + below) / 2.0
     })
 }

@@ -1,6 +1,6 @@
 //! Scene → how much of the canvas the primaries of each category cover.
 
-use super::png::path_of;
+use super::png::{Region, path_of};
 use crate::geometry::{Affine, Rect};
 use crate::parallel;
 use crate::scene::Scene;
@@ -10,7 +10,7 @@ use tiny_skia::{Color, FillRule, Paint, Path, PixmapMut, Transform};
 /// Height of the bands counted at a time, in pixels.
 const BAND: u32 = 256;
 
-/// Number of pixels, of the canvas's `width * height`, in which a primary of a category is on top:
+/// Number of pixels, of those that [`inside`] counts, in which a primary of a category is on top:
 /// by library and category, in order. Pixels are counted by their centres. Categories without a
 /// texton in the scene are left out.
 pub fn coverage(scene: &Scene) -> BTreeMap<(u32, u16), u64> {
@@ -24,10 +24,9 @@ pub fn coverage(scene: &Scene) -> BTreeMap<(u32, u16), u64> {
         let number = keys.binary_search(&key).ok()? as u32 + 1;
         Some((path_of(&texton.outline)?, texton.outline.bounds(), number))
     });
-    let bands: Vec<u32> = (0..scene.height.div_ceil(BAND)).collect();
-    let counts = parallel::map(&bands, |band| {
-        let (top, rows) = (band * BAND, BAND.min(scene.height - band * BAND));
-        count_band(scene, &shapes, keys.len(), top, rows)
+    let region = scene.domain.is_some().then(|| Region::new(scene, [1.0; 2]));
+    let counts = parallel::map(&bands(scene), |&(top, rows)| {
+        count_band(scene, &shapes, region.as_ref(), keys.len(), top, rows)
     });
     for band in counts {
         for (total, count) in pixels.values_mut().zip(band) {
@@ -37,9 +36,29 @@ pub fn coverage(scene: &Scene) -> BTreeMap<(u32, u16), u64> {
     pixels
 }
 
+/// Number of pixels of the canvas: all `width * height`, or those of a domain, by their centres.
+pub fn inside(scene: &Scene) -> u64 {
+    if scene.domain.is_none() {
+        return u64::from(scene.width) * u64::from(scene.height);
+    }
+    let region = Region::new(scene, [1.0; 2]);
+    let counts = parallel::map(&bands(scene), |&(top, rows)| {
+        let mask = region.mask(scene.width, rows, f64::from(top), false);
+        mask.map_or(0, |m| m.data().iter().filter(|v| **v > 0).count() as u64)
+    });
+    counts.into_iter().sum()
+}
+
+/// First row and number of rows of the bands counted at a time.
+fn bands(scene: &Scene) -> Vec<(u32, u32)> {
+    let tops = (0..scene.height).step_by(BAND as usize);
+    tops.map(|top| (top, BAND.min(scene.height - top))).collect()
+}
+
 fn count_band(
     scene: &Scene,
     shapes: &[Option<(Path, Rect, u32)>],
+    region: Option<&Region>,
     categories: usize,
     top: u32,
     rows: u32,
@@ -52,18 +71,24 @@ fn count_band(
         let Some((path, bounds, number)) = &shapes[instance.texton as usize] else { continue };
         let affine: Affine = instance.affine();
         let bounds = affine.transform_rect_bbox(*bounds);
-        if bounds.y1 < y0 || bounds.y0 > y1 {
-            continue;
-        }
         // The number of the category, as an opaque colour without blending.
         let [_, r, g, b] = number.to_be_bytes();
         let mut paint = Paint { anti_alias: false, ..Paint::default() };
         paint.set_color(Color::from_rgba8(r, g, b, 255));
-        let [a, bb, c, d, e, f] = affine.as_coeffs();
-        let [a, bb, c, d, e, f] = [a, bb, c, d, e, f - y0].map(|v| v as f32);
-        band.fill_path(path, &paint, FillRule::Winding, Transform::from_row(a, bb, c, d, e, f), None);
+        for shift in scene.copies(bounds) {
+            if bounds.y1 + shift.y < y0 || bounds.y0 + shift.y > y1 {
+                continue;
+            }
+            let [a, bb, c, d, e, f] = affine.then_translate(shift).as_coeffs();
+            let [a, bb, c, d, e, f] = [a, bb, c, d, e, f - y0].map(|v| v as f32);
+            band.fill_path(path, &paint, FillRule::Winding, Transform::from_row(a, bb, c, d, e, f), None);
+        }
     }
-    for pixel in data.chunks_exact(4) {
+    let mask = region.and_then(|r| r.mask(scene.width, rows, y0, false));
+    for (i, pixel) in data.chunks_exact(4).enumerate() {
+        if mask.as_ref().is_some_and(|m| m.data()[i] == 0) {
+            continue;
+        }
         let number = u32::from_be_bytes([0, pixel[0], pixel[1], pixel[2]]) as usize;
         if let Some(count) = number.checked_sub(1).and_then(|i| counts.get_mut(i)) {
             *count += 1;

@@ -9,11 +9,13 @@ mod coverage;
 pub mod file;
 pub mod png;
 pub mod raster_svg;
+#[cfg(test)]
+mod seams;
 pub mod svg;
 #[cfg(test)]
 mod testing;
 
-pub use coverage::coverage;
+pub use coverage::{coverage, inside};
 
 use crate::document::Document;
 use crate::error::{Error, Result};

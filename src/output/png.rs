@@ -1,6 +1,6 @@
 //! Scene → pixels and PNG, drawn directly.
 //!
-//! The picture agrees with what a renderer makes of the SVG: the same grid of background colours,
+//! Outside a domain the picture is transparent. It agrees with what a renderer makes of the SVG: the same grid of background colours,
 //! the same paths in the same order. It is drawn in bands of fixed height, which are independent of
 //! each other and of the number of threads.
 
@@ -10,11 +10,11 @@ use crate::error::{Error, Result};
 use crate::geometry::{Affine, Outline, PathEl, Rect};
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::scene::{Instance, Scene};
+use crate::scene::{Edge, Instance, Scene};
 use image::RgbImage;
 use std::io::Write;
 use std::path::Path;
-use tiny_skia::{FillRule, Paint, PathBuilder, Pixmap, PixmapMut, Transform};
+use tiny_skia::{FillRule, Mask, Paint, PathBuilder, Pixmap, PixmapMut, Transform};
 
 /// Height of the bands drawn at a time, in pixels.
 const BAND: usize = 256;
@@ -36,12 +36,25 @@ pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
     let scale = [f64::from(width) / canvas_width, f64::from(height) / canvas_height];
     let shapes = Shapes::new(scene, scale);
     let background = Background::new(scene);
+    let domain = scene.domain.as_ref().map(|d| (Region::new(scene, scale), d.edge));
     let row = width as usize * 4;
     parallel::for_chunks(pixmap.data_mut(), row * BAND, |i, data| {
         let (top, rows) = (i * BAND, data.len() / row);
         paint_background(&background, scale, top, width as usize, data);
         if let Some(mut band) = PixmapMut::from_bytes(data, width, rows as u32) {
-            shapes.draw(&mut band, top as f64, rows as f64);
+            let (top, rows) = (top as f64, rows as f64);
+            shapes.draw(Layer::Secondary, &mut band, top, rows);
+            match &domain {
+                Some((inside, Edge::Keep)) => {
+                    inside.clip(&mut band, top);
+                    shapes.draw(Layer::Primary, &mut band, top, rows);
+                }
+                Some((inside, Edge::Clip | Edge::Avoid)) => {
+                    shapes.draw(Layer::Primary, &mut band, top, rows);
+                    inside.clip(&mut band, top);
+                }
+                None => shapes.draw(Layer::Primary, &mut band, top, rows),
+            }
         }
     });
     Ok(pixmap)
@@ -70,6 +83,49 @@ fn paint_background(background: &Background, scale: [f64; 2], top: usize, width:
     }
 }
 
+/// The shape that a domain leaves visible, on the picture.
+pub(super) struct Region(Vec<(tiny_skia::Path, Affine)>);
+
+impl Region {
+    /// The domain of a scene, with its copies; empty if there is none.
+    pub(super) fn new(scene: &Scene, scale: [f64; 2]) -> Self {
+        let scale = Affine::scale_non_uniform(scale[0], scale[1]);
+        let Some(domain) = &scene.domain else { return Self(Vec::new()) };
+        let copies = scene.copies(domain.outline.bounds());
+        let parts =
+            copies.filter_map(|shift| Some((path_of(&domain.outline)?, scale * Affine::translate(shift))));
+        Self(parts.collect())
+    }
+
+    /// The opacity of each pixel of a band that begins at row `top`.
+    pub(super) fn mask(&self, width: u32, rows: u32, top: f64, anti_alias: bool) -> Option<Mask> {
+        let mut mask = Mask::new(width, rows)?;
+        for (path, affine) in &self.0 {
+            mask.fill_path(path, FillRule::Winding, anti_alias, band_transform(*affine, top));
+        }
+        Some(mask)
+    }
+
+    fn clip(&self, band: &mut PixmapMut<'_>, top: f64) {
+        if let Some(mask) = self.mask(band.width(), band.height(), top, true) {
+            band.apply_mask(&mask);
+        }
+    }
+}
+
+/// As tiny-skia knows a map to the picture, in a band that begins at row `top`.
+fn band_transform(affine: Affine, top: f64) -> Transform {
+    let [a, b, c, d, e, f] = affine.as_coeffs();
+    let [a, b, c, d, e, f] = [a, b, c, d, e, f - top].map(|v| v as f32);
+    Transform::from_row(a, b, c, d, e, f)
+}
+
+/// The textons of a scene lie in two layers.
+enum Layer {
+    Secondary,
+    Primary,
+}
+
 /// The paths of a texton with their colours; those of the base come from the instance.
 struct Shape {
     base: Option<tiny_skia::Path>,
@@ -81,8 +137,10 @@ struct Shape {
 struct Shapes<'a> {
     scene: &'a Scene,
     shapes: Vec<Shape>,
-    /// Instances in painting order, each with its map to the picture.
-    instances: Vec<(&'a Instance, Affine)>,
+    /// Instances in painting order, copies right after their originals, each with its map to the
+    /// picture.
+    secondary: Vec<(&'a Instance, Affine)>,
+    primary: Vec<(&'a Instance, Affine)>,
 }
 
 impl<'a> Shapes<'a> {
@@ -94,20 +152,28 @@ impl<'a> Shapes<'a> {
                 .iter()
                 .filter_map(|p| path_of(&p.outline).map(|path| (path, p.colour)))
                 .collect(),
-            bounds: texton
-                .details
-                .iter()
-                .fold(texton.outline.bounds(), |all, p| all.union(p.outline.bounds())),
+            bounds: texton.bounds(),
         });
         let scale = Affine::scale_non_uniform(scale[0], scale[1]);
-        let placed = scene.secondary.iter().chain(&scene.primary);
-        let instances = placed.map(|instance| (instance, scale * instance.affine())).collect();
-        Self { scene, shapes, instances }
+        let place = |instances: &'a [Instance]| {
+            let with_copies = instances.iter().flat_map(|instance| {
+                let affine = instance.affine();
+                let bounds = affine.transform_rect_bbox(shapes[instance.texton as usize].bounds);
+                scene.copies(bounds).map(move |shift| (instance, scale * affine.then_translate(shift)))
+            });
+            with_copies.collect()
+        };
+        let (secondary, primary) = (place(&scene.secondary), place(&scene.primary));
+        Self { scene, shapes, secondary, primary }
     }
 
-    /// Draws what touches a band of the picture.
-    fn draw(&self, band: &mut PixmapMut<'_>, top: f64, rows: f64) {
-        for (instance, affine) in &self.instances {
+    /// Draws what of a layer touches a band of the picture.
+    fn draw(&self, layer: Layer, band: &mut PixmapMut<'_>, top: f64, rows: f64) {
+        let instances = match layer {
+            Layer::Secondary => &self.secondary,
+            Layer::Primary => &self.primary,
+        };
+        for (instance, affine) in instances {
             let index = instance.texton as usize;
             let shape = &self.shapes[index];
             let bounds = affine.transform_rect_bbox(shape.bounds);
@@ -115,8 +181,7 @@ impl<'a> Shapes<'a> {
             if bounds.y1 < top - 1.0 || bounds.y0 > top + rows + 1.0 {
                 continue;
             }
-            let [a, b, c, d, e, f] = affine.as_coeffs();
-            let transform = [a, b, c, d, e, f - top].map(|v| v as f32);
+            let transform = band_transform(*affine, top);
             let colour = instance.colour.unwrap_or(self.scene.textons[index].colour);
             for (path, colour) in shape
                 .base
@@ -130,12 +195,11 @@ impl<'a> Shapes<'a> {
     }
 }
 
-fn fill(band: &mut PixmapMut<'_>, path: &tiny_skia::Path, colour: Colour, transform: [f32; 6]) {
+fn fill(band: &mut PixmapMut<'_>, path: &tiny_skia::Path, colour: Colour, transform: Transform) {
     let [r, g, b] = colour.0;
     let mut paint = Paint::default();
     paint.set_color_rgba8(r, g, b, 255);
-    let [a, bb, c, d, e, f] = transform;
-    band.fill_path(path, &paint, FillRule::Winding, Transform::from_row(a, bb, c, d, e, f), None);
+    band.fill_path(path, &paint, FillRule::Winding, transform, None);
 }
 
 /// The path as tiny-skia knows it; none if there is nothing to fill.
@@ -272,7 +336,7 @@ mod tests {
         scene.primary.clear();
         scene.secondary.clear();
         let picture = render(&scene, 1.0).unwrap();
-        let field = crate::scene::field::Interpolant::new(&scene.background, 200, 200);
+        let field = crate::scene::field::Interpolant::new(&scene.background, 200, 200, scene.tile);
         let mut sum = 0.0;
         for (i, pixel) in picture.pixels().iter().enumerate() {
             let at = field.at((i % 200) as f64 + 0.5, (i / 200) as f64 + 0.5);

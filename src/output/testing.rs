@@ -128,3 +128,55 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
         domain: None,
     }
 }
+
+/// As [`scene`], but it repeats: textons hang over all edges and corners, control points keep their
+/// distance across the seams.
+pub(super) fn tiled(width: u32, height: u32, seed: u64, tile: Tile) -> Scene {
+    let mut scene = scene(width, height, seed);
+    let (w, h) = (f64::from(width), f64::from(height));
+    let places = [
+        (0.0, 0.0),
+        (w - 2.0, 3.0),
+        (1.0, h - 4.0),
+        (w - 1.0, h),
+        (0.4 * w, 1.0),
+        (w, 0.3 * h),
+        (9.0, 0.6 * h),
+    ];
+    for layer in [&mut scene.primary, &mut scene.secondary] {
+        for (instance, (x, y)) in layer.iter_mut().zip(places) {
+            (instance.transform[4], instance.transform[5]) = (x, y);
+        }
+    }
+    let mut rng = stream(seed, "output/tiled-scene", 0);
+    let area = Area { width: w, height: h, wrap_x: tile.x, wrap_y: tile.y };
+    scene.background.points = poisson_disk(area, 25.0, &mut rng)
+        .into_iter()
+        .map(|[x, y]| {
+            let light = rng.range(-30.0, 30.0);
+            ControlPoint { x, y, colour: colour([105.0, 110.0, 80.0].map(|v| v + light), 6.0, &mut rng) }
+        })
+        .collect();
+    scene.tile = tile;
+    scene
+}
+
+/// The scene with everything moved, and what leaves the canvas along an axis that tiles back on it.
+pub(super) fn moved(mut scene: Scene, dx: f64, dy: f64) -> Scene {
+    let (w, h, tile) = (f64::from(scene.width), f64::from(scene.height), scene.tile);
+    let along = |v: f64, d: f64, size: f64, repeats: bool| {
+        if repeats { (v + d).rem_euclid(size) } else { v + d }
+    };
+    for instance in scene.primary.iter_mut().chain(&mut scene.secondary) {
+        let t = &mut instance.transform;
+        (t[4], t[5]) = (along(t[4], dx, w, tile.x), along(t[5], dy, h, tile.y));
+    }
+    for p in &mut scene.background.points {
+        (p.x, p.y) = (along(p.x, dx, w, tile.x), along(p.y, dy, h, tile.y));
+    }
+    if let Some(domain) = &mut scene.domain {
+        let path = Affine::translate((dx, dy)) * domain.outline.path();
+        domain.outline = Outline::new(&path).unwrap();
+    }
+    scene
+}

@@ -2,13 +2,15 @@
 
 pub mod field;
 mod parameters;
+mod tile;
 mod validate;
 
 pub use parameters::{Ablation, SynthParams, Weights};
+pub use tile::Tile;
 
 use crate::document::{self, Document};
 use crate::error::Result;
-use crate::geometry::{Affine, Outline};
+use crate::geometry::{Affine, Outline, Rect};
 use crate::raster::colour::Colour;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -27,7 +29,9 @@ pub struct Scene {
     pub width: u32,
     /// Height of the canvas, in pixels.
     pub height: u32,
-    /// Along which axes the scene repeats without a seam.
+    /// Along which axes the scene repeats without a seam. Along these every instance, control point
+    /// and domain is listed once and means all its copies, moved by whole widths or heights of the
+    /// canvas (see [`Scene::copies`]).
     pub tile: Tile,
     /// The parameters of synthesis, seed included; none for a reconstruction.
     pub parameters: Option<SynthParams>,
@@ -71,16 +75,6 @@ pub enum Edge {
     Avoid,
 }
 
-/// Along which axes a scene repeats.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Tile {
-    /// Left joins right.
-    pub x: bool,
-    /// Top joins bottom.
-    pub y: bool,
-}
-
 /// A library that a scene was made from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -122,7 +116,14 @@ pub struct Patch {
     pub colour: Colour,
 }
 
-/// A texton placed on the canvas.
+impl Texton {
+    /// Bounding box of its outline and details, in its own coordinates.
+    pub fn bounds(&self) -> Rect {
+        self.details.iter().fold(self.outline.bounds(), |all, p| all.union(p.outline.bounds()))
+    }
+}
+
+/// A texton placed on the canvas; where the scene tiles, listed once for all its copies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Instance {
@@ -153,7 +154,7 @@ pub struct Field {
     pub spacing: f64,
     /// Colour of the field if there is no point.
     pub fallback: Colour,
-    /// The points; some may lie outside the canvas.
+    /// The points; some may lie outside the canvas. In a scene that tiles each means all its copies.
     pub points: Vec<ControlPoint>,
 }
 

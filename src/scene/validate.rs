@@ -42,6 +42,9 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
     if !(s.background.spacing >= 1.0 && s.background.spacing <= 1e6) {
         return Err(format!("background.spacing = {} is out of range", s.background.spacing));
     }
+    if s.domain.as_ref().is_some_and(|d| d.outline.is_empty()) {
+        return Err("domain.outline is empty".into());
+    }
     for (i, p) in s.background.points.iter().enumerate() {
         if !(p.x.abs() < 1e7 && p.y.abs() < 1e7) {
             return Err(format!("background.points[{i}] is out of range"));

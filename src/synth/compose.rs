@@ -47,8 +47,8 @@ pub(super) fn scene(
 /// Whether anything can be seen of a placed texton where the map is to be filled.
 pub(super) fn is_seen(map: &TargetMap<'_>, id: u32) -> bool {
     let p = map.placed[id as usize];
-    let cells = map.model().shape(p.form).mask.spans().iter().flat_map(|&s| map.grid.cells(s, p.at));
-    let canvas = cells.flat_map(|run| map.grid.canvas_part(&run));
+    let spans = map.model().shape(p.form).mask.spans().iter();
+    let canvas = spans.flat_map(|&s| map.grid.parts(s, p.at)).flat_map(|part| part.canvas);
     let mut filled = canvas.filter(|&i| map.ground.zone(i).is_some());
     filled.any(|i| map.owner[i] == id)
 }

@@ -110,9 +110,8 @@ impl<'a> Ground<'a> {
         let sums = parallel::map(&rows, |&y| {
             let mut sums = vec![vec![0.0; libraries]; zones];
             for x in 0..grid.width {
-                let i = grid.index(x, y);
-                let on_canvas = !grid.canvas_part(&(i..i + 1)).is_empty();
-                if let (true, Some(zone)) = (on_canvas, self.zone(i)) {
+                let zone = grid.canvas_cell([x, y]).and_then(|i| self.zone(i));
+                if let Some(zone) = zone {
                     let shares = if libraries > 1 { self.shares(grid.point([x, y])) } else { [1.0; 16] };
                     (0..libraries).for_each(|k| sums[zone][k] += shares[k]);
                 }

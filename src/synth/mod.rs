@@ -22,12 +22,14 @@ mod picture;
 mod primaries;
 mod report;
 mod secondaries;
+pub mod statistics;
 mod sums;
 mod target;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
 mod tests;
+pub mod tune;
 mod variation;
 mod warp;
 
@@ -83,7 +85,7 @@ pub fn synthesize_with(
 
     advance(progress, "ground", 0, 2)?;
     let field = background::field(libraries, &map.ground, params);
-    let interpolant = Interpolant::new(&field, params.width, params.height);
+    let interpolant = Interpolant::new(&field, params.width, params.height, params.tile);
     advance(progress, "ground", 1, 2)?;
     let secondaries = secondaries::place(libraries, &map, &interpolant, params);
     advance(progress, "ground", 2, 2)?;
@@ -91,6 +93,28 @@ pub fn synthesize_with(
     let scene = compose::scene(libraries, params, controls, &map, &secondaries, field);
     let report = report::Report::new(libraries, &map, &scene, placement, correction);
     Ok((scene, report))
+}
+
+/// The primaries of a scene alone, as placement and density leave them, and the share of the canvas
+/// that each category covered before density was corrected.
+fn primaries_alone(
+    libraries: &[Library],
+    params: &SynthParams,
+    progress: &dyn Progress,
+) -> Result<(Scene, Vec<f64>)> {
+    let controls = Controls::default();
+    let model = model::Model::new(libraries, params);
+    let grid = target::TargetMap::grid(&model, params.width, params.height, params.tile);
+    let ground = ground::Ground::new(&grid, &controls, params);
+    let mut map = target::TargetMap::new(&model, ground, grid);
+    let mut choice = choice::Choice::new(&model, !params.without(Ablation::Decay));
+    primaries::place(&mut map, &mut choice, params, progress)?;
+    let canvas = f64::from(params.width) * f64::from(params.height);
+    let categories = 0..model.members.len();
+    let covered = categories.map(|c| map.covered_by(c) as f64 / canvas).collect();
+    density::correct(&mut map, &mut choice, params, progress)?;
+    let field = crate::scene::Field { spacing: 1.0, fallback: Default::default(), points: Vec::new() };
+    Ok((compose::scene(libraries, params, &controls, &map, &[], field), covered))
 }
 
 /// An error if the canvas is too large.

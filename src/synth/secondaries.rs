@@ -182,7 +182,8 @@ impl Task<'_, '_> {
         let indices: Vec<usize> = (0..sites.centres().len()).collect();
         let cells = parallel::map(&indices, |&i| {
             let mut random = stream(seed, "synth/neighbourhood", item(i));
-            self.neighbourhood(&exemplar, sites.centres()[i], |at| sites.nearest(at) == i, &mut random)
+            let cell = sites.cell(i);
+            self.neighbourhood(&exemplar, sites.centres()[i], |at| cell.owns(at), &mut random)
         });
         cells.into_iter().flatten().collect()
     }

@@ -6,7 +6,7 @@
 //!
 //! Where libraries share a canvas a descriptor writes only on land in which its library has a part.
 
-use super::grid::Grid;
+use super::grid::{Grid, Part};
 use super::ground::Ground;
 use super::model::{EMPTY, Model, UNDEFINED};
 use super::sums::Sums;
@@ -122,8 +122,7 @@ impl<'a> TargetMap<'a> {
 
     /// Whether a place lies on the canvas and is to be filled.
     pub(super) fn inside(&self, at: [i32; 2]) -> bool {
-        let cell = self.grid.cell(at);
-        cell.is_some_and(|i| self.zone(i, &self.grid.canvas_part(&(i..i + 1))).is_some())
+        self.grid.canvas_cell(at).is_some_and(|i| self.ground.zone(i).is_some())
     }
 
     /// Visible cells to be filled of a category, in all zones.
@@ -154,8 +153,7 @@ impl<'a> TargetMap<'a> {
         self.placed.push(Placed { form, at, score, visible: 0, cells: 0, removed: false });
         let mut touched = Vec::new();
         for &span in shape.mask.spans() {
-            for cells in self.grid.cells(span, at) {
-                let canvas = self.grid.canvas_part(&cells);
+            for Part { cells, canvas, .. } in self.grid.parts(span, at) {
                 self.placed[id as usize].cells += cells.len() as u32;
                 for i in cells {
                     let owner = self.owner[i];
@@ -229,8 +227,7 @@ impl<'a> TargetMap<'a> {
         let Placed { form, at, .. } = self.placed[id as usize];
         let shape = model.shape(form);
         for &span in shape.mask.spans() {
-            for cells in self.grid.cells(span, at) {
-                let canvas = self.grid.canvas_part(&cells);
+            for Part { cells, canvas, .. } in self.grid.parts(span, at) {
                 for i in cells.filter(|&i| self.owner[i] == id).collect::<Vec<_>>() {
                     self.disown(i, &canvas);
                     (self.owner[i], self.state[i]) = (NOBODY, EMPTY);
@@ -255,8 +252,7 @@ impl<'a> TargetMap<'a> {
                 continue;
             }
             for &span in other_shape.mask.spans() {
-                for cells in self.grid.cells(span, place) {
-                    let canvas = self.grid.canvas_part(&cells);
+                for Part { cells, canvas, .. } in self.grid.parts(span, place) {
                     for i in cells {
                         if self.owner[i] == NOBODY {
                             self.own(i, other, &canvas);
@@ -494,16 +490,16 @@ impl<'a> TargetMap<'a> {
 
     /// How many cells of a form at a place are to be filled.
     pub(super) fn cells_inside(&self, form: u32, at: [i32; 2]) -> u32 {
-        let runs = self.model.shape(form).mask.spans().iter().flat_map(|&s| self.grid.cells(s, at));
-        runs.map(|cells| {
-            let canvas = self.grid.canvas_part(&cells);
-            if self.ground.is_plain() {
-                canvas.len() as u32
-            } else {
-                canvas.filter(|&i| self.ground.zone(i).is_some()).count() as u32
-            }
-        })
-        .sum()
+        let parts = self.model.shape(form).mask.spans().iter().flat_map(|&s| self.grid.parts(s, at));
+        parts
+            .map(|Part { canvas, .. }| {
+                if self.ground.is_plain() {
+                    canvas.len() as u32
+                } else {
+                    canvas.filter(|&i| self.ground.zone(i).is_some()).count() as u32
+                }
+            })
+            .sum()
     }
 
     /// Whether the edge allows a form at a place.

@@ -129,3 +129,35 @@ fn inspect_tells_the_same_to_people_and_programs() {
         assert!(text.lines().all(|l| l == l.trim_end()), "{text}");
     }
 }
+
+#[test]
+fn a_pattern_is_written_beside_the_result() {
+    let folder = Folder::with_library();
+    let run = folder.run("synth photo.lib.json --size 60 --tile both --pattern p.svg -o a.scene.json --json");
+    assert_eq!(run.succeeds().json()["pattern"], "p.svg");
+    folder.run("render a.scene.json -o a.png --pattern p.svgz").succeeds();
+    let mut unpacked = String::new();
+    flate2::read::GzDecoder::new(&folder.read("p.svgz")[..]).read_to_string(&mut unpacked).unwrap();
+    assert_eq!(unpacked.as_bytes(), folder.read("p.svg"));
+    assert!(unpacked.contains("<pattern id=\"texture\""));
+    folder.run("synth photo.lib.json --size 60 --tile x -o b.scene.json").succeeds();
+    folder.run("render b.scene.json --pattern b.svg").fails(1, "--tile");
+    folder.run("synth photo.lib.json --size 60 -o c.svg").succeeds();
+    folder.run("render c.svg --pattern d.svg").fails(2, "needs a scene");
+    assert!(!folder.names().iter().any(|n| n == "b.svg" || n == "d.svg"));
+}
+
+#[test]
+fn axes_may_follow_after_a_space() {
+    let folder = Folder::with_library();
+    for (arguments, x, y) in [
+        ("--tile", true, true),
+        ("--tile x", true, false),
+        ("--tile=y", false, true),
+        ("--tile none", false, false),
+    ] {
+        folder.run(&format!("synth {arguments} photo.lib.json --size 50 -o a.scene.json")).succeeds();
+        let scene: serde_json::Value = serde_json::from_slice(&folder.read("a.scene.json")).unwrap();
+        assert_eq!(scene["tile"], serde_json::json!({ "x": x, "y": y }), "{arguments}");
+    }
+}

@@ -149,7 +149,7 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         scene.textons[i.texton as usize].outline.area() * i.affine().determinant().abs()
     };
     let covered = vtex::output::coverage(scene);
-    let canvas = f64::from(scene.width) * f64::from(scene.height);
+    let canvas = (vtex::output::inside(scene) as f64).max(1.0);
     let categories = covered.iter().map(|(&(library, category), &pixels)| {
         let same = |t: &vtex::scene::Texton| t.library == library && t.category == Some(category);
         let members = || scene.primary.iter().filter(|i| same(&scene.textons[i.texton as usize]));

@@ -19,9 +19,12 @@ pub(super) fn run(
     input: &Input,
     options: &RenderOptions,
 ) -> anyhow::Result<()> {
-    let RenderOptions { scale, svg, target } = options;
+    let RenderOptions { scale, svg, target, pattern } = options;
     let scale = scale.scale;
     target.place.probe()?;
+    if let Some(pattern) = pattern {
+        pattern.place.probe()?;
+    }
     if scale != 1.0 && target.kind.format != Format::Png {
         reporter.warn("--scale has no effect here: only a .png has a resolution");
     }
@@ -33,6 +36,16 @@ pub(super) fn run(
         Kind::Scene => Some(Scene::from_bytes(&bytes, &name)?),
         _ => None,
     };
+    if pattern.is_some() {
+        match &scene {
+            None => {
+                let message = "--pattern needs a scene; an SVG cannot be made to repeat";
+                return Err(Failure::usage(message).hint("give the scene that it was drawn from").into());
+            }
+            Some(scene) if !scene.tile.both() => return Err(vtex::Error::Seams.into()),
+            Some(_) => {}
+        }
+    }
     reporter.stage("drawing")?;
     let (written, size) = match &scene {
         Some(scene) => {
@@ -49,6 +62,9 @@ pub(super) fn run(
             return Err(Failure::usage(message).hint("to write an SVG, give a library or a scene").into());
         }
     };
+    if let (Some(pattern), Some(scene)) = (pattern, &scene) {
+        pattern.write_pattern(scene, &(*svg).into())?;
+    }
     for warning in &written.warnings {
         reporter.warn(warning);
     }
@@ -59,11 +75,14 @@ pub(super) fn run(
         command: "render",
         inputs: vec![name],
         output: target.place.path().display().to_string(),
+        pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
         bytes: written.bytes,
         seed: None,
         size: if scene.is_some() && target.kind.format == Format::Png { size.map(drawn) } else { size },
         counts: scene.as_ref().map(Counts::of_scene),
         coverage: None,
+        overlap: None,
+        repetition: None,
         seconds: Seconds(seconds),
         peak_memory: peak_memory(),
         warnings,

@@ -16,7 +16,7 @@ pub(super) fn run(
     inputs: &[Input],
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
-    synthesis.target.place.probe()?;
+    synthesis.probe()?;
     reporter.stage("reading")?;
     let controls = stages::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
     let mut libraries = Vec::with_capacity(inputs.len());
@@ -40,7 +40,7 @@ pub(super) fn finish(
     controls: &Controls,
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
-    let Synthesis { parameters, svg, target, .. } = synthesis;
+    let Synthesis { parameters, svg, target, pattern, .. } = synthesis;
     if common.verbosity > 1 {
         for library in libraries {
             say(&format!("{:#?}", library.source.parameters));
@@ -50,6 +50,9 @@ pub(super) fn finish(
     let (scene, report) = stages::synthesize(libraries, parameters, controls, reporter)?;
     reporter.stage("writing")?;
     let written = target.write_scene(&scene, &(*svg).into(), 1.0)?;
+    if let Some(pattern) = pattern {
+        pattern.write_pattern(&scene, &(*svg).into())?;
+    }
     for warning in &written.warnings {
         reporter.warn(warning);
     }
@@ -59,6 +62,7 @@ pub(super) fn finish(
         command,
         inputs,
         output: target.place.path().display().to_string(),
+        pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
         bytes: written.bytes,
         seed: Some(parameters.seed),
         size: [scene.width, scene.height],
@@ -68,6 +72,8 @@ pub(super) fn finish(
             got: Some(report.coverage),
             categories: report.categories,
         }),
+        overlap: Some(report.overlap),
+        repetition: Some(report.repetition),
         seconds: Seconds(seconds),
         peak_memory: peak_memory(),
         warnings,

@@ -11,7 +11,7 @@ pub(super) fn run(
     analysis: &Analysis,
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
-    synthesis.target.place.probe()?;
+    synthesis.probe()?;
     if let Some(place) = &analysis.save_masks {
         place.probe()?;
     }

@@ -37,8 +37,8 @@ impl Background {
         self.columns.len() - 1
     }
 
-    /// The gradients and the mask, for `<defs>`.
-    pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+    /// The gradients and the mask, for `<defs>`; the mask reaches `bleed` pixels beyond the canvas.
+    pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>, bleed: f64) -> io::Result<()> {
         for (k, row) in self.rows.iter().enumerate() {
             for (c, stops) in row.iter().enumerate() {
                 let start = self.columns[c];
@@ -76,17 +76,20 @@ impl Background {
         xml.open("mask");
         xml.attribute("id", "bm");
         xml.attribute("maskUnits", "userSpaceOnUse");
-        xml.attribute("x", 0);
-        xml.attribute("y", 0);
-        xml.attribute("width", Number(width, DIGITS));
-        xml.attribute("height", Number(height, DIGITS));
+        xml.attribute("x", Number(-bleed, DIGITS));
+        xml.attribute("y", Number(-bleed, DIGITS));
+        xml.attribute("width", Number(width + 2.0 * bleed, DIGITS));
+        xml.attribute("height", Number(height + 2.0 * bleed, DIGITS));
         xml.open("g");
         xml.attribute("fill", "url(#bt)");
         for k in (1..self.rows.len()).step_by(2) {
             // The whole tent, also where it reaches beyond the canvas: its box shapes the gradient.
             xml.open("rect");
+            if bleed > 0.0 {
+                xml.attribute("x", Number(-bleed, DIGITS));
+            }
             xml.attribute("y", Number((k - 1) as f64 * self.row_height, DIGITS));
-            xml.attribute("width", Number(width, DIGITS));
+            xml.attribute("width", Number(width + 2.0 * bleed, DIGITS));
             xml.attribute("height", Number(2.0 * self.row_height, DIGITS));
             xml.close()?;
         }
@@ -96,8 +99,9 @@ impl Background {
         Ok(())
     }
 
-    /// The bands.
-    pub(super) fn write_bands<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+    /// The bands; the outermost reach `bleed` pixels beyond the canvas.
+    pub(super) fn write_bands<W: Write>(&self, xml: &mut Xml<W>, bleed: f64) -> io::Result<()> {
+        let (last_row, last_column) = (self.rows.len() - 1, self.column_count() - 1);
         for first in 0..2 {
             xml.open("g");
             if first == 1 {
@@ -105,19 +109,23 @@ impl Background {
             }
             for k in (first..self.rows.len()).step_by(2) {
                 let (top, bottom) = self.band(k);
-                let below = if k + 2 < self.rows.len() { OVERLAP } else { 0.0 };
-                for c in 0..self.column_count() {
-                    let beside = if c + 1 < self.column_count() { OVERLAP } else { 0.0 };
+                let top = if k < 2 { top - bleed } else { top };
+                let bottom = bottom + if k + 2 <= last_row { OVERLAP } else { bleed };
+                for c in 0..=last_column {
+                    let left = if c == 0 { -bleed } else { self.columns[c] };
+                    let right = if c == last_column {
+                        self.columns[c + 1] + bleed
+                    } else {
+                        (self.columns[c + 1] + OVERLAP).min(self.columns[last_column + 1])
+                    };
                     xml.open("rect");
-                    if c > 0 {
-                        xml.attribute("x", Number(self.columns[c], DIGITS));
+                    for (name, v) in [("x", left), ("y", top)] {
+                        if v != 0.0 {
+                            xml.attribute(name, Number(v, DIGITS));
+                        }
                     }
-                    if k > 1 {
-                        xml.attribute("y", Number(top, DIGITS));
-                    }
-                    let right = (self.columns[c + 1] + beside).min(self.columns[self.column_count()]);
-                    xml.attribute("width", Number(right - self.columns[c], DIGITS));
-                    xml.attribute("height", Number(bottom + below - top, DIGITS));
+                    xml.attribute("width", Number(right - left, DIGITS));
+                    xml.attribute("height", Number(bottom - top, DIGITS));
                     xml.attribute("fill", format_args!("url(#b{})", k * self.column_count() + c));
                     xml.close()?;
                 }

@@ -6,8 +6,12 @@
 //! become a plain `<path>` that takes the fill of its `<use>`. References are `xlink:href`, which
 //! old and new readers alike understand. A texton that stands once is written where it stands.
 //!
+//! In a scene that tiles, textons that cross an edge come again at the opposite one, right after
+//! their original: primaries as a `<use>` of it, secondaries in full.
+//!
 //! Ids: layers `background`, `secondary`, `primary`; `p7` the primary instance of id 7; `t3` the
-//! texton of index 3; `b…` the background's gradients.
+//! texton of index 3; `b…` the background's gradients; `inside` the group that a domain clips,
+//! `domain` its clip path; `texture` the pattern.
 
 mod background;
 mod metadata;
@@ -19,7 +23,8 @@ mod xml;
 
 use super::background::Background;
 use crate::error::{Error, Result, check};
-use crate::scene::Scene;
+use crate::geometry::Vec2;
+use crate::scene::{Edge, Instance, Scene};
 use number::Paint;
 use std::io::{self, Write};
 use std::path::Path;
@@ -29,6 +34,13 @@ use xml::Xml;
 /// How every SVG of vtex begins. Editors write another beginning when they save, so a file that
 /// begins like this holds nobody's work.
 pub(super) const BEGINNING: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- Written by vtex ";
+
+/// The id of the pattern.
+const PATTERN: &str = "texture";
+
+/// How far what a pattern repeats reaches beyond its cell, in pixels. Renderers draw the cell into
+/// whole pixels; where it ends within one, the paper would show through as a hairline.
+const BLEED: f64 = 8.0;
 
 /// From this many elements on many programs struggle with the file.
 const MANY_ELEMENTS: u64 = 1_000_000;
@@ -68,12 +80,34 @@ pub struct SvgSummary {
 /// # Errors
 /// A precision out of range; a scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
 pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
-    check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
-    super::check_scene(scene)?;
-    let background = Background::new(scene);
-    let textons = Textons::new(scene, options);
-    let written = document(scene, &background, &textons, out).map_err(|e| Error::write(Path::new("-"), e))?;
-    let (bytes, elements) = written;
+    let document = Document::new(scene, options, 0.0)?;
+    summed(&document, out, |xml| document.write(xml))
+}
+
+/// Writes a scene that tiles as an SVG that fills whatever room it is given: a
+/// `<pattern id="texture">` with all that it needs inside, and a rectangle filled with it. Same
+/// scene and options: the same bytes.
+///
+/// # Errors
+/// [`Error::Seams`] for a scene that does not tile along both axes; those of [`write`].
+pub fn write_pattern(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
+    if !scene.tile.both() {
+        return Err(Error::Seams);
+    }
+    let document = Document::new(scene, options, BLEED)?;
+    summed(&document, out, |xml| document.write_pattern(xml))
+}
+
+/// Writes a document and says what was written.
+fn summed<W: Write>(
+    document: &Document<'_>,
+    out: W,
+    content: impl FnOnce(&mut Xml<W>) -> io::Result<()>,
+) -> Result<SvgSummary> {
+    let program = crate::PROGRAM.strip_prefix("vtex ").unwrap_or_default();
+    let mut xml = Xml::new(out, &format!("{BEGINNING}{program} -->\n"));
+    let written = content(&mut xml).and_then(|()| xml.finish());
+    let (bytes, elements) = written.map_err(|e| Error::write(Path::new("-"), e))?;
     let mut warnings = Vec::new();
     if elements >= MANY_ELEMENTS {
         warnings.push(format!(
@@ -81,90 +115,211 @@ pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<Svg
              write a smaller size, or a PNG"
         ));
     }
-    Ok(SvgSummary { bytes, elements, shared_textons: textons.shared_count(), warnings })
+    Ok(SvgSummary { bytes, elements, shared_textons: document.textons.shared_count(), warnings })
 }
 
-fn document(
-    scene: &Scene,
-    background: &Background,
-    textons: &Textons<'_>,
-    out: impl Write,
-) -> io::Result<(u64, u64)> {
-    let program = crate::PROGRAM.strip_prefix("vtex ").unwrap_or_default();
-    let mut xml = Xml::new(out, &format!("{BEGINNING}{program} -->\n"));
-    xml.open("svg");
-    xml.attribute("xmlns", "http://www.w3.org/2000/svg");
-    xml.attribute("xmlns:xlink", "http://www.w3.org/1999/xlink");
-    xml.attribute("xmlns:inkscape", "http://www.inkscape.org/namespaces/inkscape");
-    xml.attribute("width", scene.width);
-    xml.attribute("height", scene.height);
-    xml.attribute("viewBox", format_args!("0 0 {} {}", scene.width, scene.height));
-    xml.line();
-    xml.open("title");
-    xml.text(&metadata::title(scene));
-    xml.close()?;
-    xml.line();
-    xml.open("metadata");
-    xml.text(&metadata::json(scene));
-    xml.close()?;
-    xml.line();
+/// What is written, and how.
+struct Document<'a> {
+    scene: &'a Scene,
+    background: Background,
+    textons: Textons<'a>,
+    /// How far beyond the canvas it reaches, in pixels.
+    bleed: f64,
+}
 
-    xml.open("defs");
-    xml.line();
-    background.write_definitions(&mut xml)?;
-    textons.write_definitions(&mut xml)?;
-    xml.close()?;
-    xml.line();
+impl<'a> Document<'a> {
+    fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Result<Self> {
+        check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
+        super::check_scene(scene)?;
+        let textons = Textons::new(scene, options, bleed);
+        Ok(Self { scene, background: Background::new(scene), textons, bleed })
+    }
 
-    layer(&mut xml, "background", "Background");
-    background.write_bands(&mut xml)?;
-    xml.close()?;
-    xml.line();
+    /// The canvas as it is.
+    fn write<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        let (width, height) = (self.scene.width, self.scene.height);
+        self.begin(xml);
+        xml.attribute("width", width);
+        xml.attribute("height", height);
+        xml.attribute("viewBox", format_args!("0 0 {width} {height}"));
+        xml.line();
+        self.write_about(xml)?;
+        self.write_definitions(xml)?;
+        self.write_layers(xml)
+    }
 
-    layer(&mut xml, "secondary", "Secondary");
-    // Neighbours in painting order that share a fill take it from one group.
-    for run in
-        scene.secondary.chunk_by(|a, b| textons.fill(a).is_some() && textons.fill(a) == textons.fill(b))
-    {
-        let fill = textons.fill(&run[0]).filter(|_| run.len() > 1);
-        if let Some(fill) = fill {
-            xml.open("g");
-            xml.attribute("fill", Paint(fill));
-            xml.line();
-        }
-        for instance in run {
-            textons.write_instance(&mut xml, instance, fill.is_none())?;
-            xml.line();
-        }
-        if fill.is_some() {
+    /// A pattern of the canvas, and a sheet of any size filled with it.
+    fn write_pattern<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        self.begin(xml);
+        xml.attribute("width", "100%");
+        xml.attribute("height", "100%");
+        xml.line();
+        self.write_about(xml)?;
+        xml.open("pattern");
+        xml.attribute("id", PATTERN);
+        xml.attribute("patternUnits", "userSpaceOnUse");
+        xml.attribute("width", self.scene.width);
+        xml.attribute("height", self.scene.height);
+        xml.line();
+        self.write_definitions(xml)?;
+        self.write_layers(xml)?;
+        xml.close()?;
+        xml.line();
+        xml.open("rect");
+        xml.attribute("width", "100%");
+        xml.attribute("height", "100%");
+        xml.attribute("fill", format_args!("url(#{PATTERN})"));
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    fn begin<W: Write>(&self, xml: &mut Xml<W>) {
+        xml.open("svg");
+        xml.attribute("xmlns", "http://www.w3.org/2000/svg");
+        xml.attribute("xmlns:xlink", "http://www.w3.org/1999/xlink");
+        xml.attribute("xmlns:inkscape", "http://www.inkscape.org/namespaces/inkscape");
+    }
+
+    /// Title and metadata.
+    fn write_about<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        for (name, text) in [("title", metadata::title(self.scene)), ("metadata", metadata::json(self.scene))]
+        {
+            xml.open(name);
+            xml.text(&text);
             xml.close()?;
             xml.line();
         }
+        Ok(())
     }
-    xml.close()?;
-    xml.line();
 
-    layer(&mut xml, "primary", "Primary");
-    for instance in &scene.primary {
-        xml.open("g");
-        xml.attribute("id", format_args!("p{}", instance.id));
-        if let Some(category) = scene.textons[instance.texton as usize].category {
-            xml.attribute("data-category", category);
+    /// All that the layers refer to.
+    fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        xml.open("defs");
+        xml.line();
+        self.background.write_definitions(xml, self.bleed)?;
+        self.textons.write_definitions(xml)?;
+        if let Some(domain) = &self.scene.domain {
+            xml.open("clipPath");
+            xml.attribute("id", "domain");
+            for shift in self.textons.copies_of(domain.outline.bounds()) {
+                self.textons.write_outline(xml, &domain.outline, shift)?;
+            }
+            xml.close()?;
+            xml.line();
         }
-        textons.write_instance(&mut xml, instance, true)?;
         xml.close()?;
         xml.line();
+        Ok(())
     }
-    xml.close()?;
-    xml.line();
-    xml.finish()
+
+    /// The three layers, those that a domain clips in one group, so that what is clipped together
+    /// has one clean edge.
+    fn write_layers<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        let edge = self.scene.domain.as_ref().map(|d| d.edge);
+        if edge.is_some() {
+            layer(xml, "inside", "Inside");
+            xml.attribute("clip-path", "url(#domain)");
+            xml.line();
+        }
+        layer(xml, "background", "Background");
+        xml.line();
+        self.background.write_bands(xml, self.bleed)?;
+        xml.close()?;
+        xml.line();
+        self.write_secondaries(xml)?;
+        let stick_out = edge == Some(Edge::Keep);
+        if stick_out {
+            xml.close()?;
+            xml.line();
+        }
+        self.write_primaries(xml)?;
+        if edge.is_some() && !stick_out {
+            xml.close()?;
+            xml.line();
+        }
+        Ok(())
+    }
+
+    fn write_secondaries<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        let textons = &self.textons;
+        layer(xml, "secondary", "Secondary");
+        xml.line();
+        // Neighbours in painting order that share a fill take it from one group.
+        let alike = |a: &_, b: &_| textons.fill(a).is_some() && textons.fill(a) == textons.fill(b);
+        for run in self.scene.secondary.chunk_by(alike) {
+            let fill = textons.fill(&run[0]).filter(|_| run.len() > 1);
+            if let Some(fill) = fill {
+                xml.open("g");
+                xml.attribute("fill", Paint(fill));
+                xml.line();
+            }
+            for instance in run {
+                for shift in textons.copies(instance) {
+                    textons.write_instance(xml, instance, shift, fill.is_none())?;
+                    xml.line();
+                }
+            }
+            if fill.is_some() {
+                xml.close()?;
+                xml.line();
+            }
+        }
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    fn write_primaries<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        layer(xml, "primary", "Primary");
+        xml.line();
+        for instance in &self.scene.primary {
+            for (k, shift) in self.textons.copies(instance).enumerate() {
+                self.write_primary(xml, instance, (k > 0).then_some(shift))?;
+            }
+        }
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    /// A primary, or its copy moved by `shift`.
+    fn write_primary<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        instance: &Instance,
+        shift: Option<Vec2>,
+    ) -> io::Result<()> {
+        match shift {
+            Some(shift) if !self.textons.expands() => {
+                xml.open("use");
+                xml.attribute("xlink:href", format_args!("#p{}", instance.id));
+                self.textons.write_shift(xml, shift);
+            }
+            Some(shift) => {
+                xml.open("g");
+                xml.attribute("data-copy-of", format_args!("p{}", instance.id));
+                self.textons.write_instance(xml, instance, shift, true)?;
+            }
+            None => {
+                xml.open("g");
+                xml.attribute("id", format_args!("p{}", instance.id));
+                if let Some(category) = self.scene.textons[instance.texton as usize].category {
+                    xml.attribute("data-category", category);
+                }
+                self.textons.write_instance(xml, instance, Vec2::ZERO, true)?;
+            }
+        }
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
 }
 
-/// Begins one of the three layers, which Inkscape shows as such.
+/// Begins one of the layers, which Inkscape shows as such.
 fn layer<W: Write>(xml: &mut Xml<W>, id: &str, label: &str) {
     xml.open("g");
     xml.attribute("id", id);
     xml.attribute("inkscape:groupmode", "layer");
     xml.attribute("inkscape:label", label);
-    xml.line();
 }

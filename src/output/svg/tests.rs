@@ -3,6 +3,7 @@
 use super::*;
 use crate::output::raster_svg::render_svg;
 use crate::output::testing;
+use crate::scene::{Domain, Tile};
 use resvg::usvg;
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
@@ -19,27 +20,88 @@ fn named<'a>(document: &'a Document<'_>, name: &str) -> Vec<Node<'a, 'a>> {
     document.descendants().filter(|n| n.has_tag_name(("http://www.w3.org/2000/svg", name))).collect()
 }
 
+/// One element for each id, every reference leads somewhere, and there is no picture.
+fn check_document(text: &str, summary: &SvgSummary) {
+    usvg::Tree::from_str(text, &usvg::Options::default()).unwrap();
+    let document = Document::parse(text).unwrap();
+    let ids: Vec<&str> = document.descendants().filter_map(|n| n.attribute("id")).collect();
+    assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len());
+    assert!(named(&document, "image").is_empty());
+    assert_eq!(summary.bytes, text.len() as u64);
+    assert_eq!(summary.elements, document.descendants().filter(Node::is_element).count() as u64);
+    assert_eq!(summary.warnings, Vec::<String>::new());
+    let known: BTreeSet<&str> = ids.into_iter().collect();
+    let links = document.descendants().filter_map(|n| n.attribute(("http://www.w3.org/1999/xlink", "href")));
+    let paints = document.descendants().flat_map(|n| ["fill", "mask", "clip-path"].map(|a| n.attribute(a)));
+    let paints = paints.flatten().filter_map(|p| p.strip_prefix("url(")).map(|p| p.trim_end_matches(')'));
+    for link in links.chain(paints) {
+        assert!(link.strip_prefix('#').is_some_and(|id| known.contains(id)), "{link}");
+    }
+}
+
 #[test]
 fn well_formed_with_unique_ids_and_no_picture() {
+    let tiled = testing::tiled(400, 300, 1, Tile { x: true, y: true });
+    let mut shaped = tiled.clone();
+    let outline = shaped.textons[0].outline.clone();
+    shaped.domain = Some(Domain { outline, edge: Edge::Clip });
     for options in [SvgOptions::default(), EXPANDED] {
-        let (text, summary) = text(&testing::scene(400, 300, 1), &options);
-        usvg::Tree::from_str(&text, &usvg::Options::default()).unwrap();
-        let document = Document::parse(&text).unwrap();
-        let ids: Vec<&str> = document.descendants().filter_map(|n| n.attribute("id")).collect();
-        assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len());
-        assert!(named(&document, "image").is_empty());
-        assert_eq!(summary.bytes, text.len() as u64);
-        assert_eq!(summary.elements, document.descendants().filter(Node::is_element).count() as u64);
-        assert_eq!(summary.warnings, Vec::<String>::new());
-        // Whatever is referred to is there.
-        let known: BTreeSet<&str> = ids.into_iter().collect();
-        let links =
-            document.descendants().filter_map(|n| n.attribute(("http://www.w3.org/1999/xlink", "href")));
-        let paints = document.descendants().filter_map(|n| n.attribute("fill").or(n.attribute("mask")));
-        let paints = paints.filter_map(|p| p.strip_prefix("url(")).map(|p| p.trim_end_matches(')'));
-        for link in links.chain(paints) {
-            assert!(link.strip_prefix('#').is_some_and(|id| known.contains(id)), "{link}");
+        for scene in [&testing::scene(400, 300, 1), &tiled, &shaped] {
+            let (text, summary) = text(scene, &options);
+            check_document(&text, &summary);
         }
+        for scene in [&tiled, &shaped] {
+            let mut bytes = Vec::new();
+            let summary = write_pattern(scene, &options, &mut bytes).unwrap();
+            check_document(&String::from_utf8(bytes).unwrap(), &summary);
+        }
+    }
+}
+
+#[test]
+fn copies_follow_their_original() {
+    let scene = testing::tiled(400, 300, 2, Tile { x: true, y: true });
+    let copies = |i: &Instance| {
+        let bounds = scene.textons[i.texton as usize].bounds();
+        scene.copies(i.affine().transform_rect_bbox(bounds).inflate(0.01, 0.01)).skip(1).count()
+    };
+    for (options, name) in [(SvgOptions::default(), "use"), (EXPANDED, "g")] {
+        let (text, _) = text(&scene, &options);
+        let document = Document::parse(&text).unwrap();
+        let layer = document.descendants().find(|n| n.attribute("id") == Some("primary")).unwrap();
+        let mut found = layer.children().filter(Node::is_element);
+        let mut all = 0;
+        for instance in &scene.primary {
+            let id = format!("p{}", instance.id);
+            assert_eq!(found.next().unwrap().attribute("id"), Some(&id[..]));
+            for _ in 0..copies(instance) {
+                let copy = found.next().unwrap();
+                assert!(copy.has_tag_name(("http://www.w3.org/2000/svg", name)));
+                let link = copy.attribute(("http://www.w3.org/1999/xlink", "href"));
+                let of = copy.attribute("data-copy-of").or(link.and_then(|l| l.strip_prefix('#')));
+                assert_eq!(of, Some(&id[..]));
+                all += 1;
+            }
+        }
+        assert!(found.next().is_none() && all > 10);
+    }
+}
+
+#[test]
+fn a_domain_clips_what_belongs_inside() {
+    for (edge, inside) in [
+        (Edge::Clip, &["background", "secondary", "primary"][..]),
+        (Edge::Avoid, &["background", "secondary", "primary"]),
+        (Edge::Keep, &["background", "secondary"]),
+    ] {
+        let mut scene = testing::scene(200, 200, 3);
+        scene.domain = Some(Domain { outline: scene.textons[1].outline.clone(), edge });
+        let (text, _) = text(&scene, &SvgOptions::default());
+        let document = Document::parse(&text).unwrap();
+        let group = document.descendants().find(|n| n.has_attribute("clip-path")).unwrap();
+        assert_eq!(group.attribute("id"), Some("inside"));
+        let layers: Vec<_> = group.children().filter_map(|n| n.attribute("id")).collect();
+        assert_eq!(layers, inside);
     }
 }
 

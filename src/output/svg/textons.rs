@@ -3,7 +3,7 @@
 use super::SvgOptions;
 use super::number::{Number, Paint, list};
 use super::xml::Xml;
-use crate::geometry::{Affine, Outline, PathText, write_path};
+use crate::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
 use crate::raster::colour::Colour;
 use crate::scene::{Instance, Scene, Texton};
 use std::io::{self, Write};
@@ -12,24 +12,55 @@ use std::io::{self, Write};
 pub(super) struct Textons<'a> {
     scene: &'a Scene,
     precision: u8,
+    expand: bool,
+    /// How far beyond the canvas copies are written, in pixels.
+    bleed: f64,
     /// Whether a texton is defined once and placed by reference.
     shared: Vec<bool>,
     /// Whether a shared texton has no colour of its own and takes that of the instance.
     inherits: Vec<bool>,
+    /// Bounding boxes; none where nothing is copied.
+    bounds: Vec<Rect>,
 }
 
 impl<'a> Textons<'a> {
     /// Decides which textons are shared.
-    pub(super) fn new(scene: &'a Scene, options: &SvgOptions) -> Self {
-        let mut uses = vec![0u32; scene.textons.len()];
-        let mut inherits: Vec<bool> = scene.textons.iter().map(|t| t.details.is_empty()).collect();
-        for instance in scene.secondary.iter().chain(&scene.primary) {
-            let texton = instance.texton as usize;
-            uses[texton] += 1;
-            inherits[texton] |= instance.colour.is_some();
+    pub(super) fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Self {
+        let inherits = scene.textons.iter().map(|t| t.details.is_empty()).collect();
+        let bounds =
+            if scene.tile.any() { scene.textons.iter().map(Texton::bounds).collect() } else { Vec::new() };
+        let shared = vec![false; scene.textons.len()];
+        let SvgOptions { precision, expand } = *options;
+        let mut textons = Self { scene, precision, expand, bleed, shared, inherits, bounds };
+        let mut uses = vec![0; scene.textons.len()];
+        // Copies of primaries refer to their original as a whole.
+        let secondary = scene.secondary.iter().map(|i| (i, textons.copies(i).count()));
+        for (instance, count) in secondary.chain(scene.primary.iter().map(|i| (i, 1))) {
+            uses[instance.texton as usize] += count;
         }
-        let shared = uses.iter().map(|&n| n > 1 && !options.expand).collect();
-        Self { scene, precision: options.precision, shared, inherits }
+        for instance in scene.secondary.iter().chain(&scene.primary) {
+            textons.inherits[instance.texton as usize] |= instance.colour.is_some();
+        }
+        textons.shared = uses.iter().map(|&n| n > 1 && !expand).collect();
+        textons
+    }
+
+    /// The shifts at which an instance is to be written, that of the original first.
+    pub(super) fn copies(&self, instance: &Instance) -> impl Iterator<Item = Vec2> + use<> {
+        let bounds = self.bounds.get(instance.texton as usize).copied().unwrap_or_default();
+        self.copies_of(instance.affine().transform_rect_bbox(bounds))
+    }
+
+    /// The same of anything with the given bounds on the canvas.
+    pub(super) fn copies_of(&self, bounds: Rect) -> impl Iterator<Item = Vec2> + use<> {
+        // Rounding may move an outline by as much as the last digit.
+        let reach = self.bleed + 1.0 / f64::from(10u32.pow(self.precision.into()));
+        self.scene.copies(bounds.inflate(reach, reach))
+    }
+
+    /// Whether every texton is written in full where it stands.
+    pub(super) fn expands(&self) -> bool {
+        self.expand
     }
 
     /// Number of textons that are defined once.
@@ -65,23 +96,26 @@ impl<'a> Textons<'a> {
         texton.details.is_empty().then(|| instance.colour.unwrap_or(texton.colour))
     }
 
-    /// One placed texton; its fill is left to the group around it unless `with_fill`.
+    /// One placed texton, moved by `shift`; its fill is left to the group around it unless
+    /// `with_fill`.
     pub(super) fn write_instance<W: Write>(
         &self,
         xml: &mut Xml<W>,
         instance: &Instance,
+        shift: Vec2,
         with_fill: bool,
     ) -> io::Result<()> {
         let index = instance.texton as usize;
         let texton = &self.scene.textons[index];
         let colour = instance.colour.unwrap_or(texton.colour);
+        let affine = instance.affine().then_translate(shift);
         if !self.shared[index] {
             let fill = with_fill.then_some(colour);
-            return self.write_paths(xml, texton, fill, Some(instance.affine()));
+            return self.write_paths(xml, texton, fill, Some(affine));
         }
         xml.open("use");
         xml.attribute("xlink:href", format_args!("#t{index}"));
-        self.write_transform(xml, &instance.transform);
+        self.write_transform(xml, &affine.as_coeffs());
         if self.inherits[index] && with_fill {
             xml.attribute("fill", Paint(colour));
         }
@@ -108,6 +142,18 @@ impl<'a> Textons<'a> {
         Ok(())
     }
 
+    /// A bare outline, moved by `shift`.
+    pub(super) fn write_outline<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        outline: &Outline,
+        shift: Vec2,
+    ) -> io::Result<()> {
+        xml.open("path");
+        xml.attribute("d", self.data(outline, Some(Affine::translate(shift))));
+        xml.close()
+    }
+
     fn data(&self, outline: &Outline, affine: Option<Affine>) -> String {
         let style = PathText { precision: self.precision };
         match affine {
@@ -122,15 +168,20 @@ impl<'a> Textons<'a> {
         let [a, b, c, d, e, f] = *m;
         let length = |v: f64| Number(v, self.precision);
         if [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] {
-            for (name, v) in [("x", e), ("y", f)] {
-                if v != 0.0 {
-                    xml.attribute(name, length(v));
-                }
-            }
+            self.write_shift(xml, Vec2::new(e, f));
         } else {
             let fine = |v: f64| Number(v, self.precision + 2);
             let numbers = [fine(a), fine(b), fine(c), fine(d), length(e), length(f)];
             xml.attribute("transform", format_args!("matrix({})", list(&numbers)));
+        }
+    }
+
+    /// `x` and `y` of a `<use>`.
+    pub(super) fn write_shift<W: Write>(&self, xml: &mut Xml<W>, shift: Vec2) {
+        for (name, v) in [("x", shift.x), ("y", shift.y)] {
+            if v != 0.0 {
+                xml.attribute(name, Number(v, self.precision));
+            }
         }
     }
 }

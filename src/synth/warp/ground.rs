@@ -99,8 +99,8 @@ pub(super) fn secondaries(
     for (index, instance) in scene.secondary.iter().enumerate() {
         let texton = &scene.textons[instance.texton as usize];
         let [.., x, y] = instance.transform;
-        let cell = from.nearest(whole([x, y]));
-        let Some(centre) = before.get(cell) else { continue };
+        let Some(cell) = from.owner(whole([x, y])) else { continue };
+        let centre = before[cell];
         let [dx, dy] = [0, 1].map(|k| [x, y][k] - f64::from(centre[k]));
         let place = [f64::from(after[cell][0]) + dx, f64::from(after[cell][1]) + dy];
         let library = texton.library as usize;
@@ -112,7 +112,7 @@ pub(super) fn secondaries(
             colour: instance.colour.unwrap_or(texton.colour),
         };
         let seen = finders[library].as_ref().is_some_and(|f| f.fits(&placed));
-        if bend.holds([x, y]) && to.nearest(placed.at) == cell && seen {
+        if bend.holds([x, y]) && to.owner(placed.at) == Some(cell) && seen {
             standing[library].push(placed.at);
             found.push((Secondary::Carried { index, place }, placed));
         }
@@ -121,7 +121,8 @@ pub(super) fn secondaries(
     for cell in carried_cells..after.len() {
         let library = map.ground.draw_library(after[cell].map(f64::from), &mut random);
         if let Some(finder) = &finders[library] {
-            let found = finder.neighbourhood(after[cell], |at| to.nearest(at) == cell, &mut random);
+            let own = to.cell(cell);
+            let found = finder.neighbourhood(after[cell], |at| own.owns(at), &mut random);
             standing[library].extend(found.iter().map(|p| p.at));
             fresh.extend(found);
         }

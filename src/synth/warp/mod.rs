@@ -93,7 +93,7 @@ pub fn warp(
 
     advance(progress, "ground", 0, 2)?;
     let field = ground::field(scene, &libraries, &map, bend, &params);
-    let interpolant = Interpolant::new(&field, width, height);
+    let interpolant = Interpolant::new(&field, width, height, Tile::default());
     advance(progress, "ground", 1, 2)?;
     let secondaries = ground::secondaries(scene, &libraries, &map, &interpolant, bend, &params);
     advance(progress, "ground", 2, 2)?;

@@ -1,0 +1,128 @@
+//! Scenes that repeat: the copies of what stands in them.
+//!
+//! Opposite edges of a tiling scene join: along x for [`Tile::x`], along y for [`Tile::y`]. An
+//! instance is listed once, at a canonical place (its origin on the canvas or near it), and means
+//! all its copies, moved by whole widths and heights of the canvas. Control points of the
+//! background and the outline of a domain likewise. Whoever draws a scene asks [`Scene::copies`]
+//! which of the copies reach the canvas, and draws them right after the original, so that two
+//! overlapping textons overlap alike at every edge.
+
+use super::Scene;
+use crate::geometry::{Rect, Vec2};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Along which axes a scene repeats.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Tile {
+    /// Left joins right.
+    pub x: bool,
+    /// Top joins bottom.
+    pub y: bool,
+}
+
+/// Most copies side by side: shapes broader than so many canvases are hardly seen to repeat, and a
+/// hostile file must not ask for trillions.
+const MOST_COPIES: f64 = 64.0;
+
+impl Tile {
+    /// Whether a scene repeats along any axis.
+    pub fn any(self) -> bool {
+        self.x || self.y
+    }
+
+    /// Whether a scene repeats along both axes.
+    pub fn both(self) -> bool {
+        self.x && self.y
+    }
+}
+
+impl Scene {
+    /// Shifts, in pixels, at which something with the given bounds is to be drawn: zero first, for
+    /// the original, wherever it is; then those at which a copy reaches into the canvas, by row
+    /// and column. Nothing but zero in a scene that does not tile; at most 64 copies along an axis.
+    pub fn copies(&self, bounds: Rect) -> impl Iterator<Item = Vec2> + use<> {
+        let axis = |repeats: bool, low: f64, high: f64, size: u32| {
+            let size = f64::from(size);
+            if !repeats || !(low.is_finite() && high.is_finite()) {
+                return (0, 1, size);
+            }
+            // Copy k reaches into the canvas if low + k·size < size and high + k·size > 0.
+            let first = libm::floor(-high / size) + 1.0;
+            let end = libm::ceil((size - low) / size).min(first + MOST_COPIES);
+            (first as i64, end as i64, size)
+        };
+        let (left, right, width) = axis(self.tile.x, bounds.x0, bounds.x1, self.width);
+        let (top, bottom, height) = axis(self.tile.y, bounds.y0, bounds.y1, self.height);
+        let all = (top..bottom).flat_map(move |j| (left..right).map(move |i| (i, j)));
+        let shift = move |(i, j): (i64, i64)| Vec2::new(i as f64 * width, j as f64 * height);
+        std::iter::once(Vec2::ZERO).chain(all.filter(|&copy| copy != (0, 0)).map(shift))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::colour::Colour;
+    use crate::scene::Field;
+
+    fn scene(x: bool, y: bool) -> Scene {
+        Scene {
+            format: Scene::FORMAT.into(),
+            version: Scene::VERSION,
+            width: 100,
+            height: 60,
+            tile: Tile { x, y },
+            parameters: None,
+            program: String::new(),
+            libraries: Vec::new(),
+            textons: Vec::new(),
+            secondary: Vec::new(),
+            primary: Vec::new(),
+            background: Field { spacing: 25.0, fallback: Colour([0; 3]), points: Vec::new() },
+            domain: None,
+        }
+    }
+
+    fn copies(x: bool, y: bool, bounds: [f64; 4]) -> Vec<[f64; 2]> {
+        let [x0, y0, x1, y1] = bounds;
+        scene(x, y).copies(Rect::new(x0, y0, x1, y1)).map(|v| [v.x, v.y]).collect()
+    }
+
+    #[test]
+    fn copies_are_those_that_reach_the_canvas() {
+        let inside = [10.0, 10.0, 100.0, 60.0];
+        let corner = [90.0, 50.0, 110.0, 70.0];
+        assert_eq!(copies(true, true, inside), [[0.0, 0.0]]);
+        assert_eq!(copies(false, false, corner), [[0.0, 0.0]]);
+        assert_eq!(copies(true, false, corner), [[0.0, 0.0], [-100.0, 0.0]]);
+        assert_eq!(copies(false, true, corner), [[0.0, 0.0], [0.0, -60.0]]);
+        assert_eq!(copies(true, true, corner), [[0.0, 0.0], [-100.0, -60.0], [0.0, -60.0], [-100.0, 0.0]]);
+        // Listed beyond the canvas: the original comes first all the same.
+        assert_eq!(copies(true, false, [210.0, 0.0, 230.0, 9.0]), [[0.0, 0.0], [-200.0, 0.0]]);
+    }
+
+    #[test]
+    fn every_copy_on_the_canvas_is_found() {
+        for k in 0..200 {
+            let (x, y) = (f64::from(k) * 7.3 - 500.0, f64::from(k) * 3.1 - 300.0);
+            let (w, h) = (f64::from(k % 17) * 21.0 + 0.5, f64::from(k % 5) * 40.0 + 0.5);
+            let found = copies(true, true, [x, y, x + w, y + h]);
+            let meets = |i: i32, j: i32| {
+                let (dx, dy) = (f64::from(i) * 100.0, f64::from(j) * 60.0);
+                (x + dx < 100.0 && x + w + dx > 0.0 && y + dy < 60.0 && y + h + dy > 0.0) || (i, j) == (0, 0)
+            };
+            let all = (-20..20).flat_map(|j| (-20..20).map(move |i| (i, j)));
+            assert_eq!(found.len(), all.filter(|&(i, j)| meets(i, j)).count());
+        }
+    }
+
+    #[test]
+    fn hostile_bounds_end() {
+        let count = |bounds| copies(true, true, bounds).len();
+        assert!(count([-1e7, -1e7, 1e7, 1e7]) <= 64 * 64 + 1);
+        assert_eq!(count([f64::NEG_INFINITY, 0.0, f64::INFINITY, f64::NAN]), 1);
+        assert_eq!(count([1e300, 1e300, 1e300, 1e300]), 1);
+    }
+}

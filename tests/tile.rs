@@ -1,0 +1,123 @@
+//! A texture made to tile shows no seam where copies of it meet.
+
+use std::path::Path;
+use std::sync::OnceLock;
+use tiny_skia::Pixmap;
+use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
+use vtex::geometry::{Affine, Vec2};
+use vtex::library::Library;
+use vtex::output::{png, raster_svg, svg};
+use vtex::scene::{Scene, SynthParams, Tile};
+use vtex::segment::Regions;
+use vtex::synth::synthesize;
+
+const WIDTH: u32 = 240;
+const HEIGHT: u32 = 200;
+
+/// Of the middle of a self-made exemplar.
+fn library() -> &'static Library {
+    static LIBRARY: OnceLock<Library> = OnceLock::new();
+    LIBRARY.get_or_init(|| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/exemplars/pebbles.png");
+        let whole = image::open(path).unwrap().into_rgb8();
+        let (x, y) = ((whole.width() - 160) / 2, (whole.height() - 160) / 2);
+        let crop = image::imageops::crop_imm(&whole, x, y, 160, 160).to_image();
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        crop.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        let exemplar = Exemplar::from_bytes(&bytes.into_inner(), "pebbles", &Limits::default()).unwrap();
+        analyze(&exemplar, &Regions, &AnalyzeParams::default(), &()).unwrap()
+    })
+}
+
+fn texture(tile: Tile) -> Scene {
+    let params = SynthParams { width: WIDTH, height: HEIGHT, seed: 4, tile, ..SynthParams::default() };
+    synthesize(library(), &params, &()).unwrap()
+}
+
+fn svg_of(scene: &Scene) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    svg::write(scene, &svg::SvgOptions::default(), &mut bytes).unwrap();
+    bytes
+}
+
+/// The scene with everything moved, and what then lies beyond an edge that joins moved back.
+fn moved(mut scene: Scene, by: Vec2) -> Scene {
+    let tile = scene.tile;
+    let along = |v: f64, d: f64, size: u32, repeats: bool| {
+        if repeats { (v + d).rem_euclid(f64::from(size)) } else { v + d }
+    };
+    for instance in scene.primary.iter_mut().chain(&mut scene.secondary) {
+        let t = (Affine::new(instance.transform)).as_coeffs();
+        instance.transform[4] = along(t[4], by.x, WIDTH, tile.x);
+        instance.transform[5] = along(t[5], by.y, HEIGHT, tile.y);
+    }
+    for p in &mut scene.background.points {
+        (p.x, p.y) = (along(p.x, by.x, WIDTH, tile.x), along(p.y, by.y, HEIGHT, tile.y));
+    }
+    scene
+}
+
+/// Mean and largest difference, in 8-bit steps, of copies of a tile laid side by side and begun at
+/// a place, from another picture.
+fn difference(tile: &Pixmap, whole: &Pixmap, at: Vec2) -> (f64, u8) {
+    let (mut sum, mut most) = (0.0, 0);
+    for y in 0..whole.height() {
+        for x in 0..whole.width() {
+            let (tx, ty) = ((x + at.x as u32) % tile.width(), (y + at.y as u32) % tile.height());
+            let (a, b) = (tile.pixel(tx, ty).unwrap(), whole.pixel(x, y).unwrap());
+            for gap in [a.red().abs_diff(b.red()), a.green().abs_diff(b.green()), a.blue().abs_diff(b.blue())]
+            {
+                sum += f64::from(gap);
+                most = most.max(gap);
+            }
+        }
+    }
+    (sum / f64::from(3 * whole.width() * whole.height()), most)
+}
+
+#[test]
+fn three_by_three_tiles_have_no_seam() {
+    for (x, y) in [(true, true), (true, false), (false, true)] {
+        let tile = Tile { x, y };
+        let scene = texture(tile);
+        assert_eq!(scene.tile, tile);
+        let half = |repeats: bool, size: u32| if repeats { f64::from(size / 2) } else { 0.0 };
+        let by = Vec2::new(half(x, WIDTH), half(y, HEIGHT));
+        let other = moved(scene.clone(), by);
+        let direct = [&scene, &other].map(|s| png::render(s, 1.0).unwrap());
+        let by_svg = [&scene, &other].map(|s| raster_svg::render_svg(&svg_of(s), 1.0, "tile").unwrap());
+        for [tile, whole] in [direct, by_svg] {
+            let (mean, most) = difference(&tile, &whole, by);
+            assert!(mean < 0.7 && most <= 60, "{x} {y}: mean {mean}, largest {most}");
+        }
+    }
+}
+
+/// Textons cross the edges, so that the test above has something to find.
+#[test]
+fn textons_cross_every_edge_that_joins() {
+    let scene = texture(Tile { x: true, y: true });
+    for layer in [&scene.primary, &scene.secondary] {
+        let crossing = layer.iter().filter(|i| {
+            let bounds = scene.textons[i.texton as usize].bounds();
+            scene.copies(i.affine().transform_rect_bbox(bounds)).count() > 1
+        });
+        assert!(crossing.count() > 5);
+    }
+}
+
+#[test]
+fn a_pattern_is_written_of_what_tiles_both_ways_only() {
+    let mut bytes = Vec::new();
+    let options = svg::SvgOptions::default();
+    svg::write_pattern(&texture(Tile { x: true, y: true }), &options, &mut bytes).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    assert!(
+        text.contains(
+            "<pattern id=\"texture\" patternUnits=\"userSpaceOnUse\" width=\"240\" height=\"200\">"
+        )
+    );
+    assert!(!text.contains("<image"));
+    let error = svg::write_pattern(&texture(Tile { x: true, y: false }), &options, std::io::sink());
+    assert!(error.unwrap_err().hint().unwrap().contains("--tile"));
+}
