@@ -31,10 +31,12 @@ mod testing;
 mod tests;
 pub mod tune;
 mod variation;
+mod warp;
 
 pub use compose::reconstruct;
 pub use controls::Controls;
 pub use report::{CategoryReport, Report};
+pub use warp::{Bend, WarpParams, warp};
 
 use crate::error::{Error, Result};
 use crate::library::Library;
@@ -73,23 +75,7 @@ pub fn synthesize_with(
 ) -> Result<(Scene, Report)> {
     params.validate()?;
     controls.validate(libraries.len())?;
-    let canvas = u64::from(params.width) * u64::from(params.height);
-    if canvas > LARGEST_CANVAS {
-        return Err(Error::TooLarge {
-            name: "size".into(),
-            found: format!(
-                "{} x {} px would take about {} GB of memory",
-                params.width,
-                params.height,
-                canvas * BYTES_PER_PIXEL / 1_000_000_000
-            ),
-            limit: format!(
-                "{} megapixels, about {} GB",
-                LARGEST_CANVAS / 1_000_000,
-                LARGEST_CANVAS * BYTES_PER_PIXEL / 1_000_000_000
-            ),
-        });
-    }
+    check_canvas(params)?;
 
     let model = model::Model::new(libraries, params);
     let grid = target::TargetMap::grid(&model, params.width, params.height, params.tile);
@@ -132,4 +118,16 @@ fn primaries_alone(
     density::correct(&mut map, &mut choice, params, progress)?;
     let field = crate::scene::Field { spacing: 1.0, fallback: Default::default(), points: Vec::new() };
     Ok((compose::scene(libraries, params, &controls, &map, &[], field), covered))
+}
+
+/// An error if the canvas is too large.
+fn check_canvas(params: &SynthParams) -> Result<()> {
+    if u64::from(params.width) * u64::from(params.height) <= LARGEST_CANVAS {
+        return Ok(());
+    }
+    Err(Error::TooLarge {
+        name: "size".into(),
+        found: format!("{} x {} px", params.width, params.height),
+        limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
+    })
 }
