@@ -122,12 +122,18 @@ fn primaries_alone(
 
 /// An error if the canvas is too large.
 fn check_canvas(params: &SynthParams) -> Result<()> {
-    if u64::from(params.width) * u64::from(params.height) <= LARGEST_CANVAS {
+    let canvas = u64::from(params.width) * u64::from(params.height);
+    if canvas <= LARGEST_CANVAS {
         return Ok(());
     }
     Err(Error::TooLarge {
         name: "size".into(),
-        found: format!("{} x {} px", params.width, params.height),
+        found: format!(
+            "{} x {} px, about {} GB of memory",
+            params.width,
+            params.height,
+            canvas * BYTES_PER_PIXEL / 1_000_000_000
+        ),
         limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
     })
 }
