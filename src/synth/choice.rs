@@ -9,6 +9,7 @@ use crate::sampling::Stream;
 const HALVINGS: u32 = 5;
 
 /// Selection weights of the members of every category (paper §3.3, duplication reduction).
+#[derive(Clone)]
 pub(super) struct Choice {
     categories: Vec<Weights>,
     /// Place of each primary among the members of its category.
@@ -17,6 +18,7 @@ pub(super) struct Choice {
 }
 
 /// Weights 2^-uses, renormalised: the least used member has the largest.
+#[derive(Clone)]
 struct Weights {
     uses: Vec<u32>,
     /// Uses of the least used member, and how many members have no more.

@@ -225,7 +225,7 @@ mod tests {
             let ground = Ground::new(&grid, &controls, &params);
             let placeable: Vec<u32> = model.members.iter().flatten().copied().collect();
             let mut random = stream(1, "clearance test", 0);
-            let mut map = TargetMap::new(&model, &ground, grid);
+            let mut map = TargetMap::new(&model, ground, grid);
             let mut clearance = Clearance::new(&map, 12, 4);
             for _ in 0..8 {
                 let at = [map.grid.width, map.grid.height].map(|size| random.index(size as usize) as i32);

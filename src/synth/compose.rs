@@ -29,12 +29,13 @@ pub(super) fn scene(
         libraries.iter().enumerate().map(|(k, l)| Textons::new(k as u32, l)).collect();
     for p in placed {
         let texton = textons[p.library].secondary(&mut scene, p.secondary);
-        push(&mut scene, Layer::Secondary, texton, p.at, &p.variation, Some(p.colour));
+        let variation = &map.model().variations[usize::from(p.variation)];
+        push(&mut scene, Layer::Secondary, texton, p.at, variation, Some(p.colour));
     }
     for id in map.painting_order() {
         let p = map.placed[id as usize];
-        let cells = map.model().shape(p.form).mask.spans().iter().flat_map(|&s| map.grid.cells(s, p.at));
-        let canvas = cells.flat_map(|run| map.grid.canvas_part(&run));
+        let spans = map.model().shape(p.form).mask.spans().iter();
+        let canvas = spans.flat_map(|&s| map.grid.parts(s, p.at)).flat_map(|part| part.canvas);
         let mut filled = canvas.filter(|&i| map.ground.zone(i).is_some());
         if filled.any(|i| map.owner[i] == id) {
             let primary = map.model().primary(p.form);

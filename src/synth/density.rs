@@ -8,6 +8,7 @@
 
 use super::choice::Choice;
 use super::clearance::Clearance;
+use super::grid::Part;
 use super::primaries::copy_penalty;
 use super::target::TargetMap;
 use crate::error::Result;
@@ -110,15 +111,12 @@ fn thin(map: &mut TargetMap<'_>, wanted: &[Vec<f64>], worst: bool, random: &mut 
 /// The zone in which a texton stands: that of its origin, or of the first of its cells that is to
 /// be filled; none if it cannot be seen.
 fn zone_of(map: &TargetMap<'_>, form: u32, at: [i32; 2]) -> Option<usize> {
-    let zone = |i: usize| {
-        let canvas = map.grid.canvas_part(&(i..i + 1));
-        if canvas.is_empty() { None } else { map.ground.zone(i) }
-    };
-    if let Some(zone) = map.grid.cell(at).and_then(zone) {
+    let zone = |i: usize| map.ground.zone(i);
+    if let Some(zone) = map.grid.canvas_cell(at).and_then(zone) {
         return Some(zone);
     }
     let spans = map.model().shape(form).mask.spans().iter();
-    spans.flat_map(|&s| map.grid.cells(s, at)).flatten().find_map(zone)
+    spans.flat_map(|&s| map.grid.parts(s, at)).flat_map(|part| part.canvas).find_map(zone)
 }
 
 /// What every category lacks in every zone.
@@ -281,8 +279,7 @@ fn fit(map: &TargetMap<'_>, clearance: &Clearance, form: u32, at: [i32; 2]) -> (
     let shape = map.model().shape(form);
     let library = map.model().primary(form).library;
     let plain = map.ground.is_plain() && !map.ground.is_shared();
-    for run in shape.mask.spans().iter().flat_map(|&s| map.grid.cells(s, at)) {
-        let canvas = map.grid.canvas_part(&run);
+    for Part { canvas, .. } in shape.mask.spans().iter().flat_map(|&s| map.grid.parts(s, at)) {
         if plain {
             let row = &clearance.distance[canvas];
             cells += row.len() as u32;

@@ -16,6 +16,9 @@ pub(super) struct Grid {
     pub(super) margin: [i32; 2],
     /// Along which axes the map repeats.
     pub(super) tile: Tile,
+    /// Row of the whole map that is the first here, and its number of rows: this may be a band.
+    first: i32,
+    whole: i32,
 }
 
 /// A run of cells of one row of a shape.
@@ -25,6 +28,8 @@ pub(super) struct Part {
     pub(super) at: [i32; 2],
     /// Indices of the cells.
     pub(super) cells: Range<usize>,
+    /// Those of them that are on the canvas.
+    pub(super) canvas: Range<usize>,
 }
 
 impl Grid {
@@ -32,7 +37,13 @@ impl Grid {
     pub(super) fn new(size: [u32; 2], tile: Tile, margin: i32) -> Self {
         let margin = [tile.x, tile.y].map(|wrap| if wrap { 0 } else { margin });
         let [width, height] = [0, 1].map(|k| size[k] as i32 + 2 * margin[k]);
-        Self { width, height, margin, tile }
+        Self { width, height, margin, tile, first: 0, whole: height }
+    }
+
+    /// The grid of some rows of this one, which may reach across a seam.
+    pub(super) fn band(&self, rows: &Range<i32>) -> Self {
+        let tile = Tile { y: false, ..self.tile };
+        Self { height: rows.end - rows.start, first: rows.start, tile, ..self.clone() }
     }
 
     /// Number of cells.
@@ -40,9 +51,19 @@ impl Grid {
         self.width as usize * self.height as usize
     }
 
+    /// The values of some rows, of a value for each cell.
+    pub(super) fn rows_of<T: Copy>(&self, values: &[T], rows: &Range<i32>) -> Vec<T> {
+        let mut copy = Vec::with_capacity(self.width as usize * rows.len());
+        for row in rows.clone() {
+            let start = self.index(0, row.rem_euclid(self.height));
+            copy.extend_from_slice(&values[start..start + self.width as usize]);
+        }
+        copy
+    }
+
     /// Size of the canvas, in pixels.
     pub(super) fn canvas(&self) -> [f64; 2] {
-        [self.width - 2 * self.margin[0], self.height - 2 * self.margin[1]].map(f64::from)
+        [self.width - 2 * self.margin[0], self.whole - 2 * self.margin[1]].map(f64::from)
     }
 
     /// Index of a cell of the map.
@@ -51,6 +72,7 @@ impl Grid {
     }
 
     /// Column and row of a cell.
+    #[cfg(test)]
     pub(super) fn place(&self, i: usize) -> [i32; 2] {
         [(i % self.width as usize) as i32, (i / self.width as usize) as i32]
     }
@@ -69,7 +91,8 @@ impl Grid {
 
     /// Middle of a cell, in pixels of the canvas.
     pub(super) fn point(&self, at: [i32; 2]) -> [f64; 2] {
-        [0, 1].map(|k| f64::from(at[k] - self.margin[k]) + 0.5)
+        let row = if self.whole == self.height { at[1] } else { (at[1] + self.first).rem_euclid(self.whole) };
+        [at[0] - self.margin[0], row - self.margin[1]].map(|v| f64::from(v) + 0.5)
     }
 
     /// The way from `a` to `b`, the shortest one where the map repeats.
@@ -82,43 +105,57 @@ impl Grid {
 
     /// The cells of a span moved to a place, as far as they are on the map: two runs where it
     /// crosses a seam, never a cell twice.
+    #[inline]
     pub(super) fn parts(&self, span: Span, at: [i32; 2]) -> impl Iterator<Item = Part> + use<> {
         let (x0, x1, y) = (span.x0 + at[0], span.x1 + at[0], span.y + at[1]);
         let row = if self.tile.y { y.rem_euclid(self.height) } else { y };
-        let (low, high) = if !(0..self.height).contains(&row) {
-            (0, 0)
-        } else if self.tile.x {
-            (x0, x1.min(x0 + self.width))
-        } else {
-            (x0.max(0), x1.min(self.width))
-        };
-        let first = if self.tile.x { low.rem_euclid(self.width) } else { low };
-        // From the first column to the seam, then from the seam on.
-        let length = (high - low).max(0);
-        let before = length.min(self.width - first.min(self.width));
-        let start = if length > 0 { self.index(first, row) } else { 0 };
-        let seam = if length > 0 { self.index(0, row) } else { 0 };
-        let one = Part { at: [low, y], cells: start..start + before as usize };
-        let two = Part { at: [low + before, y], cells: seam..seam + (length - before) as usize };
-        [one, two].into_iter().filter(|p| !p.cells.is_empty())
+        let mut parts = [None, None];
+        if (0..self.height).contains(&row) {
+            if self.tile.x {
+                let (first, length) = (x0.rem_euclid(self.width), (x1 - x0).min(self.width));
+                // From the first column to the seam, then from the seam on.
+                let before = length.min(self.width - first);
+                parts[0] = Some(self.part([x0, y], row, first, first + before));
+                if length > before {
+                    parts[1] = Some(self.part([x0 + before, y], row, 0, length - before));
+                }
+            } else {
+                let (low, high) = (x0.max(0), x1.min(self.width));
+                if low < high {
+                    parts[0] = Some(self.part([low, y], row, low, high));
+                }
+            }
+        }
+        parts.into_iter().flatten()
+    }
+
+    /// The run from column `x0` to `x1` of a row of the map.
+    #[inline]
+    fn part(&self, at: [i32; 2], row: i32, x0: i32, x1: i32) -> Part {
+        let start = row as usize * self.width as usize;
+        let run = |x0: i32, x1: i32| start + x0 as usize..start + x1.max(x0) as usize;
+        let [mx, my] = self.margin;
+        // Where the map repeats there is no margin, and every row is one of the canvas.
+        let on_canvas = my == 0 || (my..self.whole - my).contains(&(row + self.first));
+        let canvas = if on_canvas { run(x0.max(mx), x1.min(self.width - mx)) } else { start..start };
+        Part { at, cells: run(x0, x1), canvas }
     }
 
     /// [`Grid::parts`] without their places.
+    #[inline]
     pub(super) fn cells(&self, span: Span, at: [i32; 2]) -> impl Iterator<Item = Range<usize>> + use<> {
         self.parts(span, at).map(|p| p.cells)
     }
 
-    /// The part of a run of cells that is on the canvas.
-    pub(super) fn canvas_part(&self, cells: &Range<usize>) -> Range<usize> {
-        let [x, y] = self.place(cells.start);
+    /// Index of the cell that a place means, if that is on the canvas.
+    #[inline]
+    pub(super) fn canvas_cell(&self, at: [i32; 2]) -> Option<usize> {
+        let [x, y] = self.canonical(at);
         let [mx, my] = self.margin;
-        if !(my..self.height - my).contains(&y) {
-            return 0..0;
-        }
-        let shift = cells.start as i64 - i64::from(x);
-        let (low, high) = (shift + i64::from(mx), shift + i64::from(self.width - mx));
-        let (first, last) = ((low as usize).max(cells.start), (high as usize).min(cells.end));
-        first..last.max(first)
+        let on_canvas = (mx..self.width - mx).contains(&x)
+            && (0..self.height).contains(&y)
+            && (my == 0 || (my..self.whole - my).contains(&(y + self.first)));
+        on_canvas.then(|| self.index(x, y))
     }
 }
 
@@ -162,11 +199,11 @@ mod tests {
             prop_assert_eq!(&got, &wanted);
             for part in grid.parts(span, [2, -1]) {
                 prop_assert_eq!(grid.cell(part.at), Some(part.cells.start));
-                let canvas = grid.canvas_part(&part.cells);
                 for i in part.cells {
                     let [cx, cy] = grid.point(grid.place(i));
                     let inside = cx > 0.0 && cy > 0.0 && cx < f64::from(w) && cy < f64::from(h);
-                    prop_assert_eq!(inside, canvas.contains(&i));
+                    prop_assert_eq!(inside, part.canvas.contains(&i));
+                    prop_assert_eq!(inside.then_some(i), grid.canvas_cell(grid.place(i)));
                 }
             }
         }

@@ -8,6 +8,7 @@
 //! few textons cannot carry; and exemplars with so few whole textons that copies are seen.
 
 mod background;
+mod bands;
 mod choice;
 mod clearance;
 mod compose;
@@ -79,14 +80,14 @@ pub fn synthesize_with(
     let model = model::Model::new(libraries, params);
     let grid = target::TargetMap::grid(&model, params.width, params.height, params.tile);
     let ground = ground::Ground::new(&grid, controls, params);
-    let mut map = target::TargetMap::new(&model, &ground, grid);
+    let mut map = target::TargetMap::new(&model, ground, grid);
     let mut choice = choice::Choice::new(&model, !params.without(Ablation::Decay));
     let placement = primaries::place(&mut map, &mut choice, params, progress)?;
     let correction = density::correct(&mut map, &mut choice, params, progress)?;
     progress.picture("placed", &|| picture::placed(&map));
 
     advance(progress, "ground", 0, 2)?;
-    let field = background::field(libraries, &ground, params);
+    let field = background::field(libraries, &map.ground, params);
     let interpolant = Interpolant::new(&field, params.width, params.height, params.tile);
     advance(progress, "ground", 1, 2)?;
     let secondaries = secondaries::place(libraries, &map, &interpolant, params);

@@ -125,9 +125,24 @@ impl Sites {
         if nearest < count { Some(nearest) } else { self.copied.get(nearest - count).copied() }
     }
 
+    /// The cell of a site: what lies nearer to it than to any other site or copy within twice the
+    /// radius; of equals the first owns.
+    pub(super) fn cell(&self, site: usize) -> Cell {
+        let centre = self.centres[site];
+        let mut others = Vec::new();
+        self.buckets.near(centre, 4, |i| {
+            if i as usize != site {
+                let place = self.centres[i as usize];
+                others.push((distance2(centre, place), i as usize, place));
+            }
+        });
+        others.sort_unstable();
+        Cell { site, centre, others }
+    }
+
     /// Index of the site or copy nearest to a point, of those within two buckets; the first of
     /// equals. Copies come after all sites.
-    pub(super) fn nearest(&self, p: [i32; 2]) -> usize {
+    fn nearest(&self, p: [i32; 2]) -> usize {
         let mut best = (i64::MAX, usize::MAX);
         self.buckets.near(p, 2, |i| {
             best = best.min((distance2(self.centres[i as usize], p), i as usize));
@@ -142,6 +157,24 @@ impl Sites {
             found |= (distance2(self.centres[i as usize], p) as f64) < radius * radius;
         });
         found
+    }
+}
+
+/// What lies nearest to one site.
+pub(super) struct Cell {
+    site: usize,
+    centre: [i32; 2],
+    /// Other sites: squared distance, index, place; the nearest first.
+    others: Vec<(i64, usize, [i32; 2])>,
+}
+
+impl Cell {
+    /// Whether a point belongs to the site.
+    pub(super) fn owns(&self, p: [i32; 2]) -> bool {
+        let own = distance2(self.centre, p);
+        // A site more than twice as far from this one as the point is cannot be nearer to it.
+        let near = self.others.iter().take_while(|other| other.0 <= 4 * own);
+        !near.into_iter().any(|&(_, i, place)| (distance2(place, p), i) < (own, self.site))
     }
 }
 

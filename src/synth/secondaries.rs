@@ -40,8 +40,8 @@ pub(super) struct Placed {
     pub(super) secondary: u32,
     /// Place of its origin, in whole pixels.
     pub(super) at: [i32; 2],
-    /// How it is varied.
-    pub(super) variation: Variation,
+    /// Which of the model's variations.
+    pub(super) variation: u16,
     /// Its colour.
     pub(super) colour: Colour,
 }
@@ -51,7 +51,7 @@ pub(super) struct Placed {
 struct Place {
     secondary: u32,
     at: [i32; 2],
-    variation: Variation,
+    variation: u16,
 }
 
 /// Secondaries in the colour of the ground beneath them plus their own difference; as many per area
@@ -178,12 +178,14 @@ impl Task<'_, '_> {
             let here = sites.centres()[i];
             let mut random = stream(seed, "synth/neighbourhood", item(i));
             let variation = drawn(variations, &mut random);
-            let source = exemplar.best_source(here, CANDIDATES, &variation, free, &mut random);
+            let varied = &variations[usize::from(variation)];
+            let source = exemplar.best_source(here, CANDIDATES, varied, free, &mut random);
+            let cell = sites.cell(i);
             let mut found = Vec::new();
             exemplar.around(source, |secondary, offset| {
-                let [dx, dy] = variation.there(offset);
+                let [dx, dy] = varied.there(offset);
                 let at = [here[0] + dx, here[1] + dy];
-                if sites.nearest(at) == i {
+                if cell.owns(at) {
                     let density = map.ground.density(at.map(f64::from));
                     if density >= 1.0 || random.chance(density) {
                         found.push(Place { secondary, at: self.canonical(at), variation });
@@ -243,8 +245,8 @@ impl Task<'_, '_> {
 }
 
 /// A variation drawn at random; draws nothing where there is one.
-fn drawn(variations: &[Variation], random: &mut Stream) -> Variation {
-    if let [only] = variations { *only } else { variations[random.index(variations.len())] }
+fn drawn(variations: &[Variation], random: &mut Stream) -> u16 {
+    if variations.len() > 1 { random.index(variations.len()) as u16 } else { 0 }
 }
 
 /// The colour in steps of [`COLOUR_STEP`], too small to be seen on a speck.
@@ -281,8 +283,9 @@ fn samples(secondary: &Secondary) -> Vec<[f64; 2]> {
 
 /// Share of the points that lie where is to be filled and that no primary covers.
 fn visible(map: &TargetMap<'_>, samples: &[[f64; 2]], place: &Place) -> f64 {
+    let variation = &map.model().variations[usize::from(place.variation)];
     let free = |p: &&[f64; 2]| {
-        let p = place.variation.of_point(**p);
+        let p = variation.of_point(**p);
         let at = [0, 1].map(|k| place.at[k] + map.grid.margin[k] + libm::floor(p[k]) as i32);
         map.inside(at) && map.grid.cell(at).is_some_and(|i| !map.taken(i))
     };

@@ -6,7 +6,7 @@
 //!
 //! Where libraries share a canvas a descriptor writes only on land in which its library has a part.
 
-use super::grid::Grid;
+use super::grid::{Grid, Part};
 use super::ground::Ground;
 use super::model::{EMPTY, Model, UNDEFINED};
 use super::sums::Sums;
@@ -15,7 +15,7 @@ use crate::scene::Edge;
 use std::ops::Range;
 
 /// Owners from here on are requests, smaller ones placed textons; see [`NOBODY`].
-const REQUESTS: u32 = 1 << 31;
+pub(super) const REQUESTS: u32 = 1 << 31;
 /// Owner of a cell of no request and no texton.
 pub(super) const NOBODY: u32 = u32::MAX;
 /// Side of the bins in which placed textons are found, in pixels.
@@ -48,14 +48,14 @@ pub(super) struct Request {
     /// Place of its origin on the map, in pixels.
     pub(super) at: [i32; 2],
     /// Cells it asked for at first.
-    cells: u32,
+    pub(super) cells: u32,
 }
 
 /// The target map.
 pub(super) struct TargetMap<'a> {
     model: &'a Model,
     /// What is wanted where.
-    pub(super) ground: &'a Ground<'a>,
+    pub(super) ground: Ground<'a>,
     /// The cells.
     pub(super) grid: Grid,
     /// [`UNDEFINED`], [`EMPTY`], or category + 1, of requests and placed textons alike.
@@ -64,14 +64,17 @@ pub(super) struct TargetMap<'a> {
     pub(super) owner: Vec<u32>,
     /// All textons ever placed.
     pub(super) placed: Vec<Placed>,
-    requests: Vec<Request>,
+    pub(super) requests: Vec<Request>,
     /// Weight of each request in the draw.
-    weights: Sums,
+    pub(super) weights: Sums,
     /// Visible cells to be filled, by zone and category.
     pub(super) covered: Vec<Vec<u64>>,
     bins: Vec<Vec<u32>>,
     seen: Vec<u32>,
     scratch: Vec<u16>,
+    /// Rows whose requests are answered here, if not all; the others are put off.
+    pub(super) core: Option<Range<i32>>,
+    pub(super) put_off: Vec<u32>,
 }
 
 /// A region of cells and its distances to its border.
@@ -82,17 +85,19 @@ pub(super) struct Region {
 
 impl<'a> TargetMap<'a> {
     /// A map of undefined cells.
-    pub(super) fn new(model: &'a Model, ground: &'a Ground<'a>, grid: Grid) -> Self {
+    pub(super) fn new(model: &'a Model, ground: Ground<'a>, grid: Grid) -> Self {
         let bins = columns(grid.width) as usize * columns(grid.height) as usize;
         Self {
             model,
-            ground,
             state: vec![UNDEFINED; grid.len()],
             owner: vec![NOBODY; grid.len()],
             placed: Vec::new(),
             requests: Vec::new(),
             weights: Sums::default(),
             covered: vec![vec![0; model.members.len()]; ground.zone_count()],
+            ground,
+            core: None,
+            put_off: Vec::new(),
             bins: vec![Vec::new(); bins],
             seen: vec![0; model.primaries.len()],
             scratch: Vec::new(),
@@ -117,8 +122,7 @@ impl<'a> TargetMap<'a> {
 
     /// Whether a place lies on the canvas and is to be filled.
     pub(super) fn inside(&self, at: [i32; 2]) -> bool {
-        let cell = self.grid.cell(at);
-        cell.is_some_and(|i| self.zone(i, &self.grid.canvas_part(&(i..i + 1))).is_some())
+        self.grid.canvas_cell(at).is_some_and(|i| self.ground.zone(i).is_some())
     }
 
     /// Visible cells to be filled of a category, in all zones.
@@ -149,8 +153,7 @@ impl<'a> TargetMap<'a> {
         self.placed.push(Placed { form, at, score, visible: 0, cells: 0, removed: false });
         let mut touched = Vec::new();
         for &span in shape.mask.spans() {
-            for cells in self.grid.cells(span, at) {
-                let canvas = self.grid.canvas_part(&cells);
+            for Part { cells, canvas, .. } in self.grid.parts(span, at) {
                 self.placed[id as usize].cells += cells.len() as u32;
                 for i in cells {
                     let owner = self.owner[i];
@@ -167,15 +170,33 @@ impl<'a> TargetMap<'a> {
                 }
             }
         }
-        for bin in self.bins_at(shape.bounds, at) {
-            self.bins[bin].push(id);
-        }
+        self.find(id);
         touched.sort_unstable();
         touched.dedup();
         for request in touched {
             self.weigh(request - REQUESTS);
         }
         id
+    }
+
+    /// Notes where a placed texton is found.
+    pub(super) fn find(&mut self, id: u32) {
+        let Placed { form, at, .. } = self.placed[id as usize];
+        for bin in self.bins_at(self.model.shape(form).bounds, at) {
+            self.bins[bin].push(id);
+        }
+    }
+
+    /// Notes where all textons are found that reach into the map.
+    pub(super) fn find_placed(&mut self) {
+        for id in 0..self.placed.len() as u32 {
+            let Placed { form, at, removed, .. } = self.placed[id as usize];
+            let bounds = self.model.shape(form).bounds;
+            let whole = [0, 0, self.grid.width, self.grid.height];
+            if !removed && self.grid.boxes_meet(bounds, at, whole, [0, 0]) {
+                self.find(id);
+            }
+        }
     }
 
     /// Makes a cell a visible one of a placed texton.
@@ -206,8 +227,7 @@ impl<'a> TargetMap<'a> {
         let Placed { form, at, .. } = self.placed[id as usize];
         let shape = model.shape(form);
         for &span in shape.mask.spans() {
-            for cells in self.grid.cells(span, at) {
-                let canvas = self.grid.canvas_part(&cells);
+            for Part { cells, canvas, .. } in self.grid.parts(span, at) {
                 for i in cells.filter(|&i| self.owner[i] == id).collect::<Vec<_>>() {
                     self.disown(i, &canvas);
                     (self.owner[i], self.state[i]) = (NOBODY, EMPTY);
@@ -232,8 +252,7 @@ impl<'a> TargetMap<'a> {
                 continue;
             }
             for &span in other_shape.mask.spans() {
-                for cells in self.grid.cells(span, place) {
-                    let canvas = self.grid.canvas_part(&cells);
+                for Part { cells, canvas, .. } in self.grid.parts(span, place) {
                     for i in cells {
                         if self.owner[i] == NOBODY {
                             self.own(i, other, &canvas);
@@ -313,12 +332,11 @@ impl<'a> TargetMap<'a> {
     fn request(&mut self, form: u32, at: [i32; 2]) {
         let model = self.model;
         let (shape, primary) = (model.shape(form), model.primary(form));
-        let ground = self.ground;
-        let free = |state: u16, i: usize| state == UNDEFINED && ground.admits(i, primary.library);
+        let free = |map: &Self, i: usize| map.state[i] == UNDEFINED && map.ground.admits(i, primary.library);
         let mut cells = 0;
         for &span in shape.mask.spans() {
             for run in self.grid.cells(span, at) {
-                cells += run.filter(|&i| free(self.state[i], i)).count() as u32;
+                cells += run.filter(|&i| free(self, i)).count() as u32;
             }
         }
         if cells * 2 <= shape.area {
@@ -327,7 +345,7 @@ impl<'a> TargetMap<'a> {
         let id = self.requests.len() as u32;
         for &span in shape.mask.spans() {
             for i in self.grid.cells(span, at).flatten() {
-                if free(self.state[i], i) {
+                if free(self, i) {
                     (self.state[i], self.owner[i]) = (primary.code, REQUESTS + id);
                 }
             }
@@ -339,7 +357,12 @@ impl<'a> TargetMap<'a> {
 
     /// Sets the weight of a request: the sum of distances to its border, zero if none of it is to be
     /// filled. A request of which less than half is left is dropped.
-    fn weigh(&mut self, request: u32) {
+    pub(super) fn weigh(&mut self, request: u32) {
+        if self.core.as_ref().is_some_and(|core| !core.contains(&self.requests[request as usize].at[1])) {
+            self.weights.set(request as usize, 0);
+            self.put_off.push(request);
+            return;
+        }
         let region = self.region(request);
         let asked = self.requests[request as usize].cells as usize;
         if region.cells.len() * 2 < asked || region.cells.is_empty() {
@@ -467,16 +490,16 @@ impl<'a> TargetMap<'a> {
 
     /// How many cells of a form at a place are to be filled.
     pub(super) fn cells_inside(&self, form: u32, at: [i32; 2]) -> u32 {
-        let runs = self.model.shape(form).mask.spans().iter().flat_map(|&s| self.grid.cells(s, at));
-        runs.map(|cells| {
-            let canvas = self.grid.canvas_part(&cells);
-            if self.ground.is_plain() {
-                canvas.len() as u32
-            } else {
-                canvas.filter(|&i| self.ground.zone(i).is_some()).count() as u32
-            }
-        })
-        .sum()
+        let parts = self.model.shape(form).mask.spans().iter().flat_map(|&s| self.grid.parts(s, at));
+        parts
+            .map(|Part { canvas, .. }| {
+                if self.ground.is_plain() {
+                    canvas.len() as u32
+                } else {
+                    canvas.filter(|&i| self.ground.zone(i).is_some()).count() as u32
+                }
+            })
+            .sum()
     }
 
     /// Whether the edge allows a form at a place.

@@ -1,7 +1,10 @@
 //! Properties of whole synthesised scenes.
 
 use super::testing::{library, mosaic};
-use super::{Controls, Report, ground, model, reconstruct, synthesize, synthesize_with, target};
+use super::{
+    Controls, Report, bands, choice, ground, model, primaries, reconstruct, synthesize, synthesize_with,
+    target,
+};
 use crate::document::Document;
 use crate::error::Error;
 use crate::library::Library;
@@ -259,10 +262,10 @@ fn a_texton_taken_away_leaves_no_trace() {
         let p = SynthParams { tile, ..params(90, 90, 15) };
         let model = model::Model::new(std::slice::from_ref(&library), &p);
         let grid = target::TargetMap::grid(&model, 90, 90, tile);
-        let ground = ground::Ground::new(&grid, &controls, &p);
+        let make = || ground::Ground::new(&grid, &controls, &p);
         let placeable: Vec<u32> = model.members.iter().flatten().copied().collect();
         let mut random = crate::sampling::stream(15, "removal test", 0);
-        let mut map = target::TargetMap::new(&model, &ground, grid.clone());
+        let mut map = target::TargetMap::new(&model, make(), grid.clone());
         let mut ids = Vec::new();
         for _ in 0..60 {
             let primary = placeable[random.index(placeable.len())];
@@ -273,7 +276,7 @@ fn a_texton_taken_away_leaves_no_trace() {
         for &id in &ids[..30] {
             map.remove(id);
         }
-        let mut plain = target::TargetMap::new(&model, &ground, grid);
+        let mut plain = target::TargetMap::new(&model, make(), grid.clone());
         let mut kept = ids[30..].to_vec();
         kept.sort_unstable();
         for &id in &kept {
@@ -287,6 +290,50 @@ fn a_texton_taken_away_leaves_no_trace() {
         }
         for (k, &id) in kept.iter().enumerate() {
             assert_eq!(map.placed[id as usize].visible, plain.placed[k].visible);
+        }
+    }
+}
+
+#[test]
+fn bands_put_together_make_one_sound_map() {
+    let library = library(&mosaic(150, 13.0, 0.8, 16));
+    let controls = Controls::default();
+    for tile in [Tile::default(), Tile { x: false, y: true }] {
+        let p = SynthParams { tile, ..params(160, 900, 16) };
+        let model = model::Model::new(std::slice::from_ref(&library), &p);
+        let grid = target::TargetMap::grid(&model, p.width, p.height, tile);
+        assert!(bands::Bands::new(&model, &grid).is_some(), "the map is large enough for bands");
+        let make = || ground::Ground::new(&grid, &controls, &p);
+        let mut map = target::TargetMap::new(&model, make(), grid.clone());
+        let mut choice = choice::Choice::new(&model, true);
+        primaries::place(&mut map, &mut choice, &p, &()).unwrap();
+        // As if all had been placed one after the other.
+        let mut plain = target::TargetMap::new(&model, make(), grid.clone());
+        for placed in &map.placed {
+            plain.stand(placed.form, placed.at, 0.0);
+        }
+        assert!(map.placed.len() > 300);
+        assert_eq!(map.covered, plain.covered);
+        for i in 0..map.owner.len() {
+            assert_eq!(map.taken(i), plain.taken(i));
+            assert!(!map.taken(i) || map.owner[i] == plain.owner[i]);
+            let asked = !matches!(map.state[i], model::EMPTY | model::UNDEFINED) && !map.taken(i);
+            assert!(!asked || !map.inside(grid.place(i)), "a request was forgotten");
+        }
+        for (a, b) in map.placed.iter().zip(&plain.placed) {
+            assert_eq!((a.visible, a.cells), (b.visible, b.cells));
+            assert_eq!(map.nearest_copy(a.form, a.at, 40), Some(0.0));
+        }
+        // No row is emptier than others: bands meet without a gap.
+        let share = |y: i32| {
+            let row = grid.index(0, y)..grid.index(0, y) + grid.width as usize;
+            row.filter(|&i| map.taken(i)).count() as f64 / f64::from(grid.width)
+        };
+        let rows: Vec<f64> = (20..grid.height - 20).map(share).collect();
+        let mean = rows.iter().sum::<f64>() / rows.len() as f64;
+        for strip in rows.chunks_exact(20) {
+            let strip = strip.iter().sum::<f64>() / 20.0;
+            assert!(strip > 0.75 * mean && strip < 1.25 * mean, "{strip} {mean}");
         }
     }
 }

@@ -23,14 +23,17 @@
 
 mod score;
 
+use super::bands::{Bands, Harvest};
 use super::choice::Choice;
 use super::model::{EMPTY, UNDEFINED};
 use super::target::TargetMap;
 use crate::error::Result;
+use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::sampling::{Stream, stream};
 use crate::scene::{Ablation, SynthParams};
 use score::Scorer;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// How much a copy of the same texton nearby lowers a candidate's rank, as a share of its area.
 const COPY_PENALTY: f64 = 0.3;
@@ -47,6 +50,16 @@ pub(super) struct Counts {
     pub(super) refused: u64,
 }
 
+impl Counts {
+    fn add(&mut self, other: &Self) {
+        self.attempts += other.attempts;
+        self.refused += other.refused;
+    }
+}
+
+/// Windows filled before what came of them is put together.
+const TURN: usize = 4;
+
 /// Fills the map with textons until nothing is asked for any more.
 pub(super) fn place(
     map: &mut TargetMap<'_>,
@@ -54,36 +67,67 @@ pub(super) fn place(
     params: &SynthParams,
     progress: &dyn Progress,
 ) -> Result<Counts> {
-    let mut random = stream(params.seed, "synth/primaries", 0);
+    let watch = Watch::new(map, progress);
     let mut counts = Counts::default();
-    let expected = (map.model().density() * map.grid.len() as f64) as u64;
-    let mut pictures = Pictures { shown: 0, expected };
-    let mut seeds = seeds(map, &mut random);
+    let bands = if params.without(Ablation::Seeds) { None } else { Bands::new(map.model(), &map.grid) };
+    if let Some(bands) = bands {
+        for first in 0..2 {
+            let turn: Vec<usize> = (first..bands.cores.len()).step_by(2).collect();
+            for turn in turn.chunks(TURN) {
+                let filled = parallel::map(turn, |&band| {
+                    let mut window = bands.window(map, band);
+                    let mut random = stream(params.seed, "synth/primaries", 1 + band as u64);
+                    let mut choice = choice.clone();
+                    let counts = fill(&mut window.map, &mut choice, params, &watch, &mut random)?;
+                    Ok((window.harvest(map), counts))
+                });
+                let filled: Vec<(Harvest, Counts)> = filled.into_iter().collect::<Result<_>>()?;
+                filled.iter().for_each(|(_, c)| counts.add(c));
+                map.absorb(filled.into_iter().map(|f| f.0).collect(), choice);
+                watch.picture(map);
+            }
+        }
+    }
+    // All of it, or what was asked for across the bands.
+    let mut random = stream(params.seed, "synth/primaries", 0);
+    counts.add(&fill(map, choice, params, &watch, &mut random)?);
+    watch.finish(map)?;
+    Ok(counts)
+}
+
+/// Answers requests, beginning at places of its own, until nothing is asked for in a map or a
+/// window of one.
+fn fill(
+    map: &mut TargetMap<'_>,
+    choice: &mut Choice,
+    params: &SynthParams,
+    watch: &Watch<'_>,
+    random: &mut Stream,
+) -> Result<Counts> {
+    let mut counts = Counts::default();
+    let mut seeds = seeds(map, random);
     if params.without(Ablation::Seeds) {
         seeds.truncate(1);
     }
     // Textons that stand already may have asked before anything is planted.
     for seed in std::iter::once(None).chain(seeds.into_iter().map(Some)) {
         if let Some([x, y]) = seed
-            && (map.state[map.grid.index(x, y)] != UNDEFINED || !plant(map, choice, [x, y], &mut random))
+            && (map.state[map.grid.index(x, y)] != UNDEFINED || !plant(map, choice, [x, y], random))
         {
             continue;
         }
-        while let Some(request) = map.draw_request(&mut random) {
+        while let Some(request) = map.draw_request(random) {
             if counts.attempts % 256 == 0 {
-                let done = map.placed.len() as u64;
-                advance(progress, STAGE, done, expected.max(done))?;
-                pictures.show(map, progress);
+                watch.advance()?;
             }
             counts.attempts += 1;
-            if !answer(map, choice, request, params, &mut random) {
+            if answer(map, choice, request, params, random) {
+                watch.placed.fetch_add(1, Ordering::Relaxed);
+            } else {
                 counts.refused += 1;
             }
         }
     }
-    pictures.last(map, progress);
-    let done = map.placed.len() as u64;
-    advance(progress, STAGE, done, done)?;
     Ok(counts)
 }
 
@@ -99,7 +143,7 @@ fn seeds(map: &TargetMap<'_>, random: &mut Stream) -> Vec<[i32; 2]> {
     if seeds.is_empty() {
         seeds.push([map.grid.width / 2, map.grid.height / 2]);
     }
-    seeds.retain(|&at| map.inside(at));
+    seeds.retain(|&at| map.inside(at) && map.core.as_ref().is_none_or(|core| core.contains(&at[1])));
     random.shuffle(&mut seeds);
     seeds
 }
@@ -212,28 +256,34 @@ pub(super) fn copy_penalty(map: &TargetMap<'_>, primary: u32, at: [i32; 2]) -> f
     map.nearest_copy(primary, at, reach).map_or(0.0, |d| 1.0 - d / f64::from(reach))
 }
 
-/// Pictures of the target map at each quarter of the work.
-struct Pictures {
-    shown: u64,
+/// What is told of the work as it goes on.
+struct Watch<'p> {
+    progress: &'p dyn Progress,
+    placed: AtomicU64,
     expected: u64,
+    pictures: AtomicU64,
 }
 
-impl Pictures {
-    fn show(&mut self, map: &TargetMap<'_>, progress: &dyn Progress) {
-        let quarter = (map.placed.len() as u64 * 4).checked_div(self.expected).unwrap_or(4).min(3);
-        if quarter > self.shown {
-            self.shown = quarter;
-            self.picture(map, progress);
-        }
+impl<'p> Watch<'p> {
+    fn new(map: &TargetMap<'_>, progress: &'p dyn Progress) -> Self {
+        let expected = (map.model().density() * map.grid.len() as f64) as u64;
+        Self { progress, placed: AtomicU64::new(0), expected, pictures: AtomicU64::new(0) }
     }
 
-    fn last(&mut self, map: &TargetMap<'_>, progress: &dyn Progress) {
-        self.shown = 4;
-        self.picture(map, progress);
+    fn advance(&self) -> Result<()> {
+        let done = self.placed.load(Ordering::Relaxed);
+        advance(self.progress, STAGE, done, self.expected.max(done))
     }
 
-    fn picture(&self, map: &TargetMap<'_>, progress: &dyn Progress) {
-        let name = format!("target-map-{:03}", self.shown * 25);
-        progress.picture(&name, &|| super::picture::target(map));
+    /// A picture of the target map as it is.
+    fn picture(&self, map: &TargetMap<'_>) {
+        let name = format!("target-map-{}", self.pictures.fetch_add(1, Ordering::Relaxed) + 1);
+        self.progress.picture(&name, &|| super::picture::target(map));
+    }
+
+    fn finish(&self, map: &TargetMap<'_>) -> Result<()> {
+        self.picture(map);
+        let done = self.placed.load(Ordering::Relaxed);
+        advance(self.progress, STAGE, done, done)
     }
 }

@@ -176,7 +176,7 @@ mod tests {
             let grid = TargetMap::grid(&model, params.width, params.height, tile);
             let ground = Ground::new(&grid, &controls, &params);
             let placeable: Vec<u32> = model.members.iter().flatten().copied().collect();
-            let mut map = TargetMap::new(&model, &ground, grid);
+            let mut map = TargetMap::new(&model, ground, grid);
             let any = |random: &mut crate::sampling::Stream| {
                 let primary = placeable[random.index(placeable.len())];
                 model.form(primary, random)
