@@ -3,13 +3,14 @@
 //!
 //! Every measurement runs in a child process of this program, so that peaks of memory are separate.
 
+mod support;
+
 use image::RgbImage;
 use serde_json::{Value, json};
-use std::error::Error;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
-use std::sync::Mutex;
+use std::process::ExitCode;
+use support::{MEASURE, Outcome, Watch, child, kilo, mega, peak_memory, row, seconds, sum};
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 use vtex::library::Library;
 use vtex::output::{file, png, svg};
@@ -23,11 +24,6 @@ Without images: examples/exemplars, and what has 500 x 500 pixels in ../shared/e
 
 /// Sides of the canvases, in pixels.
 const SIDES: [u32; 2] = [500, 1000];
-/// First argument of a child process.
-const MEASURE: &str = "--measure";
-
-type Outcome<T = ()> = Result<T, Box<dyn Error>>;
-
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     let done = match arguments.first().map(String::as_str) {
@@ -63,10 +59,11 @@ fn report(arguments: &[String]) -> Outcome {
         let library = folder.path().join("exemplar.lib.json");
         let name = image.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut found = json!({ "exemplar": name });
-        found["analyze"] = child(&["analyze".as_ref(), image.as_os_str(), library.as_os_str()])?;
+        found["analyze"] = child(&["analyze".as_ref(), image.as_os_str(), library.as_os_str()], None)?;
         for side in SIDES {
             let side = side.to_string();
-            found[format!("synth_{side}")] = child(&["synth".as_ref(), library.as_os_str(), side.as_ref()])?;
+            found[format!("synth_{side}")] =
+                child(&["synth".as_ref(), library.as_os_str(), side.as_ref()], None)?;
         }
         eprintln!("measured {name}");
         all.push(found);
@@ -87,15 +84,6 @@ fn pictures_in(folder: &str, wanted: impl Fn((u32, u32)) -> bool) -> Vec<PathBuf
         .collect();
     found.sort();
     found
-}
-
-/// Runs one measurement in a process of its own.
-fn child(arguments: &[&std::ffi::OsStr]) -> Outcome<Value> {
-    let output = Command::new(std::env::current_exe()?).arg(MEASURE).args(arguments).output()?;
-    if !output.status.success() {
-        return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());
-    }
-    Ok(serde_json::from_slice(&output.stdout)?)
 }
 
 /// A measurement, printed as JSON.
@@ -155,61 +143,6 @@ fn measure_synthesis(library: &Path, side: u32) -> Outcome<Value> {
     }))
 }
 
-/// CPU seconds by stage. A stage lasts until the next one is named.
-struct Watch(Mutex<(Vec<(String, f64)>, f64)>);
-
-impl Watch {
-    fn start(stage: &str) -> Self {
-        Self(Mutex::new((vec![(stage.into(), 0.0)], cpu_seconds())))
-    }
-
-    fn next(&self, stage: &str) {
-        let mut state = self.0.lock().expect("no measurement panics");
-        let (stages, since) = &mut *state;
-        let now = cpu_seconds();
-        if let Some(last) = stages.last_mut() {
-            last.1 += now - *since;
-        }
-        *since = now;
-        if stages.last().is_none_or(|last| last.0 != stage) {
-            stages.push((stage.into(), 0.0));
-        }
-    }
-
-    /// Stages in order, each once.
-    fn stop(self) -> Vec<Stage> {
-        self.next("");
-        let (times, _) = self.0.into_inner().expect("no measurement panics");
-        let mut stages: Vec<Stage> = Vec::new();
-        for (stage, seconds) in times.into_iter().filter(|s| !s.0.is_empty()) {
-            match stages.iter_mut().find(|s| s.stage == stage) {
-                Some(known) => known.seconds += seconds,
-                None => stages.push(Stage { stage, seconds }),
-            }
-        }
-        stages
-    }
-}
-
-/// CPU seconds of a stage.
-#[derive(serde::Serialize)]
-struct Stage {
-    stage: String,
-    seconds: f64,
-}
-
-/// Seconds of all stages before one.
-fn sum(stages: &[Stage], before: &str) -> f64 {
-    stages.iter().take_while(|s| s.stage != before).map(|s| s.seconds).sum()
-}
-
-impl Progress for Watch {
-    fn advance(&self, stage: &'static str, _: u64, _: u64) -> bool {
-        self.next(stage);
-        true
-    }
-}
-
 /// A segmenter whose steps count as one stage.
 struct Silent(Regions);
 
@@ -221,27 +154,6 @@ impl Segmenter for Silent {
     fn segment(&self, image: &RgbImage, _: &dyn Progress) -> vtex::Result<Vec<ScoredMask>> {
         self.0.segment(image, &())
     }
-}
-
-/// CPU time of this process, user and system, of all threads.
-fn cpu_seconds() -> f64 {
-    #[cfg(unix)]
-    {
-        let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-        time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
-    }
-    #[cfg(not(unix))]
-    {
-        f64::NAN
-    }
-}
-
-/// Largest memory of this process so far, in bytes; none where the system does not tell.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
-    Some(kibibytes * 1024)
 }
 
 /// Counts bytes and forgets them.
@@ -327,21 +239,4 @@ fn table(all: &[Value], part: &str, titles: &[&str], cells: impl Fn(&Value) -> V
         text += &row(line);
     }
     text
-}
-
-fn row(cells: impl IntoIterator<Item = String>) -> String {
-    let cells: Vec<String> = cells.into_iter().collect();
-    format!("| {} |\n", cells.join(" | "))
-}
-
-fn seconds(value: &Value) -> String {
-    value.as_f64().map_or("–".into(), |v| format!("{v:.2}"))
-}
-
-fn kilo(value: &Value) -> String {
-    value.as_f64().map_or("–".into(), |v| format!("{:.0}", v / 1e3))
-}
-
-fn mega(value: &Value) -> String {
-    value.as_f64().map_or("–".into(), |v| format!("{:.0}", v / 1e6))
 }

@@ -106,6 +106,21 @@ pub enum Error {
     /// The caller asked to stop (see [`crate::Progress`]).
     #[error("interrupted")]
     Interrupted,
+    /// Two cages do not make a map of the plane.
+    #[error("the cages do not correspond: {0}")]
+    Cages(String),
+    /// A file that steers synthesis does not hold what it is used for.
+    #[error("'{name}' cannot be used as {role}: {reason}")]
+    Control {
+        /// File name.
+        name: String,
+        /// What it is used as, such as `a shape`.
+        role: &'static str,
+        /// Why not.
+        reason: String,
+        /// What to try, as of [`Error::hint`].
+        advice: &'static str,
+    },
 }
 
 impl Error {
@@ -157,7 +172,12 @@ impl Error {
             Self::Format { format: "vtex-scene", .. } => {
                 "make a scene with 'vtex synth photo.lib.json -o out.scene.json'".into()
             }
+            Self::Format { format: "vtex-weights", .. } => {
+                "search weights with 'vtex tune photo.lib.json'".into()
+            }
             Self::Version { .. } => "write the file again with this version of vtex".into(),
+            Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
+            Self::Control { advice, .. } => (*advice).into(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
             Self::Seams => "make the texture with --tile, for both axes".into(),
             _ => return None,

@@ -12,8 +12,10 @@ mod document;
 pub mod error;
 mod parallel;
 mod progress;
+mod svg_tree;
 
 pub mod analyze;
+pub mod control;
 pub mod geometry;
 pub mod library;
 pub mod output;

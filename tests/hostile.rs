@@ -7,7 +7,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::sync::LazyLock;
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
-use vtex::geometry::{Outline, PathText, parse_path, write_path};
+use vtex::control;
+use vtex::geometry::{Cage, Outline, PathText, Point, is_simple, parse_path, write_path};
 use vtex::library::Library;
 use vtex::output::raster_svg::render_svg;
 use vtex::output::{png, svg};
@@ -95,6 +96,38 @@ fn use_photo(bytes: &[u8]) {
     let limits = Limits { side: 1024, memory: 64 << 20 };
     if let Ok(exemplar) = Exemplar::from_bytes(bytes, "damaged", &limits) {
         assert!(exemplar.image.width().min(exemplar.image.height()) >= Exemplar::SMALLEST_SIDE);
+    }
+}
+
+/// A small SVG of one shape, with what a drawing program puts around it.
+const SHAPE: &str = r#"<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg" width="120px" height="90" viewBox="-5 0 240 180"><g transform="matrix(1 0.1 -0.1 1 3 4)"><path style="fill:#123;fill-rule:evenodd" d="M20,30c40-30 90,0 150 20v80l-90 30Q30 140 20 30zm60 20h30v30h-30z"/></g></svg>"#;
+
+fn use_shape(bytes: &[u8]) {
+    if let Ok(outline) = control::shape(bytes, "damaged", [100, 80]) {
+        assert!(is_simple(outline.path()) && outline.area() >= 1.0);
+    }
+    if let Ok((after, _)) = control::cage(bytes, "damaged") {
+        let (before, _) =
+            control::cage(SHAPE.replace("zm60 20h30v30h-30z", "z").as_bytes(), "whole").unwrap();
+        if let Ok(cage) = Cage::new(&before, &after) {
+            let moved = cage.map(Point::new(40.0, 50.0));
+            assert!(moved.x.is_finite() && moved.y.is_finite());
+        }
+    }
+}
+
+fn use_picture(bytes: &[u8]) {
+    if let Ok(outline) = control::mask(bytes, "damaged", [100, 80]) {
+        assert!(outline.area() >= 1.0);
+    }
+    let inside = |v: f64, most: f64| assert!((0.0..=most).contains(&v), "{v}");
+    if let Ok(map) = control::density(bytes, "damaged") {
+        inside(map.at([3.0, 4.0], [9.0, 9.0]), 2.0);
+    }
+    for libraries in 2..4 {
+        for map in control::shares(&[("damaged", bytes)], libraries).unwrap_or_default() {
+            inside(map.at([3.0, 4.0], [9.0, 9.0]), 1.0);
+        }
     }
 }
 
@@ -206,6 +239,8 @@ proptest! {
         use_masks(&damaged(&files.masks, &list));
         use_masks(&damaged(&files.label_png, &list));
         use_photo(&damaged(&files.photo, &list));
+        use_picture(&damaged(&files.label_png, &list));
+        use_shape(&damaged(SHAPE.as_bytes(), &list));
     }
 
     #[test]
@@ -222,6 +257,8 @@ proptest! {
         use_scene(&bytes);
         use_masks(&bytes);
         use_photo(&bytes);
+        use_picture(&bytes);
+        use_shape(&bytes);
         let _ = render_svg(&bytes, 1.0, "random");
         if let Some(outline) = parse_path(&text).ok().and_then(|path| Outline::new(&path)) {
             let written = write_path(outline.path(), PathText { precision: 2 });
@@ -260,4 +297,18 @@ fn every_field_of_a_document_is_checked_or_harmless() {
             }
         }
     }
+}
+
+#[test]
+fn pictures_that_unpack_to_too_much_are_refused() {
+    // A PNG of a few bytes that says it has 65535 × 65535 pixels.
+    let mut bomb = Vec::new();
+    let encoder = ::png::Encoder::new(&mut bomb, 65_535, 65_535);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_chunk(::png::chunk::IDAT, &[0; 9]).unwrap();
+    drop(writer);
+    let refused = |error: vtex::Error| assert!(matches!(error, vtex::Error::TooLarge { .. }), "{error}");
+    refused(control::density(&bomb, "bomb.png").unwrap_err());
+    refused(control::mask(&bomb, "bomb.png", [10, 10]).unwrap_err());
+    refused(control::shares(&[("bomb.png", &bomb)], 2).unwrap_err());
 }

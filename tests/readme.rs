@@ -1,6 +1,7 @@
 //! The commands and links of the README work.
 #![cfg(all(unix, feature = "cli"))]
 
+use image::{GrayImage, Luma, Rgb, RgbImage};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -28,11 +29,30 @@ fn files(folder: &Path) -> Vec<(String, u64)> {
     found
 }
 
+/// The shape and the maps that the tour names.
+fn steering(folder: &Path) {
+    let disc = r#"<svg xmlns="http://www.w3.org/2000/svg" width="90" height="90"><circle cx="45" cy="45" r="40"/></svg>"#;
+    std::fs::write(folder.join("shape.svg"), disc).unwrap();
+    let fade = GrayImage::from_fn(256, 2, |x, _| Luma([x as u8]));
+    fade.save(folder.join("fade.png")).unwrap();
+    let ring = GrayImage::from_fn(90, 90, |x, y| {
+        let (x, y) = (f64::from(x) - 44.5, f64::from(y) - 44.5);
+        Luma([if (400.0..1600.0).contains(&(x * x + y * y)) { 255 } else { 0 }])
+    });
+    ring.save(folder.join("ring.png")).unwrap();
+    let colours = [[20, 30, 90], [200, 40, 30], [250, 240, 220]];
+    let flag = RgbImage::from_fn(30, 15, |x, _| Rgb(colours[x as usize / 10]));
+    flag.save(folder.join("flag.png")).unwrap();
+}
+
 #[test]
 fn the_tour_runs() {
     let folder = tempfile::tempdir().unwrap();
     let photo = image::open(root().join("examples/exemplars/terrazzo.png")).unwrap();
     photo.crop_imm(160, 160, 192, 160).save(folder.path().join("photo.jpg")).unwrap();
+    let other = image::open(root().join("examples/exemplars/leaves.png")).unwrap();
+    other.crop_imm(100, 100, 192, 160).save(folder.path().join("other.jpg")).unwrap();
+    steering(folder.path());
     let program = Path::new(env!("CARGO_BIN_EXE_vtex")).parent().unwrap();
     let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
     let text = readme();

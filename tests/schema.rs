@@ -8,13 +8,15 @@ use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 use vtex::library::Library;
 use vtex::scene::{Scene, SynthParams};
 use vtex::segment::{MasksFile, Regions, Segmenter, masks_to_bytes};
+use vtex::synth::tune::{TuneParams, TunedWeights, tune};
 use vtex::synth::{reconstruct, synthesize};
 
 /// File name, schema, and the value of the field `format`.
-fn schemas() -> [(&'static str, Schema, &'static str); 3] {
+fn schemas() -> [(&'static str, Schema, &'static str); 4] {
     [
         ("library", schema_for!(Library), Library::FORMAT),
         ("scene", schema_for!(Scene), Scene::FORMAT),
+        ("weights", schema_for!(TunedWeights), TunedWeights::FORMAT),
         ("masks", MasksFile::json_schema(), "vtex-masks"),
     ]
 }
@@ -119,7 +121,7 @@ fn check(value: &Value, schema: &Value, root: &Value, at: &str) -> Result<(), St
     Ok(())
 }
 
-/// A library, a scene, a reconstruction and masks of a small crop, with their schemas.
+/// A library, a scene, weights, masks and a reconstruction of a small crop, with their schemas.
 fn written() -> Vec<(Value, Value)> {
     let photo = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/exemplars/terrazzo.png");
     let crop = image::open(photo).unwrap().crop_imm(100, 100, 120, 100);
@@ -131,9 +133,11 @@ fn written() -> Vec<(Value, Value)> {
     let library = analyze(&exemplar, &Regions, &AnalyzeParams::default(), &()).unwrap();
     let params = SynthParams { width: 150, height: 90, ..SynthParams::default() };
     let scene = synthesize(&library, &params, &()).unwrap();
-    let files = [library.to_json(), scene.to_json(), masks, reconstruct(&library).to_json()];
+    let params = TuneParams { synth: params, seeds: 1, evaluations: 10 };
+    let tuned = tune(&library, &params, &()).unwrap();
+    let files = [library.to_json(), scene.to_json(), tuned.to_json(), masks, reconstruct(&library).to_json()];
     let schemas = schemas().map(|(_, schema, format)| published(schema, format));
-    let order = [0, 1, 2, 1].map(|i| schemas[i].clone());
+    let order = [0, 1, 2, 3, 1].map(|i| schemas[i].clone());
     files.iter().map(|bytes| serde_json::from_slice(bytes).unwrap()).zip(order).collect()
 }
 
@@ -166,6 +170,7 @@ fn unknown_and_missing_fields_break_the_schema_as_they_break_reading() {
             let bytes = serde_json::to_vec(value).unwrap();
             match value["format"].as_str() {
                 Some(Library::FORMAT) => Library::from_bytes(&bytes, "x").is_ok(),
+                Some(TunedWeights::FORMAT) => TunedWeights::from_bytes(&bytes, "x").is_ok(),
                 Some(Scene::FORMAT) => Scene::from_bytes(&bytes, "x").is_ok(),
                 _ => MasksFile::from_bytes(bytes, "x").is_ok(),
             }

@@ -3,10 +3,9 @@
 //! Works badly with colour profiles other than sRGB: they are not applied.
 
 use crate::error::{Error, Result};
-use image::metadata::Orientation;
-use image::{DynamicImage, GrayAlphaImage, ImageDecoder, ImageReader, RgbImage, RgbaImage};
+use crate::raster::{self, Limits};
+use image::{DynamicImage, GrayAlphaImage, RgbImage, RgbaImage};
 use sha2::{Digest, Sha256};
-use std::io::Cursor;
 use std::path::Path;
 
 /// The photograph that a library is made from.
@@ -22,27 +21,11 @@ pub struct Exemplar {
     pub warnings: Vec<String>,
 }
 
-/// What is refused before it is decoded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
-    /// Largest side, in pixels. Default 16384.
-    pub side: u32,
-    /// Most memory for the pixels as decoded and as kept, in bytes. Default 3 GiB: room for
-    /// 16384 × 16384 pixels of 16-bit RGB with alpha.
-    pub memory: u64,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self { side: Exemplar::LARGEST_SIDE, memory: 3 << 30 }
-    }
-}
-
 impl Exemplar {
     /// Smallest side, in pixels.
     pub const SMALLEST_SIDE: u32 = 32;
     /// Largest side that a library can describe, in pixels.
-    pub const LARGEST_SIDE: u32 = 16_384;
+    pub const LARGEST_SIDE: u32 = raster::LARGEST_SIDE;
 
     /// Reads an image file.
     ///
@@ -82,63 +65,10 @@ impl Exemplar {
 }
 
 fn decode(bytes: &[u8], name: &str, limits: &Limits, warnings: &mut Vec<String>) -> Result<RgbImage> {
-    let fail = |reason: String| Error::Decode { name: name.into(), reason };
-    if bytes.is_empty() {
-        return Err(fail("the file is empty".into()));
-    }
-    let mut reader =
-        ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| fail(e.to_string()))?;
-    let Some(format) = reader.format() else { return Err(fail("its format is not known".into())) };
-    // Limits are checked below, where the error can name them; decoders get the memory limit as
-    // well for what they need beside the pixels.
-    let mut inner = image::Limits::no_limits();
-    inner.max_alloc = Some(limits.memory);
-    reader.limits(inner);
-    let mut decoder = reader.into_decoder().map_err(|e| fail(e.to_string()))?;
-    let (width, height) = decoder.dimensions();
-    if width == 0 || height == 0 {
-        return Err(fail(format!("it has {width} x {height} pixels")));
-    }
-    let too_large = |found, limit| Error::TooLarge { name: name.into(), found, limit };
-    if width.max(height) > limits.side {
-        let limit = format!("{} pixels on each side", limits.side);
-        return Err(too_large(format!("{width} x {height} pixels"), limit));
-    }
-    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-    let pixels = u64::from(width) * u64::from(height);
-    // As decoded, as RGB, and once more to turn it.
-    let copies = 1 + u64::from(orientation != Orientation::NoTransforms);
-    let needed = decoder.total_bytes().saturating_add(pixels * 3 * copies);
-    if needed > limits.memory {
-        let mebibytes = |n: u64| format!("{} MiB of memory", n.div_ceil(1 << 20));
-        return Err(too_large(mebibytes(needed), mebibytes(limits.memory)));
-    }
-    if format == image::ImageFormat::Jpeg && !jpeg_is_whole(bytes) {
-        return Err(fail("the file ends in the middle of the picture".into()));
-    }
-    let decoded = DynamicImage::from_decoder(decoder).map_err(|e| fail(e.to_string()))?;
+    let (decoded, orientation) = raster::decode(bytes, name, limits, 3)?;
     let mut rgb = DynamicImage::ImageRgb8(flatten(decoded, warnings));
     rgb.apply_orientation(orientation);
     Ok(rgb.into_rgb8())
-}
-
-/// Whether the mark of the end follows a JPEG's picture: without it the decoder paints what is
-/// missing grey and reports nothing.
-fn jpeg_is_whole(bytes: &[u8]) -> bool {
-    // Segments before the picture, such as a thumbnail, may hold such a mark of their own.
-    let mut rest = bytes.get(2..).unwrap_or_default();
-    while let [0xff, kind, after @ ..] = rest {
-        match (kind, after) {
-            (0xda, _) => break,
-            (0xff, _) => rest = &rest[1..],
-            (_, [high, low, ..]) => {
-                let length = usize::from(u16::from_be_bytes([*high, *low]));
-                rest = after.get(length..).unwrap_or_default();
-            }
-            _ => return false,
-        }
-    }
-    rest.windows(2).rev().any(|w| w == [0xff, 0xd9])
 }
 
 /// Lays what is transparent over white and rounds to 8 bits.

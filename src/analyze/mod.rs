@@ -13,7 +13,8 @@ mod secondaries;
 mod shapes;
 
 pub use crate::library::AnalyzeParams;
-pub use exemplar::{Exemplar, Limits};
+pub use crate::raster::Limits;
+pub use exemplar::Exemplar;
 
 use crate::document::Document as _;
 use crate::error::Result;

@@ -5,7 +5,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use super::values::{Axes, FiveWeights, Seed, Size, named};
+use super::values::{Axes, Factors, Seed, Size, WeightsFrom, WeightsName, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -44,6 +44,8 @@ pub(crate) enum Command {
     Texture(TextureArgs),
     Analyze(AnalyzeArgs),
     Synth(SynthArgs),
+    Warp(WarpArgs),
+    Tune(TuneArgs),
     Render(RenderArgs),
     Inspect(InspectArgs),
     Completions(CompletionsArgs),
@@ -167,6 +169,8 @@ pub(crate) struct TextureArgs {
     #[command(flatten)]
     pub(crate) synth: SynthFlags,
     #[command(flatten)]
+    pub(crate) control: ControlArgs,
+    #[command(flatten)]
     pub(crate) masks: MasksArgs,
     #[command(flatten)]
     pub(crate) analyze: AnalyzeFlags,
@@ -200,18 +204,20 @@ pub(crate) struct AnalyzeArgs {
 /// Texton library to vector texture
 #[derive(Args)]
 #[command(
-    override_usage = "vtex synth [OPTIONS] <LIBRARY>",
+    override_usage = "vtex synth [OPTIONS] <LIBRARY>...",
     after_help = "\
 Examples:
   vtex synth photo.lib.json --size 1000x600 --seed 7
+  vtex synth photo.lib.json --domain logo.svg --density dense-left.png
+  vtex synth sand.lib.json stones.lib.json --map where-stones.png
   vtex synth photo.lib.json -o out.scene.json.gz
   vtex synth photo.lib.json --tile --pattern page.svg
   vtex synth photo.lib.json -o - | gzip > out.svgz"
 )]
 pub(crate) struct SynthArgs {
-    /// The library, plain or gzip; - reads stdin
+    /// The library, plain or gzip; - reads stdin. Several, at most 16, share the canvas by --map
     #[arg(value_name = "LIBRARY", required = true)]
-    pub(crate) library: Option<PathBuf>,
+    pub(crate) library: Vec<PathBuf>,
     /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
     /// [default: ./LIBRARY.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
@@ -226,6 +232,110 @@ pub(crate) struct SynthArgs {
     pub(crate) synth: SynthFlags,
     #[command(flatten)]
     pub(crate) background: SynthBackgroundFlags,
+    #[command(flatten)]
+    pub(crate) control: ControlArgs,
+    /// Which library is where, for several: one grey picture for two (black the first, white the
+    /// second), one with a colour for each (in the order of its palette, or from dark to light), or a
+    /// grey one for each (white all, black nothing), given one after the other
+    #[arg(long, value_name = "FILE", help_heading = "Control (pictures are stretched over the canvas)")]
+    pub(crate) map: Vec<PathBuf>,
+}
+
+/// Files that steer synthesis.
+#[derive(Args)]
+#[command(next_help_heading = "Control (pictures are stretched over the canvas)")]
+pub(crate) struct ControlArgs {
+    /// Fill a shape: an SVG with one closed path, fitted to the canvas as a whole
+    #[arg(long, value_name = "FILE", conflicts_with = "mask")]
+    pub(crate) domain: Option<PathBuf>,
+    /// Fill what is white in a picture, or opaque where it is partly transparent
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mask: Option<PathBuf>,
+    /// Density relative to the photograph's: a grey picture, black 0, middle grey 1, white 2
+    #[arg(long, value_name = "FILE")]
+    pub(crate) density: Option<PathBuf>,
+}
+
+/// Bend or stretch a scene; elements keep their size and density
+#[derive(Args)]
+#[command(
+    override_usage = "vtex warp [OPTIONS] <SCENE> <LIBRARY>...",
+    after_help = "\
+Examples:
+  vtex warp wide.scene.json photo.lib.json --scale 1.5x1 -o wider.svg
+  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o disc.svg
+
+Elements move, gaps are filled with new ones, and where they crowd some go. New ones are drawn by
+the scene's seed, unless --seed gives another."
+)]
+pub(crate) struct WarpArgs {
+    /// The scene, plain or gzip; - reads stdin
+    #[arg(value_name = "SCENE", required = true)]
+    pub(crate) scene: Option<PathBuf>,
+    /// The libraries that it was made from, plain or gzip; - reads stdin
+    #[arg(value_name = "LIBRARY", required = true)]
+    pub(crate) library: Vec<PathBuf>,
+    /// The cage before: an SVG with one closed path, drawn over the scene, an SVG's pixel for a pixel
+    #[arg(long, value_name = "FILE", requires = "to", conflicts_with = "scale")]
+    pub(crate) cage: Option<PathBuf>,
+    /// The cage after: a copy whose points have been moved; its page is the new canvas
+    #[arg(long, value_name = "FILE", requires = "cage")]
+    pub(crate) to: Option<PathBuf>,
+    /// Stretch the canvas: 1.5 or 1.5x2 [0.1 to 10 each]
+    #[arg(long, value_name = "FACTOR")]
+    pub(crate) scale: Option<Factors>,
+    /// At the edge of the new shape keep elements whole, clip them, or avoid it [keep, clip or avoid,
+    /// default: as in the scene]
+    #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
+    pub(crate) edge: Option<Edge>,
+    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// [default: ./SCENE.svg]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+}
+
+/// Search weights of the score that suit a library
+#[derive(Args)]
+#[command(
+    override_usage = "vtex tune [OPTIONS] <LIBRARY>",
+    after_help = "\
+Examples:
+  vtex tune photo.lib.json
+  vtex tune photo.lib.json --name thorough --seeds 10 --evaluations 2000 --seed 7
+
+Weights are written beside the library, as photo.tuned.weights.json. Nothing uses them unless
+asked to: vtex synth photo.lib.json --weights tuned"
+)]
+pub(crate) struct TuneArgs {
+    /// The library, plain or gzip
+    #[arg(value_name = "LIBRARY", required = true)]
+    pub(crate) library: Option<PathBuf>,
+    /// Name of the weights: letters, digits, - and _ [default: tuned]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<WeightsName>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) search: TuneFlags,
+}
+
+/// How weights are searched.
+#[derive(Args)]
+#[command(next_help_heading = "Search")]
+pub(crate) struct TuneFlags {
+    /// Canvases placed for each set of weights [1 to 100, default: 3]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) seeds: Option<u32>,
+    /// Sets of weights tried [10 to 100000, default: 200]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) evaluations: Option<u32>,
+    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, at most 400 megapixels, default: 500]
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) size: Option<Size>,
 }
 
 /// Library (drawn back as its exemplar), scene or SVG to picture
@@ -382,9 +492,10 @@ pub(crate) struct SynthFlags {
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) moves: Option<u32>,
     /// Weights of target, uncovered, empty, mismatched and same-overlap areas in the score of a
-    /// placement [-10 to 10 each, default: 0.5,-0.4,-0.2,-0.5,-0.5]
-    #[arg(long, value_name = "T,U,E,M,S", allow_hyphen_values = true)]
-    pub(crate) weights: Option<FiveWeights>,
+    /// placement, or the name of weights found by 'vtex tune' [-10 to 10 each,
+    /// default: 0.5,-0.4,-0.2,-0.5,-0.5]
+    #[arg(long, value_name = "T,U,E,M,S|NAME", allow_hyphen_values = true)]
+    pub(crate) weights: Option<WeightsFrom>,
     /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
     /// default: none]
     #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
@@ -454,6 +565,7 @@ pub(crate) fn command() -> clap::Command {
         let args: Vec<Arg> = args.map(|a| a.clone().hide(true)).collect();
         command.mut_subcommand(name, |sub| sub.args(args))
     };
+    let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "render", &WORK);
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();
@@ -469,6 +581,9 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("texture", "photo"),
             ("analyze", "photo"),
             ("synth", "library"),
+            ("warp", "scene"),
+            ("warp", "library"),
+            ("tune", "library"),
             ("render", "file"),
             ("inspect", "file"),
         ] {

@@ -8,7 +8,7 @@ use super::arguments::{
     AnalyzeFlags, Global, RenderFlags, SegmenterName, SvgFlags, SynthBackgroundFlags, SynthFlags,
 };
 use super::failure::Failure;
-use super::values::{Axes, FiveWeights, Seed, Size};
+use super::values::{Axes, FiveWeights, Seed, Size, WeightsFrom, WeightsName};
 use clap::Args;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,8 @@ pub(crate) struct Parameters {
     pub(crate) segmenter: SegmenterName,
     pub(crate) analyze: AnalyzeParams,
     pub(crate) synth: SynthParams,
+    /// Where the weights of `synth` are to be read from, if not given as numbers.
+    pub(crate) weights: Option<WeightsName>,
     pub(crate) svg: SvgParameters,
     pub(crate) render: RenderParameters,
 }
@@ -173,6 +175,7 @@ impl Default for Parameters {
             segmenter: SegmenterName::default(),
             analyze: AnalyzeParams::default(),
             synth: SynthParams::default(),
+            weights: None,
             svg: SvgParameters { precision: 2, expand: false },
             render: RenderParameters { scale: 1.0 },
         }
@@ -239,7 +242,10 @@ impl Parameters {
                     (self.synth.width, self.synth.height) = (width, height);
                 })?;
                 take(&mut values, "tile", |Axes(tile)| self.synth.tile = tile)?;
-                take(&mut values, "weights", |v: FiveWeights| self.synth.weights = v.into())?;
+                take(&mut values, "weights", |v| match v {
+                    WeightsFrom::Numbers(n) => (self.synth.weights, self.weights) = (n.into(), None),
+                    WeightsFrom::Name(name) => self.weights = Some(name),
+                })?;
                 self.synth = over(&self.synth, values)?;
             }
             "svg" => self.svg = over(&self.svg, values)?,
@@ -263,8 +269,11 @@ impl Parameters {
                 let mut t = table(Table::try_from(&SynthParams { seed: 0, ..self.synth.clone() }));
                 let size = Size { width: self.synth.width, height: self.synth.height };
                 t.insert("size".into(), Value::try_from(size).expect("text"));
-                let weights = FiveWeights::from(self.synth.weights.clone());
-                t.insert("weights".into(), Value::try_from(weights).expect("numbers"));
+                let weights = match self.weights.clone() {
+                    Some(name) => WeightsFrom::Name(name),
+                    None => WeightsFrom::Numbers(FiveWeights::from(self.synth.weights.clone())),
+                };
+                t.insert("weights".into(), Value::try_from(weights).expect("numbers or a name"));
                 t.insert("tile".into(), Value::try_from(Axes(self.synth.tile)).expect("text"));
                 t
             }
@@ -408,7 +417,8 @@ mod tests {
         let parameters = Parameters::resolve(None, &given).unwrap();
         assert_eq!(parameters.seed, Some(Seed(u64::MAX)));
         assert_eq!((parameters.synth.height, parameters.synth.weights.mismatched), (70, 2.5));
-        for p in [parameters, Parameters::default()] {
+        let weights = "tuned".parse().ok();
+        for p in [parameters, Parameters { weights, ..Parameters::default() }, Parameters::default()] {
             std::fs::write(&path, p.dump()).unwrap();
             let again = Parameters::resolve(Some(&path), &Given::default()).unwrap();
             assert_eq!(again, p);

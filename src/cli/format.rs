@@ -1,6 +1,7 @@
 //! File formats told by extension, and default names.
 
 use super::failure::Failure;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use vtex::output::file::{Format, Kind};
 
@@ -46,8 +47,22 @@ fn unknown_name(flag: &str, path: &Path, known: &[&str]) -> Failure {
         .hint(format!("give {flag} a name that ends in {} or {last}", others.join(", ")))
 }
 
+/// `some/photo.tuned.weights.json` for `some/photo.lib.json` and the name `tuned`.
+pub(crate) fn weights_path(beside: &Path, name: &str) -> PathBuf {
+    let mut file = stem(beside);
+    file.push(format!(".{name}.weights.json"));
+    beside.with_file_name(file)
+}
+
 /// `photo.svg` in the current folder for `some/photo.lib.json` and [`Format::Svg`].
 pub(crate) fn default_name(input: &Path, format: Format) -> PathBuf {
+    let mut name = stem(input);
+    name.push(extensions(format)[0]);
+    name.into()
+}
+
+/// `photo` for `some/photo.lib.json`.
+fn stem(input: &Path) -> OsString {
     let mut stem = input.file_name().unwrap_or("texture".as_ref()).to_os_string();
     if let Some(name) = input.file_name().and_then(|n| n.to_str()) {
         let lower = name.to_ascii_lowercase();
@@ -59,8 +74,7 @@ pub(crate) fn default_name(input: &Path, format: Format) -> PathBuf {
     } else if let Some(short) = input.file_stem() {
         stem = short.into();
     }
-    stem.push(extensions(format)[0]);
-    stem.into()
+    stem
 }
 
 #[cfg(test)]
@@ -86,5 +100,12 @@ mod tests {
         assert_eq!(name("my.photo.jpeg", Format::Svg), Path::new("my.photo.svg"));
         assert_eq!(name("photo", Format::Png), Path::new("photo.png"));
         assert_eq!(name(".lib.json", Format::Svg), Path::new(".lib.svg"));
+    }
+
+    #[test]
+    fn weights_stand_beside_what_they_are_for() {
+        let path = |input: &str| weights_path(Path::new(input), "tuned");
+        assert_eq!(path("/x/photo.lib.json.gz"), Path::new("/x/photo.tuned.weights.json"));
+        assert_eq!(path("photo.jpg"), Path::new("photo.tuned.weights.json"));
     }
 }

@@ -1,19 +1,23 @@
 //! What the user asked for, checked as far as it can be without reading anything but the
 //! configuration: from [`Cli`] to a job and what all jobs share.
 
-use super::arguments::{Cli, Command, ForceArgs, MasksArgs, PatternArgs, SegmenterName};
+use super::arguments::{
+    Cli, Command, ControlArgs, ForceArgs, MasksArgs, PatternArgs, SegmenterName, TuneArgs, WarpArgs,
+};
 use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
 use super::failure::Failure;
-use super::format::{self, default_name};
+use super::format::{self, default_name, weights_path};
 use super::input::Input;
 use super::output::{Place, Target};
-use super::values::Seed;
+use super::values::{Factors, Seed, WeightsName};
 use clap_complete::Shell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use vtex::library::AnalyzeParams;
 use vtex::output::file::{Format, Kind};
 use vtex::scene::SynthParams;
+use vtex::synth::tune::{TuneParams, TunedWeights};
+use vtex::synth::{Controls, WarpParams};
 
 /// What is to be done.
 pub(crate) enum Options {
@@ -41,7 +45,9 @@ pub(crate) struct Common {
 pub(crate) enum Job {
     Texture(Analysis, Synthesis),
     Analyze(Analysis, Target),
-    Synth(Input, Synthesis),
+    Synth(Vec<Input>, Synthesis),
+    Warp(Warping),
+    Tune(Input, Tuning),
     Render(Input, RenderOptions),
     Inspect(Input),
     Completions(Shell),
@@ -66,9 +72,50 @@ pub(crate) enum MasksFrom {
 /// How a texture is made and written.
 pub(crate) struct Synthesis {
     pub(crate) parameters: SynthParams,
+    pub(crate) steering: Steering,
     pub(crate) svg: SvgParameters,
     pub(crate) target: Target,
     pub(crate) pattern: Option<Target>,
+}
+
+/// How a scene is bent and written.
+pub(crate) struct Warping {
+    pub(crate) scene: Input,
+    pub(crate) libraries: Vec<Input>,
+    pub(crate) how: How,
+    pub(crate) parameters: WarpParams,
+    pub(crate) svg: SvgParameters,
+    pub(crate) target: Target,
+}
+
+/// What bends a scene.
+pub(crate) enum How {
+    /// Factors along x and y.
+    Scale([f64; 2]),
+    /// A cage, before and after.
+    Cage([Input; 2]),
+}
+
+/// Files that steer synthesis.
+#[derive(Debug, Default)]
+pub(crate) struct Steering {
+    pub(crate) domain: Option<DomainFrom>,
+    pub(crate) density: Option<Input>,
+    pub(crate) maps: Vec<Input>,
+}
+
+/// Where the shape to fill comes from.
+#[derive(Debug)]
+pub(crate) enum DomainFrom {
+    Shape(Input),
+    Mask(Input),
+}
+
+/// How weights are searched, and where they go.
+pub(crate) struct Tuning {
+    pub(crate) name: String,
+    pub(crate) parameters: TuneParams,
+    pub(crate) place: Place,
 }
 
 /// How a file is drawn.
@@ -104,7 +151,9 @@ impl Options {
                 given.add("render", &a.render);
                 given.add("svg", &a.svg);
             }
-            Some(Command::Inspect(_) | Command::Completions(_) | Command::Man(_)) | None => {}
+            Some(Command::Warp(a)) => given.add("svg", &a.svg),
+            Some(Command::Tune(_) | Command::Inspect(_) | Command::Completions(_) | Command::Man(_))
+            | None => {}
         }
         let parameters = Parameters::resolve(global.config.as_deref(), &given)?;
         if global.dump_config {
@@ -126,17 +175,23 @@ impl Options {
 
 impl Job {
     fn resolve(command: Command, parameters: Parameters, seed: Seed) -> anyhow::Result<Self> {
-        let Parameters { segmenter, analyze, synth, svg, render, .. } = parameters;
+        let Parameters { seed: given_seed, segmenter, analyze, synth, weights, svg, render, .. } = parameters;
         let analyze = AnalyzeParams { seed: seed.0, ..analyze };
-        let synth = SynthParams { seed: seed.0, ..synth };
+        let mut synth = SynthParams { seed: seed.0, ..synth };
         Ok(match command {
             Command::Texture(a) => {
                 let photo = required(a.photo)?;
+                read_weights(weights, &photo, &mut synth)?;
                 let output = a.output.clone();
                 let target = target(a.output, &a.force, &photo, format::OF_SCENE, Format::Svg)?;
+                let steering = Steering::new(a.control, Vec::new());
+                steering.check(
+                    &[("the photograph", &photo)],
+                    &[("-o", output.as_deref()), ("--save-masks", a.masks.save_masks.as_deref())],
+                )?;
                 let analysis =
                     Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?;
-                Self::Texture(analysis, Synthesis::new(synth, svg, target, a.pattern, &a.force)?)
+                Self::Texture(analysis, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
             }
             Command::Analyze(a) => {
                 let photo = required(a.photo)?;
@@ -148,9 +203,28 @@ impl Job {
                 )
             }
             Command::Synth(a) => {
-                let library = required(a.library)?;
-                let target = target(a.output, &a.force, &library, format::OF_SCENE, Format::Svg)?;
-                Self::Synth(library, Synthesis::new(synth, svg, target, a.pattern, &a.force)?)
+                let libraries: Vec<Input> = a.library.into_iter().map(Input::new).collect();
+                let Some(first) = libraries.first() else {
+                    return Err(Failure::usage("no input is given").into());
+                };
+                let output = a.output.clone();
+                let target = target(a.output, &a.force, first, format::OF_SCENE, Format::Svg)?;
+                let steering = Steering::new(a.control, a.map);
+                let read: Vec<_> = libraries.iter().map(|file| ("the library", file)).collect();
+                steering.check(&read, &[("-o", output.as_deref())])?;
+                steering.check_counts(libraries.len())?;
+                read_weights(weights, first, &mut synth)?;
+                Self::Synth(libraries, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
+            }
+            Command::Warp(a) => {
+                let parameters = WarpParams { seed: given_seed.map(|s| s.0), edge: a.edge };
+                Self::Warp(Warping::new(a, parameters, svg)?)
+            }
+            Command::Tune(mut a) => {
+                let library = required(a.library.take())?;
+                read_weights(weights, &library, &mut synth)?;
+                let tuning = Tuning::new(a, &library, synth)?;
+                Self::Tune(library, tuning)
             }
             Command::Render(a) => {
                 let file = required(a.file)?;
@@ -165,9 +239,34 @@ impl Job {
     }
 }
 
+impl Warping {
+    fn new(a: WarpArgs, parameters: WarpParams, svg: SvgParameters) -> Result<Self, Failure> {
+        let scene = required(a.scene)?;
+        let libraries: Vec<Input> = a.library.into_iter().map(Input::new).collect();
+        let output = a.output.clone();
+        let target = target(a.output, &a.force, &scene, format::OF_SCENE, Format::Svg)?;
+        let how = match (a.scale, a.cage, a.to) {
+            (Some(Factors(factors)), ..) => How::Scale(factors),
+            (None, Some(cage), Some(to)) => How::Cage([cage, to].map(Input::new)),
+            _ => {
+                return Err(Failure::usage("nothing says how to bend the scene")
+                    .hint("give --scale, or two cages with --cage and --to"));
+            }
+        };
+        let mut read = vec![("the scene", &scene)];
+        read.extend(libraries.iter().map(|file| ("the library", file)));
+        if let How::Cage([cage, to]) = &how {
+            read.extend([("--cage", cage), ("--to", to)]);
+        }
+        check_files(&read, &[("-o", output.as_deref())])?;
+        Ok(Self { scene, libraries, how, parameters, svg, target })
+    }
+}
+
 impl Synthesis {
     fn new(
         parameters: SynthParams,
+        steering: Steering,
         svg: SvgParameters,
         target: Target,
         pattern_args: PatternArgs,
@@ -178,7 +277,7 @@ impl Synthesis {
             let message = "--pattern needs a texture that repeats along both axes";
             return Err(Failure::usage(message).hint("give --tile, for both axes"));
         }
-        Ok(Self { parameters, svg, target, pattern })
+        Ok(Self { parameters, steering, svg, target, pattern })
     }
 
     /// Fails now if a file could not be written later.
@@ -215,6 +314,111 @@ impl Analysis {
         let from = masks.masks.map_or(MasksFrom::Segmenter(segmenter), MasksFrom::File);
         Ok(Self { photo, masks: from, save_masks, parameters })
     }
+}
+
+impl Steering {
+    fn new(control: ControlArgs, maps: Vec<PathBuf>) -> Self {
+        let shape = control.domain.map(|path| DomainFrom::Shape(Input::new(path)));
+        Self {
+            domain: shape.or(control.mask.map(|path| DomainFrom::Mask(Input::new(path)))),
+            density: control.density.map(Input::new),
+            maps: maps.into_iter().map(Input::new).collect(),
+        }
+    }
+
+    /// The files with their flags.
+    fn files(&self) -> impl Iterator<Item = (&'static str, &Input)> {
+        let domain = self.domain.iter().map(|d| match d {
+            DomainFrom::Shape(file) => ("--domain", file),
+            DomainFrom::Mask(file) => ("--mask", file),
+        });
+        let density = self.density.iter().map(|file| ("--density", file));
+        domain.chain(density).chain(self.maps.iter().map(|file| ("--map", file)))
+    }
+
+    /// Refuses that a file is read and written, or standard input read twice.
+    fn check(
+        &self,
+        inputs: &[(&'static str, &Input)],
+        written: &[(&str, Option<&Path>)],
+    ) -> Result<(), Failure> {
+        check_files(&inputs.iter().copied().chain(self.files()).collect::<Vec<_>>(), written)
+    }
+
+    /// Refuses a number of maps that does not fit the libraries.
+    fn check_counts(&self, libraries: usize) -> Result<(), Failure> {
+        let most = Controls::MOST_LIBRARIES;
+        let maps = self.maps.len();
+        let message = match (libraries, maps) {
+            (1, 0) => return Ok(()),
+            (1, _) => "--map is for several libraries, one is given".to_owned(),
+            (n, _) if n > most => format!("{n} libraries are given, at most {most} make a scene"),
+            (_, 1) => return Ok(()),
+            (n, 0) => format!("{n} libraries are given, and nothing that says which is where"),
+            (n, maps) if n == maps => return Ok(()),
+            (n, maps) => format!("{maps} times --map is given for {n} libraries"),
+        };
+        Err(Failure::usage(message).hint("give one --map for all libraries, or one for each"))
+    }
+}
+
+impl Tuning {
+    fn new(a: TuneArgs, library: &Input, synth: SynthParams) -> anyhow::Result<Self> {
+        let Input::File(beside) = library else {
+            let failure = Failure::usage("the weights are written beside the library, so it must be a file");
+            return Err(failure.hint("write the library to a file first").into());
+        };
+        let defaults = TuneParams::default();
+        let (width, height) =
+            a.search.size.map_or((defaults.synth.width, defaults.synth.height), |s| (s.width, s.height));
+        let parameters = TuneParams {
+            synth: SynthParams { width, height, ..synth },
+            seeds: a.search.seeds.unwrap_or(defaults.seeds),
+            evaluations: a.search.evaluations.unwrap_or(defaults.evaluations),
+        };
+        parameters.validate()?;
+        let name = a.name.map_or("tuned".into(), |n| n.as_str().to_owned());
+        let path = weights_path(beside, &name);
+        Ok(Self { name, parameters, place: Place::File { path, force: a.force.force } })
+    }
+}
+
+/// Replaces the weights by those of a name, which are in a file beside the library, or beside the
+/// photograph of one.
+fn read_weights(name: Option<WeightsName>, beside: &Input, synth: &mut SynthParams) -> anyhow::Result<()> {
+    let Some(name) = name else { return Ok(()) };
+    let name = name.as_str();
+    let Input::File(beside) = beside else {
+        let failure = Failure::usage(format!("the weights '{name}' are beside no file"));
+        return Err(failure.hint("give the name of a file in place of -, or the weights as numbers").into());
+    };
+    let path = weights_path(beside, name);
+    if !path.exists() {
+        let library = default_name(beside, Format::Library);
+        let library = beside.with_file_name(library.file_name().unwrap_or_default());
+        let failure =
+            Failure::failed(format!("there are no weights '{name}': cannot read '{}'", path.display()));
+        let made = format!("'vtex tune {} --name {name}' makes them", library.display());
+        return Err(failure.hint(made).into());
+    }
+    synth.weights = TunedWeights::read(&path)?.weights;
+    Ok(())
+}
+
+/// Refuses that a file is read and written, or standard input read twice.
+fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+    if read.iter().filter(|(_, file)| **file == Input::Stdin).count() > 1 {
+        let failure = Failure::usage("'-' stands for more than one file");
+        return Err(failure.hint("standard input can be read once"));
+    }
+    for (name, file) in read {
+        if let Input::File(path) = file {
+            for &other in written {
+                apart(&[(name, Some(path.as_path())), other])?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Refuses that one file is to hold two things: the later would destroy the earlier, `--force` or not.

@@ -8,13 +8,15 @@ use std::time::Duration;
 use vtex::library::Library;
 use vtex::scene::Scene;
 use vtex::synth::CategoryReport;
+use vtex::synth::statistics::{Overlap, Repetition};
 
 /// The summary of a command.
 #[derive(Debug, Serialize)]
 pub(crate) struct Summary {
     pub(crate) program: &'static str,
     pub(crate) command: &'static str,
-    pub(crate) input: String,
+    /// The photograph, libraries or file.
+    pub(crate) inputs: Vec<String>,
     pub(crate) output: String,
     /// The file of the pattern, if one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -30,6 +32,12 @@ pub(crate) struct Summary {
     pub(crate) counts: Option<Counts>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) coverage: Option<Coverage>,
+    /// How much primaries hide of one another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) overlap: Option<Overlap>,
+    /// How often the same primaries come back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) repetition: Option<Repetition>,
     /// Seconds by stage, in the order of the stages.
     pub(crate) seconds: Seconds,
     /// Most memory used, in bytes, where the system tells.
@@ -103,7 +111,8 @@ pub(crate) struct Coverage {
 pub(crate) struct Seconds(pub(crate) Vec<(&'static str, Duration)>);
 
 impl Seconds {
-    fn total(&self) -> f64 {
+    /// All of them together.
+    pub(crate) fn total(&self) -> f64 {
         self.0.iter().map(|s| s.1.as_secs_f64()).sum()
     }
 }
@@ -166,6 +175,9 @@ impl Summary {
             say(&format!("seed: {seed} (give --seed {seed} for the same again)"));
         }
         if common.verbosity > 0 {
+            if let (Some(overlap), Some(repetition)) = (&self.overlap, &self.repetition) {
+                say(&format!("  {}", placement(overlap, repetition)));
+            }
             for (stage, spent) in &self.seconds.0 {
                 say(&format!("  {stage:16} {:8.3} s", spent.as_secs_f64()));
             }
@@ -175,6 +187,24 @@ impl Summary {
         }
         Ok(())
     }
+}
+
+/// What placement came to, in a line.
+fn placement(overlap: &Overlap, repetition: &Repetition) -> String {
+    let mut line = format!(
+        "{:.1} % of primaries hidden, {} of {} used, one at most {:.1} %",
+        100.0 * overlap.hidden,
+        repetition.textons,
+        repetition.placeable,
+        100.0 * repetition.largest_share
+    );
+    if let Some(copies) = repetition.copies {
+        line.push_str(&format!(
+            ", copies {:.0} px apart or more, {:.0} px in the median",
+            copies.shortest, copies.median
+        ));
+    }
+    line
 }
 
 /// A number of bytes, as people read it.
@@ -202,6 +232,24 @@ mod tests {
     fn bytes_are_readable() {
         let shown = [0, 999, 1_000, 2_345_678, 7_000_000_000].map(bytes);
         assert_eq!(shown, ["0 B", "999 B", "1.0 kB", "2.3 MB", "7.00 GB"]);
+    }
+
+    #[test]
+    fn placement_is_told_in_a_line() {
+        let overlap = Overlap { hidden: 0.0123, buried: 0.0 };
+        let mut repetition =
+            Repetition { textons: 40, placeable: 44, largest_share: 0.031, near: 0.1, copies: None };
+        let told = placement(&overlap, &repetition);
+        assert_eq!(told, "1.2 % of primaries hidden, 40 of 44 used, one at most 3.1 %");
+        repetition.copies = Some(vtex::synth::statistics::Copies {
+            shortest: 20.4,
+            shortest_neighbours: 1.0,
+            median: 60.5,
+            median_neighbours: 3.0,
+        });
+        assert!(
+            placement(&overlap, &repetition).ends_with("copies 20 px apart or more, 60 px in the median")
+        );
     }
 
     #[test]

@@ -52,6 +52,23 @@ impl<'de> Deserialize<'de> for Size {
     }
 }
 
+/// `1.5` or `1.5x2`: factors along x and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Factors(pub(crate) [f64; 2]);
+
+impl FromStr for Factors {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let factor = |t: &str| {
+            let value = t.parse().ok().filter(|v| (0.1..=10.0).contains(v));
+            value.ok_or("expected 1.5 or 1.5x2, each 0.1 to 10")
+        };
+        let (x, y) = text.split_once(['x', 'X']).unwrap_or((text, text));
+        Ok(Self([factor(x)?, factor(y)?]))
+    }
+}
+
 /// A 64-bit seed. TOML integers have 63 bits, so a larger one is written as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Seed(pub(crate) u64);
@@ -112,6 +129,67 @@ impl FromStr for FiveWeights {
         let values: Result<Vec<f64>, _> = text.split(',').map(|t| t.trim().parse()).collect();
         let five = values.ok().and_then(|v| <[f64; 5]>::try_from(v).ok());
         five.map(Self).ok_or_else(|| "expected five numbers with commas between".into())
+    }
+}
+
+/// Weights of the score: five numbers, or the name of a file that holds them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub(crate) enum WeightsFrom {
+    Numbers(FiveWeights),
+    Name(WeightsName),
+}
+
+impl FromStr for WeightsFrom {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            Ok(name) => Ok(Self::Name(name)),
+            Err(_) if text.contains(',') => text.parse().map(Self::Numbers),
+            Err(_) => Err("expected five numbers with commas between, or a name".into()),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for WeightsFrom {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Either {
+            Numbers(FiveWeights),
+            Text(String),
+        }
+        let expected = |_| D::Error::custom("expected five numbers or a name");
+        match Either::deserialize(deserializer).map_err(expected)? {
+            Either::Numbers(numbers) => Ok(Self::Numbers(numbers)),
+            Either::Text(text) => text.parse().map_err(D::Error::custom),
+        }
+    }
+}
+
+/// A name of weights: letters of ASCII, at least one, digits, `-` and `_`; at most 64.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub(crate) struct WeightsName(String);
+
+impl WeightsName {
+    /// The name.
+    pub(crate) fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl FromStr for WeightsName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let allowed = |c: u8| c.is_ascii_alphanumeric() || c == b'-' || c == b'_';
+        let named = text.len() <= 64 && text.bytes().any(|c| c.is_ascii_alphabetic());
+        if named && text.bytes().all(allowed) {
+            return Ok(Self(text.to_owned()));
+        }
+        Err("expected letters, digits, - and _, at most 64 and at least one letter".into())
     }
 }
 
@@ -190,6 +268,15 @@ mod tests {
     }
 
     #[test]
+    fn factors_are_one_or_two_numbers() {
+        assert_eq!("1.5".parse(), Ok(Factors([1.5, 1.5])));
+        assert_eq!("0.5x2".parse(), Ok(Factors([0.5, 2.0])));
+        for bad in ["", "x", "0", "0.05", "11", "1x", "-1", "NaN", "1x2x3", "inf"] {
+            assert!(bad.parse::<Factors>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
     fn chosen_seeds_are_short_and_differ() {
         let seeds: Vec<Seed> = (0..8).map(|_| Seed::chosen()).collect();
         assert!(seeds.iter().all(|s| s.0 < 1 << 32));
@@ -211,6 +298,19 @@ mod tests {
         assert_eq!("0.5,-0.4, -0.2,-0.5,-0.5".parse(), Ok(FiveWeights::from(Weights::default())));
         for bad in ["", "1,2,3,4", "1,2,3,4,5,6", "1,2,3,4,x"] {
             assert!(bad.parse::<FiveWeights>().is_err(), "{bad}");
+            assert!(bad.parse::<WeightsFrom>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn weights_may_have_a_name() {
+        for good in ["tuned", "a-1_B", "-x"] {
+            let weights: WeightsFrom = good.parse().unwrap();
+            assert_eq!(serde_json::to_value(&weights).unwrap(), good);
+            assert_eq!(named::<WeightsFrom>(good), Ok(weights));
+        }
+        for bad in ["7", "-0.5", "a.b", "../a", "a b", "ä", &"a".repeat(65)] {
+            assert!(bad.parse::<WeightsFrom>().is_err(), "{bad}");
         }
     }
 }

@@ -2,6 +2,7 @@
 //! Knows nothing of images, libraries or scenes. Points and paths are those of `kurbo`.
 
 mod arc_samples;
+mod cage;
 mod fit;
 mod fitted_map;
 mod outline;
@@ -9,6 +10,7 @@ mod path_text;
 mod simple;
 mod trace;
 
+pub use cage::Cage;
 pub use fitted_map::FittedMap;
 pub use kurbo::{Affine, BezPath, PathEl, Point, Rect, Vec2};
 pub use outline::{Outline, STEP};

@@ -5,14 +5,8 @@
 
 use super::picture_size;
 use crate::error::{Error, Result};
-use flate2::read::GzDecoder;
-use resvg::usvg;
-use std::borrow::Cow;
-use std::io::Read;
+use crate::svg_tree;
 use tiny_skia::{Pixmap, Transform};
-
-/// Largest SVG read, unpacked, in bytes.
-const LARGEST_TEXT: u64 = 1 << 30;
 
 /// Draws an SVG or SVGZ, `scale` pixels of the picture to a unit of the SVG; the size is rounded.
 /// `name` appears in errors.
@@ -22,15 +16,7 @@ const LARGEST_TEXT: u64 = 1 << 30;
 /// pixels or 1 GiB of text.
 pub fn render_svg(bytes: &[u8], scale: f64, name: &str) -> Result<Pixmap> {
     let fail = |reason: String| Error::Render { name: name.into(), reason };
-    let text = unpack(bytes, name)?;
-    let options = usvg::Options {
-        image_href_resolver: usvg::ImageHrefResolver {
-            resolve_data: Box::new(|_, _, _| None),
-            resolve_string: Box::new(|_, _| None),
-        },
-        ..usvg::Options::default()
-    };
-    let tree = usvg::Tree::from_data(&text, &options).map_err(|e| fail(e.to_string()))?;
+    let tree = svg_tree::parse(bytes, name, fail)?;
     let (w, h) = (tree.size().width(), tree.size().height());
     let (width, height) = picture_size(f64::from(w), f64::from(h), scale, name)?;
     let mut pixmap = Pixmap::new(width, height)
@@ -38,26 +24,6 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str) -> Result<Pixmap> {
     let transform = Transform::from_scale(width as f32 / w, height as f32 / h);
     resvg::render(&tree, transform, &mut pixmap.as_mut());
     Ok(pixmap)
-}
-
-/// The text itself, unpacked if it is gzip.
-fn unpack<'a>(bytes: &'a [u8], name: &str) -> Result<Cow<'a, [u8]>> {
-    let mut unpacked = Vec::new();
-    let is_gzip = bytes.starts_with(&[0x1f, 0x8b]);
-    if is_gzip {
-        GzDecoder::new(bytes)
-            .take(LARGEST_TEXT + 1)
-            .read_to_end(&mut unpacked)
-            .map_err(|e| Error::Render { name: name.into(), reason: format!("damaged gzip data: {e}") })?;
-    }
-    if bytes.len().max(unpacked.len()) as u64 > LARGEST_TEXT {
-        return Err(Error::TooLarge {
-            name: name.into(),
-            found: "more than 1 GiB of SVG text".into(),
-            limit: "1 GiB".into(),
-        });
-    }
-    Ok(if is_gzip { unpacked.into() } else { bytes.into() })
 }
 
 #[cfg(test)]

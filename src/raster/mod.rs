@@ -1,9 +1,10 @@
-//! Pixels: label maps, run-length masks, components, distances, colour spaces.
+//! Pixels: decoding, label maps, run-length masks, components, distances, colour spaces.
 //! Knows nothing of curves.
 
 pub mod colour;
 mod components;
 mod control_map;
+mod decode;
 mod distance;
 mod labels;
 mod mask;
@@ -11,6 +12,8 @@ pub mod picture;
 
 pub use components::{Connectivity, components, components_of_mask};
 pub use control_map::ControlMap;
+pub use decode::Limits;
+pub(crate) use decode::{LARGEST_SIDE, decode};
 pub use distance::squared_distance;
 pub use labels::LabelMap;
 pub use mask::{Mask, Span};

@@ -22,17 +22,21 @@ mod picture;
 mod primaries;
 mod report;
 mod secondaries;
+pub mod statistics;
 mod sums;
 mod target;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
 mod tests;
+pub mod tune;
 mod variation;
+mod warp;
 
 pub use compose::reconstruct;
 pub use controls::Controls;
 pub use report::{CategoryReport, Report};
+pub use warp::{Bend, WarpParams, warp};
 
 use crate::error::{Error, Result};
 use crate::library::Library;
@@ -40,8 +44,11 @@ use crate::progress::{Progress, advance};
 use crate::scene::field::Interpolant;
 use crate::scene::{Ablation, Scene, SynthParams};
 
-/// Largest canvas, in pixels: the target map takes six bytes for each.
+/// Largest canvas, in pixels.
 const LARGEST_CANVAS: u64 = 400_000_000;
+/// Memory that a pixel of the canvas takes, in bytes: seven of the target map, the rest its share of
+/// what is placed (measured on sandy concrete, which has the most).
+const BYTES_PER_PIXEL: u64 = 25;
 
 /// A new texture like the exemplar that the library was made from, of the size in `params`.
 /// Same library, parameters and program: the same scene, on any number of threads.
@@ -68,14 +75,7 @@ pub fn synthesize_with(
 ) -> Result<(Scene, Report)> {
     params.validate()?;
     controls.validate(libraries.len())?;
-    let canvas = u64::from(params.width) * u64::from(params.height);
-    if canvas > LARGEST_CANVAS {
-        return Err(Error::TooLarge {
-            name: "size".into(),
-            found: format!("{} x {} px", params.width, params.height),
-            limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
-        });
-    }
+    check_canvas(params)?;
 
     let model = model::Model::new(libraries, params);
     let grid = target::TargetMap::grid(&model, params.width, params.height, params.tile);
@@ -96,4 +96,38 @@ pub fn synthesize_with(
     let scene = compose::scene(libraries, params, controls, &map, &secondaries, field);
     let report = report::Report::new(libraries, &map, &scene, placement, correction);
     Ok((scene, report))
+}
+
+/// The primaries of a scene alone, as placement and density leave them, and the share of the canvas
+/// that each category covered before density was corrected.
+fn primaries_alone(
+    libraries: &[Library],
+    params: &SynthParams,
+    progress: &dyn Progress,
+) -> Result<(Scene, Vec<f64>)> {
+    let controls = Controls::default();
+    let model = model::Model::new(libraries, params);
+    let grid = target::TargetMap::grid(&model, params.width, params.height, params.tile);
+    let ground = ground::Ground::new(&grid, &controls, params);
+    let mut map = target::TargetMap::new(&model, ground, grid);
+    let mut choice = choice::Choice::new(&model, !params.without(Ablation::Decay));
+    primaries::place(&mut map, &mut choice, params, progress)?;
+    let canvas = f64::from(params.width) * f64::from(params.height);
+    let categories = 0..model.members.len();
+    let covered = categories.map(|c| map.covered_by(c) as f64 / canvas).collect();
+    density::correct(&mut map, &mut choice, params, progress)?;
+    let field = crate::scene::Field { spacing: 1.0, fallback: Default::default(), points: Vec::new() };
+    Ok((compose::scene(libraries, params, &controls, &map, &[], field), covered))
+}
+
+/// An error if the canvas is too large.
+fn check_canvas(params: &SynthParams) -> Result<()> {
+    if u64::from(params.width) * u64::from(params.height) <= LARGEST_CANVAS {
+        return Ok(());
+    }
+    Err(Error::TooLarge {
+        name: "size".into(),
+        found: format!("{} x {} px", params.width, params.height),
+        limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
+    })
 }

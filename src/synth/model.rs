@@ -312,7 +312,7 @@ impl Model {
 }
 
 /// A mask around an origin; on a torus, every pixel where it is nearest to it.
-fn relative(mask: &Mask, origin: [i32; 2], torus: Option<[i32; 2]>) -> Mask {
+pub(super) fn relative(mask: &Mask, origin: [i32; 2], torus: Option<[i32; 2]>) -> Mask {
     let Some([w, h]) = torus else { return mask.shifted(-origin[0], -origin[1]) };
     let near = |v: i32, size: i32| (v + size / 2).rem_euclid(size) - size / 2;
     let pixel = |(x, y): (i32, i32)| {

@@ -1,5 +1,6 @@
 //! How close a synthesised scene came to its exemplar, in figures.
 
+use super::statistics::{Overlap, Repetition};
 use super::target::TargetMap;
 use super::{density, primaries};
 use crate::library::Library;
@@ -32,6 +33,10 @@ pub struct Report {
     pub removed: u64,
     /// Textons added to correct the density.
     pub added: u64,
+    /// How much primaries hide of one another.
+    pub overlap: Overlap,
+    /// How often the same primaries come back.
+    pub repetition: Repetition,
 }
 
 /// Coverage of one category.
@@ -75,6 +80,8 @@ impl Report {
             refused: placement.refused,
             removed: correction.removed,
             added: correction.added,
+            overlap: Overlap::of_scene(scene, libraries),
+            repetition: Repetition::of_scene(scene, libraries),
         }
     }
 }

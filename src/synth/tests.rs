@@ -64,6 +64,29 @@ fn coverage_is_that_of_the_exemplar() {
 }
 
 #[test]
+fn reported_overlap_and_repetition_are_those_of_the_scene() {
+    let library = library(&mosaic(200, 15.0, 0.9, 3));
+    let (scene, report) = run(&library, &params(250, 210, 3));
+    // Visible areas as painted, whole areas as each is painted alone.
+    let map = painted(&library, &scene);
+    let mut visible = map.areas();
+    visible.resize(scene.primary.len() + 1, 0);
+    let alone = |i: usize| {
+        let one = Scene { primary: vec![scene.primary[i].clone()], ..scene.clone() };
+        painted(&library, &one).areas().get(1).copied().unwrap_or(0)
+    };
+    let areas: Vec<u32> = (0..scene.primary.len()).map(alone).collect();
+    let (shown, all) = (visible[1..].iter().sum::<u32>(), areas.iter().sum::<u32>());
+    assert!((report.overlap.hidden - f64::from(all - shown) / f64::from(all)).abs() < 1e-12);
+    let buried = areas.iter().zip(&visible[1..]).filter(|(a, v)| *v * 2 < **a).count();
+    assert!((report.overlap.buried - buried as f64 / areas.len() as f64).abs() < 1e-12);
+    assert!(report.overlap.hidden > 0.001, "nothing to compare");
+    assert_eq!(report.repetition.textons, report.textons);
+    assert!(report.repetition.textons <= report.repetition.placeable);
+    assert!(report.repetition.largest_share * report.primaries as f64 >= 1.0);
+}
+
+#[test]
 fn textons_stand_all_over_the_canvas() {
     // No quarter, and no strip along a border, is much emptier than the whole.
     let library = library(&mosaic(200, 15.0, 0.6, 5));

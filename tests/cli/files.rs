@@ -75,6 +75,12 @@ fn one_file_never_holds_two_things() {
         ),
         ("analyze photo.png --save-masks photo.png --force", "the photograph and --save-masks"),
         ("analyze photo.png --masks m.lib.json -o m.lib.json --force", "--masks and -o name the same file"),
+        (
+            "synth photo.lib.json --domain photo.svg -o photo.svg --force",
+            "--domain and -o name the same file",
+        ),
+        ("synth a.lib.json b.lib.json --map m.png -o m.png --force", "--map and -o name the same file"),
+        ("texture photo.png --mask m.png --save-masks m.png", "--mask and --save-masks name the same file"),
     ] {
         folder.run(command).fails(2, message);
     }
@@ -170,4 +176,23 @@ fn pictures_of_the_stages_are_written() {
     folder.run("texture photo.png --size 60 --debug-dir stages/here").succeeds();
     std::fs::write(&names[0], photo()).unwrap();
     folder.run("texture photo.png --size 60 --debug-dir stages/here").fails(1, "01-masks.png' exists");
+}
+
+#[test]
+fn files_that_steer_are_read() {
+    let folder = Folder::with_library();
+    folder.write(
+        "shape.svg",
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"><circle cx="5" cy="5" r="4"/></svg>"#,
+    );
+    let ramp = image::GrayImage::from_fn(64, 4, |x, _| image::Luma([4 * x as u8]));
+    folder.write("ramp.png", super::support::encode(&ramp.into(), image::ImageFormat::Png));
+    let steered = "--size 60 --seed 1 --density ramp.png";
+    folder.run(&format!("synth photo.lib.json --domain shape.svg {steered}")).succeeds();
+    folder.run(&format!("texture photo.png --mask ramp.png {steered} -o b.svg")).succeeds();
+    let two = "synth photo.lib.json - --map ramp.png --size 60 --seed 1 --json";
+    let run = folder.feed(two, &folder.read("photo.lib.json")).succeeds();
+    // Named after the first library, listed with all.
+    assert_eq!(run.json()["inputs"], serde_json::json!(["photo.lib.json", "-"]));
+    assert_eq!(run.json()["output"], "photo.svg");
 }

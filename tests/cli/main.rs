@@ -9,3 +9,4 @@ mod messages;
 mod output;
 mod stages;
 mod support;
+mod tune;

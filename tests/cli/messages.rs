@@ -1,6 +1,7 @@
 //! Exit codes, messages, hints, colours.
 
-use super::support::Folder;
+use super::support::{Folder, encode};
+use image::{GrayImage, ImageFormat};
 
 #[test]
 fn wrong_usage_exits_with_2() {
@@ -15,6 +16,12 @@ fn wrong_usage_exits_with_2() {
         ("synth photo.lib.json --seed 18446744073709551616", "18446744073709551615"),
         ("synth photo.lib.json --candidates 0", "candidates = 0 is out of range: 1 to 1000"),
         ("synth photo.lib.json --weights 1,2", "five numbers"),
+        ("synth photo.lib.json --weights a.b", "five numbers with commas between, or a name"),
+        ("synth - --weights tuned", "beside no file"),
+        ("tune - --seeds 2", "must be a file"),
+        ("tune photo.lib.json --name 7", "at least one letter"),
+        ("tune photo.lib.json --seeds 0", "seeds = 0 is out of range: 1 to 100"),
+        ("tune photo.lib.json --evaluations 9", "evaluations = 9 is out of range: 10 to 100000"),
         ("synth photo.lib.json --weights 1,2,3,4,11", "-10 to 10"),
         ("synth photo.lib.json --weights 1,2,3,4,NaN", "-10 to 10"),
         ("synth photo.lib.json --threads 0", "--threads"),
@@ -27,6 +34,16 @@ fn wrong_usage_exits_with_2() {
         ("synth photo.lib.json --tile x --pattern p.svg", "both axes"),
         ("synth photo.lib.json --tile --pattern p.png", "--pattern a name that ends in .svg or .svgz"),
         ("synth photo.lib.json -o p.svg --tile --pattern p.svg", "name the same file"),
+        ("synth photo.lib.json --domain a.svg --mask a.png", "--mask"),
+        ("synth photo.lib.json --map a.png", "--map is for several libraries"),
+        ("synth photo.lib.json b.lib.json", "2 libraries are given, and nothing that says which is where"),
+        (
+            "synth photo.lib.json b.lib.json c.lib.json --map a.png --map b.png",
+            "2 times --map is given for 3 libraries",
+        ),
+        ("synth - - --map a.png", "'-' stands for more than one file"),
+        ("synth - --density -", "'-' stands for more than one file"),
+        ("texture photo.png --map a.png", "--map"),
         ("analyze photo.png --minimum-area 0", "minimum-area = 0 is out of range"),
         ("analyze photo.png --fidelity NaN", "fidelity = NaN is out of range"),
         ("analyze photo.png --detail-sigma -1", "detail-sigma = -1 is out of range"),
@@ -79,6 +96,38 @@ fn what_fails_says_why_and_what_to_try() {
     // Below a file there can be no folder, whoever asks.
     folder.run("synth photo.lib.json -o photo.png/out.svg").fails(1, "cannot write 'photo.png/out.svg'");
     folder.run("render scene.svg -o other.svg").fails(2, "is an SVG already");
+}
+
+#[test]
+fn files_that_do_not_steer_say_so_before_the_work() {
+    let folder = Folder::with_library();
+    let page = |inner: &str| {
+        format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9">{inner}</svg>"#)
+    };
+    folder.write("open.svg", page(r#"<path d="M1 1H5V5"/>"#));
+    folder.write("two.svg", page(r#"<circle r="3"/><rect width="4" height="4"/>"#));
+    folder.write("black.png", encode(&GrayImage::new(8, 8).into(), ImageFormat::Png));
+    folder.write("text.txt", "hello");
+    let libraries = "photo.lib.json photo.lib.json photo.lib.json";
+    for (arguments, message, hint) in [
+        ("--domain none.svg", "cannot read 'none.svg'", "spelling"),
+        ("--domain photo.png", "'photo.png' holds an image, not an SVG", "--mask"),
+        ("--domain text.txt", "'text.txt' cannot be used as a shape", "must be an SVG"),
+        ("--domain open.svg", "its path is open", "end its path data with Z"),
+        ("--domain two.svg", "it holds 2 shapes, one is needed", "join"),
+        ("--mask open.svg", "'open.svg' holds an SVG, not an image", "--domain"),
+        ("--mask black.png", "nothing in it is white", "white is inside"),
+        ("--mask text.txt", "cannot decode 'text.txt'", "PNG"),
+        ("--density photo.lib.json", "'photo.lib.json' holds a library, not an image", "a map is a picture"),
+    ] {
+        for command in ["synth photo.lib.json", "texture photo.png"] {
+            let run = folder.run(&format!("{command} {arguments} -o out.svg")).fails(1, message);
+            assert!(run.stderr.contains(hint), "{arguments}: {}", run.stderr);
+        }
+    }
+    let run = folder.run(&format!("synth {libraries} --map black.png -o out.svg"));
+    run.fails(1, "it has 1 colour; 3 are needed for 3 libraries");
+    assert!(!folder.path("out.svg").exists());
 }
 
 #[test]

@@ -26,7 +26,7 @@ pub(super) fn run(
     let summary = Summary {
         program: vtex::PROGRAM,
         command: "analyze",
-        input: analysis.photo.name(),
+        inputs: vec![analysis.photo.name()],
         output: target.place.path().display().to_string(),
         pattern: None,
         bytes: written.bytes,
@@ -34,6 +34,8 @@ pub(super) fn run(
         size: [library.source.width, library.source.height],
         counts: Some(Counts::of_library(&library)),
         coverage: Some(Coverage { wanted: Some(library.coverage), got: None, categories: Vec::new() }),
+        overlap: None,
+        repetition: None,
         seconds: Seconds(seconds),
         peak_memory: peak_memory(),
         warnings,

@@ -73,7 +73,7 @@ pub(super) fn run(
     let summary = Summary {
         program: vtex::PROGRAM,
         command: "render",
-        input: name,
+        inputs: vec![name],
         output: target.place.path().display().to_string(),
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
         bytes: written.bytes,
@@ -81,6 +81,8 @@ pub(super) fn run(
         size: if scene.is_some() && target.kind.format == Format::Png { size.map(drawn) } else { size },
         counts: scene.as_ref().map(Counts::of_scene),
         coverage: None,
+        overlap: None,
+        repetition: None,
         seconds: Seconds(seconds),
         peak_memory: peak_memory(),
         warnings,

@@ -15,6 +15,9 @@ pub(super) fn run(
     if let Some(place) = &analysis.save_masks {
         place.probe()?;
     }
+    // What is wrong with them shows before the long work.
+    let controls = stages::controls(&synthesis.steering, &synthesis.parameters, 1)?;
     let library = stages::analyze(analysis, reporter)?;
-    synth::finish(common, reporter, "texture", analysis.photo.name(), library, synthesis)
+    let inputs = vec![analysis.photo.name()];
+    synth::finish(common, reporter, "texture", inputs, &[library], &controls, synthesis)
 }

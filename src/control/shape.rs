@@ -1,0 +1,304 @@
+//! SVG → outline: the one shape that a file holds.
+//!
+//! Works badly with shapes that are not drawn as such: text and bitmaps are not followed, nor are
+//! clip paths and masks.
+
+use crate::error::{Error, Result};
+use crate::geometry::{Affine, BezPath, Outline, PathEl, Point, is_simple};
+use crate::svg_tree;
+use kurbo::{ParamCurve, Shape};
+use resvg::usvg;
+
+/// Most segments of a shape: more take minutes to check for crossings.
+const MOST_SEGMENTS: usize = 20_000;
+
+/// The shape of an SVG, fitted to a canvas of `width` × `height` pixels: the SVG's own canvas is
+/// scaled as a whole, as large as it goes, and stands in the middle.
+///
+/// # Errors
+/// [`Error::Control`] unless the file holds exactly one visible path, rectangle, circle, ellipse or
+/// polygon, all of whose rings are closed, cross neither themselves nor one another, and enclose
+/// some of the canvas; [`Error::TooLarge`] beyond 20000 segments.
+pub fn shape(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outline> {
+    let reader = Reader { name, role: "a shape" };
+    let Drawn { path, rule, size } = reader.read(bytes)?;
+    let [width, height] = [f64::from(width), f64::from(height)];
+    let scale = (width / size[0]).min(height / size[1]);
+    let margin = ((width - scale * size[0]) / 2.0, (height - scale * size[1]) / 2.0);
+    let path = Affine::translate(margin) * Affine::scale(scale) * path;
+    let outline = reader.outline(&path)?;
+    let outline = Outline::new(&filled(outline.path(), rule)).unwrap_or_default();
+    let bounds = outline.bounds();
+    if outline.is_empty() || outline.area() < 1.0 {
+        let advice = "it must be at least some pixels large on the canvas";
+        return Err(reader.fail("it encloses no area", advice));
+    }
+    if bounds.x1 <= 0.0 || bounds.y1 <= 0.0 || bounds.x0 >= width || bounds.y0 >= height {
+        let advice = "move it into the page of the drawing, or fit the page to it";
+        return Err(reader.fail("it lies outside the canvas of its SVG", advice));
+    }
+    Ok(outline)
+}
+
+/// The single ring of an SVG as it is drawn, in the SVG's pixels, with its direction and order of
+/// points kept; and width and height of the SVG's page, in pixels.
+///
+/// # Errors
+/// As [`shape`]; also [`Error::Control`] for more than one ring.
+pub fn cage(bytes: &[u8], name: &str) -> Result<(Outline, [u32; 2])> {
+    let reader = Reader { name, role: "a cage" };
+    let Drawn { path, size, .. } = reader.read(bytes)?;
+    let outline = reader.outline(&path)?;
+    match rings(outline.path()).count() {
+        1 if outline.area() >= 1.0 => Ok((outline, size.map(|v| libm::round(v).max(1.0) as u32))),
+        1 => Err(reader.fail("it encloses no area", "it must be at least some pixels large")),
+        n => Err(reader.fail(format!("it has {n} rings"), "a cage is one ring, without holes or islands")),
+    }
+}
+
+/// What a file holds.
+struct Drawn {
+    path: BezPath,
+    rule: Rule,
+    /// Of the SVG's canvas, in its pixels.
+    size: [f64; 2],
+}
+
+/// What counts as inside.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Rule {
+    NonZero,
+    EvenOdd,
+}
+
+/// Reads a file for a purpose that errors name.
+struct Reader<'a> {
+    name: &'a str,
+    role: &'static str,
+}
+
+impl Reader<'_> {
+    fn fail(&self, reason: impl Into<String>, advice: &'static str) -> Error {
+        Error::Control { name: self.name.into(), role: self.role, reason: reason.into(), advice }
+    }
+
+    fn read(&self, bytes: &[u8]) -> Result<Drawn> {
+        let tree = svg_tree::parse(bytes, self.name, |reason| {
+            self.fail(reason, "it must be an SVG or SVGZ; is the file complete?")
+        })?;
+        let (mut found, mut cut) = (Vec::new(), false);
+        let mut open = vec![tree.root()];
+        while let Some(group) = open.pop() {
+            cut |= group.clip_path().is_some() || group.mask().is_some();
+            for node in group.children() {
+                match node {
+                    usvg::Node::Group(inner) => open.push(inner),
+                    usvg::Node::Path(path) if path.is_visible() => found.push(path),
+                    _ => {}
+                }
+            }
+        }
+        const JOIN: &str = "join what belongs together into one path and delete the rest";
+        let path = match found[..] {
+            [_] if cut => {
+                let (reason, advice) =
+                    ("it is cut by a clip path or mask", "draw the shape itself as a path");
+                return Err(self.fail(reason, advice));
+            }
+            [path] => path,
+            [] => {
+                let advice =
+                    "draw one closed path, filled or stroked; convert text and bitmaps to paths first";
+                return Err(self.fail("it holds no visible shape", advice));
+            }
+            _ => return Err(self.fail(format!("it holds {} shapes, one is needed", found.len()), JOIN)),
+        };
+        if path.data().len() > MOST_SEGMENTS {
+            return Err(Error::TooLarge {
+                name: self.name.into(),
+                found: format!("{} segments", path.data().len()),
+                limit: format!("{MOST_SEGMENTS} segments"),
+            });
+        }
+        let rule = match path.fill().map(usvg::Fill::rule) {
+            Some(usvg::FillRule::NonZero) => Rule::NonZero,
+            // Of a shape that is only stroked, every ring is an edge.
+            Some(usvg::FillRule::EvenOdd) | None => Rule::EvenOdd,
+        };
+        let size = tree.size();
+        let size = [f64::from(size.width()), f64::from(size.height())];
+        Ok(Drawn { path: self.closed(path)?, rule, size })
+    }
+
+    /// The path in pixels of the SVG, if all its rings are closed.
+    fn closed(&self, path: &usvg::Path) -> Result<BezPath> {
+        use usvg::tiny_skia_path::PathSegment;
+        let t = path.abs_transform();
+        let map = Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from));
+        let point = |p: usvg::tiny_skia_path::Point| map * Point::new(f64::from(p.x), f64::from(p.y));
+        let mut out = BezPath::new();
+        for segment in path.data().segments() {
+            match segment {
+                PathSegment::MoveTo(p) => out.move_to(point(p)),
+                PathSegment::LineTo(p) => out.line_to(point(p)),
+                PathSegment::QuadTo(a, p) => out.quad_to(point(a), point(p)),
+                PathSegment::CubicTo(a, b, p) => out.curve_to(point(a), point(b), point(p)),
+                PathSegment::Close => out.close_path(),
+            }
+        }
+        let bounds = out.bounding_box();
+        let hair = 1e-4 * bounds.width().max(bounds.height());
+        for ring in rings(&out) {
+            let ends = [ring.first(), ring.last()].map(|e| e.and_then(PathEl::end_point));
+            let meets = matches!(ends, [Some(a), Some(b)] if a.distance(b) <= hair);
+            if ring.last() != Some(&PathEl::ClosePath) && !meets {
+                let advice = "close it: end its path data with Z, or join its ends in the editor";
+                return Err(self.fail("its path is open", advice));
+            }
+        }
+        Ok(out)
+    }
+
+    /// The outline, if it does not cross itself.
+    fn outline(&self, path: &BezPath) -> Result<Outline> {
+        let outline = Outline::new(path).ok_or_else(|| {
+            self.fail("its coordinates are beyond ten million pixels", "scale the drawing down")
+        })?;
+        if is_simple(outline.path()) {
+            return Ok(outline);
+        }
+        Err(self.fail("its path crosses itself", "undo the crossing, or unite the parts in the editor"))
+    }
+}
+
+/// The rings of a path, each with its elements.
+fn rings(path: &BezPath) -> impl Iterator<Item = &[PathEl]> {
+    path.elements().chunk_by(|_, next| !matches!(next, PathEl::MoveTo(_)))
+}
+
+/// The rings that part inside from outside, the largest first, holes run against what they lie in.
+fn filled(path: &BezPath, rule: Rule) -> BezPath {
+    struct Ring {
+        path: BezPath,
+        area: f64,
+        place: Point,
+    }
+    let all: Vec<Ring> = rings(path)
+        .map(|elements| {
+            let path = BezPath::from_vec(elements.to_vec());
+            let place = path.segments().next().map_or(Point::ORIGIN, |s| s.eval(0.5));
+            Ring { area: path.area(), path, place }
+        })
+        .filter(|ring| ring.area != 0.0)
+        .collect();
+    let inside = |winding: i32| match rule {
+        Rule::NonZero => winding != 0,
+        Rule::EvenOdd => winding % 2 != 0,
+    };
+    let mut kept: Vec<(f64, BezPath)> = Vec::new();
+    for ring in &all {
+        // What lies around it is larger.
+        let larger = all.iter().filter(|other| other.area.abs() > ring.area.abs());
+        let around = larger.filter(|other| {
+            other.path.bounding_box().contains(ring.place) && other.path.contains(ring.place)
+        });
+        let turn = |ring: &Ring| if ring.area > 0.0 { 1 } else { -1 };
+        let outer: i32 = around.map(turn).sum();
+        let (without, within) = (inside(outer), inside(outer + turn(ring)));
+        if without != within {
+            let turned = within != (ring.area > 0.0);
+            let path = if turned { ring.path.reverse_subpaths() } else { ring.path.clone() };
+            kept.push((ring.area.abs(), path));
+        }
+    }
+    kept.sort_by(|a, b| b.0.total_cmp(&a.0));
+    kept.into_iter().flat_map(|(_, path)| path).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Rect;
+
+    fn svg(inner: &str) -> Vec<u8> {
+        format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="100" height="50">{inner}</svg>"#)
+            .into_bytes()
+    }
+
+    fn of(inner: &str) -> Result<Outline> {
+        shape(&svg(inner), "s.svg", [1000, 1000])
+    }
+
+    #[test]
+    fn the_canvas_of_the_svg_is_fitted_to_the_canvas() {
+        // Ten times as large, and in the middle of what is twice as high.
+        let rectangle = of(r#"<rect x="10" y="20" width="30" height="20"/>"#).unwrap();
+        assert_eq!(rectangle.bounds(), Rect::new(100.0, 450.0, 400.0, 650.0));
+        let turned =
+            of(r#"<g transform="translate(50 0) rotate(90)"><rect width="30" height="20"/></g>"#).unwrap();
+        assert_eq!(turned.bounds(), Rect::new(300.0, 250.0, 500.0, 550.0));
+        let disc = of(r#"<circle cx="50" cy="25" r="20" fill="none" stroke="red"/>"#).unwrap();
+        assert!((disc.area() - std::f64::consts::PI * 4e4).abs() < 100.0);
+        let viewed =
+            br#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="-1 -1 2 2"><path d="M-1-1H1V1H-1z"/></svg>"#;
+        assert_eq!(shape(viewed, "s.svg", [70, 30]).unwrap().bounds(), Rect::new(20.0, 0.0, 50.0, 30.0));
+    }
+
+    #[test]
+    fn holes_and_islands_follow_the_fill_rule() {
+        let area = |d: &str, rule: &str| {
+            let outline = of(&format!(r#"<path fill-rule="{rule}" d="{d}"/>"#)).unwrap();
+            assert!(outline.path().area() > 0.0, "outer rings run clockwise");
+            outline.area() / 100.0
+        };
+        let (same, against) = ("M0 0h40v40h-40zM10 10h20v20h-20z", "M0 0h40v40h-40zM10 10v20h20v-20z");
+        assert_eq!([area(same, "nonzero"), area(same, "evenodd")], [1600.0, 1200.0]);
+        assert_eq!([area(against, "nonzero"), area(against, "evenodd")], [1200.0, 1200.0]);
+        // An island in a hole, the small rings first, and all drawn anticlockwise.
+        let island = "M15 15v10h10v-10zM10 10v20h20v-20zM0 0v40h40v-40z M50 0v10h10v-10z";
+        assert_eq!(area(island, "evenodd"), 1600.0 - 400.0 + 100.0 + 100.0);
+        assert_eq!(area(island, "nonzero"), 1700.0);
+    }
+
+    #[test]
+    fn what_is_no_shape_is_told() {
+        for (inner, message) in [
+            ("", "holds no visible shape"),
+            ("<text>A</text>", "holds no visible shape"),
+            (r#"<rect width="9" height="9" visibility="hidden"/>"#, "holds no visible shape"),
+            (r#"<path d="M0 0H9V9"/>"#, "its path is open"),
+            (r#"<line x2="9" y2="9" stroke="red"/>"#, "its path is open"),
+            (r#"<path d="M0 0H9V9H0z M20 20h9v9"/>"#, "its path is open"),
+            (r#"<path d="M0 0L9 9H0L9 0z"/>"#, "crosses itself"),
+            (r#"<path d="M0 0H9V9H0zM5 5h9v9h-9z"/>"#, "crosses itself"),
+            (r#"<rect width="9" height="9"/><circle r="9"/>"#, "it holds 2 shapes"),
+            (r#"<rect x="200" width="9" height="9"/>"#, "outside the canvas"),
+            (r#"<rect width="1e-3" height="1e-3"/>"#, "encloses no area"),
+            (r#"<path d="M0 0H1e30V9z"/>"#, "beyond ten million pixels"),
+            (
+                r#"<clipPath id="c"><rect width="5" height="5"/></clipPath><circle r="9" clip-path="url(#c)"/>"#,
+                "clip path",
+            ),
+        ] {
+            let error = of(inner).unwrap_err();
+            assert!(error.to_string().contains(message), "{inner}: {error}");
+            assert!(error.hint().is_some());
+        }
+        assert!(shape(b"no svg", "s.svg", [9, 9]).is_err());
+        let many = format!(r#"<path d="M0 0{}z"/>"#, "h1v1".repeat(MOST_SEGMENTS));
+        assert!(matches!(of(&many), Err(Error::TooLarge { .. })));
+        // A path that comes back to its start is closed without saying so.
+        assert!(of(r#"<path d="M0 0H9V9H0L0 0"/>"#).is_ok());
+    }
+
+    #[test]
+    fn cages_keep_scale_and_direction() {
+        let read = |inner: &str| cage(&svg(inner), "c.svg");
+        let (anticlockwise, page) = read(r#"<path d="M10 10v30h30v-30z"/>"#).unwrap();
+        assert_eq!(anticlockwise.bounds(), Rect::new(10.0, 10.0, 40.0, 40.0));
+        assert!(anticlockwise.path().area() < 0.0);
+        assert_eq!(page, [100, 50]);
+        let error = read(r#"<path d="M0 0H40V40H0z M9 9h5v5z"/>"#).unwrap_err();
+        assert!(error.to_string().contains("it has 2 rings"), "{error}");
+    }
+}

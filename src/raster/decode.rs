@@ -1,0 +1,93 @@
+//! Decoding any common image, within limits.
+
+use crate::error::{Error, Result};
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder, ImageReader};
+use std::io::Cursor;
+
+/// Largest side of an image, in pixels, unless [`Limits`] say otherwise.
+pub(crate) const LARGEST_SIDE: u32 = 16_384;
+
+/// What is refused before it is decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Largest side, in pixels. Default 16384.
+    pub side: u32,
+    /// Most memory for the pixels as decoded and as kept, in bytes. Default 3 GiB: room for
+    /// 16384 × 16384 pixels of 16-bit RGB with alpha.
+    pub memory: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { side: LARGEST_SIDE, memory: 3 << 30 }
+    }
+}
+
+/// Decodes a PNG, JPEG, TIFF, WebP, BMP, GIF or PNM, told apart by content; of an animation the
+/// first frame. Also says how to turn it to be upright. The caller keeps `kept` bytes for each
+/// pixel beside what is decoded, and once more while it turns the image.
+///
+/// # Errors
+/// [`Error::Decode`] if it is no image or damaged, [`Error::TooLarge`] beyond `limits`.
+pub(crate) fn decode(
+    bytes: &[u8],
+    name: &str,
+    limits: &Limits,
+    kept: u64,
+) -> Result<(DynamicImage, Orientation)> {
+    let fail = |reason: String| Error::Decode { name: name.into(), reason };
+    if bytes.is_empty() {
+        return Err(fail("the file is empty".into()));
+    }
+    let mut reader =
+        ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| fail(e.to_string()))?;
+    let Some(format) = reader.format() else { return Err(fail("its format is not known".into())) };
+    // Limits are checked below, where the error can name them; decoders get the memory limit as
+    // well for what they need beside the pixels.
+    let mut inner = image::Limits::no_limits();
+    inner.max_alloc = Some(limits.memory);
+    reader.limits(inner);
+    let mut decoder = reader.into_decoder().map_err(|e| fail(e.to_string()))?;
+    let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 {
+        return Err(fail(format!("it has {width} x {height} pixels")));
+    }
+    let too_large = |found, limit| Error::TooLarge { name: name.into(), found, limit };
+    if width.max(height) > limits.side {
+        let limit = format!("{} pixels on each side", limits.side);
+        return Err(too_large(format!("{width} x {height} pixels"), limit));
+    }
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let pixels = u64::from(width) * u64::from(height);
+    let copies = 1 + u64::from(orientation != Orientation::NoTransforms);
+    let needed = decoder.total_bytes().saturating_add(pixels * kept * copies);
+    if needed > limits.memory {
+        let mebibytes = |n: u64| format!("{} MiB of memory", n.div_ceil(1 << 20));
+        return Err(too_large(mebibytes(needed), mebibytes(limits.memory)));
+    }
+    if format == image::ImageFormat::Jpeg && !jpeg_is_whole(bytes) {
+        return Err(fail("the file ends in the middle of the picture".into()));
+    }
+    let decoded = DynamicImage::from_decoder(decoder).map_err(|e| fail(e.to_string()))?;
+    Ok((decoded, orientation))
+}
+
+/// Whether the mark of the end follows a JPEG's picture: without it the decoder paints what is
+/// missing grey and reports nothing.
+fn jpeg_is_whole(bytes: &[u8]) -> bool {
+    // Segments before the picture, such as a thumbnail, may hold such a mark of their own.
+    let mut rest = bytes.get(2..).unwrap_or_default();
+    while let [0xff, kind, after @ ..] = rest {
+        match (kind, after) {
+            (0xda, _) => break,
+            (0xff, _) => rest = &rest[1..],
+            (_, [high, low, ..]) => {
+                let length = usize::from(u16::from_be_bytes([*high, *low]));
+                rest = after.get(length..).unwrap_or_default();
+            }
+            _ => return false,
+        }
+    }
+    rest.windows(2).rev().any(|w| w == [0xff, 0xd9])
+}
