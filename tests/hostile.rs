@@ -106,8 +106,9 @@ fn use_shape(bytes: &[u8]) {
     if let Ok(outline) = control::shape(bytes, "damaged", [100, 80]) {
         assert!(is_simple(outline.path()) && outline.area() >= 1.0);
     }
-    if let Ok(after) = control::cage(bytes, "damaged") {
-        let before = control::cage(SHAPE.replace("zm60 20h30v30h-30z", "z").as_bytes(), "whole").unwrap();
+    if let Ok((after, _)) = control::cage(bytes, "damaged") {
+        let (before, _) =
+            control::cage(SHAPE.replace("zm60 20h30v30h-30z", "z").as_bytes(), "whole").unwrap();
         if let Ok(cage) = Cage::new(&before, &after) {
             let moved = cage.map(Point::new(40.0, 50.0));
             assert!(moved.x.is_finite() && moved.y.is_finite());

@@ -5,7 +5,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use super::values::{Axes, Seed, Size, WeightsFrom, WeightsName, named};
+use super::values::{Axes, Factors, Seed, Size, WeightsFrom, WeightsName, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -44,6 +44,7 @@ pub(crate) enum Command {
     Texture(TextureArgs),
     Analyze(AnalyzeArgs),
     Synth(SynthArgs),
+    Warp(WarpArgs),
     Tune(TuneArgs),
     Render(RenderArgs),
     Inspect(InspectArgs),
@@ -253,6 +254,48 @@ pub(crate) struct ControlArgs {
     /// Density relative to the photograph's: a grey picture, black 0, middle grey 1, white 2
     #[arg(long, value_name = "FILE")]
     pub(crate) density: Option<PathBuf>,
+}
+
+/// Bend or stretch a scene; elements keep their size and density
+#[derive(Args)]
+#[command(
+    override_usage = "vtex warp [OPTIONS] <SCENE> <LIBRARY>...",
+    after_help = "\
+Examples:
+  vtex warp wide.scene.json photo.lib.json --scale 1.5x1 -o wider.svg
+  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o disc.svg
+
+Elements move, gaps are filled with new ones, and where they crowd some go. New ones are drawn by
+the scene's seed, unless --seed gives another."
+)]
+pub(crate) struct WarpArgs {
+    /// The scene, plain or gzip; - reads stdin
+    #[arg(value_name = "SCENE", required = true)]
+    pub(crate) scene: Option<PathBuf>,
+    /// The libraries that it was made from, plain or gzip; - reads stdin
+    #[arg(value_name = "LIBRARY", required = true)]
+    pub(crate) library: Vec<PathBuf>,
+    /// The cage before: an SVG with one closed path, drawn over the scene, an SVG's pixel for a pixel
+    #[arg(long, value_name = "FILE", requires = "to", conflicts_with = "scale")]
+    pub(crate) cage: Option<PathBuf>,
+    /// The cage after: a copy whose points have been moved; its page is the new canvas
+    #[arg(long, value_name = "FILE", requires = "cage")]
+    pub(crate) to: Option<PathBuf>,
+    /// Stretch the canvas: 1.5 or 1.5x2 [0.1 to 10 each]
+    #[arg(long, value_name = "FACTOR")]
+    pub(crate) scale: Option<Factors>,
+    /// At the edge of the new shape keep elements whole, clip them, or avoid it [keep, clip or avoid,
+    /// default: as in the scene]
+    #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
+    pub(crate) edge: Option<Edge>,
+    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// [default: ./SCENE.svg]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
 }
 
 /// Search weights of the score that suit a library
@@ -538,6 +581,8 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("texture", "photo"),
             ("analyze", "photo"),
             ("synth", "library"),
+            ("warp", "scene"),
+            ("warp", "library"),
             ("tune", "library"),
             ("render", "file"),
             ("inspect", "file"),

@@ -2,22 +2,22 @@
 //! configuration: from [`Cli`] to a job and what all jobs share.
 
 use super::arguments::{
-    Cli, Command, ControlArgs, ForceArgs, MasksArgs, PatternArgs, SegmenterName, TuneArgs,
+    Cli, Command, ControlArgs, ForceArgs, MasksArgs, PatternArgs, SegmenterName, TuneArgs, WarpArgs,
 };
 use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
 use super::failure::Failure;
 use super::format::{self, default_name, weights_path};
 use super::input::Input;
 use super::output::{Place, Target};
-use super::values::{Seed, WeightsName};
+use super::values::{Factors, Seed, WeightsName};
 use clap_complete::Shell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use vtex::library::AnalyzeParams;
 use vtex::output::file::{Format, Kind};
 use vtex::scene::SynthParams;
-use vtex::synth::Controls;
 use vtex::synth::tune::{TuneParams, TunedWeights};
+use vtex::synth::{Controls, WarpParams};
 
 /// What is to be done.
 pub(crate) enum Options {
@@ -46,6 +46,7 @@ pub(crate) enum Job {
     Texture(Analysis, Synthesis),
     Analyze(Analysis, Target),
     Synth(Vec<Input>, Synthesis),
+    Warp(Warping),
     Tune(Input, Tuning),
     Render(Input, RenderOptions),
     Inspect(Input),
@@ -75,6 +76,24 @@ pub(crate) struct Synthesis {
     pub(crate) svg: SvgParameters,
     pub(crate) target: Target,
     pub(crate) pattern: Option<Target>,
+}
+
+/// How a scene is bent and written.
+pub(crate) struct Warping {
+    pub(crate) scene: Input,
+    pub(crate) libraries: Vec<Input>,
+    pub(crate) how: How,
+    pub(crate) parameters: WarpParams,
+    pub(crate) svg: SvgParameters,
+    pub(crate) target: Target,
+}
+
+/// What bends a scene.
+pub(crate) enum How {
+    /// Factors along x and y.
+    Scale([f64; 2]),
+    /// A cage, before and after.
+    Cage([Input; 2]),
 }
 
 /// Files that steer synthesis.
@@ -132,6 +151,7 @@ impl Options {
                 given.add("render", &a.render);
                 given.add("svg", &a.svg);
             }
+            Some(Command::Warp(a)) => given.add("svg", &a.svg),
             Some(Command::Tune(_) | Command::Inspect(_) | Command::Completions(_) | Command::Man(_))
             | None => {}
         }
@@ -155,7 +175,7 @@ impl Options {
 
 impl Job {
     fn resolve(command: Command, parameters: Parameters, seed: Seed) -> anyhow::Result<Self> {
-        let Parameters { segmenter, analyze, synth, weights, svg, render, .. } = parameters;
+        let Parameters { seed: given_seed, segmenter, analyze, synth, weights, svg, render, .. } = parameters;
         let analyze = AnalyzeParams { seed: seed.0, ..analyze };
         let mut synth = SynthParams { seed: seed.0, ..synth };
         Ok(match command {
@@ -196,6 +216,10 @@ impl Job {
                 read_weights(weights, first, &mut synth)?;
                 Self::Synth(libraries, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
             }
+            Command::Warp(a) => {
+                let parameters = WarpParams { seed: given_seed.map(|s| s.0), edge: a.edge };
+                Self::Warp(Warping::new(a, parameters, svg)?)
+            }
             Command::Tune(mut a) => {
                 let library = required(a.library.take())?;
                 read_weights(weights, &library, &mut synth)?;
@@ -212,6 +236,30 @@ impl Job {
             Command::Completions(a) => Self::Completions(a.shell),
             Command::Man(a) => Self::Man(a.folder),
         })
+    }
+}
+
+impl Warping {
+    fn new(a: WarpArgs, parameters: WarpParams, svg: SvgParameters) -> Result<Self, Failure> {
+        let scene = required(a.scene)?;
+        let libraries: Vec<Input> = a.library.into_iter().map(Input::new).collect();
+        let output = a.output.clone();
+        let target = target(a.output, &a.force, &scene, format::OF_SCENE, Format::Svg)?;
+        let how = match (a.scale, a.cage, a.to) {
+            (Some(Factors(factors)), ..) => How::Scale(factors),
+            (None, Some(cage), Some(to)) => How::Cage([cage, to].map(Input::new)),
+            _ => {
+                return Err(Failure::usage("nothing says how to bend the scene")
+                    .hint("give --scale, or two cages with --cage and --to"));
+            }
+        };
+        let mut read = vec![("the scene", &scene)];
+        read.extend(libraries.iter().map(|file| ("the library", file)));
+        if let How::Cage([cage, to]) = &how {
+            read.extend([("--cage", cage), ("--to", to)]);
+        }
+        check_files(&read, &[("-o", output.as_deref())])?;
+        Ok(Self { scene, libraries, how, parameters, svg, target })
     }
 }
 
@@ -294,22 +342,7 @@ impl Steering {
         inputs: &[(&'static str, &Input)],
         written: &[(&str, Option<&Path>)],
     ) -> Result<(), Failure> {
-        let all: Vec<(&str, &Input)> = inputs.iter().copied().chain(self.files()).collect();
-        if all.iter().filter(|(_, file)| **file == Input::Stdin).count() > 1 {
-            return Err(
-                Failure::usage("'-' stands for more than one file").hint("standard input can be read once")
-            );
-        }
-        for (name, file) in all {
-            let read = match file {
-                Input::File(path) => Some(path.as_path()),
-                Input::Stdin => None,
-            };
-            for &other in written {
-                apart(&[(name, read), other])?;
-            }
-        }
-        Ok(())
+        check_files(&inputs.iter().copied().chain(self.files()).collect::<Vec<_>>(), written)
     }
 
     /// Refuses a number of maps that does not fit the libraries.
@@ -369,6 +402,22 @@ fn read_weights(name: Option<WeightsName>, beside: &Input, synth: &mut SynthPara
         return Err(failure.hint(made).into());
     }
     synth.weights = TunedWeights::read(&path)?.weights;
+    Ok(())
+}
+
+/// Refuses that a file is read and written, or standard input read twice.
+fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+    if read.iter().filter(|(_, file)| **file == Input::Stdin).count() > 1 {
+        let failure = Failure::usage("'-' stands for more than one file");
+        return Err(failure.hint("standard input can be read once"));
+    }
+    for (name, file) in read {
+        if let Input::File(path) = file {
+            for &other in written {
+                apart(&[(name, Some(path.as_path())), other])?;
+            }
+        }
+    }
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use super::arguments::SegmenterName;
 use super::input::{Input, Kind};
-use super::options::{Analysis, DomainFrom, MasksFrom, Steering};
+use super::options::{Analysis, DomainFrom, How, MasksFrom, Steering};
 use super::output::Place;
 use super::progress::Reporter;
 use image::RgbImage;
@@ -11,7 +11,7 @@ use vtex::control;
 use vtex::library::Library;
 use vtex::scene::{Scene, SynthParams};
 use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
-use vtex::synth::{Controls, Report};
+use vtex::synth::{Bend, Controls, Report};
 use vtex::{Error, Progress, Result};
 
 /// Photograph → library; saves the masks if asked.
@@ -103,6 +103,35 @@ pub(super) fn synthesize(
     reporter: &Reporter,
 ) -> Result<(Scene, Report)> {
     vtex::synth::synthesize_with(libraries, parameters, controls, reporter)
+}
+
+/// Reads libraries.
+pub(super) fn libraries(inputs: &[Input]) -> anyhow::Result<Vec<Library>> {
+    let read = |input: &Input| {
+        let bytes = input.read()?;
+        // What is nothing known may still be a damaged library, and reading it says where.
+        Kind::expect(&bytes, input, &[Kind::Library, Kind::Unknown])?;
+        Ok(Library::from_bytes(&bytes, &input.name())?)
+    };
+    inputs.iter().map(read).collect()
+}
+
+/// Scene → the way that it is bent.
+pub(super) fn bend(scene: &Scene, how: &How) -> anyhow::Result<Bend> {
+    let read = |file: &Input| {
+        let bytes = file.read()?;
+        Kind::expect(&bytes, file, &[Kind::Svg, Kind::Unknown])
+            .map_err(|failure| failure.hint("a cage is drawn as an SVG with one closed path"))?;
+        anyhow::Ok(control::cage(&bytes, &file.name())?)
+    };
+    Ok(match how {
+        How::Scale(factors) => Bend::scale(scene, *factors)?,
+        How::Cage([before, after]) => {
+            let (before, _) = read(before)?;
+            let (after, canvas) = read(after)?;
+            Bend::cage(before, after, canvas)?
+        }
+    })
 }
 
 /// Library → the exemplar as a scene.

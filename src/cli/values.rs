@@ -52,6 +52,23 @@ impl<'de> Deserialize<'de> for Size {
     }
 }
 
+/// `1.5` or `1.5x2`: factors along x and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Factors(pub(crate) [f64; 2]);
+
+impl FromStr for Factors {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let factor = |t: &str| {
+            let value = t.parse().ok().filter(|v| (0.1..=10.0).contains(v));
+            value.ok_or("expected 1.5 or 1.5x2, each 0.1 to 10")
+        };
+        let (x, y) = text.split_once(['x', 'X']).unwrap_or((text, text));
+        Ok(Self([factor(x)?, factor(y)?]))
+    }
+}
+
 /// A 64-bit seed. TOML integers have 63 bits, so a larger one is written as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Seed(pub(crate) u64);
@@ -247,6 +264,15 @@ mod tests {
             ["", "0", "x", "10x", "x10", "1x2x3", "-5", "+5", "1.5", "100001", "99999999999", "10 x 10"]
         {
             assert!(bad.parse::<Size>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn factors_are_one_or_two_numbers() {
+        assert_eq!("1.5".parse(), Ok(Factors([1.5, 1.5])));
+        assert_eq!("0.5x2".parse(), Ok(Factors([0.5, 2.0])));
+        for bad in ["", "x", "0", "0.05", "11", "1x", "-1", "NaN", "1x2x3", "inf"] {
+            assert!(bad.parse::<Factors>().is_err(), "{bad}");
         }
     }
 

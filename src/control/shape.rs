@@ -41,15 +41,16 @@ pub fn shape(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outl
 }
 
 /// The single ring of an SVG as it is drawn, in the SVG's pixels, with its direction and order of
-/// points kept.
+/// points kept; and width and height of the SVG's page, in pixels.
 ///
 /// # Errors
 /// As [`shape`]; also [`Error::Control`] for more than one ring.
-pub fn cage(bytes: &[u8], name: &str) -> Result<Outline> {
+pub fn cage(bytes: &[u8], name: &str) -> Result<(Outline, [u32; 2])> {
     let reader = Reader { name, role: "a cage" };
-    let outline = reader.outline(&reader.read(bytes)?.path)?;
+    let Drawn { path, size, .. } = reader.read(bytes)?;
+    let outline = reader.outline(&path)?;
     match rings(outline.path()).count() {
-        1 if outline.area() >= 1.0 => Ok(outline),
+        1 if outline.area() >= 1.0 => Ok((outline, size.map(|v| libm::round(v).max(1.0) as u32))),
         1 => Err(reader.fail("it encloses no area", "it must be at least some pixels large")),
         n => Err(reader.fail(format!("it has {n} rings"), "a cage is one ring, without holes or islands")),
     }
@@ -293,9 +294,10 @@ mod tests {
     #[test]
     fn cages_keep_scale_and_direction() {
         let read = |inner: &str| cage(&svg(inner), "c.svg");
-        let anticlockwise = read(r#"<path d="M10 10v30h30v-30z"/>"#).unwrap();
+        let (anticlockwise, page) = read(r#"<path d="M10 10v30h30v-30z"/>"#).unwrap();
         assert_eq!(anticlockwise.bounds(), Rect::new(10.0, 10.0, 40.0, 40.0));
         assert!(anticlockwise.path().area() < 0.0);
+        assert_eq!(page, [100, 50]);
         let error = read(r#"<path d="M0 0H40V40H0z M9 9h5v5z"/>"#).unwrap_err();
         assert!(error.to_string().contains("it has 2 rings"), "{error}");
     }

@@ -34,10 +34,7 @@ pub(super) fn scene(
     }
     for id in map.painting_order() {
         let p = map.placed[id as usize];
-        let spans = map.model().shape(p.form).mask.spans().iter();
-        let canvas = spans.flat_map(|&s| map.grid.parts(s, p.at)).flat_map(|part| part.canvas);
-        let mut filled = canvas.filter(|&i| map.ground.zone(i).is_some());
-        if filled.any(|i| map.owner[i] == id) {
+        if is_seen(map, id) {
             let primary = map.model().primary(p.form);
             let texton = textons[primary.library].primary(&mut scene, primary.index);
             let at = [0, 1].map(|k| p.at[k] - map.grid.margin[k]);
@@ -45,6 +42,15 @@ pub(super) fn scene(
         }
     }
     scene
+}
+
+/// Whether anything can be seen of a placed texton where the map is to be filled.
+pub(super) fn is_seen(map: &TargetMap<'_>, id: u32) -> bool {
+    let p = map.placed[id as usize];
+    let spans = map.model().shape(p.form).mask.spans().iter();
+    let canvas = spans.flat_map(|&s| map.grid.parts(s, p.at)).flat_map(|part| part.canvas);
+    let mut filled = canvas.filter(|&i| map.ground.zone(i).is_some());
+    filled.any(|i| map.owner[i] == id)
 }
 
 /// The exemplar's own arrangement: what the library knows of the photograph, drawn back. Primaries
@@ -105,18 +111,28 @@ fn push(
     colour: Option<Colour>,
 ) {
     let id = (scene.secondary.len() + scene.primary.len()) as u32;
-    // Five decimals are a hundredth of a pixel at a distance of a thousand, and short to write.
-    let [a, b, c, d] = variation.matrix.map(|v| libm::round(v * 1e5) / 1e5);
-    let transform = [a, b, c, d, f64::from(at[0]), f64::from(at[1])];
-    let instance = Instance { id, texton, transform, colour };
+    let instance = instance(id, texton, at, variation, colour);
     match layer {
         Layer::Secondary => scene.secondary.push(instance),
         Layer::Primary => scene.primary.push(instance),
     }
 }
 
+/// A texton at a place of the canvas.
+pub(super) fn instance(
+    id: u32,
+    texton: u32,
+    at: [i32; 2],
+    variation: &Variation,
+    colour: Option<Colour>,
+) -> Instance {
+    // Five decimals are a hundredth of a pixel at a distance of a thousand, and short to write.
+    let [a, b, c, d] = variation.matrix.map(|v| libm::round(v * 1e5) / 1e5);
+    Instance { id, texton, transform: [a, b, c, d, f64::from(at[0]), f64::from(at[1])], colour }
+}
+
 /// Which of a library's textons a scene holds already, and where.
-struct Textons<'a> {
+pub(super) struct Textons<'a> {
     /// Which library of the scene.
     number: u32,
     library: &'a Library,
@@ -134,7 +150,26 @@ impl<'a> Textons<'a> {
         Self { number, library, primaries, secondaries, alike: BTreeMap::new() }
     }
 
-    fn primary(&mut self, scene: &mut Scene, index: u32) -> u32 {
+    /// Those that a scene holds already.
+    pub(super) fn known(number: u32, library: &'a Library, scene: &Scene) -> Self {
+        let mut textons = Self::new(number, library);
+        for (i, t) in scene.textons.iter().enumerate().filter(|(_, t)| t.library == number) {
+            let (list, primary) = match t.category {
+                Some(_) => (&mut textons.primaries, true),
+                None => (&mut textons.secondaries, false),
+            };
+            if let Some(known) = list.get_mut(t.source as usize) {
+                *known = Some(i as u32);
+            }
+            if !primary {
+                textons.alike.insert(t.outline.to_string(), i as u32);
+            }
+        }
+        textons
+    }
+
+    /// The number of a primary in the scene, which then holds it.
+    pub(super) fn primary(&mut self, scene: &mut Scene, index: u32) -> u32 {
         let p = &self.library.primaries[index as usize];
         *self.primaries[index as usize].get_or_insert_with(|| {
             let moved = |outline: &Outline| translated(outline, origin(p));
@@ -151,7 +186,8 @@ impl<'a> Textons<'a> {
         })
     }
 
-    fn secondary(&mut self, scene: &mut Scene, index: u32) -> u32 {
+    /// The number of a secondary in the scene, which then holds it or one of the same shape.
+    pub(super) fn secondary(&mut self, scene: &mut Scene, index: u32) -> u32 {
         let s: &Secondary = &self.library.secondaries.textons[index as usize];
         *self.secondaries[index as usize].get_or_insert_with(|| {
             let outline = translated(&s.outline, secondaries::origin(s));
@@ -172,12 +208,12 @@ impl<'a> Textons<'a> {
 }
 
 /// Origin of a primary: its centroid in whole pixels.
-fn origin(primary: &Primary) -> [i32; 2] {
+pub(super) fn origin(primary: &Primary) -> [i32; 2] {
     primary.centroid.map(|v| libm::round(v) as i32)
 }
 
 /// An outline moved so that `origin` comes to (0, 0).
-fn translated(outline: &Outline, origin: [i32; 2]) -> Outline {
+pub(super) fn translated(outline: &Outline, origin: [i32; 2]) -> Outline {
     let shift = Affine::translate((-f64::from(origin[0]), -f64::from(origin[1])));
     // Fails only beyond any exemplar's size; then the texton stays where it was.
     Outline::new(&(shift * outline.path())).unwrap_or_else(|| outline.clone())

@@ -23,7 +23,7 @@ use crate::scene::{Ablation, SynthParams};
 /// Points per area of a Poisson-disk set of radius 1, as [`poisson_disk`] makes them (measured).
 const POISSON_DENSITY: f64 = 0.616;
 /// Radius of the cells, in radii of the set that would hold single secondaries.
-const CELL: f64 = 3.0;
+pub(super) const CELL: f64 = 3.0;
 /// Places of the exemplar compared for each cell.
 const CANDIDATES: usize = 8;
 /// A secondary is left out unless at least this share of its outline's points can be seen.
@@ -71,25 +71,32 @@ pub(super) fn place(
     for (number, library) in libraries.iter().enumerate() {
         let Some(radius) = radius(library) else { continue };
         let task = Task { number, library, map, radius, params };
-        for Place { secondary, at, variation } in task.places(&lands) {
-            let colour = Colour([0; 3]);
-            placed.push(Placed { library: number, secondary, at, variation, colour });
-        }
+        placed.extend(task.places(&lands).into_iter().map(|place| task.placed(place)));
     }
-    let mut placed = parallel::map(&placed, |p| {
+    let mut placed = painted(libraries, placed, field);
+    placed.sort_by_key(Placed::painting_key);
+    placed
+}
+
+/// In the colour of the ground beneath them plus their own difference.
+pub(super) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interpolant) -> Vec<Placed> {
+    parallel::map(&placed, |p| {
         let difference = libraries[p.library].secondaries.textons[p.secondary as usize].difference;
         let ground = field.at(f64::from(p.at[0]), f64::from(p.at[1]));
         let colour = [0, 1, 2].map(|c| ground[c] + f64::from(difference[c]));
         Placed { colour: coarse(colour), ..*p }
-    });
-    // Equal fills side by side, for smaller files; secondaries hardly overlap, so which of them is
-    // painted first matters little. The order of the fills is mixed, so that no tone is always on top.
-    placed.sort_by_key(|p| {
-        let [r, g, b] = p.colour.0.map(u32::from);
+    })
+}
+
+impl Placed {
+    /// What sorts secondaries for painting: equal fills side by side, for smaller files; secondaries
+    /// hardly overlap, so which of them is painted first matters little. The order of the fills is
+    /// mixed, so that no tone is always on top.
+    pub(super) fn painting_key(&self) -> impl Ord + use<> {
+        let [r, g, b] = self.colour.0.map(u32::from);
         let colour = (r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1);
-        (colour, p.at[1], p.at[0], p.library, p.secondary)
-    });
-    placed
+        (colour, self.at[1], self.at[0], self.library, self.secondary)
+    }
 }
 
 /// Which library's secondaries stand where.
@@ -143,6 +150,11 @@ struct Task<'t, 'a> {
 }
 
 impl Task<'_, '_> {
+    /// A secondary that has no colour yet.
+    fn placed(&self, Place { secondary, at, variation }: Place) -> Placed {
+        Placed { library: self.number, secondary, at, variation, colour: Colour([0; 3]) }
+    }
+
     fn places(&self, lands: &Lands) -> Vec<Place> {
         let samples: Vec<Vec<[f64; 2]>> = self.library.secondaries.textons.iter().map(samples).collect();
         let fits = |p: &Place| {
@@ -154,7 +166,7 @@ impl Task<'_, '_> {
             places = self.neighbourhoods();
             places.retain(&fits);
         }
-        self.fill_gaps(&mut places, &fits);
+        self.fill_gaps(&mut places, fits);
         places
     }
 
@@ -167,34 +179,46 @@ impl Task<'_, '_> {
         // Cells just outside reach in.
         let sites = scattered(map, reach, reach, &mut stream(seed, "synth/secondaries", item(0)));
         let exemplar = Exemplar::new(self.library, reach);
+        let indices: Vec<usize> = (0..sites.centres().len()).collect();
+        let cells = parallel::map(&indices, |&i| {
+            let mut random = stream(seed, "synth/neighbourhood", item(i));
+            let cell = sites.cell(i);
+            self.neighbourhood(&exemplar, sites.centres()[i], |at| cell.owns(at), &mut random)
+        });
+        cells.into_iter().flatten().collect()
+    }
+
+    /// The secondaries of a neighbourhood of the exemplar that suits a place, as far as they come to
+    /// lie in its cell.
+    fn neighbourhood(
+        &self,
+        exemplar: &Exemplar,
+        here: [i32; 2],
+        in_cell: impl Fn([i32; 2]) -> bool,
+        random: &mut Stream,
+    ) -> Vec<Place> {
+        let map = self.map;
         let [mx, my] = map.grid.margin;
         let free = |x: i32, y: i32| {
             let at = [x + mx, y + my];
             !map.inside(at) || map.grid.cell(at).is_none_or(|i| !map.taken(i))
         };
         let variations = &map.model().variations;
-        let indices: Vec<usize> = (0..sites.centres().len()).collect();
-        let cells = parallel::map(&indices, |&i| {
-            let here = sites.centres()[i];
-            let mut random = stream(seed, "synth/neighbourhood", item(i));
-            let variation = drawn(variations, &mut random);
-            let varied = &variations[usize::from(variation)];
-            let source = exemplar.best_source(here, CANDIDATES, varied, free, &mut random);
-            let cell = sites.cell(i);
-            let mut found = Vec::new();
-            exemplar.around(source, |secondary, offset| {
-                let [dx, dy] = varied.there(offset);
-                let at = [here[0] + dx, here[1] + dy];
-                if cell.owns(at) {
-                    let density = map.ground.density(at.map(f64::from));
-                    if density >= 1.0 || random.chance(density) {
-                        found.push(Place { secondary, at: self.canonical(at), variation });
-                    }
+        let variation = drawn(variations, random);
+        let varied = &variations[usize::from(variation)];
+        let source = exemplar.best_source(here, CANDIDATES, varied, free, random);
+        let mut found = Vec::new();
+        exemplar.around(source, |secondary, offset| {
+            let [dx, dy] = varied.there(offset);
+            let at = [here[0] + dx, here[1] + dy];
+            if in_cell(at) {
+                let density = map.ground.density(at.map(f64::from));
+                if density >= 1.0 || random.chance(density) {
+                    found.push(Place { secondary, at: self.canonical(at), variation });
                 }
-            });
-            found
+            }
         });
-        cells.into_iter().flatten().collect()
+        found
     }
 
     /// A place of the canvas in its canonical period.
@@ -241,6 +265,66 @@ impl Task<'_, '_> {
         };
         let singles = gaps.into_iter().map(single).filter(fits);
         places.extend(singles.take(missing as usize));
+    }
+}
+
+/// Secondaries of one library for the gaps of an arrangement that stands already.
+pub(super) struct Finder<'t, 'a> {
+    task: Task<'t, 'a>,
+    exemplar: Exemplar,
+    samples: Vec<Vec<[f64; 2]>>,
+}
+
+impl<'t, 'a> Finder<'t, 'a> {
+    /// For a library by its number; none if it has no secondaries.
+    pub(super) fn new(
+        number: usize,
+        library: &'t Library,
+        map: &'t TargetMap<'a>,
+        params: &'t SynthParams,
+    ) -> Option<Self> {
+        let radius = radius(library)?;
+        let samples = library.secondaries.textons.iter().map(samples).collect();
+        let exemplar = Exemplar::new(library, CELL * radius);
+        Some(Self { task: Task { number, library, map, radius, params }, exemplar, samples })
+    }
+
+    /// Radius of the Poisson-disk set that holds as many as there are, in pixels.
+    pub(super) fn radius(&self) -> f64 {
+        self.task.radius
+    }
+
+    /// Whether enough of a secondary of the library can be seen.
+    pub(super) fn fits(&self, p: &Placed) -> bool {
+        self.sees(&Place { secondary: p.secondary, at: p.at, variation: p.variation })
+    }
+
+    fn sees(&self, place: &Place) -> bool {
+        visible(self.task.map, &self.samples[place.secondary as usize], place) >= LEAST_VISIBLE
+    }
+
+    /// A neighbourhood of the exemplar that suits a place, as far as it lies in its cell.
+    pub(super) fn neighbourhood(
+        &self,
+        here: [i32; 2],
+        in_cell: impl Fn([i32; 2]) -> bool,
+        random: &mut Stream,
+    ) -> Vec<Placed> {
+        let mut places = self.task.neighbourhood(&self.exemplar, here, in_cell, random);
+        places.retain(|place| self.sees(place));
+        places.into_iter().map(|place| self.task.placed(place)).collect()
+    }
+
+    /// Single secondaries in the gaps between what stands, on the library's own land.
+    pub(super) fn singles(&self, standing: Vec<[i32; 2]>) -> Vec<Placed> {
+        let mut places: Vec<Place> =
+            standing.into_iter().map(|at| Place { secondary: 0, at, variation: 0 }).collect();
+        let count = places.len();
+        let ground = &self.task.map.ground;
+        let own =
+            |at: [i32; 2]| !ground.is_shared() || ground.shares(at.map(f64::from))[self.task.number] > 0.5;
+        self.task.fill_gaps(&mut places, |place| own(place.at) && self.sees(place));
+        places.drain(count..).map(|place| self.task.placed(place)).collect()
     }
 }
 

@@ -8,6 +8,7 @@ mod render;
 mod synth;
 mod texture;
 mod tune;
+mod warp;
 
 use super::options::{Common, Job};
 use super::progress::Reporter;
@@ -19,6 +20,7 @@ pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
         Job::Texture(analysis, synthesis) => texture::run(common, &reporter, analysis, synthesis),
         Job::Analyze(analysis, target) => analyze::run(common, &reporter, analysis, target),
         Job::Synth(library, synthesis) => synth::run(common, &reporter, library, synthesis),
+        Job::Warp(warping) => warp::run(common, &reporter, warping),
         Job::Tune(library, tuning) => tune::run(common, &reporter, library, tuning),
         Job::Render(file, options) => render::run(common, &reporter, file, options),
         Job::Inspect(file) => inspect::run(common, file),

@@ -1,14 +1,16 @@
 //! `vtex synth`: library → texture.
 
-use crate::cli::input::{Input, Kind};
+use crate::cli::config::SvgParameters;
+use crate::cli::input::Input;
 use crate::cli::options::{Common, Synthesis};
-use crate::cli::output::{Place, say};
+use crate::cli::output::{Place, Target, say};
 use crate::cli::progress::Reporter;
 use crate::cli::stages;
 use crate::cli::summary::{Counts, Coverage, Seconds, Summary, peak_memory};
 use vtex::Progress;
 use vtex::library::Library;
-use vtex::synth::Controls;
+use vtex::scene::Scene;
+use vtex::synth::{Controls, Report};
 
 pub(super) fn run(
     common: &Common,
@@ -19,13 +21,7 @@ pub(super) fn run(
     synthesis.probe()?;
     reporter.stage("reading")?;
     let controls = stages::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
-    let mut libraries = Vec::with_capacity(inputs.len());
-    for input in inputs {
-        let bytes = input.read()?;
-        // What is nothing known may still be a damaged library, and reading it says where.
-        Kind::expect(&bytes, input, &[Kind::Library, Kind::Unknown])?;
-        libraries.push(Library::from_bytes(&bytes, &input.name())?);
-    }
+    let libraries = stages::libraries(inputs)?;
     let names = inputs.iter().map(Input::name).collect();
     finish(common, reporter, "synth", names, &libraries, &controls, synthesis)
 }
@@ -48,35 +44,59 @@ pub(super) fn finish(
         say(&format!("{parameters:#?}"));
     }
     let (scene, report) = stages::synthesize(libraries, parameters, controls, reporter)?;
-    reporter.stage("writing")?;
-    let written = target.write_scene(&scene, &(*svg).into(), 1.0)?;
-    if let Some(pattern) = pattern {
-        pattern.write_pattern(&scene, &(*svg).into())?;
+    let result = Made { command, inputs, scene, report };
+    result.write(common, reporter, *svg, target, pattern.as_ref())
+}
+
+/// A texture that is done.
+pub(super) struct Made {
+    pub(super) command: &'static str,
+    pub(super) inputs: Vec<String>,
+    pub(super) scene: Scene,
+    pub(super) report: Report,
+}
+
+impl Made {
+    /// Writes it and sums up.
+    pub(super) fn write(
+        self,
+        common: &Common,
+        reporter: &Reporter,
+        svg: SvgParameters,
+        target: &Target,
+        pattern: Option<&Target>,
+    ) -> anyhow::Result<()> {
+        let Self { command, inputs, scene, report } = self;
+        reporter.stage("writing")?;
+        let written = target.write_scene(&scene, &svg.into(), 1.0)?;
+        if let Some(pattern) = pattern {
+            pattern.write_pattern(&scene, &svg.into())?;
+        }
+        for warning in &written.warnings {
+            reporter.warn(warning);
+        }
+        let (seconds, warnings) = reporter.finish();
+        let summary = Summary {
+            program: vtex::PROGRAM,
+            command,
+            inputs,
+            output: target.place.path().display().to_string(),
+            pattern: pattern.map(|p| p.place.path().display().to_string()),
+            bytes: written.bytes,
+            seed: scene.parameters.as_ref().map(|p| p.seed),
+            size: [scene.width, scene.height],
+            counts: Some(Counts::of_scene(&scene)),
+            coverage: Some(Coverage {
+                wanted: Some(report.coverage_wanted),
+                got: Some(report.coverage),
+                categories: report.categories,
+            }),
+            overlap: Some(report.overlap),
+            repetition: Some(report.repetition),
+            seconds: Seconds(seconds),
+            peak_memory: peak_memory(),
+            warnings,
+        };
+        summary.tell(common, target.place == Place::Stdout)
     }
-    for warning in &written.warnings {
-        reporter.warn(warning);
-    }
-    let (seconds, warnings) = reporter.finish();
-    let summary = Summary {
-        program: vtex::PROGRAM,
-        command,
-        inputs,
-        output: target.place.path().display().to_string(),
-        pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
-        bytes: written.bytes,
-        seed: Some(parameters.seed),
-        size: [scene.width, scene.height],
-        counts: Some(Counts::of_scene(&scene)),
-        coverage: Some(Coverage {
-            wanted: Some(report.coverage_wanted),
-            got: Some(report.coverage),
-            categories: report.categories,
-        }),
-        overlap: Some(report.overlap),
-        repetition: Some(report.repetition),
-        seconds: Seconds(seconds),
-        peak_memory: peak_memory(),
-        warnings,
-    };
-    summary.tell(common, target.place == Place::Stdout)
 }

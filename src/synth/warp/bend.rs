@@ -1,0 +1,121 @@
+//! Where everything of a scene goes.
+
+use crate::error::{Result, check};
+use crate::geometry::{BezPath, Cage, Outline, PathEl, Point};
+use crate::scene::{Instance, Scene, Texton};
+use kurbo::{ParamCurve, Shape};
+
+/// Pieces that each segment of a domain is cut into when it is bent.
+const PIECES: usize = 16;
+
+/// How a scene is bent: where each point goes, what takes part, and the canvas that results.
+#[derive(Clone, Debug)]
+pub struct Bend {
+    canvas: [u32; 2],
+    how: How,
+}
+
+#[derive(Clone, Debug)]
+enum How {
+    Scaled([f64; 2]),
+    Caged { cage: Cage, before: Outline, after: Outline },
+}
+
+impl Bend {
+    /// The canvas of `scene` stretched along both axes, 0.1 to 10 times each.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] for a factor out of range.
+    pub fn scale(scene: &Scene, factors: [f64; 2]) -> Result<Self> {
+        for factor in factors {
+            check((0.1..=10.0).contains(&factor), "scale", factor, "0.1 to 10")?;
+        }
+        let side = |size: u32, factor: f64| libm::round(f64::from(size) * factor).max(1.0) as u32;
+        let canvas = [side(scene.width, factors[0]), side(scene.height, factors[1])];
+        Ok(Self { canvas, how: How::Scaled(factors) })
+    }
+
+    /// What a cage holds follows it as it becomes another, on a canvas of a given size, in pixels.
+    /// A scene that fills all of its canvas is cut out by the first cage and fills the second; one
+    /// that fills a domain has its domain bent.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cages`] if they do not correspond; see [`Cage::new`].
+    pub fn cage(before: Outline, after: Outline, canvas: [u32; 2]) -> Result<Self> {
+        let cage = Cage::new(&before, &after)?;
+        Ok(Self { canvas, how: How::Caged { cage, before, after } })
+    }
+
+    /// Size of the canvas that results, in pixels.
+    pub(super) fn canvas(&self) -> [u32; 2] {
+        self.canvas
+    }
+
+    /// Where a point goes.
+    pub(super) fn point(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        match &self.how {
+            How::Scaled([sx, sy]) => [x * sx, y * sy],
+            How::Caged { cage, .. } => {
+                let p = cage.map(Point::new(x, y));
+                // Far outside of a cage the map has no bounds.
+                [p.x, p.y].map(|v| if v.is_finite() { v.clamp(-1e6, 1e6) } else { 1e6 })
+            }
+        }
+    }
+
+    /// Whether a point takes part.
+    pub(super) fn holds(&self, [x, y]: [f64; 2]) -> bool {
+        match &self.how {
+            How::Scaled(_) => true,
+            How::Caged { before, .. } => before.path().contains(Point::new(x, y)),
+        }
+    }
+
+    /// Where the origin of a texton goes; none if nothing of it takes part.
+    pub(super) fn texton(&self, instance: &Instance, texton: &Texton) -> Option<[f64; 2]> {
+        let [.., x, y] = instance.transform;
+        let affine = instance.affine();
+        let ends = || texton.outline.path().elements().iter().filter_map(PathEl::end_point);
+        let inside = self.holds([x, y])
+            || ends().any(|p| {
+                let p = affine * p;
+                self.holds([p.x, p.y])
+            });
+        inside.then(|| self.point([x, y]))
+    }
+
+    /// The shape that the result fills; none if it is the canvas.
+    pub(super) fn domain(&self, scene: &Scene) -> Option<Outline> {
+        match (&scene.domain, &self.how) {
+            (Some(domain), _) => {
+                let mut path = BezPath::new();
+                let mut start = true;
+                let bent = |p: Point| {
+                    let [x, y] = self.point([p.x, p.y]);
+                    Point::new(x, y)
+                };
+                let rings = domain.outline.path().elements().chunk_by(|_, e| !matches!(e, PathEl::MoveTo(_)));
+                for ring in rings {
+                    for segment in BezPath::from_vec(ring.to_vec()).segments() {
+                        for i in 0..PIECES {
+                            let p = bent(segment.eval(i as f64 / PIECES as f64));
+                            if start {
+                                path.move_to(p)
+                            } else {
+                                path.line_to(p)
+                            }
+                            start = false;
+                        }
+                    }
+                    if !start {
+                        path.close_path();
+                    }
+                    start = true;
+                }
+                Outline::new(&path)
+            }
+            (None, How::Caged { after, .. }) => Some(after.clone()),
+            (None, How::Scaled(_)) => None,
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! What a scene knows of the libraries that it was made from.
+
+use super::Bend;
+use crate::error::{Error, Result};
+use crate::library::Library;
+use crate::raster::ControlMap;
+use crate::scene::{Instance, Scene, Texton};
+use crate::synth::compose;
+use crate::synth::model::Model;
+use std::collections::VecDeque;
+
+/// Longer side of the map of lands, in its own pixels.
+const LANDS_SIDE: u32 = 256;
+
+/// The libraries in the scene's order.
+pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<Vec<Library>> {
+    let fail = |name: &str, reason: String| Error::Control {
+        name: name.into(),
+        role: "a library of the scene",
+        reason,
+        advice: "give the libraries that the scene was made from; 'vtex inspect' lists them",
+    };
+    let mut left: Vec<Option<Library>> = libraries.into_iter().map(Some).collect();
+    let mut found = Vec::with_capacity(scene.libraries.len());
+    for reference in &scene.libraries {
+        let fits = |l: &&mut Option<Library>| l.as_ref().is_some_and(|l| l.source.sha256 == reference.sha256);
+        let library = left.iter_mut().find(fits).and_then(Option::take);
+        let missing = || fail(&reference.exemplar, "the scene has textons of it, and it is not given".into());
+        found.push(library.ok_or_else(missing)?);
+    }
+    if let Some(foreign) = left.into_iter().flatten().next() {
+        return Err(fail(&foreign.source.file, "the scene was made without it".into()));
+    }
+    // The same photograph may have been analysed in another way since.
+    for instance in &scene.primary {
+        let texton = &scene.textons[instance.texton as usize];
+        let library = &found[texton.library as usize];
+        let known =
+            library.primaries.get(texton.source as usize).filter(|p| Some(p.category.0) == texton.category);
+        if known.is_none_or(|p| compose::translated(&p.outline, compose::origin(p)) != texton.outline) {
+            return Err(fail(&library.source.file, "its textons are not those of the scene".into()));
+        }
+    }
+    for instance in &scene.secondary {
+        let texton = &scene.textons[instance.texton as usize];
+        let library = &found[texton.library as usize];
+        if texton.source as usize >= library.secondaries.textons.len() {
+            return Err(fail(&library.source.file, "its textons are not those of the scene".into()));
+        }
+    }
+    Ok(found)
+}
+
+/// The form of a primary on the canvas: its variation is the nearest that there is.
+pub(super) fn form(model: &Model, instance: &Instance, texton: &Texton) -> u32 {
+    let source = &model.sources[texton.library as usize];
+    let variation = variation(model, instance);
+    (source.primaries.start + texton.source) * model.variations.len() as u32 + u32::from(variation)
+}
+
+/// The variation nearest to that of an instance; the first of equals.
+pub(super) fn variation(model: &Model, instance: &Instance) -> u16 {
+    let far = |k: usize| {
+        let matrix = &model.variations[k].matrix;
+        (0..4).map(|i| (matrix[i] - instance.transform[i]).abs()).sum::<f64>()
+    };
+    let mut best = 0;
+    for k in 1..model.variations.len() {
+        if far(k) < far(best) {
+            best = k;
+        }
+    }
+    best as u16
+}
+
+/// Whose land is where after the bend: that of the nearest texton.
+pub(super) fn lands(scene: &Scene, bend: &Bend, libraries: usize) -> Vec<ControlMap> {
+    let canvas = bend.canvas();
+    let longer = canvas[0].max(canvas[1]);
+    let [width, height] =
+        canvas.map(|side| (u64::from(side) * u64::from(LANDS_SIDE) / u64::from(longer)).max(1) as usize);
+    let mut land: Vec<Option<u32>> = vec![None; width * height];
+    let mut queue = VecDeque::new();
+    for instance in scene.primary.iter().chain(&scene.secondary) {
+        let texton = &scene.textons[instance.texton as usize];
+        let Some([x, y]) = bend.texton(instance, texton) else { continue };
+        let (x, y) = (x / f64::from(canvas[0]), y / f64::from(canvas[1]));
+        if (0.0..1.0).contains(&x) && (0.0..1.0).contains(&y) {
+            let cell = (y * height as f64) as usize * width + (x * width as f64) as usize;
+            if land[cell].is_none() {
+                land[cell] = Some(texton.library);
+                queue.push_back(cell);
+            }
+        }
+    }
+    while let Some(cell) = queue.pop_front() {
+        let (x, y) = (cell % width, cell / width);
+        let beside = [
+            (x > 0).then(|| cell - 1),
+            (x + 1 < width).then_some(cell + 1),
+            (y > 0).then(|| cell - width),
+            (y + 1 < height).then_some(cell + width),
+        ];
+        for next in beside.into_iter().flatten() {
+            if land[next].is_none() {
+                land[next] = land[cell];
+                queue.push_back(next);
+            }
+        }
+    }
+    let share = |library: usize| {
+        let values = land.iter().map(|l| f32::from(u8::from(*l == Some(library as u32)))).collect();
+        ControlMap::new(width as u32, height as u32, values)
+    };
+    (0..libraries).filter_map(share).collect()
+}
