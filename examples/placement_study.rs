@@ -93,7 +93,8 @@ impl Study {
     }
 
     fn run(&self) -> Outcome {
-        let tables: [(&str, fn(&Self) -> Outcome<String>); 4] = [
+        type Table = (&'static str, fn(&Study) -> Outcome<String>);
+        let tables: [Table; 4] = [
             ("speed", Self::speed),
             ("coverage", Self::coverage),
             ("correlation", Self::correlation),

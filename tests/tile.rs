@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 use tiny_skia::Pixmap;
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
-use vtex::geometry::{Affine, Vec2};
+use vtex::geometry::Vec2;
 use vtex::library::Library;
 use vtex::output::{png, raster_svg, svg};
 use vtex::scene::{Scene, SynthParams, Tile};
@@ -47,7 +47,7 @@ fn moved(mut scene: Scene, by: Vec2) -> Scene {
         if repeats { (v + d).rem_euclid(f64::from(size)) } else { v + d }
     };
     for instance in scene.primary.iter_mut().chain(&mut scene.secondary) {
-        let t = (Affine::new(instance.transform)).as_coeffs();
+        let t = instance.transform;
         instance.transform[4] = along(t[4], by.x, WIDTH, tile.x);
         instance.transform[5] = along(t[5], by.y, HEIGHT, tile.y);
     }

@@ -45,7 +45,7 @@ impl Scene {
     pub fn copies(&self, bounds: Rect) -> impl Iterator<Item = Vec2> + use<> {
         let axis = |repeats: bool, low: f64, high: f64, size: u32| {
             let size = f64::from(size);
-            if !repeats || !(low.is_finite() && high.is_finite()) {
+            if !(repeats && low.is_finite() && high.is_finite()) {
                 return (0, 1, size);
             }
             // Copy k reaches into the canvas if low + k·size < size and high + k·size > 0.

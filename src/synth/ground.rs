@@ -81,7 +81,7 @@ impl<'a> Ground<'a> {
     /// The zone of every cell.
     fn zones(&self, grid: &Grid) -> Vec<u8> {
         let mut zones = vec![0u8; grid.len()];
-        let crossings = self.controls.domain.as_ref().map(|d| Crossings::new(d));
+        let crossings = self.controls.domain.as_ref().map(Crossings::new);
         parallel::for_chunks(&mut zones, grid.width as usize, |y, row| {
             let [_, py] = grid.point([0, y as i32]);
             let inside = crossings.as_ref().map(|c| c.row(py));

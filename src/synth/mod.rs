@@ -44,8 +44,11 @@ use crate::progress::{Progress, advance};
 use crate::scene::field::Interpolant;
 use crate::scene::{Ablation, Scene, SynthParams};
 
-/// Largest canvas, in pixels: the target map takes six bytes for each.
+/// Largest canvas, in pixels.
 const LARGEST_CANVAS: u64 = 400_000_000;
+/// Memory that a pixel of the canvas takes, in bytes: seven of the target map, the rest its share of
+/// what is placed (measured on sandy concrete, which has the most).
+const BYTES_PER_PIXEL: u64 = 25;
 
 /// A new texture like the exemplar that the library was made from, of the size in `params`.
 /// Same library, parameters and program: the same scene, on any number of threads.
@@ -119,12 +122,18 @@ fn primaries_alone(
 
 /// An error if the canvas is too large.
 fn check_canvas(params: &SynthParams) -> Result<()> {
-    if u64::from(params.width) * u64::from(params.height) <= LARGEST_CANVAS {
+    let canvas = u64::from(params.width) * u64::from(params.height);
+    if canvas <= LARGEST_CANVAS {
         return Ok(());
     }
     Err(Error::TooLarge {
         name: "size".into(),
-        found: format!("{} x {} px", params.width, params.height),
+        found: format!(
+            "{} x {} px, about {} GB of memory",
+            params.width,
+            params.height,
+            canvas * BYTES_PER_PIXEL / 1_000_000_000
+        ),
         limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
     })
 }

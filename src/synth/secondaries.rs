@@ -166,7 +166,7 @@ impl Task<'_, '_> {
             places = self.neighbourhoods();
             places.retain(&fits);
         }
-        self.fill_gaps(&mut places, &fits);
+        self.fill_gaps(&mut places, fits);
         places
     }
 

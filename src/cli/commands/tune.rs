@@ -91,7 +91,8 @@ fn table(tuned: &TunedWeights) -> String {
     let weights = [w.target, w.uncovered, w.empty, w.mismatched, w.same_overlap].map(|v| v.to_string());
     let mut text =
         format!("  weights        {}\n  {:12} {:>8} {:>8}\n", weights.join(","), "", "before", "after");
-    let terms: [(&str, fn(&Terms) -> f64); 5] = [
+    type Term = (&'static str, fn(&Terms) -> f64);
+    let terms: [Term; 5] = [
         ("coverage", |t| t.coverage),
         ("overlap", |t| t.overlap),
         ("repetition", |t| t.repetition),
