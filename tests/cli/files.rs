@@ -80,6 +80,10 @@ fn one_file_never_holds_two_things() {
             "--domain and -o name the same file",
         ),
         ("synth a.lib.json b.lib.json --map m.png -o m.png --force", "--map and -o name the same file"),
+        (
+            "warp a.scene.json p.lib.json --scale 2 -o a.scene.json --force",
+            "the scene and -o name the same file",
+        ),
         ("texture photo.png --mask m.png --save-masks m.png", "--mask and --save-masks name the same file"),
     ] {
         folder.run(command).fails(2, message);
@@ -195,4 +199,26 @@ fn files_that_steer_are_read() {
     // Named after the first library, listed with all.
     assert_eq!(run.json()["inputs"], serde_json::json!(["photo.lib.json", "-"]));
     assert_eq!(run.json()["output"], "photo.svg");
+}
+
+#[test]
+fn scenes_are_warped() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json -o a.scene.json --size 60 --seed 1").succeeds();
+    let page = |d: &str| {
+        format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="80" height="70"><path d="{d}"/></svg>"#)
+    };
+    folder.write("square.svg", page("M0 0H60V60H0z"));
+    folder.write("bent.svg", page("M0 0C20 30 60-10 80 10V70H10z"));
+    let run = folder.run("warp a.scene.json photo.lib.json --scale 2x1.5 --json").succeeds().json();
+    assert_eq!((&run["size"], &run["seed"]), (&serde_json::json!([120, 90]), &1.into()));
+    assert_eq!((&run["output"], &run["command"]), (&"a.svg".into(), &"warp".into()));
+    let cages = "--cage square.svg --to bent.svg --seed 5";
+    let run = folder.run(&format!("warp a.scene.json photo.lib.json {cages} -o b.scene.json --json")).succeeds();
+    assert_eq!((&run.json()["size"], &run.json()["seed"]), (&serde_json::json!([80, 70]), &5.into()));
+    // On any number of threads, and of what was warped before.
+    let again = "warp b.scene.json photo.lib.json --scale 0.9";
+    folder.run(&format!("{again} -t 1 -o c.svg")).succeeds();
+    folder.run(&format!("{again} -t 4 -o d.svg")).succeeds();
+    assert_eq!(folder.read("c.svg"), folder.read("d.svg"));
 }

@@ -44,6 +44,12 @@ fn wrong_usage_exits_with_2() {
         ("synth - - --map a.png", "'-' stands for more than one file"),
         ("synth - --density -", "'-' stands for more than one file"),
         ("texture photo.png --map a.png", "--map"),
+        ("warp a.scene.json photo.lib.json", "nothing says how to bend the scene"),
+        ("warp a.scene.json photo.lib.json --scale 0.01", "expected 1.5 or 1.5x2, each 0.1 to 10"),
+        ("warp a.scene.json photo.lib.json --cage a.svg", "--to"),
+        ("warp a.scene.json photo.lib.json --cage a.svg --to b.svg --scale 2", "--scale"),
+        ("warp a.scene.json", "<LIBRARY>"),
+        ("warp - - --scale 2", "'-' stands for more than one file"),
         ("analyze photo.png --minimum-area 0", "minimum-area = 0 is out of range"),
         ("analyze photo.png --fidelity NaN", "fidelity = NaN is out of range"),
         ("analyze photo.png --detail-sigma -1", "detail-sigma = -1 is out of range"),
@@ -127,6 +133,35 @@ fn files_that_do_not_steer_say_so_before_the_work() {
     }
     let run = folder.run(&format!("synth {libraries} --map black.png -o out.svg"));
     run.fails(1, "it has 1 colour; 3 are needed for 3 libraries");
+    assert!(!folder.path("out.svg").exists());
+}
+
+#[test]
+fn a_warp_that_cannot_be_says_why() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json -o a.scene.json --size 60 --seed 1").succeeds();
+    folder.run("analyze photo.png -o other.lib.json --detail-minimum 20 --categories 3").succeeds();
+    let page = |d: &str| format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="60" height="60"><path d="{d}"/></svg>"#);
+    folder.write("square.svg", page("M0 0H60V60H0z"));
+    folder.write("mirrored.svg", page("M0 0V60H60V0z"));
+    folder.write("triangle.svg", page("M0 0H60V60z"));
+    folder.write("crossed.svg", page("M0 0H60L0 60H60z"));
+    folder.write("two.svg", page("M0 0H20V20H0zM30 30h9v9z"));
+    for (arguments, message, hint) in [
+        ("photo.lib.json --cage square.svg --to triangle.svg", "the cage before has 4 sides, the cage after 3", "points"),
+        ("photo.lib.json --cage square.svg --to mirrored.svg", "opposite directions", "moving the points"),
+        ("photo.lib.json --cage square.svg --to crossed.svg", "crosses itself", "undo the crossing"),
+        ("photo.lib.json --cage two.svg --to square.svg", "it has 2 rings", "a cage is one ring"),
+        ("photo.lib.json --cage photo.png --to square.svg", "holds an image, not an SVG", "a cage is drawn"),
+        ("other.lib.json --scale 2", "its textons are not those of the scene", "made from"),
+        ("photo.lib.json photo.lib.json --scale 2", "the scene was made without it", "made from"),
+        ("photo.png --scale 2", "'photo.png' holds an image, not a library", "vtex analyze"),
+    ] {
+        let run = folder.run(&format!("warp a.scene.json {arguments} -o out.svg")).fails(1, message);
+        assert!(run.stderr.contains(hint), "{arguments}: {}", run.stderr);
+    }
+    let run = folder.run("warp photo.lib.json photo.lib.json --scale 2 -o out.svg").fails(1, "not a scene");
+    assert!(run.stderr.contains("make a scene with"), "{}", run.stderr);
     assert!(!folder.path("out.svg").exists());
 }
 

@@ -63,6 +63,21 @@ impl Bend {
         }
     }
 
+    /// How many times distances grow around a point, in the direction in which they grow most.
+    pub(super) fn stretch(&self, [x, y]: [f64; 2]) -> f64 {
+        const STEP: f64 = 0.5;
+        let way = |dx: f64, dy: f64| {
+            let [a, b] = [self.point([x - dx, y - dy]), self.point([x + dx, y + dy])];
+            [0, 1].map(|k| (b[k] - a[k]) / (2.0 * STEP))
+        };
+        let ([a, b], [c, d]) = (way(STEP, 0.0), way(0.0, STEP));
+        // The larger singular value.
+        let sum = a * a + b * b + c * c + d * d;
+        let determinant = a * d - b * c;
+        let root = libm::sqrt((sum * sum - 4.0 * determinant * determinant).max(0.0));
+        libm::sqrt((sum + root) / 2.0)
+    }
+
     /// Whether a point takes part.
     pub(super) fn holds(&self, [x, y]: [f64; 2]) -> bool {
         match &self.how {

@@ -11,6 +11,8 @@
 mod bend;
 mod carried;
 mod ground;
+#[cfg(test)]
+mod tests;
 
 pub use bend::Bend;
 
@@ -28,6 +30,9 @@ use crate::scene::{Ablation, Domain, Edge, Instance, Scene, SynthParams, Tile};
 /// What fits a texton that was carried along, against those placed to fill gaps: it stays if one of
 /// them can go.
 const CARRIED_SCORE: f32 = 1.0;
+
+/// Distances may grow by this factor before gaps are looked for.
+const NO_STRETCH: f64 = 1.02;
 
 /// How a scene is bent, beside where to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -84,9 +89,16 @@ pub fn warp(
             standing.push((i, there));
         }
     }
-    for id in 0..standing.len() as u32 {
-        map.write_descriptor(id);
-    }
+    // Where nothing is stretched no gaps open: what a descriptor asks for beside what has come along
+    // is room that the scene left empty.
+    let (gaping, closed): (Vec<u32>, Vec<u32>) = (0..standing.len() as u32).partition(|&id| {
+        let [.., x, y] = scene.primary[standing[id as usize].0].transform;
+        bend.stretch([x, y]) > NO_STRETCH
+    });
+    gaping.into_iter().for_each(|id| map.write_descriptor(id));
+    let asked = map.requests.len();
+    closed.into_iter().for_each(|id| map.write_descriptor(id));
+    (asked..map.requests.len()).for_each(|request| map.drop_request(request as u32));
     let placement = primaries::place(&mut map, &mut choice, &params, progress)?;
     let correction = density::correct(&mut map, &mut choice, &params, progress)?;
     progress.picture("placed", &|| picture::placed(&map));
