@@ -37,7 +37,11 @@ fn steering(folder: &Path) {
         format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="800" height="400"><path d="{d}"/></svg>"#)
     };
     std::fs::write(folder.join("cage.svg"), cage("M0 0H800V300H0z")).unwrap();
-    std::fs::write(folder.join("bent-cage.svg"), cage("M0 0C250 120 550 120 800 0V300C550 420 250 420 0 300z")).unwrap();
+    std::fs::write(
+        folder.join("bent-cage.svg"),
+        cage("M0 0C250 120 550 120 800 0V300C550 420 250 420 0 300z"),
+    )
+    .unwrap();
     let fade = GrayImage::from_fn(256, 2, |x, _| Luma([x as u8]));
     fade.save(folder.join("fade.png")).unwrap();
     let ring = GrayImage::from_fn(90, 90, |x, y| {

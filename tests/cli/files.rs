@@ -214,7 +214,8 @@ fn scenes_are_warped() {
     assert_eq!((&run["size"], &run["seed"]), (&serde_json::json!([120, 90]), &1.into()));
     assert_eq!((&run["output"], &run["command"]), (&"a.svg".into(), &"warp".into()));
     let cages = "--cage square.svg --to bent.svg --seed 5";
-    let run = folder.run(&format!("warp a.scene.json photo.lib.json {cages} -o b.scene.json --json")).succeeds();
+    let run =
+        folder.run(&format!("warp a.scene.json photo.lib.json {cages} -o b.scene.json --json")).succeeds();
     assert_eq!((&run.json()["size"], &run.json()["seed"]), (&serde_json::json!([80, 70]), &5.into()));
     // On any number of threads, and of what was warped before.
     let again = "warp b.scene.json photo.lib.json --scale 0.9";

@@ -10,7 +10,8 @@ fn printed(arguments: &str) -> String {
 #[test]
 fn help_of_every_command() {
     insta::assert_snapshot!("vtex", printed("--help"));
-    for command in ["texture", "analyze", "synth", "warp", "tune", "render", "inspect", "completions", "man"] {
+    for command in ["texture", "analyze", "synth", "warp", "tune", "render", "inspect", "completions", "man"]
+    {
         let help = printed(&format!("{command} --help"));
         assert!(help.contains("Examples:\n  vtex "), "{command} has no example");
         assert_eq!(help, printed(&format!("{command} -h")), "{command}");

@@ -141,14 +141,20 @@ fn a_warp_that_cannot_be_says_why() {
     let folder = Folder::with_library();
     folder.run("synth photo.lib.json -o a.scene.json --size 60 --seed 1").succeeds();
     folder.run("analyze photo.png -o other.lib.json --detail-minimum 20 --categories 3").succeeds();
-    let page = |d: &str| format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="60" height="60"><path d="{d}"/></svg>"#);
+    let page = |d: &str| {
+        format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="60" height="60"><path d="{d}"/></svg>"#)
+    };
     folder.write("square.svg", page("M0 0H60V60H0z"));
     folder.write("mirrored.svg", page("M0 0V60H60V0z"));
     folder.write("triangle.svg", page("M0 0H60V60z"));
     folder.write("crossed.svg", page("M0 0H60L0 60H60z"));
     folder.write("two.svg", page("M0 0H20V20H0zM30 30h9v9z"));
     for (arguments, message, hint) in [
-        ("photo.lib.json --cage square.svg --to triangle.svg", "the cage before has 4 sides, the cage after 3", "points"),
+        (
+            "photo.lib.json --cage square.svg --to triangle.svg",
+            "the cage before has 4 sides, the cage after 3",
+            "points",
+        ),
         ("photo.lib.json --cage square.svg --to mirrored.svg", "opposite directions", "moving the points"),
         ("photo.lib.json --cage square.svg --to crossed.svg", "crosses itself", "undo the crossing"),
         ("photo.lib.json --cage two.svg --to square.svg", "it has 2 rings", "a cage is one ring"),
