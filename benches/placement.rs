@@ -88,8 +88,8 @@ fn report() -> Outcome<bool> {
     };
     text += &line(SETTINGS[0].3, small, "the yardstick", small / yardstick, YARDSTICK);
     for (&(side, .., name, limit), &seconds) in SETTINGS.iter().zip(&times[1..]).skip(1) {
-        let area = (f64::from(side) / f64::from(SETTINGS[0].0)).powi(2);
-        text += &line(name, seconds, "plain, by pixel", seconds / small / area, limit);
+        let across = f64::from(side) / f64::from(SETTINGS[0].0);
+        text += &line(name, seconds, "plain, by pixel", seconds / small / (across * across), limit);
     }
     print!("{text}");
     Ok(kept)
