@@ -6,6 +6,7 @@
 mod background;
 mod candidates;
 mod categories;
+mod edges;
 mod exemplar;
 mod neighbours;
 mod pictures;

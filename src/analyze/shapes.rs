@@ -4,6 +4,7 @@
 //! painted from the largest to the smallest; each reaches a little beneath those painted after
 //! it. The largest is the base, painted as the primary's whole outline.
 
+use super::edges::Edges;
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap};
 use crate::library::{CategoryId, Detail, Primary, Secondary, TextonId};
 use crate::raster::colour::{self, Colour};
@@ -60,16 +61,23 @@ pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shap
         map.fill(mask, groups.len() as u32);
         groups.push((primary_count + k) as u32 + 1);
     }
-    let group = |label: u32| groups.get(label as usize).copied().unwrap_or(0);
-    let (count, group_count) = (groups.len() - 1, primary_count + pieces.secondaries.len());
-    let planar = PlanarMap::trace(width, height, &map.labels);
-    let fitted = FittedMap::new(planar, fidelity, count, group_count, group);
-    let whole = fitted.outlines(group_count, group);
-    let stacked =
-        fitted.stacked_outlines(first_secondary - 1, |own, other| group(own) == group(other) && own < other);
     let median = |mask: &Mask| {
         colour::median(mask.pixels().map(|(x, y)| image.get_pixel(x as u32, y as u32).0)).unwrap_or_default()
     };
+    let masks = ordered.iter().flatten().copied().chain(&pieces.secondaries);
+    let masks: Vec<&Mask> = masks.collect();
+    let medians = crate::parallel::map(&masks, |m| median(m));
+    let colours = [None].into_iter().chain(medians.into_iter().map(Some)).collect();
+    let group = |label: u32| groups.get(label as usize).copied().unwrap_or(0);
+    let (count, group_count) = (groups.len() - 1, primary_count + pieces.secondaries.len());
+    let planar = PlanarMap::trace(width, height, &map.labels);
+    let edges = Edges::new(image, colours);
+    let fitted = FittedMap::with_edges(planar, fidelity, count, group_count, group, |at, normal, l, r| {
+        edges.distance(at, normal, l, r)
+    });
+    let whole = fitted.outlines(group_count, group);
+    let stacked =
+        fitted.stacked_outlines(first_secondary - 1, |own, other| group(own) == group(other) && own < other);
     let mut primaries = Vec::with_capacity(primary_count);
     let mut label = 1;
     for (k, details) in ordered.iter().enumerate() {

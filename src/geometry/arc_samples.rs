@@ -1,11 +1,14 @@
 //! Arcs as points: the middles of their cracks, relaxed so that pixel stairs vanish.
 //!
+//! Then they move on to the edge, where it is known better than by pixels.
+//!
 //! Points move by Taubin's two-step filter, which does not shrink. Corners of outlines stay where
 //! they are; corners between details are only those of pixels, and are rounded. Where two arcs pass
 //! through a junction, it moves with them. No point moves further than half a pixel, and junctions
 //! stay within the hull of the crack middles around them.
 
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap};
+use crate::parallel;
 use kurbo::{Point, Vec2};
 use std::collections::BTreeMap;
 
@@ -15,13 +18,20 @@ const ROUNDS: usize = 6;
 const STEPS: [f64; 2] = [0.5, -0.52];
 /// Furthest way of a point from its crack middle, in pixels.
 const REACH: f64 = 0.5;
+/// Furthest way from there to the edge in the image, in pixels.
+const FURTHEST: f64 = 0.6;
+/// Rounds that even out these ways between neighbours.
+const EVEN: usize = 4;
 
 /// Points of every arc before and after relaxing. Open arcs begin and end at their junctions.
-/// Corners of the arcs for which `soft` holds are rounded like the rest.
+/// Corners of the arcs for which `soft` holds are rounded like the rest. Relaxed points move on to
+/// the edge that `edge` finds: given a point, a unit normal from left to right and both labels, the
+/// distance along the normal.
 pub(super) fn sample_all(
     map: &PlanarMap,
     junctions: &Junctions,
     soft: impl Fn(&Arc) -> bool,
+    edge: impl Fn(Point, Vec2, u32, u32) -> f64 + Sync,
 ) -> (Vec<Vec<Point>>, Vec<Vec<Point>>) {
     let mut rough: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
     let fixed: Vec<Vec<bool>> = (rough.iter().zip(&map.arcs))
@@ -41,7 +51,41 @@ pub(super) fn sample_all(
     {
         keep_area(points, map.points_of(arc));
     }
+    let indices: Vec<usize> = (0..smooth.len()).collect();
+    let smooth = parallel::map(&indices, |&i| {
+        let arc = &map.arcs[i];
+        if borders_outside(arc) {
+            return smooth[i].clone();
+        }
+        to_edge(&smooth[i], arc.closed, |at, normal| edge(at, normal, arc.left, arc.right))
+    });
     (rough, smooth)
+}
+
+/// Points moved along their normals by as much as `distance` says, evened out between neighbours;
+/// the ends of an open arc stay.
+fn to_edge(points: &[Point], closed: bool, distance: impl Fn(Point, Vec2) -> f64) -> Vec<Point> {
+    let n = points.len();
+    let at = |i: isize| if closed { i.rem_euclid(n as isize) } else { i.clamp(0, n as isize - 1) } as usize;
+    let normals: Vec<Vec2> = (0..n as isize)
+        .map(|i| {
+            let along = points[at(i + 1)] - points[at(i - 1)];
+            // y points down, so turning right is (x, y) → (-y, x).
+            Vec2::new(-along.y, along.x) / libm::sqrt(along.hypot2()).max(1e-9)
+        })
+        .collect();
+    let moves = |i: usize| closed || (i > 0 && i + 1 < n);
+    let mut away: Vec<f64> = (0..n)
+        .map(|i| if moves(i) { distance(points[i], normals[i]).clamp(-FURTHEST, FURTHEST) } else { 0.0 })
+        .collect();
+    for _ in 0..EVEN {
+        let before = away.clone();
+        for i in (0..n).filter(|&i| moves(i)) {
+            let k = i as isize;
+            away[i] = (before[at(k - 1)] + 2.0 * before[i] + before[at(k + 1)]) / 4.0;
+        }
+    }
+    (0..n).map(|i| points[i] + normals[i] * away[i]).collect()
 }
 
 fn middles(map: &PlanarMap, arc: &Arc) -> Vec<Point> {

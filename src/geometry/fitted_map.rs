@@ -46,12 +46,26 @@ impl FittedMap {
         groups: usize,
         group: impl Fn(u32) -> u32 + Sync,
     ) -> Self {
+        Self::with_edges(map, tolerance, count, groups, group, |_, _, _, _| 0.0)
+    }
+
+    /// As [`FittedMap::new`], where something knows better than the pixels where edges are: given a
+    /// point of a border, a unit normal there from left to right, and the labels left and right,
+    /// `edge` gives the distance of the edge along the normal, in pixels.
+    pub fn with_edges(
+        map: PlanarMap,
+        tolerance: f64,
+        count: usize,
+        groups: usize,
+        group: impl Fn(u32) -> u32 + Sync,
+        edge: impl Fn(Point, Vec2, u32, u32) -> f64 + Sync,
+    ) -> Self {
         let rank = |left: u32, right: u32| {
             if left == OUTSIDE || right == OUTSIDE { 2u8 } else { u8::from(group(left) != group(right)) }
         };
         let junctions = Junctions::new(&map, rank);
         let soft = |arc: &Arc| rank(arc.left, arc.right) == 0;
-        let (rough, samples) = sample_all(&map, &junctions, soft);
+        let (rough, samples) = sample_all(&map, &junctions, soft, edge);
         let indices: Vec<usize> = (0..map.arcs.len()).collect();
         let fit = |i: usize, level: usize| {
             let arc = &map.arcs[i];

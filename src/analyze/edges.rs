@@ -1,0 +1,115 @@
+//! Where, between pixels, the image has an edge.
+//!
+//! A pixel that an edge runs through shows a mixture of both sides. So across a blurred edge the
+//! amount of one side's colour, summed along the normal, tells where the edge lies; no threshold
+//! and no gradient is needed, and the sum is that of the coverage an outline draws there.
+
+use crate::geometry::{Point, Vec2};
+use crate::raster::colour::Colour;
+use image::RgbImage;
+
+/// How far to both sides the image is looked at, in pixels.
+const REACH: f64 = 1.5;
+/// Samples on each side.
+const SAMPLES: i32 = 6;
+/// Where a side shows its own colour, in pixels from the edge.
+const PLATEAU: f64 = 2.0;
+/// Between these distances of the colours of both sides (8-bit steps) an edge begins to count.
+const CONTRAST: [f64; 2] = [12.0, 30.0];
+
+/// The edges of an image between pieces of known colour.
+pub(super) struct Edges<'a> {
+    image: &'a RgbImage,
+    /// The colour of each label; none for ground, whose colour changes from place to place.
+    colours: Vec<Option<Colour>>,
+}
+
+impl<'a> Edges<'a> {
+    pub(super) fn new(image: &'a RgbImage, colours: Vec<Option<Colour>>) -> Self {
+        Self { image, colours }
+    }
+
+    /// How far the edge between two labels lies from a point, in pixels along `normal`, a unit
+    /// vector from the left side to the right.
+    pub(super) fn distance(&self, at: Point, normal: Vec2, left: u32, right: u32) -> f64 {
+        let side = |label: u32, away: Vec2| {
+            let here = self.colour(at + away);
+            match self.colours.get(label as usize).copied().flatten() {
+                Some(colour) => mix(here, colour.to_f64(), 0.5),
+                None => here,
+            }
+        };
+        let (l, r) = (side(left, normal * -PLATEAU), side(right, normal * PLATEAU));
+        let apart = [0, 1, 2].map(|c| l[c] - r[c]);
+        let contrast2 = apart.iter().map(|v| v * v).sum::<f64>();
+        let contrast = libm::sqrt(contrast2);
+        let weight = ((contrast - CONTRAST[0]) / (CONTRAST[1] - CONTRAST[0])).clamp(0.0, 1.0);
+        if weight == 0.0 {
+            return 0.0;
+        }
+        let step = REACH / f64::from(SAMPLES);
+        let mut amount = 0.0;
+        for k in -SAMPLES..=SAMPLES {
+            let here = self.colour(at + normal * (f64::from(k) * step));
+            let share = (0..3).map(|c| (here[c] - r[c]) * apart[c]).sum::<f64>() / contrast2;
+            let ends = if k.abs() == SAMPLES { 0.5 } else { 1.0 };
+            amount += share.clamp(0.0, 1.0) * ends * step;
+        }
+        weight * (amount - REACH)
+    }
+
+    /// The image between pixel centres, bilinear; beyond its border the nearest pixel.
+    fn colour(&self, at: Point) -> [f64; 3] {
+        let (width, height) = self.image.dimensions();
+        let (x, y) = (at.x - 0.5, at.y - 0.5);
+        let (x0, y0) = (libm::floor(x), libm::floor(y));
+        let pixel = |dx: f64, dy: f64| {
+            let (x, y) = ((x0 + dx).max(0.0) as u32, (y0 + dy).max(0.0) as u32);
+            self.image.get_pixel(x.min(width - 1), y.min(height - 1)).0.map(f64::from)
+        };
+        let row = |dy: f64| mix(pixel(0.0, dy), pixel(1.0, dy), x - x0);
+        mix(row(0.0), row(1.0), y - y0)
+    }
+}
+
+fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
+    [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::Rgb;
+
+    /// A vertical edge at `x`, drawn with exact coverage.
+    fn picture(x: f64) -> RgbImage {
+        RgbImage::from_fn(16, 8, |i, _| {
+            let share = (x - f64::from(i)).clamp(0.0, 1.0);
+            Rgb([200.0, 90.0, 20.0].map(|v: f64| libm::round(40.0 + (v - 40.0) * share) as u8))
+        })
+    }
+
+    #[test]
+    fn an_edge_is_found_between_pixels() {
+        for tenth in 0..10 {
+            let x = 7.5 + f64::from(tenth) / 10.0;
+            let image = picture(x);
+            let colours = vec![None, Some(Colour([200, 90, 20])), Some(Colour([40, 40, 40]))];
+            let edges = Edges::new(&image, colours);
+            for (label, other) in [(1, 2), (0, 0)] {
+                let there = edges.distance(Point::new(8.0, 4.0), Vec2::new(1.0, 0.0), label, other);
+                assert!((8.0 + there - x).abs() < 0.06, "{x}: {there}");
+                let back = edges.distance(Point::new(8.0, 4.0), Vec2::new(-1.0, 0.0), other, label);
+                assert!((8.0 - back - x).abs() < 0.06, "{x}: {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_hardly_differs_has_no_edge() {
+        let image = RgbImage::from_fn(9, 9, |x, y| Rgb([100 + ((x + y) % 3) as u8; 3]));
+        let edges = Edges::new(&image, Vec::new());
+        assert_eq!(edges.distance(Point::new(4.0, 4.0), Vec2::new(0.0, 1.0), 1, 2), 0.0);
+        assert_eq!(edges.distance(Point::new(0.0, 9.0), Vec2::new(0.0, 1.0), 1, 2), 0.0);
+    }
+}
