@@ -1,15 +1,14 @@
 //! k-means over colour, area and compactness: which primaries look alike.
 
+use super::kmeans;
 use crate::library::{Category, CategoryId};
-use crate::sampling::{Stream, stream};
+use crate::sampling::stream;
 
 /// Red, green, blue (0 to 255), area (px), Polsby–Popper compactness (0 to 1).
 pub(super) type Features = [f64; 5];
 
 /// Colours count twice as much as area and compactness (paper §3.1.3).
 const WEIGHTS: Features = [2.0, 2.0, 2.0, 1.0, 1.0];
-const RESTARTS: u64 = 10;
-const ROUNDS: usize = 100;
 
 /// Clusters primaries: k-means++ seeding, Lloyd's rounds, best of ten starts. Each feature is
 /// scaled to 0..1 over the primaries, then weighted. Categories are ordered by size, largest
@@ -24,13 +23,8 @@ pub(super) fn cluster(
         return (Vec::new(), Vec::new());
     }
     let points = scale(features);
-    let starts: Vec<u64> = (0..RESTARTS).collect();
-    let runs = crate::parallel::map(&starts, |&start| {
-        lloyd(&points, k.min(points.len()), &mut stream(seed, "analyze/categories", start))
-    });
-    // The first of the best, so that ties do not depend on anything.
-    let best = runs.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
-    let assigned = best.map_or_else(Vec::new, |b| b.0);
+    let weights = vec![1.0; points.len()];
+    let assigned = kmeans::cluster(&points, &weights, k, |start| stream(seed, "analyze/categories", start));
     number(&assigned, features, image_area)
 }
 
@@ -49,55 +43,6 @@ fn scale(features: &[Features]) -> Vec<Features> {
         })
     };
     features.iter().map(one).collect()
-}
-
-fn distance2(a: &Features, b: &Features) -> f64 {
-    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
-}
-
-fn nearest(p: &Features, centres: &[Features]) -> (usize, f64) {
-    let mut best = (0, f64::INFINITY);
-    for (i, c) in centres.iter().enumerate() {
-        let d = distance2(p, c);
-        if d < best.1 {
-            best = (i, d);
-        }
-    }
-    best
-}
-
-/// One run: the cluster of each point and the sum of squared distances.
-fn lloyd(points: &[Features], k: usize, random: &mut Stream) -> (Vec<usize>, f64) {
-    let mut centres = vec![points[random.index(points.len())]];
-    while centres.len() < k {
-        let far = points.iter().map(|p| nearest(p, &centres).1);
-        match random.weighted(far.collect::<Vec<_>>()) {
-            Some(i) => centres.push(points[i]),
-            None => break, // fewer different points than clusters
-        }
-    }
-    let mut assigned: Vec<usize> = points.iter().map(|p| nearest(p, &centres).0).collect();
-    for _ in 0..ROUNDS {
-        let mut sums = vec![([0.0; 5], 0.0); centres.len()];
-        for (p, &c) in points.iter().zip(&assigned) {
-            for i in 0..5 {
-                sums[c].0[i] += p[i];
-            }
-            sums[c].1 += 1.0;
-        }
-        for (centre, (sum, count)) in centres.iter_mut().zip(&sums) {
-            if *count > 0.0 {
-                *centre = sum.map(|s| s / count);
-            }
-        }
-        let next: Vec<usize> = points.iter().map(|p| nearest(p, &centres).0).collect();
-        if next == assigned {
-            break;
-        }
-        assigned = next;
-    }
-    let error = points.iter().zip(&assigned).map(|(p, &c)| distance2(p, &centres[c])).sum();
-    (assigned, error)
 }
 
 fn number(assigned: &[usize], features: &[Features], image_area: f64) -> (Vec<CategoryId>, Vec<Category>) {

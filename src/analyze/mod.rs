@@ -6,10 +6,16 @@
 mod background;
 mod candidates;
 mod categories;
+mod economy;
 mod edges;
 mod exemplar;
+mod joining;
+mod kmeans;
+mod moments;
 mod neighbours;
+mod palette;
 mod pictures;
+mod price;
 mod secondaries;
 mod shapes;
 
@@ -26,7 +32,7 @@ use crate::scene::Field;
 use crate::scene::Tile;
 use crate::scene::field::Interpolant;
 use crate::segment::{Segmenter, Smoothed, details};
-use shapes::Pieces;
+use shapes::Style;
 
 /// Analyses an exemplar.
 ///
@@ -56,19 +62,12 @@ pub fn analyze(
 
     advance(progress, "details", 0, count as u64)?;
     let smoothed = Smoothed::new(image, params.detail_sigma);
-    let pieces = crate::parallel::map(&primary_masks, |mask| {
+    let details = crate::parallel::map(&primary_masks, |mask| {
         details(&smoothed, mask, params.detail_scale, params.detail_minimum)
     });
 
-    advance(progress, "outlines", 0, 1)?;
-    let shapes = shapes::outlines(
-        image,
-        &Pieces { details: pieces, secondaries: patches.secondaries },
-        params.fidelity,
-    );
-
     advance(progress, "background", 0, 1)?;
-    let textons = any_texton(&primaries, shapes.secondaries.iter().map(|s| &s.mask));
+    let textons = any_texton(&primaries, patches.secondaries.iter());
     let background = background::palette(image, &primaries, &textons, params);
     progress.picture("background", &|| pictures::background(image, &textons, &background));
     let field = Field {
@@ -76,8 +75,17 @@ pub fn analyze(
         fallback: background.fallback,
         points: background.sites.clone(),
     };
-    let secondary_textons =
-        shapes::secondaries(&shapes.secondaries, &Interpolant::new(&field, width, height, Tile::default()));
+    let interpolant = Interpolant::new(&field, width, height, Tile::default());
+    let patches = shapes::patches(image, patches.secondaries, &interpolant);
+
+    advance(progress, "joining", 0, 1)?;
+    let mut warnings = exemplar.warnings.clone();
+    let (pieces, price) = economy::economise(image, &details, patches, params, &mut warnings);
+    let (pieces, palette) = economy::reduce_colours(image, pieces, params);
+
+    advance(progress, "outlines", 0, 1)?;
+    let style = Style { fidelity: params.fidelity, price, palette: &palette };
+    let shapes = shapes::outlines(image, &pieces, &style);
 
     advance(progress, "categories", 0, 1)?;
     let image_area = f64::from(width) * f64::from(height);
@@ -102,12 +110,11 @@ pub fn analyze(
     let descriptor_half = descriptor_half(&centroids, width, height, params.descriptor_reach);
     progress.picture("descriptors", &|| pictures::descriptors(&primaries, &ids, &centroids, descriptor_half));
 
-    let mut warnings = exemplar.warnings.clone();
     warn_about(&primary_textons, &mut warnings);
     for warning in &warnings {
         progress.warn(warning);
     }
-    let spacing = secondaries::spacing(&centres(&secondary_textons), &primaries);
+    let spacing = secondaries::spacing(&centres(&shapes.secondaries), &primaries);
     let library = Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
@@ -124,7 +131,7 @@ pub fn analyze(
         // An empty sum of floats is -0, so from 0 on.
         coverage: categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0),
         primaries: primary_textons,
-        secondaries: Secondaries { spacing, textons: secondary_textons },
+        secondaries: Secondaries { spacing, textons: shapes.secondaries },
         categories,
         background,
         arrangement: Arrangement::from_labels(&primaries),

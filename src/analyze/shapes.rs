@@ -5,6 +5,9 @@
 //! it. The largest is the base, painted as the primary's whole outline.
 
 use super::edges::Edges;
+use super::joining;
+use super::palette::Palette;
+use super::price::Price;
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap};
 use crate::library::{CategoryId, Detail, Primary, Secondary, TextonId};
 use crate::raster::colour::{self, Colour};
@@ -16,31 +19,60 @@ use image::RgbImage;
 /// their pixels, so equal ones are equal to the last digit and stand in files once.
 const SPECK: u32 = 9;
 
+/// A flat patch between the primaries.
+#[derive(Clone)]
+pub(super) struct Patch {
+    pub(super) mask: Mask,
+    /// Median colour of its pixels.
+    pub(super) colour: Colour,
+    /// That minus the background's at its centroid.
+    pub(super) difference: [i16; 3],
+}
+
 /// All pieces of an exemplar, disjoint.
 pub(super) struct Pieces {
     /// The details of each primary, which tile it.
     pub(super) details: Vec<Vec<Mask>>,
     /// The secondaries.
-    pub(super) secondaries: Vec<Mask>,
+    pub(super) secondaries: Vec<Patch>,
+}
+
+/// How pieces are drawn.
+pub(super) struct Style<'a> {
+    /// Largest distance of an outline to what is traced, in pixels.
+    pub(super) fidelity: f64,
+    pub(super) price: Price,
+    pub(super) palette: &'a Palette,
 }
 
 /// What comes of the pieces.
 pub(super) struct Shapes {
     /// Primaries, their categories not yet known.
     pub(super) primaries: Vec<Primary>,
-    /// Secondaries, their colour differences not yet known.
-    pub(super) secondaries: Vec<Patch>,
+    pub(super) secondaries: Vec<Secondary>,
 }
 
-/// A secondary before the background is known.
-pub(super) struct Patch {
-    pub(super) mask: Mask,
-    outline: Outline,
-    colour: Colour,
+/// Patches with their colours, also against the background.
+pub(super) fn patches(image: &RgbImage, masks: Vec<Mask>, field: &Interpolant) -> Vec<Patch> {
+    let found = crate::parallel::map(&masks, |mask| {
+        let (colour, [x, y]) = (median(image, mask), centroid(mask));
+        let (own, ground) = (colour.to_f64(), field.at(x, y));
+        (colour, std::array::from_fn(|i| libm::round(own[i] - ground[i].clamp(0.0, 255.0)) as i16))
+    });
+    masks
+        .into_iter()
+        .zip(found)
+        .map(|(mask, (colour, difference))| Patch { mask, colour, difference })
+        .collect()
 }
 
-/// Traces and fits all outlines; `fidelity` in pixels.
-pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shapes {
+/// Median colour of the pixels of a mask.
+pub(super) fn median(image: &RgbImage, mask: &Mask) -> Colour {
+    colour::median(mask.pixels().map(|(x, y)| image.get_pixel(x as u32, y as u32).0)).unwrap_or_default()
+}
+
+/// Traces and fits all outlines.
+pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, style: &Style<'_>) -> Shapes {
     let (width, height) = image.dimensions();
     let mut map = LabelMap::filled(width, height, 0);
     // Group of each label: primaries first, then every secondary by itself.
@@ -57,24 +89,22 @@ pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shap
     }
     let first_secondary = groups.len();
     let primary_count = pieces.details.len();
-    for (k, mask) in pieces.secondaries.iter().enumerate() {
-        map.fill(mask, groups.len() as u32);
+    for (k, patch) in pieces.secondaries.iter().enumerate() {
+        map.fill(&patch.mask, groups.len() as u32);
         groups.push((primary_count + k) as u32 + 1);
     }
-    let median = |mask: &Mask| {
-        colour::median(mask.pixels().map(|(x, y)| image.get_pixel(x as u32, y as u32).0)).unwrap_or_default()
-    };
-    let masks = ordered.iter().flatten().copied().chain(&pieces.secondaries);
-    let masks: Vec<&Mask> = masks.collect();
-    let medians = crate::parallel::map(&masks, |m| median(m));
-    let colours = [None].into_iter().chain(medians.into_iter().map(Some)).collect();
+    let all: Vec<&Mask> = ordered.iter().flatten().copied().collect();
+    let medians = crate::parallel::map(&all, |m| median(image, m));
+    let of_patches = pieces.secondaries.iter().map(|p| p.colour);
+    let colours = [None].into_iter().chain(medians.iter().copied().chain(of_patches).map(Some)).collect();
     let group = |label: u32| groups.get(label as usize).copied().unwrap_or(0);
     let (count, group_count) = (groups.len() - 1, primary_count + pieces.secondaries.len());
     let planar = PlanarMap::trace(width, height, &map.labels);
     let edges = Edges::new(image, colours);
-    let fitted = FittedMap::with_edges(planar, fidelity, count, group_count, group, |at, normal, l, r| {
-        edges.distance(at, normal, l, r)
-    });
+    let fitted =
+        FittedMap::with_edges(planar, style.fidelity, count, group_count, group, |at, normal, l, r| {
+            edges.distance(at, normal, l, r)
+        });
     let whole = fitted.outlines(group_count, group);
     let stacked =
         fitted.stacked_outlines(first_secondary - 1, |own, other| group(own) == group(other) && own < other);
@@ -82,20 +112,26 @@ pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shap
     let mut label = 1;
     for (k, details) in ordered.iter().enumerate() {
         let mask = Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect());
-        let base = details.first().map_or_else(Colour::default, |m| median(m));
+        let colours: Vec<Colour> =
+            (label - 1..).take(details.len()).map(|i| style.palette.nearest(medians[i])).collect();
+        let base = colours.first().copied().unwrap_or_default();
+        let gradients: Vec<_> = details.iter().map(|m| joining::gradient(image, m, style.price)).collect();
+        let base_gradient = gradients.first().copied().flatten();
         let mut painted = Vec::new();
-        for (i, detail) in details.iter().enumerate() {
-            let (outline, colour) = (&stacked[label + i], median(detail));
-            if i > 0 && !outline.is_empty() && colour != base {
-                painted.push(Detail { outline: outline.clone(), colour });
+        for (i, &colour) in colours.iter().enumerate() {
+            let outline = &stacked[label + i];
+            let seen = colour != base || gradients[i].is_some() || base_gradient.is_some();
+            if i > 0 && !outline.is_empty() && seen {
+                painted.push(Detail { outline: outline.clone(), colour, gradient: gradients[i] });
             }
         }
         label += details.len();
         let outline = whole[k + 1].clone();
         primaries.push(Primary {
             id: TextonId(k as u32),
-            colour: median(&mask),
+            colour: median(image, &mask),
             base,
+            gradient: base_gradient,
             category: CategoryId(0),
             area: mask.area(),
             centroid: centroid(&mask),
@@ -107,12 +143,14 @@ pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, fidelity: f64) -> Shap
     }
     let indices: Vec<usize> = (0..pieces.secondaries.len()).collect();
     let secondaries = crate::parallel::map(&indices, |&k| {
-        let mask = &pieces.secondaries[k];
+        let Patch { mask, colour, difference } = &pieces.secondaries[k];
         let speck = mask.area() <= SPECK;
-        Patch {
+        Secondary {
             outline: if speck { alone(mask) } else { whole[primary_count + k + 1].clone() },
-            colour: median(mask),
-            mask: mask.clone(),
+            colour: style.palette.nearest(*colour),
+            difference: *difference,
+            area: mask.area(),
+            centroid: centroid(mask),
         }
     });
     Shapes { secondaries: secondaries.into_iter().filter(|s| !s.outline.is_empty()).collect(), primaries }
@@ -132,17 +170,6 @@ fn alone(mask: &Mask) -> Outline {
     let about = Affine::translate((cx, cy)) * Affine::scale(grow) * Affine::translate((-cx, -cy));
     let back = Affine::translate((-f64::from(corner.0), -f64::from(corner.1)));
     Outline::new(&(about * back * outline.path())).unwrap_or_default()
-}
-
-/// Secondaries with their colour differences to a background field.
-pub(super) fn secondaries(patches: &[Patch], field: &Interpolant) -> Vec<Secondary> {
-    crate::parallel::map(patches, |p| {
-        let centroid = centroid(&p.mask);
-        let ground = field.at(centroid[0], centroid[1]);
-        let own = p.colour.to_f64();
-        let difference = std::array::from_fn(|i| libm::round(own[i] - ground[i].clamp(0.0, 255.0)) as i16);
-        Secondary { outline: p.outline.clone(), colour: p.colour, difference, area: p.mask.area(), centroid }
-    })
 }
 
 fn centroid(mask: &Mask) -> [f64; 2] {

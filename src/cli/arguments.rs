@@ -12,6 +12,7 @@ use clap_complete::Shell;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::path::PathBuf;
+use vtex::library::Shading;
 use vtex::scene::{Ablation, Edge};
 
 const STYLES: Styles = Styles::styled()
@@ -42,6 +43,7 @@ pub(crate) struct Cli {
 #[derive(Subcommand)]
 pub(crate) enum Command {
     Texture(TextureArgs),
+    Vectorize(VectorizeArgs),
     Analyze(AnalyzeArgs),
     Synth(SynthArgs),
     Warp(WarpArgs),
@@ -170,6 +172,34 @@ pub(crate) struct TextureArgs {
     pub(crate) synth: SynthFlags,
     #[command(flatten)]
     pub(crate) control: ControlArgs,
+    #[command(flatten)]
+    pub(crate) masks: MasksArgs,
+    #[command(flatten)]
+    pub(crate) analyze: AnalyzeFlags,
+}
+
+/// The photograph itself, drawn in vectors
+#[derive(Args)]
+#[command(
+    override_usage = "vtex vectorize [OPTIONS] <PHOTO>",
+    after_help = "\
+Examples:
+  vtex vectorize photo.jpg
+  vtex vectorize photo.jpg --fidelity 0.25 -o fine.svg
+  vtex vectorize photo.jpg --colors 12 --max-paths 2000 -o poster.svg"
+)]
+pub(crate) struct VectorizeArgs {
+    /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
+    #[arg(value_name = "PHOTO", required = true)]
+    pub(crate) photo: Option<PathBuf>,
+    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// [default: ./PHOTO.svg]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
     #[command(flatten)]
     pub(crate) masks: MasksArgs,
     #[command(flatten)]
@@ -468,10 +498,20 @@ pub(crate) struct AnalyzeFlags {
     /// default: 5]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) background_margin: Option<f64>,
-    /// Distance of smooth outlines from the pixels, px [0.05 to 5,
-    /// default: 0.5]
+    /// Distance of smooth outlines from the photograph's, px; larger also means fewer shapes [0.05
+    /// to 5, default: 0.5]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) fidelity: Option<f64>,
+    /// Fill elements with one colour each, or with gradients where these tell more [flat or gradient,
+    /// default: gradient]
+    #[arg(long, value_name = "HOW", value_parser = named::<Shading>)]
+    pub(crate) shading: Option<Shading>,
+    /// Most colours, all flat; 0: as many as there are [0 to 4096, default: 0]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) colors: Option<u32>,
+    /// Most elements and details together; 0: as many as there are [0 to 10000000, default: 0]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) max_paths: Option<u32>,
     /// The photograph tiles: opposite borders join [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
@@ -534,7 +574,7 @@ pub(crate) struct SynthBackgroundFlags {
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct SvgFlags {
-    /// Decimals of numbers in an SVG [0 to 6, default: 2]
+    /// Decimals of numbers in an SVG [0 to 6, default: 1]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) precision: Option<u8>,
     /// Write textons in full, not as <symbol> and <use> [default: false]
@@ -579,6 +619,7 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
         command = command.subcommand_required(false);
         for (name, argument) in [
             ("texture", "photo"),
+            ("vectorize", "photo"),
             ("analyze", "photo"),
             ("synth", "library"),
             ("warp", "scene"),

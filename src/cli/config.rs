@@ -176,7 +176,7 @@ impl Default for Parameters {
             analyze: AnalyzeParams::default(),
             synth: SynthParams::default(),
             weights: None,
-            svg: SvgParameters { precision: 2, expand: false },
+            svg: SvgParameters { precision: 1, expand: false },
             render: RenderParameters { scale: 1.0 },
         }
     }
@@ -387,6 +387,8 @@ mod tests {
             ("synth", "moves", "0", "100"),
             ("synth", "rotate", "0", "180"),
             ("synth", "scale-jitter", "0", "50"),
+            ("analyze", "colors", "0", "4096"),
+            ("analyze", "max-paths", "0", "10000000"),
             ("svg", "precision", "0", "6"),
             ("render", "scale", "0.01", "100"),
         ] {

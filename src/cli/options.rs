@@ -44,6 +44,7 @@ pub(crate) struct Common {
 /// A command with its options.
 pub(crate) enum Job {
     Texture(Analysis, Synthesis),
+    Vectorize(Analysis, SvgParameters, Target),
     Analyze(Analysis, Target),
     Synth(Vec<Input>, Synthesis),
     Warp(Warping),
@@ -141,6 +142,10 @@ impl Options {
                 given.add("synth", &a.synth);
                 given.add("svg", &a.svg);
             }
+            Some(Command::Vectorize(a)) => {
+                given.add("analyze", &a.analyze);
+                given.add("svg", &a.svg);
+            }
             Some(Command::Analyze(a)) => given.add("analyze", &a.analyze),
             Some(Command::Synth(a)) => {
                 given.add("synth", &a.synth);
@@ -192,6 +197,14 @@ impl Job {
                 let analysis =
                     Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?;
                 Self::Texture(analysis, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
+            }
+            Command::Vectorize(a) => {
+                let photo = required(a.photo)?;
+                let output = a.output.clone();
+                let target = target(a.output, &a.force, &photo, format::OF_SCENE, Format::Svg)?;
+                let analysis =
+                    Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?;
+                Self::Vectorize(analysis, svg, target)
             }
             Command::Analyze(a) => {
                 let photo = required(a.photo)?;

@@ -1,7 +1,7 @@
 //! A closed outline with holes: the shape of a texton.
 
 use super::{parse_path, path_text, write_path};
-use kurbo::{BezPath, PathEl, Point, Rect, Shape};
+use kurbo::{Affine, BezPath, PathEl, Point, Rect, Shape};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -79,6 +79,11 @@ impl Outline {
     /// Bounding box, in pixels.
     pub fn bounds(&self) -> Rect {
         self.0.bounding_box()
+    }
+
+    /// Bounding box after a move.
+    pub fn bounds_after(&self, affine: Affine) -> Rect {
+        (affine * &self.0).bounding_box()
     }
 
     /// Length of all rings, in pixels.

@@ -5,13 +5,13 @@ mod parameters;
 mod validate;
 
 pub use arrangement::Arrangement;
-pub use parameters::AnalyzeParams;
+pub use parameters::{AnalyzeParams, Shading};
 
 use crate::document::{self, Document};
 use crate::error::Result;
 use crate::geometry::Outline;
 use crate::raster::colour::Colour;
-use crate::scene::ControlPoint;
+use crate::scene::{ControlPoint, Gradient};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -88,6 +88,9 @@ pub struct Primary {
     pub colour: Colour,
     /// Colour painted beneath the details: that of the largest detail, which is not repeated.
     pub base: Colour,
+    /// Painted in place of the base colour.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient: Option<Gradient>,
     /// Its category.
     pub category: CategoryId,
     /// Number of pixels.
@@ -103,14 +106,17 @@ pub struct Primary {
     pub details: Vec<Detail>,
 }
 
-/// A patch of one colour on a primary.
+/// A patch on a primary.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Detail {
     /// Its outline, where it stands in the exemplar.
     pub outline: Outline,
-    /// Its colour.
+    /// Its colour; with a gradient, its median colour.
     pub colour: Colour,
+    /// Painted in place of the colour.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient: Option<Gradient>,
 }
 
 /// The secondary textons and their spacing.

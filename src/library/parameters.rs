@@ -33,10 +33,31 @@ pub struct AnalyzeParams {
     pub background_spacing: f64,
     /// Strip around textons that is not background. 0 to 100, default 5.
     pub background_margin: f64,
-    /// Largest distance of a fitted outline to the traced one. 0.05 to 5, default 0.5.
+    /// Largest distance of a fitted outline to the traced one; what error a byte is worth grows with
+    /// it. 0.05 to 5, default 0.5.
     pub fidelity: f64,
+    /// What details and primaries are filled with. Default gradients.
+    pub shading: Shading,
+    /// Most colours of primaries, details and secondaries, which are then flat; 0 for as many as
+    /// there are. 0 to 4096, default 0.
+    pub colors: u32,
+    /// Most primaries, details and secondaries together; what is seen least is joined or left out.
+    /// 0 for as many as there are. 0 to 10 000 000, default 0.
+    pub max_paths: u32,
     /// The exemplar tiles: opposite borders are neighbours. Default false.
     pub wrap: bool,
+}
+
+/// What details and primaries are filled with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shading {
+    /// One colour each.
+    Flat,
+    /// A linear gradient wherever one explains the photograph better, byte for byte, than more
+    /// pieces of one colour.
+    #[default]
+    Gradient,
 }
 
 impl Default for AnalyzeParams {
@@ -55,6 +76,9 @@ impl Default for AnalyzeParams {
             background_spacing: 25.0,
             background_margin: 5.0,
             fidelity: 0.5,
+            shading: Shading::Gradient,
+            colors: 0,
+            max_paths: 0,
             wrap: false,
         }
     }
@@ -83,6 +107,8 @@ impl AnalyzeParams {
         real("descriptor-reach", self.descriptor_reach, 0.5..=10.0, "0.5 to 10")?;
         real("background-spacing", self.background_spacing, 4.0..=1000.0, "4 to 1000 px")?;
         real("background-margin", self.background_margin, 0.0..=100.0, "0 to 100 px")?;
+        integer("colors", self.colors, 0..=4096, "0 to 4096")?;
+        integer("max-paths", self.max_paths, 0..=10_000_000, "0 to 10000000")?;
         real("fidelity", self.fidelity, 0.05..=5.0, "0.05 to 5 px")?;
         check(
             self.secondary_minimum <= self.secondary_maximum,

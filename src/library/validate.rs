@@ -38,6 +38,10 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
         if p.outline.is_empty() || p.area == 0 {
             return Err(format!("primaries[{i}] is empty"));
         }
+        let gradients = p.details.iter().filter_map(|d| d.gradient.as_ref()).chain(&p.gradient);
+        if let Some(fault) = gradients.filter_map(crate::scene::Gradient::fault).next() {
+            return Err(format!("primaries[{i}]: a gradient {fault}"));
+        }
         share(&format!("primaries[{i}].compactness"), p.compactness)?;
         inside(&format!("primaries[{i}]"), p.centroid)?;
     }

@@ -117,6 +117,7 @@ mod tests {
             category,
             outline: Outline::new(&path).unwrap(),
             colour: Colour([9; 3]),
+            gradient: None,
             details: Vec::new(),
         }
     }

@@ -10,11 +10,14 @@ use crate::error::{Error, Result};
 use crate::geometry::{Affine, Outline, PathEl, Rect};
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::scene::{Edge, Instance, Scene};
+use crate::scene::{Edge, Gradient, Instance, Scene};
 use image::RgbImage;
 use std::io::Write;
 use std::path::Path;
-use tiny_skia::{FillRule, Mask, Paint, PathBuilder, Pixmap, PixmapMut, Transform};
+use tiny_skia::{
+    Color, FillRule, GradientStop, LinearGradient, Mask, Paint, PathBuilder, Pixmap, PixmapMut, Shader,
+    SpreadMode, Transform,
+};
 
 /// Height of the bands drawn at a time, in pixels.
 const BAND: usize = 256;
@@ -129,7 +132,7 @@ enum Layer {
 /// The paths of a texton with their colours; those of the base come from the instance.
 struct Shape {
     base: Option<tiny_skia::Path>,
-    details: Vec<(tiny_skia::Path, Colour)>,
+    details: Vec<(tiny_skia::Path, Paint<'static>)>,
     bounds: Rect,
 }
 
@@ -150,7 +153,7 @@ impl<'a> Shapes<'a> {
             details: texton
                 .details
                 .iter()
-                .filter_map(|p| path_of(&p.outline).map(|path| (path, p.colour)))
+                .filter_map(|p| path_of(&p.outline).map(|path| (path, paint(p.colour, p.gradient.as_ref()))))
                 .collect(),
             bounds: texton.bounds(),
         });
@@ -182,24 +185,30 @@ impl<'a> Shapes<'a> {
                 continue;
             }
             let transform = band_transform(*affine, top);
-            let colour = instance.colour.unwrap_or(self.scene.textons[index].colour);
-            for (path, colour) in shape
-                .base
-                .iter()
-                .map(|p| (p, colour))
-                .chain(shape.details.iter().map(|(path, colour)| (path, *colour)))
-            {
-                fill(band, path, colour, transform);
+            if let Some(path) = &shape.base {
+                let texton = &self.scene.textons[index];
+                let base = match instance.colour {
+                    Some(colour) => paint(colour, None),
+                    None => paint(texton.colour, texton.gradient.as_ref()),
+                };
+                band.fill_path(path, &base, FillRule::Winding, transform, None);
+            }
+            for (path, paint) in &shape.details {
+                band.fill_path(path, paint, FillRule::Winding, transform, None);
             }
         }
     }
 }
 
-fn fill(band: &mut PixmapMut<'_>, path: &tiny_skia::Path, colour: Colour, transform: Transform) {
-    let [r, g, b] = colour.0;
-    let mut paint = Paint::default();
-    paint.set_color_rgba8(r, g, b, 255);
-    band.fill_path(path, &paint, FillRule::Winding, transform, None);
+/// A gradient, or one colour where there is none.
+fn paint(colour: Colour, gradient: Option<&Gradient>) -> Paint<'static> {
+    let solid = |Colour([r, g, b]): Colour| Color::from_rgba8(r, g, b, 255);
+    let shader = gradient.and_then(|g| {
+        let point = |[x, y]: [f64; 2]| tiny_skia::Point::from_xy(x as f32, y as f32);
+        let stops = vec![GradientStop::new(0.0, solid(g.start)), GradientStop::new(1.0, solid(g.end))];
+        LinearGradient::new(point(g.from), point(g.to), stops, SpreadMode::Pad, Transform::identity())
+    });
+    Paint { shader: shader.unwrap_or(Shader::SolidColor(solid(colour))), ..Paint::default() }
 }
 
 /// The path as tiny-skia knows it; none if there is nothing to fill.

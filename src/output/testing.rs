@@ -3,7 +3,9 @@
 use crate::geometry::{Affine, BezPath, Outline, Point};
 use crate::raster::colour::Colour;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
-use crate::scene::{ControlPoint, Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
+use crate::scene::{
+    ControlPoint, Field, Gradient, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile,
+};
 
 /// A closed smooth ring around a centre, bumpy by `rough`; clockwise, or the other way for holes.
 fn ring(path: &mut BezPath, centre: Point, radius: f64, rough: f64, hole: bool, rng: &mut Stream) {
@@ -41,6 +43,13 @@ fn colour(centre: [f64; 3], spread: f64, rng: &mut Stream) -> Colour {
     Colour::from_f64(centre.map(|v| v + spread * (rng.unit() * 2.0 - 1.0)))
 }
 
+/// A change of colour across a texton.
+fn gradient(radius: f64, base: [f64; 3], rng: &mut Stream) -> Gradient {
+    let mut point = || [0; 2].map(|_| libm::round(100.0 * radius * (rng.unit() * 2.0 - 1.0)) / 100.0);
+    let (from, to) = (point(), point());
+    Gradient { from, to, start: colour(base, 40.0, rng), end: colour(base, 40.0, rng) }
+}
+
 /// Overlapping stones with details, holes, turns and mirrors over small chips on a cloudy ground.
 /// Some textons stand often, some once, one nowhere; some instances hang over the border.
 pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
@@ -59,6 +68,7 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
                 category: primary.then_some((i % 5) as u16),
                 outline: outline(Point::ORIGIN, radius, 0.5, i % 7 == 3, rng),
                 colour: colour(base, 6.0, rng),
+                gradient: (primary && i % 3 == 1).then(|| gradient(radius, base, rng)),
                 details: (0..details)
                     .map(|_| {
                         let centre = Point::new(
@@ -69,6 +79,7 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
                         Patch {
                             outline: outline(centre, size, 0.8, false, rng),
                             colour: colour(base, 25.0, rng),
+                            gradient: (rng.unit() < 0.4).then(|| gradient(radius, base, rng)),
                         }
                     })
                     .collect(),

@@ -1,10 +1,12 @@
 //! The scene: one synthesised texture, placed textons over a background field (`*.scene.json`).
 
 pub mod field;
+mod gradient;
 mod parameters;
 mod tile;
 mod validate;
 
+pub use gradient::Gradient;
 pub use parameters::{Ablation, SynthParams, Weights};
 pub use tile::Tile;
 
@@ -101,19 +103,25 @@ pub struct Texton {
     pub outline: Outline,
     /// Colour painted inside the outline, beneath the details.
     pub colour: Colour,
+    /// Painted in place of the colour, unless an instance has one of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient: Option<Gradient>,
     /// What is painted on it, in painting order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub details: Vec<Patch>,
 }
 
-/// A patch of one colour on a texton.
+/// A patch on a texton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Patch {
     /// Its outline, in the coordinates of the texton.
     pub outline: Outline,
-    /// Its colour.
+    /// Its colour; with a gradient, its mean colour.
     pub colour: Colour,
+    /// Painted in place of the colour.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient: Option<Gradient>,
 }
 
 impl Texton {

@@ -20,6 +20,10 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
         if t.library as usize >= s.libraries.len() {
             return Err(format!("textons[{i}].library is {}, there are {}", t.library, s.libraries.len()));
         }
+        let gradients = t.details.iter().filter_map(|d| d.gradient.as_ref()).chain(&t.gradient);
+        if let Some(fault) = gradients.filter_map(super::Gradient::fault).next() {
+            return Err(format!("textons[{i}]: a gradient {fault}"));
+        }
     }
     let mut ids = std::collections::BTreeSet::new();
     for (layer, instances) in [("secondary", &s.secondary), ("primary", &s.primary)] {

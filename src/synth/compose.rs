@@ -173,13 +173,20 @@ impl<'a> Textons<'a> {
         let p = &self.library.primaries[index as usize];
         *self.primaries[index as usize].get_or_insert_with(|| {
             let moved = |outline: &Outline| translated(outline, origin(p));
-            let patch = |d: &crate::library::Detail| Patch { outline: moved(&d.outline), colour: d.colour };
+            let [x, y] = origin(p).map(f64::from);
+            let shift = Affine::translate((-x, -y));
+            let patch = |d: &crate::library::Detail| Patch {
+                outline: moved(&d.outline),
+                colour: d.colour,
+                gradient: d.gradient.map(|g| g.moved(shift)),
+            };
             scene.textons.push(Texton {
                 library: self.number,
                 source: index,
                 category: Some(p.category.0),
                 outline: moved(&p.outline),
                 colour: p.base,
+                gradient: p.gradient.map(|g| g.moved(shift)),
                 details: p.details.iter().map(patch).collect(),
             });
             scene.textons.len() as u32 - 1
@@ -198,6 +205,7 @@ impl<'a> Textons<'a> {
                     category: None,
                     outline,
                     colour: s.colour,
+                    gradient: None,
                     details: Vec::new(),
                 };
                 scene.textons.push(texton);

@@ -44,6 +44,7 @@ pub(super) fn library(map: &LabelMap) -> Library {
             categories[usize::from(c.0)].coverage += f64::from(area) / total;
             let colour = Colour([(60 * c.0) as u8 + 80, (i % 200) as u8, 90]);
             Primary {
+                gradient: None,
                 id: TextonId(i as u32),
                 outline: outline(mask),
                 colour,

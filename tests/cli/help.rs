@@ -10,8 +10,18 @@ fn printed(arguments: &str) -> String {
 #[test]
 fn help_of_every_command() {
     insta::assert_snapshot!("vtex", printed("--help"));
-    for command in ["texture", "analyze", "synth", "warp", "tune", "render", "inspect", "completions", "man"]
-    {
+    for command in [
+        "texture",
+        "vectorize",
+        "analyze",
+        "synth",
+        "warp",
+        "tune",
+        "render",
+        "inspect",
+        "completions",
+        "man",
+    ] {
         let help = printed(&format!("{command} --help"));
         assert!(help.contains("Examples:\n  vtex "), "{command} has no example");
         assert_eq!(help, printed(&format!("{command} -h")), "{command}");
@@ -21,7 +31,7 @@ fn help_of_every_command() {
 
 #[test]
 fn every_option_says_its_range_or_default() {
-    for command in ["texture", "analyze", "synth", "warp", "tune", "render"] {
+    for command in ["texture", "vectorize", "analyze", "synth", "warp", "tune", "render"] {
         let help = printed(&format!("{command} --help")).replace(['\n'], " ");
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
         for part in help.split(" --").skip(1) {
@@ -41,7 +51,7 @@ fn version_names_the_program() {
 #[test]
 fn examples_of_the_help_can_be_parsed() {
     // Everything but the files is accepted: what fails is reading, not the usage.
-    for command in ["texture", "analyze", "synth", "warp", "tune", "render", "inspect"] {
+    for command in ["texture", "vectorize", "analyze", "synth", "warp", "tune", "render", "inspect"] {
         let help = printed(&format!("{command} --help"));
         let examples = help.split("Examples:").nth(1).unwrap();
         for line in examples.lines().filter_map(|l| l.trim().strip_prefix("vtex ")) {

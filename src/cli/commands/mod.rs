@@ -8,6 +8,7 @@ mod render;
 mod synth;
 mod texture;
 mod tune;
+mod vectorize;
 mod warp;
 
 use super::options::{Common, Job};
@@ -18,6 +19,7 @@ pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
     let reporter = Reporter::new(common)?;
     let outcome = match job {
         Job::Texture(analysis, synthesis) => texture::run(common, &reporter, analysis, synthesis),
+        Job::Vectorize(analysis, svg, target) => vectorize::run(common, &reporter, analysis, *svg, target),
         Job::Analyze(analysis, target) => analyze::run(common, &reporter, analysis, target),
         Job::Synth(library, synthesis) => synth::run(common, &reporter, library, synthesis),
         Job::Warp(warping) => warp::run(common, &reporter, warping),

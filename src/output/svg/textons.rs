@@ -1,11 +1,13 @@
 //! Textons in SVG: defined once, or written where they stand.
 
 use super::SvgOptions;
+use super::gradients::BoxGradient;
 use super::number::{Number, Paint, list};
 use super::xml::Xml;
 use crate::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
 use crate::raster::colour::Colour;
-use crate::scene::{Instance, Scene, Texton};
+use crate::scene::{Gradient, Instance, Scene, Texton};
+use std::cell::Cell;
 use std::io::{self, Write};
 
 /// The textons of a scene and how each is written.
@@ -21,6 +23,29 @@ pub(super) struct Textons<'a> {
     inherits: Vec<bool>,
     /// Bounding boxes; none where nothing is copied.
     bounds: Vec<Rect>,
+    /// Number of the next gradient.
+    gradients: Cell<u64>,
+}
+
+/// What the outline of a texton is painted with.
+#[derive(Clone, Copy)]
+enum Base<'a> {
+    /// What its parent says.
+    Inherited,
+    Colour(Colour),
+    /// A colour, and the gradient in its place.
+    Gradient(Colour, &'a Gradient),
+}
+
+impl<'a> Base<'a> {
+    /// That of a texton, or the colour that an instance has in its place.
+    fn of(texton: &'a Texton, own: Option<Colour>) -> Self {
+        match (own, &texton.gradient) {
+            (Some(colour), _) => Self::Colour(colour),
+            (None, Some(gradient)) => Self::Gradient(texton.colour, gradient),
+            (None, None) => Self::Colour(texton.colour),
+        }
+    }
 }
 
 impl<'a> Textons<'a> {
@@ -31,7 +56,8 @@ impl<'a> Textons<'a> {
             if scene.tile.any() { scene.textons.iter().map(Texton::bounds).collect() } else { Vec::new() };
         let shared = vec![false; scene.textons.len()];
         let SvgOptions { precision, expand } = *options;
-        let mut textons = Self { scene, precision, expand, bleed, shared, inherits, bounds };
+        let mut textons =
+            Self { scene, precision, expand, bleed, shared, inherits, bounds, gradients: Cell::new(0) };
         let mut uses = vec![0; scene.textons.len()];
         // Copies of primaries refer to their original as a whole.
         let secondary = scene.secondary.iter().map(|i| (i, textons.copies(i).count()));
@@ -72,6 +98,12 @@ impl<'a> Textons<'a> {
     pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         for (i, texton) in self.scene.textons.iter().enumerate().filter(|(i, _)| self.shared[*i]) {
             let id = format_args!("t{i}");
+            if self.inherits[i]
+                && let Some(gradient) = self.base_gradient(texton)
+            {
+                gradient.write(xml, format_args!("t{i}g"))?;
+                xml.line();
+            }
             if texton.details.is_empty() {
                 xml.open("path");
                 xml.attribute("id", id);
@@ -81,8 +113,8 @@ impl<'a> Textons<'a> {
                 xml.open("symbol");
                 xml.attribute("id", id);
                 xml.attribute("overflow", "visible");
-                let own = (!self.inherits[i]).then_some(texton.colour);
-                self.write_paths(xml, texton, own, None)?;
+                let base = if self.inherits[i] { Base::Inherited } else { Base::of(texton, None) };
+                self.write_paths(xml, texton, base, None)?;
                 xml.close()?;
             }
             xml.line();
@@ -90,10 +122,11 @@ impl<'a> Textons<'a> {
         Ok(())
     }
 
-    /// The one fill of a placed texton; none if it has details.
+    /// The one colour of a placed texton; none if it has details or a gradient.
     pub(super) fn fill(&self, instance: &Instance) -> Option<Colour> {
         let texton = &self.scene.textons[instance.texton as usize];
-        texton.details.is_empty().then(|| instance.colour.unwrap_or(texton.colour))
+        let one = texton.details.is_empty() && (texton.gradient.is_none() || instance.colour.is_some());
+        one.then(|| instance.colour.unwrap_or(texton.colour))
     }
 
     /// One placed texton, moved by `shift`; its fill is left to the group around it unless
@@ -107,39 +140,77 @@ impl<'a> Textons<'a> {
     ) -> io::Result<()> {
         let index = instance.texton as usize;
         let texton = &self.scene.textons[index];
-        let colour = instance.colour.unwrap_or(texton.colour);
+        let base = Base::of(texton, instance.colour);
         let affine = instance.affine().then_translate(shift);
         if !self.shared[index] {
-            let fill = with_fill.then_some(colour);
-            return self.write_paths(xml, texton, fill, Some(affine));
+            let base = if with_fill { base } else { Base::Inherited };
+            return self.write_paths(xml, texton, base, Some(affine));
         }
         xml.open("use");
         xml.attribute("xlink:href", format_args!("#t{index}"));
         self.write_transform(xml, &affine.as_coeffs());
         if self.inherits[index] && with_fill {
-            xml.attribute("fill", Paint(colour));
+            match base {
+                Base::Gradient(..) if self.base_gradient(texton).is_some() => {
+                    xml.attribute("fill", format_args!("url(#t{index}g)"));
+                }
+                Base::Gradient(colour, _) | Base::Colour(colour) => xml.attribute("fill", Paint(colour)),
+                Base::Inherited => (),
+            }
         }
         xml.close()
     }
 
-    /// The paths of a texton, moved by `affine`. Without a colour the base takes its parent's.
+    /// The gradient of a texton's outline where it is defined.
+    fn base_gradient(&self, texton: &Texton) -> Option<BoxGradient> {
+        BoxGradient::new(texton.gradient.as_ref()?, Affine::IDENTITY, texton.outline.bounds())
+    }
+
+    /// The paths of a texton, moved by `affine`.
     fn write_paths<W: Write>(
         &self,
         xml: &mut Xml<W>,
         texton: &Texton,
-        colour: Option<Colour>,
+        base: Base<'_>,
         affine: Option<Affine>,
     ) -> io::Result<()> {
-        let base = std::iter::once((&texton.outline, colour));
-        for (outline, colour) in base.chain(texton.details.iter().map(|p| (&p.outline, Some(p.colour)))) {
-            xml.open("path");
-            if let Some(colour) = colour {
-                xml.attribute("fill", Paint(colour));
-            }
-            xml.attribute("d", self.data(outline, affine));
-            xml.close()?;
+        self.write_filled(xml, &texton.outline, base, affine)?;
+        for patch in &texton.details {
+            let fill = patch
+                .gradient
+                .as_ref()
+                .map_or(Base::Colour(patch.colour), |g| Base::Gradient(patch.colour, g));
+            self.write_filled(xml, &patch.outline, fill, affine)?;
         }
         Ok(())
+    }
+
+    /// A path, moved by `affine`, after the gradient that fills it.
+    fn write_filled<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        outline: &Outline,
+        fill: Base<'_>,
+        affine: Option<Affine>,
+    ) -> io::Result<()> {
+        let mut id = None;
+        if let Base::Gradient(_, gradient) = fill {
+            let moved = affine.unwrap_or_default();
+            if let Some(gradient) = BoxGradient::new(gradient, moved, outline.bounds_after(moved)) {
+                let number = self.gradients.get();
+                self.gradients.set(number + 1);
+                gradient.write(xml, format_args!("g{number}"))?;
+                id = Some(number);
+            }
+        }
+        xml.open("path");
+        match (fill, id) {
+            (_, Some(number)) => xml.attribute("fill", format_args!("url(#g{number})")),
+            (Base::Colour(colour) | Base::Gradient(colour, _), None) => xml.attribute("fill", Paint(colour)),
+            (Base::Inherited, None) => (),
+        }
+        xml.attribute("d", self.data(outline, affine));
+        xml.close()
     }
 
     /// A bare outline, moved by `shift`.

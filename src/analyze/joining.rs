@@ -1,0 +1,207 @@
+//! Details of a primary, joined where what they show is not worth what they cost.
+//!
+//! Each way to draw a primary has an error, the squared difference to the photograph, and a length
+//! in a file: so much for each shape and its fill, so much for each pixel of border between two. Of
+//! all pairs of neighbours that whose union saves most is joined, until none saves anything: region
+//! merging after Mumford and Shah (Koepfler, Lopez and Morel 1994), with bytes in place of lengths
+//! and with fills that are flat or linear gradients.
+
+use super::moments::Moments;
+use super::price::Price;
+use crate::raster::Mask;
+use crate::raster::colour::Colour;
+use crate::scene::Gradient;
+use image::RgbImage;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+
+/// Bytes of a shape beside its border.
+const SHAPE: f64 = 45.0;
+/// Bytes of a pixel of border, which the shapes on both sides draw.
+const BORDER: f64 = 9.0;
+
+/// The gradient that a region is filled with, if one is worth its bytes.
+pub(super) fn gradient(image: &RgbImage, mask: &Mask, price: Price) -> Option<Gradient> {
+    let origin = mask.centroid()?.into();
+    let sums = Moments::new(image, mask, origin);
+    if price.of(&sums).1 { sums.gradient(mask, origin) } else { None }
+}
+
+/// Joins the details of one primary; what is left still tiles it.
+pub(super) fn join(image: &RgbImage, details: &[Mask], price: Price) -> Vec<Mask> {
+    if details.len() < 2 {
+        return details.to_vec();
+    }
+    let origin = details[0].centroid().map_or([0.0; 2], Into::into);
+    let mut regions: Vec<Option<Moments>> =
+        details.iter().map(|m| Some(Moments::new(image, m, origin))).collect();
+    let mut borders = borders(details);
+    let mut version = vec![0u32; details.len()];
+    let saved = |regions: &[Option<Moments>], a: usize, b: usize, border: u32| {
+        let (x, y) = (regions[a].as_ref()?, regions[b].as_ref()?);
+        let bytes = SHAPE + BORDER * f64::from(border);
+        let saved = price.of(x).0 + price.of(y).0 + bytes * price.byte - price.of(&x.with(y)).0;
+        // Whole units sort exactly.
+        (saved > 0.0).then_some(libm::round(saved * 16.0) as u64)
+    };
+    let mut queue = BinaryHeap::new();
+    for (a, neighbours) in borders.iter().enumerate() {
+        for (&b, &border) in neighbours.range(a + 1..) {
+            queue.extend(saved(&regions, a, b, border).map(|s| (s, Reverse((a, b)), 0, 0)));
+        }
+    }
+    let mut parent: Vec<usize> = (0..details.len()).collect();
+    while let Some((_, Reverse((a, b)), at_a, at_b)) = queue.pop() {
+        if (version[a], version[b]) != (at_a, at_b) {
+            continue;
+        }
+        let (Some(x), Some(y)) = (regions[a], regions[b].take()) else { continue };
+        regions[a] = Some(x.with(&y));
+        parent[b] = a;
+        version[a] += 1;
+        version[b] += 1;
+        for (c, border) in std::mem::take(&mut borders[b]) {
+            borders[c].remove(&b);
+            if c != a {
+                *borders[a].entry(c).or_default() += border;
+                *borders[c].entry(a).or_default() += border;
+            }
+        }
+        for (&c, &border) in &borders[a] {
+            let (low, high) = (a.min(c), a.max(c));
+            let entry = saved(&regions, low, high, border);
+            queue.extend(entry.map(|s| (s, Reverse((low, high)), version[low], version[high])));
+        }
+    }
+    united(details, &mut parent)
+}
+
+/// Joins neighbours of one colour.
+pub(super) fn join_alike(details: &[Mask], colour: impl Fn(&Mask) -> Colour) -> Vec<Mask> {
+    let colours: Vec<Colour> = details.iter().map(colour).collect();
+    let mut parent: Vec<usize> = (0..details.len()).collect();
+    for (a, neighbours) in borders(details).iter().enumerate() {
+        for &b in neighbours.keys().filter(|&&b| b > a && colours[a] == colours[b]) {
+            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    united(details, &mut parent)
+}
+
+/// Whom a mask was joined to in the end.
+fn root(parent: &mut [usize], mut i: usize) -> usize {
+    while parent[i] != i {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    i
+}
+
+/// The unions, in the order of their first masks.
+fn united(masks: &[Mask], parent: &mut [usize]) -> Vec<Mask> {
+    let mut spans = vec![Vec::new(); masks.len()];
+    for (i, mask) in masks.iter().enumerate() {
+        spans[root(parent, i)].extend_from_slice(mask.spans());
+    }
+    spans.into_iter().filter(|s| !s.is_empty()).map(Mask::from_spans).collect()
+}
+
+/// Length of the border between each two of several disjoint masks, in pixels.
+fn borders(masks: &[Mask]) -> Vec<BTreeMap<usize, u32>> {
+    let mut rows: BTreeMap<i32, Vec<(i32, i32, usize)>> = BTreeMap::new();
+    for (i, mask) in masks.iter().enumerate() {
+        for s in mask.spans() {
+            rows.entry(s.y).or_default().push((s.x0, s.x1, i));
+        }
+    }
+    rows.values_mut().for_each(|row| row.sort_unstable());
+    let mut found = vec![BTreeMap::new(); masks.len()];
+    let mut meet = |a: usize, b: usize, length: i32| {
+        if a != b {
+            *found[a].entry(b).or_insert(0) += length as u32;
+            *found[b].entry(a).or_insert(0) += length as u32;
+        }
+    };
+    for (y, row) in &rows {
+        for pair in row.windows(2).filter(|pair| pair[0].1 == pair[1].0) {
+            meet(pair[0].2, pair[1].2, 1);
+        }
+        let below = rows.get(&(y + 1)).map_or(&[][..], Vec::as_slice);
+        let mut k = 0;
+        for &(x0, x1, a) in row {
+            while k > 0 && below[k - 1].1 > x0 {
+                k -= 1;
+            }
+            while k < below.len() && below[k].0 < x1 {
+                meet(a, below[k].2, (x1.min(below[k].1) - x0.max(below[k].0)).max(0));
+                k += 1;
+            }
+        }
+    }
+    found.into_iter().map(|all| all.into_iter().filter(|&(_, n)| n > 0).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::Span;
+    use image::Rgb;
+
+    /// Columns of a picture 40 pixels wide and 30 high.
+    fn column(x0: i32, x1: i32) -> Mask {
+        Mask::from_spans((0..30).map(|y| Span { y, x0, x1 }).collect())
+    }
+
+    fn columns(width: i32) -> Vec<Mask> {
+        (0..40 / width).map(|k| column(k * width, (k + 1) * width)).collect()
+    }
+
+    const PRICE: Price = Price { gradients: true, byte: 10.0 };
+
+    #[test]
+    fn equal_neighbours_become_one_and_unlike_ones_stay() {
+        let image = RgbImage::from_fn(40, 30, |x, _| Rgb(if x < 20 { [200, 40, 40] } else { [30, 60, 190] }));
+        let joined = join(&image, &columns(5), PRICE);
+        assert_eq!(joined, [column(0, 20), column(20, 40)]);
+        assert_eq!(join(&image, &columns(5), Price { byte: 0.0, ..PRICE }).len(), 8);
+        assert_eq!(join(&image, &columns(5), Price { byte: 1e9, ..PRICE }).len(), 1);
+    }
+
+    #[test]
+    fn steps_of_a_slope_become_one_gradient() {
+        let image = RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90]));
+        let joined = join(&image, &columns(5), PRICE);
+        assert_eq!(joined, [column(0, 40)]);
+        let g = gradient(&image, &joined[0], PRICE).unwrap();
+        assert!((g.from[0] - g.to[0]).abs() > 38.0 && g.from[1] == g.to[1], "{g:?}");
+        let flat = join(&image, &columns(5), Price { gradients: false, ..PRICE });
+        assert!(flat.len() > 3, "{}", flat.len());
+        assert!(gradient(&image, &joined[0], Price { gradients: false, ..PRICE }).is_none());
+    }
+
+    #[test]
+    fn neighbours_of_one_colour_become_one() {
+        let colour = |m: &Mask| Colour([if m.contains(12, 0) || m.contains(17, 0) { 9 } else { 200 }; 3]);
+        let joined = join_alike(&columns(5), colour);
+        assert_eq!(joined, [column(0, 10), column(10, 20), column(20, 40)]);
+    }
+
+    #[test]
+    fn borders_are_counted_along_both_axes() {
+        let ring: Vec<Span> = (0..5)
+            .flat_map(|y| {
+                let inner = (1..4).contains(&y);
+                if inner {
+                    vec![Span { y, x0: 0, x1: 1 }, Span { y, x0: 4, x1: 5 }]
+                } else {
+                    vec![Span { y, x0: 0, x1: 5 }]
+                }
+            })
+            .collect();
+        let inside = (1..4).map(|y| Span { y, x0: 1, x1: 4 }).collect();
+        let far = vec![Span { y: 9, x0: 0, x1: 5 }];
+        let found = borders(&[ring, inside, far].map(Mask::from_spans));
+        assert_eq!(found, [BTreeMap::from([(1, 12)]), BTreeMap::from([(0, 12)]), BTreeMap::new()]);
+    }
+}
