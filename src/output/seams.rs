@@ -21,10 +21,12 @@ fn by_svg(scene: &Scene, options: SvgOptions, scale: f64) -> Pixmap {
 
 /// All ways of drawing, by name.
 fn pictures(scene: &Scene, scale: f64) -> [(&'static str, Pixmap); 3] {
-    let expanded = SvgOptions { expand: true, ..SvgOptions::default() };
+    // Precise enough to compare single pixels.
+    let fine = SvgOptions { precision: 2, expand: false };
+    let expanded = SvgOptions { expand: true, ..fine };
     [
         ("png", render(scene, scale).unwrap()),
-        ("svg", by_svg(scene, SvgOptions::default(), scale)),
+        ("svg", by_svg(scene, fine, scale)),
         ("expanded", by_svg(scene, expanded, scale)),
     ]
 }

@@ -1,6 +1,6 @@
 //! What lies beneath the primaries, carried along: secondaries and the background's control points.
 
-use super::Bend;
+use super::{Bend, NO_STRETCH};
 use super::carried;
 use crate::library::Library;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
@@ -16,6 +16,8 @@ use std::collections::BTreeMap;
 /// usual distance, and new ones added where none is nearer than the other share.
 const CROWDED: f64 = 0.6;
 const SPARSE: f64 = 0.9;
+/// The same share for control points, of which fewer are enough.
+const CROWDED_POINTS: f64 = 0.8;
 /// How far control points reach beyond the canvas, in spacings.
 const MARGIN: f64 = 2.0;
 
@@ -40,11 +42,12 @@ pub(super) fn field(
     let mut field = Field { points: Vec::new(), ..old.clone() };
     let held: Vec<&ControlPoint> = old.points.iter().filter(|p| bend.holds([p.x, p.y])).collect();
     let places: Vec<[f64; 2]> = held.iter().map(|p| bend.point([p.x, p.y])).collect();
-    for i in apart(&places, CROWDED * spacing) {
+    for i in apart(&places, CROWDED_POINTS * spacing) {
         let [x, y] = places[i].map(|v| libm::round(v * 100.0) / 100.0);
         field.points.push(ControlPoint { x, y, colour: held[i].colour });
     }
-    if old.points.is_empty() {
+    let stretched = held.iter().any(|p| bend.stretch([p.x, p.y]) > NO_STRETCH);
+    if !stretched {
         return field;
     }
     let carried: Vec<[i32; 2]> = field.points.iter().map(|p| whole([p.x, p.y])).collect();

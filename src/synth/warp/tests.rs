@@ -63,8 +63,13 @@ fn density_stays_when_the_canvas_grows_or_shrinks() {
         let ground = factors[0] * factors[1] * before.secondary.len() as f64;
         let share = after.secondary.len() as f64 / ground;
         assert!((0.75..1.3).contains(&share), "{factors:?}: {share}");
-        let points = factors[0] * factors[1] * before.background.points.len() as f64;
-        let share = after.background.points.len() as f64 / points;
+        // Control points also lie around the canvas.
+        let around = |scene: &Scene| {
+            let margin = 4.0 * scene.background.spacing;
+            let area = (f64::from(scene.width) + margin) * (f64::from(scene.height) + margin);
+            scene.background.points.len() as f64 / area
+        };
+        let share = around(&after) / around(&before);
         assert!((0.5..1.6).contains(&share), "{factors:?}: {share}");
         // What has come along stands where it should, in its own size.
         let old = by_id(&before.primary);
