@@ -293,7 +293,7 @@ pub(crate) struct ControlArgs {
     after_help = "\
 Examples:
   vtex warp wide.scene.json photo.lib.json --scale 1.5x1 -o wider.svg
-  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o disc.svg
+  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o round.svg
 
 Elements move, gaps are filled with new ones, and where they crowd some go. New ones are drawn by
 the scene's seed, unless --seed gives another."
