@@ -156,7 +156,8 @@ pub(crate) struct TextureArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout
     /// [default: ./PHOTO.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
@@ -218,7 +219,8 @@ pub(crate) struct SynthArgs {
     /// The library, plain or gzip; - reads stdin. Several, at most 16, share the canvas by --map
     #[arg(value_name = "LIBRARY", required = true)]
     pub(crate) library: Vec<PathBuf>,
-    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout
     /// [default: ./LIBRARY.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
@@ -288,7 +290,8 @@ pub(crate) struct WarpArgs {
     /// default: as in the scene]
     #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
     pub(crate) edge: Option<Edge>,
-    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout
     /// [default: ./SCENE.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
@@ -352,8 +355,8 @@ pub(crate) struct RenderArgs {
     /// A library, scene or SVG, plain or gzip; - reads stdin
     #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Option<PathBuf>,
-    /// Result, .png; of a library or scene also .svg, .svgz, .scene.json or .scene.json.gz; - writes
-    /// PNG to stdout [default: ./FILE.png]
+    /// Result, .png; of a library or scene also .svg, .svgz, .pdf, .scene.json or .scene.json.gz;
+    /// - writes PNG to stdout [default: ./FILE.png]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]

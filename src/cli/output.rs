@@ -5,7 +5,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use vtex::output::file::{Format, Kind, gzip, write_file};
-use vtex::output::{png, svg};
+use vtex::output::{pdf, png, svg};
 use vtex::scene::Scene;
 use vtex::{Error, Result};
 
@@ -111,6 +111,10 @@ impl Target {
     ) -> Result<Written> {
         match self.kind.format {
             Format::Scene | Format::Library => self.write_bytes(&scene.to_json()),
+            Format::Pdf => {
+                let (_, bytes) = self.place.write(|out| pdf::write(scene, out))?;
+                Ok(Written { bytes, warnings: Vec::new() })
+            }
             Format::Png => {
                 let picture = png::render(scene, scale)?;
                 let seed = scene.parameters.as_ref().map(|p| p.seed);

@@ -183,8 +183,8 @@ impl<'a> Document<'a> {
 
     /// Title and metadata.
     fn write_about<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
-        for (name, text) in [("title", metadata::title(self.scene)), ("metadata", metadata::json(self.scene))]
-        {
+        let title = crate::output::title(self.scene);
+        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene))] {
             xml.open(name);
             xml.text(&text);
             xml.close()?;
