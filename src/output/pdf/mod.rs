@@ -9,6 +9,8 @@
 //! numbers are rounded to more than a hundredth of a pixel.
 
 mod background;
+#[cfg(test)]
+mod tests;
 mod textons;
 
 use super::background::Background;
