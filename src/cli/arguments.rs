@@ -5,7 +5,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use super::values::{Axes, Factors, Seed, Size, WeightsFrom, WeightsName, named};
+use super::values::{Axes, Bytes, Factors, Seed, Size, WeightsFrom, WeightsName, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -265,7 +265,7 @@ pub(crate) struct ControlArgs {
     after_help = "\
 Examples:
   vtex warp wide.scene.json photo.lib.json --scale 1.5x1 -o wider.svg
-  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o disc.svg
+  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o bent.svg
 
 Elements move, gaps are filled with new ones, and where they crowd some go. New ones are drawn by
 the scene's seed, unless --seed gives another."
@@ -544,6 +544,10 @@ pub(crate) struct SvgFlags {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) expand: Option<bool>,
+    /// Most bytes of an SVG, as 5MB, 800kB or a number: gives up decimals, then fineness of outlines,
+    /// then what is seen least [1 to 1000000000000, default: no limit]
+    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
+    pub(crate) max_bytes: Option<Bytes>,
 }
 
 /// Section `[render]`.

@@ -2,7 +2,8 @@
 //!
 //! All writers see one finished type, [`crate::scene::Scene`], and know nothing of how it came to
 //! be. [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale,
-//! [`raster_svg`] draws any SVG, [`file`] puts what they write safely in its place.
+//! [`raster_svg`] draws any SVG, [`reduce`] finds what of a scene fits in so many bytes, [`file`] puts
+//! what they write safely in its place.
 
 mod background;
 mod coverage;
@@ -10,6 +11,7 @@ pub mod file;
 pub mod pdf;
 pub mod png;
 pub mod raster_svg;
+pub mod reduce;
 #[cfg(test)]
 mod seams;
 pub mod svg;
