@@ -6,6 +6,7 @@ use super::xml::Xml;
 use crate::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
 use crate::raster::colour::Colour;
 use crate::scene::{Instance, Scene, Texton};
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 /// The textons of a scene and how each is written.
@@ -21,6 +22,8 @@ pub(super) struct Textons<'a> {
     inherits: Vec<bool>,
     /// Bounding boxes; none where nothing is copied.
     bounds: Vec<Rect>,
+    /// What each is called where it is defined.
+    ids: Vec<String>,
 }
 
 impl<'a> Textons<'a> {
@@ -31,7 +34,8 @@ impl<'a> Textons<'a> {
             if scene.tile.any() { scene.textons.iter().map(Texton::bounds).collect() } else { Vec::new() };
         let shared = vec![false; scene.textons.len()];
         let SvgOptions { precision, expand } = *options;
-        let mut textons = Self { scene, precision, expand, bleed, shared, inherits, bounds };
+        let ids = ids(scene);
+        let mut textons = Self { scene, precision, expand, bleed, shared, inherits, bounds, ids };
         let mut uses = vec![0; scene.textons.len()];
         // Copies of primaries refer to their original as a whole.
         let secondary = scene.secondary.iter().map(|i| (i, textons.copies(i).count()));
@@ -71,7 +75,7 @@ impl<'a> Textons<'a> {
     /// The shared textons, for `<defs>`.
     pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         for (i, texton) in self.scene.textons.iter().enumerate().filter(|(i, _)| self.shared[*i]) {
-            let id = format_args!("t{i}");
+            let id = &self.ids[i];
             if texton.details.is_empty() {
                 xml.open("path");
                 xml.attribute("id", id);
@@ -81,6 +85,9 @@ impl<'a> Textons<'a> {
                 xml.open("symbol");
                 xml.attribute("id", id);
                 xml.attribute("overflow", "visible");
+                xml.open("title");
+                xml.text(&title(texton));
+                xml.close()?;
                 let own = (!self.inherits[i]).then_some(texton.colour);
                 self.write_paths(xml, texton, own, None)?;
                 xml.close()?;
@@ -88,6 +95,14 @@ impl<'a> Textons<'a> {
             xml.line();
         }
         Ok(())
+    }
+
+    /// Where a texton comes from, as its id says it where it has one.
+    fn write_source<W: Write>(&self, xml: &mut Xml<W>, texton: &Texton) {
+        xml.attribute("data-source", texton.source);
+        if self.scene.libraries.len() > 1 {
+            xml.attribute("data-library", texton.library);
+        }
     }
 
     /// The one fill of a placed texton; none if it has details.
@@ -114,7 +129,7 @@ impl<'a> Textons<'a> {
             return self.write_paths(xml, texton, fill, Some(affine));
         }
         xml.open("use");
-        xml.attribute("xlink:href", format_args!("#t{index}"));
+        xml.attribute("xlink:href", format_args!("#{}", self.ids[index]));
         self.write_transform(xml, &affine.as_coeffs());
         if self.inherits[index] && with_fill {
             xml.attribute("fill", Paint(colour));
@@ -131,8 +146,13 @@ impl<'a> Textons<'a> {
         affine: Option<Affine>,
     ) -> io::Result<()> {
         let base = std::iter::once((&texton.outline, colour));
-        for (outline, colour) in base.chain(texton.details.iter().map(|p| (&p.outline, Some(p.colour)))) {
+        let paths = base.chain(texton.details.iter().map(|p| (&p.outline, Some(p.colour))));
+        for (i, (outline, colour)) in paths.enumerate() {
             xml.open("path");
+            // A definition says it by its id.
+            if i == 0 && affine.is_some() {
+                self.write_source(xml, texton);
+            }
             if let Some(colour) = colour {
                 xml.attribute("fill", Paint(colour));
             }
@@ -183,5 +203,31 @@ impl<'a> Textons<'a> {
                 xml.attribute(name, Number(v, self.precision));
             }
         }
+    }
+}
+
+/// An id for each texton: `t` of a primary or `s` of a secondary, its index in its library, and
+/// `-` with the number of the library where there are several. In a scene in which two are called
+/// alike, the later ones have `.` and their index after it.
+fn ids(scene: &Scene) -> Vec<String> {
+    let mut known = BTreeSet::new();
+    let id = |(i, t): (usize, &Texton)| {
+        let mut id = format!("{}{}", if t.category.is_some() { 't' } else { 's' }, t.source);
+        if scene.libraries.len() > 1 {
+            id.push_str(&format!("-{}", t.library));
+        }
+        if !known.insert((t.category.is_some(), t.source, t.library)) {
+            id.push_str(&format!(".{i}"));
+        }
+        id
+    };
+    scene.textons.iter().enumerate().map(id).collect()
+}
+
+/// What editors call a texton among their symbols.
+fn title(texton: &Texton) -> String {
+    match texton.category {
+        Some(category) => format!("Primary {}, category {category}", texton.source),
+        None => format!("Secondary {}", texton.source),
     }
 }
