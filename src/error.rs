@@ -121,6 +121,14 @@ pub enum Error {
         /// What to try, as of [`Error::hint`].
         advice: &'static str,
     },
+    /// Nothing that can be given up makes a file small enough.
+    #[error("no SVG of the scene fits in {most} bytes: the smallest has {smallest}")]
+    MaxBytes {
+        /// The bytes allowed.
+        most: u64,
+        /// The bytes of the smallest.
+        smallest: u64,
+    },
 }
 
 impl Error {
@@ -180,6 +188,9 @@ impl Error {
             Self::Control { advice, .. } => (*advice).into(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
             Self::Seams => "make the texture with --tile, for both axes".into(),
+            Self::MaxBytes { smallest, .. } => {
+                format!("give --max-bytes {smallest} or more, write .svgz, or make the texture smaller")
+            }
             _ => return None,
         })
     }

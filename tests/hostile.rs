@@ -11,7 +11,7 @@ use vtex::control;
 use vtex::geometry::{Cage, Outline, PathText, Point, is_simple, parse_path, write_path};
 use vtex::library::Library;
 use vtex::output::raster_svg::render_svg;
-use vtex::output::{png, svg};
+use vtex::output::{pdf, png, svg};
 use vtex::scene::{Scene, SynthParams};
 use vtex::segment::{MasksFile, Regions, Segmenter, masks_to_bytes};
 use vtex::synth::{reconstruct, synthesize};
@@ -80,6 +80,7 @@ fn use_made(scene: &Scene) {
     if u64::from(scene.width) * u64::from(scene.height) <= 1 << 16 {
         let _ = svg::write(scene, &svg::SvgOptions::default(), std::io::sink());
         let _ = png::render(scene, 1.0);
+        let _ = pdf::write(scene, std::io::sink());
     }
 }
 

@@ -5,7 +5,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use super::values::{Axes, Factors, Seed, Size, WeightsFrom, WeightsName, named};
+use super::values::{Axes, Bytes, Factors, Seed, Size, WeightsFrom, WeightsName, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -158,7 +158,8 @@ pub(crate) struct TextureArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout
     /// [default: ./PHOTO.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
@@ -248,7 +249,8 @@ pub(crate) struct SynthArgs {
     /// The library, plain or gzip; - reads stdin. Several, at most 16, share the canvas by --map
     #[arg(value_name = "LIBRARY", required = true)]
     pub(crate) library: Vec<PathBuf>,
-    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout
     /// [default: ./LIBRARY.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
@@ -293,7 +295,7 @@ pub(crate) struct ControlArgs {
     after_help = "\
 Examples:
   vtex warp wide.scene.json photo.lib.json --scale 1.5x1 -o wider.svg
-  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o round.svg
+  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o bent.svg
 
 Elements move, gaps are filled with new ones, and where they crowd some go. New ones are drawn by
 the scene's seed, unless --seed gives another."
@@ -318,7 +320,8 @@ pub(crate) struct WarpArgs {
     /// default: as in the scene]
     #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
     pub(crate) edge: Option<Edge>,
-    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout
     /// [default: ./SCENE.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
@@ -382,8 +385,8 @@ pub(crate) struct RenderArgs {
     /// A library, scene or SVG, plain or gzip; - reads stdin
     #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Option<PathBuf>,
-    /// Result, .png; of a library or scene also .svg, .svgz, .scene.json or .scene.json.gz; - writes
-    /// PNG to stdout [default: ./FILE.png]
+    /// Result, .png; of a library or scene also .svg, .svgz, .pdf, .scene.json or .scene.json.gz;
+    /// - writes PNG to stdout [default: ./FILE.png]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
@@ -581,6 +584,10 @@ pub(crate) struct SvgFlags {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) expand: Option<bool>,
+    /// Most bytes of an SVG, as 5MB, 800kB or a number: gives up decimals, then fineness of outlines,
+    /// then what is seen least [1 to 1000000000000, default: no limit]
+    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
+    pub(crate) max_bytes: Option<Bytes>,
 }
 
 /// Section `[render]`.

@@ -8,7 +8,7 @@ use super::arguments::{
     AnalyzeFlags, Global, RenderFlags, SegmenterName, SvgFlags, SynthBackgroundFlags, SynthFlags,
 };
 use super::failure::Failure;
-use super::values::{Axes, FiveWeights, Seed, Size, WeightsFrom, WeightsName};
+use super::values::{Axes, Bytes, FiveWeights, Seed, Size, WeightsFrom, WeightsName};
 use clap::Args;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -36,16 +36,19 @@ pub(crate) struct Parameters {
 
 /// How an SVG is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct SvgParameters {
     /// Decimals of numbers. 0 to 6.
     pub(crate) precision: u8,
     /// Whether textons are written in full wherever they stand.
     pub(crate) expand: bool,
+    /// Most bytes of the file, if there is a limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) max_bytes: Option<Bytes>,
 }
 
 impl From<SvgParameters> for SvgOptions {
-    fn from(SvgParameters { precision, expand }: SvgParameters) -> Self {
+    fn from(SvgParameters { precision, expand, .. }: SvgParameters) -> Self {
         Self { precision, expand }
     }
 }
@@ -176,7 +179,7 @@ impl Default for Parameters {
             analyze: AnalyzeParams::default(),
             synth: SynthParams::default(),
             weights: None,
-            svg: SvgParameters { precision: 1, expand: false },
+            svg: SvgParameters { precision: 1, expand: false, max_bytes: None },
             render: RenderParameters { scale: 1.0 },
         }
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use vtex::output::file::{Format, Kind};
 
 /// What `texture`, `synth` and `render` can write.
-pub(crate) const OF_SCENE: &[Format] = &[Format::Svg, Format::Png, Format::Scene];
+pub(crate) const OF_SCENE: &[Format] = &[Format::Svg, Format::Pdf, Format::Png, Format::Scene];
 /// What `analyze` can write.
 pub(crate) const OF_LIBRARY: &[Format] = &[Format::Library];
 /// What `--pattern` can write.
@@ -15,6 +15,7 @@ pub(crate) const OF_PATTERN: &[Format] = &[Format::Svg];
 fn extensions(format: Format) -> &'static [&'static str] {
     match format {
         Format::Svg => &[".svg", ".svgz"],
+        Format::Pdf => &[".pdf"],
         Format::Png => &[".png"],
         Format::Scene => &[".scene.json", ".scene.json.gz"],
         Format::Library => &[".lib.json", ".lib.json.gz"],

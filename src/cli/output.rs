@@ -1,11 +1,14 @@
 //! Where results go: files put in place as a whole, or standard output.
 
+use super::config::SvgParameters;
 use super::interrupt;
+use super::values::Bytes;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use vtex::output::file::{Format, Kind, gzip, write_file};
-use vtex::output::{png, svg};
+use vtex::output::reduce::{self, GivenUp};
+use vtex::output::{pdf, png, svg};
 use vtex::scene::Scene;
 use vtex::{Error, Result};
 
@@ -29,6 +32,14 @@ pub(crate) struct Written {
     pub(crate) bytes: u64,
     /// What the writer warns of.
     pub(crate) warnings: Vec<String>,
+    /// What was given up to make it small enough.
+    pub(crate) given_up: Option<GivenUp>,
+}
+
+impl Written {
+    fn of(bytes: u64) -> Self {
+        Self { bytes, ..Self::default() }
+    }
 }
 
 impl Place {
@@ -96,50 +107,70 @@ impl Target {
                 out.write_all(bytes).map_err(fail)
             }
         })?;
-        Ok(Written { bytes: count, warnings: Vec::new() })
+        Ok(Written::of(count))
     }
 
-    /// Writes a scene as what the name asks for; `scale` counts for PNG only.
+    /// Writes a scene as what the name asks for; `scale` counts for PNG only, a limit of bytes for SVG
+    /// only.
     ///
     /// # Errors
-    /// As [`Place::write`], and those of the writers.
-    pub(crate) fn write_scene(
-        &self,
-        scene: &Scene,
-        options: &svg::SvgOptions,
-        scale: f64,
-    ) -> Result<Written> {
-        match self.kind.format {
-            Format::Scene | Format::Library => self.write_bytes(&scene.to_json()),
+    /// As [`Place::write`], and those of the writers and of [`reduce::to_fit`].
+    pub(crate) fn write_scene(&self, scene: &Scene, svg: SvgParameters, scale: f64) -> Result<Written> {
+        let mut written = match self.kind.format {
+            Format::Svg => return self.write_svg(scene, svg, |s, o, out| svg::write(s, o, out)),
+            Format::Scene | Format::Library => self.write_bytes(&scene.to_json())?,
+            Format::Pdf => Written::of(self.place.write(|out| pdf::write(scene, out))?.1),
             Format::Png => {
                 let picture = png::render(scene, scale)?;
                 let seed = scene.parameters.as_ref().map(|p| p.seed);
-                let (_, bytes) = self.place.write(|out| png::encode(&picture, seed, out))?;
-                Ok(Written { bytes, warnings: Vec::new() })
+                Written::of(self.place.write(|out| png::encode(&picture, seed, out))?.1)
             }
-            Format::Svg => self.write_svg(|out| svg::write(scene, options, out)),
+        };
+        if svg.max_bytes.is_some() {
+            written.warnings.push("--max-bytes has no effect here: it is for .svg and .svgz".into());
         }
+        Ok(written)
     }
 
     /// Writes a scene as a pattern.
     ///
     /// # Errors
-    /// As [`Place::write`], and those of [`svg::write_pattern`].
-    pub(crate) fn write_pattern(&self, scene: &Scene, options: &svg::SvgOptions) -> Result<Written> {
-        self.write_svg(|out| svg::write_pattern(scene, options, out))
+    /// As [`Place::write`], and those of [`svg::write_pattern`] and of [`reduce::to_fit`].
+    pub(crate) fn write_pattern(&self, scene: &Scene, svg: SvgParameters) -> Result<Written> {
+        self.write_svg(scene, svg, |s, o, out| svg::write_pattern(s, o, out))
     }
 
-    fn write_svg(&self, content: impl FnOnce(&mut dyn Write) -> Result<svg::SvgSummary>) -> Result<Written> {
-        let (summary, bytes) = self.place.write(|out| {
-            if !self.kind.gzip {
-                return content(out);
-            }
-            let mut packed = gzip(out);
-            let summary = content(&mut packed)?;
-            packed.finish().map_err(|e| Error::write(Path::new("-"), e))?;
-            Ok(summary)
+    /// Writes a scene by `writer`, as much of it as is allowed.
+    fn write_svg(
+        &self,
+        scene: &Scene,
+        svg: SvgParameters,
+        writer: impl Fn(&Scene, &svg::SvgOptions, &mut dyn Write) -> Result<svg::SvgSummary>,
+    ) -> Result<Written> {
+        let options = svg.into();
+        let Some(Bytes(most)) = svg.max_bytes else {
+            let (summary, bytes) = self.place.write(|out| self.pack(out, |w| writer(scene, &options, w)))?;
+            return Ok(Written { bytes, warnings: summary.warnings, given_up: None });
+        };
+        let reduced = reduce::to_fit(scene, &options, most, |scene, options| {
+            let mut out = Counting::new(io::sink());
+            self.pack(&mut out, |w| writer(scene, options, w))?;
+            Ok(out.count)
         })?;
-        Ok(Written { bytes, warnings: summary.warnings })
+        let written =
+            self.place.write(|out| self.pack(out, |w| writer(&reduced.scene, &reduced.options, w)))?;
+        Ok(Written { bytes: written.1, warnings: written.0.warnings, given_up: reduced.given_up })
+    }
+
+    /// Hands a writer to `content` that packs if the name asks for it.
+    fn pack<T>(&self, out: &mut dyn Write, content: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<T> {
+        if !self.kind.gzip {
+            return content(out);
+        }
+        let mut packed = gzip(out);
+        let value = content(&mut packed)?;
+        packed.finish().map_err(|e| Error::write(Path::new("-"), e))?;
+        Ok(value)
     }
 }
 

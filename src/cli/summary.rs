@@ -6,6 +6,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use std::time::Duration;
 use vtex::library::Library;
+use vtex::output::reduce::GivenUp;
 use vtex::scene::Scene;
 use vtex::synth::CategoryReport;
 use vtex::synth::statistics::{Overlap, Repetition};
@@ -23,6 +24,9 @@ pub(crate) struct Summary {
     pub(crate) pattern: Option<String>,
     /// Bytes of the output.
     pub(crate) bytes: u64,
+    /// What was given up to stay within --max-bytes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) given_up: Option<GivenUp>,
     /// The seed, where one matters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) seed: Option<u64>,
@@ -171,6 +175,9 @@ impl Summary {
         }
         line.push_str(&format!(", {} in {:.2} s", bytes(self.bytes), self.seconds.total()));
         say(&line);
+        if let Some(given_up) = &self.given_up {
+            say(&format!("given up to make it as small: {}", missing(given_up)));
+        }
         if let (Some(seed), true) = (self.seed, common.seed_chosen) {
             say(&format!("seed: {seed} (give --seed {seed} for the same again)"));
         }
@@ -187,6 +194,20 @@ impl Summary {
         }
         Ok(())
     }
+}
+
+/// What a reduced file lacks, in a line.
+fn missing(given_up: &GivenUp) -> String {
+    let GivenUp { decimals, tolerance, details, secondaries } = *given_up;
+    let digits = if decimals == 1 { "1 decimal".into() } else { format!("{decimals} decimals") };
+    let mut line = format!("numbers have {digits}");
+    if tolerance > 0.0 {
+        line.push_str(&format!(", outlines lie within {tolerance} px"));
+    }
+    if details + secondaries > 0 {
+        line.push_str(&format!(", {details} details and {secondaries} secondaries are left out"));
+    }
+    line
 }
 
 /// What placement came to, in a line.

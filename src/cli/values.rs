@@ -69,6 +69,47 @@ impl FromStr for Factors {
     }
 }
 
+/// `5MB`, `800kB` or a plain number of bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Bytes(pub(crate) u64);
+
+impl FromStr for Bytes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim().to_ascii_lowercase();
+        let units = [("gb", 1e9), ("mb", 1e6), ("kb", 1e3), ("b", 1.0), ("", 1.0)];
+        let found = units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, size)));
+        let value = found.and_then(|(number, size)| Some(number.trim_end().parse::<f64>().ok()? * size));
+        let value = value.filter(|v| (1.0..=1e12).contains(v));
+        value.map(|v| Self(v.floor() as u64)).ok_or_else(|| BYTES_EXPECTED.into())
+    }
+}
+
+const BYTES_EXPECTED: &str = "expected 5MB, 800kB or a number of bytes, 1 to 1000000000000";
+
+impl Serialize for Bytes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u64(self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for Bytes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Either {
+            Number(u64),
+            Text(String),
+        }
+        let text = match Either::deserialize(deserializer).map_err(|_| D::Error::custom(BYTES_EXPECTED))? {
+            Either::Number(number) => number.to_string(),
+            Either::Text(text) => text,
+        };
+        text.parse().map_err(D::Error::custom)
+    }
+}
+
 /// A 64-bit seed. TOML integers have 63 bits, so a larger one is written as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Seed(pub(crate) u64);

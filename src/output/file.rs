@@ -13,6 +13,8 @@ use std::path::Path;
 pub enum Format {
     /// `.svg`, `.svgz`.
     Svg,
+    /// `.pdf`.
+    Pdf,
     /// `.png`.
     Png,
     /// `.scene.json`, `.scene.json.gz`.
@@ -33,9 +35,10 @@ pub struct Kind {
 impl Kind {
     /// The kind that a file name stands for, whatever its case; none for any other name.
     pub fn from_path(path: &Path) -> Option<Self> {
-        const ENDINGS: [(&str, Format, bool); 7] = [
+        const ENDINGS: [(&str, Format, bool); 8] = [
             (".svg", Format::Svg, false),
             (".svgz", Format::Svg, true),
+            (".pdf", Format::Pdf, false),
             (".png", Format::Png, false),
             (".scene.json", Format::Scene, false),
             (".scene.json.gz", Format::Scene, true),
@@ -113,13 +116,18 @@ pub fn write_file<T>(
 }
 
 /// Whether vtex wrote a file, told by its content: an SVG just as vtex begins it, a JSON document
-/// whose first field is `"format": "vtex-…"`, one of these packed, or a PNG whose text says so. A
-/// file that another program saved since does not count.
+/// whose first field is `"format": "vtex-…"`, one of these packed, a PNG whose text says so, or a PDF
+/// whose information does. A file that another program saved since does not count.
 fn is_ours(path: &Path) -> Result<bool> {
     const ENOUGH: u64 = 4096;
     let mut start = Vec::new();
     let file = File::open(path).map_err(|e| Error::read(path, e))?;
-    file.take(ENOUGH).read_to_end(&mut start).map_err(|e| Error::read(path, e))?;
+    (&file).take(ENOUGH).read_to_end(&mut start).map_err(|e| Error::read(path, e))?;
+    if start.starts_with(b"%PDF-") {
+        let mut whole = start;
+        (&file).read_to_end(&mut whole).map_err(|e| Error::read(path, e))?;
+        return Ok(is_pdf(&whole));
+    }
     if start.starts_with(&[0x1f, 0x8b]) {
         let mut unpacked = Vec::new();
         // The data end in the middle, which is an error; what came before it is what counts.
@@ -148,10 +156,16 @@ fn is_png(start: &[u8]) -> bool {
     false
 }
 
+/// Whether a PDF says that vtex produced it and nothing was appended to it.
+fn is_pdf(file: &[u8]) -> bool {
+    let found = |needle: &[u8]| file.windows(needle.len()).filter(|w| *w == needle).count();
+    found(b"/Producer (vtex ") == 1 && found(b"/Producer") == 1 && found(b"%%EOF") == 1
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::{png, svg, testing};
+    use crate::output::{pdf, png, svg, testing};
 
     fn put(path: &Path, force: bool, text: &str) -> Result<()> {
         write_file(path, force, |w| w.write_all(text.as_bytes()).map_err(|e| Error::write(Path::new("-"), e)))
@@ -208,7 +222,10 @@ mod tests {
         png::encode(&png::render(&scene, 1.0).unwrap(), None, &mut picture).unwrap();
         let mut packed_json = gzip(Vec::new());
         packed_json.write_all(&scene.to_json()).unwrap();
+        let mut page = Vec::new();
+        pdf::write(&scene, &mut page).unwrap();
         let own = [
+            page.clone(),
             drawn.clone(),
             packed.finish().unwrap(),
             picture.clone(),
@@ -226,7 +243,11 @@ mod tests {
             let at = picture.windows(5).position(|w| w == b"vtex ").unwrap();
             [&picture[..at], b"gimp ", &picture[at + 5..]].concat()
         };
-        let foreign: [&[u8]; 8] = [
+        // As a program does that keeps what was there and adds to it.
+        let appended = [&page[..], b"\n1 0 obj <</Note (mine)>> endobj\n%%EOF"].concat();
+        let foreign: [&[u8]; 10] = [
+            &appended,
+            b"%PDF-1.7\n1 0 obj <</Producer (other)>> endobj\n%%EOF",
             b"",
             b"my notes",
             b"{\"format\":\"other\"}",

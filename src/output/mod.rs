@@ -1,14 +1,17 @@
-//! Scene → files: SVG, SVGZ, PNG; and SVG → pixels.
+//! Scene → files: SVG, SVGZ, PDF, PNG; and SVG → pixels.
 //!
 //! All writers see one finished type, [`crate::scene::Scene`], and know nothing of how it came to
-//! be. [`svg`] writes it as pure vectors, [`png`] draws it directly at any scale, [`raster_svg`]
-//! draws any SVG, [`file`] puts what they write safely in its place.
+//! be. [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale,
+//! [`raster_svg`] draws any SVG, [`reduce`] finds what of a scene fits in so many bytes, [`file`] puts
+//! what they write safely in its place.
 
 mod background;
 mod coverage;
 pub mod file;
+pub mod pdf;
 pub mod png;
 pub mod raster_svg;
+pub mod reduce;
 #[cfg(test)]
 mod seams;
 pub mod svg;
@@ -42,6 +45,13 @@ fn picture_size(width: f64, height: f64, scale: f64, name: &str) -> Result<(u32,
         found: format!("a picture of {w:.0} x {h:.0} pixels"),
         limit: format!("{LARGEST_PICTURE} pixels"),
     })
+}
+
+/// The title of a file: which exemplars the texture comes from.
+fn title(scene: &Scene) -> String {
+    let names: Vec<&str> = scene.libraries.iter().map(|l| l.exemplar.as_str()).collect();
+    let what = if scene.parameters.is_some() { "Texture" } else { "Reconstruction" };
+    if names.is_empty() { what.into() } else { format!("{what} from {}", names.join(", ")) }
 }
 
 /// Refuses a scene whose references or sizes are unsound, so that no writer meets one.

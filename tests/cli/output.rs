@@ -148,6 +148,57 @@ fn a_pattern_is_written_beside_the_result() {
 }
 
 #[test]
+fn pdf_is_written_by_every_command_that_writes_a_scene() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json --size 60 --seed 1 -o a.scene.json").succeeds();
+    for command in [
+        "synth photo.lib.json --size 60 --seed 1",
+        "texture photo.png --size 60 --seed 1",
+        "warp a.scene.json photo.lib.json --scale 1.2",
+        "render a.scene.json",
+        "render photo.lib.json",
+    ] {
+        // Twice: vtex knows its own file and replaces it, by the same bytes.
+        let run = folder.run(&format!("{command} -o a.pdf --json")).succeeds();
+        let bytes = folder.read("a.pdf");
+        assert_eq!(run.json()["bytes"], bytes.len());
+        assert!(bytes.starts_with(b"%PDF-") && bytes.trim_ascii_end().ends_with(b"%%EOF"), "{command}");
+        folder.run(&format!("{command} -o a.pdf")).succeeds();
+        assert_eq!(folder.read("a.pdf"), bytes, "{command}");
+    }
+    folder.run("render a.pdf -o a.svg").fails(1, "a.pdf");
+}
+
+#[test]
+fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json --size 150 --seed 1 --tile -o a.scene.json").succeeds();
+    let whole = folder.run("render a.scene.json -o a.svg --json").succeeds().json();
+    assert!(whole.get("given_up").is_none());
+    let most = whole["bytes"].as_u64().unwrap() * 4 / 5;
+    let run = folder.run(&format!("render a.scene.json -o b.svg --max-bytes {most} --json")).succeeds();
+    let (json, bytes) = (run.json(), folder.read("b.svg").len());
+    assert!(bytes as u64 <= most && json["bytes"] == bytes);
+    assert!(json["given_up"]["decimals"].as_u64().unwrap() < 2, "{json}");
+    // Packed, all of it fits.
+    let run = folder.run(&format!("render a.scene.json -o c.svgz --max-bytes {most} --json")).succeeds();
+    assert!(run.json().get("given_up").is_none());
+    let told = folder.run("synth photo.lib.json --size 150 --seed 1 -o d.svg --max-bytes 30kB").stderr;
+    assert!(told.contains("given up to make it as small: "), "{told}");
+    assert!(folder.read("d.svg").len() <= 30_000);
+    let pattern = format!("render a.scene.json -o e.png --pattern e.svg --max-bytes {most}");
+    folder.run(&pattern).succeeds();
+    assert!(folder.read("e.svg").len() as u64 <= most);
+
+    folder.run("render a.scene.json -o f.svg --max-bytes 0.5kB").fails(1, "the smallest has ");
+    folder.run("render a.scene.json -o f.svg --max-bytes many").fails(2, "expected 5MB");
+    folder.run("render a.scene.json -o f.svg --max-bytes 0").fails(2, "expected 5MB");
+    assert!(!folder.path("f.svg").exists());
+    let told = folder.run("render a.scene.json -o g.pdf --max-bytes 1MB").stderr;
+    assert!(told.contains("--max-bytes has no effect here"), "{told}");
+}
+
+#[test]
 fn axes_may_follow_after_a_space() {
     let folder = Folder::with_library();
     for (arguments, x, y) in [

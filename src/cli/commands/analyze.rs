@@ -30,6 +30,7 @@ pub(super) fn run(
         output: target.place.path().display().to_string(),
         pattern: None,
         bytes: written.bytes,
+        given_up: None,
         seed: Some(library.source.parameters.seed),
         size: [library.source.width, library.source.height],
         counts: Some(Counts::of_library(&library)),

@@ -50,12 +50,12 @@ pub(super) fn run(
     let (written, size) = match &scene {
         Some(scene) => {
             let size = [scene.width, scene.height];
-            (target.write_scene(scene, &(*svg).into(), scale)?, size)
+            (target.write_scene(scene, *svg, scale)?, size)
         }
         None if target.kind.format == Format::Png => {
             let picture = raster_svg::render_svg(&bytes, scale, &name)?;
             let (_, bytes) = target.place.write(|out| png::encode(&picture, None, out))?;
-            (Written { bytes, warnings: Vec::new() }, [picture.width(), picture.height()])
+            (Written { bytes, ..Written::default() }, [picture.width(), picture.height()])
         }
         None => {
             let message = format!("'{name}' is an SVG already; it can be drawn as .png only");
@@ -63,7 +63,7 @@ pub(super) fn run(
         }
     };
     if let (Some(pattern), Some(scene)) = (pattern, &scene) {
-        pattern.write_pattern(scene, &(*svg).into())?;
+        pattern.write_pattern(scene, *svg)?;
     }
     for warning in &written.warnings {
         reporter.warn(warning);
@@ -77,6 +77,7 @@ pub(super) fn run(
         output: target.place.path().display().to_string(),
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
         bytes: written.bytes,
+        given_up: written.given_up,
         seed: None,
         size: if scene.is_some() && target.kind.format == Format::Png { size.map(drawn) } else { size },
         counts: scene.as_ref().map(Counts::of_scene),

@@ -68,9 +68,9 @@ impl Made {
     ) -> anyhow::Result<()> {
         let Self { command, inputs, scene, report } = self;
         reporter.stage("writing")?;
-        let written = target.write_scene(&scene, &svg.into(), 1.0)?;
+        let written = target.write_scene(&scene, svg, 1.0)?;
         if let Some(pattern) = pattern {
-            pattern.write_pattern(&scene, &svg.into())?;
+            pattern.write_pattern(&scene, svg)?;
         }
         for warning in &written.warnings {
             reporter.warn(warning);
@@ -83,6 +83,7 @@ impl Made {
             output: target.place.path().display().to_string(),
             pattern: pattern.map(|p| p.place.path().display().to_string()),
             bytes: written.bytes,
+            given_up: written.given_up,
             seed: scene.parameters.as_ref().map(|p| p.seed),
             size: [scene.width, scene.height],
             counts: Some(Counts::of_scene(&scene)),

@@ -35,10 +35,3 @@ pub(super) fn json(scene: &Scene) -> String {
     };
     serde_json::to_string(&metadata).expect("metadata hold nothing that JSON cannot")
 }
-
-/// The title: which exemplars the texture comes from.
-pub(super) fn title(scene: &Scene) -> String {
-    let names: Vec<&str> = scene.libraries.iter().map(|l| l.exemplar.as_str()).collect();
-    let what = if scene.parameters.is_some() { "Texture" } else { "Reconstruction" };
-    if names.is_empty() { what.into() } else { format!("{what} from {}", names.join(", ")) }
-}

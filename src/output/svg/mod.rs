@@ -9,9 +9,17 @@
 //! In a scene that tiles, textons that cross an edge come again at the opposite one, right after
 //! their original: primaries as a `<use>` of it, secondaries in full.
 //!
-//! Ids: layers `background`, `secondary`, `primary`; `p7` the primary instance of id 7; `t3` the
-//! texton of index 3, `t3g` its gradient; `g5` any other gradient; `b…` the background's gradients; `inside` the group that a domain clips,
-//! `domain` its clip path; `texture` the pattern.
+//! A reader finds of every texton its *category* in `data-category` of the group of a primary; its
+//! *source*, the index among the primaries or secondaries of its library, in the id of its definition
+//! (`t12` is primary 12, `s340` secondary 340, `t12-1` that of library 1, counted from 0 as in the
+//! metadata, where there are several), or in `data-source` and `data-library` of its first path where
+//! it is written in place; its *place in the painting order* in the order of the document. What stands
+//! in the layer `primary` without an id is a copy of what its `xlink:href` or `data-copy-of` names.
+//! The layers are layers in Inkscape too, and the symbols have titles.
+//!
+//! Ids: layers `background`, `secondary`, `primary`; `p7` the primary instance of id 7; `t…` and `s…`
+//! the textons, `t12g` the gradient of one; `g5` any other gradient; `b…` the background's; `inside`
+//! the group that a domain clips, `domain` its clip path; `texture` the pattern.
 
 mod background;
 mod gradients;
@@ -185,8 +193,8 @@ impl<'a> Document<'a> {
 
     /// Title and metadata.
     fn write_about<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
-        for (name, text) in [("title", metadata::title(self.scene)), ("metadata", metadata::json(self.scene))]
-        {
+        let title = crate::output::title(self.scene);
+        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene))] {
             xml.open(name);
             xml.text(&text);
             xml.close()?;

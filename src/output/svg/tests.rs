@@ -134,8 +134,10 @@ fn each_texton_used_twice_is_defined_once() {
     let document = Document::parse(&text).unwrap();
     let instances: Vec<u32> = scene.secondary.iter().chain(&scene.primary).map(|i| i.texton).collect();
     let uses = |t: usize| instances.iter().filter(|i| **i as usize == t).count();
-    let defined: Vec<usize> =
-        document.descendants().filter_map(|n| n.attribute("id")?.strip_prefix('t')?.parse().ok()).collect();
+    let defined: Vec<usize> = document
+        .descendants()
+        .filter_map(|n| n.attribute("id")?.strip_prefix(['t', 's'])?.parse().ok())
+        .collect();
     let expected: Vec<usize> = (0..scene.textons.len()).filter(|t| uses(*t) > 1).collect();
     assert_eq!(defined, expected);
     assert_eq!(summary.shared_textons, expected.len() as u64);
@@ -146,6 +148,17 @@ fn each_texton_used_twice_is_defined_once() {
     assert!(["use", "symbol"].iter().all(|name| named(&document, name).is_empty()));
     assert!(document.descendants().all(|n| !n.has_attribute("transform")));
     assert_eq!(summary.shared_textons, 0);
+}
+
+#[test]
+fn ids_stay_unique_where_sources_do_not() {
+    let mut scene = testing::scene(400, 300, 3);
+    scene.textons.iter_mut().for_each(|t| t.source = 5);
+    let (text, summary) = text(&scene, &SvgOptions::default());
+    check_document(&text, &summary);
+    scene.libraries.push(scene.libraries[0].clone());
+    let (text, summary) = self::text(&scene, &SvgOptions::default());
+    check_document(&text, &summary);
 }
 
 #[test]
@@ -188,7 +201,7 @@ fn more_digits_more_bytes_and_nothing_lost_at_two() {
     let (text, _) = text(&scene, &SvgOptions { precision: 2, expand: false });
     let document = Document::parse(&text).unwrap();
     for (i, texton) in scene.textons.iter().enumerate() {
-        let id = format!("t{i}");
+        let id = format!("{}{i}", if texton.category.is_some() { 't' } else { 's' });
         let Some(node) = document.descendants().find(|n| n.attribute("id") == Some(&id)) else { continue };
         let path = node.descendants().find_map(|n| n.attribute("d")).unwrap();
         assert_eq!(serde_json::to_value(&texton.outline).unwrap(), path);

@@ -8,6 +8,7 @@ use crate::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
 use crate::raster::colour::Colour;
 use crate::scene::{Gradient, Instance, Scene, Texton};
 use std::cell::Cell;
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 /// The textons of a scene and how each is written.
@@ -23,6 +24,8 @@ pub(super) struct Textons<'a> {
     inherits: Vec<bool>,
     /// Bounding boxes; none where nothing is copied.
     bounds: Vec<Rect>,
+    /// What each is called where it is defined.
+    ids: Vec<String>,
     /// Number of the next gradient.
     gradients: Cell<u64>,
 }
@@ -56,8 +59,8 @@ impl<'a> Textons<'a> {
             if scene.tile.any() { scene.textons.iter().map(Texton::bounds).collect() } else { Vec::new() };
         let shared = vec![false; scene.textons.len()];
         let SvgOptions { precision, expand } = *options;
-        let mut textons =
-            Self { scene, precision, expand, bleed, shared, inherits, bounds, gradients: Cell::new(0) };
+        let (ids, gradients) = (ids(scene), Cell::new(0));
+        let mut textons = Self { scene, precision, expand, bleed, shared, inherits, bounds, ids, gradients };
         let mut uses = vec![0; scene.textons.len()];
         // Copies of primaries refer to their original as a whole.
         let secondary = scene.secondary.iter().map(|i| (i, textons.copies(i).count()));
@@ -97,11 +100,11 @@ impl<'a> Textons<'a> {
     /// The shared textons, for `<defs>`.
     pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         for (i, texton) in self.scene.textons.iter().enumerate().filter(|(i, _)| self.shared[*i]) {
-            let id = format_args!("t{i}");
+            let id = &self.ids[i];
             if self.inherits[i]
                 && let Some(gradient) = self.base_gradient(texton)
             {
-                gradient.write(xml, format_args!("t{i}g"))?;
+                gradient.write(xml, format_args!("{id}g"))?;
                 xml.line();
             }
             if texton.details.is_empty() {
@@ -113,6 +116,9 @@ impl<'a> Textons<'a> {
                 xml.open("symbol");
                 xml.attribute("id", id);
                 xml.attribute("overflow", "visible");
+                xml.open("title");
+                xml.text(&title(texton));
+                xml.close()?;
                 let base = if self.inherits[i] { Base::Inherited } else { Base::of(texton, None) };
                 self.write_paths(xml, texton, base, None)?;
                 xml.close()?;
@@ -120,6 +126,14 @@ impl<'a> Textons<'a> {
             xml.line();
         }
         Ok(())
+    }
+
+    /// Where a texton comes from, as its id says it where it has one.
+    fn write_source<W: Write>(&self, xml: &mut Xml<W>, texton: &Texton) {
+        xml.attribute("data-source", texton.source);
+        if self.scene.libraries.len() > 1 {
+            xml.attribute("data-library", texton.library);
+        }
     }
 
     /// The one colour of a placed texton; none if it has details or a gradient.
@@ -147,12 +161,12 @@ impl<'a> Textons<'a> {
             return self.write_paths(xml, texton, base, Some(affine));
         }
         xml.open("use");
-        xml.attribute("xlink:href", format_args!("#t{index}"));
+        xml.attribute("xlink:href", format_args!("#{}", self.ids[index]));
         self.write_transform(xml, &affine.as_coeffs());
         if self.inherits[index] && with_fill {
             match base {
                 Base::Gradient(..) if self.base_gradient(texton).is_some() => {
-                    xml.attribute("fill", format_args!("url(#t{index}g)"));
+                    xml.attribute("fill", format_args!("url(#{}g)", self.ids[index]));
                 }
                 Base::Gradient(colour, _) | Base::Colour(colour) => xml.attribute("fill", Paint(colour)),
                 Base::Inherited => (),
@@ -174,24 +188,28 @@ impl<'a> Textons<'a> {
         base: Base<'_>,
         affine: Option<Affine>,
     ) -> io::Result<()> {
-        self.write_filled(xml, &texton.outline, base, affine)?;
+        // A definition says by its id where it comes from.
+        let source = affine.is_some().then_some(texton);
+        self.write_filled(xml, &texton.outline, base, affine, source)?;
         for patch in &texton.details {
             let fill = patch
                 .gradient
                 .as_ref()
                 .map_or(Base::Colour(patch.colour), |g| Base::Gradient(patch.colour, g));
-            self.write_filled(xml, &patch.outline, fill, affine)?;
+            self.write_filled(xml, &patch.outline, fill, affine, None)?;
         }
         Ok(())
     }
 
-    /// A path, moved by `affine`, after the gradient that fills it.
+    /// A path, moved by `affine`, after the gradient that fills it; the first of a texton written in
+    /// place names its source.
     fn write_filled<W: Write>(
         &self,
         xml: &mut Xml<W>,
         outline: &Outline,
         fill: Base<'_>,
         affine: Option<Affine>,
+        source: Option<&Texton>,
     ) -> io::Result<()> {
         let mut id = None;
         if let Base::Gradient(_, gradient) = fill {
@@ -204,6 +222,9 @@ impl<'a> Textons<'a> {
             }
         }
         xml.open("path");
+        if let Some(texton) = source {
+            self.write_source(xml, texton);
+        }
         match (fill, id) {
             (_, Some(number)) => xml.attribute("fill", format_args!("url(#g{number})")),
             (Base::Colour(colour) | Base::Gradient(colour, _), None) => xml.attribute("fill", Paint(colour)),
@@ -254,5 +275,31 @@ impl<'a> Textons<'a> {
                 xml.attribute(name, Number(v, self.precision));
             }
         }
+    }
+}
+
+/// An id for each texton: `t` of a primary or `s` of a secondary, its index in its library, and
+/// `-` with the number of the library where there are several. In a scene in which two are called
+/// alike, the later ones have `.` and their index after it.
+fn ids(scene: &Scene) -> Vec<String> {
+    let mut known = BTreeSet::new();
+    let id = |(i, t): (usize, &Texton)| {
+        let mut id = format!("{}{}", if t.category.is_some() { 't' } else { 's' }, t.source);
+        if scene.libraries.len() > 1 {
+            id.push_str(&format!("-{}", t.library));
+        }
+        if !known.insert((t.category.is_some(), t.source, t.library)) {
+            id.push_str(&format!(".{i}"));
+        }
+        id
+    };
+    scene.textons.iter().enumerate().map(id).collect()
+}
+
+/// What editors call a texton among their symbols.
+fn title(texton: &Texton) -> String {
+    match texton.category {
+        Some(category) => format!("Primary {}, category {category}", texton.source),
+        None => format!("Secondary {}", texton.source),
     }
 }

@@ -1,7 +1,7 @@
 //! What lies beneath the primaries, carried along: secondaries and the background's control points.
 
-use super::{Bend, NO_STRETCH};
 use super::carried;
+use super::{Bend, NO_STRETCH};
 use crate::library::Library;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::field::Interpolant;

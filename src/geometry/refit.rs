@@ -1,0 +1,282 @@
+//! Outlines drawn again with fewer pieces.
+//!
+//! Each ring is sampled and fitted anew, in several ways: with its corners kept, smooth all round,
+//! and as a polygon. The shortest that crosses nothing and keeps its area is taken.
+//!
+//! Works badly where outlines share borders: each is fitted on its own, so two sides of a border
+//! may part by the tolerance on either side.
+
+use super::fit::{Piece, fit_closed, fit_open};
+use super::{Outline, PathText, is_simple, write_path};
+use kurbo::{BezPath, ParamCurve, ParamCurveDeriv, PathEl, PathSeg, Point, Vec2};
+
+/// Distance of samples, in pixels.
+const SAMPLE: f64 = 0.4;
+/// Most samples of one segment.
+const MOST_SAMPLES: f64 = 500.0;
+/// Cosine of the turn from which on a joint of segments is a corner: 40°.
+const CORNER: f64 = 0.77;
+/// The tolerance is at most this share of the side of a square as large: specks stay what they are.
+const SHARE: f64 = 0.15;
+/// By how much the area may change, as a share.
+const AREA: f64 = 0.2;
+
+impl Outline {
+    /// The outline drawn with as little text as a distance of `tolerance` pixels allows, at
+    /// `decimals` digits after the decimal point. Itself where nothing shorter is found.
+    pub fn refitted(&self, tolerance: f64, decimals: u8) -> Self {
+        let style = PathText { precision: decimals };
+        let length = |path: &BezPath| write_path(path, style).len();
+        let area = self.area();
+        let rings: Vec<Ring> = rings(self.path()).into_iter().filter_map(|r| Ring::new(&r)).collect();
+        let mut tolerance = tolerance.min(SHARE * libm::sqrt(area));
+        // A finer fit where the coarse one is none: thin blades cross themselves when they are bent.
+        for _ in 0..3 {
+            let mut path = BezPath::new();
+            for ring in &rings {
+                let fits = ring.fits(tolerance).into_iter().filter(is_simple);
+                // Ties go to the first, which keeps corners.
+                if let Some(best) = fits.min_by_key(length) {
+                    path.extend(best);
+                }
+            }
+            let kept = (path.area_of() - area).abs() <= AREA * area;
+            if kept && is_simple(&path) && length(&path) < length(self.path()) {
+                if let Some(outline) = Self::new(&path) {
+                    return outline;
+                }
+            }
+            tolerance /= 2.0;
+        }
+        self.clone()
+    }
+}
+
+/// The area of a path, whichever way it runs.
+trait AreaOf {
+    fn area_of(&self) -> f64;
+}
+
+impl AreaOf for BezPath {
+    fn area_of(&self) -> f64 {
+        kurbo::Shape::area(self).abs()
+    }
+}
+
+/// The rings of a path, each as its segments.
+fn rings(path: &BezPath) -> Vec<Vec<PathSeg>> {
+    let mut rings: Vec<Vec<PathSeg>> = Vec::new();
+    let starts = path.elements().iter();
+    let mut segments = path.segments();
+    // A segment for each element but the moves; closing has one only if there is a way to go.
+    for element in starts {
+        match element {
+            PathEl::MoveTo(_) => rings.push(Vec::new()),
+            PathEl::ClosePath => {
+                if let Some(ring) = rings.last_mut()
+                    && let (Some(first), Some(last)) = (ring.first(), ring.last())
+                    && first.start() != last.end()
+                {
+                    ring.extend(segments.next());
+                }
+            }
+            _ => {
+                if let Some(ring) = rings.last_mut() {
+                    ring.extend(segments.next());
+                }
+            }
+        }
+    }
+    rings
+}
+
+/// A ring as samples.
+struct Ring {
+    /// The first is not repeated at the end.
+    points: Vec<Point>,
+    /// Which of them are corners, ascending.
+    corners: Vec<usize>,
+}
+
+impl Ring {
+    /// None if there is nothing of it.
+    fn new(segments: &[PathSeg]) -> Option<Self> {
+        let segments: Vec<&PathSeg> = segments.iter().filter(|s| s.start() != s.end()).collect();
+        let n = segments.len();
+        let (mut points, mut corners) = (Vec::new(), Vec::new());
+        for (i, segment) in segments.iter().enumerate() {
+            let before = direction(segments[(i + n - 1) % n], 1.0);
+            if before.dot(direction(segment, 0.0)) < CORNER {
+                corners.push(points.len());
+            }
+            let length = chords(segment);
+            let steps = libm::ceil(length / SAMPLE).clamp(1.0, MOST_SAMPLES) as usize;
+            points.extend((0..steps).map(|k| segment.eval(k as f64 / steps as f64)));
+        }
+        (points.len() >= 3).then_some(Self { points, corners })
+    }
+
+    /// Closed paths within `tolerance` of the ring, those first that are most like it.
+    fn fits(&self, tolerance: f64) -> Vec<BezPath> {
+        let mut fits = vec![self.with_corners(tolerance)];
+        if !self.corners.is_empty() {
+            let (start, pieces) = fit_closed(&self.points, false, tolerance);
+            fits.push(closed(start, &pieces));
+        }
+        fits.push(self.polygon(tolerance));
+        fits
+    }
+
+    fn with_corners(&self, tolerance: f64) -> BezPath {
+        let n = self.points.len();
+        let Some(&first) = self.corners.first() else {
+            let (start, pieces) = fit_closed(&self.points, false, tolerance);
+            return closed(start, &pieces);
+        };
+        let mut pieces = Vec::new();
+        for (i, &from) in self.corners.iter().enumerate() {
+            let to = self.corners.get(i + 1).copied().unwrap_or(first + n);
+            let span: Vec<Point> = (from..=to).map(|k| self.points[k % n]).collect();
+            pieces.extend(fit_open(&span, false, [None, None], tolerance));
+        }
+        closed(self.points[first], &pieces)
+    }
+
+    /// Straight lines between as few of the samples as will do (Douglas and Peucker 1973).
+    fn polygon(&self, tolerance: f64) -> BezPath {
+        let n = self.points.len();
+        let first = self.corners.first().copied().unwrap_or(0);
+        let turned: Vec<Point> = (0..=n).map(|k| self.points[(first + k) % n]).collect();
+        let far = |k: &usize| (turned[*k] - turned[0]).hypot2();
+        // The later of two that are as far.
+        let middle = (1..n).max_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(n / 2);
+        let mut kept = vec![0];
+        let mut spans = vec![(middle, n), (0, middle)];
+        while let Some((from, to)) = spans.pop() {
+            let distance = |k: &usize| distance_to_chord(turned[*k], turned[from], turned[to]);
+            let worst = (from + 1..to).max_by(|a, b| distance(a).total_cmp(&distance(b)));
+            match worst.filter(|k| distance(k) > tolerance) {
+                Some(k) => spans.extend([(k, to), (from, k)]),
+                None => kept.push(to),
+            }
+        }
+        let mut path = BezPath::new();
+        path.move_to(turned[0]);
+        // The last is the first again.
+        kept[1..kept.len() - 1].iter().for_each(|&k| path.line_to(turned[k]));
+        path.close_path();
+        path
+    }
+}
+
+fn closed(start: Point, pieces: &[Piece]) -> BezPath {
+    let mut path = BezPath::new();
+    path.move_to(start);
+    for (i, piece) in pieces.iter().enumerate() {
+        match *piece {
+            // Closing draws it.
+            Piece::Line(_) if i + 1 == pieces.len() => {}
+            Piece::Line(p) => path.line_to(p),
+            Piece::Cubic(a, b, p) => path.curve_to(a, b, p),
+        }
+    }
+    path.close_path();
+    path
+}
+
+/// Unit direction of a segment at one of its ends; zero where there is none.
+fn direction(segment: &PathSeg, t: f64) -> Vec2 {
+    let cubic = segment.to_cubic();
+    let slope = cubic.deriv().eval(t).to_vec2();
+    // A handle of no length: the direction is that of the points beyond it.
+    let slope = if slope.hypot2() > 1e-12 { slope } else { cubic.p3 - cubic.p0 };
+    slope / libm::sqrt(slope.hypot2()).max(1e-12)
+}
+
+/// Length of a segment along its control points, at least as long as the segment.
+fn chords(segment: &PathSeg) -> f64 {
+    let length = |v: Vec2| libm::sqrt(v.hypot2());
+    match segment {
+        PathSeg::Line(l) => length(l.p1 - l.p0),
+        other => {
+            let c = other.to_cubic();
+            length(c.p1 - c.p0) + length(c.p2 - c.p1) + length(c.p3 - c.p2)
+        }
+    }
+}
+
+fn distance_to_chord(p: Point, a: Point, b: Point) -> f64 {
+    let chord = b - a;
+    let t = ((p - a).dot(chord) / chord.hypot2().max(1e-12)).clamp(0.0, 1.0);
+    libm::sqrt((p - (a + chord * t)).hypot2())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::parse_path;
+    use proptest::prelude::*;
+
+    fn outline(text: &str) -> Outline {
+        Outline::new(&parse_path(text).unwrap()).unwrap()
+    }
+
+    /// Largest distance of samples of one outline to those of another, in pixels.
+    fn distance(a: &Outline, b: &Outline) -> f64 {
+        let samples = |o: &Outline| -> Vec<Point> {
+            let all = rings(o.path()).into_iter().flatten();
+            all.flat_map(|s| (0..40).map(move |k| s.eval(f64::from(k) / 40.0))).collect()
+        };
+        let (a, b) = (samples(a), samples(b));
+        let nearest = |p: &Point| b.iter().map(|q| (*p - *q).hypot2()).fold(f64::INFINITY, f64::min);
+        libm::sqrt(a.iter().map(nearest).fold(0.0, f64::max))
+    }
+
+    #[test]
+    fn stairs_become_a_line_and_corners_stay() {
+        let stairs = outline("M0 0h30v30h-2v-1h-4v-1h-4v-1h-4v-1h-4v-1h-4v-1h-4v-1h-4z");
+        let plain = stairs.refitted(1.0, 1);
+        assert!(plain.path().elements().len() <= 7, "{plain}");
+        assert!(distance(&plain, &stairs) < 1.6, "{plain}");
+        let square = outline("M0 0h10v10h-10z");
+        assert_eq!(square.refitted(1.0, 1), square);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+        #[test]
+        fn refitted_outlines_are_simple_near_and_never_longer(
+            radii in prop::collection::vec(1.0..20.0f64, 5..40),
+            hole in any::<bool>(),
+            smooth in any::<bool>(),
+            tolerance in 0.05..3.0f64,
+        ) {
+            let mut path = BezPath::new();
+            let n = radii.len();
+            for (size, holes) in [(1.0, false), (0.4, true)] {
+                if holes && !hole { continue }
+                let corner = |i: usize| {
+                    let i = if holes { n - i % n } else { i } % n;
+                    let angle = i as f64 / n as f64 * std::f64::consts::TAU;
+                    Point::new(libm::cos(angle), libm::sin(angle)).to_vec2() * radii[i] * size
+                };
+                path.move_to(corner(0).to_point());
+                for i in 0..n {
+                    let (a, b, c, d) = (corner(i + n - 1), corner(i), corner(i + 1), corner(i + 2));
+                    let [p, q] = [b + (c - a) / 8.0, c - (d - b) / 8.0].map(Vec2::to_point);
+                    if smooth { path.curve_to(p, q, c.to_point()) } else { path.line_to(c.to_point()) }
+                }
+                path.close_path();
+            }
+            prop_assume!(is_simple(&path));
+            let before = Outline::new(&path).unwrap();
+            let after = before.refitted(tolerance, 1);
+            prop_assert!(is_simple(after.path()) || after == before);
+            let length = |o: &Outline| write_path(o.path(), PathText { precision: 1 }).len();
+            prop_assert!(length(&after) <= length(&before));
+            prop_assert!((after.area() - before.area()).abs() <= AREA * before.area() + 0.1);
+            let most = 1.5 * tolerance + 0.3;
+            prop_assert!(distance(&after, &before) <= most, "{} > {most}", distance(&after, &before));
+        }
+    }
+}

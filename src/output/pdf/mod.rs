@@ -1,0 +1,161 @@
+//! Scene → PDF: one page of pure vectors, a point to a pixel.
+//!
+//! Everything is a path with one flat colour, except the mask of the background, which is made of
+//! gradients; nothing is a bitmap. Each layer is a form XObject, so is each texton that stands more
+//! than once where that is shorter than its paths; other textons are written where they stand.
+//! Readers that show the structure of a page find the layers in painting order.
+//!
+//! Works badly beyond [`LARGEST_PAGE`]: viewers then need a page that is scaled down, and its
+//! numbers are rounded to more than a hundredth of a pixel.
+
+mod background;
+#[cfg(test)]
+mod tests;
+mod textons;
+
+use super::background::Background;
+use crate::error::{Error, Result};
+use crate::geometry::{Outline, PathEl, Point, Rect, Vec2};
+use crate::raster::colour::Colour;
+use crate::scene::{Edge, Scene};
+use krilla::geom::{Path as PdfPath, PathBuilder, Transform};
+use krilla::graphic::Graphic;
+use krilla::metadata::Metadata;
+use krilla::page::PageSettings;
+use krilla::paint::{Fill, FillRule};
+use krilla::surface::Surface;
+use krilla::{Document, SerializeSettings};
+use std::io::{self, Write};
+use std::path::Path;
+use textons::Textons;
+
+/// Largest side of a page that readers are known to show, in points.
+const LARGEST_PAGE: f64 = 14_400.0;
+
+/// Writes a scene as PDF. Same scene: the same bytes. Gives their number.
+///
+/// # Errors
+/// A scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
+pub fn write(scene: &Scene, mut out: impl Write) -> Result<u64> {
+    super::check_scene(scene)?;
+    let bytes = document(scene).map_err(|e| Error::write(Path::new("-"), io::Error::other(e)))?;
+    out.write_all(&bytes).and_then(|()| out.flush()).map_err(|e| Error::write(Path::new("-"), e))?;
+    Ok(bytes.len() as u64)
+}
+
+/// The whole file.
+fn document(scene: &Scene) -> std::result::Result<Vec<u8>, String> {
+    let (width, height) = (f64::from(scene.width), f64::from(scene.height));
+    let scale = (LARGEST_PAGE / width.max(height)).min(1.0);
+    let mut document = Document::new_with(SerializeSettings { enable_tagging: false, ..Default::default() });
+    let settings = PageSettings::from_wh((width * scale) as f32, (height * scale) as f32);
+    let mut page = document.start_page_with(settings.ok_or("the page is empty")?);
+    let mut surface = page.surface();
+    surface.push_transform(&Transform::from_scale(scale as f32, scale as f32));
+    draw(scene, &mut surface);
+    surface.pop();
+    surface.finish();
+    page.finish();
+    let mut metadata =
+        Metadata::new().title(super::title(scene)).creator("vtex".into()).producer(crate::PROGRAM.into());
+    if let Some(parameters) = &scene.parameters {
+        metadata = metadata.description(format!("Seed {}", parameters.seed));
+    }
+    document.set_metadata(metadata);
+    document.finish().map_err(|e| format!("{e:?}"))
+}
+
+/// The three layers, those that a domain clips inside its outline.
+fn draw(scene: &Scene, surface: &mut Surface<'_>) {
+    let ground = Background::new(scene);
+    let mut textons = Textons::new(scene);
+    let layers = [
+        layer(surface, |s| background::draw(&ground, s)),
+        layer(surface, |s| textons.draw(&scene.secondary, s)),
+        layer(surface, |s| textons.draw(&scene.primary, s)),
+    ];
+    let Some(domain) = &scene.domain else {
+        layers.into_iter().for_each(|l| surface.draw_graphic(l));
+        return;
+    };
+    let mut clip = PathBuilder::new();
+    for shift in scene.copies(domain.outline.bounds()) {
+        append(&mut clip, &domain.outline, shift);
+    }
+    // A domain without any room shows nothing; the primaries that stick out come after it.
+    let clip = clip.finish();
+    let inside = if domain.edge == Edge::Keep { 2 } else { 3 };
+    if let Some(clip) = &clip {
+        surface.push_clip_path(clip, &FillRule::NonZero);
+    }
+    for (i, layer) in layers.into_iter().enumerate() {
+        if i == inside && clip.is_some() {
+            surface.pop();
+        }
+        if i >= inside || clip.is_some() {
+            surface.draw_graphic(layer);
+        }
+    }
+    if inside == 3 && clip.is_some() {
+        surface.pop();
+    }
+}
+
+/// What `content` draws, as a graphic of its own.
+fn layer(surface: &mut Surface<'_>, content: impl FnOnce(&mut Surface<'_>)) -> Graphic {
+    let mut builder = surface.stream_builder();
+    let mut inner = builder.surface();
+    content(&mut inner);
+    inner.finish();
+    Graphic::new(builder.finish(), false)
+}
+
+/// Fills a path with one colour.
+fn fill(surface: &mut Surface<'_>, path: &PdfPath, colour: Colour) {
+    let [r, g, b] = colour.0;
+    let paint = krilla::color::rgb::Color::new(r, g, b).into();
+    surface.set_fill(Some(Fill { paint, ..Fill::default() }));
+    surface.draw_path(path);
+}
+
+/// The path as PDF knows it; none if there is nothing to fill.
+fn path_of(outline: &Outline) -> Option<PdfPath> {
+    let mut builder = PathBuilder::new();
+    append(&mut builder, outline, Vec2::ZERO);
+    builder.finish()
+}
+
+/// Adds an outline, moved by `shift`, to a path.
+fn append(builder: &mut PathBuilder, outline: &Outline, shift: Vec2) {
+    let at = |p: Point| ((p.x + shift.x) as f32, (p.y + shift.y) as f32);
+    for element in outline.path().elements() {
+        match *element {
+            PathEl::MoveTo(p) => {
+                let p = at(p);
+                builder.move_to(p.0, p.1);
+            }
+            PathEl::LineTo(p) => {
+                let p = at(p);
+                builder.line_to(p.0, p.1);
+            }
+            PathEl::QuadTo(a, p) => {
+                let (a, p) = (at(a), at(p));
+                builder.quad_to(a.0, a.1, p.0, p.1);
+            }
+            PathEl::CurveTo(a, b, p) => {
+                let (a, b, p) = (at(a), at(b), at(p));
+                builder.cubic_to(a.0, a.1, b.0, b.1, p.0, p.1);
+            }
+            PathEl::ClosePath => builder.close(),
+        }
+    }
+}
+
+/// Whether anything within `bounds` can be seen on the canvas of a scene.
+fn is_seen(scene: &Scene, bounds: Rect, shift: Vec2) -> bool {
+    let bounds = bounds + shift;
+    bounds.x1 > 0.0
+        && bounds.y1 > 0.0
+        && bounds.x0 < f64::from(scene.width)
+        && bounds.y0 < f64::from(scene.height)
+}

@@ -1,0 +1,258 @@
+//! All files of one scene show the same picture, and a reader of the SVG finds what it is made of.
+
+use roxmltree::{Document, Node};
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::Command;
+use std::sync::OnceLock;
+use tiny_skia::Pixmap;
+use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
+use vtex::output::svg::SvgOptions;
+use vtex::output::{file, pdf, png, raster_svg, reduce, svg};
+use vtex::scene::{Domain, Edge, Instance, Scene, SynthParams, Texton, Tile};
+use vtex::segment::Regions;
+use vtex::synth::synthesize;
+
+const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true };
+const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
+const XLINK: &str = "http://www.w3.org/1999/xlink";
+
+/// A texture from the middle of a self-made exemplar; it tiles, so copies are drawn too.
+fn scene() -> &'static Scene {
+    static SCENE: OnceLock<Scene> = OnceLock::new();
+    SCENE.get_or_init(|| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/exemplars/pebbles.png");
+        let whole = image::open(path).unwrap().into_rgb8();
+        let (x, y) = ((whole.width() - 160) / 2, (whole.height() - 160) / 2);
+        let crop = image::imageops::crop_imm(&whole, x, y, 160, 160).to_image();
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        crop.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        let exemplar = Exemplar::from_bytes(&bytes.into_inner(), "pebbles", &Limits::default()).unwrap();
+        let library = analyze(&exemplar, &Regions, &AnalyzeParams::default(), &()).unwrap();
+        let tile = Tile { x: true, y: true };
+        let params = SynthParams { width: 260, height: 200, seed: 4, tile, ..SynthParams::default() };
+        synthesize(&library, &params, &()).unwrap()
+    })
+}
+
+/// The scene inside the outline of one of its textons, enlarged.
+fn shaped(edge: Edge) -> Scene {
+    use vtex::geometry::{Affine, Outline};
+    let mut scene = scene().clone();
+    scene.tile = Tile::default();
+    let outline = &scene.textons[scene.primary[0].texton as usize].outline;
+    let bounds = outline.bounds();
+    let size = 180.0 / bounds.height().max(bounds.width());
+    let path = Affine::translate((130.0, 100.0))
+        * Affine::scale(size)
+        * Affine::translate(-bounds.center().to_vec2())
+        * outline.path();
+    scene.domain = Some(Domain { outline: Outline::new(&path).unwrap(), edge });
+    scene
+}
+
+fn svg_of(scene: &Scene, options: &SvgOptions) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    svg::write(scene, options, &mut bytes).unwrap();
+    bytes
+}
+
+/// A picture as red, green and blue on white, as paper shows it.
+struct Rgb {
+    width: usize,
+    data: Vec<u8>,
+}
+
+fn on_white(picture: &Pixmap) -> Rgb {
+    let white = |v: u8, alpha: u8| v.saturating_add(255 - alpha);
+    let pixels = picture.pixels().iter();
+    let data = pixels.flat_map(|p| [p.red(), p.green(), p.blue()].map(|v| white(v, p.alpha()))).collect();
+    Rgb { width: picture.width() as usize, data }
+}
+
+/// Mean difference, in 8-bit steps.
+fn mean(a: &Rgb, b: &Rgb) -> f64 {
+    assert_eq!((a.width, a.data.len()), (b.width, b.data.len()));
+    let sum: u64 = a.data.iter().zip(&b.data).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    sum as f64 / a.data.len() as f64
+}
+
+/// The picture with every block of `k` by `k` pixels as one.
+fn shrunk(picture: &Rgb, k: usize) -> Rgb {
+    let (width, height) = (picture.width / k, picture.data.len() / 3 / picture.width / k);
+    let mean = |i: usize| {
+        let (c, x, y) = (i % 3, i / 3 % width, i / 3 / width);
+        let block = (0..k * k).map(|j| ((y * k + j / k) * picture.width + x * k + j % k) * 3 + c);
+        let sum: usize = block.map(|at| usize::from(picture.data[at])).sum();
+        ((sum + k * k / 2) / (k * k)) as u8
+    };
+    Rgb { width, data: (0..width * height * 3).map(mean).collect() }
+}
+
+/// The page as poppler draws it, `resolution` pixels to the inch; none without poppler.
+fn by_poppler(scene: &Scene, resolution: u32) -> Option<Rgb> {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.pdf");
+    let mut bytes = Vec::new();
+    let length = pdf::write(scene, &mut bytes).unwrap();
+    assert_eq!(length, bytes.len() as u64);
+    std::fs::write(&page, bytes).unwrap();
+    let root = folder.path().join("page");
+    let run = Command::new("pdftoppm")
+        .args(["-png", "-singlefile", "-r", &resolution.to_string()])
+        .args([&page, &root])
+        .output();
+    let Ok(output) = run else {
+        eprintln!("skipped: pdftoppm is not installed, so nothing here draws a PDF");
+        return None;
+    };
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && said.is_empty(), "{said}");
+    let picture = image::open(root.with_extension("png")).unwrap().into_rgb8();
+    Some(Rgb { width: picture.width() as usize, data: picture.into_raw() })
+}
+
+#[test]
+fn all_formats_agree() {
+    for scene in [scene(), &shaped(Edge::Clip), &shaped(Edge::Keep)] {
+        let picture = on_white(&png::render(scene, 1.0).unwrap());
+        let drawn = |bytes: &[u8]| on_white(&raster_svg::render_svg(bytes, 1.0, "test").unwrap());
+        let plain = svg_of(scene, &SvgOptions::default());
+        let mut packed = file::gzip(Vec::new());
+        std::io::Write::write_all(&mut packed, &plain).unwrap();
+        let packed = packed.finish().unwrap();
+        assert_eq!(drawn(&packed).data, drawn(&plain).data);
+        for (name, bytes) in [("svg", plain), ("expanded", svg_of(scene, &EXPANDED))] {
+            let found = mean(&picture, &drawn(&bytes));
+            assert!(found <= 1.0, "{name}: {found}");
+        }
+        // Poppler counts every sixteenth of a pixel that a shape touches, so it is asked for a large
+        // picture, which is then made small.
+        if let Some(page) = by_poppler(scene, 72 * 8) {
+            let found = mean(&picture, &shrunk(&page, 8));
+            assert!(found <= 1.5, "pdf: {found}");
+        }
+    }
+}
+
+#[test]
+fn pictures_agree_at_twice_the_size() {
+    let picture = on_white(&png::render(scene(), 2.0).unwrap());
+    let drawn = raster_svg::render_svg(&svg_of(scene(), &SvgOptions::default()), 2.0, "test").unwrap();
+    let found = mean(&picture, &on_white(&drawn));
+    assert!(found <= 1.0, "{found}");
+}
+
+#[test]
+fn a_reduced_scene_still_looks_the_same() {
+    let picture = on_white(&png::render(scene(), 1.0).unwrap());
+    let measure = |scene: &Scene, options: &SvgOptions| {
+        svg::write(scene, options, std::io::sink()).map(|summary| summary.bytes)
+    };
+    let whole = measure(scene(), &SvgOptions::default()).unwrap();
+    let mut last = 0.0;
+    for (share, limit) in [(0.9, 0.5), (0.75, 1.5), (0.5, 4.0)] {
+        let most = (whole as f64 * share) as u64;
+        let reduced = reduce::to_fit(scene(), &SvgOptions::default(), most, measure).unwrap();
+        let bytes = svg_of(&reduced.scene, &reduced.options);
+        assert!(bytes.len() as u64 <= most);
+        let drawn = raster_svg::render_svg(&bytes, 1.0, "test").unwrap();
+        let found = mean(&picture, &on_white(&drawn));
+        assert!(found <= limit && found >= last, "{share}: {found}");
+        last = found;
+    }
+}
+
+/// Every reference leads to the one element of its id, and nothing is a bitmap.
+fn check_references(document: &Document<'_>) {
+    let ids: Vec<&str> = document.descendants().filter_map(|n| n.attribute("id")).collect();
+    let known: BTreeSet<&str> = ids.iter().copied().collect();
+    assert_eq!(known.len(), ids.len(), "ids are unique");
+    for node in document.descendants().filter(Node::is_element) {
+        assert_ne!(node.tag_name().name(), "image");
+        for attribute in node.attributes() {
+            let value = attribute.value();
+            let link = match attribute.name() {
+                "href" => Some(value),
+                _ => value.strip_prefix("url(").map(|v| v.trim_end_matches(')')),
+            };
+            let found = link.is_none_or(|l| l.strip_prefix('#').is_some_and(|id| known.contains(id)));
+            assert!(found, "{attribute:?}");
+        }
+    }
+}
+
+/// Source and library of the texton drawn by an element, as itself or the id that it refers to says.
+fn origin(node: Node<'_, '_>) -> (u32, u32) {
+    let number = |text: &str| text.parse().unwrap();
+    let said = |name| node.descendants().find_map(|n| n.attribute(name)).map(number);
+    let link = node.descendants().find_map(|n| n.attribute((XLINK, "href")));
+    match (said("data-source"), link) {
+        (Some(source), _) => (source, said("data-library").unwrap_or(0)),
+        (None, Some(link)) => {
+            let name = link.strip_prefix('#').unwrap();
+            let (source, library) = name[1..].split_once('-').unwrap_or((&name[1..], "0"));
+            (number(source), number(library))
+        }
+        (None, None) => panic!("nothing says where it comes from: {node:?}"),
+    }
+}
+
+#[test]
+fn a_reader_finds_category_source_and_order_of_every_texton() {
+    let mut mixed = shaped(Edge::Clip);
+    mixed.libraries.push(mixed.libraries[0].clone());
+    mixed.textons.iter_mut().step_by(2).for_each(|t| t.library = 1);
+    for (scene, options) in
+        [scene(), &mixed].into_iter().flat_map(|s| [(s, SvgOptions::default()), (s, EXPANDED)])
+    {
+        let bytes = svg_of(scene, &options);
+        let document = Document::parse(std::str::from_utf8(&bytes).unwrap()).unwrap();
+        check_references(&document);
+        let layer = |id: &str| {
+            let layer = document.descendants().find(|n| n.attribute("id") == Some(id)).unwrap();
+            assert_eq!(layer.attribute((INKSCAPE, "groupmode")), Some("layer"));
+            assert!(layer.attribute((INKSCAPE, "label")).is_some());
+            layer
+        };
+        assert!(layer("background").children().any(|n| n.is_element()));
+        let check = |node: Node<'_, '_>, texton: &Texton| {
+            assert_eq!(origin(node), (texton.source, texton.library));
+        };
+        let textons = |i: &Instance| &scene.textons[i.texton as usize];
+
+        // What has no id is a copy.
+        let primaries = layer("primary").children().filter(|n| n.has_attribute("id"));
+        let primaries: Vec<Node<'_, '_>> = primaries.collect();
+        assert_eq!(primaries.len(), scene.primary.len());
+        for (node, instance) in primaries.into_iter().zip(&scene.primary) {
+            assert_eq!(node.attribute("id"), Some(&format!("p{}", instance.id)[..]));
+            let category = textons(instance).category.map(|c| c.to_string());
+            assert_eq!(node.attribute("data-category"), category.as_deref());
+            check(node, textons(instance));
+        }
+        // Secondaries have one element each; that of a copy follows its original.
+        let layer = layer("secondary");
+        let mut elements = layer.descendants().filter(|n| ["use", "path"].contains(&n.tag_name().name()));
+        for instance in &scene.secondary {
+            let bounds = instance.affine().transform_rect_bbox(textons(instance).bounds());
+            for _ in scene.copies(bounds.inflate(0.01, 0.01)) {
+                check(elements.next().unwrap(), textons(instance));
+            }
+        }
+        assert!(elements.next().is_none());
+    }
+}
+
+#[test]
+fn symbols_have_titles() {
+    let bytes = svg_of(scene(), &SvgOptions::default());
+    let document = Document::parse(std::str::from_utf8(&bytes).unwrap()).unwrap();
+    let symbols = document.descendants().filter(|n| n.tag_name().name() == "symbol");
+    let titles: Vec<&str> = symbols
+        .map(|s| s.first_element_child().filter(|t| t.tag_name().name() == "title").unwrap().text().unwrap())
+        .collect();
+    assert!(!titles.is_empty());
+    assert_eq!(titles.iter().collect::<BTreeSet<_>>().len(), titles.len());
+    assert!(titles.iter().all(|t| t.starts_with("Primary ") && t.contains(", category ")), "{titles:?}");
+}
