@@ -25,7 +25,7 @@ pub(super) fn run(
     let library = stages::analyze(analysis, reporter)?;
     let scene = stages::reconstruct(&library);
     reporter.stage("writing")?;
-    let written = target.write_scene(&scene, &svg.into(), 1.0)?;
+    let written = target.write_scene(&scene, svg, 1.0)?;
     for warning in &written.warnings {
         reporter.warn(warning);
     }
@@ -37,6 +37,7 @@ pub(super) fn run(
         output: target.place.path().display().to_string(),
         pattern: None,
         bytes: written.bytes,
+        given_up: written.given_up,
         seed: Some(library.source.parameters.seed),
         size: [scene.width, scene.height],
         counts: Some(Counts::of_scene(&scene)),

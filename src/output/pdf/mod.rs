@@ -1,6 +1,6 @@
 //! Scene → PDF: one page of pure vectors, a point to a pixel.
 //!
-//! Everything is a path with one flat colour, except the mask of the background, which is made of
+//! Everything is a path with a flat colour or a gradient, and the background is mixed by masks of
 //! gradients; nothing is a bitmap. Each layer is a form XObject, so is each texton that stands more
 //! than once where that is shorter than its paths; other textons are written where they stand.
 //! Readers that show the structure of a page find the layers in painting order.
@@ -17,12 +17,13 @@ use super::background::Background;
 use crate::error::{Error, Result};
 use crate::geometry::{Outline, PathEl, Point, Rect, Vec2};
 use crate::raster::colour::Colour;
-use crate::scene::{Edge, Scene};
+use crate::scene::{Edge, Gradient, Scene};
 use krilla::geom::{Path as PdfPath, PathBuilder, Transform};
 use krilla::graphic::Graphic;
 use krilla::metadata::Metadata;
+use krilla::num::NormalizedF32;
 use krilla::page::PageSettings;
-use krilla::paint::{Fill, FillRule};
+use krilla::paint::{Fill, FillRule, LinearGradient, SpreadMethod, Stop};
 use krilla::surface::Surface;
 use krilla::{Document, SerializeSettings};
 use std::io::{self, Write};
@@ -112,10 +113,31 @@ fn layer(surface: &mut Surface<'_>, content: impl FnOnce(&mut Surface<'_>)) -> G
 
 /// Fills a path with one colour.
 fn fill(surface: &mut Surface<'_>, path: &PdfPath, colour: Colour) {
-    let [r, g, b] = colour.0;
-    let paint = krilla::color::rgb::Color::new(r, g, b).into();
-    surface.set_fill(Some(Fill { paint, ..Fill::default() }));
+    surface.set_fill(Some(Fill { paint: rgb(colour).into(), ..Fill::default() }));
     surface.draw_path(path);
+}
+
+/// Fills a path with a gradient.
+fn fill_gradient(surface: &mut Surface<'_>, path: &PdfPath, gradient: &Gradient) {
+    let stop = |offset, colour| Stop { offset, color: rgb(colour).into(), opacity: NormalizedF32::ONE };
+    let [[x1, y1], [x2, y2]] = [gradient.from, gradient.to].map(|p| p.map(|v| v as f32));
+    let paint = LinearGradient {
+        x1,
+        y1,
+        x2,
+        y2,
+        transform: Transform::identity(),
+        spread_method: SpreadMethod::Pad,
+        stops: vec![stop(NormalizedF32::ZERO, gradient.start), stop(NormalizedF32::ONE, gradient.end)],
+        anti_alias: false,
+    };
+    surface.set_fill(Some(Fill { paint: paint.into(), ..Fill::default() }));
+    surface.draw_path(path);
+}
+
+fn rgb(colour: Colour) -> krilla::color::rgb::Color {
+    let [r, g, b] = colour.0;
+    krilla::color::rgb::Color::new(r, g, b)
 }
 
 /// The path as PDF knows it; none if there is nothing to fill.

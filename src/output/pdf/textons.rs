@@ -1,6 +1,6 @@
 //! Textons in PDF: defined once and drawn often, or written where they stand.
 
-use super::{fill, is_seen, layer, path_of};
+use super::{fill, fill_gradient, is_seen, layer, path_of};
 use crate::geometry::{Affine, Rect};
 use crate::raster::colour::Colour;
 use crate::scene::{Instance, Scene, Texton};
@@ -73,10 +73,14 @@ fn elements(texton: &Texton) -> usize {
 
 /// The paths of a texton, its base in `colour` if there is one.
 fn paint(texton: &Texton, colour: Option<Colour>, surface: &mut Surface<'_>) {
-    let base = std::iter::once((&texton.outline, colour.unwrap_or(texton.colour)));
-    for (outline, colour) in base.chain(texton.details.iter().map(|p| (&p.outline, p.colour))) {
-        if let Some(path) = path_of(outline) {
-            fill(surface, &path, colour);
+    let own = if colour.is_some() { None } else { texton.gradient.as_ref() };
+    let base = std::iter::once((&texton.outline, colour.unwrap_or(texton.colour), own));
+    let details = texton.details.iter().map(|p| (&p.outline, p.colour, p.gradient.as_ref()));
+    for (outline, colour, gradient) in base.chain(details) {
+        match (path_of(outline), gradient) {
+            (Some(path), Some(gradient)) => fill_gradient(surface, &path, gradient),
+            (Some(path), None) => fill(surface, &path, colour),
+            (None, _) => {}
         }
     }
 }
