@@ -8,7 +8,7 @@
 
 use super::fit::{Piece, fit_closed, fit_open};
 use super::{Outline, PathText, is_simple, write_path};
-use kurbo::{BezPath, ParamCurve, ParamCurveDeriv, PathEl, PathSeg, Point, Vec2};
+use kurbo::{BezPath, ParamCurve, ParamCurveDeriv, PathEl, PathSeg, Point, Shape, Vec2};
 
 /// Distance of samples, in pixels.
 const SAMPLE: f64 = 0.4;
@@ -40,11 +40,10 @@ impl Outline {
                     path.extend(best);
                 }
             }
-            let kept = (path.area_of() - area).abs() <= AREA * area;
-            if kept && is_simple(&path) && length(&path) < length(self.path()) {
-                if let Some(outline) = Self::new(&path) {
-                    return outline;
-                }
+            let kept = (path.area().abs() - area).abs() <= AREA * area;
+            let better = kept && is_simple(&path) && length(&path) < length(self.path());
+            if let Some(outline) = better.then(|| Self::new(&path)).flatten() {
+                return outline;
             }
             tolerance /= 2.0;
         }
@@ -52,24 +51,12 @@ impl Outline {
     }
 }
 
-/// The area of a path, whichever way it runs.
-trait AreaOf {
-    fn area_of(&self) -> f64;
-}
-
-impl AreaOf for BezPath {
-    fn area_of(&self) -> f64 {
-        kurbo::Shape::area(self).abs()
-    }
-}
-
 /// The rings of a path, each as its segments.
 fn rings(path: &BezPath) -> Vec<Vec<PathSeg>> {
     let mut rings: Vec<Vec<PathSeg>> = Vec::new();
-    let starts = path.elements().iter();
     let mut segments = path.segments();
     // A segment for each element but the moves; closing has one only if there is a way to go.
-    for element in starts {
+    for element in path.elements() {
         match element {
             PathEl::MoveTo(_) => rings.push(Vec::new()),
             PathEl::ClosePath => {

@@ -13,7 +13,7 @@ use crate::raster::colour::Colour;
 use krilla::geom::{PathBuilder, Transform};
 use krilla::mask::{Mask, MaskType};
 use krilla::num::NormalizedF32;
-use krilla::paint::{Fill, LinearGradient, SpreadMethod, Stop};
+use krilla::paint::{LinearGradient, SpreadMethod, Stop};
 use krilla::stream::Stream;
 use krilla::surface::Surface;
 
@@ -96,7 +96,7 @@ impl Lattice {
                     i += 2;
                 }
                 if let Some(path) = rectangle(left, top, right, bottom) {
-                    super::fill(surface, &path, colour);
+                    super::fill(surface, &path, super::flat(colour));
                 }
             }
         }
@@ -133,8 +133,7 @@ impl Lattice {
             };
             // Moved as a whole, all of them share one shading.
             inner.push_transform(&Transform::from_translate(at[0] as f32, at[1] as f32));
-            inner.set_fill(Some(Fill { paint: gradient.into(), ..Fill::default() }));
-            inner.draw_path(&path);
+            super::fill(&mut inner, &path, gradient.into());
             inner.pop();
         }
         inner.finish();

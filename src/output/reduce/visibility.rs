@@ -163,8 +163,10 @@ mod tests {
     #[test]
     fn a_detail_on_a_detail_is_compared_with_that() {
         let mut texton = testing::scene(50, 50, 4).textons.swap_remove(0);
-        let patch = |colour| Patch { outline: texton.outline.clone(), colour, gradient: None };
-        texton.details = vec![patch(Colour([10, 20, 30])), patch(Colour([10, 20, 30]))];
+        let mut patch = texton.details[0].clone();
+        patch.outline = texton.outline.clone();
+        patch.colour = Colour([10, 20, 30]);
+        texton.details = vec![patch.clone(), patch];
         assert_eq!(beneath(&texton, 0), texton.colour);
         assert_eq!(beneath(&texton, 1), Colour([10, 20, 30]));
     }
