@@ -83,7 +83,7 @@ fn the_ground_alone_shows_no_seam() {
         for ((name, tiles), (_, whole)) in pictures(&scene, 1.0).iter().zip(&pictures(&moved, 1.0)) {
             // Stops are left out from the left border on, which is elsewhere after the move.
             let [(mean, more), (_, most)] = [2, 4].map(|d| difference(tiles, whole, dx, dy, d));
-            assert!(mean < 0.4 && more < 0.01 && most == 0.0, "{name} {tile:?}: {mean} {more} {most}");
+            assert!(mean < 0.5 && more < 0.03 && most == 0.0, "{name} {tile:?}: {mean} {more} {most}");
         }
     }
 }
