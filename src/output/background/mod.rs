@@ -16,18 +16,23 @@ mod stops;
 #[cfg(test)]
 mod tests;
 
-use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::{Scene, field::Interpolant};
 use samples::Samples;
 
 /// Distance of rows, as a share of the distance between control points.
-const ROW: f64 = 0.4;
+const ROW: f64 = 0.32;
 /// Distance of samples along a row, as a share of the distance between control points.
 const SAMPLE: f64 = 0.1;
 /// Samples from the beginning of one column to that of the next: a stop's offset then has at most
 /// three digits.
 const COLUMN: usize = 200;
+
+/// Stops on a square whose side is the distance between control points: with 25 pixels they make
+/// 300 kB of SVG at 1000 × 1000. A field that would need more is fitted again with wider bounds.
+const STOPS: f64 = 3.75;
+/// By how much they are widened, one after another until few enough stops are left.
+const SLACK: [f64; 3] = [1.35, 1.7, 2.2];
 
 /// The background of a scene, ready to paint.
 pub(super) struct Background {
@@ -61,26 +66,17 @@ impl Background {
         let last = libm::ceil(width / step) as usize;
         let xs: Vec<f64> = (0..=last).map(|i| (i as f64 * step).min(width)).collect();
         let row_count = libm::ceil(height / (spacing * ROW)).max(1.0) as usize;
-        let samples = Samples::new(&field, &xs, height, row_count, scene.tile.y);
+        let mut samples = Samples::new(&field, &xs, height, row_count, scene.tile.y);
 
         let starts: Vec<usize> = (0..last).step_by(COLUMN).collect();
-        let mut values = samples.settled();
-        let mut rows = vec![Vec::new(); row_count + 1];
-        for parity in 0..2 {
-            let fitted = samples.improve(&mut values, parity, |corridor| {
-                let columns = parallel::map(&starts, |&from| {
-                    let to = (from + COLUMN).min(last);
-                    stops::fit(&xs[from..=to], &corridor[from..=to])
-                });
-                let line = (0..=last).map(|i| {
-                    let column = (i / COLUMN).min(starts.len() - 1);
-                    columns[column].1[i - starts[column]]
-                });
-                (line.collect(), columns.iter().map(|c| c.0.clone()).collect())
-            });
-            for (k, stops) in fitted {
-                rows[k] = stops;
+        let most = STOPS * width * height / (spacing * spacing) + (2 * (row_count + 1) * starts.len()) as f64;
+        let mut rows = fit(&samples, &xs, &starts);
+        for slack in SLACK {
+            if rows.iter().flatten().map(Vec::len).sum::<usize>() as f64 <= most {
+                break;
             }
+            samples.slack = slack;
+            rows = fit(&samples, &xs, &starts);
         }
         let mut columns: Vec<f64> = starts.iter().map(|&i| xs[i]).collect();
         columns.push(width);
@@ -104,4 +100,28 @@ impl Background {
             })
             .collect()
     }
+}
+
+/// The stops of all rows and columns; columns begin at the samples `starts`.
+fn fit(samples: &Samples, xs: &[f64], starts: &[usize]) -> Vec<Vec<Vec<Stop>>> {
+    let last = xs.len() - 1;
+    let mut values = samples.settled();
+    let mut rows = vec![Vec::new(); values.len()];
+    for parity in 0..2 {
+        let fitted = samples.improve(&mut values, parity, |corridor| {
+            let mut line = vec![[0.0; 3]; xs.len()];
+            let columns: Vec<Vec<Stop>> = starts
+                .iter()
+                .map(|&from| {
+                    let to = (from + COLUMN).min(last);
+                    stops::fit(&xs[from..=to], &corridor[from..=to], &mut line[from..=to])
+                })
+                .collect();
+            (line, columns)
+        });
+        for (k, stops) in fitted {
+            rows[k] = stops;
+        }
+    }
+    rows
 }

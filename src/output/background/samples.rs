@@ -6,9 +6,9 @@ use crate::scene::field::Interpolant;
 /// Sampled lines from one row to the next.
 const LINES: usize = 4;
 /// How far the grid may lie from a sample, in 8-bit steps. Painting it costs up to 1 more.
-const BOUND: f64 = 2.5;
+const BOUND: f64 = 2.2;
 /// How far a row may lie from where it fits best, in 8-bit steps: what the mean error depends on.
-const TOLERANCE: f64 = 2.0;
+const TOLERANCE: f64 = 2.5;
 /// How often even and odd rows are fitted to each other before stops are sought.
 const ROUNDS: usize = 4;
 
@@ -31,6 +31,8 @@ pub(super) struct Samples {
     row_count: usize,
     /// Whether the last row is the first again.
     wraps: bool,
+    /// By how much all bounds are widened.
+    pub(super) slack: f64,
 }
 
 impl Samples {
@@ -46,7 +48,7 @@ impl Samples {
             // The last line may miss the border by a bit.
             lines[count] = lines[0].clone();
         }
-        Self { lines, row_count, wraps }
+        Self { lines, row_count, wraps, slack: 1.0 }
     }
 
     /// Rows that fit best together, before any stop is left out. Where the field has a peak between
@@ -119,11 +121,12 @@ impl Samples {
         let wanted = &wanted[..count];
         let square: f64 = wanted.iter().map(|(w, _)| w * w).sum();
         let [red, green, blue] = [0, 1, 2].map(|c| {
-            let (low, high) = range(wanted, c);
+            let (low, high) = range(wanted, c, BOUND * self.slack);
+            let tolerance = TOLERANCE * self.slack;
             let best = wanted.iter().map(|(w, rest)| w * rest[c]).sum::<f64>() / square;
             let target = best.clamp(low, high).clamp(0.0, 255.0);
             let whole = libm::round(target);
-            [target, low.max(target - TOLERANCE).min(whole), high.min(target + TOLERANCE).max(whole)]
+            [target, low.max(target - tolerance).min(whole), high.min(target + tolerance).max(whole)]
         });
         let component = |n: usize| [red[n], green[n], blue[n]];
         Corridor { target: component(0), low: component(1), high: component(2) }
@@ -132,8 +135,7 @@ impl Samples {
 
 /// What component `c` of a row may be so that all samples stay within the bound: or, where the
 /// field has too sharp a peak for that, within the least that is possible.
-fn range(wanted: &[(f64, [f64; 3])], c: usize) -> (f64, f64) {
-    let mut bound = BOUND;
+fn range(wanted: &[(f64, [f64; 3])], c: usize, mut bound: f64) -> (f64, f64) {
     loop {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for (w, rest) in wanted {

@@ -7,7 +7,7 @@
 //! squared distances to the targets are least (dynamic programming over the ranges).
 
 use super::Stop;
-use super::samples::{Corridor, Line};
+use super::samples::Corridor;
 use crate::raster::colour::Colour;
 
 /// Places for a stop that are compared.
@@ -33,9 +33,9 @@ impl Knot {
     }
 }
 
-/// The stops, and the colour at each of the places `xs`. The first and the last stop depend on
-/// their own targets alone.
-pub(super) fn fit(xs: &[f64], corridor: &[Corridor]) -> (Vec<Stop>, Line) {
+/// The stops; the colour at each of the places `xs` goes into `line`. The first and the last stop
+/// depend on their own targets alone.
+pub(super) fn fit(xs: &[f64], corridor: &[Corridor], line: &mut [[f32; 3]]) -> Vec<Stop> {
     let last = xs.len() - 1;
     let mut knots = vec![Knot::fixed(0, corridor)];
     while let Some(knot) = knots.last().filter(|k| k.at < last) {
@@ -52,7 +52,6 @@ pub(super) fn fit(xs: &[f64], corridor: &[Corridor]) -> (Vec<Stop>, Line) {
     }
     let values = [0, 1, 2].map(|c| choose(xs, corridor, &knots, c));
     let colour = |n: usize| [values[0][n], values[1][n], values[2][n]];
-    let mut line = vec![[0.0; 3]; xs.len()];
     for (n, pair) in knots.windows(2).enumerate() {
         let (a, b) = (colour(n), colour(n + 1));
         for i in pair[0].at..=pair[1].at {
@@ -64,7 +63,7 @@ pub(super) fn fit(xs: &[f64], corridor: &[Corridor]) -> (Vec<Stop>, Line) {
         x: xs[knot.at],
         colour: Colour(colour(n).map(|v| v.clamp(0, 255) as u8)),
     };
-    (knots.iter().enumerate().map(stop).collect(), line)
+    knots.iter().enumerate().map(stop).collect()
 }
 
 /// Where sample `i` lies between two others.
