@@ -23,6 +23,8 @@ use vtex::scene::field::Interpolant;
 use vtex::scene::{Scene, SynthParams};
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
+/// Writes the background as SVG.
+type Construction<'a> = dyn Fn() -> Outcome<Vec<u8>> + 'a;
 
 fn main() -> Outcome {
     let (mut side, mut files, mut kept) = (1000, None, false);
@@ -51,7 +53,7 @@ fn study(path: &Path, side: u32, files: Option<&Path>, kept: bool) -> Outcome {
     let field = Interpolant::new(&scene.background, side, side, scene.tile);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = name.split('.').next().unwrap_or_default();
-    let constructions: [(&str, &dyn Fn() -> Outcome<Vec<u8>>); 4] = [
+    let constructions: [(&str, &Construction<'_>); 4] = [
         ("kept", &|| written(&scene)),
         ("grid", &|| Ok(even_grid(&field, side))),
         ("blur", &|| Ok(blurred_cells(&field, side))),
@@ -169,10 +171,8 @@ fn even_grid(field: &Interpolant, side: u32) -> Vec<u8> {
         for k in (parity..=count).step_by(2) {
             let (top, bottom) = band(k);
             let height = bottom - top;
-            let _ = writeln!(
-                out,
-                "<rect y=\"{top}\" width=\"{full}\" height=\"{height}\" fill=\"url(#b{k})\"/>"
-            );
+            let _ =
+                writeln!(out, "<rect y=\"{top}\" width=\"{full}\" height=\"{height}\" fill=\"url(#b{k})\"/>");
         }
         out += "</g>\n";
     }
@@ -247,12 +247,13 @@ fn level_set(values: &[f64], count: usize, cell: f64, level: f64) -> String {
         let edges = [(k, false), (k + 1, true), (k + count, false), (k, true)];
         let above = corners.map(|i| values[i] >= level);
         for entry in 0..4 {
-            // Enter where the next corner is above, leave at the next edge where it ends to be.
-            if !above[entry] && above[(entry + 1) % 4] {
-                if let Some(exit) = (1..4).map(|n| (entry + n) % 4).find(|e| above[*e] && !above[(e + 1) % 4])
-                {
-                    next.insert(edges[exit], edges[entry]);
-                }
+            // In where the next corner is above, out at the next edge where that ends.
+            if above[entry] || !above[(entry + 1) % 4] {
+                continue;
+            }
+            let exit = (1..4).map(|n| (entry + n) % 4).find(|e| above[*e] && !above[(e + 1) % 4]);
+            if let Some(exit) = exit {
+                next.insert(edges[exit], edges[entry]);
             }
         }
     }

@@ -8,7 +8,7 @@ const LINES: usize = 4;
 /// How far the grid may lie from a sample, in 8-bit steps. Painting it costs up to 1 more.
 const BOUND: f64 = 2.2;
 /// How far a row may lie from where it fits best, in 8-bit steps: what the mean error depends on.
-const TOLERANCE: f64 = 2.5;
+const TOLERANCE: f64 = 1.75;
 /// How often even and odd rows are fitted to each other before stops are sought.
 const ROUNDS: usize = 4;
 
