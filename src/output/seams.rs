@@ -69,7 +69,7 @@ fn tiles_laid_side_by_side_show_no_seam() {
             for ((name, tiles), (_, whole)) in pictures(&scene, scaled).iter().zip(&pictures(&moved, scaled))
             {
                 let (mean, bad) = difference(tiles, whole, dx * scale, dy * scale, 40);
-                assert!(mean < 0.2 && bad == 0.0, "{name} {tile:?} x{scale}: mean {mean}, bad {bad}");
+                assert!(mean < 0.3 && bad == 0.0, "{name} {tile:?} x{scale}: mean {mean}, bad {bad}");
             }
         }
     }
@@ -83,9 +83,9 @@ fn the_ground_alone_shows_no_seam() {
         let (dx, dy) = half(tile);
         let moved = testing::moved(scene.clone(), f64::from(dx), f64::from(dy));
         for ((name, tiles), (_, whole)) in pictures(&scene, 1.0).iter().zip(&pictures(&moved, 1.0)) {
-            // Stops are left out from the left border on, which is elsewhere after the move.
-            let [(mean, more), (_, most)] = [2, 4].map(|d| difference(tiles, whole, dx, dy, d));
-            assert!(mean < 0.4 && more < 0.01 && most == 0.0, "{name} {tile:?}: {mean} {more} {most}");
+            // Where stops lie depends on where the columns begin, which is elsewhere after the move.
+            let [(mean, more), (_, most)] = [2, 5].map(|d| difference(tiles, whole, dx, dy, d));
+            assert!(mean < 0.6 && more < 0.05 && most == 0.0, "{name} {tile:?}: {mean} {more} {most}");
         }
     }
 }

@@ -23,7 +23,7 @@ use krilla::graphic::Graphic;
 use krilla::metadata::Metadata;
 use krilla::num::NormalizedF32;
 use krilla::page::PageSettings;
-use krilla::paint::{Fill, FillRule, LinearGradient, SpreadMethod, Stop};
+use krilla::paint::{Fill, FillRule, LinearGradient, Paint, SpreadMethod, Stop};
 use krilla::surface::Surface;
 use krilla::{Document, SerializeSettings};
 use std::io::{self, Write};
@@ -111,32 +111,27 @@ fn layer(surface: &mut Surface<'_>, content: impl FnOnce(&mut Surface<'_>)) -> G
     Graphic::new(builder.finish(), false)
 }
 
-/// Fills a path with one colour.
-fn fill(surface: &mut Surface<'_>, path: &PdfPath, colour: Colour) {
-    surface.set_fill(Some(Fill { paint: rgb(colour).into(), ..Fill::default() }));
+/// Fills a path.
+fn fill(surface: &mut Surface<'_>, path: &PdfPath, paint: Paint) {
+    surface.set_fill(Some(Fill { paint, ..Fill::default() }));
     surface.draw_path(path);
 }
 
-/// Fills a path with a gradient.
-fn fill_gradient(surface: &mut Surface<'_>, path: &PdfPath, gradient: &Gradient) {
+/// One colour everywhere.
+fn flat(colour: Colour) -> Paint {
+    rgb(colour).into()
+}
+
+/// A gradient in the coordinates of what it fills.
+fn gradual(gradient: &Gradient) -> Paint {
     let stop = |offset, colour| Stop { offset, color: rgb(colour).into(), opacity: NormalizedF32::ONE };
     let [[x1, y1], [x2, y2]] = [gradient.from, gradient.to].map(|p| p.map(|v| v as f32));
-    let paint = LinearGradient {
-        x1,
-        y1,
-        x2,
-        y2,
-        transform: Transform::identity(),
-        spread_method: SpreadMethod::Pad,
-        stops: vec![stop(NormalizedF32::ZERO, gradient.start), stop(NormalizedF32::ONE, gradient.end)],
-        anti_alias: false,
-    };
-    surface.set_fill(Some(Fill { paint: paint.into(), ..Fill::default() }));
-    surface.draw_path(path);
+    let stops = vec![stop(NormalizedF32::ZERO, gradient.start), stop(NormalizedF32::ONE, gradient.end)];
+    let (transform, spread_method) = (Transform::identity(), SpreadMethod::Pad);
+    LinearGradient { x1, y1, x2, y2, transform, spread_method, stops, anti_alias: false }.into()
 }
 
-fn rgb(colour: Colour) -> krilla::color::rgb::Color {
-    let [r, g, b] = colour.0;
+fn rgb(Colour([r, g, b]): Colour) -> krilla::color::rgb::Color {
     krilla::color::rgb::Color::new(r, g, b)
 }
 

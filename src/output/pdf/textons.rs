@@ -1,6 +1,6 @@
 //! Textons in PDF: defined once and drawn often, or written where they stand.
 
-use super::{fill, fill_gradient, is_seen, layer, path_of};
+use super::{fill, flat, gradual, is_seen, layer, path_of};
 use crate::geometry::{Affine, Rect};
 use crate::raster::colour::Colour;
 use crate::scene::{Instance, Scene, Texton};
@@ -77,10 +77,8 @@ fn paint(texton: &Texton, colour: Option<Colour>, surface: &mut Surface<'_>) {
     let base = std::iter::once((&texton.outline, colour.unwrap_or(texton.colour), own));
     let details = texton.details.iter().map(|p| (&p.outline, p.colour, p.gradient.as_ref()));
     for (outline, colour, gradient) in base.chain(details) {
-        match (path_of(outline), gradient) {
-            (Some(path), Some(gradient)) => fill_gradient(surface, &path, gradient),
-            (Some(path), None) => fill(surface, &path, colour),
-            (None, _) => {}
+        if let Some(path) = path_of(outline) {
+            fill(surface, &path, gradient.map_or_else(|| flat(colour), gradual));
         }
     }
 }

@@ -13,8 +13,8 @@
 //! also easier to handle in an editor than hundreds. Both differ from a direct evaluation of the
 //! grid by 0.4 of an 8-bit step on average and by 2 at most, at every scale.
 //!
-//! The rows are divided into columns of at most a hundred stops, because some renderers look
-//! gradients up in a table of 256 colours.
+//! The rows are divided into columns of at most two hundred places for stops, because some
+//! renderers look gradients up in a table of 256 colours.
 
 use super::number::{Number, Paint};
 use super::xml::Xml;
@@ -39,14 +39,22 @@ impl Background {
 
     /// The gradients and the mask, for `<defs>`; the mask reaches `bleed` pixels beyond the canvas.
     pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>, bleed: f64) -> io::Result<()> {
+        // Where a column's gradients begin and end is said once, and they refer to it.
+        for (c, start) in self.columns[..self.column_count()].iter().enumerate() {
+            xml.open("linearGradient");
+            xml.attribute("id", format_args!("bc{c}"));
+            xml.attribute("gradientUnits", "userSpaceOnUse");
+            xml.attribute("x1", Number(*start, DIGITS));
+            xml.attribute("x2", Number(start + self.column_width, DIGITS));
+            xml.close()?;
+            xml.line();
+        }
         for (k, row) in self.rows.iter().enumerate() {
             for (c, stops) in row.iter().enumerate() {
                 let start = self.columns[c];
                 xml.open("linearGradient");
                 xml.attribute("id", format_args!("b{}", k * self.column_count() + c));
-                xml.attribute("gradientUnits", "userSpaceOnUse");
-                xml.attribute("x1", Number(start, DIGITS));
-                xml.attribute("x2", Number(start + self.column_width, DIGITS));
+                xml.attribute("xlink:href", format_args!("#bc{c}"));
                 for stop in stops {
                     xml.open("stop");
                     let offset = Number((stop.x - start) / self.column_width, 5);
