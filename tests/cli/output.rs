@@ -173,28 +173,30 @@ fn pdf_is_written_by_every_command_that_writes_a_scene() {
 fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     let folder = Folder::with_library();
     folder.run("synth photo.lib.json --size 150 --seed 1 --tile -o a.scene.json").succeeds();
-    let whole = folder.run("render a.scene.json -o a.svg --json").succeeds().json();
+    let fine = "render a.scene.json --precision 2";
+    let whole = folder.run(&format!("{fine} -o a.svg --pattern b.svg --json")).succeeds().json();
     assert!(whole.get("given_up").is_none());
-    let most = whole["bytes"].as_u64().unwrap() * 4 / 5;
-    let run = folder.run(&format!("render a.scene.json -o b.svg --max-bytes {most} --json")).succeeds();
-    let (json, bytes) = (run.json(), folder.read("b.svg").len());
-    assert!(bytes as u64 <= most && json["bytes"] == bytes);
-    assert!(json["given_up"]["decimals"].as_u64().unwrap() < 2, "{json}");
+    // One decimal less is the first that is given up.
+    folder.run("render a.scene.json --precision 1 -o c.svg --pattern d.svg").succeeds();
+    let [most, pattern] = ["c.svg", "d.svg"].map(|name| folder.read(name).len());
+    assert!(most < folder.read("a.svg").len() && pattern < folder.read("b.svg").len());
+    let run = folder.run(&format!("{fine} -o e.svg --max-bytes {most} --json")).succeeds();
+    let cost = serde_json::json!({ "decimals": 1, "tolerance": 0.0, "details": 0, "secondaries": 0 });
+    assert_eq!((&run.json()["given_up"], &run.json()["bytes"]), (&cost, &most.into()));
+    assert_eq!(folder.read("e.svg"), folder.read("c.svg"));
+    let told = folder.run(&format!("{fine} -o e.svg --max-bytes {most}")).succeeds().stderr;
+    assert!(told.contains("given up to make it as small: numbers have 1 decimal"), "{told}");
+    folder.run(&format!("{fine} -o e.png --pattern e.svg --max-bytes {pattern}")).succeeds();
+    assert_eq!(folder.read("e.svg"), folder.read("d.svg"));
     // Packed, all of it fits.
-    let run = folder.run(&format!("render a.scene.json -o c.svgz --max-bytes {most} --json")).succeeds();
+    let run = folder.run(&format!("{fine} -o c.svgz --max-bytes {most} --json")).succeeds();
     assert!(run.json().get("given_up").is_none());
-    let told = folder.run("synth photo.lib.json --size 150 --seed 1 -o d.svg --max-bytes 30kB").stderr;
-    assert!(told.contains("given up to make it as small: "), "{told}");
-    assert!(folder.read("d.svg").len() <= 30_000);
-    let pattern = format!("render a.scene.json -o e.png --pattern e.svg --max-bytes {most}");
-    folder.run(&pattern).succeeds();
-    assert!(folder.read("e.svg").len() as u64 <= most);
 
-    folder.run("render a.scene.json -o f.svg --max-bytes 0.5kB").fails(1, "the smallest has ");
-    folder.run("render a.scene.json -o f.svg --max-bytes many").fails(2, "expected 5MB");
-    folder.run("render a.scene.json -o f.svg --max-bytes 0").fails(2, "expected 5MB");
+    folder.run(&format!("{fine} -o f.svg --max-bytes 0.5kB")).fails(1, "the smallest has ");
+    folder.run(&format!("{fine} -o f.svg --max-bytes many")).fails(2, "expected 5MB");
+    folder.run(&format!("{fine} -o f.svg --max-bytes 0")).fails(2, "expected 5MB");
     assert!(!folder.path("f.svg").exists());
-    let told = folder.run("render a.scene.json -o g.pdf --max-bytes 1MB").stderr;
+    let told = folder.run(&format!("{fine} -o g.pdf --max-bytes 1MB")).succeeds().stderr;
     assert!(told.contains("--max-bytes has no effect here"), "{told}");
 }
 
