@@ -175,10 +175,11 @@ fn origin(node: Node<'_, '_>) -> (u32, u32) {
     let number = |text: &str| text.parse().unwrap();
     let said = |name| node.descendants().find_map(|n| n.attribute(name)).map(number);
     let link = node.descendants().find_map(|n| n.attribute((XLINK, "href")));
-    match (said("data-source"), link) {
+    let path = node.descendants().find(|n| n.tag_name().name() == "path");
+    let name = link.map(|l| l.strip_prefix('#').unwrap()).or(path.and_then(|n| n.attribute("id")));
+    match (said("data-source"), name) {
         (Some(source), _) => (source, said("data-library").unwrap_or(0)),
-        (None, Some(link)) => {
-            let name = link.strip_prefix('#').unwrap();
+        (None, Some(name)) => {
             let (source, library) = name[1..].split_once('-').unwrap_or((&name[1..], "0"));
             (number(source), number(library))
         }

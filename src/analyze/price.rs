@@ -6,7 +6,7 @@ use crate::library::{AnalyzeParams, Shading};
 /// Squared error over all components (8-bit steps) that a byte is worth at a fidelity of 1 px.
 const BYTE: f64 = 16.0;
 /// Bytes of a gradient.
-const GRADIENT: f64 = 130.0;
+const GRADIENT: f64 = 145.0;
 /// Bytes of a secondary.
 const SECONDARY: f64 = 120.0;
 /// Halvings of the range of prices when one is sought.

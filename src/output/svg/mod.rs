@@ -10,10 +10,10 @@
 //! their original: primaries as a `<use>` of it, secondaries in full.
 //!
 //! A reader finds of every texton its *category* in `data-category` of the group of a primary; its
-//! *source*, the index among the primaries or secondaries of its library, in the id of its definition
-//! (`t12` is primary 12, `s340` secondary 340, `t12-1` that of library 1, counted from 0 as in the
-//! metadata, where there are several), or in `data-source` and `data-library` of its first path where
-//! it is written in place; its *place in the painting order* in the order of the document. What stands
+//! *source*, the index among the primaries or secondaries of its library, in the id of its definition,
+//! or of its first path where it stands once (`t12` is primary 12, `s340` secondary 340, `t12-1` that
+//! of library 1, counted from 0 as in the metadata, where there are several); in an expanded file in
+//! `data-source` and `data-library` of its first path; its *place in the painting order* in the order of the document. What stands
 //! in the layer `primary` without an id is a copy of what its `xlink:href` or `data-copy-of` names.
 //! The layers are layers in Inkscape too, and the symbols have titles.
 //!

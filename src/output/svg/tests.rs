@@ -134,8 +134,8 @@ fn each_texton_used_twice_is_defined_once() {
     let document = Document::parse(&text).unwrap();
     let instances: Vec<u32> = scene.secondary.iter().chain(&scene.primary).map(|i| i.texton).collect();
     let uses = |t: usize| instances.iter().filter(|i| **i as usize == t).count();
-    let defined: Vec<usize> = document
-        .descendants()
+    let defined: Vec<usize> = named(&document, "defs")[0]
+        .children()
         .filter_map(|n| n.attribute("id")?.strip_prefix(['t', 's'])?.parse().ok())
         .collect();
     let expected: Vec<usize> = (0..scene.textons.len()).filter(|t| uses(*t) > 1).collect();
@@ -202,7 +202,10 @@ fn more_digits_more_bytes_and_nothing_lost_at_two() {
     let document = Document::parse(&text).unwrap();
     for (i, texton) in scene.textons.iter().enumerate() {
         let id = format!("{}{i}", if texton.category.is_some() { 't' } else { 's' });
-        let Some(node) = document.descendants().find(|n| n.attribute("id") == Some(&id)) else { continue };
+        let Some(node) = named(&document, "defs")[0].children().find(|n| n.attribute("id") == Some(&id))
+        else {
+            continue;
+        };
         let path = node.descendants().find_map(|n| n.attribute("d")).unwrap();
         assert_eq!(serde_json::to_value(&texton.outline).unwrap(), path);
     }

@@ -120,7 +120,7 @@ impl<'a> Textons<'a> {
                 xml.text(&title(texton));
                 xml.close()?;
                 let base = if self.inherits[i] { Base::Inherited } else { Base::of(texton, None) };
-                self.write_paths(xml, texton, base, None)?;
+                self.write_paths(xml, i, base, None)?;
                 xml.close()?;
             }
             xml.line();
@@ -128,8 +128,13 @@ impl<'a> Textons<'a> {
         Ok(())
     }
 
-    /// Where a texton comes from, as its id says it where it has one.
-    fn write_source<W: Write>(&self, xml: &mut Xml<W>, texton: &Texton) {
+    /// Where a texton that is written in place comes from: its id says it, but where it may stand
+    /// several times.
+    fn write_source<W: Write>(&self, xml: &mut Xml<W>, index: usize) {
+        if !self.expand {
+            return xml.attribute("id", &self.ids[index]);
+        }
+        let texton = &self.scene.textons[index];
         xml.attribute("data-source", texton.source);
         if self.scene.libraries.len() > 1 {
             xml.attribute("data-library", texton.library);
@@ -158,7 +163,7 @@ impl<'a> Textons<'a> {
         let affine = instance.affine().then_translate(shift);
         if !self.shared[index] {
             let base = if with_fill { base } else { Base::Inherited };
-            return self.write_paths(xml, texton, base, Some(affine));
+            return self.write_paths(xml, index, base, Some(affine));
         }
         xml.open("use");
         xml.attribute("xlink:href", format_args!("#{}", self.ids[index]));
@@ -184,12 +189,13 @@ impl<'a> Textons<'a> {
     fn write_paths<W: Write>(
         &self,
         xml: &mut Xml<W>,
-        texton: &Texton,
+        index: usize,
         base: Base<'_>,
         affine: Option<Affine>,
     ) -> io::Result<()> {
-        // A definition says by its id where it comes from.
-        let source = affine.is_some().then_some(texton);
+        let texton = &self.scene.textons[index];
+        // A definition has its id already.
+        let source = affine.is_some().then_some(index);
         self.write_filled(xml, &texton.outline, base, affine, source)?;
         for patch in &texton.details {
             let fill = patch
@@ -209,7 +215,7 @@ impl<'a> Textons<'a> {
         outline: &Outline,
         fill: Base<'_>,
         affine: Option<Affine>,
-        source: Option<&Texton>,
+        source: Option<usize>,
     ) -> io::Result<()> {
         let mut id = None;
         if let Base::Gradient(_, gradient) = fill {
@@ -222,8 +228,8 @@ impl<'a> Textons<'a> {
             }
         }
         xml.open("path");
-        if let Some(texton) = source {
-            self.write_source(xml, texton);
+        if let Some(index) = source {
+            self.write_source(xml, index);
         }
         match (fill, id) {
             (_, Some(number)) => xml.attribute("fill", format_args!("url(#g{number})")),
