@@ -86,7 +86,7 @@ fn stages(path: &Path) -> Outcome {
     let scene = scene(&library(&photo, &keep)?, 512, 512, &keep)?;
     let kept = keep.0.into_inner()?;
     let mut parts = vec![photo.image];
-    for wanted in ["masks", "categories", "synth-2-placed"] {
+    for wanted in ["masks", "categories", "placed"] {
         let found = kept.iter().find(|(name, _)| name == wanted).ok_or(wanted)?;
         parts.push(found.1.clone());
     }
