@@ -1,16 +1,15 @@
 //! All files of one scene show the same picture, and a reader of the SVG finds what it is made of.
 
+mod support;
+
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::process::Command;
 use std::sync::OnceLock;
 use tiny_skia::Pixmap;
-use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 use vtex::output::svg::SvgOptions;
 use vtex::output::{file, pdf, png, raster_svg, reduce, svg};
 use vtex::scene::{Domain, Edge, Instance, Scene, SynthParams, Texton, Tile};
-use vtex::segment::Regions;
 use vtex::synth::synthesize;
 
 const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true };
@@ -21,17 +20,9 @@ const XLINK: &str = "http://www.w3.org/1999/xlink";
 fn scene() -> &'static Scene {
     static SCENE: OnceLock<Scene> = OnceLock::new();
     SCENE.get_or_init(|| {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/exemplars/pebbles.png");
-        let whole = image::open(path).unwrap().into_rgb8();
-        let (x, y) = ((whole.width() - 160) / 2, (whole.height() - 160) / 2);
-        let crop = image::imageops::crop_imm(&whole, x, y, 160, 160).to_image();
-        let mut bytes = std::io::Cursor::new(Vec::new());
-        crop.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
-        let exemplar = Exemplar::from_bytes(&bytes.into_inner(), "pebbles", &Limits::default()).unwrap();
-        let library = analyze(&exemplar, &Regions, &AnalyzeParams::default(), &()).unwrap();
         let tile = Tile { x: true, y: true };
         let params = SynthParams { width: 260, height: 200, seed: 4, tile, ..SynthParams::default() };
-        synthesize(&library, &params, &()).unwrap()
+        synthesize(&support::library(), &params, &()).unwrap()
     })
 }
 

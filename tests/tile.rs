@@ -1,14 +1,13 @@
 //! A texture made to tile shows no seam where copies of it meet.
 
-use std::path::Path;
+mod support;
+
 use std::sync::OnceLock;
 use tiny_skia::Pixmap;
-use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 use vtex::geometry::Vec2;
 use vtex::library::Library;
 use vtex::output::{png, raster_svg, svg};
 use vtex::scene::{Scene, SynthParams, Tile};
-use vtex::segment::Regions;
 use vtex::synth::synthesize;
 
 const WIDTH: u32 = 240;
@@ -17,16 +16,7 @@ const HEIGHT: u32 = 200;
 /// Of the middle of a self-made exemplar.
 fn library() -> &'static Library {
     static LIBRARY: OnceLock<Library> = OnceLock::new();
-    LIBRARY.get_or_init(|| {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/exemplars/pebbles.png");
-        let whole = image::open(path).unwrap().into_rgb8();
-        let (x, y) = ((whole.width() - 160) / 2, (whole.height() - 160) / 2);
-        let crop = image::imageops::crop_imm(&whole, x, y, 160, 160).to_image();
-        let mut bytes = std::io::Cursor::new(Vec::new());
-        crop.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
-        let exemplar = Exemplar::from_bytes(&bytes.into_inner(), "pebbles", &Limits::default()).unwrap();
-        analyze(&exemplar, &Regions, &AnalyzeParams::default(), &()).unwrap()
-    })
+    LIBRARY.get_or_init(support::library)
 }
 
 fn texture(tile: Tile) -> Scene {
