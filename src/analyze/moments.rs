@@ -62,13 +62,12 @@ impl Moments {
 
     /// Of two regions without a common pixel, about the same origin.
     pub(super) fn with(&self, other: &Self) -> Self {
-        let sum = |a: f64, b: f64| a + b;
         Self {
             count: self.count + other.count,
-            place: std::array::from_fn(|i| sum(self.place[i], other.place[i])),
-            places: std::array::from_fn(|i| sum(self.places[i], other.places[i])),
-            colour: std::array::from_fn(|i| sum(self.colour[i], other.colour[i])),
-            mixed: std::array::from_fn(|k| std::array::from_fn(|i| sum(self.mixed[k][i], other.mixed[k][i]))),
+            place: std::array::from_fn(|i| self.place[i] + other.place[i]),
+            places: std::array::from_fn(|i| self.places[i] + other.places[i]),
+            colour: std::array::from_fn(|i| self.colour[i] + other.colour[i]),
+            mixed: std::array::from_fn(|k| std::array::from_fn(|i| self.mixed[k][i] + other.mixed[k][i])),
             colours: self.colours + other.colours,
         }
     }

@@ -304,6 +304,14 @@ impl Synthesis {
 }
 
 impl Analysis {
+    /// Fails now if the masks could not be saved later.
+    ///
+    /// # Errors
+    /// As [`Place::probe`].
+    pub(crate) fn probe(&self) -> vtex::Result<()> {
+        self.save_masks.as_ref().map_or(Ok(()), Place::probe)
+    }
+
     fn new(
         photo: Input,
         masks: MasksArgs,

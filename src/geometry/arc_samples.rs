@@ -62,18 +62,28 @@ pub(super) fn sample_all(
     (rough, smooth)
 }
 
+/// Unit vectors to the right of a curve at its points; at the ends of an open one from the end and
+/// the point beside it.
+pub(super) fn normals(points: &[Point], closed: bool) -> Vec<Vec2> {
+    let normal = |i: usize| {
+        let [last, next] = beside(points.len(), closed, i);
+        let along = points[next] - points[last];
+        // y points down, so turning right is (x, y) → (-y, x).
+        Vec2::new(-along.y, along.x) / libm::sqrt(along.hypot2()).max(1e-9)
+    };
+    (0..points.len()).map(normal).collect()
+}
+
+/// The points before and after one of `n`; at the end of an open curve itself.
+fn beside(n: usize, closed: bool, i: usize) -> [usize; 2] {
+    if closed { [(i + n - 1) % n, (i + 1) % n] } else { [i.saturating_sub(1), (i + 1).min(n - 1)] }
+}
+
 /// Points moved along their normals by as much as `distance` says, evened out between neighbours;
 /// the ends of an open arc stay.
 fn to_edge(points: &[Point], closed: bool, distance: impl Fn(Point, Vec2) -> f64) -> Vec<Point> {
     let n = points.len();
-    let at = |i: isize| if closed { i.rem_euclid(n as isize) } else { i.clamp(0, n as isize - 1) } as usize;
-    let normals: Vec<Vec2> = (0..n as isize)
-        .map(|i| {
-            let along = points[at(i + 1)] - points[at(i - 1)];
-            // y points down, so turning right is (x, y) → (-y, x).
-            Vec2::new(-along.y, along.x) / libm::sqrt(along.hypot2()).max(1e-9)
-        })
-        .collect();
+    let normals = normals(points, closed);
     let moves = |i: usize| closed || (i > 0 && i + 1 < n);
     let mut away: Vec<f64> = (0..n)
         .map(|i| if moves(i) { distance(points[i], normals[i]).clamp(-FURTHEST, FURTHEST) } else { 0.0 })
@@ -81,8 +91,8 @@ fn to_edge(points: &[Point], closed: bool, distance: impl Fn(Point, Vec2) -> f64
     for _ in 0..EVEN {
         let before = away.clone();
         for i in (0..n).filter(|&i| moves(i)) {
-            let k = i as isize;
-            away[i] = (before[at(k - 1)] + 2.0 * before[i] + before[at(k + 1)]) / 4.0;
+            let [last, next] = beside(n, closed, i);
+            away[i] = (before[last] + 2.0 * before[i] + before[next]) / 4.0;
         }
     }
     (0..n).map(|i| points[i] + normals[i] * away[i]).collect()

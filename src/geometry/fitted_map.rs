@@ -4,7 +4,7 @@
 //! neighbours meet without a gap. A face whose outline would cross itself has its arcs fitted more
 //! tightly, in the end as the polyline through the samples, which cannot cross itself.
 
-use super::arc_samples::{Junctions, sample_all};
+use super::arc_samples::{Junctions, normals, sample_all};
 use super::fit::{Piece, fit_closed, fit_open};
 use super::simple::is_simple;
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap, Ring};
@@ -220,21 +220,11 @@ fn polyline(points: &[Point], closed: bool) -> Curve {
 
 /// The samples moved sideways (to the right for positive `distance`), the ends kept.
 fn offset(points: &[Point], closed: bool, distance: f64) -> Vec<Point> {
-    let n = points.len();
     let mut moved = points.to_vec();
-    let range = if closed { 0..n } else { 1..n - 1 };
-    for i in range {
-        let (a, b) = if closed {
-            (points[(i + n - 1) % n], points[(i + 1) % n])
-        } else {
-            (points[i - 1], points[i + 1])
-        };
-        let along = b - a;
-        let length = libm::sqrt(along.hypot2());
-        if length > 1e-9 {
-            // y points down, so turning right is (x, y) → (-y, x).
-            moved[i] += Vec2::new(-along.y, along.x) / length * distance;
-        }
+    let kept = usize::from(!closed);
+    let inner = kept..points.len() - kept;
+    for (p, normal) in moved[inner.clone()].iter_mut().zip(&normals(points, closed)[inner]) {
+        *p += *normal * distance;
     }
     moved
 }

@@ -186,12 +186,8 @@ impl<'a> Shapes<'a> {
             }
             let transform = band_transform(*affine, top);
             if let Some(path) = &shape.base {
-                let texton = &self.scene.textons[index];
-                let base = match instance.colour {
-                    Some(colour) => paint(colour, None),
-                    None => paint(texton.colour, texton.gradient.as_ref()),
-                };
-                band.fill_path(path, &base, FillRule::Winding, transform, None);
+                let (colour, gradient) = self.scene.textons[index].base(instance.colour);
+                band.fill_path(path, &paint(colour, gradient), FillRule::Winding, transform, None);
             }
             for (path, paint) in &shape.details {
                 band.fill_path(path, paint, FillRule::Winding, transform, None);

@@ -125,6 +125,15 @@ pub struct Patch {
 }
 
 impl Texton {
+    /// What its outline is painted with, in an instance with a colour of its own or none: a colour,
+    /// and the gradient that takes its place.
+    pub fn base(&self, own: Option<Colour>) -> (Colour, Option<&Gradient>) {
+        match own {
+            Some(colour) => (colour, None),
+            None => (self.colour, self.gradient.as_ref()),
+        }
+    }
+
     /// Bounding box of its outline and details, in its own coordinates.
     pub fn bounds(&self) -> Rect {
         self.details.iter().fold(self.outline.bounds(), |all, p| all.union(p.outline.bounds()))

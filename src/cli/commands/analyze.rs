@@ -13,9 +13,7 @@ pub(super) fn run(
     target: &Target,
 ) -> anyhow::Result<()> {
     target.place.probe()?;
-    if let Some(place) = &analysis.save_masks {
-        place.probe()?;
-    }
+    analysis.probe()?;
     if common.verbosity > 1 {
         say(&format!("{:#?}", analysis.parameters));
     }

@@ -12,9 +12,7 @@ pub(super) fn run(
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
     synthesis.probe()?;
-    if let Some(place) = &analysis.save_masks {
-        place.probe()?;
-    }
+    analysis.probe()?;
     // What is wrong with them shows before the long work.
     let controls = stages::controls(&synthesis.steering, &synthesis.parameters, 1)?;
     let library = stages::analyze(analysis, reporter)?;

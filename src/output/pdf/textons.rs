@@ -73,8 +73,8 @@ fn elements(texton: &Texton) -> usize {
 
 /// The paths of a texton, its base in `colour` if there is one.
 fn paint(texton: &Texton, colour: Option<Colour>, surface: &mut Surface<'_>) {
-    let own = if colour.is_some() { None } else { texton.gradient.as_ref() };
-    let base = std::iter::once((&texton.outline, colour.unwrap_or(texton.colour), own));
+    let (base, gradient) = texton.base(colour);
+    let base = std::iter::once((&texton.outline, base, gradient));
     let details = texton.details.iter().map(|p| (&p.outline, p.colour, p.gradient.as_ref()));
     for (outline, colour, gradient) in base.chain(details) {
         if let Some(path) = path_of(outline) {

@@ -41,13 +41,9 @@ enum Base<'a> {
 }
 
 impl<'a> Base<'a> {
-    /// That of a texton, or the colour that an instance has in its place.
-    fn of(texton: &'a Texton, own: Option<Colour>) -> Self {
-        match (own, &texton.gradient) {
-            (Some(colour), _) => Self::Colour(colour),
-            (None, Some(gradient)) => Self::Gradient(texton.colour, gradient),
-            (None, None) => Self::Colour(texton.colour),
-        }
+    /// A colour, or the gradient in its place.
+    fn new((colour, gradient): (Colour, Option<&'a Gradient>)) -> Self {
+        gradient.map_or(Self::Colour(colour), |g| Self::Gradient(colour, g))
     }
 }
 
@@ -119,7 +115,7 @@ impl<'a> Textons<'a> {
                 xml.open("title");
                 xml.text(&title(texton));
                 xml.close()?;
-                let base = if self.inherits[i] { Base::Inherited } else { Base::of(texton, None) };
+                let base = if self.inherits[i] { Base::Inherited } else { Base::new(texton.base(None)) };
                 self.write_paths(xml, i, base, None)?;
                 xml.close()?;
             }
@@ -159,7 +155,7 @@ impl<'a> Textons<'a> {
     ) -> io::Result<()> {
         let index = instance.texton as usize;
         let texton = &self.scene.textons[index];
-        let base = Base::of(texton, instance.colour);
+        let base = Base::new(texton.base(instance.colour));
         let affine = instance.affine().then_translate(shift);
         if !self.shared[index] {
             let base = if with_fill { base } else { Base::Inherited };
@@ -198,10 +194,7 @@ impl<'a> Textons<'a> {
         let source = affine.is_some().then_some(index);
         self.write_filled(xml, &texton.outline, base, affine, source)?;
         for patch in &texton.details {
-            let fill = patch
-                .gradient
-                .as_ref()
-                .map_or(Base::Colour(patch.colour), |g| Base::Gradient(patch.colour, g));
+            let fill = Base::new((patch.colour, patch.gradient.as_ref()));
             self.write_filled(xml, &patch.outline, fill, affine, None)?;
         }
         Ok(())
