@@ -2,6 +2,7 @@
 //! of speed.
 
 use std::error::Error;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -15,11 +16,15 @@ Usage: make_exemplars OUT_DIR                                 the scenes of exam
        make_exemplars OUT_DIR --random N [--size S] [--seed K] [--kind NAME]
                                                               N random scenes of S x S pixels, seeds K, K+1 ...,
                                                               each with its instances as a 16-bit label PNG
+       make_exemplars OUT_DIR --random N --packed [...]       the same as three files for training: images.rgb
+                                                              (N x S x S x 3 bytes), labels.u16 (N x S x S,
+                                                              little endian), kinds.txt (a line each)
        make_exemplars --bench [--size S] [--kind NAME]        scenes per second on one core";
 
 struct Arguments {
     folder: Option<PathBuf>,
     random: Option<u64>,
+    packed: bool,
     size: u32,
     seed: u64,
     kind: Option<Kind>,
@@ -39,16 +44,15 @@ fn main() -> ExitCode {
 fn run() -> Result<(), Box<dyn Error>> {
     let arguments = parse(std::env::args().skip(1)).map_err(|message| format!("{message}\n{USAGE}"))?;
     if arguments.bench {
-        return bench(arguments.size, arguments.kind);
+        return bench(&arguments);
     }
-    let folder = arguments.folder.ok_or(USAGE)?;
+    let folder = arguments.folder.clone().ok_or(USAGE)?;
     std::fs::create_dir_all(&folder)?;
     match arguments.random {
+        Some(count) if arguments.packed => pack(&arguments, count, &folder)?,
         Some(count) => {
             for seed in arguments.seed..arguments.seed + count {
-                let mut params = SceneParams::random(seed, arguments.size, arguments.size);
-                params.kind = arguments.kind.unwrap_or(params.kind);
-                let scene = procedural::generate(&params)?;
+                let scene = procedural::generate(&arguments.params(seed))?;
                 save_labels(&scene, &folder.join(format!("scene_{seed:05}.labels.png")))?;
                 save(&scene.image, &folder.join(format!("scene_{seed:05}.png")))?;
             }
@@ -62,9 +66,17 @@ fn run() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+impl Arguments {
+    fn params(&self, seed: u64) -> SceneParams {
+        let mut params = SceneParams::random(seed, self.size, self.size);
+        params.kind = self.kind.unwrap_or(params.kind);
+        params
+    }
+}
+
 fn parse(words: impl Iterator<Item = String>) -> Result<Arguments, String> {
     let mut arguments =
-        Arguments { folder: None, random: None, size: 256, seed: 0, kind: None, bench: false };
+        Arguments { folder: None, random: None, packed: false, size: 256, seed: 0, kind: None, bench: false };
     let mut words = words;
     while let Some(word) = words.next() {
         let mut number = || {
@@ -75,6 +87,7 @@ fn parse(words: impl Iterator<Item = String>) -> Result<Arguments, String> {
             "--random" => arguments.random = Some(number()?),
             "--size" => arguments.size = number()?.try_into().map_err(|_| "--size is too large")?,
             "--seed" => arguments.seed = number()?,
+            "--packed" => arguments.packed = true,
             "--bench" => arguments.bench = true,
             "--kind" => {
                 let name = words.next().unwrap_or_default();
@@ -96,6 +109,24 @@ fn save(image: &image::RgbImage, path: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Writes all scenes one after another into three files.
+fn pack(arguments: &Arguments, count: u64, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let create = |name| std::fs::File::create(folder.join(name)).map(std::io::BufWriter::new);
+    let (mut images, mut labels, mut kinds) =
+        (create("images.rgb")?, create("labels.u16")?, create("kinds.txt")?);
+    for seed in arguments.seed..arguments.seed + count {
+        let params = arguments.params(seed);
+        let scene = procedural::generate(&params)?;
+        images.write_all(scene.image.as_raw())?;
+        for &label in &scene.instances.labels {
+            labels.write_all(&u16::try_from(label)?.to_le_bytes())?;
+        }
+        writeln!(kinds, "{:?}", params.kind)?;
+    }
+    [images, labels, kinds].iter_mut().try_for_each(std::io::Write::flush)?;
+    Ok(())
+}
+
 fn save_labels(scene: &Exemplar, path: &Path) -> Result<(), Box<dyn Error>> {
     let map = &scene.instances;
     let labels: Vec<u16> = map.labels.iter().map(|&l| l.try_into()).collect::<Result<_, _>>()?;
@@ -104,15 +135,14 @@ fn save_labels(scene: &Exemplar, path: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn bench(size: u32, kind: Option<Kind>) -> Result<(), Box<dyn Error>> {
+fn bench(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let count = 200;
     let started = Instant::now();
     for seed in 0..count {
-        let mut params = SceneParams::random(seed, size, size);
-        params.kind = kind.unwrap_or(params.kind);
-        procedural::generate(&params)?;
+        procedural::generate(&arguments.params(seed))?;
     }
     let seconds = started.elapsed().as_secs_f64();
-    println!("{count} random scenes of {size} x {size}: {:.1} a second on one core", count as f64 / seconds);
+    let (size, speed) = (arguments.size, count as f64 / seconds);
+    println!("{count} random scenes of {size} x {size}: {speed:.1} a second on one core");
     Ok(())
 }

@@ -121,6 +121,16 @@ pub enum Error {
         /// What to try, as of [`Error::hint`].
         advice: &'static str,
     },
+    /// A neural network cannot be loaded, recognised or run.
+    #[error("network '{name}': {reason}")]
+    Network {
+        /// File or name of the network.
+        name: String,
+        /// Why.
+        reason: String,
+        /// What to try, as of [`Error::hint`].
+        advice: &'static str,
+    },
     /// Nothing that can be given up makes a file small enough.
     #[error("no SVG of the scene fits in {most} bytes: the smallest has {smallest}")]
     MaxBytes {
@@ -186,6 +196,7 @@ impl Error {
             Self::Version { .. } => "write the file again with this version of vtex".into(),
             Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
             Self::Control { advice, .. } => (*advice).into(),
+            Self::Network { advice, .. } if !advice.is_empty() => (*advice).into(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
             Self::Seams => "make the texture with --tile, for both axes".into(),
             Self::MaxBytes { smallest, .. } => {

@@ -3,6 +3,7 @@
 mod felzenszwalb;
 mod flood;
 mod masks_file;
+pub mod prompt;
 pub mod regions;
 
 pub use felzenszwalb::{Felzenszwalb, Smoothed, details, felzenszwalb};
