@@ -1,6 +1,18 @@
 //! Neural networks: named tensors in, named tensors out. Knows nothing of images.
+//!
+//! Two engines run a network in ONNX: [ONNX Runtime](https://onnxruntime.ai), a shared library that
+//! is used where one is found ([`locate`]), and [rten](https://github.com/robertknight/rten), which
+//! is part of this crate. Both agree to some five digits, not to the bit.
 
-use crate::error::Result;
+mod locate;
+mod onnxruntime;
+mod rten;
+
+pub use locate::{Found, locate};
+pub use onnxruntime::{MINIMUM_MINOR, version};
+
+use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
 
 /// The elements of a tensor, the last axis fastest.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +32,39 @@ pub struct Tensor {
     pub values: Values,
 }
 
+impl Tensor {
+    /// A tensor of floats.
+    pub fn f32(shape: impl Into<Vec<usize>>, values: Vec<f32>) -> Self {
+        Self { shape: shape.into(), values: Values::F32(values) }
+    }
+
+    /// Its elements as floats, integers rounded to the nearest.
+    pub fn floats(&self) -> Vec<f32> {
+        match &self.values {
+            Values::F32(values) => values.clone(),
+            Values::I64(values) => values.iter().map(|v| *v as f32).collect(),
+        }
+    }
+
+    /// Its elements as integers, fractions cut off and what is out of range at the limits.
+    fn integers(&self) -> Vec<i64> {
+        match &self.values {
+            Values::F32(values) => values.iter().map(|v| *v as i64).collect(),
+            Values::I64(values) => values.clone(),
+        }
+    }
+
+    /// Whether there is an element for each place of the shape, and at least one.
+    fn is_whole(&self) -> bool {
+        let places = self.shape.iter().try_fold(1usize, |n, length| n.checked_mul(*length));
+        let elements = match &self.values {
+            Values::F32(values) => values.len(),
+            Values::I64(values) => values.len(),
+        };
+        elements > 0 && places == Some(elements)
+    }
+}
+
 /// An input or output of a network.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Port {
@@ -29,17 +74,183 @@ pub struct Port {
     pub shape: Option<Vec<Option<usize>>>,
 }
 
+impl std::fmt::Display for Port {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Some(shape) = &self.shape else { return write!(f, "{}", self.name) };
+        let axes = shape.iter().map(|axis| axis.map_or_else(|| "?".to_owned(), |n| n.to_string()));
+        write!(f, "{} [{}]", self.name, axes.collect::<Vec<_>>().join("×"))
+    }
+}
+
 /// A loaded network. Safe to run from several threads at once.
 pub trait Engine: Send + Sync {
+    /// What runs it, such as `rten` or `ONNX Runtime 1.22.0`.
+    fn runtime(&self) -> &str;
+
     /// What it reads, in the order of the graph.
     fn inputs(&self) -> &[Port];
 
     /// What it gives, in the order of the graph.
     fn outputs(&self) -> &[Port];
 
-    /// Runs the network on named inputs; gives the outputs asked for, in that order.
+    /// Runs the network on named inputs; gives the outputs asked for, in that order. Inputs are
+    /// converted to the kind of number that the graph declares.
     ///
     /// # Errors
-    /// [`crate::Error::Network`] if inputs do not fit the graph or the run fails.
+    /// [`Error::Network`] if inputs do not fit the graph or the run fails.
     fn run(&self, inputs: &[(&str, &Tensor)], outputs: &[&str]) -> Result<Vec<Tensor>>;
 }
+
+/// Which engine runs a network.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Runtime {
+    /// ONNX Runtime where it is found and can read the network, else rten.
+    #[default]
+    Auto,
+    /// ONNX Runtime.
+    OnnxRuntime,
+    /// rten.
+    Rten,
+}
+
+/// How networks are run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EngineOptions {
+    /// Which engine. Default: automatic.
+    pub runtime: Runtime,
+    /// ONNX Runtime's shared library. Default: the first that [`locate`] finds. The first one loaded
+    /// serves as long as the process lives.
+    pub library: Option<PathBuf>,
+    /// Threads that one run is spread over, at least 1. Default: one for each core.
+    ///
+    /// Results have been found not to depend on it, with either engine (`benches/networks.md`).
+    pub threads: Option<usize>,
+}
+
+/// Where a network comes from.
+#[derive(Clone, Copy, Debug)]
+pub enum Source<'a> {
+    /// An ONNX file; weights may lie in a second file beside it.
+    File(&'a Path),
+    /// An ONNX file in memory.
+    Bytes {
+        /// What errors call it.
+        name: &'a str,
+        /// The file.
+        bytes: &'a [u8],
+    },
+}
+
+impl Source<'_> {
+    /// What errors call it.
+    fn name(&self) -> String {
+        match self {
+            Self::File(path) => path.display().to_string(),
+            Self::Bytes { name, .. } => (*name).to_owned(),
+        }
+    }
+}
+
+/// What will run networks.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// ONNX Runtime.
+    OnnxRuntime {
+        /// Its shared library.
+        library: PathBuf,
+        /// Its version, such as `1.22.0`.
+        version: String,
+    },
+    /// rten.
+    Rten {
+        /// Why not ONNX Runtime, where that was not plainly asked for.
+        because: Option<String>,
+    },
+}
+
+/// Settles which engine runs networks, and loads ONNX Runtime if it is that.
+///
+/// # Errors
+/// [`Error::Network`] if ONNX Runtime is asked for, or a library named, and cannot be loaded.
+pub fn choose(options: &EngineOptions) -> Result<Choice> {
+    if options.runtime == Runtime::Rten {
+        return Ok(Choice::Rten { because: None });
+    }
+    let insisting = options.runtime == Runtime::OnnxRuntime || options.library.is_some();
+    let mut failure = None;
+    for found in locate(options.library.as_deref()) {
+        match onnxruntime::version(&found.path) {
+            Ok(version) => return Ok(Choice::OnnxRuntime { library: found.path, version }),
+            // One that was named must be the one.
+            Err(e) if found.named => {
+                if insisting {
+                    return Err(e);
+                }
+                return Ok(Choice::Rten { because: Some(e.to_string()) });
+            }
+            Err(e) => failure = failure.or(Some(e)),
+        }
+    }
+    match failure {
+        Some(e) if insisting => Err(e),
+        Some(e) => Ok(Choice::Rten { because: Some(e.to_string()) }),
+        None if insisting => Err(Error::Network {
+            name: "ONNX Runtime".into(),
+            reason: "its shared library was not found".into(),
+            advice: onnxruntime::ADVICE,
+        }),
+        None => Ok(Choice::Rten { because: Some("ONNX Runtime was not found".into()) }),
+    }
+}
+
+/// Loads a network.
+///
+/// # Errors
+/// [`Error::Network`] if the engine cannot be loaded or cannot read the network; [`Error::Read`].
+pub fn load(source: Source<'_>, options: &EngineOptions) -> Result<Box<dyn Engine>> {
+    if let Source::File(path) = source {
+        // Both engines say less clearly what is wrong with a path.
+        std::fs::File::open(path).map_err(|e| Error::read(path, e))?;
+    }
+    let threads = options.threads.map(|n| n.max(1));
+    let in_rten = || -> Result<Box<dyn Engine>> { Ok(Box::new(rten::Network::load(source, threads)?)) };
+    match choose(options)? {
+        Choice::Rten { .. } => in_rten(),
+        Choice::OnnxRuntime { library, .. } => {
+            match onnxruntime::Network::load(source, &library, threads) {
+                Ok(network) => Ok(Box::new(network)),
+                // A graph of newer operators than an old library knows may still run.
+                Err(e) if options.runtime == Runtime::Auto => in_rten().map_err(|_| e),
+                Err(e) => Err(e),
+            }
+        }
+    }
+}
+
+/// Runs what calls an engine. One that panics on a damaged network gives an error all the same.
+fn guarded<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
+        Err(Error::Network {
+            name: name.to_owned(),
+            reason: format!("the engine gave up: {said}"),
+            advice: "is the file complete? Try the other --engine",
+        })
+    })
+}
+
+/// The outputs asked for as places in `ports`.
+fn places(name: &str, ports: &[Port], wanted: &[&str]) -> Result<Vec<usize>> {
+    let place = |wanted: &&str| {
+        ports.iter().position(|port| port.name == *wanted).ok_or_else(|| Error::Network {
+            name: name.to_owned(),
+            reason: format!("it has no input or output '{wanted}'"),
+            advice: "",
+        })
+    };
+    wanted.iter().map(place).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,243 @@
+//! Networks run by ONNX Runtime, a shared library loaded when first needed.
+//!
+//! Each network has a pool of threads of its own: one for each physical core, or as many as asked
+//! for. The library's telemetry is switched off. Only one library can be loaded in a process.
+
+use super::{Engine, Port, Source, Tensor, Values, guarded, places};
+use crate::error::{Error, Result};
+use ort::environment::Environment;
+use ort::session::{Session, SessionInputValue};
+use ort::value::{Tensor as OrtTensor, TensorElementType, ValueType};
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// Oldest ONNX Runtime that serves: the second part of 1.17.
+pub const MINIMUM_MINOR: u32 = ort::MINOR_VERSION;
+
+/// How the library is had.
+pub(super) const ADVICE: &str = "'pip install onnxruntime' brings it; name its libonnxruntime.so (.dylib, onnxruntime.dll) with --onnxruntime, or use --engine rten";
+
+/// The library in use.
+struct Loaded {
+    path: PathBuf,
+    version: String,
+    environment: Environment,
+}
+
+static LOADED: Mutex<Option<Loaded>> = Mutex::new(None);
+
+/// Loads a library, unless it is loaded already, and hands it to `work`.
+fn with_library<T>(path: &Path, work: impl FnOnce(&Loaded) -> Result<T>) -> Result<T> {
+    let failure = |reason| Error::Network { name: path.display().to_string(), reason, advice: ADVICE };
+    let path = std::fs::canonicalize(path).map_err(|e| failure(format!("cannot be loaded: {e}")))?;
+    let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+    match &*loaded {
+        Some(known) if known.path == path => {}
+        Some(known) => {
+            let message = format!("'{}' is loaded already, and one must do", known.path.display());
+            return Err(failure(message));
+        }
+        None => {
+            let start = || {
+                let found = ort::init_from(&path).map_err(|e| failure(format!("cannot be loaded: {e}")))?;
+                // Asking for its interface here, where a panic is caught, shows whether it has one.
+                let version = version_in(ort::info()).unwrap_or_else(|| "of unknown version".into());
+                let built = found.with_name("vtex").with_telemetry(false).build();
+                let environment = built.map_err(|e| failure(format!("cannot be started: {e}")))?;
+                Ok(Loaded { path: path.clone(), version, environment })
+            };
+            *loaded = Some(guarded(&path.display().to_string(), start)?);
+        }
+    }
+    match &*loaded {
+        Some(known) => work(known),
+        None => Err(failure("cannot be loaded".into())),
+    }
+}
+
+/// The version of a library, which is loaded by this.
+///
+/// # Errors
+/// [`Error::Network`] if it cannot be loaded, or another one is.
+pub fn version(library: &Path) -> Result<String> {
+    with_library(library, |loaded| Ok(loaded.version.clone()))
+}
+
+/// `1.22.0` in `ORT Build Info: git-branch=rel-1.22.0, …`.
+fn version_in(text: &str) -> Option<String> {
+    let branch = text.split("git-branch=").nth(1)?.split([',', ' ']).next()?;
+    let version = branch.trim_start_matches(|c: char| !c.is_ascii_digit());
+    (!version.is_empty()).then(|| version.to_owned())
+}
+
+/// A loaded network.
+pub(super) struct Network {
+    name: String,
+    runtime: String,
+    // Sessions can be run from several threads, but the crate lets one in at a time.
+    session: Mutex<Session>,
+    inputs: Vec<Port>,
+    kinds: Vec<TensorElementType>,
+    outputs: Vec<Port>,
+}
+
+impl Network {
+    /// Reads a network with a library.
+    ///
+    /// # Errors
+    /// [`Error::Network`].
+    pub(super) fn load(source: Source<'_>, library: &Path, threads: Option<usize>) -> Result<Self> {
+        let name = source.name();
+        let failure = |e: ort::Error| Error::Network {
+            name: name.clone(),
+            reason: format!("ONNX Runtime cannot read it: {e}"),
+            advice: "is it an ONNX file, and complete? A newer library reads newer files",
+        };
+        with_library(library, |loaded| {
+            guarded(&name, || {
+                let mut builder = Session::builder(&loaded.environment).map_err(failure)?;
+                builder = builder.with_deterministic_compute(true).map_err(|e| failure(e.into()))?;
+                if let Some(threads) = threads {
+                    builder = builder.with_intra_threads(threads).map_err(|e| failure(e.into()))?;
+                }
+                let session = match source {
+                    Source::File(path) => builder.commit_from_file(path),
+                    Source::Bytes { bytes, .. } => builder.commit_from_memory(bytes),
+                };
+                let session = session.map_err(failure)?;
+                let ports = |outlets: &[ort::value::Outlet]| {
+                    outlets.iter().map(|outlet| port(outlet.name(), outlet.dtype())).collect()
+                };
+                let kinds = session.inputs().iter().map(|outlet| kind(outlet.dtype())).collect();
+                let runtime = format!("ONNX Runtime {}", loaded.version);
+                let (inputs, outputs) = (ports(session.inputs()), ports(session.outputs()));
+                Ok(Self { name: name.clone(), runtime, session: Mutex::new(session), inputs, kinds, outputs })
+            })
+        })
+    }
+
+    /// A tensor as the kind of number that an input takes.
+    fn converted(&self, place: usize, tensor: &Tensor) -> Result<SessionInputValue<'static>> {
+        let shape = tensor.shape.clone();
+        let limited = |low: i64, high: i64| tensor.integers().into_iter().map(move |v| v.clamp(low, high));
+        let value = match self.kinds[place] {
+            TensorElementType::Float32 => OrtTensor::from_array((shape, tensor.floats())).map(Into::into),
+            TensorElementType::Int64 => OrtTensor::from_array((shape, tensor.integers())).map(Into::into),
+            TensorElementType::Int32 => {
+                let values = limited(i32::MIN.into(), i32::MAX.into()).map(|v| v as i32);
+                OrtTensor::from_array((shape, values.collect::<Vec<_>>())).map(Into::into)
+            }
+            TensorElementType::Uint8 => {
+                let values = limited(0, 255).map(|v| v as u8);
+                OrtTensor::from_array((shape, values.collect::<Vec<_>>())).map(Into::into)
+            }
+            TensorElementType::Float64 => {
+                let values = tensor.floats().into_iter().map(f64::from);
+                OrtTensor::from_array((shape, values.collect::<Vec<_>>())).map(Into::into)
+            }
+            other => {
+                let name = &self.inputs[place].name;
+                return Err(self.failure(format!("its input '{name}' is of {other:?}, which is not known here")));
+            }
+        };
+        value.map_err(|e| self.failure(format!("an input does not fit: {e}")))
+    }
+
+    fn failure(&self, reason: String) -> Error {
+        Error::Network {
+            name: self.name.clone(),
+            reason,
+            advice: "use an export with 32-bit inputs and outputs, or try --engine rten",
+        }
+    }
+}
+
+impl Engine for Network {
+    fn runtime(&self) -> &str {
+        &self.runtime
+    }
+
+    fn inputs(&self) -> &[Port] {
+        &self.inputs
+    }
+
+    fn outputs(&self) -> &[Port] {
+        &self.outputs
+    }
+
+    fn run(&self, inputs: &[(&str, &Tensor)], outputs: &[&str]) -> Result<Vec<Tensor>> {
+        let names: Vec<&str> = inputs.iter().map(|input| input.0).collect();
+        let given = places(&self.name, &self.inputs, &names)?;
+        let given = given.into_iter().zip(inputs).map(|(place, (name, tensor))| {
+            if !tensor.is_whole() {
+                return Err(self.failure(format!("'{name}' does not have the elements of its shape")));
+            }
+            Ok((Cow::from((*name).to_owned()), self.converted(place, tensor)?))
+        });
+        let given: Vec<(Cow<'_, str>, SessionInputValue<'_>)> = given.collect::<Result<_>>()?;
+        places(&self.name, &self.outputs, outputs)?;
+        guarded(&self.name, || {
+            let mut session = self.session.lock().unwrap_or_else(PoisonError::into_inner);
+            let results = session.run(given);
+            let results = results.map_err(|e| self.failure(format!("ONNX Runtime cannot run it: {e}")))?;
+            let take = |wanted: &&str| {
+                let value = results.get(wanted).ok_or_else(|| self.failure(format!("it gave no '{wanted}'")))?;
+                taken(value).map_err(|e| self.failure(format!("its output '{wanted}': {e}")))
+            };
+            outputs.iter().map(take).collect()
+        })
+    }
+}
+
+/// A value as a tensor.
+fn taken(value: &ort::value::DynValue) -> ort::Result<Tensor> {
+    let lengths = |shape: &ort::value::Shape| shape.iter().map(|n| *n as usize).collect();
+    let ValueType::Tensor { ty, .. } = value.dtype() else {
+        return Err(ort::Error::new("it is no tensor"));
+    };
+    Ok(match ty {
+        TensorElementType::Int64 => {
+            let (shape, values) = value.try_extract_tensor::<i64>()?;
+            Tensor { shape: lengths(shape), values: Values::I64(values.to_vec()) }
+        }
+        TensorElementType::Int32 => {
+            let (shape, values) = value.try_extract_tensor::<i32>()?;
+            let values = values.iter().map(|v| i64::from(*v)).collect();
+            Tensor { shape: lengths(shape), values: Values::I64(values) }
+        }
+        _ => {
+            let (shape, values) = value.try_extract_tensor::<f32>()?;
+            Tensor { shape: lengths(shape), values: Values::F32(values.to_vec()) }
+        }
+    })
+}
+
+/// What the graph says of an input or output.
+fn port(name: &str, kind: &ValueType) -> Port {
+    let shape = match kind {
+        ValueType::Tensor { shape, .. } => Some(shape.iter().map(|n| usize::try_from(*n).ok()).collect()),
+        _ => None,
+    };
+    Port { name: name.to_owned(), shape }
+}
+
+fn kind(of: &ValueType) -> TensorElementType {
+    match of {
+        ValueType::Tensor { ty, .. } => *ty,
+        _ => TensorElementType::Undefined,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_are_read_from_what_builds_say() {
+        let info = "ORT Build Info: git-branch=rel-1.19.2, git-commit-id=2, build type=Release";
+        assert_eq!(version_in(info).as_deref(), Some("1.19.2"));
+        assert_eq!(version_in("ORT Build Info: git-branch=main, git-commit-id=2"), None);
+        assert_eq!(version_in(""), None);
+    }
+}

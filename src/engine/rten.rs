@@ -1,0 +1,136 @@
+//! Networks run by rten, which is part of this crate.
+//!
+//! rten spreads a run over a pool of threads of its own: by default one for each physical core, as
+//! the variable `RTEN_NUM_THREADS` says, or as many as asked for here.
+
+use super::{Engine, Port, Source, Tensor, Values, guarded, places};
+use crate::error::{Error, Result};
+use ::rten::{DataType, Dimension, Model, NodeId, RunOptions, ThreadPool, Value, ValueOrView, ValueType};
+use rten_tensor::prelude::*;
+use std::sync::Arc;
+
+/// A loaded network.
+pub(super) struct Network {
+    name: String,
+    model: Model,
+    inputs: Vec<Port>,
+    outputs: Vec<Port>,
+    pool: Option<Arc<ThreadPool>>,
+}
+
+impl Network {
+    /// Reads a network.
+    ///
+    /// # Errors
+    /// [`Error::Network`], [`Error::Read`].
+    pub(super) fn load(source: Source<'_>, threads: Option<usize>) -> Result<Self> {
+        let name = source.name();
+        let model = guarded(&name, || {
+            let model = match source {
+                // By its path only if the name says what it is; weights beside it are then found.
+                Source::File(path) if path.extension().is_some_and(|e| e == "onnx") => Model::load_file(path),
+                Source::File(path) => Model::load(std::fs::read(path).map_err(|e| Error::read(path, e))?),
+                Source::Bytes { bytes, .. } => Model::load(bytes.to_vec()),
+            };
+            model.map_err(|e| Error::Network {
+                name: name.clone(),
+                reason: format!("rten cannot read it: {e}"),
+                advice: "is it an ONNX file with 32-bit weights, and complete? ONNX Runtime reads more kinds: 'vtex doctor' says how to get it",
+            })
+        })?;
+        let ports = |ids: &[NodeId]| ids.iter().map(|id| port(&model, *id)).collect();
+        let (inputs, outputs) = (ports(model.input_ids()), ports(model.output_ids()));
+        let pool = threads.map(|n| Arc::new(ThreadPool::with_num_threads(n)));
+        Ok(Self { name, model, inputs, outputs, pool })
+    }
+
+    /// A tensor as the kind of number that an input takes.
+    fn converted(&self, id: NodeId, tensor: &Tensor) -> Result<Value> {
+        let kind = self.model.node_info(id).and_then(|node| node.dtype());
+        let shape = &tensor.shape[..];
+        let value = match (kind, &tensor.values) {
+            (Some(ValueType::Tensor(DataType::Float)), _) | (None, Values::F32(_)) => {
+                Value::from_shape(shape, tensor.floats()).map_err(|e| e.to_string())
+            }
+            (Some(ValueType::Tensor(DataType::Int32)), _) | (None, Values::I64(_)) => {
+                let limited = |v: &i64| (*v).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+                Value::from_shape(shape, tensor.integers().iter().map(limited).collect::<Vec<_>>())
+                    .map_err(|e| e.to_string())
+            }
+            (Some(ValueType::Tensor(DataType::UInt8)), _) => {
+                let limited = |v: &i64| (*v).clamp(0, 255) as u8;
+                Value::from_shape(shape, tensor.integers().iter().map(limited).collect::<Vec<_>>())
+                    .map_err(|e| e.to_string())
+            }
+            (Some(other), _) => Err(format!("an input of {other} is not known here")),
+        };
+        value.map_err(|reason| self.failure(reason))
+    }
+
+    fn failure(&self, reason: String) -> Error {
+        Error::Network { name: self.name.clone(), reason, advice: "try --engine onnxruntime" }
+    }
+}
+
+impl Engine for Network {
+    fn runtime(&self) -> &str {
+        "rten"
+    }
+
+    fn inputs(&self) -> &[Port] {
+        &self.inputs
+    }
+
+    fn outputs(&self) -> &[Port] {
+        &self.outputs
+    }
+
+    fn run(&self, inputs: &[(&str, &Tensor)], outputs: &[&str]) -> Result<Vec<Tensor>> {
+        let names: Vec<&str> = inputs.iter().map(|input| input.0).collect();
+        let given = places(&self.name, &self.inputs, &names)?;
+        let given = given.into_iter().zip(inputs).map(|(place, (name, tensor))| {
+            if !tensor.is_whole() {
+                return Err(self.failure(format!("'{name}' does not have the elements of its shape")));
+            }
+            let id = self.model.input_ids()[place];
+            Ok((id, ValueOrView::from(self.converted(id, tensor)?)))
+        });
+        let given: Vec<(NodeId, ValueOrView<'_>)> = given.collect::<Result<_>>()?;
+        let wanted = places(&self.name, &self.outputs, outputs)?;
+        let wanted: Vec<NodeId> = wanted.into_iter().map(|place| self.model.output_ids()[place]).collect();
+        guarded(&self.name, || {
+            let options = RunOptions::default().with_thread_pool(self.pool.clone());
+            let values = self.model.run(given, &wanted, Some(options));
+            let values = values.map_err(|e| self.failure(format!("rten cannot run it: {e}")))?;
+            values.into_iter().map(|value| self.taken(value)).collect()
+        })
+    }
+}
+
+impl Network {
+    /// A value as a tensor.
+    fn taken(&self, value: Value) -> Result<Tensor> {
+        Ok(match value {
+            Value::FloatTensor(t) => Tensor { shape: t.shape().to_vec(), values: Values::F32(t.into_data()) },
+            Value::Int32Tensor(t) => {
+                let values = t.to_vec().into_iter().map(i64::from).collect();
+                Tensor { shape: t.shape().to_vec(), values: Values::I64(values) }
+            }
+            _ => return Err(self.failure("an output is neither of floats nor of integers".into())),
+        })
+    }
+}
+
+/// What the graph says of an input or output.
+fn port(model: &Model, id: NodeId) -> Port {
+    let node = model.node_info(id);
+    let shape = node.as_ref().and_then(|node| node.shape()).map(|axes| {
+        let length = |axis: &Dimension| match axis {
+            Dimension::Fixed(n) => Some(*n),
+            Dimension::Symbolic(_) => None,
+        };
+        axes.iter().map(length).collect()
+    });
+    let name = node.and_then(|node| node.name()).unwrap_or_default();
+    Port { name: name.to_owned(), shape }
+}
