@@ -1,14 +1,18 @@
 //! Image → masks: what may be a texton. Knows nothing of textons.
 
+mod alike;
 mod felzenszwalb;
 mod flood;
 mod masks_file;
+mod perceptron;
 pub mod prompt;
 pub mod regions;
+pub mod texton;
 
 pub use felzenszwalb::{Felzenszwalb, Smoothed, details, felzenszwalb};
 pub use flood::flood;
 pub use masks_file::{MasksFile, masks_to_bytes};
+pub use perceptron::Perceptron;
 pub use regions::Regions;
 
 use crate::error::Result;

@@ -1,5 +1,11 @@
 //! Promptable segmenters: a point in, masks of what it lies on out.
 
+mod generator;
+mod proposal;
+
+pub(in crate::segment) use generator::View;
+pub use generator::{Cost, Found, Generator, GeneratorParams};
+
 use crate::error::Result;
 use image::RgbImage;
 

@@ -15,6 +15,7 @@ mod select;
 mod weights;
 
 pub use features::FEATURES;
+pub(super) use select::worth;
 pub use select::{HIDDEN, Network};
 
 use super::{ScoredMask, Segmenter};
@@ -121,6 +122,27 @@ impl Layer {
         Mask::all_of_labels(&map, chosen.len() + 1).into_iter().skip(1).collect()
     }
 
+    /// The eligible nodes that score at least `least`.
+    fn best(&self, image: &RgbImage, least: f32) -> Vec<ScoredMask> {
+        let nodes = &self.tree.nodes;
+        let basins = nodes.iter().filter(|n| n.children.is_none()).count();
+        let map = LabelMap { width: image.width(), height: image.height(), labels: self.labels.clone() };
+        let leaves = Mask::all_of_labels(&map, basins);
+        let scores = self.scores(image);
+        let good = (0..nodes.len()).filter_map(|i| Some((i, scores[i].filter(|&s| s >= least)?)));
+        let masks = good.map(|(i, score)| {
+            let (mut spans, mut open) = (Vec::new(), vec![i]);
+            while let Some(k) = open.pop() {
+                match nodes[k].children {
+                    Some(children) => open.extend(children.map(|c| c as usize)),
+                    None => spans.extend_from_slice(leaves[k].spans()),
+                }
+            }
+            ScoredMask { mask: Mask::from_spans(spans), score }
+        });
+        masks.collect()
+    }
+
     fn candidates(&self, image: &RgbImage, found: &mut Vec<Candidate>) {
         let nodes = &self.tree.nodes;
         let basins = nodes.iter().filter(|n| n.children.is_none()).count();
@@ -137,6 +159,19 @@ impl Layer {
             }
         }
     }
+}
+
+/// The nodes of all trees that score at least `least` (0 to 1), which contain one another, with
+/// their scores.
+///
+/// # Errors
+/// [`crate::Error::Interrupted`].
+pub(super) fn nodes(image: &RgbImage, least: f32, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
+    if image.width() == 0 || image.height() == 0 {
+        return Ok(Vec::new());
+    }
+    let layers = Layer::all(image, progress)?;
+    Ok(map(&layers, |layer| layer.best(image, least)).concat())
 }
 
 /// All nodes of the trees that may be textons; they contain one another.

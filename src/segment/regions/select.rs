@@ -3,40 +3,13 @@
 
 use super::features::FEATURES;
 use super::merge_tree::Tree;
+use crate::segment::Perceptron;
 
 /// Units of the hidden layer.
 pub const HIDDEN: usize = 32;
 
-/// A network of one hidden layer: how well a node would fit a texton, 0 to 1.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Network {
-    /// Mean of each feature over the training set.
-    pub mean: [f32; FEATURES],
-    /// One over the deviation of each feature.
-    pub scale: [f32; FEATURES],
-    /// Weights of the hidden units.
-    pub hidden: [[f32; FEATURES]; HIDDEN],
-    /// Offsets of the hidden units.
-    pub hidden_offset: [f32; HIDDEN],
-    /// Weights of the output.
-    pub output: [f32; HIDDEN],
-    /// Offset of the output.
-    pub output_offset: f32,
-}
-
-impl Network {
-    /// The score of a node with these features.
-    pub fn score(&self, features: &[f32; FEATURES]) -> f32 {
-        let x: [f32; FEATURES] =
-            std::array::from_fn(|k| ((features[k] - self.mean[k]) * self.scale[k]).clamp(-4.0, 4.0));
-        let mut sum = self.output_offset;
-        for ((weights, offset), out) in self.hidden.iter().zip(self.hidden_offset).zip(self.output) {
-            let unit = offset + weights.iter().zip(x).map(|(w, v)| w * v).sum::<f32>();
-            sum += out * unit.max(0.0);
-        }
-        1.0 / (1.0 + libm::expf(-sum))
-    }
-}
+/// How well a node would fit a texton, 0 to 1.
+pub type Network = Perceptron<FEATURES, HIDDEN>;
 
 /// Scores at which a node is ground: of nodes of `SIZES[0]` pixels and less, and of `SIZES[1]`
 /// and more. Large textons are few and make the picture: better one too many.
@@ -44,7 +17,7 @@ const LEAST: [f32; 2] = [0.32, 0.18];
 const SIZES: [f32; 2] = [50.0, 1000.0];
 
 /// What a node of an area in pixels and a score is worth; negative of ground.
-pub(super) fn worth(area: f32, score: f32) -> f32 {
+pub(in crate::segment) fn worth(area: f32, score: f32) -> f32 {
     let place = libm::logf(area / SIZES[0]) / libm::logf(SIZES[1] / SIZES[0]);
     let least = LEAST[0] + (LEAST[1] - LEAST[0]) * place.clamp(0.0, 1.0);
     (score - least) * area.sqrt()

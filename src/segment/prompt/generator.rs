@@ -1,0 +1,356 @@
+//! "Segment everything": prompts on a grid, coarse to fine, and the masks worth keeping.
+
+use super::proposal::Proposal;
+use super::{Embedded, Logits, Prompter};
+use crate::error::{Result, check};
+use crate::progress::{Progress, advance};
+use crate::raster::{LabelMap, Mask};
+use crate::segment::alike::Alike;
+use crate::segment::{ScoredMask, Segmenter};
+use image::RgbImage;
+
+/// Parameters of a [`Generator`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct GeneratorParams {
+    /// Distance of the finest grid of prompts in pixels, 1 to 256. Default 5 (the paper's 10 000
+    /// on 500 × 500).
+    pub spacing: f32,
+    /// Number of grids, each twice as fine as the one before, 1 to 6. With more than one, a
+    /// point is skipped where a confident mask of a coarser grid lies. Default 3.
+    pub levels: u32,
+    /// Sizes at which the network is shown the image, in shares of its own, 0.1 to 8. Default 1.
+    pub scales: Vec<f32>,
+    /// Side in pixels above which a scaled image is also shown in crops, 64 to 16384. Default 1024.
+    pub crop: u32,
+    /// Least predicted intersection over union of a mask, 0 to 1. Default 0.88, SAM's own.
+    pub predicted_iou: f32,
+    /// Least share of a mask that stays when the threshold is raised, of what is there when it
+    /// is lowered, 0 to 1. Default 0.9.
+    pub stability: f32,
+    /// Product of the two above which a mask counts as confident, 0 to 1. Default 0.85.
+    pub confident: f32,
+    /// Smallest mask in pixels, 1 or more. Default 12.
+    pub smallest: f32,
+    /// Largest mask as a share of the image, 0 to 1. Default 0.25.
+    pub largest: f32,
+    /// Intersection over union from which two masks are one, 0.5 to 1. Default 0.8.
+    pub duplicate: f32,
+}
+
+impl Default for GeneratorParams {
+    fn default() -> Self {
+        Self {
+            spacing: 5.0,
+            levels: 3,
+            scales: vec![1.0],
+            crop: 1024,
+            predicted_iou: 0.88,
+            stability: 0.9,
+            confident: 0.85,
+            smallest: 12.0,
+            largest: 0.25,
+            duplicate: 0.8,
+        }
+    }
+}
+
+impl GeneratorParams {
+    fn validate(&self) -> Result<()> {
+        let share = 0.0..=1.0;
+        check((1.0..=256.0).contains(&self.spacing), "point-spacing", self.spacing, "1 to 256 pixels")?;
+        check((1..=6).contains(&self.levels), "levels", self.levels, "1 to 6")?;
+        for scale in &self.scales {
+            check((0.1..=8.0).contains(scale), "scales", scale, "0.1 to 8")?;
+        }
+        check((64..=16_384).contains(&self.crop), "crop", self.crop, "64 to 16384 pixels")?;
+        check(share.contains(&self.predicted_iou), "predicted-iou", self.predicted_iou, "0 to 1")?;
+        check(share.contains(&self.stability), "stability", self.stability, "0 to 1")?;
+        check(share.contains(&self.confident), "confident", self.confident, "0 to 1")?;
+        check(self.smallest >= 1.0, "smallest", self.smallest, "1 pixel or more")?;
+        check(share.contains(&self.largest), "largest", self.largest, "0 to 1")?;
+        check((0.5..=1.0).contains(&self.duplicate), "duplicate", self.duplicate, "0.5 to 1")
+    }
+}
+
+/// A mask found, with what tells how good it may be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The pixels: one piece.
+    pub mask: Mask,
+    /// Logits around it, 0 along the outline.
+    pub logits: Logits,
+    /// Intersection over union with the truth as the network predicts it, 0 to 1.
+    pub predicted_iou: f32,
+    /// Share of the mask that stays when the threshold is raised, 0 to 1.
+    pub stability: f32,
+    /// How many prompts gave this mask or one nearly like it.
+    pub votes: u32,
+    /// Which of [`GeneratorParams::scales`] it was found at.
+    pub scale: usize,
+}
+
+/// What a run of a [`Generator`] cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Points of the finest grids.
+    pub grid: u64,
+    /// Points the network was asked for.
+    pub prompts: u64,
+}
+
+/// Finds every mask that a promptable network gives on a grid of points.
+pub struct Generator {
+    prompter: Box<dyn Prompter>,
+    params: GeneratorParams,
+}
+
+/// A part of the image as the network is shown it.
+pub(in crate::segment) struct View {
+    /// Left and upper border of the part, and its size, in pixels of the image.
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+    /// What it is enlarged by.
+    scale: f32,
+    index: usize,
+}
+
+impl View {
+    /// The whole image.
+    pub(in crate::segment) fn whole([width, height]: [u32; 2], scale: f32, index: usize) -> Self {
+        Self { x: 0, y: 0, width, height, scale, index }
+    }
+
+    /// The part cut out and enlarged.
+    pub(in crate::segment) fn image(&self, image: &RgbImage) -> RgbImage {
+        let cut = image::imageops::crop_imm(image, self.x, self.y, self.width, self.height).to_image();
+        if self.scale == 1.0 {
+            return cut;
+        }
+        let side = |n: u32| (libm::roundf(n as f32 * self.scale) as u32).max(1);
+        let filter = image::imageops::FilterType::CatmullRom;
+        image::imageops::resize(&cut, side(self.width), side(self.height), filter)
+    }
+
+    /// All masks of the part that pass the thresholds, in pixels of the image.
+    pub(in crate::segment) fn search(
+        &self,
+        embedded: &dyn Embedded,
+        [width, height]: [u32; 2],
+        params: &GeneratorParams,
+        progress: &dyn Progress,
+        cost: &mut Cost,
+    ) -> Result<Vec<Found>> {
+        let mut search = Search { params, view: self, kept: Vec::new() };
+        search.run(embedded, progress, cost)?;
+        Ok(search.finish(width, height))
+    }
+}
+
+impl Generator {
+    /// A generator for a network.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] if a parameter is out of its range.
+    pub fn new(prompter: Box<dyn Prompter>, params: GeneratorParams) -> Result<Self> {
+        params.validate()?;
+        Ok(Self { prompter, params })
+    }
+
+    /// All masks that pass the thresholds, none nearly like another of the same scale, the best
+    /// (predicted intersection over union times stability) first; and what that cost.
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`] and [`crate::Error::Network`].
+    pub fn find(&self, image: &RgbImage, progress: &dyn Progress) -> Result<(Vec<Found>, Cost)> {
+        let mut found: Vec<Found> = Vec::new();
+        let mut cost = Cost::default();
+        for view in self.views(image.width(), image.height()) {
+            advance(progress, "reading the image", 0, 0)?;
+            let embedded = self.prompter.embed(&view.image(image))?;
+            let size = [image.width(), image.height()];
+            found.extend(view.search(embedded.as_ref(), size, &self.params, progress, &mut cost)?);
+        }
+        found.sort_by(|a, b| (b.predicted_iou * b.stability).total_cmp(&(a.predicted_iou * a.stability)));
+        Ok((found, cost))
+    }
+
+    fn views(&self, width: u32, height: u32) -> Vec<View> {
+        let mut views = Vec::new();
+        for (index, &scale) in self.params.scales.iter().enumerate() {
+            views.push(View::whole([width, height], scale, index));
+            let side = (self.params.crop as f32 / scale) as u32;
+            if width.max(height) <= side || side == 0 {
+                continue;
+            }
+            for (y, h) in cuts(height, side) {
+                for (x, w) in cuts(width, side) {
+                    views.push(View { x, y, width: w, height: h, scale, index });
+                }
+            }
+        }
+        views.retain(|v| v.width > 0 && v.height > 0);
+        views
+    }
+}
+
+/// Starts and lengths of pieces of at most `side` that cover a length, overlapping by a quarter.
+fn cuts(length: u32, side: u32) -> Vec<(u32, u32)> {
+    if length <= side {
+        return vec![(0, length)];
+    }
+    let free = length - side;
+    let count = free.div_ceil((side * 3 / 4).max(1));
+    (0..=count).map(|k| ((u64::from(free) * u64::from(k) / u64::from(count)) as u32, side)).collect()
+}
+
+/// The search of one view.
+struct Search<'a> {
+    params: &'a GeneratorParams,
+    view: &'a View,
+    kept: Vec<Proposal>,
+}
+
+impl Search<'_> {
+    fn run(&mut self, embedded: &dyn Embedded, progress: &dyn Progress, cost: &mut Cost) -> Result<()> {
+        let View { width, height, scale, .. } = *self.view;
+        let count = |n: u32| (n as f32 / self.params.spacing).max(1.0) as u32;
+        let (columns, rows) = (count(width), count(height));
+        cost.grid += u64::from(columns) * u64::from(rows);
+        let mut explained = LabelMap::filled(width, height, 0);
+        for level in (0..self.params.levels).rev() {
+            let stride = 1 << level;
+            let mut points = Vec::new();
+            for j in (stride / 2..rows).step_by(stride as usize) {
+                for i in (stride / 2..columns).step_by(stride as usize) {
+                    let on = |coarser: u32| {
+                        let stride = 1 << coarser;
+                        i % stride == stride / 2 && j % stride == stride / 2
+                    };
+                    let again = (level + 1..self.params.levels).any(on);
+                    let place = |k: u32, n: u32, of: u32| (k as f32 + 0.5) * of as f32 / n as f32;
+                    let at = [place(i, columns, width), place(j, rows, height)];
+                    if !again && explained.get(at[0] as u32, at[1] as u32) == 0 {
+                        points.push(at.map(|v| v * scale));
+                    }
+                }
+            }
+            if let Some(promise) = embedded.promise(&points) {
+                let mut promise = promise.into_iter();
+                points.retain(|_| promise.next().is_some_and(|p| p >= self.params.predicted_iou));
+            }
+            cost.prompts += points.len() as u64;
+            self.ask(embedded, &points, level, progress)?;
+            for proposal in &self.kept {
+                if proposal.score() >= self.params.confident {
+                    explained.fill(&self.to_image(proposal).rasterise(width, height), 1);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Asks for masks in batches and keeps the best of those alike.
+    fn ask(&mut self, embedded: &dyn Embedded, points: &[[f32; 2]], level: u32, progress: &dyn Progress) -> Result<()> {
+        const STAGES: [&str; 6] = [
+            "finding masks: finest grid",
+            "finding masks: fine grid",
+            "finding masks: coarse grid",
+            "finding masks: coarser grid",
+            "finding masks: coarser grid",
+            "finding masks: coarsest grid",
+        ];
+        let mut proposals = std::mem::take(&mut self.kept);
+        let mut done = 0;
+        for batch in points.chunks(embedded.batch().max(1)) {
+            advance(progress, STAGES[level as usize], done, points.len() as u64)?;
+            for (&point, masks) in batch.iter().zip(embedded.masks(batch)?) {
+                proposals.extend(masks.iter().filter_map(|mask| self.judge(point, mask)));
+            }
+            done += batch.len() as u64;
+        }
+        proposals.sort_by(|a, b| b.score().total_cmp(&a.score()));
+        let mut index = Alike::default();
+        for proposal in proposals {
+            let near = index.near(proposal.cells.bounds);
+            let same = |&k: &usize| self.kept[k].cells.iou(&proposal.cells) >= self.params.duplicate;
+            match near.into_iter().find(same) {
+                Some(k) => self.kept[k].votes += proposal.votes,
+                None => {
+                    index.add(proposal.cells.bounds, self.kept.len());
+                    self.kept.push(proposal);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn judge(&self, point: [f32; 2], mask: &super::PromptMask) -> Option<Proposal> {
+        if !(mask.predicted_iou >= self.params.predicted_iou) {
+            return None;
+        }
+        let proposal = Proposal::new(point, mask)?;
+        let View { width, height, scale, .. } = *self.view;
+        let area = proposal.pixels() / (scale * scale);
+        let good = proposal.stability >= self.params.stability
+            && area >= self.params.smallest
+            && area <= self.params.largest * (width * height) as f32;
+        good.then_some(proposal)
+    }
+
+    /// The logits of a proposal in pixels of the view, not of the scaled image.
+    fn to_image(&self, proposal: &Proposal) -> Proposal {
+        let mut moved = proposal.clone();
+        let by = 1.0 / self.view.scale;
+        moved.logits.origin = moved.logits.origin.map(|v| v * by);
+        moved.logits.step = moved.logits.step.map(|v| v * by);
+        moved
+    }
+
+    /// What is kept, in pixels of the whole image. What a crop cuts off is left to its neighbours.
+    fn finish(self, width: u32, height: u32) -> Vec<Found> {
+        let View { x, y, width: w, height: h, index, .. } = *self.view;
+        let mut found = Vec::new();
+        for proposal in &self.kept {
+            let moved = self.to_image(proposal);
+            let mask = moved.rasterise(w, h);
+            let Some((x0, y0, x1, y1)) = mask.bounds() else { continue };
+            let cut = (x > 0 && x0 <= 0)
+                || (y > 0 && y0 <= 0)
+                || (x + w < width && x1 >= w as i32)
+                || (y + h < height && y1 >= h as i32);
+            if cut || (mask.area() as f32) < self.params.smallest {
+                continue;
+            }
+            let mut logits = moved.logits;
+            logits.origin = [logits.origin[0] + x as f32, logits.origin[1] + y as f32];
+            found.push(Found {
+                mask: mask.shifted(x as i32, y as i32),
+                logits,
+                predicted_iou: proposal.predicted_iou,
+                stability: proposal.stability,
+                votes: proposal.votes,
+                scale: index,
+            });
+        }
+        found
+    }
+}
+
+impl Segmenter for Generator {
+    fn name(&self) -> String {
+        self.prompter.name()
+    }
+
+    fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
+        if image.width() == 0 || image.height() == 0 {
+            return Ok(Vec::new());
+        }
+        let (found, _) = self.find(image, progress)?;
+        Ok(found
+            .into_iter()
+            .map(|f| ScoredMask { score: f.predicted_iou * f.stability, mask: f.mask })
+            .collect())
+    }
+}

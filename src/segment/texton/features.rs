@@ -1,0 +1,264 @@
+//! What a mask looks like to the texton network and in the image, in numbers.
+
+use super::network::Embedding;
+use crate::raster::{Mask, colour::oklab};
+use image::RgbImage;
+
+/// Number of features.
+pub const FEATURES: usize = 32;
+/// Share of a rim that may be weaker than its quantile.
+const QUANTILE: f64 = 0.3;
+
+/// What the search for masks knows of one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Origin {
+    /// Intersection over union as the network predicts it; 0 for a node of the region tree.
+    pub(super) predicted_iou: f32,
+    /// See [`crate::segment::prompt::Found`].
+    pub(super) stability: f32,
+    pub(super) votes: u32,
+    /// Score of the node of the region tree that is most alike, times how alike it is.
+    pub(super) region: f32,
+    /// Largest intersection over union with a mask found at another size of the image.
+    pub(super) agreement: f32,
+    /// The same with a node of the region tree, or of a node with a mask of the network.
+    pub(super) cross: f32,
+}
+
+/// What is measured once for an image.
+pub(super) struct Context {
+    width: i32,
+    height: i32,
+    colours: Vec<[f32; 3]>,
+    fine: Maps,
+    coarse: Maps,
+    /// Means over the image of the two maps.
+    texton: f32,
+    border: f32,
+}
+
+/// The network's view of the image at one size.
+struct Maps {
+    /// Cells to a pixel.
+    scale: f32,
+    embedding: Embedding,
+    /// Probabilities, in rows of cells.
+    texton: Vec<f32>,
+    border: Vec<f32>,
+}
+
+impl Maps {
+    fn new(embedding: Embedding, scale: f32) -> Self {
+        let sure = |v: f32| 1.0 / (1.0 + libm::expf(-v));
+        let texton = embedding.texton().map(sure).collect();
+        let border = embedding.border().map(sure).collect();
+        Self { scale: scale / super::network::CELL as f32, embedding, texton, border }
+    }
+
+    fn cell(&self, x: i32, y: i32) -> usize {
+        let at = |v: i32, n: usize| (((v as f32 + 0.5) * self.scale) as usize).min(n - 1);
+        at(y, self.embedding.height) * self.embedding.width + at(x, self.embedding.width)
+    }
+}
+
+impl Context {
+    /// From the network's embeddings of the image at two sizes, given as shares of its own.
+    pub(super) fn new(image: &RgbImage, [fine, coarse]: [(Embedding, f32); 2]) -> Self {
+        let fine = Maps::new(fine.0, fine.1);
+        let mean = |v: &[f32]| (v.iter().map(|&v| f64::from(v)).sum::<f64>() / v.len().max(1) as f64) as f32;
+        Self {
+            width: image.width() as i32,
+            height: image.height() as i32,
+            colours: image.pixels().map(|p| oklab(p.0)).collect(),
+            texton: mean(&fine.texton),
+            border: mean(&fine.border),
+            fine,
+            coarse: Maps::new(coarse.0, coarse.1),
+        }
+    }
+
+    /// The features of a mask that is not empty.
+    pub(super) fn features(&self, mask: &Mask, origin: &Origin) -> [f32; FEATURES] {
+        let inside = self.inside(mask);
+        let rim = self.rim(mask);
+        let area = inside.area;
+        let (x0, y0, x1, y1) = mask.bounds().unwrap_or((0, 0, 1, 1));
+        let perimeter = rim.cracks.max(1.0) * std::f32::consts::FRAC_PI_4;
+        let ln = |v: f32| libm::logf(v.max(0.0) + 1e-3);
+        [
+            libm::logf(area),
+            (4.0 * std::f32::consts::PI * area / (perimeter * perimeter)).min(1.2),
+            inside.elongation,
+            area / ((x1 - x0) * (y1 - y0)) as f32,
+            rim.outside / rim.cracks.max(1.0),
+            inside.texton[0],
+            rim.texton[0],
+            rim.border[0],
+            rim.border_quantile,
+            inside.border[0],
+            inside.texton[1],
+            rim.texton[1],
+            rim.border[1],
+            inside.border[1],
+            ln(inside.appearance),
+            ln(rim.appearance),
+            ln(rim.appearance) - ln(inside.appearance),
+            ln(inside.centre_spread / area),
+            inside.centre_offset / area.sqrt(),
+            ln(10.0 * rim.colour),
+            ln(10.0 * rim.colour_quantile),
+            ln(10.0 * inside.colour),
+            inside.quality,
+            origin.predicted_iou,
+            origin.stability,
+            libm::logf(origin.votes as f32 + 1.0),
+            f32::from(u8::from(origin.votes > 0)),
+            origin.region,
+            origin.agreement,
+            origin.cross,
+            self.texton,
+            self.border,
+        ]
+    }
+
+    fn inside(&self, mask: &Mask) -> Inside {
+        const DIMENSIONS: usize = Embedding::PLACE.end;
+        let mut sums = [0.0f64; DIMENSIONS];
+        let mut squares = [0.0f64; DIMENSIONS];
+        let (mut colour, mut colour_square) = ([0.0f64; 3], 0.0f64);
+        let (mut texton, mut border, mut quality) = ([0.0f64; 2], [0.0f64; 2], 0.0f64);
+        let (mut moments, mut n, mut inner) = ([0.0f64; 5], 0.0f64, 0.0f64);
+        for (x, y) in mask.pixels() {
+            let (fine, coarse) = (self.fine.cell(x, y), self.coarse.cell(x, y));
+            let cell = self.fine.embedding.cell(fine);
+            for ((sum, square), v) in sums.iter_mut().zip(&mut squares).zip(cell) {
+                let v = f64::from(*v);
+                *sum += v;
+                *square += v * v;
+            }
+            for (sum, v) in colour.iter_mut().zip(self.colours[(y * self.width + x) as usize]) {
+                *sum += f64::from(v);
+                colour_square += f64::from(v * v);
+            }
+            texton[0] += f64::from(self.fine.texton[fine]);
+            texton[1] += f64::from(self.coarse.texton[coarse]);
+            quality += f64::from(self.fine.embedding.quality(fine));
+            let deep = [(-1, 0), (1, 0), (0, -1), (0, 1)].iter().all(|&(dx, dy)| mask.contains(x + dx, y + dy));
+            if deep {
+                inner += 1.0;
+                border[0] += f64::from(self.fine.border[fine]);
+                border[1] += f64::from(self.coarse.border[coarse]);
+            }
+            let (px, py) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+            for (m, v) in moments.iter_mut().zip([px, py, px * px, py * py, px * py]) {
+                *m += v;
+            }
+            n += 1.0;
+        }
+        let variance = |k: usize| (squares[k] - sums[k] * sums[k] / n).max(0.0) / n;
+        let spread = |range: std::ops::Range<usize>| range.map(variance).sum::<f64>() as f32;
+        let mean = [moments[0] / n, moments[1] / n];
+        let (xx, yy) = (moments[2] / n - mean[0] * mean[0], moments[3] / n - mean[1] * mean[1]);
+        let xy = moments[4] / n - mean[0] * mean[1];
+        let root = libm::sqrt((xx - yy) * (xx - yy) / 4.0 + xy * xy);
+        let (long, short) = ((xx + yy) / 2.0 + root, ((xx + yy) / 2.0 - root).max(0.0));
+        // Predicted centres are in units of pixels of the enlarged image.
+        let unit = super::network::UNIT / (self.fine.scale * super::network::CELL as f32);
+        let place = Embedding::PLACE.start;
+        let centre = [sums[place] / n * f64::from(unit), sums[place + 1] / n * f64::from(unit)];
+        let away = (centre[0] - mean[0]) * (centre[0] - mean[0]) + (centre[1] - mean[1]) * (centre[1] - mean[1]);
+        let colour_mean: f64 = colour.iter().map(|c| c * c / n).sum();
+        Inside {
+            area: n as f32,
+            elongation: libm::sqrt((short + 0.08) / (long + 0.08)) as f32,
+            texton: texton.map(|v| (v / n) as f32),
+            border: border.map(|v| if inner > 0.0 { (v / inner) as f32 } else { 0.5 }),
+            appearance: spread(Embedding::LOOK),
+            centre_spread: spread(Embedding::PLACE) * unit * unit,
+            centre_offset: libm::sqrt(away) as f32,
+            colour: libm::sqrt((colour_square - colour_mean).max(0.0) / n) as f32,
+            quality: (quality / n) as f32,
+        }
+    }
+
+    fn rim(&self, mask: &Mask) -> Rim {
+        let (mut borders, mut steps) = (Vec::new(), Vec::new());
+        let (mut coarse, mut appearance, mut texton) = (0.0f64, 0.0f64, [0.0f64; 2]);
+        let (mut cracks, mut outside) = (0.0f32, 0.0f32);
+        let mut step = |x: i32, y: i32, dx: i32, dy: i32| {
+            cracks += 1.0;
+            let (ox, oy) = (x + dx, y + dy);
+            if ox < 0 || oy < 0 || ox >= self.width || oy >= self.height {
+                outside += 1.0;
+                return;
+            }
+            let within = if mask.contains(x - dx, y - dy) { (x - dx, y - dy) } else { (x, y) };
+            let (fx, fy) = ((ox + dx).clamp(0, self.width - 1), (oy + dy).clamp(0, self.height - 1));
+            let at = |m: &Maps, map: &[f32]| map[m.cell(x, y)].max(map[m.cell(ox, oy)]);
+            borders.push(at(&self.fine, &self.fine.border));
+            coarse += f64::from(at(&self.coarse, &self.coarse.border));
+            texton[0] += f64::from(self.fine.texton[self.fine.cell(fx, fy)]);
+            texton[1] += f64::from(self.coarse.texton[self.coarse.cell(fx, fy)]);
+            let (a, b) = (self.fine.cell(within.0, within.1), self.fine.cell(fx, fy));
+            let [a, b] = [a, b].map(|i| &self.fine.embedding.cell(i)[Embedding::LOOK]);
+            appearance += a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum::<f64>();
+            let colour = |(x, y): (i32, i32)| self.colours[(y * self.width + x) as usize];
+            let d2: f32 = colour(within).iter().zip(colour((fx, fy))).map(|(a, b)| (a - b) * (a - b)).sum();
+            steps.push(d2.sqrt());
+        };
+        for s in mask.spans() {
+            step(s.x0, s.y, -1, 0);
+            step(s.x1 - 1, s.y, 1, 0);
+            for x in s.x0..s.x1 {
+                for dy in [-1, 1] {
+                    if !mask.contains(x, s.y + dy) {
+                        step(x, s.y, 0, dy);
+                    }
+                }
+            }
+        }
+        let n = borders.len().max(1) as f64;
+        let mean = |v: &[f32]| (v.iter().map(|&v| f64::from(v)).sum::<f64>() / n) as f32;
+        Rim {
+            cracks,
+            outside,
+            texton: texton.map(|v| (v / n) as f32),
+            border: [mean(&borders), (coarse / n) as f32],
+            border_quantile: quantile(&mut borders),
+            appearance: (appearance / n) as f32,
+            colour: mean(&steps),
+            colour_quantile: quantile(&mut steps),
+        }
+    }
+}
+
+fn quantile(values: &mut [f32]) -> f32 {
+    let at = (QUANTILE * values.len() as f64) as usize;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(at, f32::total_cmp).1 }
+}
+
+/// Sums over the pixels of a mask. Pairs: at the fine and at the coarse size.
+struct Inside {
+    area: f32,
+    elongation: f32,
+    texton: [f32; 2],
+    border: [f32; 2],
+    appearance: f32,
+    centre_spread: f32,
+    centre_offset: f32,
+    colour: f32,
+    quality: f32,
+}
+
+/// Means along the rim of a mask.
+struct Rim {
+    cracks: f32,
+    /// Cracks on the image's border.
+    outside: f32,
+    texton: [f32; 2],
+    border: [f32; 2],
+    border_quantile: f32,
+    appearance: f32,
+    colour: f32,
+    colour_quantile: f32,
+}

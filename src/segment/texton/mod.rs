@@ -1,0 +1,182 @@
+//! The texton segmenter: a promptable network of our own and the region tree, judged together.
+//!
+//! The network (`models/texton`) is shown the image at several sizes and asked on a grid of
+//! points; the nodes of the region tree that look like textons join its masks. Each candidate is
+//! measured in the image and in what the network knows of every pixel, a small perceptron fitted
+//! to procedural scenes scores it, and the disjoint set worth most is taken.
+//!
+//! Both networks were made from generated scenes alone. Works less well on what scenes do not
+//! show: crumpled litter, fur, grass.
+
+mod features;
+mod network;
+mod weights;
+
+pub use features::FEATURES;
+pub use network::TextonNetwork;
+
+use super::alike::{Alike, Measured};
+use super::prompt::{Cost, Embedded, Found, GeneratorParams, View};
+use super::regions::{nodes, worth};
+use super::{Perceptron, ScoredMask, Segmenter};
+use crate::engine::EngineOptions;
+use crate::error::Result;
+use crate::parallel::map;
+use crate::progress::{Progress, advance};
+use crate::raster::{Connectivity, LabelMap, Mask, components_of_mask};
+use features::{Context, Origin};
+use image::RgbImage;
+
+/// Units of the hidden layer of the [`Judge`].
+pub const HIDDEN: usize = 32;
+/// How well a candidate would fit a texton, 0 to 1.
+pub type Judge = Perceptron<FEATURES, HIDDEN>;
+
+/// The image is enlarged by at most this, and to at most so many pixels.
+const ENLARGE: f32 = 2.0;
+const PIXELS: f32 = 1.3e6;
+/// Sizes at which masks are sought, each half the one before.
+const SIZES: usize = 3;
+/// Least score of a node of the region tree that is judged.
+const LEAST_NODE: f32 = 0.2;
+/// Nodes alike to this are one.
+const SAME: f32 = 0.9;
+/// A mask may lose this share of its pixels to masks worth more.
+const MOST_LOST: f32 = 0.25;
+
+/// The texton segmenter. Its masks are disjoint and 4-connected.
+pub struct Texton {
+    network: TextonNetwork,
+    search: GeneratorParams,
+}
+
+/// A mask that may be a texton, and what the [`Judge`] is told of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Its pixels.
+    pub mask: Mask,
+    /// In the order of `features.rs`.
+    pub features: [f32; FEATURES],
+}
+
+impl Texton {
+    /// With the network that is part of this crate.
+    ///
+    /// # Errors
+    /// [`crate::Error::Network`] if the engine cannot be loaded.
+    pub fn new(options: &EngineOptions) -> Result<Self> {
+        let network = TextonNetwork::built_in(options)?;
+        let search = GeneratorParams {
+            predicted_iou: 0.3,
+            stability: 0.3,
+            confident: 0.6,
+            ..GeneratorParams::default()
+        };
+        Ok(Self { network, search })
+    }
+
+    /// All masks that may be textons; they contain one another.
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`] and [`crate::Error::Network`].
+    pub fn candidates(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<Candidate>> {
+        let size = [image.width(), image.height()];
+        if size.contains(&0) {
+            return Ok(Vec::new());
+        }
+        let pixels = image.width() as f32 * image.height() as f32;
+        let enlarge = (PIXELS / pixels).sqrt().clamp(1.0, ENLARGE);
+        let (mut masks, mut origins) = (Vec::new(), Vec::new());
+        let mut embeddings = Vec::new();
+        for index in 0..SIZES {
+            let scale = enlarge / (1 << index) as f32;
+            let view = View::whole(size, scale, index);
+            advance(progress, "reading the image", index as u64, SIZES as u64)?;
+            let seen = self.network.view(&view.image(image))?;
+            let found = view.search(&seen as &dyn Embedded, size, &self.search, progress, &mut Cost::default())?;
+            for Found { mask, predicted_iou, stability, votes, .. } in found {
+                masks.extend(Measured::new(mask));
+                origins.push((index, Origin { predicted_iou, stability, votes, ..Origin::default() }));
+            }
+            embeddings.push((seen.embedding, scale));
+        }
+        embeddings.truncate(2);
+        let regions = distinct(nodes(image, LEAST_NODE, progress)?);
+        advance(progress, "judging masks", 0, 0)?;
+        for (mask, score) in regions {
+            masks.push(mask);
+            origins.push((SIZES, Origin { region: score, ..Origin::default() }));
+        }
+        let mut index = Alike::default();
+        masks.iter().enumerate().for_each(|(k, m)| index.add(m.bounds, k));
+        let Ok(embeddings) = <[_; 2]>::try_from(embeddings) else { return Ok(Vec::new()) };
+        let context = Context::new(image, embeddings);
+        let numbers: Vec<usize> = (0..masks.len()).collect();
+        Ok(map(&numbers, |&k| {
+            let (source, mut origin) = origins[k];
+            for other in index.near(masks[k].bounds) {
+                let iou = masks[k].iou(&masks[other]);
+                let (theirs, their) = &origins[other];
+                if source == SIZES || *theirs == SIZES {
+                    if source != *theirs {
+                        origin.cross = origin.cross.max(iou);
+                        origin.region = origin.region.max(iou * their.region);
+                    }
+                } else if source != *theirs {
+                    origin.agreement = origin.agreement.max(iou);
+                }
+            }
+            let mask = masks[k].mask.clone();
+            Candidate { features: context.features(&mask, &origin), mask }
+        }))
+    }
+}
+
+/// The better of those nearly alike.
+fn distinct(mut nodes: Vec<ScoredMask>) -> Vec<(Measured, f32)> {
+    nodes.sort_by(|a, b| b.score.total_cmp(&a.score));
+    let (mut kept, mut index): (Vec<(Measured, f32)>, _) = (Vec::new(), Alike::default());
+    for node in nodes {
+        let Some(mask) = Measured::new(node.mask) else { continue };
+        if !index.near(mask.bounds).into_iter().any(|k| kept[k].0.iou(&mask) >= SAME) {
+            index.add(mask.bounds, kept.len());
+            kept.push((mask, node.score));
+        }
+    }
+    kept
+}
+
+impl Segmenter for Texton {
+    fn name(&self) -> String {
+        "texton".into()
+    }
+
+    fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
+        let candidates = self.candidates(image, progress)?;
+        let scores = map(&candidates, |c| weights::NETWORK.score(&c.features));
+        let mut order: Vec<(f32, usize)> = Vec::new();
+        for (k, (candidate, &score)) in candidates.iter().zip(&scores).enumerate() {
+            let worth = worth(candidate.mask.area() as f32, score);
+            if worth > 0.0 {
+                order.push((score, k));
+            }
+        }
+        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut taken = LabelMap::filled(image.width(), image.height(), 0);
+        let mut found = Vec::new();
+        for (score, k) in order {
+            let mask = &candidates[k].mask;
+            let free = Mask::from_spans(mask.spans().to_vec());
+            let left: Vec<_> = free.pixels().filter(|&(x, y)| taken.get(x as u32, y as u32) == 0).collect();
+            if (left.len() as f32) < (1.0 - MOST_LOST) * mask.area() as f32 {
+                continue;
+            }
+            let spans = left.into_iter().map(|(x, y)| crate::raster::Span { y, x0: x, x1: x + 1 }).collect();
+            let pieces = components_of_mask(&Mask::from_spans(spans), Connectivity::Four);
+            let Some(mask) = pieces.into_iter().rev().max_by_key(Mask::area) else { continue };
+            taken.fill(&mask, 1);
+            found.push(ScoredMask { mask, score });
+        }
+        Ok(found)
+    }
+}

@@ -1,0 +1,309 @@
+//! The texton network behind [`Prompter`]: see `models/texton` for what it is and how it was made.
+
+use crate::engine::{self, Engine, EngineOptions, Source, Tensor, Values};
+use crate::error::{Error, Result};
+use crate::parallel::map;
+use crate::segment::prompt::{Embedded, Logits, PromptMask, Prompter};
+use image::RgbImage;
+
+/// The encoder, written by `models/texton/export.py`.
+const ENCODER: &[u8] = include_bytes!("../../../models/texton/encoder.onnx");
+/// Pixels of the image a cell of the embedding covers, along each axis.
+pub(super) const CELL: usize = 2;
+/// The encoder wants sides that are multiples of this.
+const ALIGN: usize = 16;
+/// Channels of the embedding, as `models/texton/network.py` numbers them.
+const CHANNELS: usize = 32;
+const CENTRE: usize = 16;
+const HEADS: usize = 3;
+const HEAD: usize = 18;
+const TEXTON: usize = 30;
+const BORDER: usize = 31;
+/// Pixels to a unit of the predicted centres.
+pub(super) const UNIT: f32 = 16.0;
+/// Longest side that is encoded in one piece, and what neighbouring pieces share, in pixels.
+const TILE: usize = 1536;
+const OVERLAP: usize = 256;
+/// Cells with logits below this are far from a mask's border.
+const MARGIN: f32 = 2.0;
+/// What stands for the logits of cells not looked at.
+const FAR: f32 = -8.0;
+/// A mask that reaches more cells than this, and than a quarter of all, is none.
+const MOST_CELLS: usize = 1 << 14;
+/// Weight of the texton logit in that of a mask, as trained.
+const TEXTON_WEIGHT: f32 = 1.4060;
+
+/// The texton network.
+pub struct TextonNetwork {
+    encoder: Box<dyn Engine>,
+}
+
+impl TextonNetwork {
+    /// The network that is part of this crate.
+    ///
+    /// # Errors
+    /// [`Error::Network`] if the engine cannot be loaded.
+    pub fn built_in(options: &EngineOptions) -> Result<Self> {
+        let source = Source::Bytes { name: "texton encoder", bytes: ENCODER };
+        Ok(Self { encoder: engine::load(source, options)? })
+    }
+
+    /// Shows it an image.
+    ///
+    /// # Errors
+    /// [`Error::Network`] if the network fails.
+    pub(super) fn view(&self, image: &RgbImage) -> Result<View> {
+        Ok(View { embedding: self.encode(image)? })
+    }
+
+    /// The embedding of an image: in pieces if it is large, so that memory stays bounded.
+    ///
+    /// # Errors
+    /// [`Error::Network`] if the network fails.
+    fn encode(&self, image: &RgbImage) -> Result<Embedding> {
+        let (w, h) = (image.width() as usize, image.height() as usize);
+        let (width, height) = (w.div_ceil(ALIGN) * ALIGN / CELL, h.div_ceil(ALIGN) * ALIGN / CELL);
+        let mut all = Embedding { width, height, cells: vec![[0.0; CHANNELS]; width * height] };
+        for (y, tall) in pieces(height * CELL) {
+            for (x, wide) in pieces(width * CELL) {
+                let piece = self.encode_piece(image, [x, y], [wide, tall])?;
+                all.paste(&piece, [x / CELL, y / CELL], [wide / CELL, tall / CELL]);
+            }
+        }
+        Ok(all)
+    }
+
+    fn encode_piece(&self, image: &RgbImage, [x0, y0]: [usize; 2], [w, h]: [usize; 2]) -> Result<Vec<f32>> {
+        let mut values = vec![0.0; 3 * w * h];
+        let last = [image.width() as usize - 1, image.height() as usize - 1];
+        for y in 0..h {
+            for x in 0..w {
+                // Beyond its border the image is mirrored.
+                let at = |v: usize, last: usize| if v <= last { v } else { (2 * last).saturating_sub(v) };
+                let pixel = image.get_pixel(at(x0 + x, last[0]) as u32, at(y0 + y, last[1]) as u32);
+                for c in 0..3 {
+                    values[(c * h + y) * w + x] = f32::from(pixel.0[c]) / 255.0;
+                }
+            }
+        }
+        let image = Tensor { shape: vec![1, 3, h, w], values: Values::F32(values) };
+        let mut out = self.encoder.run(&[("image", &image)], &["image_embeddings"])?;
+        floats(out.pop(), &[1, CHANNELS, h / CELL, w / CELL])
+    }
+}
+
+/// The values of an output that must be floats of a shape.
+fn floats(tensor: Option<Tensor>, shape: &[usize]) -> Result<Vec<f32>> {
+    match tensor {
+        Some(Tensor { shape: found, values: Values::F32(values) }) if found == shape => Ok(values),
+        _ => Err(Error::Network {
+            name: "texton".into(),
+            reason: format!("an output is not an array of shape {shape:?}"),
+            advice: "",
+        }),
+    }
+}
+
+/// Starts and lengths of the pieces of a length, all multiples of [`ALIGN`].
+fn pieces(length: usize) -> Vec<(usize, usize)> {
+    if length <= TILE {
+        return vec![(0, length)];
+    }
+    let count = (length - OVERLAP).div_ceil(TILE - OVERLAP);
+    let side = (length + (count - 1) * OVERLAP).div_ceil(count).next_multiple_of(ALIGN);
+    (0..count).map(|k| ((length - side) * k / (count - 1) / ALIGN * ALIGN, side)).collect()
+}
+
+/// What the network knows of each cell of an image.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Embedding {
+    /// Number of columns of cells.
+    pub(super) width: usize,
+    /// Number of rows of cells.
+    pub(super) height: usize,
+    /// The channels of each cell, cells in rows.
+    cells: Vec<[f32; CHANNELS]>,
+}
+
+impl Embedding {
+    /// Channels of the appearance.
+    pub(super) const LOOK: std::ops::Range<usize> = 0..CENTRE;
+    /// Channels of the predicted centre, in units of [`UNIT`] pixels.
+    pub(super) const PLACE: std::ops::Range<usize> = CENTRE..CENTRE + 2;
+
+    /// The channels of a cell.
+    pub(super) fn cell(&self, i: usize) -> &[f32; CHANNELS] {
+        &self.cells[i]
+    }
+
+    /// Logits of texton against ground, in rows of cells.
+    pub(super) fn texton(&self) -> impl Iterator<Item = f32> + '_ {
+        self.cells.iter().map(|c| c[TEXTON])
+    }
+
+    /// Logits of a border, in rows of cells.
+    pub(super) fn border(&self) -> impl Iterator<Item = f32> + '_ {
+        self.cells.iter().map(|c| c[BORDER])
+    }
+
+    /// Largest logit of the intersection over union among the heads.
+    pub(super) fn quality(&self, i: usize) -> f32 {
+        (0..HEADS).map(|k| self.cells[i][HEAD + 4 * k + 3]).fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    fn at(&self, point: [f32; 2]) -> [usize; 2] {
+        let at = |v: f32, n: usize| ((v / CELL as f32).max(0.0) as usize).min(n - 1);
+        [at(point[0], self.width), at(point[1], self.height)]
+    }
+
+    /// Pastes a piece, its channels one after another, that begins at a cell; the inner half of
+    /// each overlap is its own.
+    fn paste(&mut self, piece: &[f32], [x0, y0]: [usize; 2], [w, h]: [usize; 2]) {
+        let margin = OVERLAP / CELL / 2;
+        let from = |start: usize| if start == 0 { 0 } else { margin };
+        // Predicted centres count from the corner of the piece.
+        let shift = [x0, y0].map(|v| (v * CELL) as f32 / UNIT);
+        for y in from(y0)..h.min(self.height - y0) {
+            for x in from(x0)..w.min(self.width - x0) {
+                let mut cell: [f32; CHANNELS] = std::array::from_fn(|c| piece[(c * h + y) * w + x]);
+                cell[CENTRE] += shift[0];
+                cell[CENTRE + 1] += shift[1];
+                self.cells[(y0 + y) * self.width + x0 + x] = cell;
+            }
+        }
+    }
+}
+
+/// An image that the network has seen.
+pub(super) struct View {
+    pub(super) embedding: Embedding,
+}
+
+/// The decoder at one prompt. `models/texton/decoder.onnx` is the same for whole windows; here
+/// only the cells that a mask can reach are looked at.
+struct Prompt<'a> {
+    embedding: &'a Embedding,
+    at: &'a [f32; CHANNELS],
+    /// Falls with distance in appearance and in centre, and offset, of each head.
+    heads: [[f32; 3]; HEADS],
+}
+
+impl<'a> Prompt<'a> {
+    fn new(embedding: &'a Embedding, cell: usize) -> Self {
+        let at = embedding.cell(cell);
+        let softplus = |v: f32| if v > 20.0 { v } else { libm::log1pf(libm::expf(v)) };
+        let heads = std::array::from_fn(|k| {
+            let h = &at[HEAD + 4 * k..];
+            // The heads start apart, from tight to loose.
+            [softplus(h[0]), softplus(h[1] + 1.0), h[2] + 3.0 + k as f32 - (HEADS - 1) as f32 / 2.0]
+        });
+        Self { embedding, at, heads }
+    }
+
+    fn predicted_iou(&self, head: usize) -> f32 {
+        1.0 / (1.0 + libm::expf(-self.at[HEAD + 4 * head + 3]))
+    }
+
+    /// The logits of a cell.
+    fn logits(&self, cell: usize) -> [f32; HEADS] {
+        let e = self.embedding.cell(cell);
+        let apart = |range: std::ops::Range<usize>| -> f32 {
+            e[range.clone()].iter().zip(&self.at[range]).map(|(a, b)| (a - b) * (a - b)).sum()
+        };
+        let (look, place) = (apart(Embedding::LOOK), apart(Embedding::PLACE));
+        let texton = TEXTON_WEIGHT * libm::tanhf(e[TEXTON] / 3.0);
+        self.heads.map(|[a, s, b]| b - a * look - s * place + texton)
+    }
+}
+
+impl View {
+    /// The masks at a cell: all cells around it that the loosest head comes near to, and their
+    /// neighbours. `None` if there is no end of them.
+    fn decode(&self, [x, y]: [usize; 2], seen: &mut [u32], turn: u32) -> Option<Vec<PromptMask>> {
+        let e = &self.embedding;
+        let prompt = Prompt::new(e, y * e.width + x);
+        let most = MOST_CELLS.max(e.cells.len() / 4);
+        let mut reached = vec![(y * e.width + x, prompt.logits(y * e.width + x))];
+        seen[y * e.width + x] = turn;
+        let (mut x0, mut x1, mut y0, mut y1) = (x, x + 1, y, y + 1);
+        let mut next = 0;
+        while next < reached.len() {
+            let (cell, logits) = reached[next];
+            next += 1;
+            if logits.iter().all(|&v| v <= -MARGIN) {
+                continue;
+            }
+            let (x, y) = (cell % e.width, cell / e.width);
+            let mut visit = |x: usize, y: usize| {
+                let cell = y * e.width + x;
+                if seen[cell] != turn {
+                    seen[cell] = turn;
+                    reached.push((cell, prompt.logits(cell)));
+                    (x0, x1, y0, y1) = (x0.min(x), x1.max(x + 1), y0.min(y), y1.max(y + 1));
+                }
+            };
+            if x > 0 {
+                visit(x - 1, y)
+            }
+            if x + 1 < e.width {
+                visit(x + 1, y)
+            }
+            if y > 0 {
+                visit(x, y - 1)
+            }
+            if y + 1 < e.height {
+                visit(x, y + 1)
+            }
+            if reached.len() > most {
+                return None;
+            }
+        }
+        let (width, height) = (x1 - x0, y1 - y0);
+        let masks = (0..HEADS).map(|head| {
+            let mut values = vec![FAR; width * height];
+            for (cell, logits) in &reached {
+                values[(cell / e.width - y0) * width + cell % e.width - x0] = logits[head];
+            }
+            let origin = [(x0 * CELL) as f32, (y0 * CELL) as f32];
+            let logits = Logits { origin, step: [CELL as f32; 2], width, height, values };
+            PromptMask { predicted_iou: prompt.predicted_iou(head), logits }
+        });
+        Some(masks.collect())
+    }
+}
+
+impl Embedded for View {
+    fn promise(&self, points: &[[f32; 2]]) -> Option<Vec<f32>> {
+        let promise = |&p: &[f32; 2]| {
+            let [x, y] = self.embedding.at(p);
+            1.0 / (1.0 + libm::expf(-self.embedding.quality(y * self.embedding.width + x)))
+        };
+        Some(points.iter().map(promise).collect())
+    }
+
+    fn batch(&self) -> usize {
+        1024
+    }
+
+    fn masks(&self, points: &[[f32; 2]]) -> Result<Vec<Vec<PromptMask>>> {
+        let part = |points: &&[[f32; 2]]| -> Vec<Vec<PromptMask>> {
+            let mut seen = vec![0; self.embedding.cells.len()];
+            let one = |(point, turn): (&[f32; 2], u32)| {
+                self.decode(self.embedding.at(*point), &mut seen, turn).unwrap_or_default()
+            };
+            points.iter().zip(1..).map(one).collect()
+        };
+        let parts: Vec<&[[f32; 2]]> = points.chunks(256).collect();
+        Ok(map(&parts, part).concat())
+    }
+}
+
+impl Prompter for TextonNetwork {
+    fn name(&self) -> String {
+        "texton".into()
+    }
+
+    fn embed<'a>(&'a self, image: &RgbImage) -> Result<Box<dyn Embedded + 'a>> {
+        Ok(Box::new(self.view(image)?))
+    }
+}
