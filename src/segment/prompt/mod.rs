@@ -1,5 +1,9 @@
 //! Promptable segmenters: a point in, masks of what it lies on out.
 
+pub mod sam;
+
+pub use sam::Sam;
+
 use crate::error::Result;
 use image::RgbImage;
 
