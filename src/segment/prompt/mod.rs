@@ -1,7 +1,9 @@
 //! Promptable segmenters: a point in, masks of what it lies on out.
 
+mod generator;
 pub mod sam;
 
+pub use generator::{Generator, GeneratorParams};
 pub use sam::Sam;
 
 use crate::error::Result;

@@ -116,9 +116,14 @@ impl Sam {
         Ok(Self { encoder, decoder, encoding, decoding, together })
     }
 
+    /// What it is, such as `SAM 2`.
+    pub fn kind(&self) -> &'static str {
+        self.decoder.family.title()
+    }
+
     /// What it is and what runs it, such as `SAM 2, run by rten`.
     pub fn title(&self) -> String {
-        format!("{}, run by {}", self.decoder.family.title(), self.encoding.runtime())
+        format!("{}, run by {}", self.kind(), self.encoding.runtime())
     }
 }
 
