@@ -1,16 +1,23 @@
-//! How well segmenters find the elements of procedural scenes, and what they find in photographs.
+//! How well segmenters find the elements of procedural scenes and of photographs labelled by hand,
+//! and what they find in any photograph.
 //!
 //! `cargo run --release --example segment_scores -- [--scenes 200] [--first 9000000] [--side 256]`
+//! `cargo run --release --example segment_scores -- --labels PHOTO_DIR`
 //! `cargo run --release --example segment_scores -- --photos DIR --out DIR`
 //!
-//! Prints, by kind of scene, the share of true elements with at least 30 visible pixels that a mask
-//! matches (intersection over union of at least 0.7), and the share of masks that match none.
-//! Plain Felzenszwalb is shown at its single best setting, searched on other scenes by the F-score
-//! of the two. With `--photos`, outlines are drawn over every picture of a folder instead.
+//! Prints the share of true elements with at least 30 visible pixels that a mask matches
+//! (intersection over union of at least 0.7), and the share of masks that match none. Segmenters:
+//! `texton`; the masks of its network alone, better ones over worse; `regions`; plain Felzenszwalb
+//! at its single best setting, searched on other scenes by the F-score of the two. With
+//! `--labels`, the same on the crops of `tests/labels`; with `--photos`, outlines are drawn over
+//! every picture of a folder instead.
 
 use std::path::{Path, PathBuf};
+use vtex::engine::EngineOptions;
 use vtex::procedural::{Exemplar, Kind, SceneParams, generate};
-use vtex::raster::{LabelMap, picture};
+use vtex::raster::{LabelMap, Mask, Span, picture};
+use vtex::segment::prompt::{Generator, GeneratorParams};
+use vtex::segment::texton::{Texton, TextonNetwork};
 use vtex::segment::{Felzenszwalb, Regions, ScoredMask, Segmenter};
 
 type Failure = Box<dyn std::error::Error>;
@@ -20,10 +27,12 @@ const MATCH: f64 = 0.7;
 /// The search for Felzenszwalb's setting uses seeds from here.
 const SEARCH_SEED: u64 = 8_000_000;
 const SEARCH_SCENES: u64 = 40;
+/// Label of pixels that belong to what may or may not be an element.
+const UNSURE: u32 = u32::MAX;
 
 fn main() -> Result<(), Failure> {
     let (mut scenes, mut first, mut side) = (200u64, 9_000_000u64, 256u32);
-    let (mut photos, mut out) = (None, PathBuf::from("."));
+    let (mut photos, mut labels, mut out) = (None, None, PathBuf::from("."));
     let mut arguments = std::env::args().skip(1);
     while let Some(flag) = arguments.next() {
         let value = arguments.next().ok_or(format!("{flag} needs a value"))?;
@@ -32,66 +41,209 @@ fn main() -> Result<(), Failure> {
             "--first" => first = value.parse()?,
             "--side" => side = value.parse()?,
             "--photos" => photos = Some(PathBuf::from(value)),
+            "--labels" => labels = Some(PathBuf::from(value)),
             "--out" => out = value.into(),
             _ => return Err(format!("unknown flag {flag}").into()),
         }
     }
-    match photos {
-        Some(folder) => draw_photos(&folder, &out),
-        None => compare(scenes, first, side),
+    if let Some(folder) = photos {
+        return draw_photos(&folder, &out);
+    }
+    let felzenszwalb = search(256)?;
+    println!("Felzenszwalb's best setting: {felzenszwalb:?}");
+    let methods: [(&str, Box<dyn Segmenter>); 4] = [
+        ("texton", Box::new(Texton::new(&EngineOptions::default())?)),
+        ("network", Box::new(NetworkAlone::new()?)),
+        ("regions", Box::new(Regions)),
+        ("felzensz.", Box::new(felzenszwalb)),
+    ];
+    match labels {
+        Some(folder) => compare_labels(&folder, &methods),
+        None => compare_scenes(scenes, first, side, &methods),
     }
 }
 
-fn compare(scenes: u64, first: u64, side: u32) -> Result<(), Failure> {
-    let best = search(side)?;
-    println!("Felzenszwalb's best setting: {best:?}");
-    let mut totals = [[Tally::default(); Kind::ALL.len()]; 2];
+/// The masks of the texton network alone, better ones over worse.
+struct NetworkAlone(Generator);
+
+impl NetworkAlone {
+    fn new() -> Result<Self, Failure> {
+        let network = TextonNetwork::built_in(&EngineOptions::default())?;
+        let params = GeneratorParams {
+            scales: vec![2.0, 1.0, 0.5],
+            predicted_iou: 0.6,
+            stability: 0.6,
+            confident: 0.6,
+            crop: 16_384,
+            ..GeneratorParams::default()
+        };
+        Ok(Self(Generator::new(Box::new(network), params)?))
+    }
+}
+
+impl Segmenter for NetworkAlone {
+    fn name(&self) -> String {
+        "network".into()
+    }
+
+    fn segment(
+        &self,
+        image: &image::RgbImage,
+        progress: &dyn vtex::Progress,
+    ) -> vtex::Result<Vec<ScoredMask>> {
+        let mut taken = LabelMap::filled(image.width(), image.height(), 0);
+        let mut masks = self.0.segment(image, progress)?;
+        masks.retain(|scored| {
+            let free = scored.mask.pixels().filter(|&(x, y)| taken.get(x as u32, y as u32) == 0).count();
+            let kept = 2 * free as u32 > scored.mask.area();
+            if kept {
+                taken.fill(&scored.mask, 1);
+            }
+            kept
+        });
+        Ok(masks)
+    }
+}
+
+type Methods<'a> = [(&'a str, Box<dyn Segmenter>)];
+
+fn header(methods: &Methods) {
+    print!("{:12} {:>9}", "", "");
+    methods.iter().for_each(|(name, _)| print!("  {name:>9} {:>7}", ""));
+    print!("\n{:12} {:>9}", "", "elements");
+    methods.iter().for_each(|_| print!("  {:>9} {:>7}", "found", "false"));
+    println!();
+}
+
+fn line(name: &str, tallies: &[Tally]) {
+    print!("{name:12} {:9}", tallies[0].wanted);
+    tallies.iter().for_each(|t| print!("  {:9.3} {:7.3}", t.found_share(), t.false_share()));
+    println!();
+}
+
+fn compare_scenes(scenes: u64, first: u64, side: u32, methods: &Methods) -> Result<(), Failure> {
+    let mut totals = vec![vec![Tally::default(); methods.len()]; Kind::ALL.len()];
     for seed in first..first + scenes {
         let parameters = SceneParams::random(seed, side, side);
-        let scene = generate(&parameters)?;
+        let Exemplar { image, instances } = generate(&parameters)?;
         let kind = Kind::ALL.iter().position(|&k| k == parameters.kind).unwrap_or(0);
-        totals[0][kind].add(tally(&scene, &Regions.segment(&scene.image, &())?));
-        totals[1][kind].add(tally(&scene, &best.segment(&scene.image, &())?));
+        for (total, (_, method)) in totals[kind].iter_mut().zip(methods) {
+            total.add(tally(&instances, &method.segment(&image, &())?));
+        }
     }
-    println!("{:12} {:>9}  {:>9} {:>9}   {:>9} {:>9}", "", "", "regions", "", "felzensz.", "");
-    println!(
-        "{:12} {:>9}  {:>9} {:>9}   {:>9} {:>9}",
-        "kind", "elements", "found", "false", "found", "false"
-    );
-    let line = |name: &str, [a, b]: [Tally; 2]| {
-        println!(
-            "{name:12} {:9}  {:9.3} {:9.3}   {:9.3} {:9.3}",
-            a.wanted,
-            a.found_share(),
-            a.false_share(),
-            b.found_share(),
-            b.false_share()
-        );
-    };
-    let mut sums = [Tally::default(); 2];
-    for (k, kind) in Kind::ALL.iter().enumerate() {
-        line(&format!("{kind:?}"), [totals[0][k], totals[1][k]]);
-        (0..2).for_each(|m| sums[m].add(totals[m][k]));
+    header(methods);
+    let mut sums = vec![Tally::default(); methods.len()];
+    for (kind, row) in Kind::ALL.iter().zip(&totals) {
+        line(&format!("{kind:?}"), row);
+        sums.iter_mut().zip(row).for_each(|(sum, t)| sum.add(t.clone()));
     }
-    line("all", sums);
-    for (bin, name) in SIZES.iter().enumerate() {
-        let share = |t: &Tally| t.found_by_size[bin] as f64 / t.wanted_by_size[bin].max(1) as f64;
-        println!(
-            "{:>5} px up   {:8}  {:9.3} {:9}   {:9.3}",
-            name,
-            sums[0].wanted_by_size[bin],
-            share(&sums[0]),
-            "",
-            share(&sums[1])
-        );
+    line("all", &sums);
+    for (bin, size) in SIZES.iter().enumerate() {
+        print!("{size:>5} px up  {:9}", sums[0].wanted_by_size[bin]);
+        for t in &sums {
+            print!("  {:9.3} {:7}", t.found_by_size[bin] as f64 / t.wanted_by_size[bin].max(1) as f64, "");
+        }
+        println!();
     }
     Ok(())
+}
+
+fn compare_labels(photos: &Path, methods: &Methods) -> Result<(), Failure> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/labels");
+    header(methods);
+    for name in ["tile_1", "concrete_4", "counter_3", "flowers_1", "ground023"] {
+        let file = std::fs::read_to_string(folder.join(format!("{name}.json")))?;
+        let labels: serde_json::Value = serde_json::from_str(&file)?;
+        let photo = labels["photo"].as_str().ok_or("a label file names its photo")?;
+        let image = image::open(photos.join(photo))?.to_rgb8();
+        let number = |v: &serde_json::Value| v.as_f64().ok_or("labels hold numbers");
+        let crop = labels["crop"].as_array().ok_or("a label file has a crop")?;
+        let crop: Vec<i32> = crop.iter().map(|v| number(v).map(|v| v as i32)).collect::<Result<_, _>>()?;
+        let truth = truth(&labels, &crop)?;
+        let mut sums = Vec::new();
+        for (_, method) in methods {
+            let masks = method.segment(&image, &())?;
+            let clipped = masks.iter().map(|m| ScoredMask { mask: clip(&m.mask, &crop), score: m.score });
+            sums.push(tally(&truth, &clipped.collect::<Vec<_>>()));
+        }
+        line(name, &sums);
+        // The upper third by area.
+        let mut areas: Vec<u32> = truth.areas_known().into_iter().filter(|&a| a >= LEAST_AREA).collect();
+        areas.sort_unstable();
+        let limit = areas.get(areas.len() * 2 / 3).copied().unwrap_or(0);
+        print!("{:12} {:9}", format!(" from {limit}"), areas.iter().filter(|&&a| a >= limit).count());
+        for t in &sums {
+            let large = t.found_areas.iter().filter(|&&a| a >= limit).count();
+            let all = areas.iter().filter(|&&a| a >= limit).count();
+            print!("  {:9.3} {:7}", large as f64 / all.max(1) as f64, "");
+        }
+        println!();
+    }
+    Ok(())
+}
+
+/// The instances of a crop; the later lie on top.
+fn truth(labels: &serde_json::Value, crop: &[i32]) -> Result<LabelMap, Failure> {
+    let [x0, y0, w, h] = *crop else { return Err("a crop has four numbers".into()) };
+    let mut map = LabelMap::filled(w as u32, h as u32, 0);
+    let mut next = 0;
+    for texton in labels["textons"].as_array().ok_or("a label file has textons")? {
+        let sure = texton["sure"].as_bool().unwrap_or(true);
+        next += u32::from(sure);
+        let corner = |v: &serde_json::Value| Some([v[0].as_f64()? - f64::from(x0), v[1].as_f64()? - f64::from(y0)]);
+        let corners = texton["polygon"].as_array().ok_or("a texton has a polygon")?;
+        let corners: Vec<[f64; 2]> = corners.iter().map(corner).collect::<Option<_>>().ok_or("corners are pairs")?;
+        for y in 0..h {
+            for x in 0..w {
+                if inside(&corners, [f64::from(x) + 0.5, f64::from(y) + 0.5]) {
+                    map.set(x as u32, y as u32, if sure { next } else { UNSURE });
+                }
+            }
+        }
+    }
+    Ok(map)
+}
+
+fn inside(corners: &[[f64; 2]], p: [f64; 2]) -> bool {
+    let mut odd = false;
+    for (k, a) in corners.iter().enumerate() {
+        let b = corners[(k + 1) % corners.len()];
+        if (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]) {
+            odd = !odd;
+        }
+    }
+    odd
+}
+
+/// The part of a mask in a crop, counted from the crop's corner.
+fn clip(mask: &Mask, crop: &[i32]) -> Mask {
+    let spans = mask.spans().iter().filter(|s| s.y >= crop[1] && s.y < crop[1] + crop[3]).map(|s| Span {
+        y: s.y - crop[1],
+        x0: (s.x0 - crop[0]).max(0),
+        x1: (s.x1 - crop[0]).min(crop[2]),
+    });
+    Mask::from_spans(spans.collect())
+}
+
+/// Areas by label, without those unsure.
+trait Known {
+    fn areas_known(&self) -> Vec<u32>;
+}
+
+impl Known for LabelMap {
+    fn areas_known(&self) -> Vec<u32> {
+        let known = self.labels.iter().filter(|&&l| l != UNSURE);
+        let mut areas = vec![0; known.clone().max().map_or(0, |&l| l as usize) + 1];
+        known.for_each(|&l| areas[l as usize] += 1);
+        areas[0] = 0;
+        areas
+    }
 }
 
 /// Smallest areas of the size classes reported.
 const SIZES: [u32; 5] = [30, 100, 300, 1000, 3000];
 
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Default)]
 struct Tally {
     wanted: usize,
     found: usize,
@@ -99,6 +251,7 @@ struct Tally {
     unmatched: usize,
     wanted_by_size: [usize; SIZES.len()],
     found_by_size: [usize; SIZES.len()],
+    found_areas: Vec<u32>,
 }
 
 impl Tally {
@@ -111,6 +264,7 @@ impl Tally {
             self.wanted_by_size[k] += o.wanted_by_size[k];
             self.found_by_size[k] += o.found_by_size[k];
         }
+        self.found_areas.extend(o.found_areas);
     }
 
     fn found_share(&self) -> f64 {
@@ -127,22 +281,25 @@ impl Tally {
     }
 }
 
-/// Masks that match an element too small to count are neither right nor wrong, and so are masks
-/// too small themselves.
-fn tally(scene: &Exemplar, masks: &[ScoredMask]) -> Tally {
-    let areas = scene.instances.areas();
+/// Masks that match an element too small to count, or lie mostly on what is unsure, are neither
+/// right nor wrong, and so are masks too small themselves.
+fn tally(truth: &LabelMap, masks: &[ScoredMask]) -> Tally {
+    let areas = truth.areas_known();
     let mut found = vec![false; areas.len()];
     let mut tally = Tally::default();
     for scored in masks {
         let area = scored.mask.area();
         let mut shared = std::collections::BTreeMap::new();
         for (x, y) in scored.mask.pixels() {
-            *shared.entry(scene.instances.get(x as u32, y as u32)).or_insert(0u32) += 1;
+            *shared.entry(truth.get(x as u32, y as u32)).or_insert(0u32) += 1;
         }
+        if shared.get(&UNSURE).is_some_and(|&n| 2 * n > area) {
+            continue;
+        }
+        let known = shared.iter().filter(|(label, _)| **label > 0 && **label != UNSURE);
         let overlap =
             |(&label, &n): (&u32, &u32)| (f64::from(n) / f64::from(area + areas[label as usize] - n), label);
-        let best = shared.iter().filter(|(label, _)| **label > 0).map(overlap);
-        let (best, label) = best.fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
+        let (best, label) = known.map(overlap).fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
         let matched = best >= MATCH;
         found[label as usize] |= matched;
         if area >= LEAST_AREA && !(matched && areas[label as usize] < LEAST_AREA) {
@@ -156,6 +313,7 @@ fn tally(scene: &Exemplar, masks: &[ScoredMask]) -> Tally {
         tally.found += usize::from(found[label]);
         tally.wanted_by_size[bin] += 1;
         tally.found_by_size[bin] += usize::from(found[label]);
+        tally.found_areas.extend(found[label].then_some(area));
     }
     tally
 }
@@ -172,7 +330,7 @@ fn search(side: u32) -> Result<Felzenszwalb, Failure> {
                 let setting = Felzenszwalb { scale, sigma, minimum };
                 let mut sum = Tally::default();
                 for scene in &scenes {
-                    sum.add(tally(scene, &setting.segment(&scene.image, &())?));
+                    sum.add(tally(&scene.instances, &setting.segment(&scene.image, &())?));
                 }
                 if sum.f_score() > best.0 {
                     best = (sum.f_score(), setting);
@@ -185,25 +343,24 @@ fn search(side: u32) -> Result<Felzenszwalb, Failure> {
 
 fn draw_photos(folder: &Path, out: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(out)?;
+    let texton = Texton::new(&EngineOptions::default())?;
     let mut paths: Vec<PathBuf> =
         std::fs::read_dir(folder)?.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>()?;
     paths.retain(|p| p.extension().is_some_and(|e| e == "png" || e == "jpg"));
     paths.sort();
     for path in paths {
         let photo = image::open(&path)?.to_rgb8();
-        let start = std::time::Instant::now();
-        let masks = Regions.segment(&photo, &())?;
-        let seconds = start.elapsed().as_secs_f64();
-        let mut map = LabelMap::filled(photo.width(), photo.height(), 0);
-        for (scored, label) in masks.iter().zip(1..) {
-            for (x, y) in scored.mask.pixels() {
-                map.set(x as u32, y as u32, label);
-            }
-        }
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        picture::outlines(&photo, &map).save(out.join(format!("{name}.png")))?;
-        let covered = map.labels.iter().filter(|&&l| l > 0).count() as f64 / map.labels.len() as f64;
-        println!("{name}: {} masks, {covered:.3} covered, {seconds:.2} s", masks.len());
+        for (method, segmenter) in [("texton", &texton as &dyn Segmenter), ("regions", &Regions)] {
+            let start = std::time::Instant::now();
+            let masks = segmenter.segment(&photo, &())?;
+            let seconds = start.elapsed().as_secs_f64();
+            let mut map = LabelMap::filled(photo.width(), photo.height(), 0);
+            masks.iter().zip(1..).for_each(|(scored, label)| map.fill(&scored.mask, label));
+            picture::outlines(&photo, &map).save(out.join(format!("{name}.{method}.png")))?;
+            let covered = map.labels.iter().filter(|&&l| l > 0).count() as f64 / map.labels.len() as f64;
+            println!("{name} {method}: {} masks, {covered:.3} covered, {seconds:.2} s", masks.len());
+        }
     }
     Ok(())
 }

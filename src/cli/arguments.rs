@@ -5,7 +5,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use super::values::{Axes, Bytes, Factors, Seed, Size, WeightsFrom, WeightsName, named};
+use super::values::{Axes, Bytes, Factors, Seed, Size, WeightsFrom, Name, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -42,7 +42,7 @@ pub(crate) struct Cli {
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    Texture(TextureArgs),
+    Texture(Box<TextureArgs>),
     Vectorize(VectorizeArgs),
     Analyze(AnalyzeArgs),
     Synth(SynthArgs),
@@ -50,6 +50,8 @@ pub(crate) enum Command {
     Tune(TuneArgs),
     Render(RenderArgs),
     Inspect(InspectArgs),
+    Doctor(DoctorArgs),
+    Models(ModelsArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
 }
@@ -349,7 +351,7 @@ pub(crate) struct TuneArgs {
     pub(crate) library: Option<PathBuf>,
     /// Name of the weights: letters, digits, - and _ [default: tuned]
     #[arg(long, value_name = "NAME")]
-    pub(crate) name: Option<WeightsName>,
+    pub(crate) name: Option<Name>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
@@ -414,6 +416,110 @@ pub(crate) struct InspectArgs {
     pub(crate) file: Option<PathBuf>,
 }
 
+/// Say what networks run on, which models there are, and what is missing
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  vtex doctor
+  vtex doctor --onnxruntime /opt/onnxruntime/lib/libonnxruntime.so --json")]
+pub(crate) struct DoctorArgs {
+    #[command(flatten)]
+    pub(crate) engine: EngineArgs,
+}
+
+/// Keep models of Segment Anything for --segmenter sam
+#[derive(Args)]
+#[command(
+    subcommand_required = true,
+    arg_required_else_help = true,
+    disable_help_subcommand = true,
+    after_help = "\
+Examples:
+  vtex models add encoder.onnx decoder.onnx --name mobile-sam
+  vtex models list
+  vtex models verify
+  vtex models remove mobile-sam
+
+Models are kept in vtex/models in the user's folder for data, or in the folder that VTEX_MODELS
+names. Nothing is ever downloaded."
+)]
+pub(crate) struct ModelsArgs {
+    #[command(subcommand)]
+    pub(crate) action: ModelsAction,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum ModelsAction {
+    /// Copy the files of a model: encoder and decoder, or one file that holds both
+    #[command(after_help = "Examples:\n  vtex models add encoder.onnx decoder.onnx --name mobile-sam")]
+    Add(ModelsAddArgs),
+    /// Name all models, with their files
+    List,
+    /// Compare all files with what they were when they were added
+    Verify,
+    /// Delete a model
+    Remove {
+        /// Its name
+        #[arg(value_name = "NAME")]
+        name: Name,
+    },
+}
+
+/// What a model is made of.
+#[derive(Args)]
+pub(crate) struct ModelsAddArgs {
+    /// The ONNX files, in any order, and those with their weights if these are apart
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+    /// Name of the model: letters, digits, - and _
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Name,
+    /// Replace a model of that name
+    #[arg(short, long)]
+    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) engine: EngineArgs,
+}
+
+/// What networks run on.
+#[derive(Args)]
+#[command(next_help_heading = "Networks")]
+pub(crate) struct EngineArgs {
+    /// What runs networks: ONNX Runtime where it is found, or rten, which is part of vtex [auto,
+    /// onnxruntime or rten, default: auto]
+    #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true)]
+    pub(crate) engine: Option<EngineName>,
+    /// ONNX Runtime's shared library [default: $VTEX_ONNXRUNTIME or $ORT_DYLIB_PATH, else the first
+    /// found; see 'vtex doctor']
+    #[arg(long, value_name = "FILE")]
+    pub(crate) onnxruntime: Option<PathBuf>,
+}
+
+/// What runs networks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum EngineName {
+    #[default]
+    Auto,
+    #[value(name = "onnxruntime")]
+    OnnxRuntime,
+    Rten,
+}
+
+/// Which network of Segment Anything.
+#[derive(Args)]
+#[command(next_help_heading = "Networks")]
+pub(crate) struct SamArgs {
+    /// Name of a model for --segmenter sam [default: the one there is; see 'vtex models']
+    #[arg(long, value_name = "NAME")]
+    pub(crate) model: Option<Name>,
+    /// ONNX file of an image encoder for --segmenter sam, or one that decodes too
+    #[arg(long, value_name = "FILE", conflicts_with = "model")]
+    pub(crate) encoder: Option<PathBuf>,
+    /// ONNX file of the prompt decoder that goes with it
+    #[arg(long, value_name = "FILE", requires = "encoder")]
+    pub(crate) decoder: Option<PathBuf>,
+}
+
 /// Print completions for a shell
 #[derive(Args)]
 #[command(after_help = "\
@@ -448,6 +554,10 @@ pub(crate) struct MasksArgs {
     /// Save the masks found: .masks.json, .masks.json.gz (exact) or .png (labels)
     #[arg(long, value_name = "FILE")]
     pub(crate) save_masks: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) sam: SamArgs,
+    #[command(flatten)]
+    pub(crate) engine: EngineArgs,
 }
 
 /// What finds the masks.
@@ -457,13 +567,14 @@ pub(crate) enum SegmenterName {
     #[default]
     Regions,
     Felzenszwalb,
+    Sam,
 }
 
 /// Section `[analyze]`.
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Analysis (lengths in pixels of the photograph)")]
 pub(crate) struct AnalyzeFlags {
-    /// What finds the textons [regions or felzenszwalb, default: regions]
+    /// What finds the textons [regions, felzenszwalb or sam, default: regions]
     #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true, help_heading = "Segmentation")]
     pub(crate) segmenter: Option<SegmenterName>,
     /// Smallest primary texton, px of area [1 to 1000000, default: 5]
@@ -615,6 +726,8 @@ pub(crate) fn command() -> clap::Command {
     let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "render", &WORK);
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
+    let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
+    let command = hide(command, "models", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();
     hide(hide(command, "completions", &all), "man", &all)
 }

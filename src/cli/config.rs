@@ -8,7 +8,7 @@ use super::arguments::{
     AnalyzeFlags, Global, RenderFlags, SegmenterName, SvgFlags, SynthBackgroundFlags, SynthFlags,
 };
 use super::failure::Failure;
-use super::values::{Axes, Bytes, FiveWeights, Seed, Size, WeightsFrom, WeightsName};
+use super::values::{Axes, Bytes, FiveWeights, Seed, Size, WeightsFrom, Name};
 use clap::Args;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,7 @@ pub(crate) struct Parameters {
     pub(crate) analyze: AnalyzeParams,
     pub(crate) synth: SynthParams,
     /// Where the weights of `synth` are to be read from, if not given as numbers.
-    pub(crate) weights: Option<WeightsName>,
+    pub(crate) weights: Option<Name>,
     pub(crate) svg: SvgParameters,
     pub(crate) render: RenderParameters,
 }

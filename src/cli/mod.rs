@@ -9,6 +9,7 @@ pub(crate) mod failure;
 mod format;
 mod input;
 pub(crate) mod interrupt;
+mod models;
 mod options;
 pub(crate) mod output;
 mod progress;

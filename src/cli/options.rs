@@ -2,17 +2,19 @@
 //! configuration: from [`Cli`] to a job and what all jobs share.
 
 use super::arguments::{
-    Cli, Command, ControlArgs, ForceArgs, MasksArgs, PatternArgs, SegmenterName, TuneArgs, WarpArgs,
+    Cli, Command, ControlArgs, EngineArgs, EngineName, ForceArgs, MasksArgs, ModelsAction, PatternArgs,
+    SamArgs, SegmenterName, TuneArgs, WarpArgs,
 };
 use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
 use super::failure::Failure;
 use super::format::{self, default_name, weights_path};
 use super::input::Input;
 use super::output::{Place, Target};
-use super::values::{Factors, Seed, WeightsName};
+use super::values::{Factors, Seed, Name};
 use clap_complete::Shell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use vtex::engine::{EngineOptions, Runtime};
 use vtex::library::AnalyzeParams;
 use vtex::output::file::{Format, Kind};
 use vtex::scene::SynthParams;
@@ -43,7 +45,7 @@ pub(crate) struct Common {
 
 /// A command with its options.
 pub(crate) enum Job {
-    Texture(Analysis, Synthesis),
+    Texture(Box<Analysis>, Synthesis),
     Vectorize(Analysis, SvgParameters, Target),
     Analyze(Analysis, Target),
     Synth(Vec<Input>, Synthesis),
@@ -51,6 +53,8 @@ pub(crate) enum Job {
     Tune(Input, Tuning),
     Render(Input, RenderOptions),
     Inspect(Input),
+    Doctor(EngineOptions),
+    Models(ModelsJob),
     Completions(Shell),
     Man(PathBuf),
 }
@@ -59,6 +63,7 @@ pub(crate) enum Job {
 pub(crate) struct Analysis {
     pub(crate) photo: Input,
     pub(crate) masks: MasksFrom,
+    pub(crate) engine: EngineOptions,
     pub(crate) save_masks: Option<Place>,
     pub(crate) parameters: AnalyzeParams,
 }
@@ -66,8 +71,26 @@ pub(crate) struct Analysis {
 /// Where masks come from.
 #[derive(Clone, Debug)]
 pub(crate) enum MasksFrom {
-    Segmenter(SegmenterName),
+    Regions,
+    Felzenszwalb,
+    Sam(SamFrom),
     File(PathBuf),
+}
+
+/// Where a network of Segment Anything comes from.
+#[derive(Clone, Debug)]
+pub(crate) enum SamFrom {
+    /// A model that was added, or the only one.
+    Model(Option<Name>),
+    Files(Vec<PathBuf>),
+}
+
+/// What is done with models.
+pub(crate) enum ModelsJob {
+    Add { files: Vec<PathBuf>, name: Name, force: bool, engine: EngineOptions },
+    List,
+    Verify,
+    Remove(Name),
 }
 
 /// How a texture is made and written.
@@ -157,7 +180,14 @@ impl Options {
                 given.add("svg", &a.svg);
             }
             Some(Command::Warp(a)) => given.add("svg", &a.svg),
-            Some(Command::Tune(_) | Command::Inspect(_) | Command::Completions(_) | Command::Man(_))
+            Some(
+                Command::Tune(_)
+                | Command::Inspect(_)
+                | Command::Doctor(_)
+                | Command::Models(_)
+                | Command::Completions(_)
+                | Command::Man(_),
+            )
             | None => {}
         }
         let parameters = Parameters::resolve(global.config.as_deref(), &given)?;
@@ -180,6 +210,7 @@ impl Options {
 
 impl Job {
     fn resolve(command: Command, parameters: Parameters, seed: Seed) -> anyhow::Result<Self> {
+        let threads = parameters.threads;
         let Parameters { seed: given_seed, segmenter, analyze, synth, weights, svg, render, .. } = parameters;
         let analyze = AnalyzeParams { seed: seed.0, ..analyze };
         let mut synth = SynthParams { seed: seed.0, ..synth };
@@ -195,15 +226,15 @@ impl Job {
                     &[("-o", output.as_deref()), ("--save-masks", a.masks.save_masks.as_deref())],
                 )?;
                 let analysis =
-                    Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?;
-                Self::Texture(analysis, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
+                    Analysis::new(photo, a.masks, &a.force, segmenter, threads, analyze, output.as_deref())?;
+                Self::Texture(Box::new(analysis), Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
             }
             Command::Vectorize(a) => {
                 let photo = required(a.photo)?;
                 let output = a.output.clone();
                 let target = target(a.output, &a.force, &photo, format::OF_SCENE, Format::Svg)?;
                 let analysis =
-                    Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?;
+                    Analysis::new(photo, a.masks, &a.force, segmenter, threads, analyze, output.as_deref())?;
                 Self::Vectorize(analysis, svg, target)
             }
             Command::Analyze(a) => {
@@ -211,7 +242,7 @@ impl Job {
                 let output = a.output.clone();
                 let target = target(a.output, &a.force, &photo, format::OF_LIBRARY, Format::Library)?;
                 Self::Analyze(
-                    Analysis::new(photo, a.masks, &a.force, segmenter, analyze, output.as_deref())?,
+                    Analysis::new(photo, a.masks, &a.force, segmenter, threads, analyze, output.as_deref())?,
                     target,
                 )
             }
@@ -246,6 +277,18 @@ impl Job {
                 Self::Render(file, RenderOptions { scale: render, svg, target, pattern })
             }
             Command::Inspect(a) => Self::Inspect(required(a.file)?),
+            Command::Doctor(a) => Self::Doctor(engine(a.engine, threads)),
+            Command::Models(a) => Self::Models(match a.action {
+                ModelsAction::Add(a) => ModelsJob::Add {
+                    files: a.files,
+                    name: a.name,
+                    force: a.force,
+                    engine: engine(a.engine, threads),
+                },
+                ModelsAction::List => ModelsJob::List,
+                ModelsAction::Verify => ModelsJob::Verify,
+                ModelsAction::Remove { name } => ModelsJob::Remove(name),
+            }),
             Command::Completions(a) => Self::Completions(a.shell),
             Command::Man(a) => Self::Man(a.folder),
         })
@@ -317,6 +360,7 @@ impl Analysis {
         masks: MasksArgs,
         force: &ForceArgs,
         segmenter: SegmenterName,
+        threads: Option<u16>,
         parameters: AnalyzeParams,
         output: Option<&Path>,
     ) -> Result<Self, Failure> {
@@ -332,9 +376,38 @@ impl Analysis {
         apart(&[read[0], written[0], written[1]])?;
         apart(&[read[1], written[0]])?;
         let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
-        let from = masks.masks.map_or(MasksFrom::Segmenter(segmenter), MasksFrom::File);
-        Ok(Self { photo, masks: from, save_masks, parameters })
+        let sam = SamFrom::new(masks.sam);
+        let from = match (masks.masks, segmenter, sam) {
+            (None, SegmenterName::Sam, sam) => MasksFrom::Sam(sam.unwrap_or(SamFrom::Model(None))),
+            (_, _, Some(_)) => {
+                let message = "--model, --encoder and --decoder are for --segmenter sam";
+                return Err(Failure::usage(message).hint("add --segmenter sam"));
+            }
+            (Some(file), ..) => MasksFrom::File(file),
+            (None, SegmenterName::Regions, None) => MasksFrom::Regions,
+            (None, SegmenterName::Felzenszwalb, None) => MasksFrom::Felzenszwalb,
+        };
+        let engine = engine(masks.engine, threads);
+        Ok(Self { photo, masks: from, engine, save_masks, parameters })
     }
+}
+
+impl SamFrom {
+    /// What was said of it, if anything.
+    fn new(args: SamArgs) -> Option<Self> {
+        let files: Vec<PathBuf> = args.encoder.into_iter().chain(args.decoder).collect();
+        if files.is_empty() { args.model.map(|name| Self::Model(Some(name))) } else { Some(Self::Files(files)) }
+    }
+}
+
+/// What networks run on.
+fn engine(args: EngineArgs, threads: Option<u16>) -> EngineOptions {
+    let runtime = match args.engine.unwrap_or_default() {
+        EngineName::Auto => Runtime::Auto,
+        EngineName::OnnxRuntime => Runtime::OnnxRuntime,
+        EngineName::Rten => Runtime::Rten,
+    };
+    EngineOptions { runtime, library: args.onnxruntime, threads: threads.map(usize::from) }
 }
 
 impl Steering {
@@ -406,7 +479,7 @@ impl Tuning {
 
 /// Replaces the weights by those of a name, which are in a file beside the library, or beside the
 /// photograph of one.
-fn read_weights(name: Option<WeightsName>, beside: &Input, synth: &mut SynthParams) -> anyhow::Result<()> {
+fn read_weights(name: Option<Name>, beside: &Input, synth: &mut SynthParams) -> anyhow::Result<()> {
     let Some(name) = name else { return Ok(()) };
     let name = name.as_str();
     let Input::File(beside) = beside else {

@@ -1,21 +1,24 @@
 //! The library's stages as the commands call them.
 
-use super::arguments::SegmenterName;
+use super::failure::Failure;
 use super::input::{Input, Kind};
-use super::options::{Analysis, DomainFrom, How, MasksFrom, Steering};
-use super::output::Place;
+use super::models::Store;
+use super::options::{Analysis, Common, DomainFrom, How, MasksFrom, SamFrom, Steering};
+use super::output::{Place, say};
 use super::progress::Reporter;
 use image::RgbImage;
 use vtex::analyze::{Exemplar, Limits};
 use vtex::control;
+use vtex::engine::{Choice, EngineOptions, Source, choose};
 use vtex::library::Library;
 use vtex::scene::{Scene, SynthParams};
+use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
 use vtex::synth::{Bend, Controls, Report};
 use vtex::{Error, Progress, Result};
 
 /// Photograph → library; saves the masks if asked.
-pub(super) fn analyze(analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
+pub(super) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
     reporter.stage("reading")?;
     let bytes = analysis.photo.read()?;
     Kind::expect(&bytes, &analysis.photo, &[Kind::Image, Kind::Unknown])?;
@@ -27,11 +30,54 @@ pub(super) fn analyze(analysis: &Analysis, reporter: &Reporter) -> anyhow::Resul
     drop(bytes);
     let segmenter: Box<dyn Segmenter> = match &analysis.masks {
         MasksFrom::File(path) => Box::new(MasksFile::read(path)?),
-        MasksFrom::Segmenter(SegmenterName::Felzenszwalb) => Box::new(Felzenszwalb::default()),
-        MasksFrom::Segmenter(SegmenterName::Regions) => Box::new(Regions),
+        MasksFrom::Felzenszwalb => Box::new(Felzenszwalb::default()),
+        MasksFrom::Regions => Box::new(Regions),
+        MasksFrom::Sam(from) => {
+            reporter.stage("loading")?;
+            let sam = sam(from, &analysis.engine)?;
+            if common.verbosity > 0 && !common.json {
+                say(&format!("{}{}", sam.title(), why_not(&analysis.engine)));
+            }
+            Box::new(Generator::new(Box::new(sam), GeneratorParams::default())?)
+        }
     };
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
     Ok(vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?)
+}
+
+/// Loads Segment Anything.
+fn sam(from: &SamFrom, engine: &EngineOptions) -> anyhow::Result<Sam> {
+    let files = match from {
+        SamFrom::Files(files) => files.clone(),
+        SamFrom::Model(name) => {
+            let store = Store::open()?;
+            let names = store.names()?;
+            let name = match (name, &names[..]) {
+                (Some(name), _) => name.as_str().to_owned(),
+                (None, [only]) => only.clone(),
+                (None, []) => {
+                    let failure = Failure::failed("there is no model of Segment Anything");
+                    let hint = "add one with 'vtex models add', or name its files with --encoder and --decoder";
+                    return Err(failure.hint(hint).into());
+                }
+                (None, several) => {
+                    let message = format!("there are several models: {}", several.join(", "));
+                    return Err(Failure::usage(message).hint("choose one with --model").into());
+                }
+            };
+            store.networks(&name)?
+        }
+    };
+    let files: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
+    Ok(Sam::open(&files, engine)?)
+}
+
+/// Why ONNX Runtime does not run networks though it may, for people.
+pub(super) fn why_not(engine: &EngineOptions) -> String {
+    match choose(engine) {
+        Ok(Choice::Rten { because: Some(reason) }) => format!(" ({reason})"),
+        _ => String::new(),
+    }
 }
 
 /// A segmenter that also saves what it finds.

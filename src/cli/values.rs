@@ -178,7 +178,7 @@ impl FromStr for FiveWeights {
 #[serde(untagged)]
 pub(crate) enum WeightsFrom {
     Numbers(FiveWeights),
-    Name(WeightsName),
+    Name(Name),
 }
 
 impl FromStr for WeightsFrom {
@@ -209,19 +209,19 @@ impl<'de> Deserialize<'de> for WeightsFrom {
     }
 }
 
-/// A name of weights: letters of ASCII, at least one, digits, `-` and `_`; at most 64.
+/// A name of weights or of a model: letters of ASCII, at least one, digits, `-` and `_`; at most 64.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
-pub(crate) struct WeightsName(String);
+pub(crate) struct Name(String);
 
-impl WeightsName {
+impl Name {
     /// The name.
     pub(crate) fn as_str(&self) -> &str {
         &self.0
     }
 }
 
-impl FromStr for WeightsName {
+impl FromStr for Name {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {

@@ -7,6 +7,7 @@
 mod locate;
 mod onnxruntime;
 mod rten;
+mod structure;
 
 pub use locate::{Found, locate};
 pub use onnxruntime::{MINIMUM_MINOR, version};
@@ -121,9 +122,11 @@ pub struct EngineOptions {
     /// ONNX Runtime's shared library. Default: the first that [`locate`] finds. The first one loaded
     /// serves as long as the process lives.
     pub library: Option<PathBuf>,
-    /// Threads that one run is spread over, at least 1. Default: one for each core.
+    /// Threads that rten spreads a run over, at least 1. Default: one for each core. Results do not
+    /// depend on it.
     ///
-    /// Results have been found not to depend on it, with either engine (`benches/networks.md`).
+    /// ONNX Runtime always uses all cores: in it the order of sums, and with it the last digits, depends
+    /// on the number of threads.
     pub threads: Option<usize>,
 }
 
@@ -143,7 +146,7 @@ pub enum Source<'a> {
 
 impl Source<'_> {
     /// What errors call it.
-    fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         match self {
             Self::File(path) => path.display().to_string(),
             Self::Bytes { name, .. } => (*name).to_owned(),
@@ -212,19 +215,24 @@ pub fn load(source: Source<'_>, options: &EngineOptions) -> Result<Box<dyn Engin
         // Both engines say less clearly what is wrong with a path.
         std::fs::File::open(path).map_err(|e| Error::read(path, e))?;
     }
-    let threads = options.threads.map(|n| n.max(1));
-    let in_rten = || -> Result<Box<dyn Engine>> { Ok(Box::new(rten::Network::load(source, threads)?)) };
-    match choose(options)? {
-        Choice::Rten { .. } => in_rten(),
-        Choice::OnnxRuntime { library, .. } => {
-            match onnxruntime::Network::load(source, &library, threads) {
-                Ok(network) => Ok(Box::new(network)),
-                // A graph of newer operators than an old library knows may still run.
-                Err(e) if options.runtime == Runtime::Auto => in_rten().map_err(|_| e),
-                Err(e) => Err(e),
-            }
-        }
+    let in_rten = || -> Result<Box<dyn Engine>> { Ok(Box::new(rten::Network::load(source, options.threads)?)) };
+    let network = match choose(options)? {
+        Choice::Rten { .. } => in_rten()?,
+        Choice::OnnxRuntime { library, .. } => match onnxruntime::Network::load(source, &library) {
+            Ok(network) => Box::new(network),
+            // A graph of newer operators than an old library knows may still run.
+            Err(e) if options.runtime == Runtime::Auto => in_rten().map_err(|_| e)?,
+            Err(e) => return Err(e),
+        },
+    };
+    if network.inputs().is_empty() || network.outputs().is_empty() {
+        return Err(Error::Network {
+            name: source.name(),
+            reason: "it has no inputs or no outputs".into(),
+            advice: "is the file complete?",
+        });
     }
+    Ok(network)
 }
 
 /// Runs what calls an engine. One that panics on a damaged network gives an error all the same.
@@ -252,5 +260,7 @@ fn places(name: &str, ports: &[Port], wanted: &[&str]) -> Result<Vec<usize>> {
     wanted.iter().map(place).collect()
 }
 
+#[cfg(test)]
+pub(crate) mod testing;
 #[cfg(test)]
 mod tests;

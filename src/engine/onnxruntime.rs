@@ -1,7 +1,9 @@
 //! Networks run by ONNX Runtime, a shared library loaded when first needed.
 //!
-//! Each network has a pool of threads of its own: one for each physical core, or as many as asked
-//! for. The library's telemetry is switched off. Only one library can be loaded in a process.
+//! Each network has a pool of threads of its own, one for each core. Their number is not a choice: a
+//! product of matrices is cut up by it, and its sums are taken in another order, so that the last digits
+//! would depend on it. The library's telemetry is switched off. Only one library can be loaded in a
+//! process.
 
 use super::{Engine, Port, Source, Tensor, Values, guarded, places};
 use crate::error::{Error, Result};
@@ -87,7 +89,7 @@ impl Network {
     ///
     /// # Errors
     /// [`Error::Network`].
-    pub(super) fn load(source: Source<'_>, library: &Path, threads: Option<usize>) -> Result<Self> {
+    pub(super) fn load(source: Source<'_>, library: &Path) -> Result<Self> {
         let name = source.name();
         let failure = |e: ort::Error| Error::Network {
             name: name.clone(),
@@ -98,9 +100,9 @@ impl Network {
             guarded(&name, || {
                 let mut builder = Session::builder(&loaded.environment).map_err(failure)?;
                 builder = builder.with_deterministic_compute(true).map_err(|e| failure(e.into()))?;
-                if let Some(threads) = threads {
-                    builder = builder.with_intra_threads(threads).map_err(|e| failure(e.into()))?;
-                }
+                // Left to itself it also ties threads to cores, which fails where not all may be used.
+                let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+                builder = builder.with_intra_threads(cores).map_err(|e| failure(e.into()))?;
                 let session = match source {
                     Source::File(path) => builder.commit_from_file(path),
                     Source::Bytes { bytes, .. } => builder.commit_from_memory(bytes),

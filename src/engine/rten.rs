@@ -3,10 +3,12 @@
 //! rten spreads a run over a pool of threads of its own: by default one for each physical core, as
 //! the variable `RTEN_NUM_THREADS` says, or as many as asked for here.
 
-use super::{Engine, Port, Source, Tensor, Values, guarded, places};
+use super::{Engine, Port, Source, Tensor, Values, guarded, places, structure};
 use crate::error::{Error, Result};
 use ::rten::{DataType, Dimension, Model, NodeId, RunOptions, ThreadPool, Value, ValueOrView, ValueType};
 use rten_tensor::prelude::*;
+use std::fs::File;
+use std::io::{BufReader, Cursor};
 use std::sync::Arc;
 
 /// A loaded network.
@@ -25,22 +27,38 @@ impl Network {
     /// [`Error::Network`], [`Error::Read`].
     pub(super) fn load(source: Source<'_>, threads: Option<usize>) -> Result<Self> {
         let name = source.name();
+        let failure = |reason: String| Error::Network {
+            name: name.clone(),
+            reason: format!("rten cannot read it: {reason}"),
+            advice: "is it an ONNX file with 32-bit weights, and complete? ONNX Runtime reads more kinds: 'vtex doctor' says how to get it",
+        };
         let model = guarded(&name, || {
             let model = match source {
-                // By its path only if the name says what it is; weights beside it are then found.
-                Source::File(path) if path.extension().is_some_and(|e| e == "onnx") => Model::load_file(path),
-                Source::File(path) => Model::load(std::fs::read(path).map_err(|e| Error::read(path, e))?),
-                Source::Bytes { bytes, .. } => Model::load(bytes.to_vec()),
+                Source::File(path) => {
+                    let open = || -> std::io::Result<(BufReader<File>, u64)> {
+                        let file = File::open(path)?;
+                        let length = file.metadata()?.len();
+                        Ok((BufReader::new(file), length))
+                    };
+                    let (file, length) = open().map_err(|e| Error::read(path, e))?;
+                    structure::check(file, length).map_err(failure)?;
+                    // By its path only if the name says what it is; weights beside it are then found.
+                    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("onnx")) {
+                        Model::load_file(path)
+                    } else {
+                        Model::load(std::fs::read(path).map_err(|e| Error::read(path, e))?)
+                    }
+                }
+                Source::Bytes { bytes, .. } => {
+                    structure::check(Cursor::new(bytes), bytes.len() as u64).map_err(failure)?;
+                    Model::load(bytes.to_vec())
+                }
             };
-            model.map_err(|e| Error::Network {
-                name: name.clone(),
-                reason: format!("rten cannot read it: {e}"),
-                advice: "is it an ONNX file with 32-bit weights, and complete? ONNX Runtime reads more kinds: 'vtex doctor' says how to get it",
-            })
+            model.map_err(|e| failure(e.to_string()))
         })?;
         let ports = |ids: &[NodeId]| ids.iter().map(|id| port(&model, *id)).collect();
         let (inputs, outputs) = (ports(model.input_ids()), ports(model.output_ids()));
-        let pool = threads.map(|n| Arc::new(ThreadPool::with_num_threads(n)));
+        let pool = threads.map(|n| Arc::new(ThreadPool::with_num_threads(n.max(1))));
         Ok(Self { name, model, inputs, outputs, pool })
     }
 

@@ -17,7 +17,7 @@ pub(super) fn run(
     if common.verbosity > 1 {
         say(&format!("{:#?}", analysis.parameters));
     }
-    let library = stages::analyze(analysis, reporter)?;
+    let library = stages::analyze(common, analysis, reporter)?;
     reporter.stage("writing")?;
     let written = target.write_bytes(&library.to_json())?;
     let (seconds, warnings) = reporter.finish();

@@ -8,7 +8,8 @@ pub(super) fn run(folder: &Path) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
     let mut command = arguments::command();
     command.build();
-    for command in std::iter::once(&command).chain(command.get_subcommands()) {
+    let commands = command.get_subcommands().flat_map(|c| std::iter::once(c).chain(c.get_subcommands()));
+    for command in std::iter::once(&command).chain(commands) {
         let name = command.get_display_name().unwrap_or_else(|| command.get_name());
         let path = folder.join(format!("{name}.1"));
         // These pages are vtex's whoever wrote what stands there now.

@@ -2,8 +2,10 @@
 
 mod analyze;
 mod completions;
+mod doctor;
 mod inspect;
 mod man;
+mod models;
 mod render;
 mod synth;
 mod texture;
@@ -26,6 +28,8 @@ pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
         Job::Tune(library, tuning) => tune::run(common, &reporter, library, tuning),
         Job::Render(file, options) => render::run(common, &reporter, file, options),
         Job::Inspect(file) => inspect::run(common, file),
+        Job::Doctor(engine) => doctor::run(common, engine),
+        Job::Models(job) => models::run(common, job),
         Job::Completions(shell) => completions::run(*shell),
         Job::Man(folder) => man::run(folder),
     };

@@ -15,7 +15,7 @@ pub(super) fn run(
     analysis.probe()?;
     // What is wrong with them shows before the long work.
     let controls = stages::controls(&synthesis.steering, &synthesis.parameters, 1)?;
-    let library = stages::analyze(analysis, reporter)?;
+    let library = stages::analyze(common, analysis, reporter)?;
     let inputs = vec![analysis.photo.name()];
     synth::finish(common, reporter, "texture", inputs, &[library], &controls, synthesis)
 }

@@ -20,7 +20,7 @@ pub(super) fn run(
     if common.verbosity > 1 {
         say(&format!("{:#?}", analysis.parameters));
     }
-    let library = stages::analyze(analysis, reporter)?;
+    let library = stages::analyze(common, analysis, reporter)?;
     let scene = stages::reconstruct(&library);
     reporter.stage("writing")?;
     let written = target.write_scene(&scene, svg, 1.0)?;

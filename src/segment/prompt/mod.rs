@@ -2,9 +2,11 @@
 
 mod generator;
 mod proposal;
+pub mod sam;
 
 pub(in crate::segment) use generator::View;
 pub use generator::{Cost, Found, Generator, GeneratorParams};
+pub use sam::Sam;
 
 use crate::error::Result;
 use image::RgbImage;

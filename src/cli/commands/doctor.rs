@@ -1,0 +1,123 @@
+//! `vtex doctor`: what networks run on, which there are, and what is missing.
+
+use super::models::show;
+use crate::cli::models::{Model, Store};
+use crate::cli::options::Common;
+use crate::cli::output::{print, print_styled};
+use anstyle::Style;
+use serde::Serialize;
+use std::path::PathBuf;
+use vtex::engine::{Choice, EngineOptions, MINIMUM_MINOR, choose, locate};
+
+#[derive(Serialize)]
+struct Report {
+    program: &'static str,
+    /// `ONNX Runtime` or `rten`; none if that asked for cannot be had.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    engine: Option<&'static str>,
+    /// Of ONNX Runtime.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    version: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    library: Option<PathBuf>,
+    /// Where the library was found, or looked for and found wanting.
+    libraries: Vec<Candidate>,
+    threads: usize,
+    models_folder: Option<PathBuf>,
+    models: Vec<Model>,
+    missing: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Candidate {
+    path: PathBuf,
+    by: &'static str,
+}
+
+pub(super) fn run(common: &Common, options: &EngineOptions) -> anyhow::Result<()> {
+    let report = examine(options);
+    if common.json {
+        let mut text = serde_json::to_string_pretty(&report)?;
+        text.push('\n');
+        return print(text.as_bytes());
+    }
+    print_styled(&report.show())
+}
+
+fn examine(options: &EngineOptions) -> Report {
+    let found = locate(options.library.as_deref());
+    let libraries = found.into_iter().map(|f| Candidate { path: f.path, by: f.by }).collect();
+    let mut missing = Vec::new();
+    let how = format!(
+        "'pip install onnxruntime' brings ONNX Runtime, a few times faster than rten; version 1.{MINIMUM_MINOR} or newer serves; name its library with --onnxruntime if it is not found"
+    );
+    let (engine, version, library) = match choose(options) {
+        Ok(Choice::OnnxRuntime { library, version }) => (Some("ONNX Runtime"), Some(version), Some(library)),
+        Ok(Choice::Rten { because }) => {
+            missing.extend(because.map(|reason| format!("{reason}: {how}")));
+            (Some("rten"), None, None)
+        }
+        Err(e) => {
+            missing.push(format!("{e}: {how}"));
+            (None, None, None)
+        }
+    };
+    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let (mut models_folder, mut models) = (None, Vec::new());
+    match Store::open() {
+        Ok(store) => {
+            match store.models() {
+                Ok(found) => models = found,
+                Err(e) => missing.push(e.to_string()),
+            }
+            models_folder = Some(store.folder().to_owned());
+        }
+        Err(e) => missing.push(e.to_string()),
+    }
+    if models.is_empty() {
+        missing.push(
+            "no model for --segmenter sam: export one of SAM, MobileSAM, EfficientSAM or SAM 2 to ONNX and add it with 'vtex models add encoder.onnx decoder.onnx --name NAME'"
+                .into(),
+        );
+    }
+    Report {
+        program: vtex::PROGRAM,
+        engine,
+        version,
+        library,
+        libraries,
+        threads: options.threads.unwrap_or(cores),
+        models_folder,
+        models,
+        missing,
+    }
+}
+
+impl Report {
+    /// For people.
+    fn show(&self) -> String {
+        let head = Style::new().bold();
+        let mut text = format!("{head}{}{head:#}\n\n", self.program);
+        let mut line = |name: &str, value: &str| text.push_str(&format!("{head}{name:12}{head:#} {value}\n"));
+        let version = self.version.iter().map(|v| format!(" {v}")).collect::<String>();
+        line("engine", &format!("{}{version}", self.engine.unwrap_or("none")));
+        for candidate in &self.libraries {
+            let used = self.library.as_ref() == Some(&candidate.path);
+            let name = if used { "library" } else { "not used" };
+            line(name, &format!("{} ({})", candidate.path.display(), candidate.by));
+        }
+        line("threads", &self.threads.to_string());
+        let folder = self.models_folder.as_ref().map(|f| f.display().to_string());
+        line("models", &format!("{} in '{}'", self.models.len(), folder.unwrap_or_default()));
+        for model in &self.models {
+            text.push_str(&show(model));
+        }
+        if !self.missing.is_empty() {
+            text.push_str(&format!("\n{head}missing{head:#}\n"));
+        }
+        for what in &self.missing {
+            text.push_str(&format!("  {what}\n"));
+        }
+        text
+    }
+}
