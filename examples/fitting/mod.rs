@@ -39,7 +39,9 @@ pub(crate) fn samples<const F: usize>(
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
     let one = |seed: u64| {
         let side = SIDES[seed as usize % SIDES.len()];
-        let scene = generate(&SceneParams::random(seed, side, side)).expect("random parameters are in range");
+        let params = SceneParams::random(seed, side, side);
+        let mut scene = generate(&params).expect("random parameters are in range");
+        disturb(&mut scene.image, seed);
         let candidates = candidates(&scene.image);
         of_scene(seed, &scene, &candidates)
     };
@@ -57,6 +59,25 @@ pub(crate) fn samples<const F: usize>(
     }
     println!("{} samples; {found} of {wanted} elements are among the candidates", all.len());
     all
+}
+
+/// What cameras and files do to three pictures of four.
+fn disturb(picture: &mut image::RgbImage, seed: u64) {
+    use image::imageops::{blur, colorops, unsharpen};
+    let random = &mut stream(seed, "fit/disturb", 0);
+    match random.below(4) {
+        0 => *picture = unsharpen(picture, random.range(0.6, 1.4) as f32, 0),
+        1 => *picture = blur(picture, random.range(0.3, 0.9) as f32),
+        2 => colorops::contrast_in_place(picture, random.range(-40.0, 30.0) as f32),
+        _ => {}
+    }
+    if random.chance(0.5) {
+        let mut file = std::io::Cursor::new(Vec::new());
+        let quality = 60 + random.below(36) as u8;
+        let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut file, quality);
+        picture.write_with_encoder(encoder).expect("memory");
+        *picture = image::load_from_memory(file.get_ref()).expect("what was just written").to_rgb8();
+    }
 }
 
 /// The samples of one scene, how many elements some candidate matches, and how many there are.

@@ -565,6 +565,8 @@ pub(crate) struct MasksArgs {
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum SegmenterName {
     #[default]
+    Auto,
+    Texton,
     Regions,
     Felzenszwalb,
     Sam,
@@ -574,7 +576,8 @@ pub(crate) enum SegmenterName {
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Analysis (lengths in pixels of the photograph)")]
 pub(crate) struct AnalyzeFlags {
-    /// What finds the textons [regions, felzenszwalb or sam, default: regions]
+    /// What finds the textons: auto is sam if a model was added, else texton [auto, texton, regions,
+    /// felzenszwalb or sam, default: auto]
     #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true, help_heading = "Segmentation")]
     pub(crate) segmenter: Option<SegmenterName>,
     /// Smallest primary texton, px of area [1 to 1000000, default: 5]

@@ -71,6 +71,9 @@ pub(crate) struct Analysis {
 /// Where masks come from.
 #[derive(Clone, Debug)]
 pub(crate) enum MasksFrom {
+    /// Segment Anything if there is a model, else the texton network.
+    Auto,
+    Texton,
     Regions,
     Felzenszwalb,
     Sam(SamFrom),
@@ -384,6 +387,8 @@ impl Analysis {
                 return Err(Failure::usage(message).hint("add --segmenter sam"));
             }
             (Some(file), ..) => MasksFrom::File(file),
+            (None, SegmenterName::Auto, None) => MasksFrom::Auto,
+            (None, SegmenterName::Texton, None) => MasksFrom::Texton,
             (None, SegmenterName::Regions, None) => MasksFrom::Regions,
             (None, SegmenterName::Felzenszwalb, None) => MasksFrom::Felzenszwalb,
         };

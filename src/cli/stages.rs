@@ -9,10 +9,11 @@ use super::progress::Reporter;
 use image::RgbImage;
 use vtex::analyze::{Exemplar, Limits};
 use vtex::control;
-use vtex::engine::{Choice, EngineOptions, Source, choose};
+use vtex::engine::{Choice, EngineOptions, Runtime, Source, choose};
 use vtex::library::Library;
 use vtex::scene::{Scene, SynthParams};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
+use vtex::segment::texton::Texton;
 use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
 use vtex::synth::{Bend, Controls, Report};
 use vtex::{Error, Progress, Result};
@@ -28,21 +29,41 @@ pub(super) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
     };
     let exemplar = Exemplar::from_bytes(&bytes, &name, &Limits::default())?;
     drop(bytes);
-    let segmenter: Box<dyn Segmenter> = match &analysis.masks {
-        MasksFrom::File(path) => Box::new(MasksFile::read(path)?),
-        MasksFrom::Felzenszwalb => Box::new(Felzenszwalb::default()),
-        MasksFrom::Regions => Box::new(Regions),
-        MasksFrom::Sam(from) => {
-            reporter.stage("loading")?;
-            let sam = sam(from, &analysis.engine)?;
-            if common.verbosity > 0 && !common.json {
-                say(&format!("{}{}", sam.title(), why_not(&analysis.engine)));
-            }
-            Box::new(Generator::new(Box::new(sam), GeneratorParams::default())?)
-        }
-    };
+    let segmenter = segmenter(common, analysis, reporter)?;
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
     Ok(vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?)
+}
+
+/// Loads what finds masks.
+fn segmenter(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Box<dyn Segmenter>> {
+    let any_model = || SamFrom::Model(None);
+    let from = match &analysis.masks {
+        MasksFrom::File(path) => return Ok(Box::new(MasksFile::read(path)?)),
+        MasksFrom::Felzenszwalb => return Ok(Box::new(Felzenszwalb::default())),
+        MasksFrom::Regions => return Ok(Box::new(Regions)),
+        MasksFrom::Sam(from) => Some(from.clone()),
+        // Without a folder for models there are none.
+        MasksFrom::Auto => {
+            Store::open().is_ok_and(|s| s.names().is_ok_and(|names| !names.is_empty())).then(any_model)
+        }
+        MasksFrom::Texton => None,
+    };
+    reporter.stage("loading")?;
+    let Some(from) = from else {
+        return Ok(Box::new(Texton::new(&for_texton(&analysis.engine))?));
+    };
+    let sam = sam(&from, &analysis.engine)?;
+    if common.verbosity > 0 && !common.json {
+        say(&format!("{}{}", sam.title(), why_not(&analysis.engine)));
+    }
+    Ok(Box::new(Generator::new(Box::new(sam), GeneratorParams::default())?))
+}
+
+/// What runs the network that is part of the program: ONNX Runtime only if asked for by name, so
+/// that masks do not depend on what else is installed.
+fn for_texton(engine: &EngineOptions) -> EngineOptions {
+    let unnamed = engine.runtime == Runtime::Auto && engine.library.is_none();
+    EngineOptions { runtime: if unnamed { Runtime::Rten } else { engine.runtime }, ..engine.clone() }
 }
 
 /// Loads Segment Anything.

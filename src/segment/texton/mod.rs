@@ -156,15 +156,17 @@ impl Segmenter for Texton {
         let scores = map(&candidates, |c| weights::NETWORK.score(&c.features));
         let mut order: Vec<(f32, usize)> = Vec::new();
         for (k, (candidate, &score)) in candidates.iter().zip(&scores).enumerate() {
-            let worth = worth(candidate.mask.area() as f32, score);
+            let shift: f32 = std::env::var("SHIFT").map_or(0.0, |v| v.parse().unwrap());
+            let worth = worth(candidate.mask.area() as f32, score + shift);
             if worth > 0.0 {
-                order.push((score, k));
+                order.push((worth, k));
             }
         }
         order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut taken = LabelMap::filled(image.width(), image.height(), 0);
         let mut found = Vec::new();
-        for (score, k) in order {
+        for (_, k) in order {
+            let score = scores[k];
             let mask = &candidates[k].mask;
             let free = Mask::from_spans(mask.spans().to_vec());
             let left: Vec<_> = free.pixels().filter(|&(x, y)| taken.get(x as u32, y as u32) == 0).collect();
