@@ -5,7 +5,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use super::values::{Axes, Bytes, Factors, Seed, Size, WeightsFrom, Name, named};
+use super::values::{Axes, Bytes, Factors, Name, Seed, Size, WeightsFrom, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
