@@ -64,7 +64,7 @@ pub(crate) struct Global {
     /// printed and stored]
     #[arg(long, global = true, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) seed: Option<Seed>,
-    /// Threads; results do not depend on it [1 to 1024, default: all cores]
+    /// Threads, of all but ONNX Runtime; results do not depend on it [1 to 1024, default: all cores]
     #[arg(
         short,
         long,

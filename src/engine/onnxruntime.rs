@@ -115,6 +115,8 @@ impl Network {
                 // Left to itself it also ties threads to cores, which fails where not all may be used.
                 let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
                 builder = builder.with_intra_threads(cores).map_err(|e| failure(e.into()))?;
+                // Idle threads sleep: between two runs the cores have other work.
+                builder = builder.with_intra_op_spinning(false).map_err(|e| failure(e.into()))?;
                 let session = match source {
                     Source::File(path) => builder.commit_from_file(path),
                     Source::Bytes { bytes, .. } => builder.commit_from_memory(bytes),

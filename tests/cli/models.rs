@@ -133,7 +133,9 @@ fn masks_come_from_a_model_or_from_files() {
     analyze("--encoder sam_encoder.onnx --decoder efficient_decoder.onnx").fails(1, "do not go together");
     analyze("--encoder photo.png").fails(1, "rten cannot read it");
     folder.run("analyze photo.png --model tiny").fails(2, "are for --segmenter sam");
-    folder.run("analyze photo.png --segmenter sam --model tiny --onnxruntime photo.png").fails(1, "cannot be loaded");
+    folder
+        .run("analyze photo.png --segmenter sam --model tiny --onnxruntime photo.png")
+        .fails(1, "cannot be loaded");
 }
 
 #[test]
