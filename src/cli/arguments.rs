@@ -5,7 +5,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use super::values::{Axes, Bytes, Factors, Seed, Size, WeightsFrom, Name, named};
+use super::values::{Axes, Bytes, Factors, Name, Seed, Size, WeightsFrom, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -64,7 +64,7 @@ pub(crate) struct Global {
     /// printed and stored]
     #[arg(long, global = true, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) seed: Option<Seed>,
-    /// Threads; results do not depend on it [1 to 1024, default: all cores]
+    /// Threads, of all but ONNX Runtime; results do not depend on it [1 to 1024, default: all cores]
     #[arg(
         short,
         long,

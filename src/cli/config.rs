@@ -8,7 +8,7 @@ use super::arguments::{
     AnalyzeFlags, Global, RenderFlags, SegmenterName, SvgFlags, SynthBackgroundFlags, SynthFlags,
 };
 use super::failure::Failure;
-use super::values::{Axes, Bytes, FiveWeights, Seed, Size, WeightsFrom, Name};
+use super::values::{Axes, Bytes, FiveWeights, Name, Seed, Size, WeightsFrom};
 use clap::Args;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};

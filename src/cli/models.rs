@@ -144,7 +144,8 @@ impl Store {
             anyhow::Error::from(Failure::failed(message).hint(hint))
         };
         let model: Model = serde_json::from_slice(&text).map_err(|e| damaged(e.to_string()))?;
-        let plain = |file: &ModelFile| Path::new(&file.file).file_name().is_some_and(|n| n == file.file.as_str());
+        let plain =
+            |file: &ModelFile| Path::new(&file.file).file_name().is_some_and(|n| n == file.file.as_str());
         if model.format != "vtex-model" || model.version != 1 || model.name != name {
             return Err(damaged("it is of another name, format or version".into()));
         }
@@ -206,14 +207,17 @@ impl Store {
         let networks = described.iter().filter(|d| d.role != FileRole::Weights);
         let copies: Vec<PathBuf> = networks.map(|d| new.path().join(&d.file)).collect();
         let sources: Vec<Source<'_>> = copies.iter().map(|path| Source::File(path)).collect();
-        let kind = Sam::open(&sources, engine)?.kind().to_owned();
-        let model = Model {
-            format: "vtex-model".into(),
-            version: 1,
-            name: name.to_owned(),
-            kind,
-            files: described,
-        };
+        let named = |text: String| text.replace(&format!("{}/", new.path().display()), "");
+        let sam = Sam::open(&sources, engine).map_err(|e| match e {
+            // The user knows the files by their own names.
+            Error::Network { name, reason, advice } => {
+                Error::Network { name: named(name), reason: named(reason), advice }
+            }
+            other => other,
+        });
+        let kind = sam?.kind().to_owned();
+        let model =
+            Model { format: "vtex-model".into(), version: 1, name: name.to_owned(), kind, files: described };
         let mut text = serde_json::to_vec_pretty(&model)?;
         text.push(b'\n');
         let description = new.path().join(DESCRIPTION);

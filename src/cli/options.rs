@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::format::{self, default_name, weights_path};
 use super::input::Input;
 use super::output::{Place, Target};
-use super::values::{Factors, Seed, Name};
+use super::values::{Factors, Name, Seed};
 use clap_complete::Shell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -230,7 +230,10 @@ impl Job {
                 )?;
                 let analysis =
                     Analysis::new(photo, a.masks, &a.force, segmenter, threads, analyze, output.as_deref())?;
-                Self::Texture(Box::new(analysis), Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
+                Self::Texture(
+                    Box::new(analysis),
+                    Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?,
+                )
             }
             Command::Vectorize(a) => {
                 let photo = required(a.photo)?;
@@ -401,7 +404,11 @@ impl SamFrom {
     /// What was said of it, if anything.
     fn new(args: SamArgs) -> Option<Self> {
         let files: Vec<PathBuf> = args.encoder.into_iter().chain(args.decoder).collect();
-        if files.is_empty() { args.model.map(|name| Self::Model(Some(name))) } else { Some(Self::Files(files)) }
+        if files.is_empty() {
+            args.model.map(|name| Self::Model(Some(name)))
+        } else {
+            Some(Self::Files(files))
+        }
     }
 }
 

@@ -78,7 +78,8 @@ fn sam(from: &SamFrom, engine: &EngineOptions) -> anyhow::Result<Sam> {
                 (None, [only]) => only.clone(),
                 (None, []) => {
                     let failure = Failure::failed("there is no model of Segment Anything");
-                    let hint = "add one with 'vtex models add', or name its files with --encoder and --decoder";
+                    let hint =
+                        "add one with 'vtex models add', or name its files with --encoder and --decoder";
                     return Err(failure.hint(hint).into());
                 }
                 (None, several) => {

@@ -30,10 +30,13 @@ pub fn locate(given: Option<&Path>) -> Vec<Found> {
             return named(path.into(), variable);
         }
     }
-    let mut found: Vec<Found> = Vec::new();
+    let (mut found, mut seen): (Vec<Found>, Vec<PathBuf>) = (Vec::new(), Vec::new());
     let mut add = |folder: &Path, by| {
         for path in libraries(folder) {
-            if found.iter().all(|known| known.path != path) {
+            // The same file may be reached by several folders, and have several names.
+            let file = fs::canonicalize(&path).unwrap_or_else(|_| path.clone());
+            if !seen.contains(&file) {
+                seen.push(file);
                 found.push(Found { path, by, named: false });
             }
         }
@@ -174,7 +177,13 @@ mod tests {
         for name in ["libonnxruntime.so", "libonnxruntime.so.1", "libonnxruntime.so.1.22.0"] {
             assert!(is_library(name), "{name}");
         }
-        for name in ["libonnxruntime_providers_shared.so", "libonnxruntime.so.sig", "libonnxruntime.a", "onnxruntime.dll", ""] {
+        for name in [
+            "libonnxruntime_providers_shared.so",
+            "libonnxruntime.so.sig",
+            "libonnxruntime.a",
+            "onnxruntime.dll",
+            "",
+        ] {
             assert!(!is_library(name), "{name}");
         }
     }

@@ -215,7 +215,8 @@ pub fn load(source: Source<'_>, options: &EngineOptions) -> Result<Box<dyn Engin
         // Both engines say less clearly what is wrong with a path.
         std::fs::File::open(path).map_err(|e| Error::read(path, e))?;
     }
-    let in_rten = || -> Result<Box<dyn Engine>> { Ok(Box::new(rten::Network::load(source, options.threads)?)) };
+    let in_rten =
+        || -> Result<Box<dyn Engine>> { Ok(Box::new(rten::Network::load(source, options.threads)?)) };
     let network = match choose(options)? {
         Choice::Rten { .. } => in_rten()?,
         Choice::OnnxRuntime { library, .. } => match onnxruntime::Network::load(source, &library) {

@@ -8,11 +8,12 @@
 use super::{Engine, Port, Source, Tensor, Values, guarded, places};
 use crate::error::{Error, Result};
 use ort::environment::Environment;
+use ort::logging::LoggerFunction;
 use ort::session::{Session, SessionInputValue};
 use ort::value::{Tensor as OrtTensor, TensorElementType, ValueType};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Oldest ONNX Runtime that serves: the second part of 1.17.
 pub const MINIMUM_MINOR: u32 = ort::MINOR_VERSION;
@@ -44,8 +45,11 @@ fn with_library<T>(path: &Path, work: impl FnOnce(&Loaded) -> Result<T>) -> Resu
             let start = || {
                 let found = ort::init_from(&path).map_err(|e| failure(format!("cannot be loaded: {e}")))?;
                 // Asking for its interface here, where a panic is caught, shows whether it has one.
-                let version = version_in(ort::info()).unwrap_or_else(|| "of unknown version".into());
-                let built = found.with_name("vtex").with_telemetry(false).build();
+                let build = ort::info();
+                let version = version_in(build).or_else(|| version_of(&path)).unwrap_or_else(|| "1.?".into());
+                // What it would print comes back as an error too.
+                let silent: LoggerFunction = Arc::new(|_, _, _, _, _| {});
+                let built = found.with_name("vtex").with_telemetry(false).with_logger(silent).build();
                 let environment = built.map_err(|e| failure(format!("cannot be started: {e}")))?;
                 Ok(Loaded { path: path.clone(), version, environment })
             };
@@ -64,6 +68,14 @@ fn with_library<T>(path: &Path, work: impl FnOnce(&Loaded) -> Result<T>) -> Resu
 /// [`Error::Network`] if it cannot be loaded, or another one is.
 pub fn version(library: &Path) -> Result<String> {
     with_library(library, |loaded| Ok(loaded.version.clone()))
+}
+
+/// `1.22.0` in the name of a file such as `libonnxruntime.so.1.22.0` or `libonnxruntime.1.22.0.dylib`.
+fn version_of(path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_str()?;
+    let rest = name.trim_start_matches(|c: char| !c.is_ascii_digit());
+    let version = rest.trim_end_matches(|c: char| !c.is_ascii_digit());
+    version.contains('.').then(|| version.to_owned())
 }
 
 /// `1.22.0` in `ORT Build Info: git-branch=rel-1.22.0, …`.
@@ -103,6 +115,8 @@ impl Network {
                 // Left to itself it also ties threads to cores, which fails where not all may be used.
                 let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
                 builder = builder.with_intra_threads(cores).map_err(|e| failure(e.into()))?;
+                // Idle threads sleep: between two runs the cores have other work.
+                builder = builder.with_intra_op_spinning(false).map_err(|e| failure(e.into()))?;
                 let session = match source {
                     Source::File(path) => builder.commit_from_file(path),
                     Source::Bytes { bytes, .. } => builder.commit_from_memory(bytes),
@@ -140,7 +154,9 @@ impl Network {
             }
             other => {
                 let name = &self.inputs[place].name;
-                return Err(self.failure(format!("its input '{name}' is of {other:?}, which is not known here")));
+                return Err(
+                    self.failure(format!("its input '{name}' is of {other:?}, which is not known here"))
+                );
             }
         };
         value.map_err(|e| self.failure(format!("an input does not fit: {e}")))
@@ -184,7 +200,8 @@ impl Engine for Network {
             let results = session.run(given);
             let results = results.map_err(|e| self.failure(format!("ONNX Runtime cannot run it: {e}")))?;
             let take = |wanted: &&str| {
-                let value = results.get(wanted).ok_or_else(|| self.failure(format!("it gave no '{wanted}'")))?;
+                let value =
+                    results.get(wanted).ok_or_else(|| self.failure(format!("it gave no '{wanted}'")))?;
                 taken(value).map_err(|e| self.failure(format!("its output '{wanted}': {e}")))
             };
             outputs.iter().map(take).collect()
@@ -241,5 +258,9 @@ mod tests {
         assert_eq!(version_in(info).as_deref(), Some("1.19.2"));
         assert_eq!(version_in("ORT Build Info: git-branch=main, git-commit-id=2"), None);
         assert_eq!(version_in(""), None);
+        let named = |name| version_of(Path::new(name));
+        assert_eq!(named("/a.1/libonnxruntime.so.1.31.1").as_deref(), Some("1.31.1"));
+        assert_eq!(named("libonnxruntime.1.22.0.dylib").as_deref(), Some("1.22.0"));
+        assert_eq!(named("libonnxruntime.so"), None);
     }
 }

@@ -101,7 +101,8 @@ fn files_that_are_no_networks_are_errors() {
                 let by_path = load(Source::File(&path), &options);
                 let by_bytes = load(Source::Bytes { name, bytes: content }, &options);
                 for outcome in [by_path, by_bytes] {
-                    let error = outcome.err().unwrap_or_else(|| panic!("{name}: {} bytes pass", content.len()));
+                    let error =
+                        outcome.err().unwrap_or_else(|| panic!("{name}: {} bytes pass", content.len()));
                     assert!(matches!(error, Error::Network { .. }), "{error}");
                     assert!(error.hint().is_some(), "{error}");
                 }
@@ -141,6 +142,11 @@ fn a_library_that_is_none_is_an_error_or_makes_way_for_rten() {
         assert_eq!(choose(&options).unwrap(), Choice::Rten { because: None });
     }
     let auto = choose(&EngineOptions::default()).unwrap();
-    let named = load(Source::File(&network("product")), &EngineOptions::default()).unwrap().runtime().to_owned();
-    assert_eq!(named.starts_with("ONNX Runtime "), matches!(auto, Choice::OnnxRuntime { .. }), "{named} {auto:?}");
+    let named =
+        load(Source::File(&network("product")), &EngineOptions::default()).unwrap().runtime().to_owned();
+    assert_eq!(
+        named.starts_with("ONNX Runtime "),
+        matches!(auto, Choice::OnnxRuntime { .. }),
+        "{named} {auto:?}"
+    );
 }

@@ -19,6 +19,8 @@ fn help_of_every_command() {
         "tune",
         "render",
         "inspect",
+        "doctor",
+        "models",
         "completions",
         "man",
     ] {
@@ -27,6 +29,7 @@ fn help_of_every_command() {
         assert_eq!(help, printed(&format!("{command} -h")), "{command}");
         insta::assert_snapshot!(command, help);
     }
+    insta::assert_snapshot!("models-add", printed("models add --help"));
 }
 
 #[test]
@@ -51,7 +54,9 @@ fn version_names_the_program() {
 #[test]
 fn examples_of_the_help_can_be_parsed() {
     // Everything but the files is accepted: what fails is reading, not the usage.
-    for command in ["texture", "vectorize", "analyze", "synth", "warp", "tune", "render", "inspect"] {
+    let commands =
+        ["texture", "vectorize", "analyze", "synth", "warp", "tune", "render", "inspect", "models add"];
+    for command in commands {
         let help = printed(&format!("{command} --help"));
         let examples = help.split("Examples:").nth(1).unwrap();
         for line in examples.lines().filter_map(|l| l.trim().strip_prefix("vtex ")) {
@@ -80,9 +85,17 @@ fn completions_name_commands_and_options() {
 fn manual_pages_are_written() {
     let folder = Folder::new();
     folder.run("man pages/man1").succeeds();
-    for name in
-        ["vtex", "vtex-texture", "vtex-analyze", "vtex-synth", "vtex-tune", "vtex-render", "vtex-inspect"]
-    {
+    for name in [
+        "vtex",
+        "vtex-texture",
+        "vtex-analyze",
+        "vtex-synth",
+        "vtex-tune",
+        "vtex-render",
+        "vtex-inspect",
+        "vtex-models",
+        "vtex-models-add",
+    ] {
         let page = String::from_utf8(folder.read(&format!("pages/man1/{name}.1"))).unwrap();
         assert!(page.contains(".TH ") && page.contains(".SH OPTIONS"), "{name}");
     }

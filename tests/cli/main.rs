@@ -6,6 +6,7 @@ mod damaged;
 mod files;
 mod help;
 mod messages;
+mod models;
 mod output;
 mod stages;
 mod support;

@@ -55,6 +55,8 @@ impl Folder {
     pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = vtex();
         command.args(arguments.split_whitespace()).current_dir(self.0.path());
+        // Not the models of whoever runs the tests.
+        command.env("VTEX_MODELS", self.0.path().join("models"));
         command
     }
 
@@ -116,7 +118,17 @@ impl Run {
 /// The program in an environment that is the same everywhere.
 pub(crate) fn vtex() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_vtex"));
-    for name in ["VTEX_THREADS", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "LINES"] {
+    for name in [
+        "VTEX_THREADS",
+        "VTEX_MODELS",
+        "VTEX_ONNXRUNTIME",
+        "ORT_DYLIB_PATH",
+        "NO_COLOR",
+        "CLICOLOR",
+        "CLICOLOR_FORCE",
+        "COLUMNS",
+        "LINES",
+    ] {
         command.env_remove(name);
     }
     command.env("TERM", "xterm-256color").stdin(Stdio::null());

@@ -55,7 +55,11 @@ fn verify(common: &Common, store: &Store) -> anyhow::Result<()> {
     let mut all = Vec::new();
     for model in store.models()? {
         let files = store.verify(&model)?;
-        all.extend(files.into_iter().map(|(file, state)| Verified { model: model.name.clone(), file, state }));
+        all.extend(files.into_iter().map(|(file, state)| Verified {
+            model: model.name.clone(),
+            file,
+            state,
+        }));
     }
     let bad = all.iter().filter(|v| v.state != State::Good).count();
     if common.json {
@@ -84,7 +88,12 @@ pub(super) fn show(model: &Model) -> String {
     let mut text = format!("{head}{}{head:#}: {}\n", model.name, model.kind);
     for file in &model.files {
         let sum = &file.sha256;
-        text.push_str(&format!("  {}, {}, {}\n    sha256 {sum}\n", file.file, file.role.title(), bytes(file.bytes)));
+        text.push_str(&format!(
+            "  {}, {}, {}\n    sha256 {sum}\n",
+            file.file,
+            file.role.title(),
+            bytes(file.bytes)
+        ));
     }
     text
 }

@@ -51,7 +51,9 @@ impl Shown<'_> {
         while masks.len() < points.len() {
             let rest = &points[masks.len()..];
             let batch = &rest[..together.batch().min(rest.len())];
-            if batch.len() > 1 && together.fixed.is_none() && together.state.load(Ordering::Acquire) == UNTRIED
+            if batch.len() > 1
+                && together.fixed.is_none()
+                && together.state.load(Ordering::Acquire) == UNTRIED
             {
                 let last = self.run(&batch[batch.len() - 1..])?;
                 match self.run(batch) {
@@ -98,9 +100,12 @@ impl Shown<'_> {
                 labels.push(-1.0);
             }
         }
-        let shape = |last: &[usize]| [if decoder.nested { &[1][..] } else { &[] }, &[count, each], last].concat();
-        let mut extra =
-            vec![(&decoder.points, Tensor::f32(shape(&[2]), places)), (&decoder.labels, Tensor::f32(shape(&[]), labels))];
+        let shape =
+            |last: &[usize]| [if decoder.nested { &[1][..] } else { &[] }, &[count, each], last].concat();
+        let mut extra = vec![
+            (&decoder.points, Tensor::f32(shape(&[2]), places)),
+            (&decoder.labels, Tensor::f32(shape(&[]), labels)),
+        ];
         if let Some((name, [width, height])) = &decoder.mask_input {
             extra.push((name, Tensor::f32([count, 1, *height, *width], vec![0.0; count * width * height])));
         }
@@ -138,7 +143,11 @@ impl Shown<'_> {
         let (logits, ious) = (masks.floats(), scores.floats());
         let [.., height, width] = masks.shape[..] else { return Err(odd(masks, scores)) };
         let each = ious.len() / count;
-        if each == 0 || each * count != ious.len() || width * height == 0 || logits.len() != ious.len() * width * height {
+        if each == 0
+            || each * count != ious.len()
+            || width * height == 0
+            || logits.len() != ious.len() * width * height
+        {
             return Err(odd(masks, scores));
         }
         let skipped = usize::from(each == 4);

@@ -184,7 +184,9 @@ fn encoder(inputs: &[Port], outputs: &[Port], decodes: bool) -> Option<Encoder> 
     }
     // An embedding of 64 × 64 cells; not what finds masks in one go.
     let embedding = port(outputs, "image_embeddings").or(match outputs {
-        [only] if length(only, 1) == Some(256) && only.shape.as_ref().is_some_and(|s| s.len() == 4) => Some(only),
+        [only] if length(only, 1) == Some(256) && only.shape.as_ref().is_some_and(|s| s.len() == 4) => {
+            Some(only)
+        }
         _ => None,
     })?;
     let free = size == [None, None];
@@ -315,7 +317,11 @@ mod tests {
             let Some(Part::Encoder(found)) = recognise(&ports(&[("any", shape)]), &embedding) else {
                 panic!("{shape:?} is not recognised")
             };
-            assert_eq!((found.layout, found.pixels, found.fit, found.size), (layout, pixels, fit, size), "{shape:?}");
+            assert_eq!(
+                (found.layout, found.pixels, found.fit, found.size),
+                (layout, pixels, fit, size),
+                "{shape:?}"
+            );
         }
     }
 
@@ -329,11 +335,20 @@ mod tests {
             (vec![("image", image)], vec![("boxes", &[1, 0, 4]), ("scores", &[1, 0])]),
             // A decoder that wants more than points, and one that gives no scores.
             (
-                vec![("image_embeddings", &[1, 256, 64, 64][..]), ("point_coords", points), ("point_labels", &[1, 0]), ("interm_embeddings", &[4])],
+                vec![
+                    ("image_embeddings", &[1, 256, 64, 64][..]),
+                    ("point_coords", points),
+                    ("point_labels", &[1, 0]),
+                    ("interm_embeddings", &[4]),
+                ],
                 vec![("masks", &[]), ("iou_predictions", &[])],
             ),
             (
-                vec![("image_embeddings", &[1, 256, 64, 64]), ("point_coords", points), ("point_labels", &[1, 0])],
+                vec![
+                    ("image_embeddings", &[1, 256, 64, 64]),
+                    ("point_coords", points),
+                    ("point_labels", &[1, 0]),
+                ],
                 vec![("masks", &[])],
             ),
             (vec![], vec![]),

@@ -54,7 +54,7 @@ fn part(network: &dyn Engine, name: &str) -> Result<Part> {
     export::recognise(network.inputs(), network.outputs()).ok_or_else(|| Error::Network {
         name: name.to_owned(),
         reason: format!(
-            "it is no export of Segment Anything known here. Its signature is\n  {}\nThose known are\n{}",
+            "it is no export of Segment Anything known here. Its signature is\n  {}\nThose known are\n  {}",
             export::signature(network.inputs(), network.outputs()),
             export::KNOWN
         ),
@@ -93,7 +93,8 @@ impl Sam {
                     }
                 }
                 Part::Both(first, second) => {
-                    if encoder.replace((first, network)).is_some() || decoder.replace((second, None)).is_some()
+                    if encoder.replace((first, network)).is_some()
+                        || decoder.replace((second, None)).is_some()
                     {
                         return Err(twice("encoder and decoder"));
                     }
