@@ -62,3 +62,6 @@ pub struct Logits {
     /// The values in rows, `width · height` of them.
     pub values: Vec<f32>,
 }
+
+#[cfg(test)]
+mod tests;

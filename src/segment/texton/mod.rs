@@ -182,3 +182,6 @@ impl Segmenter for Texton {
         Ok(found)
     }
 }
+
+#[cfg(test)]
+mod tests;

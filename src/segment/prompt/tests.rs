@@ -1,0 +1,167 @@
+//! The mask generator on networks whose answers are known.
+
+use super::*;
+use crate::raster::LabelMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Knows all discs `[x, y, radius]` of an image and answers a point with the one it lies on, on a
+/// grid of cells of 2 px.
+struct Oracle {
+    discs: Vec<[f32; 3]>,
+    asked: AtomicUsize,
+    promises: bool,
+}
+
+struct Seen<'a> {
+    oracle: &'a Oracle,
+    scale: f32,
+    size: [usize; 2],
+}
+
+impl Prompter for Oracle {
+    fn name(&self) -> String {
+        "oracle".into()
+    }
+
+    fn embed<'a>(&'a self, image: &RgbImage) -> Result<Box<dyn Embedded + 'a>> {
+        // The width of the image is 200 px at scale 1.
+        let scale = image.width() as f32 / 200.0;
+        let size = [image.width() as usize / 2, image.height() as usize / 2];
+        Ok(Box::new(Seen { oracle: self, scale, size }))
+    }
+}
+
+impl Seen<'_> {
+    fn disc(&self, [x, y]: [f32; 2]) -> Option<[f32; 3]> {
+        let discs = self.oracle.discs.iter().map(|d| d.map(|v| v * self.scale));
+        let mut on = discs.filter(|d| (d[0] - x) * (d[0] - x) + (d[1] - y) * (d[1] - y) < d[2] * d[2]);
+        on.next()
+    }
+}
+
+impl Embedded for Seen<'_> {
+    fn promise(&self, points: &[[f32; 2]]) -> Option<Vec<f32>> {
+        let promise = |&p: &[f32; 2]| if self.disc(p).is_some() { 0.95 } else { 0.1 };
+        self.oracle.promises.then(|| points.iter().map(promise).collect())
+    }
+
+    fn batch(&self) -> usize {
+        7
+    }
+
+    fn masks(&self, points: &[[f32; 2]]) -> Result<Vec<Vec<PromptMask>>> {
+        self.oracle.asked.fetch_add(points.len(), Ordering::Relaxed);
+        let mask = |&p: &[f32; 2]| {
+            let [width, height] = self.size;
+            let disc = self.disc(p).into_iter();
+            let logits = disc.map(|[cx, cy, r]| {
+                let cell = |i: usize, c: f32| (2 * i + 1) as f32 - c;
+                let value = |k: usize| {
+                    let (x, y) = (cell(k % width, cx), cell(k / width, cy));
+                    3.0 * (r - (x * x + y * y).sqrt())
+                };
+                let values = (0..width * height).map(value).collect();
+                Logits { origin: [0.0; 2], step: [2.0; 2], width, height, values }
+            });
+            logits.map(|logits| PromptMask { predicted_iou: 0.95, logits }).collect()
+        };
+        Ok(points.iter().map(mask).collect())
+    }
+}
+
+fn oracle(promises: bool) -> Oracle {
+    let mut discs = Vec::new();
+    for j in 0..5 {
+        for i in 0..7 {
+            let radius = 3.0 + ((i * 3 + j * 5) % 8) as f32;
+            discs.push([16.3 + 28.0 * i as f32, 17.8 + 31.0 * j as f32, radius]);
+        }
+    }
+    Oracle { discs, asked: AtomicUsize::new(0), promises }
+}
+
+fn params(levels: u32) -> GeneratorParams {
+    GeneratorParams { spacing: 3.0, levels, stability: 0.3, confident: 0.3, ..GeneratorParams::default() }
+}
+
+fn find(oracle: Oracle, params: GeneratorParams) -> (Vec<Found>, Cost) {
+    let image = RgbImage::from_pixel(200, 160, image::Rgb([90, 80, 70]));
+    Generator::new(Box::new(oracle), params).unwrap().find(&image, &()).unwrap()
+}
+
+#[test]
+fn every_disc_is_found_once_and_at_its_size() {
+    for (scales, levels) in [(vec![1.0], 1), (vec![1.0], 3), (vec![2.0], 3), (vec![0.7], 2)] {
+        let (found, _) = find(oracle(false), GeneratorParams { scales, ..params(levels) });
+        let discs = oracle(false).discs;
+        assert_eq!(found.len(), discs.len());
+        for [x, y, r] in discs {
+            let here = found.iter().filter(|f| f.mask.contains(x as i32, y as i32)).collect::<Vec<_>>();
+            let [one] = here[..] else { panic!("{} masks at {x}, {y}", here.len()) };
+            let (area, truth) = (one.mask.area() as f32, std::f32::consts::PI * r * r);
+            assert!((area - truth).abs() < 3.0 + 0.12 * truth, "radius {r}: {area} of {truth}");
+        }
+    }
+}
+
+#[test]
+fn coarse_to_fine_finds_the_same_for_a_fraction_of_the_prompts() {
+    let (all, full) = find(oracle(false), params(1));
+    let (coarse, cost) = find(oracle(false), params(3));
+    assert_eq!((full.prompts, full.grid), (66 * 53, 66 * 53));
+    assert_eq!(coarse.len(), all.len());
+    // What is no disc is never explained: only discs are saved.
+    assert!(cost.prompts < full.prompts && cost.grid == full.grid);
+    let (told, cheap) = find(oracle(true), params(3));
+    assert_eq!(told.len(), all.len());
+    assert!(cheap.prompts * 10 < full.prompts, "{} of {}", cheap.prompts, full.prompts);
+}
+
+#[test]
+fn crops_find_what_the_whole_finds() {
+    let crops = GeneratorParams { crop: 96, duplicate: 0.8, ..params(2) };
+    let image = RgbImage::from_fn(200, 160, |_, _| image::Rgb([90, 80, 70]));
+    struct Blind(Oracle);
+    impl Prompter for Blind {
+        fn name(&self) -> String {
+            "blind".into()
+        }
+        // Sees nothing on the whole image, so that all masks must come from crops: there the
+        // width is not that of the image, and discs lie at other places.
+        fn embed<'a>(&'a self, image: &RgbImage) -> Result<Box<dyn Embedded + 'a>> {
+            let size = [image.width() as usize / 2, image.height() as usize / 2];
+            Ok(Box::new(Seen { oracle: &self.0, scale: 1.0, size }))
+        }
+    }
+    let found = Generator::new(Box::new(Blind(oracle(false))), crops).unwrap().find(&image, &()).unwrap().0;
+    let mut covered = LabelMap::filled(200, 160, 0);
+    for f in &found {
+        let (x0, y0, x1, y1) = f.mask.bounds().unwrap();
+        assert!(x0 >= 0 && y0 >= 0 && x1 <= 200 && y1 <= 160);
+        covered.fill(&f.mask, 1);
+    }
+    assert!(found.len() > oracle(false).discs.len());
+}
+
+#[test]
+fn parameters_out_of_range_are_refused() {
+    let wrong = |params: GeneratorParams| Generator::new(Box::new(oracle(false)), params).is_err();
+    assert!(wrong(GeneratorParams { spacing: 0.5, ..params(1) }));
+    assert!(wrong(params(0)));
+    assert!(wrong(GeneratorParams { scales: vec![0.0], ..params(1) }));
+    assert!(wrong(GeneratorParams { predicted_iou: f32::NAN, ..params(1) }));
+    assert!(!wrong(params(1)));
+}
+
+#[test]
+fn work_can_be_interrupted() {
+    struct Stop;
+    impl crate::Progress for Stop {
+        fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+            false
+        }
+    }
+    let image = RgbImage::new(40, 40);
+    let answer = Generator::new(Box::new(oracle(false)), params(2)).unwrap().find(&image, &Stop);
+    assert!(matches!(answer, Err(crate::Error::Interrupted)));
+}

@@ -1,0 +1,133 @@
+//! The texton network in its engine, and the segmenter on scenes and odd images.
+
+use super::*;
+use crate::engine::{self, Runtime, Source, Tensor};
+use crate::procedural::{Kind, SceneParams, generate};
+
+const DECODER: &[u8] = include_bytes!("../../../models/texton/decoder.onnx");
+
+fn rten() -> EngineOptions {
+    EngineOptions { runtime: Runtime::Rten, ..EngineOptions::default() }
+}
+
+fn scene(side: u32, seed: u64, kind: Kind) -> crate::procedural::Exemplar {
+    generate(&SceneParams { width: side, height: side, seed, kind, ..SceneParams::default() }).unwrap()
+}
+
+/// The decoder in Rust gives what the exported graph gives.
+#[test]
+fn decoding_agrees_with_the_graph() {
+    let network = TextonNetwork::built_in(&rten()).unwrap();
+    let seen = network.view(&scene(64, 3, Kind::Terrazzo).image).unwrap();
+    let e = &seen.embedding;
+    let (w, h) = (e.width, e.height);
+    let mut window = Vec::new();
+    for c in 0..e.cell(0).len() {
+        window.extend((0..w * h).map(|i| e.cell(i)[c]));
+    }
+    let decoder = engine::load(Source::Bytes { name: "decoder", bytes: DECODER }, &rten()).unwrap();
+    let mut compared = 0;
+    for point in [[11.0, 9.0], [40.0, 22.0], [31.0, 55.0]] {
+        let embedding = Tensor::f32([1, window.len() / (w * h), h, w], window.clone());
+        let at = Tensor::f32([1, 1, 2], vec![(point[0] / 2.0f32).floor(), (point[1] / 2.0f32).floor()]);
+        let inputs = [("image_embeddings", &embedding), ("point_coords", &at)];
+        let out = decoder.run(&inputs, &["low_res_masks", "iou_predictions"]).unwrap();
+        let (logits, ious) = (out[0].floats(), out[1].floats());
+        for (head, mask) in seen.masks(&[point]).unwrap().remove(0).into_iter().enumerate() {
+            assert!((mask.predicted_iou - ious[head]).abs() < 1e-4);
+            let l = mask.logits;
+            let corner = l.origin.map(|v| (v / 2.0) as usize);
+            for y in 0..l.height {
+                for x in 0..l.width {
+                    let (here, there) =
+                        (l.values[y * l.width + x], logits[head * w * h + (corner[1] + y) * w + corner[0] + x]);
+                    // Cells far from the mask are not looked at.
+                    if here > -7.9 {
+                        assert!((here - there).abs() < 2e-3 * (1.0 + there.abs()), "{here} {there}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(compared > 200, "{compared} cells");
+}
+
+/// What a large image shows does not depend on the pieces it is encoded in.
+#[test]
+fn pieces_join_without_a_seam() {
+    let network = TextonNetwork::built_in(&rten()).unwrap();
+    // One row of pieces; the middle is far from both of its borders.
+    let image = generate(&SceneParams { width: 2000, height: 32, seed: 4, ..SceneParams::default() }).unwrap().image;
+    let whole = network.view(&image).unwrap().embedding;
+    let middle = image::imageops::crop_imm(&image, 640, 0, 720, 32).to_image();
+    let part = network.view(&middle).unwrap().embedding;
+    let (mut apart, mut n) = (0.0f32, 0.0f32);
+    for y in 0..part.height {
+        for x in 130..230 {
+            let (a, b) = (part.cell(y * part.width + x), whole.cell(y * whole.width + x + 320));
+            apart += (a[30] - b[30]).abs();
+            // Predicted centres count from the corner of the image, in units of 16 px.
+            assert!((a[16] + 40.0 - b[16]).abs() < 1.0, "{} {}", a[16], b[16]);
+            n += 1.0;
+        }
+    }
+    assert!(apart / n < 0.2, "texton logits differ by {} in the mean", apart / n);
+}
+
+#[test]
+fn images_of_any_size_are_read() {
+    let texton = Texton::new(&rten()).unwrap();
+    for (w, h) in [(0, 0), (1, 1), (1, 70), (17, 16), (64, 48)] {
+        let image = RgbImage::from_pixel(w, h, image::Rgb([120, 90, 30]));
+        assert_eq!(texton.segment(&image, &()).unwrap(), [], "{w} x {h}");
+    }
+}
+
+#[test]
+fn most_chips_of_a_terrazzo_are_found() {
+    let scene = scene(128, 77, Kind::Terrazzo);
+    let masks = Texton::new(&rten()).unwrap().segment(&scene.image, &()).unwrap();
+    let areas = scene.instances.areas();
+    let truth = Mask::all_of_labels(&scene.instances, areas.len());
+    let large: Vec<&Mask> = truth.iter().skip(1).filter(|m| m.area() >= 60).collect();
+    let found = large.iter().filter(|t| {
+        masks.iter().any(|m| {
+            let both = t.overlap(&m.mask);
+            f64::from(both) >= 0.7 * f64::from(t.area() + m.mask.area() - both)
+        })
+    });
+    let (found, all) = (found.count(), large.len());
+    assert!(all > 5 && 10 * found >= 8 * all, "{found} of {all}");
+    // The masks are disjoint pieces.
+    let mut taken = LabelMap::filled(128, 128, 0);
+    for scored in &masks {
+        assert_eq!(components_of_mask(&scored.mask, Connectivity::Four).len(), 1);
+        assert!(scored.mask.pixels().all(|(x, y)| taken.get(x as u32, y as u32) == 0));
+        taken.fill(&scored.mask, 1);
+    }
+}
+
+#[test]
+fn masks_do_not_depend_on_threads() {
+    let image = scene(96, 5, Kind::Gravel).image;
+    let masks = |threads| {
+        let options = EngineOptions { threads: Some(threads), ..rten() };
+        Texton::new(&options).unwrap().segment(&image, &()).unwrap()
+    };
+    let one = masks(1);
+    assert!(!one.is_empty());
+    assert_eq!(one, masks(3));
+}
+
+#[test]
+fn work_can_be_interrupted() {
+    struct Stop;
+    impl Progress for Stop {
+        fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+            false
+        }
+    }
+    let answer = Texton::new(&rten()).unwrap().segment(&RgbImage::new(40, 40), &Stop);
+    assert!(matches!(answer, Err(crate::Error::Interrupted)));
+}
