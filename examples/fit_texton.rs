@@ -18,7 +18,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = arguments.next().ok_or("usage: fit_texton OUT.rs [scenes] [passes]")?;
     let scenes: u64 = arguments.next().map_or(Ok(400), |n| n.parse())?;
     let passes: usize = arguments.next().map_or(Ok(10), |n| n.parse())?;
-    let segmenter = Texton::new(&EngineOptions { runtime: vtex::engine::Runtime::Rten, ..EngineOptions::default() })?;
+    let segmenter =
+        Texton::new(&EngineOptions { runtime: vtex::engine::Runtime::Rten, ..EngineOptions::default() })?;
     let mut samples = fitting::samples(FIRST_SEED, scenes, |image| {
         let found = segmenter.candidates(image, &()).expect("nothing interrupts");
         found.into_iter().map(|c| (c.mask, c.features)).collect()

@@ -4,13 +4,15 @@
 //! `cargo run --release --example segment_scores -- [--scenes 200] [--first 9000000] [--side 256]`
 //! `cargo run --release --example segment_scores -- --labels PHOTO_DIR`
 //! `cargo run --release --example segment_scores -- --photos DIR --out DIR`
+//! `cargo run --release --example segment_scores -- --grid PHOTO_DIR`
 //!
 //! Prints the share of true elements with at least 30 visible pixels that a mask matches
 //! (intersection over union of at least 0.7), and the share of masks that match none. Segmenters:
 //! `texton`; the masks of its network alone, better ones over worse; `regions`; plain Felzenszwalb
 //! at its single best setting, searched on other scenes by the F-score of the two. With
 //! `--labels`, the same on the crops of `tests/labels`; with `--photos`, outlines are drawn over
-//! every picture of a folder instead.
+//! every picture of a folder instead. With `--grid`, the share of the masks of a full grid of
+//! prompts that the search from coarse to fine finds too, and the share of the prompts it needs.
 
 use std::path::{Path, PathBuf};
 use vtex::engine::EngineOptions;
@@ -32,7 +34,7 @@ const UNSURE: u32 = u32::MAX;
 
 fn main() -> Result<(), Failure> {
     let (mut scenes, mut first, mut side) = (200u64, 9_000_000u64, 256u32);
-    let (mut photos, mut labels, mut out) = (None, None, PathBuf::from("."));
+    let (mut photos, mut labels, mut grid, mut out) = (None, None, None, PathBuf::from("."));
     let mut arguments = std::env::args().skip(1);
     while let Some(flag) = arguments.next() {
         let value = arguments.next().ok_or(format!("{flag} needs a value"))?;
@@ -42,6 +44,7 @@ fn main() -> Result<(), Failure> {
             "--side" => side = value.parse()?,
             "--photos" => photos = Some(PathBuf::from(value)),
             "--labels" => labels = Some(PathBuf::from(value)),
+            "--grid" => grid = Some(PathBuf::from(value)),
             "--out" => out = value.into(),
             _ => return Err(format!("unknown flag {flag}").into()),
         }
@@ -49,16 +52,17 @@ fn main() -> Result<(), Failure> {
     if let Some(folder) = photos {
         return draw_photos(&folder, &out);
     }
-    let felzenszwalb = if std::env::var("SHIFT").is_ok() { Felzenszwalb::default() } else { search(256)? };
+    if let Some(folder) = grid {
+        return compare_grids(&folder);
+    }
+    let felzenszwalb = search(256)?;
     println!("Felzenszwalb's best setting: {felzenszwalb:?}");
-    let quick = std::env::var("SHIFT").is_ok();
-    let mut methods: Vec<(&str, Box<dyn Segmenter>)> = vec![
+    let methods: [(&str, Box<dyn Segmenter>); 4] = [
         ("texton", Box::new(Texton::new(&EngineOptions::default())?)),
-        ("network", Box::new(NetworkAlone::new()?)),
+        ("network", Box::new(NetworkAlone::new(3)?)),
         ("regions", Box::new(Regions)),
         ("felzensz.", Box::new(felzenszwalb)),
     ];
-    if quick { methods.truncate(1); }
     match labels {
         Some(folder) => compare_labels(&folder, &methods),
         None => compare_scenes(scenes, first, side, &methods),
@@ -69,7 +73,7 @@ fn main() -> Result<(), Failure> {
 struct NetworkAlone(Generator);
 
 impl NetworkAlone {
-    fn new() -> Result<Self, Failure> {
+    fn new(levels: u32) -> Result<Self, Failure> {
         let network = TextonNetwork::built_in(&EngineOptions::default())?;
         let params = GeneratorParams {
             scales: vec![2.0, 1.0, 0.5],
@@ -77,6 +81,7 @@ impl NetworkAlone {
             stability: 0.6,
             confident: 0.6,
             crop: 16_384,
+            levels,
             ..GeneratorParams::default()
         };
         Ok(Self(Generator::new(Box::new(network), params)?))
@@ -184,6 +189,40 @@ fn compare_labels(photos: &Path, methods: &Methods) -> Result<(), Failure> {
     Ok(())
 }
 
+fn compare_grids(folder: &Path) -> Result<(), Failure> {
+    let (full, coarse) = (NetworkAlone::new(1)?.0, NetworkAlone::new(3)?.0);
+    println!("{:12} {:>8} {:>8} {:>9} {:>8}", "photograph", "masks", "found", "prompts", "asked");
+    for photo in pictures(folder)? {
+        let image = image::open(&photo)?.to_rgb8();
+        let (all, _) = full.find(&image, &())?;
+        let (some, cost) = coarse.find(&image, &())?;
+        let alike = |a: &Mask, b: &Mask| {
+            let both = a.overlap(b);
+            10 * both >= 8 * (a.area() + b.area() - both)
+        };
+        let found = all.iter().filter(|a| some.iter().any(|b| a.scale == b.scale && alike(&a.mask, &b.mask)));
+        let (found, name) = (found.count(), photo.file_stem().unwrap_or_default().to_string_lossy());
+        let share = |a: f64, b: f64| a / b.max(1.0);
+        println!(
+            "{name:12} {:8} {:8.3} {:9} {:8.3}",
+            all.len(),
+            share(found as f64, all.len() as f64),
+            cost.grid,
+            share(cost.prompts as f64, cost.grid as f64)
+        );
+    }
+    Ok(())
+}
+
+/// The PNG and JPEG files of a folder.
+fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let mut paths: Vec<PathBuf> =
+        std::fs::read_dir(folder)?.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>()?;
+    paths.retain(|p| p.extension().is_some_and(|e| e == "png" || e == "jpg"));
+    paths.sort();
+    Ok(paths)
+}
+
 /// The instances of a crop; the later lie on top.
 fn truth(labels: &serde_json::Value, crop: &[i32]) -> Result<LabelMap, Failure> {
     let [x0, y0, w, h] = *crop else { return Err("a crop has four numbers".into()) };
@@ -192,9 +231,11 @@ fn truth(labels: &serde_json::Value, crop: &[i32]) -> Result<LabelMap, Failure> 
     for texton in labels["textons"].as_array().ok_or("a label file has textons")? {
         let sure = texton["sure"].as_bool().unwrap_or(true);
         next += u32::from(sure);
-        let corner = |v: &serde_json::Value| Some([v[0].as_f64()? - f64::from(x0), v[1].as_f64()? - f64::from(y0)]);
+        let corner =
+            |v: &serde_json::Value| Some([v[0].as_f64()? - f64::from(x0), v[1].as_f64()? - f64::from(y0)]);
         let corners = texton["polygon"].as_array().ok_or("a texton has a polygon")?;
-        let corners: Vec<[f64; 2]> = corners.iter().map(corner).collect::<Option<_>>().ok_or("corners are pairs")?;
+        let corners: Vec<[f64; 2]> =
+            corners.iter().map(corner).collect::<Option<_>>().ok_or("corners are pairs")?;
         for y in 0..h {
             for x in 0..w {
                 if inside(&corners, [f64::from(x) + 0.5, f64::from(y) + 0.5]) {
@@ -346,11 +387,7 @@ fn search(side: u32) -> Result<Felzenszwalb, Failure> {
 fn draw_photos(folder: &Path, out: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(out)?;
     let texton = Texton::new(&EngineOptions::default())?;
-    let mut paths: Vec<PathBuf> =
-        std::fs::read_dir(folder)?.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>()?;
-    paths.retain(|p| p.extension().is_some_and(|e| e == "png" || e == "jpg"));
-    paths.sort();
-    for path in paths {
+    for path in pictures(folder)? {
         let photo = image::open(&path)?.to_rgb8();
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         for (method, segmenter) in [("texton", &texton as &dyn Segmenter), ("regions", &Regions)] {

@@ -24,7 +24,8 @@ const SEARCH_SCENES: u64 = 40;
 fn main() -> Result<(), Failure> {
     let (mut scenes, mut first, mut side) = (200u64, 9_000_000u64, 256u32);
     let (mut photos, mut out) = (None, PathBuf::from("."));
-    let mut net: Option<String> = None; let mut joint = false;
+    let mut net: Option<String> = None;
+    let mut joint = false;
     let (mut scales, mut q, mut st, mut lev) = (vec![2.0f32], 0.3f32, 0.3f32, 3u32);
     let mut arguments = std::env::args().skip(1);
     while let Some(flag) = arguments.next() {
@@ -45,14 +46,35 @@ fn main() -> Result<(), Failure> {
         }
     }
     if let Some(net) = net {
-        use vtex::segment::prompt::{Generator, GeneratorParams}; use vtex::segment::texton::{Texton, TextonNetwork};
+        use vtex::segment::prompt::{Generator, GeneratorParams};
+        use vtex::segment::texton::{Texton, TextonNetwork};
         let _ = net;
-        let options = vtex::engine::EngineOptions { runtime: vtex::engine::Runtime::Rten, ..Default::default() };
-        let params = GeneratorParams { scales, predicted_iou: q, stability: st, confident: 0.6, levels: lev, crop: 16384, ..GeneratorParams::default() };
+        let options =
+            vtex::engine::EngineOptions { runtime: vtex::engine::Runtime::Rten, ..Default::default() };
+        let params = GeneratorParams {
+            scales,
+            predicted_iou: q,
+            stability: st,
+            confident: 0.6,
+            levels: lev,
+            crop: 16384,
+            ..GeneratorParams::default()
+        };
         if joint {
             let g = Texton::new(&options)?;
             if let Some(folder) = photos {
-                return draw(&|p| { let t = Timer(std::sync::Mutex::new((String::new(), cpu(), Default::default()))); let r = g.segment(p, &t)?; use vtex::Progress; t.advance("end", 0, 0); eprintln!("{:?}", t.0.lock().unwrap().2); Ok(r) }, &folder, &out);
+                return draw(
+                    &|p| {
+                        let t = Timer(std::sync::Mutex::new((String::new(), cpu(), Default::default())));
+                        let r = g.segment(p, &t)?;
+                        use vtex::Progress;
+                        t.advance("end", 0, 0);
+                        eprintln!("{:?}", t.0.lock().unwrap().2);
+                        Ok(r)
+                    },
+                    &folder,
+                    &out,
+                );
             }
             let mut totals = [[Tally::default(); Kind::ALL.len()]; 2];
             for seed in first..first + scenes {
@@ -60,7 +82,11 @@ fn main() -> Result<(), Failure> {
                 let scene = generate(&parameters)?;
                 let kind = Kind::ALL.iter().position(|&k| k == parameters.kind).unwrap_or(0);
                 totals[0][kind].add(tally(&scene, &g.segment(&scene.image, &())?));
-                let all: Vec<ScoredMask> = g.candidates(&scene.image, &())?.into_iter().map(|c| ScoredMask { mask: c.mask, score: 0.0 }).collect();
+                let all: Vec<ScoredMask> = g
+                    .candidates(&scene.image, &())?
+                    .into_iter()
+                    .map(|c| ScoredMask { mask: c.mask, score: 0.0 })
+                    .collect();
                 totals[1][kind].add(tally(&scene, &all));
             }
             return table(totals);
@@ -77,12 +103,21 @@ fn main() -> Result<(), Failure> {
             let scene = generate(&parameters)?;
             let kind = Kind::ALL.iter().position(|&k| k == parameters.kind).unwrap_or(0);
             let (found, c) = g.find(&scene.image, &())?;
-            cost[0] += c.grid; cost[1] += c.prompts;
-            let all: Vec<ScoredMask> = found.iter().map(|f| ScoredMask { mask: f.mask.clone(), score: f.predicted_iou * f.stability }).collect();
+            cost[0] += c.grid;
+            cost[1] += c.prompts;
+            let all: Vec<ScoredMask> = found
+                .iter()
+                .map(|f| ScoredMask { mask: f.mask.clone(), score: f.predicted_iou * f.stability })
+                .collect();
             totals[1][kind].add(tally(&scene, &all));
             totals[0][kind].add(tally(&scene, &greedy(&all, side)));
         }
-        println!("{:.2} s a scene, prompts {} of {}", start.elapsed().as_secs_f64() / scenes as f64, cost[1], cost[0]);
+        println!(
+            "{:.2} s a scene, prompts {} of {}",
+            start.elapsed().as_secs_f64() / scenes as f64,
+            cost[1],
+            cost[0]
+        );
         return table(totals);
     }
     match photos {
@@ -128,14 +163,20 @@ fn greedy(all: &[ScoredMask], side: u32) -> Vec<ScoredMask> {
     for m in all {
         let free = m.mask.pixels().filter(|&(x, y)| taken.get(x as u32, y as u32) == 0).count() as u32;
         if 2 * free > m.mask.area() {
-            for (x, y) in m.mask.pixels() { taken.set(x as u32, y as u32, 1); }
+            for (x, y) in m.mask.pixels() {
+                taken.set(x as u32, y as u32, 1);
+            }
             out.push(m.clone());
         }
     }
     out
 }
 
-fn draw(g: &dyn Fn(&image::RgbImage) -> Result<Vec<ScoredMask>, Failure>, folder: &Path, out: &Path) -> Result<(), Failure> {
+fn draw(
+    g: &dyn Fn(&image::RgbImage) -> Result<Vec<ScoredMask>, Failure>,
+    folder: &Path,
+    out: &Path,
+) -> Result<(), Failure> {
     std::fs::create_dir_all(out)?;
     let mut paths: Vec<PathBuf> =
         std::fs::read_dir(folder)?.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>()?;
@@ -152,7 +193,11 @@ fn draw(g: &dyn Fn(&image::RgbImage) -> Result<Vec<ScoredMask>, Failure>, folder
             let free = f.mask.pixels().filter(|&(x, y)| map.get(x as u32, y as u32) == 0).count() as u32;
             if 2 * free > f.mask.area() {
                 n += 1;
-                for (x, y) in f.mask.pixels() { if map.get(x as u32, y as u32) == 0 { map.set(x as u32, y as u32, n); } }
+                for (x, y) in f.mask.pixels() {
+                    if map.get(x as u32, y as u32) == 0 {
+                        map.set(x as u32, y as u32, n);
+                    }
+                }
             }
         }
         let name = path.file_stem().unwrap_or_default().to_string_lossy();

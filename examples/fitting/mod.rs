@@ -121,7 +121,10 @@ fn of_scene<const F: usize>(
 }
 
 /// Adam on the weighted cross entropy, the step shrinking to nothing.
-pub(crate) fn fit<const F: usize, const H: usize>(samples: &mut [Sample<F>], passes: usize) -> Perceptron<F, H> {
+pub(crate) fn fit<const F: usize, const H: usize>(
+    samples: &mut [Sample<F>],
+    passes: usize,
+) -> Perceptron<F, H> {
     let mut network = start(samples);
     let count = H * (F + 2) + 1;
     let (mut first, mut second) = (vec![0.0f64; count], vec![0.0f64; count]);
@@ -164,7 +167,8 @@ fn start<const F: usize, const H: usize>(samples: &[Sample<F>]) -> Perceptron<F,
     let mean: [f64; F] =
         std::array::from_fn(|k| samples.iter().map(|s| f64::from(s.features[k])).sum::<f64>() / n);
     let scale = std::array::from_fn(|k| {
-        let square = |s: &Sample<F>| (f64::from(s.features[k]) - mean[k]) * (f64::from(s.features[k]) - mean[k]);
+        let square =
+            |s: &Sample<F>| (f64::from(s.features[k]) - mean[k]) * (f64::from(s.features[k]) - mean[k]);
         (1.0 / ((samples.iter().map(square).sum::<f64>() / n).sqrt() + 1e-3)) as f32
     });
     let size = libm::sqrt(2.0 / F as f64);

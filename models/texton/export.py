@@ -80,6 +80,7 @@ def main(checkpoint, out):
         None, {"image_embeddings": window.numpy(), "point_coords": points.numpy()}
     )
     print("step", saved["step"], "bytes", os.path.getsize(encoder), os.path.getsize(decoder))
+    print(f"TEXTON_WEIGHT {float(net.ground):.4f}")
     print("encoder differs by", np.abs(run - e.numpy()).max(), "decoder by", np.abs(masks - want).max())
 
 

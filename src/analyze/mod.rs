@@ -18,6 +18,7 @@ mod pictures;
 mod price;
 mod secondaries;
 mod shapes;
+mod unmix;
 
 pub use crate::library::AnalyzeParams;
 pub use crate::raster::Limits;
@@ -33,6 +34,7 @@ use crate::scene::Tile;
 use crate::scene::field::Interpolant;
 use crate::segment::{Segmenter, Smoothed, details};
 use shapes::Style;
+use unmix::unmixed;
 
 /// Analyses an exemplar.
 ///
@@ -54,14 +56,16 @@ pub fn analyze(
 
     advance(progress, "primaries", 0, 1)?;
     let (mut primaries, rims) = candidates::select(image, &masks, params.minimum_area);
-    let patches = secondaries::find(image, &primaries, &rims, params);
+    let patches = secondaries::find(&unmixed(image, &primaries), &primaries, &rims, params);
     promote(&mut primaries, &patches.promoted);
     let count = primaries.labels.iter().max().map_or(0, |m| *m as usize);
     let primary_masks = Mask::all_of_labels(&primaries, count + 1).split_off(1);
     progress.picture("primaries", &|| crate::raster::picture::outlines(image, &primaries));
 
     advance(progress, "details", 0, count as u64)?;
-    let smoothed = Smoothed::new(image, params.detail_sigma);
+    // What follows paints with the colours of both sides; only edges are sought in the photograph.
+    let clean = unmixed(image, &primaries);
+    let smoothed = Smoothed::new(&clean, params.detail_sigma);
     let details = crate::parallel::map(&primary_masks, |mask| {
         details(&smoothed, mask, params.detail_scale, params.detail_minimum)
     });
@@ -76,16 +80,16 @@ pub fn analyze(
         points: background.sites.clone(),
     };
     let interpolant = Interpolant::new(&field, width, height, Tile::default());
-    let patches = shapes::patches(image, patches.secondaries, &interpolant);
+    let patches = shapes::patches(&clean, patches.secondaries, &interpolant);
 
     advance(progress, "joining", 0, 1)?;
     let mut warnings = exemplar.warnings.clone();
-    let (pieces, price) = economy::economise(image, &details, patches, params, &mut warnings);
-    let (pieces, palette) = economy::reduce_colours(image, pieces, params);
+    let (pieces, price) = economy::economise(&clean, &details, patches, params, &mut warnings);
+    let (pieces, palette) = economy::reduce_colours(&clean, pieces, params);
 
     advance(progress, "outlines", 0, 1)?;
     let style = Style { fidelity: params.fidelity, price, palette: &palette };
-    let shapes = shapes::outlines(image, &pieces, &style);
+    let shapes = shapes::outlines(image, &clean, &pieces, &style);
 
     advance(progress, "categories", 0, 1)?;
     let image_area = f64::from(width) * f64::from(height);

@@ -72,7 +72,7 @@ pub(super) fn median(image: &RgbImage, mask: &Mask) -> Colour {
 }
 
 /// Traces and fits all outlines.
-pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, style: &Style<'_>) -> Shapes {
+pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, style: &Style<'_>) -> Shapes {
     let (width, height) = image.dimensions();
     let mut map = LabelMap::filled(width, height, 0);
     // Group of each label: primaries first, then every secondary by itself.
@@ -100,7 +100,7 @@ pub(super) fn outlines(image: &RgbImage, pieces: &Pieces, style: &Style<'_>) -> 
     let group = |label: u32| groups.get(label as usize).copied().unwrap_or(0);
     let (count, group_count) = (groups.len() - 1, primary_count + pieces.secondaries.len());
     let planar = PlanarMap::trace(width, height, &map.labels);
-    let edges = Edges::new(image, colours);
+    let edges = Edges::new(photo, colours);
     let fitted =
         FittedMap::with_edges(planar, style.fidelity, count, group_count, group, |at, normal, l, r| {
             edges.distance(at, normal, l, r)

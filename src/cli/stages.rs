@@ -35,7 +35,11 @@ pub(super) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
 }
 
 /// Loads what finds masks.
-fn segmenter(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Box<dyn Segmenter>> {
+fn segmenter(
+    common: &Common,
+    analysis: &Analysis,
+    reporter: &Reporter,
+) -> anyhow::Result<Box<dyn Segmenter>> {
     let any_model = || SamFrom::Model(None);
     let from = match &analysis.masks {
         MasksFrom::File(path) => return Ok(Box::new(MasksFile::read(path)?)),

@@ -252,7 +252,13 @@ impl Search<'_> {
     }
 
     /// Asks for masks in batches and keeps the best of those alike.
-    fn ask(&mut self, embedded: &dyn Embedded, points: &[[f32; 2]], level: u32, progress: &dyn Progress) -> Result<()> {
+    fn ask(
+        &mut self,
+        embedded: &dyn Embedded,
+        points: &[[f32; 2]],
+        level: u32,
+        progress: &dyn Progress,
+    ) -> Result<()> {
         const STAGES: [&str; 6] = [
             "finding masks: finest grid",
             "finding masks: fine grid",
@@ -352,5 +358,25 @@ impl Segmenter for Generator {
             .into_iter()
             .map(|f| ScoredMask { score: f.predicted_iou * f.stability, mask: f.mask })
             .collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn crops_cover_a_length_and_overlap(length in 1..5000u32, side in 64..1500u32) {
+            let crops = cuts(length, side);
+            prop_assert_eq!(crops[0].0, 0);
+            prop_assert_eq!(crops.last().map(|c| c.0 + c.1), Some(length));
+            for pair in crops.windows(2) {
+                prop_assert_eq!(pair[0].1, side);
+                let shared = pair[0].0 + side - pair[1].0;
+                prop_assert!(pair[1].0 > pair[0].0 && shared + 1 >= side / 4, "{shared} of {side}");
+            }
+        }
     }
 }

@@ -177,7 +177,8 @@ mod tests {
     #[test]
     fn pixels_follow_the_zero_crossing_between_cells() {
         for step in [1.0, 2.0, 4.0] {
-            let p = Proposal::new([30.0, 31.0], &disc([30.3, 31.7], 12.4, step, (64.0 / step) as usize)).unwrap();
+            let p =
+                Proposal::new([30.0, 31.0], &disc([30.3, 31.7], 12.4, step, (64.0 / step) as usize)).unwrap();
             let area = p.rasterise(64, 64).area() as f32;
             let truth = std::f32::consts::PI * 12.4 * 12.4;
             assert!((area - truth).abs() < 0.03 * truth, "step {step}: {area} of {truth}");

@@ -1,7 +1,6 @@
 //! The mask generator on networks whose answers are known.
 
 use super::*;
-use crate::raster::LabelMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Knows all discs `[x, y, radius]` of an image and answers a point with the one it lies on, on a
@@ -115,32 +114,6 @@ fn coarse_to_fine_finds_the_same_for_a_fraction_of_the_prompts() {
     let (told, cheap) = find(oracle(true), params(3));
     assert_eq!(told.len(), all.len());
     assert!(cheap.prompts * 10 < full.prompts, "{} of {}", cheap.prompts, full.prompts);
-}
-
-#[test]
-fn crops_find_what_the_whole_finds() {
-    let crops = GeneratorParams { crop: 96, duplicate: 0.8, ..params(2) };
-    let image = RgbImage::from_fn(200, 160, |_, _| image::Rgb([90, 80, 70]));
-    struct Blind(Oracle);
-    impl Prompter for Blind {
-        fn name(&self) -> String {
-            "blind".into()
-        }
-        // Sees nothing on the whole image, so that all masks must come from crops: there the
-        // width is not that of the image, and discs lie at other places.
-        fn embed<'a>(&'a self, image: &RgbImage) -> Result<Box<dyn Embedded + 'a>> {
-            let size = [image.width() as usize / 2, image.height() as usize / 2];
-            Ok(Box::new(Seen { oracle: &self.0, scale: 1.0, size }))
-        }
-    }
-    let found = Generator::new(Box::new(Blind(oracle(false))), crops).unwrap().find(&image, &()).unwrap().0;
-    let mut covered = LabelMap::filled(200, 160, 0);
-    for f in &found {
-        let (x0, y0, x1, y1) = f.mask.bounds().unwrap();
-        assert!(x0 >= 0 && y0 >= 0 && x1 <= 200 && y1 <= 160);
-        covered.fill(&f.mask, 1);
-    }
-    assert!(found.len() > oracle(false).discs.len());
 }
 
 #[test]

@@ -143,7 +143,8 @@ impl Context {
             texton[0] += f64::from(self.fine.texton[fine]);
             texton[1] += f64::from(self.coarse.texton[coarse]);
             quality += f64::from(self.fine.embedding.quality(fine));
-            let deep = [(-1, 0), (1, 0), (0, -1), (0, 1)].iter().all(|&(dx, dy)| mask.contains(x + dx, y + dy));
+            let deep =
+                [(-1, 0), (1, 0), (0, -1), (0, 1)].iter().all(|&(dx, dy)| mask.contains(x + dx, y + dy));
             if deep {
                 inner += 1.0;
                 border[0] += f64::from(self.fine.border[fine]);
@@ -166,7 +167,8 @@ impl Context {
         let unit = super::network::UNIT / (self.fine.scale * super::network::CELL as f32);
         let place = Embedding::PLACE.start;
         let centre = [sums[place] / n * f64::from(unit), sums[place + 1] / n * f64::from(unit)];
-        let away = (centre[0] - mean[0]) * (centre[0] - mean[0]) + (centre[1] - mean[1]) * (centre[1] - mean[1]);
+        let away =
+            (centre[0] - mean[0]) * (centre[0] - mean[0]) + (centre[1] - mean[1]) * (centre[1] - mean[1]);
         let colour_mean: f64 = colour.iter().map(|c| c * c / n).sum();
         Inside {
             area: n as f32,

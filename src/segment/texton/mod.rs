@@ -23,7 +23,7 @@ use crate::engine::EngineOptions;
 use crate::error::Result;
 use crate::parallel::map;
 use crate::progress::{Progress, advance};
-use crate::raster::{Connectivity, LabelMap, Mask, components_of_mask};
+use crate::raster::{Connectivity, LabelMap, Mask, Span, components_of_mask};
 use features::{Context, Origin};
 use image::RgbImage;
 
@@ -41,6 +41,8 @@ const SIZES: usize = 3;
 const LEAST_NODE: f32 = 0.2;
 /// Nodes alike to this are one.
 const SAME: f32 = 0.9;
+/// Added to every score: of photographs the judge is less sure than of the scenes it was fitted to.
+const MODESTY: f32 = 0.1;
 /// A mask may lose this share of its pixels to masks worth more.
 const MOST_LOST: f32 = 0.25;
 
@@ -93,7 +95,8 @@ impl Texton {
             let view = View::whole(size, scale, index);
             advance(progress, "reading the image", index as u64, SIZES as u64)?;
             let seen = self.network.view(&view.image(image))?;
-            let found = view.search(&seen as &dyn Embedded, size, &self.search, progress, &mut Cost::default())?;
+            let found =
+                view.search(&seen as &dyn Embedded, size, &self.search, progress, &mut Cost::default())?;
             for Found { mask, predicted_iou, stability, votes, .. } in found {
                 masks.extend(Measured::new(mask));
                 origins.push((index, Origin { predicted_iou, stability, votes, ..Origin::default() }));
@@ -154,30 +157,23 @@ impl Segmenter for Texton {
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
         let candidates = self.candidates(image, progress)?;
         let scores = map(&candidates, |c| weights::NETWORK.score(&c.features));
-        let mut order: Vec<(f32, usize)> = Vec::new();
-        for (k, (candidate, &score)) in candidates.iter().zip(&scores).enumerate() {
-            let shift: f32 = std::env::var("SHIFT").map_or(0.0, |v| v.parse().unwrap());
-            let worth = worth(candidate.mask.area() as f32, score + shift);
-            if worth > 0.0 {
-                order.push((worth, k));
-            }
-        }
+        let worth = |k: usize| worth(candidates[k].mask.area() as f32, scores[k] + MODESTY);
+        let mut order: Vec<(f32, usize)> = (0..scores.len()).map(|k| (worth(k), k)).collect();
+        order.retain(|(worth, _)| *worth > 0.0);
         order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut taken = LabelMap::filled(image.width(), image.height(), 0);
         let mut found = Vec::new();
         for (_, k) in order {
-            let score = scores[k];
             let mask = &candidates[k].mask;
-            let free = Mask::from_spans(mask.spans().to_vec());
-            let left: Vec<_> = free.pixels().filter(|&(x, y)| taken.get(x as u32, y as u32) == 0).collect();
-            if (left.len() as f32) < (1.0 - MOST_LOST) * mask.area() as f32 {
+            let left = mask.pixels().filter(|&(x, y)| taken.get(x as u32, y as u32) == 0);
+            let spans: Vec<Span> = left.map(|(x, y)| Span { y, x0: x, x1: x + 1 }).collect();
+            if (spans.len() as f32) < (1.0 - MOST_LOST) * mask.area() as f32 {
                 continue;
             }
-            let spans = left.into_iter().map(|(x, y)| crate::raster::Span { y, x0: x, x1: x + 1 }).collect();
             let pieces = components_of_mask(&Mask::from_spans(spans), Connectivity::Four);
             let Some(mask) = pieces.into_iter().rev().max_by_key(Mask::area) else { continue };
             taken.fill(&mask, 1);
-            found.push(ScoredMask { mask, score });
+            found.push(ScoredMask { mask, score: scores[k] });
         }
         Ok(found)
     }

@@ -39,8 +39,10 @@ fn decoding_agrees_with_the_graph() {
             let corner = l.origin.map(|v| (v / 2.0) as usize);
             for y in 0..l.height {
                 for x in 0..l.width {
-                    let (here, there) =
-                        (l.values[y * l.width + x], logits[head * w * h + (corner[1] + y) * w + corner[0] + x]);
+                    let (here, there) = (
+                        l.values[y * l.width + x],
+                        logits[head * w * h + (corner[1] + y) * w + corner[0] + x],
+                    );
                     // Cells far from the mask are not looked at.
                     if here > -7.9 {
                         assert!((here - there).abs() < 2e-3 * (1.0 + there.abs()), "{here} {there}");
@@ -58,7 +60,8 @@ fn decoding_agrees_with_the_graph() {
 fn pieces_join_without_a_seam() {
     let network = TextonNetwork::built_in(&rten()).unwrap();
     // One row of pieces; the middle is far from both of its borders.
-    let image = generate(&SceneParams { width: 2000, height: 32, seed: 4, ..SceneParams::default() }).unwrap().image;
+    let image =
+        generate(&SceneParams { width: 2000, height: 32, seed: 4, ..SceneParams::default() }).unwrap().image;
     let whole = network.view(&image).unwrap().embedding;
     let middle = image::imageops::crop_imm(&image, 640, 0, 720, 32).to_image();
     let part = network.view(&middle).unwrap().embedding;

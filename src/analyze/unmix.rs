@@ -1,0 +1,181 @@
+//! Pixels that an outline runs through, given the colour of the side they count to.
+//!
+//! Such a pixel shows a mixture of both sides. Taken for what it seems it becomes a thin crescent
+//! along the rim of a texton, a detail of its own or a secondary; but the mixture comes back by
+//! itself wherever a smooth outline is drawn. Edges are still sought in the photograph.
+
+use crate::raster::LabelMap;
+use image::{Rgb, RgbImage};
+
+/// Rings of pixels on each side of a border that may be mixed.
+const RINGS: u8 = LEAST.len() as u8;
+/// How far a pixel looks for what its side and the other look like.
+const REACH: i32 = 3;
+/// Smallest distance of the two colours (8-bit steps) that can mix.
+const CONTRAST: f32 = 12.0;
+/// Share of its own side that a pixel of the first and of the second ring has at least: one with
+/// less is no mixture but counts to the wrong side, as a gap between petals may.
+const LEAST: [f32; 2] = [0.35, 0.65];
+/// A mixture lies this close to the line between the colours: steps, and share of its length.
+const OFF: [f32; 2] = [8.0, 0.2];
+
+/// The image, without mixtures of two labels along their borders.
+pub(super) fn unmixed(image: &RgbImage, labels: &LabelMap) -> RgbImage {
+    let rings = rings(labels);
+    let mut clean = image.clone();
+    // From the inner rings outwards: the inner, made clean, tell what the outer should be.
+    for ring in (1..=RINGS).rev() {
+        let before = clean.clone();
+        for y in 0..labels.height {
+            for x in 0..labels.width {
+                if rings[(y * labels.width + x) as usize] == ring
+                    && let Some(own) = mixture(&before, labels, &rings, [x as i32, y as i32], ring)
+                {
+                    clean.put_pixel(x, y, own);
+                }
+            }
+        }
+    }
+    clean
+}
+
+/// For each pixel 1 at the border of its label, 2 beside such a pixel of its label, up to
+/// [`RINGS`]; one more further inside.
+fn rings(labels: &LabelMap) -> Vec<u8> {
+    let (w, h) = (i64::from(labels.width), i64::from(labels.height));
+    let mut rings = vec![RINGS + 1; labels.labels.len()];
+    for ring in 1..=RINGS {
+        let before = rings.clone();
+        for y in 0..h {
+            for x in 0..w {
+                let i = (y * w + x) as usize;
+                let own = labels.labels[i];
+                let near = |(dx, dy): (i64, i64)| {
+                    let other = labels.at(x + dx, y + dy);
+                    let beside = ring > 1
+                        && other == Some(own)
+                        && before[((y + dy) * w + x + dx) as usize] == ring - 1;
+                    other.is_some_and(|l| l != own) || beside
+                };
+                if before[i] > RINGS && [(-1, 0), (1, 0), (0, -1), (0, 1)].into_iter().any(near) {
+                    rings[i] = ring;
+                }
+            }
+        }
+    }
+    rings
+}
+
+/// The colour of the pixel's own side, if it shows a mixture of both sides.
+fn mixture(image: &RgbImage, labels: &LabelMap, rings: &[u8], [x, y]: [i32; 2], ring: u8) -> Option<Rgb<u8>> {
+    let at = |x: i32, y: i32| (y * labels.width as i32 + x) as usize;
+    let own_label = labels.labels[at(x, y)];
+    let (mut own, mut other) = (Mean::default(), Mean::default());
+    for dy in -REACH..=REACH {
+        for dx in -REACH..=REACH {
+            let (px, py) = (x + dx, y + dy);
+            let inside = px >= 0 && py >= 0 && px < labels.width as i32 && py < labels.height as i32;
+            if !inside || dx * dx + dy * dy > REACH * REACH {
+                continue;
+            }
+            let i = at(px, py);
+            let colour = image.get_pixel(px as u32, py as u32).0;
+            let distance = dx * dx + dy * dy;
+            if labels.labels[i] == own_label {
+                if rings[i] > ring {
+                    own.add(colour, distance);
+                }
+            } else if rings[i] > 1 {
+                other.add(colour, distance);
+            }
+        }
+    }
+    let (own, other) = (own.mean()?, other.mean()?);
+    let here = image.get_pixel(x as u32, y as u32).0.map(f32::from);
+    let line: [f32; 3] = std::array::from_fn(|c| own[c] - other[c]);
+    let length2: f32 = line.iter().map(|v| v * v).sum();
+    let length = length2.sqrt();
+    if length < CONTRAST {
+        return None;
+    }
+    let share = (0..3).map(|c| (here[c] - other[c]) * line[c]).sum::<f32>() / length2;
+    let off2: f32 = (0..3).map(|c| here[c] - other[c] - share * line[c]).map(|v| v * v).sum();
+    let least = LEAST[usize::from(ring) - 1];
+    let mixed = share < 0.98 && share > least && off2.sqrt() < OFF[0] + OFF[1] * length;
+    mixed.then(|| Rgb(own.map(|v| (v + 0.5) as u8)))
+}
+
+/// Mean colour of the nearest pixels.
+#[derive(Default)]
+struct Mean {
+    sum: [f32; 3],
+    weight: f32,
+}
+
+impl Mean {
+    fn add(&mut self, colour: [u8; 3], distance2: i32) {
+        let weight = 1.0 / (distance2 * distance2) as f32;
+        (0..3).for_each(|c| self.sum[c] += weight * f32::from(colour[c]));
+        self.weight += weight;
+    }
+
+    fn mean(&self) -> Option<[f32; 3]> {
+        (self.weight > 0.0).then(|| self.sum.map(|v| v / self.weight))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STONE: [f32; 3] = [180.0, 90.0, 40.0];
+    const GROUND: [f32; 3] = [60.0, 70.0, 90.0];
+
+    /// A blurred disc on the ground, and its labels.
+    fn disc(blur: f32) -> (RgbImage, LabelMap) {
+        let depth = |x: u32, y: u32| {
+            let (dx, dy) = (x as f32 + 0.5 - 20.3, y as f32 + 0.5 - 19.6);
+            11.0 - (dx * dx + dy * dy).sqrt()
+        };
+        let image = RgbImage::from_fn(40, 40, |x, y| {
+            let share = (0.5 + depth(x, y) / (2.0 * blur)).clamp(0.0, 1.0);
+            Rgb(std::array::from_fn(|c| (GROUND[c] + (STONE[c] - GROUND[c]) * share) as u8))
+        });
+        let mut labels = LabelMap::filled(40, 40, 0);
+        (0..40).for_each(|y| (0..40).for_each(|x| labels.set(x, y, u32::from(depth(x, y) > 0.0))));
+        (image, labels)
+    }
+
+    #[test]
+    fn both_sides_get_their_own_colour() {
+        for blur in [0.5, 1.0, 1.5] {
+            let (image, labels) = disc(blur);
+            let clean = unmixed(&image, &labels);
+            for (x, y, pixel) in clean.enumerate_pixels() {
+                let wanted = if labels.get(x, y) == 1 { STONE } else { GROUND };
+                for c in 0..3 {
+                    assert!((f32::from(pixel.0[c]) - wanted[c]).abs() <= 2.0, "{blur}: {x} {y} {pixel:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_mixture_stays() {
+        let (mut image, labels) = disc(0.5);
+        // A dark line along the rim, darker than both sides.
+        let dark = Rgb([5, 5, 5]);
+        let rings = rings(&labels);
+        for (i, pixel) in image.pixels_mut().enumerate() {
+            if rings[i] == 1 && labels.labels[i] == 1 {
+                *pixel = dark;
+            }
+        }
+        let clean = unmixed(&image, &labels);
+        let kept = (0..1600).filter(|&i| rings[i] == 1 && labels.labels[i] == 1);
+        assert!(kept.clone().count() > 40);
+        for i in kept {
+            assert_eq!(*clean.get_pixel(i as u32 % 40, i as u32 / 40), dark);
+        }
+    }
+}
