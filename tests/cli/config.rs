@@ -9,7 +9,7 @@ fn a_dump_holds_every_parameter_and_reads_back_as_itself() {
     for key in [
         "#seed =",
         "#threads =",
-        "segmenter = \"regions\"",
+        "segmenter = \"auto\"",
         "minimum-area = 5",
         "size = \"1000x1000\"",
         "weights = [0.5, -0.4, -0.2, -0.5, -0.5]",

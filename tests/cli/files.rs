@@ -143,7 +143,9 @@ fn an_interrupt_leaves_no_half_file() {
 #[test]
 fn the_segmenter_is_stored() {
     let folder = Folder::new();
-    for (arguments, name) in [("", "regions"), ("--segmenter felzenszwalb", "felzenszwalb")] {
+    for (arguments, name) in
+        [("", "texton"), ("--segmenter regions", "regions"), ("--segmenter felzenszwalb", "felzenszwalb")]
+    {
         folder.run(&format!("analyze photo.png {arguments}")).succeeds();
         let json = folder.run("inspect photo.lib.json --json").succeeds().json();
         assert_eq!(json["segmenter"], name);
