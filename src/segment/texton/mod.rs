@@ -71,7 +71,7 @@ impl Texton {
         let search = GeneratorParams {
             predicted_iou: 0.3,
             stability: 0.3,
-            confident: 0.6,
+            confident: 0.75,
             ..GeneratorParams::default()
         };
         Ok(Self { network, search })
