@@ -6,6 +6,8 @@ use image::RgbImage;
 
 /// Number of features.
 pub const FEATURES: usize = 32;
+/// Which of them is the score of the region tree.
+pub(super) const REGION: usize = 27;
 /// Share of a rim that may be weaker than its quantile.
 const QUANTILE: f64 = 0.3;
 

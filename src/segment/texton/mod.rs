@@ -13,6 +13,7 @@ mod network;
 mod weights;
 
 pub use features::FEATURES;
+
 pub use network::TextonNetwork;
 
 use super::alike::{Alike, Measured};
@@ -24,7 +25,7 @@ use crate::error::Result;
 use crate::parallel::map;
 use crate::progress::{Progress, advance};
 use crate::raster::{Connectivity, LabelMap, Mask, Span, components_of_mask};
-use features::{Context, Origin};
+use features::{Context, Origin, REGION};
 use image::RgbImage;
 
 /// Units of the hidden layer of the [`Judge`].
@@ -41,8 +42,9 @@ const SIZES: usize = 3;
 const LEAST_NODE: f32 = 0.2;
 /// Nodes alike to this are one.
 const SAME: f32 = 0.9;
-/// Added to every score: of photographs the judge is less sure than of the scenes it was fitted to.
-const MODESTY: f32 = 0.1;
+/// What the region tree's own score of a node counts at least: where a photograph shows what no
+/// scene does, the network sees nothing.
+const REGIONS: f32 = 0.5;
 /// A mask may lose this share of its pixels to masks worth more.
 const MOST_LOST: f32 = 0.25;
 
@@ -156,8 +158,9 @@ impl Segmenter for Texton {
 
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
         let candidates = self.candidates(image, progress)?;
-        let scores = map(&candidates, |c| weights::NETWORK.score(&c.features));
-        let worth = |k: usize| worth(candidates[k].mask.area() as f32, scores[k] + MODESTY);
+        let judged = |c: &Candidate| weights::NETWORK.score(&c.features).max(REGIONS * c.features[REGION]);
+        let scores = map(&candidates, judged);
+        let worth = |k: usize| worth(candidates[k].mask.area() as f32, scores[k]);
         let mut order: Vec<(f32, usize)> = (0..scores.len()).map(|k| (worth(k), k)).collect();
         order.retain(|(worth, _)| *worth > 0.0);
         order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
