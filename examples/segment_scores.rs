@@ -79,7 +79,7 @@ impl NetworkAlone {
             scales: vec![2.0, 1.0, 0.5],
             predicted_iou: 0.6,
             stability: 0.6,
-            confident: 0.75,
+            confident: 0.82,
             crop: 16_384,
             levels,
             ..GeneratorParams::default()

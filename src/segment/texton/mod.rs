@@ -73,7 +73,7 @@ impl Texton {
         let search = GeneratorParams {
             predicted_iou: 0.3,
             stability: 0.3,
-            confident: 0.75,
+            confident: 0.82,
             ..GeneratorParams::default()
         };
         Ok(Self { network, search })
