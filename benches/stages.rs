@@ -12,10 +12,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use support::{MEASURE, Outcome, Watch, child, kilo, mega, peak_memory, row, seconds, sum};
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
+use vtex::engine::{EngineOptions, Runtime};
 use vtex::library::Library;
 use vtex::output::{file, png, svg};
 use vtex::scene::SynthParams;
-use vtex::segment::{Regions, ScoredMask, Segmenter};
+use vtex::segment::texton::Texton;
+use vtex::segment::{ScoredMask, Segmenter};
 use vtex::{Progress, synth};
 
 const USAGE: &str = "\
@@ -100,7 +102,8 @@ fn measure(arguments: &[String]) -> Outcome {
 fn measure_analysis(photo: &Path, place: &Path) -> Outcome<Value> {
     let exemplar = Exemplar::open(photo, &Limits::default())?;
     let watch = Watch::start("segment");
-    let library = analyze(&exemplar, &Silent(Regions), &AnalyzeParams::default(), &watch)?;
+    let engine = EngineOptions { runtime: Runtime::Rten, ..EngineOptions::default() };
+    let library = analyze(&exemplar, &Silent(Texton::new(&engine)?), &AnalyzeParams::default(), &watch)?;
     let stages = watch.stop();
     let peak = peak_memory();
     let bytes = library.to_json();
@@ -144,7 +147,7 @@ fn measure_synthesis(library: &Path, side: u32) -> Outcome<Value> {
 }
 
 /// A segmenter whose steps count as one stage.
-struct Silent(Regions);
+struct Silent(Texton);
 
 impl Segmenter for Silent {
     fn name(&self) -> String {

@@ -293,13 +293,12 @@ impl Search<'_> {
     }
 
     fn judge(&self, point: [f32; 2], mask: &super::PromptMask) -> Option<Proposal> {
-        if !(mask.predicted_iou >= self.params.predicted_iou) {
-            return None;
-        }
         let proposal = Proposal::new(point, mask)?;
         let View { width, height, scale, .. } = *self.view;
         let area = proposal.pixels() / (scale * scale);
-        let good = proposal.stability >= self.params.stability
+        // A predicted value that is no number passes no threshold.
+        let good = mask.predicted_iou >= self.params.predicted_iou
+            && proposal.stability >= self.params.stability
             && area >= self.params.smallest
             && area <= self.params.largest * (width * height) as f32;
         good.then_some(proposal)
