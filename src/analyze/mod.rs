@@ -33,6 +33,7 @@ use crate::scene::Field;
 use crate::scene::Tile;
 use crate::scene::field::Interpolant;
 use crate::segment::{Segmenter, Smoothed, details};
+use image::RgbImage;
 use shapes::Style;
 use unmix::unmixed;
 
@@ -56,7 +57,7 @@ pub fn analyze(
 
     advance(progress, "primaries", 0, 1)?;
     let (mut primaries, rims) = candidates::select(image, &masks, params.minimum_area);
-    let patches = secondaries::find(&unmixed(image, &primaries), &primaries, &rims, params);
+    let patches = secondaries::find(&own_colours(image, &primaries, params), &primaries, &rims, params);
     promote(&mut primaries, &patches.promoted);
     let count = primaries.labels.iter().max().map_or(0, |m| *m as usize);
     let primary_masks = Mask::all_of_labels(&primaries, count + 1).split_off(1);
@@ -64,7 +65,7 @@ pub fn analyze(
 
     advance(progress, "details", 0, count as u64)?;
     // What follows paints with the colours of both sides; only edges are sought in the photograph.
-    let clean = unmixed(image, &primaries);
+    let clean = own_colours(image, &primaries, params);
     let smoothed = Smoothed::new(&clean, params.detail_sigma);
     let details = crate::parallel::map(&primary_masks, |mask| {
         details(&smoothed, mask, params.detail_scale, params.detail_minimum)
@@ -143,6 +144,14 @@ pub fn analyze(
     };
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)
+}
+
+/// Below this fidelity in pixels the mixture of a single pixel is worth its shape.
+const MIXTURES_KEPT: f64 = 0.2;
+
+/// The image, pixels on the borders of primaries in the colour of their own side.
+fn own_colours(image: &RgbImage, primaries: &LabelMap, params: &AnalyzeParams) -> RgbImage {
+    if params.fidelity < MIXTURES_KEPT { image.clone() } else { unmixed(image, primaries) }
 }
 
 /// Joins promoted patches to the primaries.
