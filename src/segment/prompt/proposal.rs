@@ -162,7 +162,7 @@ mod tests {
     use super::*;
 
     /// Logits of a disc, falling by 1 a pixel, on a grid of the given step.
-    pub(crate) fn disc(centre: [f32; 2], radius: f32, step: f32, side: usize) -> PromptMask {
+    fn disc(centre: [f32; 2], radius: f32, step: f32, side: usize) -> PromptMask {
         let mut values = Vec::new();
         for j in 0..side {
             for i in 0..side {

@@ -13,7 +13,6 @@ mod network;
 mod weights;
 
 pub use features::FEATURES;
-
 pub use network::TextonNetwork;
 
 use super::alike::{Alike, Measured};
