@@ -249,6 +249,18 @@ fn guarded<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     })
 }
 
+/// The inputs given as places in `ports`, each tensor with as many elements as its shape has places.
+fn given(name: &str, ports: &[Port], inputs: &[(&str, &Tensor)]) -> Result<Vec<usize>> {
+    if let Some((input, _)) = inputs.iter().find(|(_, tensor)| !tensor.is_whole()) {
+        return Err(Error::Network {
+            name: name.to_owned(),
+            reason: format!("'{input}' does not have the elements of its shape"),
+            advice: "",
+        });
+    }
+    places(name, ports, &inputs.iter().map(|input| input.0).collect::<Vec<_>>())
+}
+
 /// The outputs asked for as places in `ports`.
 fn places(name: &str, ports: &[Port], wanted: &[&str]) -> Result<Vec<usize>> {
     let place = |wanted: &&str| {

@@ -5,7 +5,7 @@
 //! would depend on it. The library's telemetry is switched off. Only one library can be loaded in a
 //! process.
 
-use super::{Engine, Port, Source, Tensor, Values, guarded, places};
+use super::{Engine, Port, Source, Tensor, Values, given, guarded, places};
 use crate::error::{Error, Result};
 use ort::environment::Environment;
 use ort::logging::LoggerFunction;
@@ -185,12 +185,8 @@ impl Engine for Network {
     }
 
     fn run(&self, inputs: &[(&str, &Tensor)], outputs: &[&str]) -> Result<Vec<Tensor>> {
-        let names: Vec<&str> = inputs.iter().map(|input| input.0).collect();
-        let given = places(&self.name, &self.inputs, &names)?;
+        let given = given(&self.name, &self.inputs, inputs)?;
         let given = given.into_iter().zip(inputs).map(|(place, (name, tensor))| {
-            if !tensor.is_whole() {
-                return Err(self.failure(format!("'{name}' does not have the elements of its shape")));
-            }
             Ok((Cow::from((*name).to_owned()), self.converted(place, tensor)?))
         });
         let given: Vec<(Cow<'_, str>, SessionInputValue<'_>)> = given.collect::<Result<_>>()?;

@@ -3,7 +3,7 @@
 //! rten spreads a run over a pool of threads of its own: by default one for each physical core, as
 //! the variable `RTEN_NUM_THREADS` says, or as many as asked for here.
 
-use super::{Engine, Port, Source, Tensor, Values, guarded, places, structure};
+use super::{Engine, Port, Source, Tensor, Values, given, guarded, places, structure};
 use crate::error::{Error, Result};
 use ::rten::{DataType, Dimension, Model, NodeId, RunOptions, ThreadPool, Value, ValueOrView, ValueType};
 use rten_tensor::prelude::*;
@@ -104,12 +104,8 @@ impl Engine for Network {
     }
 
     fn run(&self, inputs: &[(&str, &Tensor)], outputs: &[&str]) -> Result<Vec<Tensor>> {
-        let names: Vec<&str> = inputs.iter().map(|input| input.0).collect();
-        let given = places(&self.name, &self.inputs, &names)?;
-        let given = given.into_iter().zip(inputs).map(|(place, (name, tensor))| {
-            if !tensor.is_whole() {
-                return Err(self.failure(format!("'{name}' does not have the elements of its shape")));
-            }
+        let given = given(&self.name, &self.inputs, inputs)?;
+        let given = given.into_iter().zip(inputs).map(|(place, (_, tensor))| {
             let id = self.model.input_ids()[place];
             Ok((id, ValueOrView::from(self.converted(id, tensor)?)))
         });

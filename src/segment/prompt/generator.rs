@@ -1,7 +1,7 @@
 //! "Segment everything": prompts on a grid, coarse to fine, and the masks worth keeping.
 
 use super::proposal::Proposal;
-use super::{Embedded, Logits, Prompter};
+use super::{Embedded, PromptMask, Prompter};
 use crate::error::{Result, check};
 use crate::progress::{Progress, advance};
 use crate::raster::{LabelMap, Mask};
@@ -77,8 +77,6 @@ impl GeneratorParams {
 pub struct Found {
     /// The pixels: one piece.
     pub mask: Mask,
-    /// Logits around it, 0 along the outline.
-    pub logits: Logits,
     /// Intersection over union with the truth as the network predicts it, 0 to 1.
     pub predicted_iou: f32,
     /// Share of the mask that stays when the threshold is raised, 0 to 1.
@@ -242,10 +240,11 @@ impl Search<'_> {
             }
             cost.prompts += points.len() as u64;
             self.ask(embedded, &points, level, progress)?;
-            for proposal in &self.kept {
-                if proposal.score() >= self.params.confident {
-                    explained.fill(&self.to_image(proposal).rasterise(width, height), 1);
-                }
+            if level == 0 {
+                break;
+            }
+            for proposal in self.kept.iter().filter(|p| p.score() >= self.params.confident) {
+                explained.fill(&self.mask(proposal), 1);
             }
         }
         Ok(())
@@ -292,7 +291,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    fn judge(&self, point: [f32; 2], mask: &super::PromptMask) -> Option<Proposal> {
+    fn judge(&self, point: [f32; 2], mask: &PromptMask) -> Option<Proposal> {
         let proposal = Proposal::new(point, mask)?;
         let View { width, height, scale, .. } = *self.view;
         let area = proposal.pixels() / (scale * scale);
@@ -304,13 +303,13 @@ impl Search<'_> {
         good.then_some(proposal)
     }
 
-    /// The logits of a proposal in pixels of the view, not of the scaled image.
-    fn to_image(&self, proposal: &Proposal) -> Proposal {
-        let mut moved = proposal.clone();
+    /// The pixels of a proposal in the view, not in the scaled image.
+    fn mask(&self, proposal: &Proposal) -> Mask {
+        let mut logits = proposal.logits.clone();
         let by = 1.0 / self.view.scale;
-        moved.logits.origin = moved.logits.origin.map(|v| v * by);
-        moved.logits.step = moved.logits.step.map(|v| v * by);
-        moved
+        logits.origin = logits.origin.map(|v| v * by);
+        logits.step = logits.step.map(|v| v * by);
+        logits.rasterise(self.view.width, self.view.height)
     }
 
     /// What is kept, in pixels of the whole image. What a crop cuts off is left to its neighbours.
@@ -318,8 +317,7 @@ impl Search<'_> {
         let View { x, y, width: w, height: h, index, .. } = *self.view;
         let mut found = Vec::new();
         for proposal in &self.kept {
-            let moved = self.to_image(proposal);
-            let mask = moved.rasterise(w, h);
+            let mask = self.mask(proposal);
             let Some((x0, y0, x1, y1)) = mask.bounds() else { continue };
             let cut = (x > 0 && x0 <= 0)
                 || (y > 0 && y0 <= 0)
@@ -328,11 +326,8 @@ impl Search<'_> {
             if cut || (mask.area() as f32) < self.params.smallest {
                 continue;
             }
-            let mut logits = moved.logits;
-            logits.origin = [logits.origin[0] + x as f32, logits.origin[1] + y as f32];
             found.push(Found {
                 mask: mask.shifted(x as i32, y as i32),
-                logits,
                 predicted_iou: proposal.predicted_iou,
                 stability: proposal.stability,
                 votes: proposal.votes,

@@ -103,20 +103,21 @@ impl Proposal {
     pub(super) fn pixels(&self) -> f32 {
         self.cells.area as f32 * self.logits.step[0] * self.logits.step[1]
     }
+}
 
+impl Logits {
     /// The pixels of an image of that size whose centres lie where the logits, interpolated
     /// between cells, are above 0: the largest piece of them.
     pub(super) fn rasterise(&self, width: u32, height: u32) -> Mask {
-        let l = &self.logits;
         let end = |axis: usize, n: usize, most: u32| {
-            (libm::ceilf(l.origin[axis] + l.step[axis] * n as f32).max(0.0) as u32).min(most)
+            (libm::ceilf(self.origin[axis] + self.step[axis] * n as f32).max(0.0) as u32).min(most)
         };
-        let begin = |axis: usize| libm::floorf(l.origin[axis]).max(0.0) as u32;
-        let (x1, y1) = (end(0, l.width, width), end(1, l.height, height));
+        let begin = |axis: usize| libm::floorf(self.origin[axis]).max(0.0) as u32;
+        let (x1, y1) = (end(0, self.width, width), end(1, self.height, height));
         let mut spans = Vec::new();
         for y in begin(1)..y1 {
             for x in begin(0)..x1 {
-                if l.at([x as f32 + 0.5, y as f32 + 0.5]) > 0.0 {
+                if self.at([x as f32 + 0.5, y as f32 + 0.5]) > 0.0 {
                     spans.push(Span { y: y as i32, x0: x as i32, x1: x as i32 + 1 });
                 }
             }
@@ -125,11 +126,9 @@ impl Proposal {
         // The first of the largest.
         pieces.into_iter().rev().max_by_key(Mask::area).unwrap_or_default()
     }
-}
 
-impl Logits {
     /// The value at a point of the image, linear between the centres of cells.
-    pub(super) fn at(&self, point: [f32; 2]) -> f32 {
+    fn at(&self, point: [f32; 2]) -> f32 {
         let along = |axis: usize, n: usize| {
             let t = ((point[axis] - self.origin[axis]) / self.step[axis] - 0.5).clamp(0.0, (n - 1) as f32);
             let i = (t as usize).min(n.saturating_sub(2));
@@ -179,7 +178,7 @@ mod tests {
         for step in [1.0, 2.0, 4.0] {
             let p =
                 Proposal::new([30.0, 31.0], &disc([30.3, 31.7], 12.4, step, (64.0 / step) as usize)).unwrap();
-            let area = p.rasterise(64, 64).area() as f32;
+            let area = p.logits.rasterise(64, 64).area() as f32;
             let truth = std::f32::consts::PI * 12.4 * 12.4;
             assert!((area - truth).abs() < 0.03 * truth, "step {step}: {area} of {truth}");
         }
@@ -191,7 +190,7 @@ mod tests {
         for (v, w) in a.logits.values.iter_mut().zip(&b.logits.values) {
             *v = v.max(*w);
         }
-        let piece = Proposal::new([33.0, 30.0], &a).unwrap().rasterise(48, 48);
+        let piece = Proposal::new([33.0, 30.0], &a).unwrap().logits.rasterise(48, 48);
         assert!(piece.contains(34, 34) && !piece.contains(12, 12));
         assert!(Proposal::new([22.5, 22.5], &a).is_none());
         assert!(Proposal::new([-3.0, 5.0], &a).is_none());

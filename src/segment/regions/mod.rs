@@ -122,42 +122,38 @@ impl Layer {
         Mask::all_of_labels(&map, chosen.len() + 1).into_iter().skip(1).collect()
     }
 
-    /// The eligible nodes that score at least `least`.
-    fn best(&self, image: &RgbImage, least: f32) -> Vec<ScoredMask> {
-        let nodes = &self.tree.nodes;
-        let basins = nodes.iter().filter(|n| n.children.is_none()).count();
+    /// The masks of the tree's leaves, in the order of the nodes.
+    fn basins(&self, image: &RgbImage) -> Vec<Mask> {
+        let count = self.tree.nodes.iter().filter(|n| n.children.is_none()).count();
         let map = LabelMap { width: image.width(), height: image.height(), labels: self.labels.clone() };
-        let leaves = Mask::all_of_labels(&map, basins);
-        let scores = self.scores(image);
-        let good = (0..nodes.len()).filter_map(|i| Some((i, scores[i].filter(|&s| s >= least)?)));
-        let masks = good.map(|(i, score)| {
-            let (mut spans, mut open) = (Vec::new(), vec![i]);
-            while let Some(k) = open.pop() {
-                match nodes[k].children {
-                    Some(children) => open.extend(children.map(|c| c as usize)),
-                    None => spans.extend_from_slice(leaves[k].spans()),
-                }
-            }
-            ScoredMask { mask: Mask::from_spans(spans), score }
-        });
-        masks.collect()
+        Mask::all_of_labels(&map, count)
     }
 
-    fn candidates(&self, image: &RgbImage, found: &mut Vec<Candidate>) {
-        let nodes = &self.tree.nodes;
-        let basins = nodes.iter().filter(|n| n.children.is_none()).count();
-        let map = LabelMap { width: image.width(), height: image.height(), labels: self.labels.clone() };
-        let mut masks = Mask::all_of_labels(&map, basins);
-        for (i, node) in nodes.iter().enumerate() {
-            if let Some(children) = node.children {
-                let spans = children.iter().flat_map(|&c| masks[c as usize].spans());
-                masks.push(Mask::from_spans(spans.copied().collect()));
-            }
-            if self.eligible(image, i) {
-                let features = self.context.features(&self.tree, i);
-                found.push(Candidate { mask: masks[i].clone(), features });
+    /// The mask of a node, from those of the leaves.
+    fn mask(&self, basins: &[Mask], node: usize) -> Mask {
+        let (mut spans, mut open) = (Vec::new(), vec![node]);
+        while let Some(k) = open.pop() {
+            match self.tree.nodes[k].children {
+                Some(children) => open.extend(children.map(|c| c as usize)),
+                None => spans.extend_from_slice(basins[k].spans()),
             }
         }
+        Mask::from_spans(spans)
+    }
+
+    /// The eligible nodes that score at least `least`.
+    fn best(&self, image: &RgbImage, least: f32) -> Vec<ScoredMask> {
+        let (basins, scores) = (self.basins(image), self.scores(image));
+        let good = scores.iter().enumerate().filter_map(|(i, s)| Some((i, s.filter(|&s| s >= least)?)));
+        good.map(|(i, score)| ScoredMask { mask: self.mask(&basins, i), score }).collect()
+    }
+
+    fn candidates(&self, image: &RgbImage) -> Vec<Candidate> {
+        let basins = self.basins(image);
+        let eligible = (0..self.tree.nodes.len()).filter(|&i| self.eligible(image, i));
+        let candidate =
+            |i| Candidate { mask: self.mask(&basins, i), features: self.context.features(&self.tree, i) };
+        eligible.map(candidate).collect()
     }
 }
 
@@ -179,11 +175,7 @@ pub(super) fn nodes(image: &RgbImage, least: f32, progress: &dyn Progress) -> Re
 /// # Errors
 /// [`crate::Error::Interrupted`].
 pub fn candidates(image: &RgbImage, progress: &dyn Progress) -> Result<Vec<Candidate>> {
-    let mut found = Vec::new();
-    for layer in Layer::all(image, progress)? {
-        layer.candidates(image, &mut found);
-    }
-    Ok(found)
+    Ok(map(&Layer::all(image, progress)?, |layer| layer.candidates(image)).concat())
 }
 
 impl Segmenter for Regions {

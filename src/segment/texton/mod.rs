@@ -89,8 +89,7 @@ impl Texton {
         }
         let pixels = image.width() as f32 * image.height() as f32;
         let enlarge = (PIXELS / pixels).sqrt().clamp(1.0, ENLARGE);
-        let (mut masks, mut origins) = (Vec::new(), Vec::new());
-        let mut embeddings = Vec::new();
+        let (mut offers, mut embeddings) = (Vec::new(), Vec::new());
         for index in 0..SIZES {
             let scale = enlarge / (1 << index) as f32;
             let view = View::whole(size, scale, index);
@@ -99,41 +98,47 @@ impl Texton {
             let found =
                 view.search(&seen as &dyn Embedded, size, &self.search, progress, &mut Cost::default())?;
             for Found { mask, predicted_iou, stability, votes, .. } in found {
-                masks.extend(Measured::new(mask));
-                origins.push((index, Origin { predicted_iou, stability, votes, ..Origin::default() }));
+                let origin = Origin { predicted_iou, stability, votes, ..Origin::default() };
+                offers.extend(Measured::new(mask).map(|mask| Offer { mask, size: Some(index), origin }));
             }
             embeddings.push((seen.embedding, scale));
         }
         embeddings.truncate(2);
         let regions = distinct(nodes(image, LEAST_NODE, progress)?);
         advance(progress, "judging masks", 0, 0)?;
-        for (mask, score) in regions {
-            masks.push(mask);
-            origins.push((SIZES, Origin { region: score, ..Origin::default() }));
+        for (mask, region) in regions {
+            offers.push(Offer { mask, size: None, origin: Origin { region, ..Origin::default() } });
         }
         let mut index = Alike::default();
-        masks.iter().enumerate().for_each(|(k, m)| index.add(m.bounds, k));
+        offers.iter().enumerate().for_each(|(k, offer)| index.add(offer.mask.bounds, k));
         let Ok(embeddings) = <[_; 2]>::try_from(embeddings) else { return Ok(Vec::new()) };
         let context = Context::new(image, embeddings);
-        let numbers: Vec<usize> = (0..masks.len()).collect();
-        Ok(map(&numbers, |&k| {
-            let (source, mut origin) = origins[k];
-            for other in index.near(masks[k].bounds) {
-                let iou = masks[k].iou(&masks[other]);
-                let (theirs, their) = &origins[other];
-                if source == SIZES || *theirs == SIZES {
-                    if source != *theirs {
-                        origin.cross = origin.cross.max(iou);
-                        origin.region = origin.region.max(iou * their.region);
-                    }
-                } else if source != *theirs {
+        Ok(map(&offers, |offer| {
+            let mut origin = offer.origin;
+            for other in index.near(offer.mask.bounds).into_iter().map(|k| &offers[k]) {
+                if offer.size == other.size {
+                    continue;
+                }
+                let iou = offer.mask.iou(&other.mask);
+                if offer.size.is_some() && other.size.is_some() {
                     origin.agreement = origin.agreement.max(iou);
+                } else {
+                    origin.cross = origin.cross.max(iou);
+                    origin.region = origin.region.max(iou * other.origin.region);
                 }
             }
-            let mask = masks[k].mask.clone();
+            let mask = offer.mask.mask.clone();
             Candidate { features: context.features(&mask, &origin), mask }
         }))
     }
+}
+
+/// A mask before it is measured.
+struct Offer {
+    mask: Measured,
+    /// At which size of the image the network gave it; `None` of a node of the region tree.
+    size: Option<usize>,
+    origin: Origin,
 }
 
 /// The better of those nearly alike.

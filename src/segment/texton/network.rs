@@ -75,7 +75,7 @@ impl TextonNetwork {
 
     fn encode_piece(&self, image: &RgbImage, [x0, y0]: [usize; 2], [w, h]: [usize; 2]) -> Result<Vec<f32>> {
         let mut values = vec![0.0; 3 * w * h];
-        let last = [image.width() as usize - 1, image.height() as usize - 1];
+        let last = [image.width(), image.height()].map(|n| (n as usize).saturating_sub(1));
         for y in 0..h {
             for x in 0..w {
                 // Beyond its border the image is mirrored.
