@@ -33,3 +33,14 @@ impl Progress for () {}
 pub(crate) fn advance(progress: &dyn Progress, stage: &'static str, done: u64, total: u64) -> Result<()> {
     if progress.advance(stage, done, total) { Ok(()) } else { Err(Error::Interrupted) }
 }
+
+/// For tests: asks at once to stop.
+#[cfg(test)]
+pub(crate) struct Stop;
+
+#[cfg(test)]
+impl Progress for Stop {
+    fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+        false
+    }
+}

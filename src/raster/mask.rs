@@ -120,6 +120,22 @@ impl Mask {
         }
     }
 
+    /// `f(pixel, step)` of every crack, the side that a pixel of the set shares with one outside:
+    /// the pixel within, and the step, of length 1, across the crack.
+    pub fn for_cracks(&self, mut f: impl FnMut([i32; 2], [i32; 2])) {
+        for s in &self.spans {
+            f([s.x0, s.y], [-1, 0]);
+            f([s.x1 - 1, s.y], [1, 0]);
+            for x in s.x0..s.x1 {
+                for dy in [-1, 1] {
+                    if !self.contains(x, s.y + dy) {
+                        f([x, s.y], [0, dy]);
+                    }
+                }
+            }
+        }
+    }
+
     /// The same set moved by whole pixels.
     pub fn shifted(&self, dx: i32, dy: i32) -> Self {
         let spans = self.spans.iter().map(|s| Span { y: s.y + dy, x0: s.x0 + dx, x1: s.x1 + dx });
@@ -177,6 +193,18 @@ mod tests {
             prop_assert_eq!(a.overlap(&b) as usize, common);
             prop_assert_eq!(a.overlap(&b), b.overlap(&a));
             prop_assert_eq!(a.overlap(&a), a.area());
+        }
+
+        #[test]
+        fn cracks_lie_between_the_set_and_the_rest(a in mask_strategy()) {
+            let mut found = Vec::new();
+            a.for_cracks(|p, d| found.push((p, d)));
+            let steps = [[-1, 0], [1, 0], [0, -1], [0, 1]];
+            let all = a.pixels().flat_map(|(x, y)| steps.map(|d| ([x, y], d)));
+            let mut wanted: Vec<_> = all.filter(|([x, y], [dx, dy])| !a.contains(x + dx, y + dy)).collect();
+            found.sort_unstable();
+            wanted.sort_unstable();
+            prop_assert_eq!(found, wanted);
         }
 
         #[test]

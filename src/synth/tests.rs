@@ -250,14 +250,8 @@ fn refused_are_bad_parameters_and_other_numbers_of_maps() {
 
 #[test]
 fn asked_to_stop_it_stops() {
-    struct Stop;
-    impl crate::Progress for Stop {
-        fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
-            false
-        }
-    }
     let library = library(&mosaic(60, 16.0, 0.9, 13));
-    let result = synthesize(&library, &params(90, 90, 0), &Stop);
+    let result = synthesize(&library, &params(90, 90, 0), &crate::progress::Stop);
     assert!(matches!(result, Err(Error::Interrupted)));
 }
 

@@ -115,7 +115,7 @@ impl Lab {
     /// rim. A true border is strong nearly everywhere; a cut through things only here and there.
     pub(super) fn rim(&self, mask: &Mask) -> (f32, u32) {
         let (mut steps, mut cracks) = (Vec::new(), 0u32);
-        let mut step = |x: i32, y: i32, dx: i32, dy: i32| {
+        mask.for_cracks(|[x, y], [dx, dy]| {
             cracks += 1;
             let (ox, oy) = (x + dx, y + dy);
             if ox < 0 || oy < 0 || ox >= self.width || oy >= self.height {
@@ -125,18 +125,7 @@ impl Lab {
             let outer = self.at(ox + dx, oy + dy);
             let d2: f32 = inner.iter().zip(outer).map(|(a, b)| (a - b) * (a - b)).sum();
             steps.push(d2.sqrt());
-        };
-        for s in mask.spans() {
-            step(s.x0, s.y, -1, 0);
-            step(s.x1 - 1, s.y, 1, 0);
-            for x in s.x0..s.x1 {
-                for dy in [-1, 1] {
-                    if !mask.contains(x, s.y + dy) {
-                        step(x, s.y, 0, dy);
-                    }
-                }
-            }
-        }
+        });
         let at = (RIM_QUANTILE * steps.len() as f64) as usize;
         let rim = if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(at, f32::total_cmp).1 };
         (rim, cracks)

@@ -5,7 +5,7 @@ use super::{Embedded, PromptMask, Prompter};
 use crate::error::{Result, check};
 use crate::progress::{Progress, advance};
 use crate::raster::{LabelMap, Mask};
-use crate::segment::alike::Alike;
+use crate::segment::alike::{Alike, Measured};
 use crate::segment::{ScoredMask, Segmenter};
 use image::RgbImage;
 
@@ -85,6 +85,12 @@ pub struct Found {
     pub votes: u32,
     /// Which of [`GeneratorParams::scales`] it was found at.
     pub scale: usize,
+}
+
+impl Found {
+    fn score(&self) -> f32 {
+        self.predicted_iou * self.stability
+    }
 }
 
 /// What a run of a [`Generator`] cost.
@@ -168,10 +174,38 @@ impl Generator {
             advance(progress, "reading the image", 0, 0)?;
             let embedded = self.prompter.embed(&view.image(image))?;
             let size = [image.width(), image.height()];
-            found.extend(view.search(embedded.as_ref(), size, &self.params, progress, &mut cost)?);
+            let here = view.search(embedded.as_ref(), size, &self.params, progress, &mut cost)?;
+            self.join(&mut found, here);
         }
-        found.sort_by(|a, b| (b.predicted_iou * b.stability).total_cmp(&(a.predicted_iou * a.stability)));
+        found.sort_by(|a, b| b.score().total_cmp(&a.score()));
         Ok((found, cost))
+    }
+
+    /// Adds the masks of another view: of two alike at one scale the better stays.
+    fn join(&self, found: &mut Vec<Found>, here: Vec<Found>) {
+        let measure = |f: &Found| Measured::new(f.mask.clone());
+        let measured: Vec<Option<Measured>> = found.iter().map(measure).collect();
+        let mut index = Alike::default();
+        for (k, m) in measured.iter().enumerate() {
+            m.iter().for_each(|m| index.add(m.bounds, k));
+        }
+        for new in here {
+            let Some(own) = measure(&new) else { continue };
+            let same = |&k: &usize| {
+                found[k].scale == new.scale
+                    && measured[k].as_ref().is_some_and(|m| m.iou(&own) >= self.params.duplicate)
+            };
+            match index.near(own.bounds).into_iter().find(same) {
+                Some(k) => {
+                    let votes = found[k].votes + new.votes;
+                    if new.score() > found[k].score() {
+                        found[k] = new;
+                    }
+                    found[k].votes = votes;
+                }
+                None => found.push(new),
+            }
+        }
     }
 
     fn views(&self, width: u32, height: u32) -> Vec<View> {
@@ -348,10 +382,7 @@ impl Segmenter for Generator {
             return Ok(Vec::new());
         }
         let (found, _) = self.find(image, progress)?;
-        Ok(found
-            .into_iter()
-            .map(|f| ScoredMask { score: f.predicted_iou * f.stability, mask: f.mask })
-            .collect())
+        Ok(found.into_iter().map(|f| ScoredMask { score: f.score(), mask: f.mask }).collect())
     }
 }
 

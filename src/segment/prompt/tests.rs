@@ -116,6 +116,50 @@ fn coarse_to_fine_finds_the_same_for_a_fraction_of_the_prompts() {
     assert!(cheap.prompts * 10 < full.prompts, "{} of {}", cheap.prompts, full.prompts);
 }
 
+/// Takes any bright square of an image for a thing.
+struct Bright;
+
+struct Lit(RgbImage);
+
+impl Prompter for Bright {
+    fn name(&self) -> String {
+        "bright".into()
+    }
+
+    fn embed<'a>(&'a self, image: &RgbImage) -> Result<Box<dyn Embedded + 'a>> {
+        Ok(Box::new(Lit(image.clone())))
+    }
+}
+
+impl Embedded for Lit {
+    fn promise(&self, _: &[[f32; 2]]) -> Option<Vec<f32>> {
+        None
+    }
+
+    fn batch(&self) -> usize {
+        64
+    }
+
+    fn masks(&self, points: &[[f32; 2]]) -> Result<Vec<Vec<PromptMask>>> {
+        let (width, height) = (self.0.width() as usize, self.0.height() as usize);
+        let values: Vec<f32> = self.0.pixels().map(|p| if p.0[0] > 128 { 4.0 } else { -4.0 }).collect();
+        let logits = Logits { origin: [0.0; 2], step: [1.0; 2], width, height, values };
+        Ok(points.iter().map(|_| vec![PromptMask { predicted_iou: 0.95, logits: logits.clone() }]).collect())
+    }
+}
+
+#[test]
+fn what_whole_and_crops_both_show_is_found_once() {
+    let bright = |x: u32, y: u32| x % 40 < 12 && y % 40 < 12;
+    let image = RgbImage::from_fn(160, 120, |x, y| image::Rgb([if bright(x, y) { 250 } else { 10 }; 3]));
+    let generator = Generator::new(Box::new(Bright), GeneratorParams { crop: 72, ..params(1) }).unwrap();
+    let (found, cost) = generator.find(&image, &()).unwrap();
+    assert_eq!(found.len(), 12);
+    assert!(found.iter().all(|f| f.mask.area() == 144 && f.scale == 0));
+    // The crops were asked, too: they overlap, so there are more points than the whole has.
+    assert!(cost.grid > 2 * 53 * 40);
+}
+
 #[test]
 fn parameters_out_of_range_are_refused() {
     let wrong = |params: GeneratorParams| Generator::new(Box::new(oracle(false)), params).is_err();
@@ -128,13 +172,8 @@ fn parameters_out_of_range_are_refused() {
 
 #[test]
 fn work_can_be_interrupted() {
-    struct Stop;
-    impl crate::Progress for Stop {
-        fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
-            false
-        }
-    }
     let image = RgbImage::new(40, 40);
-    let answer = Generator::new(Box::new(oracle(false)), params(2)).unwrap().find(&image, &Stop);
+    let answer =
+        Generator::new(Box::new(oracle(false)), params(2)).unwrap().find(&image, &crate::progress::Stop);
     assert!(matches!(answer, Err(crate::Error::Interrupted)));
 }

@@ -322,13 +322,7 @@ mod tests {
 
     #[test]
     fn work_can_be_interrupted() {
-        struct Stop;
-        impl Progress for Stop {
-            fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
-                false
-            }
-        }
-        let answer = Regions.segment(&RgbImage::new(20, 20), &Stop);
+        let answer = Regions.segment(&RgbImage::new(20, 20), &crate::progress::Stop);
         assert!(matches!(answer, Err(crate::Error::Interrupted)));
     }
 }

@@ -189,7 +189,7 @@ impl Context {
         let (mut borders, mut steps) = (Vec::new(), Vec::new());
         let (mut coarse, mut appearance, mut texton) = (0.0f64, 0.0f64, [0.0f64; 2]);
         let (mut cracks, mut outside) = (0.0f32, 0.0f32);
-        let mut step = |x: i32, y: i32, dx: i32, dy: i32| {
+        mask.for_cracks(|[x, y], [dx, dy]| {
             cracks += 1.0;
             let (ox, oy) = (x + dx, y + dy);
             if ox < 0 || oy < 0 || ox >= self.width || oy >= self.height {
@@ -209,18 +209,7 @@ impl Context {
             let colour = |(x, y): (i32, i32)| self.colours[(y * self.width + x) as usize];
             let d2: f32 = colour(within).iter().zip(colour((fx, fy))).map(|(a, b)| (a - b) * (a - b)).sum();
             steps.push(d2.sqrt());
-        };
-        for s in mask.spans() {
-            step(s.x0, s.y, -1, 0);
-            step(s.x1 - 1, s.y, 1, 0);
-            for x in s.x0..s.x1 {
-                for dy in [-1, 1] {
-                    if !mask.contains(x, s.y + dy) {
-                        step(x, s.y, 0, dy);
-                    }
-                }
-            }
-        }
+        });
         let n = borders.len().max(1) as f64;
         let mean = |v: &[f32]| (v.iter().map(|&v| f64::from(v)).sum::<f64>() / n) as f32;
         Rim {

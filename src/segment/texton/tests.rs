@@ -125,12 +125,6 @@ fn masks_do_not_depend_on_threads() {
 
 #[test]
 fn work_can_be_interrupted() {
-    struct Stop;
-    impl Progress for Stop {
-        fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
-            false
-        }
-    }
-    let answer = Texton::new(&rten()).unwrap().segment(&RgbImage::new(40, 40), &Stop);
+    let answer = Texton::new(&rten()).unwrap().segment(&RgbImage::new(40, 40), &crate::progress::Stop);
     assert!(matches!(answer, Err(crate::Error::Interrupted)));
 }
