@@ -1,13 +1,13 @@
-//! Details of a primary, joined where what they show is not worth what they cost.
+//! Details of a primary, or secondaries, joined where what they show is not worth what they cost.
 //!
-//! Each way to draw a primary has an error, the squared difference to the photograph, and a length
+//! Each way to draw them has an error, the squared difference to the photograph, and a length
 //! in a file: so much for each shape and its fill, so much for each pixel of border between two. Of
 //! all pairs of neighbours that whose union saves most is joined, until none saves anything: region
 //! merging after Mumford and Shah (Koepfler, Lopez and Morel 1994), with bytes in place of lengths
 //! and with fills that are flat or linear gradients.
 
 use super::moments::Moments;
-use super::price::Price;
+use super::price::{Price, SECONDARY};
 use crate::raster::Mask;
 use crate::raster::colour::Colour;
 use crate::scene::Gradient;
@@ -15,8 +15,8 @@ use image::RgbImage;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// Bytes of a shape beside its border.
-const SHAPE: f64 = 45.0;
+/// Bytes of a detail beside its border.
+const DETAIL: f64 = 45.0;
 /// Bytes of a pixel of border, which the shapes on both sides draw.
 const BORDER: f64 = 9.0;
 
@@ -29,17 +29,33 @@ pub(super) fn gradient(image: &RgbImage, mask: &Mask, price: Price) -> Option<Gr
 
 /// Joins the details of one primary; what is left still tiles it.
 pub(super) fn join(image: &RgbImage, details: &[Mask], price: Price) -> Vec<Mask> {
-    if details.len() < 2 {
-        return details.to_vec();
+    unite(image, details, price, DETAIL, u32::MAX)
+}
+
+/// Joins secondaries, which are flat, to ones of at most `largest` pixels.
+pub(super) fn join_secondaries(
+    image: &RgbImage,
+    secondaries: &[Mask],
+    price: Price,
+    largest: u32,
+) -> Vec<Mask> {
+    unite(image, secondaries, Price { gradients: false, ..price }, SECONDARY, largest)
+}
+
+/// Joins disjoint masks where that saves anything; `shape` is the bytes of one beside its border.
+fn unite(image: &RgbImage, masks: &[Mask], price: Price, shape: f64, largest: u32) -> Vec<Mask> {
+    if masks.len() < 2 {
+        return masks.to_vec();
     }
-    let origin = details[0].centroid().map_or([0.0; 2], Into::into);
+    let origin = masks[0].centroid().map_or([0.0; 2], Into::into);
+    let mut areas: Vec<u32> = masks.iter().map(Mask::area).collect();
     let mut regions: Vec<Option<Moments>> =
-        details.iter().map(|m| Some(Moments::new(image, m, origin))).collect();
-    let mut borders = borders(details);
-    let mut version = vec![0u32; details.len()];
+        masks.iter().map(|m| Some(Moments::new(image, m, origin))).collect();
+    let mut borders = borders(masks);
+    let mut version = vec![0u32; masks.len()];
     let saved = |regions: &[Option<Moments>], a: usize, b: usize, border: u32| {
         let (x, y) = (regions[a].as_ref()?, regions[b].as_ref()?);
-        let bytes = SHAPE + BORDER * f64::from(border);
+        let bytes = shape + BORDER * f64::from(border);
         let saved = price.of(x).0 + price.of(y).0 + bytes * price.byte - price.of(&x.with(y)).0;
         // Whole units sort exactly.
         (saved > 0.0).then_some(libm::round(saved * 16.0) as u64)
@@ -50,13 +66,15 @@ pub(super) fn join(image: &RgbImage, details: &[Mask], price: Price) -> Vec<Mask
             queue.extend(saved(&regions, a, b, border).map(|s| (s, Reverse((a, b)), 0, 0)));
         }
     }
-    let mut parent: Vec<usize> = (0..details.len()).collect();
+    let mut parent: Vec<usize> = (0..masks.len()).collect();
     while let Some((_, Reverse((a, b)), at_a, at_b)) = queue.pop() {
-        if (version[a], version[b]) != (at_a, at_b) {
+        let stale = (version[a], version[b]) != (at_a, at_b);
+        if stale || areas[a].saturating_add(areas[b]) > largest {
             continue;
         }
         let (Some(x), Some(y)) = (regions[a], regions[b].take()) else { continue };
         regions[a] = Some(x.with(&y));
+        areas[a] += areas[b];
         parent[b] = a;
         version[a] += 1;
         version[b] += 1;
@@ -73,7 +91,7 @@ pub(super) fn join(image: &RgbImage, details: &[Mask], price: Price) -> Vec<Mask
             queue.extend(entry.map(|s| (s, Reverse((low, high)), version[low], version[high])));
         }
     }
-    united(details, &mut parent)
+    united(masks, &mut parent)
 }
 
 /// Joins neighbours of one colour.
@@ -178,6 +196,14 @@ mod tests {
         let flat = join(&image, &columns(5), Price { gradients: false, ..PRICE });
         assert!(flat.len() > 3, "{}", flat.len());
         assert!(gradient(&image, &joined[0], Price { gradients: false, ..PRICE }).is_none());
+    }
+
+    #[test]
+    fn secondaries_stay_flat_and_within_the_largest_area() {
+        let image = RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90]));
+        let joined = join_secondaries(&image, &columns(5), PRICE, 300);
+        assert!(joined.iter().all(|m| m.area() <= 300) && joined.len() < 8, "{}", joined.len());
+        assert!(join_secondaries(&image, &columns(5), Price { byte: 1e9, ..PRICE }, 149).len() == 8);
     }
 
     #[test]

@@ -34,6 +34,7 @@ use crate::scene::Tile;
 use crate::scene::field::Interpolant;
 use crate::segment::{Segmenter, Smoothed, details};
 use image::RgbImage;
+use price::Price;
 use shapes::Style;
 use unmix::unmixed;
 
@@ -81,7 +82,9 @@ pub fn analyze(
         points: background.sites.clone(),
     };
     let interpolant = Interpolant::new(&field, width, height, Tile::default());
-    let patches = shapes::patches(&clean, patches.secondaries, &interpolant);
+    let joined =
+        joining::join_secondaries(&clean, &patches.secondaries, Price::new(params), params.secondary_maximum);
+    let patches = shapes::patches(&clean, joined, &interpolant);
 
     advance(progress, "joining", 0, 1)?;
     let mut warnings = exemplar.warnings.clone();

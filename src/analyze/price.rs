@@ -7,8 +7,8 @@ use crate::library::{AnalyzeParams, Shading};
 const BYTE: f64 = 16.0;
 /// Bytes of a gradient.
 const GRADIENT: f64 = 145.0;
-/// Bytes of a secondary.
-const SECONDARY: f64 = 120.0;
+/// Bytes of a secondary beside its border.
+pub(super) const SECONDARY: f64 = 120.0;
 /// Halvings of the range of prices when one is sought.
 const HALVINGS: usize = 16;
 

@@ -16,8 +16,9 @@ use crate::scene::field::Interpolant;
 use image::RgbImage;
 
 /// Secondaries of at most so many pixels are traced by themselves: they have no shape but that of
-/// their pixels, so equal ones are equal to the last digit and stand in files once.
-const SPECK: u32 = 9;
+/// their pixels, so equal ones are equal to the last digit and stand in files once. Larger ones are
+/// often pieces of stems and rims, which traced apart would fall into beads.
+const SPECK: u32 = 5;
 
 /// A flat patch between the primaries.
 #[derive(Clone)]
