@@ -39,7 +39,7 @@ pub(super) fn join_secondaries(
     price: Price,
     largest: u32,
 ) -> Vec<Mask> {
-    unite(image, secondaries, Price { gradients: false, ..price }, SECONDARY, largest)
+    unite(image, secondaries, Price { gradient_area: f64::INFINITY, ..price }, SECONDARY, largest)
 }
 
 /// Joins disjoint masks where that saves anything; `shape` is the bytes of one beside its border.
@@ -175,7 +175,7 @@ mod tests {
         (0..40 / width).map(|k| column(k * width, (k + 1) * width)).collect()
     }
 
-    const PRICE: Price = Price { gradients: true, byte: 10.0 };
+    const PRICE: Price = Price { gradient_area: 40.0, byte: 10.0 };
 
     #[test]
     fn equal_neighbours_become_one_and_unlike_ones_stay() {
@@ -193,17 +193,20 @@ mod tests {
         assert_eq!(joined, [column(0, 40)]);
         let g = gradient(&image, &joined[0], PRICE).unwrap();
         assert!((g.from[0] - g.to[0]).abs() > 38.0 && g.from[1] == g.to[1], "{g:?}");
-        let flat = join(&image, &columns(5), Price { gradients: false, ..PRICE });
+        let flat = join(&image, &columns(5), Price { gradient_area: f64::INFINITY, ..PRICE });
         assert!(flat.len() > 3, "{}", flat.len());
-        assert!(gradient(&image, &joined[0], Price { gradients: false, ..PRICE }).is_none());
+        assert!(gradient(&image, &joined[0], Price { gradient_area: f64::INFINITY, ..PRICE }).is_none());
     }
 
     #[test]
     fn secondaries_stay_flat_and_within_the_largest_area() {
         let image = RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90]));
-        let joined = join_secondaries(&image, &columns(5), PRICE, 300);
-        assert!(joined.iter().all(|m| m.area() <= 300) && joined.len() < 8, "{}", joined.len());
-        assert!(join_secondaries(&image, &columns(5), Price { byte: 1e9, ..PRICE }, 149).len() == 8);
+        let count = |byte, largest| {
+            let joined = join_secondaries(&image, &columns(5), Price { byte, ..PRICE }, largest);
+            assert!(joined.iter().all(|m| m.area() <= largest));
+            joined.len()
+        };
+        assert_eq!([count(10.0, 300), count(200.0, 300), count(1e9, 299), count(1e9, 1200)], [8, 4, 8, 1]);
     }
 
     #[test]

@@ -48,6 +48,11 @@ impl Moments {
         sums
     }
 
+    /// Number of pixels.
+    pub(super) fn count(&self) -> f64 {
+        self.count
+    }
+
     fn add(&mut self, [x, y]: [f64; 2], colour: [f64; 3]) {
         self.count += 1.0;
         self.place = [self.place[0] + x, self.place[1] + y];

@@ -7,6 +7,9 @@ use crate::library::{AnalyzeParams, Shading};
 const BYTE: f64 = 16.0;
 /// Bytes of a gradient.
 const GRADIENT: f64 = 145.0;
+/// Least pixels of a gradient at a fidelity of 1 px: through fewer, noise and the blocks of JPEG lay
+/// slopes that glare like chrome.
+const GRADIENT_AREA: f64 = 80.0;
 /// Bytes of a secondary beside its border.
 pub(super) const SECONDARY: f64 = 120.0;
 /// Halvings of the range of prices when one is sought.
@@ -15,8 +18,8 @@ const HALVINGS: usize = 16;
 /// What fills may be, and what a byte is worth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Price {
-    /// Whether fills may be gradients.
-    pub(super) gradients: bool,
+    /// Least pixels of a region that a gradient may fill; infinite if all fills are flat.
+    pub(super) gradient_area: f64,
     /// Squared error over all components (8-bit steps) that a byte is worth.
     pub(super) byte: f64,
 }
@@ -26,7 +29,8 @@ impl Price {
     /// colours leave no room for gradients.
     pub(super) fn new(params: &AnalyzeParams) -> Self {
         let gradients = params.shading == Shading::Gradient && params.colors == 0;
-        Self { gradients, byte: BYTE * params.fidelity }
+        let gradient_area = if gradients { GRADIENT_AREA * params.fidelity } else { f64::INFINITY };
+        Self { gradient_area, byte: BYTE * params.fidelity }
     }
 
     /// The lowest price, from this one on, at which there are at most so many shapes. `count` falls
@@ -47,7 +51,7 @@ impl Price {
     /// What a region costs without its border, and whether a gradient is the better fill.
     pub(super) fn of(self, sums: &Moments) -> (f64, bool) {
         let flat = sums.flat_error();
-        if !self.gradients {
+        if sums.count() < self.gradient_area {
             return (flat, false);
         }
         let gradient = sums.gradient_error() + GRADIENT * self.byte;
