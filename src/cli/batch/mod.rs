@@ -59,10 +59,13 @@ impl Batch {
 
 /// Refuses that a file is read and written, and that standard input is read for every job.
 fn apart(jobs: &[BatchJob], steering: &Steering, out_dir: &Path) -> Result<(), Failure> {
+    // However a path is spelled.
+    let plain = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let folder = plain(out_dir);
     let results: BTreeSet<PathBuf> =
-        jobs.iter().flat_map(BatchJob::files).map(|file| out_dir.join(file)).collect();
+        jobs.iter().flat_map(BatchJob::files).map(|file| folder.join(file)).collect();
     let check = |name: &str, path: &Path| {
-        if !results.contains(path) {
+        if !results.contains(&plain(path)) {
             return Ok(());
         }
         let message = format!("{name} and a result name the same file, '{}'", path.display());
