@@ -59,7 +59,7 @@ pub struct Metrics {
     /// Fréchet distance of filter responses, in deviations of the exemplar's.
     pub fb_frechet: f64,
     /// How far the result's patches are from the exemplar's, 1 being as far as the exemplar's own
-    /// from each other; none where a side is below 54 px.
+    /// from each other; none where a side is below 53 px.
     pub coherence: Option<f64>,
     /// How far the exemplar's patches are from the result's, likewise.
     pub completeness: Option<f64>,

@@ -220,7 +220,7 @@ mod tests {
         let other = completeness(&a, &b).unwrap();
         assert!(own.coherence < 1.05 && own.completeness < 1.05, "{own:?}");
         assert!(other.coherence > 1.2 && other.completeness > 1.2, "{other:?}");
-        assert_eq!(completeness(&a, &channels(53, 60, 19)), None);
+        assert_eq!(completeness(&a, &channels(52, 60, 19)), None);
     }
 
     #[test]
@@ -241,7 +241,7 @@ mod tests {
         let a: Vec<f32> = (0..243).map(|v| v as f32).collect();
         let b = vec![0.0; 243];
         let whole = squared_distance(&a, &b, f32::INFINITY);
-        assert!((whole - 4_753_566.0 - 0.0).abs() < 5.0, "{whole}");
+        assert!((whole - 4_753_485.0).abs() < 5.0, "{whole}");
         assert!(squared_distance(&a, &b, 10.0) > 10.0);
     }
 }
