@@ -19,6 +19,7 @@ pub mod control;
 pub mod engine;
 pub mod geometry;
 pub mod library;
+pub mod metrics;
 pub mod output;
 pub mod procedural;
 pub mod raster;

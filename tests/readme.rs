@@ -42,6 +42,8 @@ fn steering(folder: &Path) {
         cage("M0 0C250 120 550 120 800 0V300C550 420 250 420 0 300z"),
     )
     .unwrap();
+    let jobs = readme().split("```toml\n").nth(1).unwrap().split("```").next().unwrap().to_owned();
+    std::fs::write(folder.join("jobs.toml"), jobs).unwrap();
     let fade = GrayImage::from_fn(256, 2, |x, _| Luma([x as u8]));
     fade.save(folder.join("fade.png")).unwrap();
     let ring = GrayImage::from_fn(90, 90, |x, y| {

@@ -5,6 +5,8 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
+use super::batch_arguments::BatchArgs;
+use super::metrics_arguments::MetricsArgs;
 use super::values::{Axes, Bytes, Factors, Name, Seed, Size, WeightsFrom, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -46,10 +48,12 @@ pub(crate) enum Command {
     Vectorize(VectorizeArgs),
     Analyze(AnalyzeArgs),
     Synth(SynthArgs),
+    Batch(Box<BatchArgs>),
     Warp(WarpArgs),
     Tune(TuneArgs),
     Render(RenderArgs),
     Inspect(InspectArgs),
+    Metrics(MetricsArgs),
     Doctor(DoctorArgs),
     Models(ModelsArgs),
     Completions(CompletionsArgs),
@@ -729,6 +733,7 @@ pub(crate) fn command() -> clap::Command {
     let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "render", &WORK);
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
+    let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
     let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
     let command = hide(command, "models", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();
@@ -745,6 +750,8 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("vectorize", "photo"),
             ("analyze", "photo"),
             ("synth", "library"),
+            ("batch", "input"),
+            ("batch", "out_dir"),
             ("warp", "scene"),
             ("warp", "library"),
             ("tune", "library"),

@@ -106,40 +106,52 @@ fn keys(section: &str) -> Vec<(String, String)> {
     all.filter(|(name, _)| !section.is_empty() || ["seed", "threads"].contains(&name.as_str())).collect()
 }
 
-/// Reads a configuration file and checks that every key is known.
-fn read(path: &Path) -> anyhow::Result<Table> {
-    let text = std::fs::read_to_string(path).map_err(|e| vtex::Error::read(path, e))?;
-    let table: Table = text.parse().map_err(|e: toml::de::Error| {
-        Failure::usage(format!("cannot read '{}': {}", path.display(), e.to_string().trim_end()))
-            .hint("'vtex --dump-config' prints a valid file")
-    })?;
-    for (key, value) in &table {
-        match value {
-            Value::Table(section) if SECTIONS[1..].contains(&key.as_str()) => {
-                for inner in section.keys() {
-                    known(inner, key, path)?;
-                }
-            }
-            _ if SECTIONS[1..].contains(&key.as_str()) => {
-                let message = format!("'{key}' in '{}' is not a section", path.display());
-                return Err(Failure::usage(message)
-                    .hint(format!("write [{key}] on a line of its own"))
-                    .into());
-            }
-            _ => known(key, "", path)?,
-        }
+/// Values for some of the parameters, in sections.
+pub(crate) struct Layer {
+    /// Where they stand, for messages: the file's name in quotes, or more.
+    place: String,
+    table: Table,
+}
+
+impl Layer {
+    /// Reads a configuration file.
+    pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|e| vtex::Error::read(path, e))?;
+        let table: Table = text.parse().map_err(|e: toml::de::Error| {
+            Failure::usage(format!("cannot read '{}': {}", path.display(), e.to_string().trim_end()))
+                .hint("'vtex --dump-config' prints a valid file")
+        })?;
+        Ok(Self::new(format!("'{}'", path.display()), table)?)
     }
-    Ok(table)
+
+    /// Checks that every key is known.
+    pub(crate) fn new(place: String, table: Table) -> Result<Self, Failure> {
+        for (key, value) in &table {
+            match value {
+                Value::Table(section) if SECTIONS[1..].contains(&key.as_str()) => {
+                    for inner in section.keys() {
+                        known(inner, key, &place)?;
+                    }
+                }
+                _ if SECTIONS[1..].contains(&key.as_str()) => {
+                    let failure = Failure::usage(format!("'{key}' in {place} is not a section"));
+                    return Err(failure.hint(format!("write [{key}] on a line of its own")));
+                }
+                _ => known(key, "", &place)?,
+            }
+        }
+        Ok(Self { place, table })
+    }
 }
 
 /// An error that names the nearest key unless `key` is known in `section`.
-fn known(key: &str, section: &str, path: &Path) -> Result<(), Failure> {
+fn known(key: &str, section: &str, file: &str) -> Result<(), Failure> {
     let mut names: Vec<String> = keys(section).into_iter().map(|k| k.0).collect();
     if names.iter().any(|n| n == key) {
         return Ok(());
     }
     let place = if section.is_empty() { String::new() } else { format!(" in [{section}]") };
-    let failure = Failure::usage(format!("'{}' has an unknown key '{key}'{place}", path.display()));
+    let failure = Failure::usage(format!("{file} has an unknown key '{key}'{place}"));
     let home = |s: &&str| *s != section && keys(s).iter().any(|k| k.0 == key);
     Err(match SECTIONS.iter().copied().find(home) {
         Some("") => failure.hint(format!("'{key}' stands at the top, before all sections")),
@@ -186,19 +198,21 @@ impl Default for Parameters {
 }
 
 impl Parameters {
-    /// Defaults, file and command line laid over one another, every range checked.
-    pub(crate) fn resolve(config: Option<&Path>, given: &Given) -> anyhow::Result<Self> {
+    /// Defaults, layers in their order and command line laid over one another, every range checked.
+    pub(crate) fn resolve<'a>(
+        layers: impl IntoIterator<Item = &'a Layer>,
+        given: &Given,
+    ) -> anyhow::Result<Self> {
         let mut parameters = Self::default();
-        if let Some(path) = config {
-            let table = read(path)?;
+        for Layer { place, table } in layers {
             // One key at a time, so that an error can name it.
             for section in SECTIONS {
-                let inner = if section.is_empty() { Some(&table) } else { section_of(&table, section) };
+                let inner = if section.is_empty() { Some(table) } else { section_of(table, section) };
                 for (key, value) in inner.into_iter().flatten().filter(|(_, v)| !v.is_table()) {
                     let one: Table = [(key.clone(), value.clone())].into_iter().collect();
-                    parameters.lay(section, &one).map_err(|reason| {
-                        Failure::usage(format!("'{}': {key} = {value}: {reason}", path.display()))
-                    })?;
+                    parameters
+                        .lay(section, &one)
+                        .map_err(|reason| Failure::usage(format!("{place}: {key} = {value}: {reason}")))?;
                 }
             }
         }
@@ -425,7 +439,7 @@ mod tests {
         let weights = "tuned".parse().ok();
         for p in [parameters, Parameters { weights, ..Parameters::default() }, Parameters::default()] {
             std::fs::write(&path, p.dump()).unwrap();
-            let again = Parameters::resolve(Some(&path), &Given::default()).unwrap();
+            let again = Parameters::resolve(&[Layer::read(&path).unwrap()], &Given::default()).unwrap();
             assert_eq!(again, p);
             assert_eq!(again.dump(), p.dump());
         }

@@ -44,18 +44,9 @@ pub(crate) fn show_usage(error: &clap::Error) -> Exit {
     if error.use_stderr() { Exit::Usage } else { Exit::Success }
 }
 
-/// Prints an error and its hint on stderr and says how to exit. Silent if the reader of stdout
-/// has gone.
-pub(crate) fn show(error: &anyhow::Error) -> Exit {
-    if let Some(error) = error.downcast_ref::<clap::Error>() {
-        return show_usage(error);
-    }
-    let (message, hint, exit) = match error.downcast_ref::<Error>() {
-        Some(Error::Write { path, source })
-            if source.kind() == ErrorKind::BrokenPipe && path.as_os_str() == "-" =>
-        {
-            return Exit::Success;
-        }
+/// What is said of an error, what the user may try, and how to exit.
+pub(crate) fn explain(error: &anyhow::Error) -> (String, Option<String>, Exit) {
+    match error.downcast_ref::<Error>() {
         Some(e @ Error::Interrupted) => (e.to_string(), e.hint(), Exit::Interrupted),
         Some(e @ Error::Parameter { .. }) => (e.to_string(), e.hint(), Exit::Usage),
         Some(e) => (e.to_string(), e.hint(), Exit::Failed),
@@ -63,7 +54,22 @@ pub(crate) fn show(error: &anyhow::Error) -> Exit {
             Some(f) => (f.message.clone(), f.hint.clone(), f.exit),
             None => (format!("{error:#}"), None, Exit::Failed),
         },
-    };
+    }
+}
+
+/// Prints an error and its hint on stderr and says how to exit. Silent if the reader of stdout
+/// has gone.
+pub(crate) fn show(error: &anyhow::Error) -> Exit {
+    if let Some(error) = error.downcast_ref::<clap::Error>() {
+        return show_usage(error);
+    }
+    if let Some(Error::Write { path, source }) = error.downcast_ref::<Error>()
+        && source.kind() == ErrorKind::BrokenPipe
+        && path.as_os_str() == "-"
+    {
+        return Exit::Success;
+    }
+    let (message, hint, exit) = explain(error);
     let red = label(AnsiColor::Red);
     let mut text = format!("{red}error:{red:#} {message}\n");
     if let Some(hint) = hint {

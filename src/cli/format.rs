@@ -63,7 +63,7 @@ pub(crate) fn default_name(input: &Path, format: Format) -> PathBuf {
 }
 
 /// `photo` for `some/photo.lib.json`.
-fn stem(input: &Path) -> OsString {
+pub(crate) fn stem(input: &Path) -> OsString {
     let mut stem = input.file_name().unwrap_or("texture".as_ref()).to_os_string();
     if let Some(name) = input.file_name().and_then(|n| n.to_str()) {
         let lower = name.to_ascii_lowercase();

@@ -2,6 +2,8 @@
 //! [`commands`] does it, and its end is an [`Exit`] code. No algorithms here.
 
 pub(crate) mod arguments;
+mod batch;
+mod batch_arguments;
 pub(crate) mod commands;
 mod config;
 mod exit;
@@ -9,6 +11,7 @@ pub(crate) mod failure;
 mod format;
 mod input;
 pub(crate) mod interrupt;
+mod metrics_arguments;
 mod models;
 mod options;
 pub(crate) mod output;
@@ -16,6 +19,7 @@ mod progress;
 pub(crate) mod raw_arguments;
 mod stages;
 mod summary;
+mod table;
 mod values;
 
 pub(crate) use arguments::Cli;

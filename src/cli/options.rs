@@ -5,10 +5,12 @@ use super::arguments::{
     Cli, Command, ControlArgs, EngineArgs, EngineName, ForceArgs, MasksArgs, ModelsAction, PatternArgs,
     SamArgs, SegmenterName, TuneArgs, WarpArgs,
 };
-use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
+use super::batch::{Batch, Source};
+use super::config::{Given, Layer, Parameters, RenderParameters, SvgParameters, Top};
 use super::failure::Failure;
 use super::format::{self, default_name, weights_path};
 use super::input::Input;
+use super::metrics_arguments::MetricsArgs;
 use super::output::{Place, Target};
 use super::values::{Factors, Name, Seed};
 use clap_complete::Shell;
@@ -30,7 +32,7 @@ pub(crate) enum Options {
 }
 
 /// What all commands share.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Common {
     /// Threads to use, if said.
     pub(crate) threads: Option<u16>,
@@ -49,10 +51,12 @@ pub(crate) enum Job {
     Vectorize(Analysis, SvgParameters, Target),
     Analyze(Analysis, Target),
     Synth(Vec<Input>, Synthesis),
+    Batch(Batch),
     Warp(Warping),
     Tune(Input, Tuning),
     Render(Input, RenderOptions),
     Inspect(Input),
+    Metrics(MetricsArgs),
     Doctor(EngineOptions),
     Models(ModelsJob),
     Completions(Shell),
@@ -178,6 +182,11 @@ impl Options {
                 given.add("synth", &a.background);
                 given.add("svg", &a.svg);
             }
+            Some(Command::Batch(a)) => {
+                given.add("analyze", &a.analyze);
+                given.add("synth", &a.synth);
+                given.add("svg", &a.svg);
+            }
             Some(Command::Render(a)) => {
                 given.add("render", &a.render);
                 given.add("svg", &a.svg);
@@ -186,6 +195,7 @@ impl Options {
             Some(
                 Command::Tune(_)
                 | Command::Inspect(_)
+                | Command::Metrics(_)
                 | Command::Doctor(_)
                 | Command::Models(_)
                 | Command::Completions(_)
@@ -193,7 +203,13 @@ impl Options {
             )
             | None => {}
         }
-        let parameters = Parameters::resolve(global.config.as_deref(), &given)?;
+        let config = global.config.as_deref().map(Layer::read).transpose()?;
+        let source = match &command {
+            Some(Command::Batch(a)) if !a.input.is_empty() => Some(Source::new(&a.input)?),
+            _ => None,
+        };
+        let defaults = source.as_ref().and_then(Source::defaults);
+        let parameters = Parameters::resolve(config.iter().chain(defaults), &given)?;
         if global.dump_config {
             return Ok(Self::DumpConfig(parameters.dump()));
         }
@@ -207,7 +223,13 @@ impl Options {
             json: global.json,
             debug_folder: global.debug_dir,
         };
-        Ok(Self::Job(common, Box::new(Job::resolve(command, parameters, seed)?)))
+        let job = match (command, source) {
+            (Command::Batch(a), Some(source)) => {
+                Job::Batch(Batch::new(*a, source, config.as_ref(), &given, seed, parameters.threads)?)
+            }
+            (command, _) => Job::resolve(command, parameters, seed)?,
+        };
+        Ok(Self::Job(common, Box::new(job)))
     }
 }
 
@@ -266,6 +288,7 @@ impl Job {
                 read_weights(weights, first, &mut synth)?;
                 Self::Synth(libraries, Synthesis::new(synth, steering, svg, target, a.pattern, &a.force)?)
             }
+            Command::Batch(_) => return Err(Failure::usage("no input is given").into()),
             Command::Warp(a) => {
                 let parameters = WarpParams { seed: given_seed.map(|s| s.0), edge: a.edge };
                 Self::Warp(Warping::new(a, parameters, svg)?)
@@ -283,6 +306,7 @@ impl Job {
                 Self::Render(file, RenderOptions { scale: render, svg, target, pattern })
             }
             Command::Inspect(a) => Self::Inspect(required(a.file)?),
+            Command::Metrics(a) => Self::Metrics(a),
             Command::Doctor(a) => Self::Doctor(engine(a.engine, threads)),
             Command::Models(a) => Self::Models(match a.action {
                 ModelsAction::Add(a) => ModelsJob::Add {
@@ -383,26 +407,35 @@ impl Analysis {
         apart(&[read[1], written[0]])?;
         let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
         let sam = SamFrom::new(masks.sam);
-        let from = match (masks.masks, segmenter, sam) {
-            (None, SegmenterName::Sam, sam) => MasksFrom::Sam(sam.unwrap_or(SamFrom::Model(None))),
-            (_, _, Some(_)) => {
-                let message = "--model, --encoder and --decoder are for --segmenter sam";
-                return Err(Failure::usage(message).hint("add --segmenter sam"));
-            }
-            (Some(file), ..) => MasksFrom::File(file),
-            (None, SegmenterName::Auto, None) => MasksFrom::Auto,
-            (None, SegmenterName::Texton, None) => MasksFrom::Texton,
-            (None, SegmenterName::Regions, None) => MasksFrom::Regions,
-            (None, SegmenterName::Felzenszwalb, None) => MasksFrom::Felzenszwalb,
-        };
+        let from = masks_from(masks.masks, segmenter, sam)?;
         let engine = engine(masks.engine, threads);
         Ok(Self { photo, masks: from, engine, save_masks, parameters })
     }
 }
 
+/// Where masks come from: a file, or what finds them.
+pub(super) fn masks_from(
+    file: Option<PathBuf>,
+    segmenter: SegmenterName,
+    sam: Option<SamFrom>,
+) -> Result<MasksFrom, Failure> {
+    Ok(match (file, segmenter, sam) {
+        (None, SegmenterName::Sam, sam) => MasksFrom::Sam(sam.unwrap_or(SamFrom::Model(None))),
+        (_, _, Some(_)) => {
+            let message = "--model, --encoder and --decoder are for --segmenter sam";
+            return Err(Failure::usage(message).hint("add --segmenter sam"));
+        }
+        (Some(file), ..) => MasksFrom::File(file),
+        (None, SegmenterName::Auto, None) => MasksFrom::Auto,
+        (None, SegmenterName::Texton, None) => MasksFrom::Texton,
+        (None, SegmenterName::Regions, None) => MasksFrom::Regions,
+        (None, SegmenterName::Felzenszwalb, None) => MasksFrom::Felzenszwalb,
+    })
+}
+
 impl SamFrom {
     /// What was said of it, if anything.
-    fn new(args: SamArgs) -> Option<Self> {
+    pub(super) fn new(args: SamArgs) -> Option<Self> {
         let files: Vec<PathBuf> = args.encoder.into_iter().chain(args.decoder).collect();
         if files.is_empty() {
             args.model.map(|name| Self::Model(Some(name)))
@@ -413,7 +446,7 @@ impl SamFrom {
 }
 
 /// What networks run on.
-fn engine(args: EngineArgs, threads: Option<u16>) -> EngineOptions {
+pub(super) fn engine(args: EngineArgs, threads: Option<u16>) -> EngineOptions {
     let runtime = match args.engine.unwrap_or_default() {
         EngineName::Auto => Runtime::Auto,
         EngineName::OnnxRuntime => Runtime::OnnxRuntime,
@@ -423,7 +456,7 @@ fn engine(args: EngineArgs, threads: Option<u16>) -> EngineOptions {
 }
 
 impl Steering {
-    fn new(control: ControlArgs, maps: Vec<PathBuf>) -> Self {
+    pub(super) fn new(control: ControlArgs, maps: Vec<PathBuf>) -> Self {
         let shape = control.domain.map(|path| DomainFrom::Shape(Input::new(path)));
         Self {
             domain: shape.or(control.mask.map(|path| DomainFrom::Mask(Input::new(path)))),
@@ -433,7 +466,7 @@ impl Steering {
     }
 
     /// The files with their flags.
-    fn files(&self) -> impl Iterator<Item = (&'static str, &Input)> {
+    pub(super) fn files(&self) -> impl Iterator<Item = (&'static str, &Input)> {
         let domain = self.domain.iter().map(|d| match d {
             DomainFrom::Shape(file) => ("--domain", file),
             DomainFrom::Mask(file) => ("--mask", file),
@@ -491,7 +524,11 @@ impl Tuning {
 
 /// Replaces the weights by those of a name, which are in a file beside the library, or beside the
 /// photograph of one.
-fn read_weights(name: Option<Name>, beside: &Input, synth: &mut SynthParams) -> anyhow::Result<()> {
+pub(super) fn read_weights(
+    name: Option<Name>,
+    beside: &Input,
+    synth: &mut SynthParams,
+) -> anyhow::Result<()> {
     let Some(name) = name else { return Ok(()) };
     let name = name.as_str();
     let Input::File(beside) = beside else {
@@ -512,7 +549,7 @@ fn read_weights(name: Option<Name>, beside: &Input, synth: &mut SynthParams) -> 
 }
 
 /// Refuses that a file is read and written, or standard input read twice.
-fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+pub(super) fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
     if read.iter().filter(|(_, file)| **file == Input::Stdin).count() > 1 {
         let failure = Failure::usage("'-' stands for more than one file");
         return Err(failure.hint("standard input can be read once"));

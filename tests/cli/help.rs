@@ -19,6 +19,8 @@ fn help_of_every_command() {
         "tune",
         "render",
         "inspect",
+        "metrics",
+        "batch",
         "doctor",
         "models",
         "completions",
@@ -34,7 +36,8 @@ fn help_of_every_command() {
 
 #[test]
 fn every_option_says_its_range_or_default() {
-    for command in ["texture", "vectorize", "analyze", "synth", "warp", "tune", "render"] {
+    for command in ["texture", "vectorize", "analyze", "synth", "warp", "tune", "render", "metrics", "batch"]
+    {
         let help = printed(&format!("{command} --help")).replace(['\n'], " ");
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
         for part in help.split(" --").skip(1) {
@@ -54,8 +57,19 @@ fn version_names_the_program() {
 #[test]
 fn examples_of_the_help_can_be_parsed() {
     // Everything but the files is accepted: what fails is reading, not the usage.
-    let commands =
-        ["texture", "vectorize", "analyze", "synth", "warp", "tune", "render", "inspect", "models add"];
+    let commands = [
+        "texture",
+        "vectorize",
+        "analyze",
+        "synth",
+        "warp",
+        "tune",
+        "render",
+        "inspect",
+        "metrics",
+        "batch",
+        "models add",
+    ];
     for command in commands {
         let help = printed(&format!("{command} --help"));
         let examples = help.split("Examples:").nth(1).unwrap();

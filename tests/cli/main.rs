@@ -1,11 +1,13 @@
 //! The program as a user meets it at the shell.
 #![cfg(feature = "cli")]
 
+mod batch;
 mod config;
 mod damaged;
 mod files;
 mod help;
 mod messages;
+mod metrics;
 mod models;
 mod output;
 mod stages;

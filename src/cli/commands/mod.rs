@@ -1,10 +1,12 @@
 //! One file for each command.
 
 mod analyze;
+mod batch;
 mod completions;
 mod doctor;
 mod inspect;
 mod man;
+mod metrics;
 mod models;
 mod render;
 mod synth;
@@ -24,9 +26,11 @@ pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
         Job::Vectorize(analysis, svg, target) => vectorize::run(common, &reporter, analysis, *svg, target),
         Job::Analyze(analysis, target) => analyze::run(common, &reporter, analysis, target),
         Job::Synth(library, synthesis) => synth::run(common, &reporter, library, synthesis),
+        Job::Batch(jobs) => batch::run(common, jobs),
         Job::Warp(warping) => warp::run(common, &reporter, warping),
         Job::Tune(library, tuning) => tune::run(common, &reporter, library, tuning),
         Job::Render(file, options) => render::run(common, &reporter, file, options),
+        Job::Metrics(arguments) => metrics::run(common, &reporter, arguments),
         Job::Inspect(file) => inspect::run(common, file),
         Job::Doctor(engine) => doctor::run(common, engine),
         Job::Models(job) => models::run(common, job),

@@ -1,0 +1,338 @@
+//! `vtex batch`: many photographs or libraries → textures.
+
+use crate::cli::Exit;
+use crate::cli::batch::{Batch, BatchJob, Record, Records, Status, Written, key, sum};
+use crate::cli::config::SvgParameters;
+use crate::cli::failure::{Failure, explain, label};
+use crate::cli::input::{Input, Kind};
+use crate::cli::interrupt;
+use crate::cli::options::{Analysis, Common, read_weights};
+use crate::cli::output::{Place, Target, print, say};
+use crate::cli::progress::Reporter;
+use crate::cli::stages;
+use crate::cli::summary::bytes as show_bytes;
+use crate::cli::table::table;
+use anstyle::AnsiColor;
+use serde::Serialize;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+use vtex::library::{AnalyzeParams, Library};
+use vtex::output::file::Format;
+use vtex::scene::{Scene, SynthParams};
+use vtex::synth::Report;
+use vtex::{Error, Progress};
+
+/// All jobs together, the last line of `--json`.
+#[derive(Serialize)]
+struct Total {
+    program: &'static str,
+    command: &'static str,
+    shard: String,
+    jobs: usize,
+    done: usize,
+    skipped: usize,
+    failed: usize,
+    seconds: f64,
+}
+
+/// All that results depend on, besides this program's version.
+#[derive(Serialize)]
+struct Origin<'a> {
+    program: &'static str,
+    /// SHA-256 of the input.
+    input: String,
+    /// SHA-256 of the files that steer synthesis, with their flags.
+    steering: Vec<(&'static str, String)>,
+    /// Of a photograph: what finds masks, on what.
+    masks: Option<String>,
+    analyze: Option<&'a AnalyzeParams>,
+    synth: &'a SynthParams,
+    svg: SvgParameters,
+}
+
+/// A job with all its parameters resolved.
+struct Run<'a> {
+    batch: &'a Batch,
+    job: &'a BatchJob,
+    common: Common,
+    input: Input,
+    analyze: AnalyzeParams,
+    synth: SynthParams,
+}
+
+/// A texture that is made but not written.
+struct Made {
+    /// Of a photograph, the library made of it; of a library, itself.
+    library: Library,
+    scene: Scene,
+    report: Report,
+}
+
+pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
+    std::fs::create_dir_all(&batch.out_dir).map_err(|e| Error::write(&batch.out_dir, e))?;
+    let records = Records::open(&batch.out_dir, batch.shard)?;
+    let all = batch.jobs.iter().enumerate();
+    let mine: Vec<&BatchJob> = all.filter(|(i, _)| batch.shard.holds(*i)).map(|(_, job)| job).collect();
+    let began = Instant::now();
+    let mut told = Vec::new();
+    for (i, job) in mine.iter().enumerate() {
+        if interrupt::asked() {
+            break;
+        }
+        if !common.quiet && !common.json {
+            say(&format!("[{}/{}] {}", i + 1, mine.len(), job.input.display()));
+        }
+        let Some(record) = one(common, batch, job, &records) else { break };
+        if record.status != Status::Skipped {
+            records.add(&record)?;
+        }
+        tell(common, &record)?;
+        told.push(record);
+    }
+    let count = |status| told.iter().filter(|r: &&Record| r.status == status).count();
+    let total = Total {
+        program: vtex::PROGRAM,
+        command: "batch",
+        shard: batch.shard.to_string(),
+        jobs: mine.len(),
+        done: count(Status::Done),
+        skipped: count(Status::Skipped),
+        failed: count(Status::Failed),
+        seconds: thousandths(began.elapsed().as_secs_f64()),
+    };
+    total.tell(common, &told)?;
+    interrupt::check()?;
+    if total.failed > 0 {
+        let failure = Failure::failed(format!("{} of {} jobs failed", total.failed, total.jobs));
+        return Err(failure.hint("run the same again to do these only").into());
+    }
+    Ok(())
+}
+
+/// Does a job, whatever comes of it. None if the user asked to stop.
+fn one(common: &Common, batch: &Batch, job: &BatchJob, records: &Records) -> Option<Record> {
+    let began = Instant::now();
+    let mut record = Record {
+        job: job.name.clone(),
+        input: job.input.display().to_string(),
+        status: Status::Done,
+        key: String::new(),
+        seed: None,
+        size: None,
+        primaries: None,
+        coverage: None,
+        outputs: Vec::new(),
+        seconds: 0.0,
+        error: None,
+        hint: None,
+        warnings: Vec::new(),
+    };
+    let done = guarded(|| Run::new(common, batch, job)?.complete(&mut record, records));
+    if let Err(error) = done {
+        let (message, hint, exit) = explain(&error);
+        if exit == Exit::Interrupted {
+            return None;
+        }
+        record.status = Status::Failed;
+        (record.error, record.hint) = (Some(message), hint);
+    }
+    record.seconds = thousandths(began.elapsed().as_secs_f64());
+    Some(record)
+}
+
+/// A defect of the program in one job must not be the end of the others.
+fn guarded<T>(work: impl FnOnce() -> anyhow::Result<T>) -> anyhow::Result<T> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
+        let failure = Failure::failed(format!("a defect of this program: {said}"));
+        Err(failure.hint("please report it, with the input if you can").into())
+    })
+}
+
+impl<'a> Run<'a> {
+    fn new(common: &Common, batch: &'a Batch, job: &'a BatchJob) -> anyhow::Result<Self> {
+        let input = Input::File(job.input.clone());
+        let seed = job.parameters.seed.unwrap_or(batch.seed).0;
+        let analyze = AnalyzeParams { seed, ..job.parameters.analyze.clone() };
+        let mut synth = SynthParams { seed, ..job.parameters.synth.clone() };
+        read_weights(job.parameters.weights.clone(), &input, &mut synth)?;
+        let debug_folder = common.debug_folder.as_ref().map(|folder| folder.join(&job.name));
+        Ok(Self { batch, job, common: Common { debug_folder, ..common.clone() }, input, analyze, synth })
+    }
+
+    /// Skips what is done, else makes and writes all results.
+    fn complete(&self, record: &mut Record, records: &Records) -> anyhow::Result<()> {
+        let bytes = self.input.read()?;
+        let is_library =
+            Kind::expect(&bytes, &self.input, &[Kind::Library, Kind::Image, Kind::Unknown])? == Kind::Library;
+        record.key = self.key(&bytes, is_library)?;
+        drop(bytes);
+        let files: Vec<String> = self.job.files().collect();
+        if let Some(known) = records.done(&record.job, &record.key, &files).filter(|_| !self.batch.force) {
+            *record = Record { status: Status::Skipped, input: record.input.clone(), ..known.clone() };
+            return Ok(());
+        }
+        let reporter = Reporter::new(&self.common)?;
+        let outcome = self.make(&reporter, is_library).and_then(|made| {
+            reporter.stage("writing")?;
+            for target in self.targets() {
+                let written = made.write(&target, self.job.parameters.svg)?;
+                written.iter().for_each(|warning| reporter.warn(warning));
+            }
+            Ok(made)
+        });
+        record.warnings = reporter.finish().1;
+        // Work is also stopped when a picture of a stage cannot be written: that is then the reason.
+        let made = match reporter.failure() {
+            Some(reason) => return Err(reason.into()),
+            None => outcome?,
+        };
+        let written = files.iter().map(|file| Written::of(&self.batch.out_dir, file));
+        record.outputs = written.collect::<vtex::Result<_>>()?;
+        record.seed = Some(self.synth.seed);
+        record.size = Some([made.scene.width, made.scene.height]);
+        record.primaries = Some(made.scene.primary.len());
+        record.coverage = Some([made.report.coverage_wanted, made.report.coverage]);
+        Ok(())
+    }
+
+    /// The sum of all that results depend on; a seed that was not given does not count, because
+    /// every run has another.
+    fn key(&self, input: &[u8], is_library: bool) -> anyhow::Result<String> {
+        let given = self.job.parameters.seed.is_some();
+        let seed = |seed: u64| if given { seed } else { 0 };
+        let analyze = AnalyzeParams { seed: seed(self.analyze.seed), ..self.analyze.clone() };
+        let synth = SynthParams { seed: seed(self.synth.seed), ..self.synth.clone() };
+        let steering = self.batch.steering.files().map(|(flag, file)| Ok((flag, sum(&file.read()?))));
+        Ok(key(&Origin {
+            program: vtex::PROGRAM,
+            input: sum(input),
+            steering: steering.collect::<vtex::Result<_>>()?,
+            masks: (!is_library).then(|| format!("{:?} {:?}", self.job.masks, self.batch.engine.runtime)),
+            analyze: (!is_library).then_some(&analyze),
+            synth: &synth,
+            svg: self.job.parameters.svg,
+        }))
+    }
+
+    fn targets(&self) -> Vec<Target> {
+        let target = |(file, format): (String, crate::cli::batch_arguments::Extension)| Target {
+            place: Place::File { path: self.batch.out_dir.join(file), force: self.batch.force },
+            kind: format.kind(),
+        };
+        self.job.files().zip(self.job.formats.iter().copied()).map(target).collect()
+    }
+
+    fn make(&self, reporter: &Reporter, is_library: bool) -> anyhow::Result<Made> {
+        // What is wrong with them shows before the long work.
+        self.targets().iter().try_for_each(|target| target.place.probe())?;
+        let controls = stages::controls(&self.batch.steering, &self.synth, 1)?;
+        let mut libraries = if is_library {
+            reporter.stage("reading")?;
+            stages::libraries(std::slice::from_ref(&self.input))?
+        } else {
+            let analysis = Analysis {
+                photo: self.input.clone(),
+                masks: self.job.masks.clone(),
+                engine: self.batch.engine.clone(),
+                save_masks: None,
+                parameters: self.analyze.clone(),
+            };
+            vec![stages::analyze(&self.common, &analysis, reporter)?]
+        };
+        let (scene, report) = stages::synthesize(&libraries, &self.synth, &controls, reporter)?;
+        Ok(Made { library: libraries.remove(0), scene, report })
+    }
+}
+
+impl Made {
+    /// Writes one of the results; what the writer warns of.
+    fn write(&self, target: &Target, svg: SvgParameters) -> vtex::Result<Vec<String>> {
+        let written = match target.kind.format {
+            Format::Library => target.write_bytes(&self.library.to_json())?,
+            Format::Svg => target.write_scene(&self.scene, svg, 1.0)?,
+            // A limit of bytes is for what of the results is an SVG.
+            _ => target.write_scene(&self.scene, SvgParameters { max_bytes: None, ..svg }, 1.0)?,
+        };
+        Ok(written.warnings)
+    }
+}
+
+/// Tells how a job ended.
+fn tell(common: &Common, record: &Record) -> anyhow::Result<()> {
+    if common.json {
+        return print(format!("{}\n", serde_json::to_string(record)?).as_bytes());
+    }
+    if let Some(error) = &record.error {
+        let (red, cyan) = (label(AnsiColor::Red), label(AnsiColor::Cyan));
+        say(&format!("{red}error:{red:#} {}: {error}", record.job));
+        if let Some(hint) = &record.hint {
+            say(&format!("{cyan}hint:{cyan:#} {hint}"));
+        }
+    }
+    Ok(())
+}
+
+impl Total {
+    /// Tells how all ended: a line of JSON, or a table.
+    fn tell(&self, common: &Common, records: &[Record]) -> anyhow::Result<()> {
+        if common.json {
+            return print(format!("{}\n", serde_json::to_string(self)?).as_bytes());
+        }
+        if common.quiet {
+            return Ok(());
+        }
+        let head = ["job", "seconds", "size", "primaries", "coverage", "wanted", "bytes", ""];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        rows.extend(records.iter().map(row));
+        say(&format!("\n{}", table(&rows)));
+        let Self { done, skipped, failed, .. } = self;
+        let left = self.jobs - done - skipped - failed;
+        let left = if left > 0 { format!(", {left} not begun or not ended") } else { String::new() };
+        say(&format!(
+            "{done} done, {skipped} skipped (done before), {failed} failed{left} in {:.1} s",
+            self.seconds
+        ));
+        Ok(())
+    }
+}
+
+/// A row of the table.
+fn row(record: &Record) -> Vec<String> {
+    let share = |k: usize| record.coverage.map_or(String::new(), |c| format!("{:.3}", c[k]));
+    let bytes: u64 = record.outputs.iter().map(|w| w.bytes).sum();
+    let status = match record.status {
+        Status::Done => "done",
+        Status::Skipped => "skipped",
+        Status::Failed => "failed",
+    };
+    vec![
+        record.job.clone(),
+        format!("{:.2}", record.seconds),
+        record.size.map_or(String::new(), |[w, h]| format!("{w} x {h}")),
+        record.primaries.map_or(String::new(), |n| n.to_string()),
+        share(1),
+        share(0),
+        if bytes > 0 { show_bytes(bytes) } else { String::new() },
+        status.to_owned(),
+    ]
+}
+
+fn thousandths(seconds: f64) -> f64 {
+    (seconds * 1e3).round() / 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_an_error() {
+        let error = guarded::<()>(|| panic!("number {}", 7)).unwrap_err();
+        let (message, hint, exit) = explain(&error);
+        assert_eq!((message.as_str(), exit), ("a defect of this program: number 7", Exit::Failed));
+        assert!(hint.unwrap().contains("report"));
+        assert_eq!(guarded(|| Ok(3)).unwrap(), 3);
+    }
+}

@@ -1,0 +1,130 @@
+//! Two pictures, or what can be drawn as such.
+
+use super::{Content, digits, tell};
+use crate::cli::options::Common;
+use crate::cli::progress::Reporter;
+use crate::cli::stages;
+use crate::cli::table::table;
+use image::RgbImage;
+use serde::Serialize;
+use vtex::Progress;
+use vtex::analyze::{Exemplar, Limits};
+use vtex::metrics::{self, Metrics};
+use vtex::output::{png, raster_svg};
+
+/// What is told of them.
+#[derive(Serialize)]
+struct Found {
+    program: &'static str,
+    command: &'static str,
+    exemplar: String,
+    result: String,
+    /// How many times as large the result shows the texture.
+    scale: f64,
+    #[serde(flatten)]
+    metrics: Metrics,
+    /// Seconds to read, draw and compare.
+    seconds: f64,
+    warnings: Vec<String>,
+}
+
+pub(super) fn run(
+    common: &Common,
+    reporter: &Reporter,
+    [exemplar, result]: [String; 2],
+    first: &Content,
+    second: &Content,
+    scale: f64,
+) -> anyhow::Result<()> {
+    reporter.stage("drawing")?;
+    let pictures = [draw(first, &exemplar, reporter)?, draw(second, &result, reporter)?];
+    let [picture, other] = pictures;
+    let other = metrics::scaled(other, scale)?;
+    let metrics = metrics::compare(&picture, &other, reporter)?;
+    let (seconds, warnings) = reporter.finish();
+    let seconds = seconds.iter().map(|s| s.1.as_secs_f64()).sum::<f64>();
+    let seconds = (seconds * 1e3).round() / 1e3;
+    let command = "metrics";
+    let found =
+        Found { program: vtex::PROGRAM, command, exemplar, result, scale, metrics, seconds, warnings };
+    tell(common, &found, || found.show())
+}
+
+/// A picture of what a file holds, over white, a pixel for a pixel of the canvas.
+fn draw(content: &Content, name: &str, reporter: &Reporter) -> anyhow::Result<RgbImage> {
+    let pixmap = match content {
+        Content::Image(bytes) => {
+            let decoded = Exemplar::from_bytes(bytes, name, &Limits::default())?;
+            decoded.warnings.iter().for_each(|w| reporter.warn(&w.replace("the photograph", name)));
+            return Ok(decoded.image);
+        }
+        Content::Svg(bytes) => raster_svg::render_svg(bytes, 1.0, name)?,
+        Content::Scene(scene) => png::render(scene, 1.0)?,
+        Content::Library(library) => png::render(&stages::reconstruct(library), 1.0)?,
+    };
+    // Components are multiplied by the opacity already.
+    Ok(RgbImage::from_fn(pixmap.width(), pixmap.height(), |x, y| {
+        let pixel = pixmap.pixel(x, y).expect("within the picture");
+        let white = 255 - pixel.alpha();
+        image::Rgb([pixel.red(), pixel.green(), pixel.blue()].map(|v| v.saturating_add(white)))
+    }))
+}
+
+impl Found {
+    fn show(&self) -> String {
+        let m = &self.metrics;
+        let size = |[w, h]: [u32; 2]| format!("{w} x {h} px");
+        let scale =
+            if self.scale == 1.0 { String::new() } else { format!(", made 1/{} as large", self.scale) };
+        let mut text = format!(
+            "{} ({}) and {} ({}{scale})\n\n",
+            self.exemplar,
+            size(m.exemplar_size),
+            self.result,
+            size(m.result_size)
+        );
+        let distance = |name: &str, value: Option<f64>, meaning: &str| {
+            vec![name.into(), value.map_or("-".into(), digits), meaning.into()]
+        };
+        text += &table(&[
+            ["distance", "", "0 is the same, more is further away"].map(str::to_owned).to_vec(),
+            distance("emd_rgb", Some(m.emd_rgb), "colours: histograms of red, green, blue, 0 to 255"),
+            distance("emd_lab", Some(m.emd_lab), "colours: histogram in CIE Lab, delta E"),
+            distance("psd_radial", Some(m.psd_radial), "spectrum, log power by frequency"),
+            distance("psd_2d", Some(m.psd_2d), "spectrum, log power by frequency and direction"),
+            distance("lbp", Some(m.lbp), "grain: local binary patterns, 0 to 1"),
+            distance("swd", Some(m.swd), "small patches: sliced Wasserstein, in the exemplar's deviations"),
+            distance(
+                "fb_frechet",
+                Some(m.fb_frechet),
+                "filter responses: Frechet, in the exemplar's deviations",
+            ),
+            distance("coherence", m.coherence, "result's patches in the exemplar; 1 is as good as its own"),
+            distance("completeness", m.completeness, "exemplar's patches in the result; likewise"),
+        ]);
+        text.push('\n');
+        let likeness = |name: &str, value: Option<f64>, meaning: &str| distance(name, value, meaning);
+        text += &table(&[
+            ["likeness", "", "1 is the same; low for all that does not lie pixel on pixel"]
+                .map(str::to_owned)
+                .to_vec(),
+            likeness("ssim", Some(m.ssim), "structural similarity of the middles"),
+            likeness("ms_ssim", m.ms_ssim, "the same at five scales"),
+        ]);
+        text.push('\n');
+        let pair =
+            |name: &str, a: f64, b: f64, meaning: String| vec![name.into(), digits(a), digits(b), meaning];
+        let ratio = digits(m.lapvar_logratio);
+        text += &table(&[
+            ["of each", "exemplar", "result", ""].map(str::to_owned).to_vec(),
+            pair(
+                "lapvar",
+                m.lapvar_exemplar,
+                m.lapvar_result,
+                format!("sharpness; log ratio {ratio}, below 0 is more blurred"),
+            ),
+            pair("acf_peak", m.acf_peak_exemplar, m.acf_peak_result, "repetition, at most 1".into()),
+        ]);
+        text
+    }
+}

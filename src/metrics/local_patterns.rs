@@ -1,0 +1,137 @@
+//! Local binary patterns (Ojala and others 2002): which neighbours on a circle are at least as
+//! bright as the pixel.
+
+use super::plane::Plane;
+use crate::parallel;
+
+/// Points on a circle, and its radius in pixels.
+const CIRCLES: [(usize, f64); 3] = [(8, 1.0), (16, 2.0), (24, 3.0)];
+
+/// χ² distance of the histograms of uniform patterns, mean over three circles and two scales, 0 to 1.
+pub(super) fn lbp(a: &Plane, b: &Plane) -> f64 {
+    let (a, b) = (histograms(a), histograms(b));
+    let distance = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+        0.5 * a.iter().zip(b).map(|(x, y)| (x - y) * (x - y) / (x + y + 1e-12)).sum::<f64>()
+    };
+    let all: Vec<f64> = a.iter().zip(&b).map(distance).collect();
+    all.iter().sum::<f64>() / all.len() as f64
+}
+
+fn histograms(plane: &Plane) -> Vec<Vec<f64>> {
+    let half = |side: usize| libm::rint(side as f64 * 0.5) as usize;
+    let smaller = plane.smooth(1.0).resized(half(plane.width), half(plane.height));
+    let scales = [plane, &smaller].into_iter();
+    scales
+        .flat_map(|p| {
+            let steps = Steps::new(p);
+            CIRCLES.map(|(points, radius)| steps.histogram(points, radius))
+        })
+        .collect()
+}
+
+/// A picture in 256 steps of brightness.
+struct Steps {
+    width: usize,
+    height: usize,
+    data: Vec<f64>,
+}
+
+/// A point on a circle beside a pixel, and where the four pixels around it are.
+struct Point {
+    at: [f64; 2],
+    corners: [(isize, isize); 4],
+}
+
+impl Steps {
+    fn new(plane: &Plane) -> Self {
+        let data = plane.data.iter().map(|v| f64::from((v.clamp(0.0, 1.0) * 255.0) as u8));
+        Self { width: plane.width, height: plane.height, data: data.collect() }
+    }
+
+    /// Brightness; 0 outside.
+    fn at(&self, x: isize, y: isize) -> f64 {
+        let inside = x >= 0 && y >= 0 && x < self.width as isize && y < self.height as isize;
+        if inside { self.data[y as usize * self.width + x as usize] } else { 0.0 }
+    }
+
+    /// Share of each pattern: of uniform ones, which change at most twice around the circle, those
+    /// with none, one, two and so on up to all points bright; then of all others.
+    fn histogram(&self, points: usize, radius: f64) -> Vec<f64> {
+        let circle: Vec<Point> = (0..points).map(|k| Point::new(k, points, radius)).collect();
+        let rows: Vec<usize> = (0..self.height).collect();
+        let counts = parallel::map(&rows, |&y| {
+            let mut counts = vec![0u32; points + 2];
+            for x in 0..self.width {
+                counts[self.pattern(&circle, x as isize, y as isize)] += 1;
+            }
+            counts
+        });
+        let all = (self.width * self.height) as f64;
+        (0..points + 2).map(|k| counts.iter().map(|c| f64::from(c[k])).sum::<f64>() / all).collect()
+    }
+
+    fn pattern(&self, circle: &[Point], x: isize, y: isize) -> usize {
+        let own = self.at(x, y);
+        let (mut bright, mut changes, mut last) = (0, 0, None);
+        for point in circle {
+            let [a, b, c, d] = point.corners.map(|(dx, dy)| self.at(x + dx, y + dy));
+            // Rounded as coordinates of the picture are: in flat parts the last digit decides.
+            let rest =
+                |pixel: isize, offset: f64, floor: isize| (pixel as f64 + offset) - (pixel + floor) as f64;
+            let (u, v) = (rest(x, point.at[0], point.corners[0].0), rest(y, point.at[1], point.corners[0].1));
+            let (top, bottom) = ((1.0 - u) * a + u * b, (1.0 - u) * c + u * d);
+            let set = (1.0 - v) * top + v * bottom - own >= 0.0;
+            bright += usize::from(set);
+            changes += usize::from(last.is_some_and(|l| l != set));
+            last = Some(set);
+        }
+        if changes <= 2 { bright } else { circle.len() + 1 }
+    }
+}
+
+impl Point {
+    fn new(k: usize, points: usize, radius: f64) -> Self {
+        let angle = 2.0 * std::f64::consts::PI * k as f64 / points as f64;
+        // To five decimals, so that points that are to lie on pixels do.
+        let decimals = |v: f64| libm::rint(v * 1e5) / 1e5;
+        let (x, y) = (decimals(radius * libm::cos(angle)), decimals(-radius * libm::sin(angle)));
+        let [x0, x1, y0, y1] =
+            [libm::floor(x), libm::ceil(x), libm::floor(y), libm::ceil(y)].map(|v| v as isize);
+        Self { at: [x, y], corners: [(x0, y0), (x1, y0), (x0, y1), (x1, y1)] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flat_picture_has_one_pattern_inside() {
+        let flat = Steps::new(&Plane::from_fn(20, 20, |_, _| 0.5));
+        for (points, radius) in CIRCLES {
+            let circle: Vec<Point> = (0..points).map(|k| Point::new(k, points, radius)).collect();
+            assert_eq!(flat.pattern(&circle, 10, 10), points);
+            // Beyond the border it is black.
+            assert!(flat.pattern(&circle, 0, 10) < points);
+        }
+    }
+
+    #[test]
+    fn an_edge_is_uniform_and_a_line_is_not() {
+        let pattern = |plane: Plane| {
+            let circle: Vec<Point> = (0..8).map(|k| Point::new(k, 8, 1.0)).collect();
+            Steps::new(&plane).pattern(&circle, 5, 5)
+        };
+        assert_eq!(pattern(Plane::from_fn(11, 11, |x, _| if x < 6 { 0.8 } else { 0.2 })), 5);
+        assert_eq!(pattern(Plane::from_fn(11, 11, |x, y| ((x + y) % 2) as f32)), 8);
+        assert_eq!(pattern(Plane::from_fn(11, 11, |x, _| (x % 2) as f32)), 9);
+    }
+
+    #[test]
+    fn unlike_pictures_are_further_apart() {
+        let wave =
+            |length: usize| Plane::from_fn(64, 64, |x, y| ((x * 3 + y) % length) as f32 / length as f32);
+        assert_eq!(lbp(&wave(9), &wave(9)), 0.0);
+        assert!(lbp(&wave(9), &wave(23)) > 10.0 * lbp(&wave(23), &wave(24)));
+    }
+}
