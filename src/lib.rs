@@ -22,6 +22,7 @@ pub mod library;
 pub mod output;
 pub mod procedural;
 pub mod raster;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod segment;
