@@ -36,8 +36,11 @@ fn reference(library: &Library) -> LibraryRef {
 impl<'a> Group<'a> {
     /// One for each library, then one for each photograph of the scene whose library is not at hand.
     pub(super) fn all(subject: &Subject<'a>) -> Vec<Self> {
-        let of_library =
-            |l: &'a Named<Library>| Self { exemplar: reference(&l.content), library: Some(l), references: Vec::new() };
+        let of_library = |l: &'a Named<Library>| Self {
+            exemplar: reference(&l.content),
+            library: Some(l),
+            references: Vec::new(),
+        };
         let mut groups: Vec<Self> = subject.libraries.iter().map(of_library).collect();
         let Some(scene) = subject.scene else { return groups };
         for (i, exemplar) in scene.content.libraries.iter().enumerate() {
@@ -93,9 +96,7 @@ impl<'a> Group<'a> {
 /// be several libraries of one photograph, made with different parameters.
 fn explains(library: &Library, scene: &Scene, reference: u32) -> bool {
     scene.textons.iter().filter(|t| t.library == reference).all(|t| match t.category {
-        Some(category) => {
-            library.primaries.get(t.source as usize).is_some_and(|p| p.category.0 == category)
-        }
+        Some(category) => library.primaries.get(t.source as usize).is_some_and(|p| p.category.0 == category),
         None => (t.source as usize) < library.secondaries.textons.len(),
     })
 }

@@ -111,8 +111,7 @@ mod tests {
         let mut random = stream(2, "report/neighbours test", 0);
         let (mut sum, mut weights) = (0.0, 0.0);
         for _ in 0..60 {
-            let points: Vec<[f64; 2]> =
-                (0..64).map(|_| [random.unit() * 8.0, random.unit() * 8.0]).collect();
+            let points: Vec<[f64; 2]> = (0..64).map(|_| [random.unit() * 8.0, random.unit() * 8.0]).collect();
             for (distance, weight) in nearest(&layout(&points, 8.0, false)) {
                 sum += weight * distance;
                 weights += weight;

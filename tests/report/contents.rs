@@ -62,7 +62,10 @@ fn check_textons(parts: &Parts, group: &Value) {
         let begin = format!("<g id=\"p{}\" data-category=\"{}\">", texton["id"], texton["category"]);
         let found = picture.split_once(&begin).unwrap_or_else(|| panic!("no {begin}")).1;
         let inside = found.split_once("</g>").unwrap().0;
-        assert!(inside.contains("<path ") && !inside.contains("<use ") && !inside.contains("<g "), "{inside}");
+        assert!(
+            inside.contains("<path ") && !inside.contains("<use ") && !inside.contains("<g "),
+            "{inside}"
+        );
         assert!(texton["bounds"][2].as_f64().unwrap() > 0.0);
     }
 }
@@ -222,8 +225,7 @@ fn several_libraries_are_kept_apart() {
     scene.content.libraries.push(reference);
     let half = scene.content.textons.len() / 2;
     scene.content.textons[half..].iter_mut().for_each(|t| t.library = 1);
-    let libraries =
-        [made.libraries[0].clone(), Named { name: "second.lib.json".into(), content: second }];
+    let libraries = [made.libraries[0].clone(), Named { name: "second.lib.json".into(), content: second }];
     let (text, _) = page(&libraries, Some(&scene), &made.photos());
     let data = parts(&text).data;
     let placed: Vec<f64> = (0..2).map(|g| sum(&data["groups"][g]["categories"], "placed")).collect();

@@ -1,7 +1,7 @@
 // Categories as a contact sheet: their textons, how many, and how much they cover.
 
-const FIRST = 18;
-const THUMB = 46;
+const FIRST = 15;
+const THUMB = 44;
 let thumbs = { pictures: new Map(), addresses: [] };
 
 // The groups of a picture that hold one primary each, by id.
@@ -96,8 +96,8 @@ async function makeCategories() {
   thumbs = { pictures: new Map(), addresses: [] };
   const about = group();
   const cards = byId("cards");
-  cards.replaceChildren();
   makeSurroundings();
+  cards.replaceChildren();
   const categories = about?.categories ?? [];
   if (categories.length === 0) {
     byId("categories-lead").textContent = "There are no primaries, so there are no categories.";

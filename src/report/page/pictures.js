@@ -72,7 +72,7 @@ const over = { on: false, left: 0, right: 1, share: 0.5 };
 function makeSlider() {
   const options = () => panes.map((pane, i) => el("option", { value: i }, pane.title));
   over.left = 0;
-  over.right = Math.max(0, panes.length - 1);
+  over.right = Math.min(1, panes.length - 1);
   for (const side of ["left", "right"]) {
     const select = byId(side);
     select.replaceChildren(...options());

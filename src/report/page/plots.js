@@ -1,6 +1,6 @@
 // Distributions, exemplar against result, as drawings with axes.
 
-const PLOT = { width: 340, height: 190, left: 42, right: 10, top: 8, bottom: 36 };
+const PLOT = { width: 340, height: 190, left: 42, right: 16, top: 8, bottom: 36 };
 
 // Round values that divide a range into about so many parts.
 function ticksOf(from, to, count) {

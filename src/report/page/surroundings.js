@@ -116,8 +116,16 @@ function drawWindow(found, paint) {
   return canvas;
 }
 
+// On narrow screens the surroundings come right after the card of their primary.
+function placeSurroundings(card) {
+  const box = byId("surroundings");
+  if (card && matchMedia("(max-width: 980px)").matches) card.after(box);
+  else byId("sheet").append(box);
+}
+
 function makeSurroundings() {
   state.texton = null;
+  placeSurroundings(null);
   const box = byId("surroundings");
   const message = group()?.library
     ? "Choose a primary on the contact sheet. Its descriptor, the categories around it, appears here."
@@ -131,6 +139,7 @@ function choose(texton, button) {
   document.querySelectorAll('.thumb[aria-pressed="true"]').forEach((b) => b.setAttribute("aria-pressed", "false"));
   button.setAttribute("aria-pressed", "true");
   state.texton = texton;
+  placeSurroundings(button.closest(".card"));
   showSurroundings();
 }
 
