@@ -7,7 +7,7 @@ use crate::geometry::Rect;
 use crate::library::{AnalyzeParams, Arrangement, Library};
 use crate::output::{coverage, inside};
 use crate::raster::colour::Colour;
-use crate::scene::{ControlPoint, Scene, SynthParams, Tile};
+use crate::scene::{ControlPoint, Edge, Scene, SynthParams, Tile};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -78,8 +78,8 @@ pub(super) struct SceneData<'a> {
     width: u32,
     height: u32,
     tile: Tile,
-    /// Whether it fills a shape.
-    domain: bool,
+    /// What becomes of primaries at the edge, if it fills a shape.
+    domain: Option<Edge>,
     parameters: Option<&'a SynthParams>,
     defaults: SynthParams,
     exemplars: Vec<&'a str>,
@@ -306,7 +306,7 @@ impl<'a> SceneData<'a> {
             width: scene.width,
             height: scene.height,
             tile: scene.tile,
-            domain: scene.domain.is_some(),
+            domain: scene.domain.as_ref().map(|d| d.edge),
             parameters: scene.parameters.as_ref(),
             defaults: SynthParams::default(),
             exemplars: scene.libraries.iter().map(|l| l.exemplar.as_str()).collect(),

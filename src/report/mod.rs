@@ -2,8 +2,8 @@
 //!
 //! The page asks no server for anything: pictures, data, style and script are part of it, and its
 //! own policy forbids all requests. Pictures are the SVGs of [`crate::output::svg`], packed; the
-//! page unpacks them into images of their own, so that their ids meet nobody else's, and switches
-//! layers by a style sheet that it puts into them. What is computed is computed here
+//! page unpacks them and shows each layer as an image of its own, which moves smoothly, is switched at
+//! once, and whose ids meet nobody else's. What is computed is computed here
 //! ([`distributions`]); the script in `page/` only shows it.
 //!
 //! When this works badly: canvases of several thousand pixels make pages of tens of megabytes,

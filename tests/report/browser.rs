@@ -4,6 +4,8 @@ use super::subject::{made, page};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use vtex::geometry::{BezPath, Outline};
+use vtex::scene::{Domain, Edge};
 
 /// Clicks through the page and leaves what it saw in an element `outcome`.
 const CLICKS: &str = include_str!("clicks.js");
@@ -40,6 +42,16 @@ fn click(browser: &Path, page: &str) -> (Value, Vec<String>) {
     (serde_json::from_str(&outcome.replace("&amp;", "&")).unwrap(), console.collect())
 }
 
+/// A triangle, in which primaries stay whole.
+fn domain() -> Domain {
+    let mut path = BezPath::new();
+    path.move_to((20.0, 20.0));
+    path.line_to((220.0, 40.0));
+    path.line_to((60.0, 180.0));
+    path.close_path();
+    Domain { outline: Outline::new(&path).unwrap(), edge: Edge::Keep }
+}
+
 #[test]
 fn the_page_works_by_clicking() {
     let Some(browser) = browser() else {
@@ -69,7 +81,9 @@ fn the_page_works_by_clicking() {
     assert_ne!(seen["themes"][0], seen["themes"][1], "{seen}");
     assert_eq!(seen["wide"], 0, "nothing sticks out to the right: {seen}");
 
-    for text in [page(&made.libraries, None, &[]).0, page(&[], Some(&made.scene), &[]).0] {
+    let mut shaped = made.scene.clone();
+    shaped.content.domain = Some(domain());
+    for text in [page(&made.libraries, None, &[]).0, page(&[], Some(&shaped), &[]).0] {
         let (seen, console) = click(&browser, &text);
         assert_eq!((console, &seen["errors"]), (Vec::new(), &Value::Array(Vec::new())), "{seen}");
         assert_eq!(seen["panes"].as_array().unwrap().len(), 1, "{seen}");

@@ -15,11 +15,11 @@
   };
   // The picture that is shown last, as its pixels.
   const pixels = () => {
-    const image = all(".pane img").pop();
+    const images = [...all(".pane").pop().querySelectorAll("img:not([hidden])")];
     const canvas = document.createElement("canvas");
-    [canvas.width, canvas.height] = [image.width, image.height];
+    [canvas.width, canvas.height] = ["width", "height"].map((side) => parseFloat(all(".holder").pop().style[side]));
     const context = canvas.getContext("2d");
-    context.drawImage(image, 0, 0, image.width, image.height);
+    images.forEach((image) => context.drawImage(image, 0, 0, canvas.width, canvas.height));
     return context.getImageData(0, 0, canvas.width, canvas.height).data;
   };
   const difference = (a, b) => a.reduce((sum, v, i) => sum + Math.abs(v - b[i]), 0) / a.length;

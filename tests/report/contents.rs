@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::io::Read;
 use vtex::library::Library;
 use vtex::report::{Named, Photo};
-use vtex::scene::Tile;
+use vtex::scene::{Domain, Edge, Tile};
 
 /// A page taken apart: its data, and its files by id.
 struct Parts {
@@ -68,6 +68,56 @@ fn check_textons(parts: &Parts, group: &Value) {
         );
         assert!(texton["bounds"][2].as_f64().unwrap() > 0.0);
     }
+}
+
+/// That the page's script can take a picture apart into its layers, each with its definitions.
+fn check_layers(picture: &str) {
+    let (_, rest) = picture.split_once("<defs>").unwrap();
+    let (definitions, rest) = rest.split_once("</defs>").unwrap();
+    let whole = |part: &str| {
+        let text = format!("<svg xmlns:xlink='x' xmlns:inkscape='i'>{part}</svg>");
+        roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{e}: {part}"));
+    };
+    definitions.lines().for_each(whole);
+    let starts = ["background", "secondary", "primary"].map(|layer| {
+        let mark = format!("<g id=\"{layer}\"");
+        assert_eq!(picture.matches(&mark).count(), 1);
+        rest.find(&mark).unwrap()
+    });
+    let ends = [starts[1], starts[2], rest.rfind("</svg>").unwrap()];
+    for (start, end) in starts.into_iter().zip(ends) {
+        let mut layer = &rest[start..end];
+        while layer.matches("</g>").count() > layer.matches("<g ").count() + layer.matches("<g>").count() {
+            layer = &layer[..layer.rfind("</g>").unwrap()];
+        }
+        whole(layer);
+    }
+}
+
+#[test]
+fn pictures_come_apart_into_layers() {
+    let made = made();
+    let mut scene = made.scene.clone();
+    let path = vtex::geometry::Rect::new(30.0, 20.0, 200.0, 150.0);
+    let outline = vtex::geometry::Outline::new(&rectangle(path)).unwrap();
+    for edge in [None, Some(Edge::Keep), Some(Edge::Clip), Some(Edge::Avoid)] {
+        scene.content.domain = edge.map(|edge| Domain { outline: outline.clone(), edge });
+        for tile in [false, true] {
+            scene.content.tile = Tile { x: tile, y: tile };
+            let (text, _) = page(&made.libraries, Some(&scene), &[]);
+            let parts = parts(&text);
+            check_layers(parts.picture("result"));
+            check_layers(parts.picture("textons-0"));
+        }
+    }
+}
+
+fn rectangle(r: vtex::geometry::Rect) -> vtex::geometry::BezPath {
+    let mut path = vtex::geometry::BezPath::new();
+    path.move_to((r.x0, r.y0));
+    [(r.x1, r.y0), (r.x1, r.y1), (r.x0, r.y1)].into_iter().for_each(|corner| path.line_to(corner));
+    path.close_path();
+    path
 }
 
 #[test]

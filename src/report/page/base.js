@@ -47,11 +47,13 @@ function textOf(id) {
 const photoAddress = (id) => `data:${byId(id).dataset.type};base64,${byId(id).textContent}`;
 
 // An image that is ready to be drawn.
-async function loaded(address) {
-  const image = new Image();
-  image.src = address;
-  await image.decode();
-  return image;
+function loaded(address) {
+  return new Promise((resolve, reject) => {
+    const image = new Image();
+    image.onload = () => resolve(image);
+    image.onerror = () => reject(new Error("a picture cannot be drawn"));
+    image.src = address;
+  });
 }
 
 // A colour for each category that is told apart from its neighbours, on light and on dark.

@@ -20,7 +20,7 @@ function makePanes() {
 
 function addPane(title, file, size, source) {
   const holder = el("div", { class: "holder" });
-  const pane = { title, width: size.width, height: size.height, holder, drawn: 0, ...source };
+  const pane = { title, width: size.width, height: size.height, holder, ...source };
   const caption = el("figcaption", null, el("b", null, title), " ", el("span", { class: "faint" }, file));
   pane.window = el("div", {
     class: "window",
@@ -34,36 +34,60 @@ function addPane(title, file, size, source) {
   listenToWindow(pane);
 }
 
-// Draws the picture of a pane anew, with the layers that are switched on; the old one stays until
-// the new one is there.
+// Puts its picture into a pane: a photograph, or an image for each layer of an SVG. As images they
+// are moved and stretched smoothly however much they hold, and their ids meet nobody else's.
 async function showPicture(pane) {
-  const turn = ++pane.drawn;
-  let address = null;
   if (pane.photo) {
-    address = photoAddress(pane.photo);
+    pane.image = await loaded(photoAddress(pane.photo));
+    pane.width ??= pane.image.naturalWidth;
+    pane.height ??= pane.image.naturalHeight;
+    putInto(pane, pane.image, null);
   } else {
-    const text = await textOf(pane.picture);
-    const begin = text.indexOf(">", text.indexOf("<svg")) + 1;
-    const style = `<style>${hiddenLayers(pane)}</style>`;
-    const parts = [text.slice(0, begin), style, text.slice(begin)];
-    address = URL.createObjectURL(new Blob(parts, { type: "image/svg+xml" }));
+    pane.parts = partsOf(await textOf(pane.picture));
+    await Promise.all(Object.keys(pane.parts.layers).map((layer) => showLayer(pane, layer)));
   }
-  const image = await loaded(address);
-  if (turn === pane.drawn) {
-    pane.width ??= image.naturalWidth;
-    pane.height ??= image.naturalHeight;
-    image.alt = "";
-    image.draggable = false;
-    image.style.width = `${pane.width}px`;
-    image.style.height = `${pane.height}px`;
-    pane.holder.replaceChildren(image);
-    pane.image = image;
-    if (pane.address) URL.revokeObjectURL(pane.address);
-    pane.address = pane.photo ? null : address;
-    place();
-  } else if (!pane.photo) {
-    URL.revokeObjectURL(address);
+  place();
+}
+
+// Draws a layer anew, with what is switched on; the old image stays until the new one is there.
+async function showLayer(pane, layer) {
+  pane.turns ??= {};
+  const turn = pane.turns[layer] = (pane.turns[layer] ?? 0) + 1;
+  const svg = new Blob([layerText(pane, layer)], { type: "image/svg+xml" });
+  const image = await loaded(URL.createObjectURL(svg));
+  if (turn === pane.turns[layer]) putInto(pane, image, layer);
+  else URL.revokeObjectURL(image.src);
+}
+
+function putInto(pane, image, layer) {
+  image.alt = "";
+  image.draggable = false;
+  image.dataset.part = layer ?? "photo";
+  image.hidden = hidden.layers.has(layer);
+  image.style.width = `${pane.width}px`;
+  image.style.height = `${pane.height}px`;
+  pane.holder.style.width = image.style.width;
+  pane.holder.style.height = image.style.height;
+  const old = pane.holder.querySelector(`[data-part="${image.dataset.part}"]`);
+  if (!old) {
+    // Layers come in any order and lie in that of painting.
+    const order = LAYERS.map(([key]) => key);
+    const above = [...pane.holder.children].find((other) =>
+      order.indexOf(other.dataset.part) > order.indexOf(layer));
+    pane.holder.insertBefore(image, above ?? null);
+    return;
   }
+  old.replaceWith(image);
+  if (layer) URL.revokeObjectURL(old.src);
+}
+
+// The picture of a pane as an image that can be drawn, with all layers.
+async function imageOf(pane) {
+  if (!pane.image) {
+    const svg = new Blob([await textOf(pane.picture)], { type: "image/svg+xml" });
+    pane.image = await loaded(URL.createObjectURL(svg));
+  }
+  return pane.image;
 }
 
 // Side by side, or two over each other with a slider between them.

@@ -19,7 +19,7 @@ function makeTheme() {
   const name = () => {
     byId("theme").textContent = isDark() ? "Light" : "Dark";
     byId("theme").setAttribute("aria-label", `Switch to ${isDark() ? "light" : "dark"} colours`);
-    showSurroundings();
+    showSurroundings().catch(fail);
   };
   byId("theme").addEventListener("click", () => {
     root.dataset.theme = isDark() ? "light" : "dark";

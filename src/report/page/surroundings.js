@@ -140,10 +140,10 @@ function choose(texton, button) {
   button.setAttribute("aria-pressed", "true");
   state.texton = texton;
   placeSurroundings(button.closest(".card"));
-  showSurroundings();
+  showSurroundings().catch(fail);
 }
 
-function showSurroundings() {
+async function showSurroundings() {
   const texton = state.texton;
   const about = group();
   if (!texton || !about.library || !texton.centre) return;
@@ -165,15 +165,17 @@ function showSurroundings() {
     .map(([key, entry]) => line(categoryColour(key), `Category ${key}`, entry, true));
   if (counts.has("ground")) rows.push(line("var(--empty)", "Empty", counts.get("ground"), false));
   if (known < all) rows.push(line("var(--unknown)", "Undefined", { cells: all - known }, false));
-  const photo = panes.find((pane) => pane.photo) ?? panes.find((pane) => pane.title === "Reconstruction");
+  const pane = panes.find((each) => each.photo) ?? panes.find((each) => each.title === "Reconstruction");
   const views = el("div", { class: "views" }, el("figure", null, drawMap(found, texton), el("figcaption", null, "By category")));
-  if (photo?.image) {
-    const [x0, y0, x1, y1] = found.box;
+  if (pane) {
+    const image = await imageOf(pane);
+    if (texton !== state.texton) return;
+    const [x0, y0] = found.box;
     const canvas = drawWindow(found, (context, scale) => {
-      const size = [photo.width * scale, photo.height * scale];
-      context.drawImage(photo.image, -x0 * scale, -y0 * scale, ...size);
+      const size = [pane.width * scale, pane.height * scale];
+      context.drawImage(image, -x0 * scale, -y0 * scale, ...size);
     });
-    views.append(el("figure", null, canvas, el("figcaption", null, photo.title)));
+    views.append(el("figure", null, canvas, el("figcaption", null, pane.title)));
   }
   const placed = about.in_scene ? `, placed ${texton.placed}×` : "";
   box.replaceChildren(
