@@ -49,6 +49,8 @@ struct LibraryData<'a> {
     width: u32,
     height: u32,
     warnings: &'a [String],
+    /// As text: a script's numbers are not exact beyond 2⁵³.
+    seed: String,
     parameters: &'a AnalyzeParams,
     defaults: AnalyzeParams,
     coverage: f64,
@@ -80,6 +82,7 @@ pub(super) struct SceneData<'a> {
     tile: Tile,
     /// What becomes of primaries at the edge, if it fills a shape.
     domain: Option<Edge>,
+    seed: Option<String>,
     parameters: Option<&'a SynthParams>,
     defaults: SynthParams,
     exemplars: Vec<&'a str>,
@@ -272,6 +275,7 @@ impl<'a> LibraryData<'a> {
             width: source.width,
             height: source.height,
             warnings: &source.warnings,
+            seed: source.parameters.seed.to_string(),
             parameters: &source.parameters,
             defaults: AnalyzeParams::default(),
             coverage: library.coverage,
@@ -307,6 +311,7 @@ impl<'a> SceneData<'a> {
             height: scene.height,
             tile: scene.tile,
             domain: scene.domain.as_ref().map(|d| d.edge),
+            seed: scene.parameters.as_ref().map(|p| p.seed.to_string()),
             parameters: scene.parameters.as_ref(),
             defaults: SynthParams::default(),
             exemplars: scene.libraries.iter().map(|l| l.exemplar.as_str()).collect(),

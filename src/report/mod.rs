@@ -19,6 +19,7 @@ mod photo;
 pub use groups::exemplars;
 pub use photo::Photo;
 
+use crate::document::Document;
 use crate::error::{Error, Result};
 use crate::library::Library;
 use crate::output::file::gzip;
@@ -55,6 +56,8 @@ pub struct Subject<'a> {
 /// A library or scene that breaks its invariants; a failing writer, as [`Error::Write`] with the
 /// path `-`.
 pub fn write(subject: &Subject<'_>, mut out: impl Write) -> Result<Vec<String>> {
+    subject.libraries.iter().try_for_each(check)?;
+    subject.scene.map_or(Ok(()), check)?;
     let groups = Group::all(subject);
     let mut files = Vec::new();
     let mut described = Vec::new();
@@ -87,6 +90,12 @@ pub fn write(subject: &Subject<'_>, mut out: impl Write) -> Result<Vec<String>> 
     let page = Page { title: title(subject, &groups), json, files };
     page.write(&mut out).map_err(|e| Error::write(Path::new("-"), e))?;
     Ok(photo::strangers(&groups, subject.photos))
+}
+
+/// Refuses what anyone may have made in memory, so that no index leads nowhere.
+fn check<T: Document>(named: &Named<T>) -> Result<()> {
+    let unsound = |reason| Error::Format { name: named.name.clone(), format: T::FORMAT, reason };
+    named.content.validate().map_err(unsound)
 }
 
 /// A scene as a packed SVG.

@@ -8,6 +8,7 @@ mod help;
 mod messages;
 mod models;
 mod output;
+mod page;
 mod stages;
 mod support;
 mod tune;

@@ -5,7 +5,7 @@ use base64::Engine;
 use serde_json::Value;
 use std::io::Read;
 use vtex::library::Library;
-use vtex::report::{Named, Photo};
+use vtex::report::{Named, Photo, Subject};
 use vtex::scene::{Domain, Edge, Tile};
 
 /// A page taken apart: its data, and its files by id.
@@ -131,7 +131,7 @@ fn a_library_and_a_scene_make_a_whole_page() {
     parts.picture("result");
     let (group, scene) = (&parts.data["groups"][0], &parts.data["scene"]);
     assert_eq!((&group["file"], &group["photo_missing"]), (&Value::from(NAME), &Value::Null));
-    assert_eq!((&group["in_scene"], &scene["parameters"]["seed"]), (&true.into(), &7.into()));
+    assert_eq!((&group["in_scene"], &scene["seed"]), (&true.into(), &"7".into()));
     assert_eq!(parts.data["program"], vtex::PROGRAM);
     check_textons(&parts, group);
 
@@ -286,6 +286,19 @@ fn several_libraries_are_kept_apart() {
         instances.values().map(|ids| ids.as_array().unwrap().len()).sum()
     };
     assert_eq!([listed(0) as f64, listed(1) as f64], placed[..]);
+}
+
+#[test]
+fn what_is_unsound_is_refused() {
+    let made = made();
+    let mut scene = made.scene.clone();
+    scene.content.primary[0].texton = 1_000_000;
+    let subject = Subject { libraries: &[], scene: Some(&scene), photos: &[] };
+    assert!(matches!(vtex::report::write(&subject, std::io::sink()), Err(vtex::Error::Format { .. })));
+    let mut library = made.libraries[0].clone();
+    library.content.arrangement.runs.clear();
+    let subject = Subject { libraries: &[library], scene: None, photos: &[] };
+    assert!(matches!(vtex::report::write(&subject, std::io::sink()), Err(vtex::Error::Format { .. })));
 }
 
 #[test]

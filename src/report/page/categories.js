@@ -50,6 +50,9 @@ function makeThumb(texton, usual) {
   }, image);
 }
 
+// Of several exemplars each covers a part of the result, so less of each is wanted than it has.
+const wantedName = () => (scene && data.groups.length > 1 ? "exemplar" : "wanted");
+
 function makeBars(category, most) {
   const bar = (name, value, kind) =>
     value === null || value === undefined ? null : el("div", { class: "share" },
@@ -57,7 +60,7 @@ function makeBars(category, most) {
       el("div", { class: "track" },
         el("div", { class: `fill ${kind}`, style: { width: `${(100 * value) / most}%` } })),
       el("span", { class: "number" }, percent(value, 2)));
-  return [bar("wanted", category.wanted, "exemplar"), bar("got", category.got, "result")];
+  return [bar(wantedName(), category.wanted, "exemplar"), bar("got", category.got, "result")];
 }
 
 function makeCard(category, usual, most) {
@@ -103,10 +106,13 @@ async function makeCategories() {
     byId("categories-lead").textContent = "There are no primaries, so there are no categories.";
     return;
   }
-  byId("categories-lead").textContent = about.in_scene && about.library
-    ? `Primaries that look alike. Coverage is wanted as in the exemplar: ${percent(about.library.coverage)} in all; `
-      + `the result has ${percent(scene.coverage)}${data.groups.length > 1 ? " from all exemplars" : ""}. `
-      + "Choose a primary to see what stands around it."
+  const shares = !about.in_scene || !about.library ? "" : data.groups.length > 1
+    ? `In the exemplar they cover ${percent(about.library.coverage)}; in the result, which is made from several, `
+      + `primaries cover ${percent(scene.coverage)}.`
+    : `Coverage is wanted as in the exemplar: ${percent(about.library.coverage)} in all; `
+      + `the result has ${percent(scene.coverage)}.`;
+  byId("categories-lead").textContent = shares
+    ? `Primaries that look alike. ${shares} Choose a primary to see what stands around it.`
     : "Primaries that look alike, with the share of the picture that they cover."
       + (about.library ? " Choose a primary to see what stands around it." : "");
   const sizes = about.textons.map((t) => Math.max(t.bounds[2], t.bounds[3]) + 2).sort((a, b) => a - b);

@@ -71,11 +71,11 @@ function makeFacts() {
   const box = byId("facts");
   box.replaceChildren();
   if (library) {
-    const { seed, ...parameters } = library.parameters;
+    const { seed: _, ...parameters } = library.parameters;
     box.append(
       table("Library", row("file", library.name), row("photograph", about.file),
         row("SHA-256", el("code", null, about.sha256)), row("size", `${library.width} × ${library.height} px`),
-        row("segmenter", library.segmenter), row("seed", String(seed)), row("written by", library.program),
+        row("segmenter", library.segmenter), row("seed", library.seed), row("written by", library.program),
         row("primaries", `${integer(library.primaries)}, ${integer(library.clipped)} of them cut by the border`),
         row("details", integer(library.details)),
         row("secondaries", `${integer(library.secondaries)}, ${short(library.secondary_spacing)} px apart`),
@@ -83,14 +83,14 @@ function makeFacts() {
       table("Analysis", ...rowsOf(parameters, library.defaults)));
   }
   if (scene) {
-    const { seed, ...parameters } = scene.parameters ?? {};
+    const { seed: _, ...parameters } = scene.parameters ?? {};
     const tile = scene.tile;
     box.append(
       table("Scene", row("file", scene.name), row("made from", scene.exemplars.join(", ")),
         row("size", `${scene.width} × ${scene.height} px`),
         row("repeats", tile.x && tile.y ? "along both axes" : tile.x ? "left to right" : tile.y ? "top to bottom" : "no"),
         row("fills", scene.domain ? "a shape" : "the canvas"),
-        row("seed", seed === undefined ? "none, it is a reconstruction" : String(seed)), row("written by", scene.program),
+        row("seed", scene.seed ?? "none, it is a reconstruction"), row("written by", scene.program),
         row("primaries", integer(scene.primaries)), row("details", integer(scene.details)),
         row("secondaries", integer(scene.secondaries)), row("coverage", percent(scene.coverage))));
     if (scene.parameters) box.append(table("Synthesis", ...rowsOf(parameters, scene.defaults)));
@@ -119,7 +119,7 @@ function makeSummary() {
   }
   if (scene) {
     parts.push(`result: ${scene.width} × ${scene.height} px, ${plural(scene.primaries, "primary", "primaries")}`);
-    if (scene.parameters) parts.push(`seed ${scene.parameters.seed}`);
+    if (scene.seed !== null) parts.push(`seed ${scene.seed}`);
   }
   byId("summary").textContent = parts.join(" · ");
 }
