@@ -249,14 +249,16 @@ fn what_browsers_cannot_show_becomes_a_png() {
 #[test]
 fn a_scene_is_compared_only_with_what_it_was_made_from() {
     let made = made();
-    let mut stranger = made.libraries[0].content.clone();
-    stranger.source.sha256 = "f".repeat(64);
-    let mut shuffled = made.libraries[0].content.clone();
-    shuffled.primaries.truncate(1);
-    shuffled.arrangement.runs = vec![0, 160 * 160];
-    for library in [stranger, shuffled] {
-        let named = [Named { name: "other.lib.json".into(), content: library }];
-        let (text, _) = page(&named, Some(&made.scene), &[]);
+    let mut stranger = made.libraries[0].clone();
+    stranger.content.source.sha256 = "f".repeat(64);
+    // As if it came from another library of the same photograph.
+    let mut other = made.scene.clone();
+    let primaries = &made.libraries[0].content.primaries;
+    let texton = other.content.textons.iter_mut().find(|t| t.category.is_some()).unwrap();
+    let elsewhere = primaries.iter().position(|p| Some(p.category.0) != texton.category).unwrap();
+    texton.source = elsewhere as u32;
+    for (library, scene) in [(&stranger, &made.scene), (&made.libraries[0], &other)] {
+        let (text, _) = page(std::slice::from_ref(library), Some(scene), &[]);
         let data = parts(&text).data;
         let groups = data["groups"].as_array().unwrap();
         let known: Vec<_> = groups.iter().map(|g| (g["library"].is_null(), &g["in_scene"])).collect();
@@ -273,8 +275,7 @@ fn several_libraries_are_kept_apart() {
     let mut reference = scene.content.libraries[0].clone();
     reference.sha256 = second.source.sha256.clone();
     scene.content.libraries.push(reference);
-    let half = scene.content.textons.len() / 2;
-    scene.content.textons[half..].iter_mut().for_each(|t| t.library = 1);
+    scene.content.textons.iter_mut().for_each(|t| t.library = t.source % 2);
     let libraries = [made.libraries[0].clone(), Named { name: "second.lib.json".into(), content: second }];
     let (text, _) = page(&libraries, Some(&scene), &made.photos());
     let data = parts(&text).data;
