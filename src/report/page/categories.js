@@ -50,8 +50,12 @@ function makeThumb(texton, usual) {
   }, image);
 }
 
-// Of several exemplars each covers a part of the result, so less of each is wanted than it has.
-const wantedName = () => (scene && data.groups.length > 1 ? "exemplar" : "wanted");
+// What the two shares are called. Of several exemplars each covers a part of the result, so less of
+// each is wanted than it has.
+function shareNames() {
+  if (!group().library || !group().in_scene) return ["covers", "covers"];
+  return data.groups.length > 1 ? ["exemplar", "result"] : ["wanted", "got"];
+}
 
 function makeBars(category, most) {
   const bar = (name, value, kind) =>
@@ -60,7 +64,8 @@ function makeBars(category, most) {
       el("div", { class: "track" },
         el("div", { class: `fill ${kind}`, style: { width: `${(100 * value) / most}%` } })),
       el("span", { class: "number" }, percent(value, 2)));
-  return [bar(wantedName(), category.wanted, "exemplar"), bar("got", category.got, "result")];
+  const [wanted, got] = shareNames();
+  return [bar(wanted, category.wanted, "exemplar"), bar(got, category.got, "result")];
 }
 
 function makeCard(category, usual, most) {
