@@ -23,6 +23,7 @@ pub mod metrics;
 pub mod output;
 pub mod procedural;
 pub mod raster;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod segment;

@@ -405,19 +405,31 @@ pub(crate) struct RenderArgs {
     pub(crate) svg: SvgFlags,
 }
 
-/// Say what a library or a scene holds
+/// Say what a library or a scene holds, or write a page to look at
 #[derive(Args)]
 #[command(
-    override_usage = "vtex inspect [OPTIONS] <FILE>",
+    override_usage = "vtex inspect [OPTIONS] <FILE>...",
     after_help = "\
 Examples:
   vtex inspect photo.lib.json
-  vtex inspect out.scene.json --json | jq .counts"
+  vtex inspect out.scene.json --json | jq .counts
+  vtex inspect photo.lib.json out.scene.json -o report.html --exemplar photo.jpg"
 )]
 pub(crate) struct InspectArgs {
-    /// A library or scene, plain or gzip; - reads stdin
+    /// A library or scene, plain or gzip; - reads stdin. For a page also a scene and the libraries
+    /// that it was made from
     #[arg(value_name = "FILE", required = true)]
-    pub(crate) file: Option<PathBuf>,
+    pub(crate) file: Vec<PathBuf>,
+    /// Write a page for a browser, .html: pictures with layers and a slider, categories,
+    /// distributions; - writes it to stdout [default: none, what the file holds is printed]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    /// The photograph, shown on the page if its SHA-256 is that of the exemplar; may be given several
+    /// times [default: the file of that name beside the library]
+    #[arg(long, value_name = "PHOTO", requires = "output", help_heading = "Output")]
+    pub(crate) exemplar: Vec<PathBuf>,
 }
 
 /// Say what networks run on, which models there are, and what is missing
@@ -732,8 +744,8 @@ pub(crate) fn command() -> clap::Command {
     };
     let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "render", &WORK);
-    let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
+    let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS].concat());
     let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
     let command = hide(command, "models", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();

@@ -33,13 +33,17 @@ pub(crate) fn kind_of(flag: &str, path: &Path, allowed: &[Format]) -> Result<Kin
 
 /// Checks that masks can be saved under a name.
 pub(crate) fn check_masks_name(path: &Path) -> Result<(), Failure> {
-    let known = [".png", ".json", ".json.gz"];
+    check_name("--save-masks", path, &[".png", ".json", ".json.gz"])
+}
+
+/// Checks that a page can be written under a name.
+pub(crate) fn check_page_name(path: &Path) -> Result<(), Failure> {
+    check_name("--output", path, &[".htm", ".html"])
+}
+
+fn check_name(flag: &str, path: &Path, known: &[&str]) -> Result<(), Failure> {
     let name = path.to_string_lossy().to_ascii_lowercase();
-    if known.iter().any(|e| name.ends_with(e)) {
-        Ok(())
-    } else {
-        Err(unknown_name("--save-masks", path, &known))
-    }
+    if known.iter().any(|e| name.ends_with(e)) { Ok(()) } else { Err(unknown_name(flag, path, known)) }
 }
 
 fn unknown_name(flag: &str, path: &Path, known: &[&str]) -> Failure {

@@ -2,8 +2,8 @@
 //! configuration: from [`Cli`] to a job and what all jobs share.
 
 use super::arguments::{
-    Cli, Command, ControlArgs, EngineArgs, EngineName, ForceArgs, MasksArgs, ModelsAction, PatternArgs,
-    SamArgs, SegmenterName, TuneArgs, WarpArgs,
+    Cli, Command, ControlArgs, EngineArgs, EngineName, ForceArgs, InspectArgs, MasksArgs, ModelsAction,
+    PatternArgs, SamArgs, SegmenterName, TuneArgs, WarpArgs,
 };
 use super::batch::{Batch, Source};
 use super::config::{Given, Layer, Parameters, RenderParameters, SvgParameters, Top};
@@ -55,8 +55,8 @@ pub(crate) enum Job {
     Warp(Warping),
     Tune(Input, Tuning),
     Render(Input, RenderOptions),
-    Inspect(Input),
     Metrics(MetricsArgs),
+    Inspect(Vec<Input>, Option<PageOptions>),
     Doctor(EngineOptions),
     Models(ModelsJob),
     Completions(Shell),
@@ -155,6 +155,12 @@ pub(crate) struct RenderOptions {
     pub(crate) svg: SvgParameters,
     pub(crate) target: Target,
     pub(crate) pattern: Option<Target>,
+}
+
+/// What a page shows beside libraries and scene, and where it goes.
+pub(crate) struct PageOptions {
+    pub(crate) exemplars: Vec<Input>,
+    pub(crate) place: Place,
 }
 
 impl Options {
@@ -305,8 +311,12 @@ impl Job {
                 let pattern = pattern(a.pattern, &a.force, &target)?;
                 Self::Render(file, RenderOptions { scale: render, svg, target, pattern })
             }
-            Command::Inspect(a) => Self::Inspect(required(a.file)?),
             Command::Metrics(a) => Self::Metrics(a),
+            Command::Inspect(a) => {
+                let files: Vec<Input> = a.file.iter().cloned().map(Input::new).collect();
+                let page = PageOptions::new(a, &files)?;
+                Self::Inspect(files, page)
+            }
             Command::Doctor(a) => Self::Doctor(engine(a.engine, threads)),
             Command::Models(a) => Self::Models(match a.action {
                 ModelsAction::Add(a) => ModelsJob::Add {
@@ -519,6 +529,28 @@ impl Tuning {
         let name = a.name.map_or("tuned".into(), |n| n.as_str().to_owned());
         let path = weights_path(beside, &name);
         Ok(Self { name, parameters, place: Place::File { path, force: a.force.force } })
+    }
+}
+
+impl PageOptions {
+    /// None if no page is asked for.
+    fn new(a: InspectArgs, files: &[Input]) -> Result<Option<Self>, Failure> {
+        let Some(output) = a.output else {
+            if files.len() > 1 {
+                return Err(Failure::usage("several files are shown on a page only")
+                    .hint("name the page, as in -o report.html, or give one file at a time"));
+            }
+            return Ok(None);
+        };
+        let exemplars: Vec<Input> = a.exemplar.into_iter().map(Input::new).collect();
+        let read = files.iter().map(|file| ("the input", file));
+        let read: Vec<_> = read.chain(exemplars.iter().map(|file| ("--exemplar", file))).collect();
+        check_files(&read, &[("-o", Some(&output))])?;
+        if output.as_os_str() == "-" {
+            return Ok(Some(Self { exemplars, place: Place::Stdout }));
+        }
+        format::check_page_name(&output)?;
+        Ok(Some(Self { exemplars, place: Place::File { path: output, force: a.force.force } }))
     }
 }
 

@@ -8,6 +8,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
+/// How every page of vtex begins, its version next.
+pub(crate) const PAGE_BEGINNING: &str = "<!DOCTYPE html>\n<!-- Written by vtex ";
+
 /// What a file holds, told by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -115,7 +118,7 @@ pub fn write_file<T>(
     Ok(value)
 }
 
-/// Whether vtex wrote a file, told by its content: an SVG just as vtex begins it, a JSON document
+/// Whether vtex wrote a file, told by its content: an SVG or a page just as vtex begins it, a JSON document
 /// whose first field is `"format": "vtex-…"`, one of these packed, a PNG whose text says so, or a PDF
 /// whose information does. A file that another program saved since does not count.
 fn is_ours(path: &Path) -> Result<bool> {
@@ -134,7 +137,8 @@ fn is_ours(path: &Path) -> Result<bool> {
         let _ = GzDecoder::new(&start[..]).take(ENOUGH).read_to_end(&mut unpacked);
         start = unpacked;
     }
-    Ok(start.starts_with(super::svg::BEGINNING.as_bytes()) || is_document(&start) || is_png(&start))
+    let begins = |how: &str| start.starts_with(how.as_bytes());
+    Ok(begins(super::svg::BEGINNING) || begins(PAGE_BEGINNING) || is_document(&start) || is_png(&start))
 }
 
 fn is_document(start: &[u8]) -> bool {
@@ -225,6 +229,7 @@ mod tests {
         let mut page = Vec::new();
         pdf::write(&scene, &mut page).unwrap();
         let own = [
+            format!("{PAGE_BEGINNING}0.1.0 -->\n<html/>").into_bytes(),
             page.clone(),
             drawn.clone(),
             packed.finish().unwrap(),

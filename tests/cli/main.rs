@@ -10,6 +10,7 @@ mod messages;
 mod metrics;
 mod models;
 mod output;
+mod page;
 mod stages;
 mod support;
 mod tune;

@@ -9,6 +9,7 @@ mod man;
 mod metrics;
 mod models;
 mod render;
+mod report;
 mod synth;
 mod texture;
 mod tune;
@@ -31,7 +32,8 @@ pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
         Job::Tune(library, tuning) => tune::run(common, &reporter, library, tuning),
         Job::Render(file, options) => render::run(common, &reporter, file, options),
         Job::Metrics(arguments) => metrics::run(common, &reporter, arguments),
-        Job::Inspect(file) => inspect::run(common, file),
+        Job::Inspect(files, Some(page)) => report::run(common, &reporter, files, page),
+        Job::Inspect(files, None) => files.iter().try_for_each(|file| inspect::run(common, file)),
         Job::Doctor(engine) => doctor::run(common, engine),
         Job::Models(job) => models::run(common, job),
         Job::Completions(shell) => completions::run(*shell),

@@ -1,0 +1,118 @@
+//! `vtex inspect -o report.html`: libraries and a scene → a page to look at.
+
+use crate::cli::failure::Failure;
+use crate::cli::input::{Input, Kind};
+use crate::cli::options::{Common, PageOptions};
+use crate::cli::output::Place;
+use crate::cli::progress::Reporter;
+use crate::cli::summary::{Counts, Seconds, Summary, peak_memory};
+use std::path::Path;
+use vtex::Progress;
+use vtex::library::Library;
+use vtex::report::{self, Named, Photo, Subject};
+use vtex::scene::Scene;
+
+pub(super) fn run(
+    common: &Common,
+    reporter: &Reporter,
+    inputs: &[Input],
+    page: &PageOptions,
+) -> anyhow::Result<()> {
+    page.place.probe()?;
+    reporter.stage("reading")?;
+    let (libraries, scene) = read(inputs)?;
+    let photos = photos(inputs, &page.exemplars, &libraries, scene.as_ref())?;
+    reporter.stage("writing")?;
+    let subject = Subject { libraries: &libraries, scene: scene.as_ref(), photos: &photos };
+    let (warnings, bytes) = page.place.write(|out| report::write(&subject, out))?;
+    for warning in &warnings {
+        reporter.warn(warning);
+    }
+    let (seconds, warnings) = reporter.finish();
+    let first = libraries.first().map(|l| &l.content);
+    let counts = match &scene {
+        Some(scene) => Some(Counts::of_scene(&scene.content)),
+        None => first.map(Counts::of_library),
+    };
+    let size = match &scene {
+        Some(scene) => [scene.content.width, scene.content.height],
+        None => first.map_or([0; 2], |l| [l.source.width, l.source.height]),
+    };
+    let summary = Summary {
+        program: vtex::PROGRAM,
+        command: "inspect",
+        inputs: inputs.iter().map(Input::name).collect(),
+        output: page.place.path().display().to_string(),
+        pattern: None,
+        bytes,
+        given_up: None,
+        seed: None,
+        size,
+        counts,
+        coverage: None,
+        overlap: None,
+        repetition: None,
+        seconds: Seconds(seconds),
+        peak_memory: peak_memory(),
+        warnings,
+    };
+    summary.tell(common, page.place == Place::Stdout)
+}
+
+/// The libraries, and the scene if there is one.
+fn read(inputs: &[Input]) -> anyhow::Result<(Vec<Named<Library>>, Option<Named<Scene>>)> {
+    let (mut libraries, mut scene) = (Vec::new(), None);
+    for input in inputs {
+        let bytes = input.read()?;
+        let path = input.name();
+        let name = file_name(input.path());
+        match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene])? {
+            Kind::Library => {
+                libraries.push(Named { name, content: Library::from_bytes(&bytes, &path)? });
+            }
+            _ if scene.is_some() => {
+                let failure = Failure::usage(format!("'{path}' is a second scene; a page shows one"));
+                return Err(failure.hint("write a page for each").into());
+            }
+            _ => scene = Some(Named { name, content: Scene::from_bytes(&bytes, &path)? }),
+        }
+    }
+    Ok((libraries, scene))
+}
+
+/// The files given as photographs, and those beside the inputs that have the name of one.
+fn photos(
+    inputs: &[Input],
+    given: &[Input],
+    libraries: &[Named<Library>],
+    scene: Option<&Named<Scene>>,
+) -> anyhow::Result<Vec<Photo>> {
+    let mut found = Vec::new();
+    for input in given {
+        let bytes = input.read()?;
+        Kind::expect(&bytes, input, &[Kind::Image, Kind::Unknown])?;
+        found.push(Photo::new(file_name(input.path()), bytes, true));
+    }
+    let folders = inputs.iter().filter_map(|input| match input {
+        Input::File(path) => path.parent(),
+        Input::Stdin => None,
+    });
+    let mut folders: Vec<&Path> = folders.collect();
+    folders.dedup();
+    for exemplar in report::exemplars(libraries, scene) {
+        // A name, whatever a library says: no way to other folders.
+        let Some(name) = Path::new(&exemplar.exemplar).file_name() else { continue };
+        for path in folders.iter().map(|folder| folder.join(name)).filter(|path| path.is_file()) {
+            // Nobody asked for it, so a file that cannot be read is none.
+            if let Ok(bytes) = Input::File(path).read() {
+                found.push(Photo::new(name.to_string_lossy(), bytes, false));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// A path without its folder.
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

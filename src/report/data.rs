@@ -1,0 +1,325 @@
+//! What the page's script is told, as JSON: figures and names; pictures come apart from it.
+
+use super::Named;
+use super::distributions::{self, Distribution};
+use super::groups::Group;
+use crate::geometry::Rect;
+use crate::library::{AnalyzeParams, Arrangement, Library};
+use crate::output::{coverage, inside};
+use crate::raster::colour::Colour;
+use crate::scene::{ControlPoint, Edge, Scene, SynthParams, Tile};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// All that is told.
+#[derive(Serialize)]
+pub(super) struct Data<'a> {
+    /// The program that wrote the page.
+    pub(super) program: &'static str,
+    pub(super) groups: Vec<GroupData<'a>>,
+    pub(super) scene: Option<SceneData<'a>>,
+}
+
+/// One exemplar.
+#[derive(Serialize)]
+pub(super) struct GroupData<'a> {
+    /// Name and SHA-256 of the photograph.
+    file: &'a str,
+    sha256: &'a str,
+    /// Id of the photograph on the page, or why it is not there.
+    pub(super) photo: Option<String>,
+    pub(super) photo_missing: Option<String>,
+    /// Id of the picture that holds its textons one by one.
+    pub(super) picture: Option<String>,
+    library: Option<LibraryData<'a>>,
+    /// Whether the scene was made from it.
+    in_scene: bool,
+    categories: Vec<CategoryData>,
+    textons: Vec<TextonData>,
+    /// Ids of the primaries of each category in the result, where its numbers alone do not tell.
+    instances: BTreeMap<u16, Vec<u32>>,
+    distributions: Vec<Distribution>,
+}
+
+#[derive(Serialize)]
+struct LibraryData<'a> {
+    name: &'a str,
+    program: &'a str,
+    segmenter: &'a str,
+    width: u32,
+    height: u32,
+    warnings: &'a [String],
+    /// As text: a script's numbers are not exact beyond 2⁵³.
+    seed: String,
+    parameters: &'a AnalyzeParams,
+    defaults: AnalyzeParams,
+    coverage: f64,
+    primaries: usize,
+    clipped: usize,
+    details: usize,
+    secondaries: usize,
+    secondary_spacing: f64,
+    arrangement: &'a Arrangement,
+    descriptor_half: u32,
+    background: BackgroundData,
+}
+
+#[derive(Serialize)]
+struct BackgroundData {
+    spacing: f64,
+    fallback: Colour,
+    /// Pixels from the left and from the top, colour.
+    points: Vec<(f64, f64, Colour)>,
+}
+
+/// The result.
+#[derive(Serialize)]
+pub(super) struct SceneData<'a> {
+    name: &'a str,
+    program: &'a str,
+    width: u32,
+    height: u32,
+    tile: Tile,
+    /// What becomes of primaries at the edge, if it fills a shape.
+    domain: Option<Edge>,
+    seed: Option<String>,
+    parameters: Option<&'a SynthParams>,
+    defaults: SynthParams,
+    exemplars: Vec<&'a str>,
+    coverage: f64,
+    primaries: usize,
+    details: usize,
+    secondaries: usize,
+    background: BackgroundData,
+}
+
+/// A category, in exemplar and result. Shares are of the picture, 0 to 1.
+#[derive(Default, Serialize)]
+struct CategoryData {
+    id: u16,
+    /// Mean colour of its members.
+    colour: Colour,
+    /// Mean area of its members, in pixels.
+    area: f64,
+    /// Members, and those that the border does not cut.
+    members: Option<usize>,
+    whole: Option<usize>,
+    wanted: Option<f64>,
+    placed: Option<usize>,
+    got: Option<f64>,
+}
+
+/// A primary.
+#[derive(Serialize)]
+struct TextonData {
+    /// Its index in its library.
+    source: u32,
+    /// Its id in the picture that holds it.
+    id: u32,
+    category: u16,
+    area: f64,
+    clipped: bool,
+    /// How often it was placed.
+    placed: usize,
+    /// Box around it in that picture: x, y, width, height.
+    bounds: [f64; 4],
+    /// Mean of its pixel centres in the exemplar.
+    centre: Option<[f64; 2]>,
+}
+
+impl<'a> GroupData<'a> {
+    pub(super) fn new(group: &'a Group<'a>, scene: Option<&'a Scene>) -> Self {
+        let scene = scene.filter(|_| !group.references.is_empty());
+        let mut placed = BTreeMap::new();
+        for texton in scene.iter().flat_map(|s| &s.primary).filter_map(|i| own(group, scene, i.texton)) {
+            *placed.entry(texton.0).or_insert(0) += 1;
+        }
+        let count = |source: u32| placed.get(&source).copied().unwrap_or(0);
+        let library = group.library.map(|l| &l.content);
+        let textons = match (library, scene) {
+            (Some(library), _) => of_library(library, count),
+            (None, Some(scene)) => of_scene(group, scene, count),
+            (None, None) => Vec::new(),
+        };
+        let mut instances: BTreeMap<u16, Vec<u32>> = BTreeMap::new();
+        if let Some(scene) = scene.filter(|s| s.libraries.len() > 1) {
+            for instance in &scene.primary {
+                if let Some((_, category)) = own(group, Some(scene), instance.texton) {
+                    instances.entry(category).or_default().push(instance.id);
+                }
+            }
+        }
+        Self {
+            file: &group.exemplar.exemplar,
+            sha256: &group.exemplar.sha256,
+            photo: None,
+            photo_missing: None,
+            picture: None,
+            library: group.library.map(LibraryData::new),
+            in_scene: !group.references.is_empty(),
+            categories: categories(group, scene, &textons),
+            textons,
+            instances,
+            distributions: distributions::all(group, scene),
+        }
+    }
+}
+
+/// Source and category of a primary of a scene, if it comes from the exemplar of the group.
+fn own(group: &Group<'_>, scene: Option<&Scene>, texton: u32) -> Option<(u32, u16)> {
+    let texton = &scene?.textons[texton as usize];
+    group.references.contains(&texton.library).then_some((texton.source, texton.category?))
+}
+
+fn of_library(library: &Library, placed: impl Fn(u32) -> usize) -> Vec<TextonData> {
+    // A reconstruction counts secondaries first.
+    let first = library.secondaries.textons.len() as u32;
+    let texton = |(i, p): (usize, &crate::library::Primary)| TextonData {
+        source: i as u32,
+        id: first + i as u32,
+        category: p.category.0,
+        area: f64::from(p.area),
+        clipped: p.clipped,
+        placed: placed(i as u32),
+        bounds: sides(p.details.iter().fold(p.outline.bounds(), |all, d| all.union(d.outline.bounds()))),
+        centre: Some(p.centroid),
+    };
+    library.primaries.iter().enumerate().map(texton).collect()
+}
+
+fn of_scene(group: &Group<'_>, scene: &Scene, placed: impl Fn(u32) -> usize) -> Vec<TextonData> {
+    let texton = |i: usize| {
+        let texton = &scene.textons[i];
+        TextonData {
+            source: texton.source,
+            id: i as u32,
+            category: texton.category.unwrap_or_default(),
+            area: libm::round(texton.outline.area()),
+            clipped: false,
+            placed: placed(texton.source),
+            bounds: sides(texton.bounds()),
+            centre: None,
+        }
+    };
+    group.textons(scene).into_iter().map(texton).collect()
+}
+
+fn sides(r: Rect) -> [f64; 4] {
+    [r.x0, r.y0, r.width(), r.height()].map(|v| libm::round(v * 10.0) / 10.0)
+}
+
+/// Every category that library or scene knows, in order.
+fn categories(group: &Group<'_>, scene: Option<&Scene>, textons: &[TextonData]) -> Vec<CategoryData> {
+    let mut found: BTreeMap<u16, CategoryData> = BTreeMap::new();
+    for (i, category) in group.library.iter().flat_map(|l| l.content.categories.iter().enumerate()) {
+        let [r, g, b, area, _] = category.centre;
+        let members = || textons.iter().filter(|t| usize::from(t.category) == i);
+        let about = CategoryData {
+            id: i as u16,
+            colour: Colour::from_f64([r, g, b]),
+            area: libm::round(area),
+            members: Some(members().count()),
+            whole: Some(members().filter(|t| !t.clipped).count()),
+            wanted: Some(category.coverage),
+            ..CategoryData::default()
+        };
+        found.insert(i as u16, about);
+    }
+    let Some(scene) = scene else { return found.into_values().collect() };
+    let canvas = (inside(scene) as f64).max(1.0);
+    let mut covered: BTreeMap<u16, u64> = BTreeMap::new();
+    for ((library, category), pixels) in coverage(scene) {
+        if group.references.contains(&library) {
+            *covered.entry(category).or_default() += pixels;
+        }
+    }
+    for category in covered.keys() {
+        let of_scene = || look(group, scene, *category);
+        found.entry(*category).or_insert_with(of_scene);
+    }
+    for about in found.values_mut() {
+        about.got = Some(covered.get(&about.id).map_or(0.0, |p| *p as f64 / canvas));
+        let same = |i: &&crate::scene::Instance| {
+            own(group, Some(scene), i.texton).is_some_and(|(_, category)| category == about.id)
+        };
+        about.placed = Some(scene.primary.iter().filter(same).count());
+    }
+    found.into_values().collect()
+}
+
+/// A category that no library describes.
+fn look(group: &Group<'_>, scene: &Scene, id: u16) -> CategoryData {
+    let (mut sum, mut area, mut count) = ([0.0; 3], 0.0, 0.0);
+    for instance in &scene.primary {
+        if own(group, Some(scene), instance.texton).is_some_and(|(_, category)| category == id) {
+            let texton = &scene.textons[instance.texton as usize];
+            let colour = instance.colour.unwrap_or(texton.colour).to_f64();
+            sum = [0, 1, 2].map(|k| sum[k] + colour[k]);
+            area += texton.outline.area() * instance.affine().determinant().abs();
+            count += 1.0;
+        }
+    }
+    let mean = |v: f64| if count > 0.0 { v / count } else { 0.0 };
+    let colour = Colour::from_f64(sum.map(mean));
+    CategoryData { id, colour, area: libm::round(mean(area)), ..CategoryData::default() }
+}
+
+impl<'a> LibraryData<'a> {
+    fn new(named: &'a Named<Library>) -> Self {
+        let library = &named.content;
+        let (source, background) = (&library.source, &library.background);
+        Self {
+            name: &named.name,
+            program: &source.program,
+            segmenter: &source.segmenter,
+            width: source.width,
+            height: source.height,
+            warnings: &source.warnings,
+            seed: source.parameters.seed.to_string(),
+            parameters: &source.parameters,
+            defaults: AnalyzeParams::default(),
+            coverage: library.coverage,
+            primaries: library.primaries.len(),
+            clipped: library.primaries.iter().filter(|p| p.clipped).count(),
+            details: library.primaries.iter().map(|p| p.details.len()).sum(),
+            secondaries: library.secondaries.textons.len(),
+            secondary_spacing: library.secondaries.spacing,
+            arrangement: &library.arrangement,
+            descriptor_half: library.descriptor_half,
+            background: BackgroundData::new(background.spacing, background.fallback, &background.sites),
+        }
+    }
+}
+
+impl BackgroundData {
+    fn new(spacing: f64, fallback: Colour, points: &[ControlPoint]) -> Self {
+        let short = |v: f64| libm::round(v * 10.0) / 10.0;
+        let points = points.iter().map(|p| (short(p.x), short(p.y), p.colour)).collect();
+        Self { spacing, fallback, points }
+    }
+}
+
+impl<'a> SceneData<'a> {
+    pub(super) fn new(named: &'a Named<Scene>) -> Self {
+        let scene = &named.content;
+        let covered: u64 = coverage(scene).values().sum();
+        let field = &scene.background;
+        Self {
+            name: &named.name,
+            program: &scene.program,
+            width: scene.width,
+            height: scene.height,
+            tile: scene.tile,
+            domain: scene.domain.as_ref().map(|d| d.edge),
+            seed: scene.parameters.as_ref().map(|p| p.seed.to_string()),
+            parameters: scene.parameters.as_ref(),
+            defaults: SynthParams::default(),
+            exemplars: scene.libraries.iter().map(|l| l.exemplar.as_str()).collect(),
+            coverage: covered as f64 / (inside(scene) as f64).max(1.0),
+            primaries: scene.primary.len(),
+            details: scene.primary.iter().map(|i| scene.textons[i.texton as usize].details.len()).sum(),
+            secondaries: scene.secondary.len(),
+            background: BackgroundData::new(field.spacing, field.fallback, &field.points),
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Which library explains which part of a scene.
+
+use super::{Named, Subject};
+use crate::geometry::Affine;
+use crate::library::Library;
+use crate::scene::{Field, Instance, LibraryRef, Scene};
+use crate::synth;
+
+/// One exemplar: the library made from it, and the part of the scene made from that; at least one
+/// of the two.
+pub(super) struct Group<'a> {
+    /// The photograph.
+    pub(super) exemplar: LibraryRef,
+    /// The library, if it is at hand.
+    pub(super) library: Option<&'a Named<Library>>,
+    /// Its indices in [`Scene::libraries`], none if the scene was not made from it.
+    pub(super) references: Vec<u32>,
+}
+
+/// The photographs that libraries and a scene name, each once.
+pub fn exemplars(libraries: &[Named<Library>], scene: Option<&Named<Scene>>) -> Vec<LibraryRef> {
+    let of_scene = scene.iter().flat_map(|s| s.content.libraries.iter().cloned());
+    let mut found: Vec<LibraryRef> = Vec::new();
+    for exemplar in libraries.iter().map(|l| reference(&l.content)).chain(of_scene) {
+        if !found.contains(&exemplar) {
+            found.push(exemplar);
+        }
+    }
+    found
+}
+
+fn reference(library: &Library) -> LibraryRef {
+    LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
+}
+
+impl<'a> Group<'a> {
+    /// One for each library, then one for each photograph of the scene whose library is not at hand.
+    pub(super) fn all(subject: &Subject<'a>) -> Vec<Self> {
+        let of_library = |l: &'a Named<Library>| Self {
+            exemplar: reference(&l.content),
+            library: Some(l),
+            references: Vec::new(),
+        };
+        let mut groups: Vec<Self> = subject.libraries.iter().map(of_library).collect();
+        let Some(scene) = subject.scene else { return groups };
+        for (i, exemplar) in scene.content.libraries.iter().enumerate() {
+            let fits = |g: &Self| {
+                let explained = g.library.is_none_or(|l| explains(&l.content, &scene.content, i as u32));
+                g.exemplar.sha256 == exemplar.sha256 && explained
+            };
+            match groups.iter().position(fits) {
+                Some(known) => groups[known].references.push(i as u32),
+                None => groups.push(Self {
+                    exemplar: exemplar.clone(),
+                    library: None,
+                    references: vec![i as u32],
+                }),
+            }
+        }
+        groups
+    }
+
+    /// The indices in [`Scene::textons`] of its primaries.
+    pub(super) fn textons(&self, scene: &Scene) -> Vec<usize> {
+        let own = |i: &usize| {
+            let texton = &scene.textons[*i];
+            texton.category.is_some() && self.references.contains(&texton.library)
+        };
+        (0..scene.textons.len()).filter(own).collect()
+    }
+
+    /// The scene whose primaries are shown one by one: the library drawn back as its exemplar, else a
+    /// catalogue in which every primary of the scene stands once, at the origin, with its index as id.
+    pub(super) fn drawn(&self, scene: Option<&Scene>) -> Option<Scene> {
+        if let Some(library) = self.library {
+            return Some(synth::reconstruct(&library.content));
+        }
+        let scene = scene?;
+        let place = |i: usize| Instance {
+            id: i as u32,
+            texton: i as u32,
+            transform: Affine::IDENTITY.as_coeffs(),
+            colour: None,
+        };
+        Some(Scene {
+            primary: self.textons(scene).into_iter().map(place).collect(),
+            secondary: Vec::new(),
+            background: Field { points: Vec::new(), ..scene.background },
+            domain: None,
+            ..scene.clone()
+        })
+    }
+}
+
+/// Whether the textons that a scene says it has from a photograph are those of this library. There may
+/// be several libraries of one photograph, made with different parameters.
+fn explains(library: &Library, scene: &Scene, reference: u32) -> bool {
+    scene.textons.iter().filter(|t| t.library == reference).all(|t| match t.category {
+        Some(category) => library.primaries.get(t.source as usize).is_some_and(|p| p.category.0 == category),
+        None => (t.source as usize) < library.secondaries.textons.len(),
+    })
+}

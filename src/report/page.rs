@@ -1,0 +1,130 @@
+//! The page put together: a frame, a style sheet, a script, data, and packed pictures.
+//!
+//! What is written is HTML and well-formed XML alike, so that it can be checked.
+
+use crate::output::file::PAGE_BEGINNING;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use std::borrow::Cow;
+use std::io::{self, Write};
+
+const FRAME: &str = include_str!("page/frame.html");
+const STYLE: &str = include_str!("page/style.css");
+/// The parts of the script, in the order in which they use each other.
+const SCRIPT: [&str; 9] = [
+    include_str!("page/base.js"),
+    include_str!("page/pictures.js"),
+    include_str!("page/moving.js"),
+    include_str!("page/layers.js"),
+    include_str!("page/categories.js"),
+    include_str!("page/surroundings.js"),
+    include_str!("page/plots.js"),
+    include_str!("page/facts.js"),
+    include_str!("page/start.js"),
+];
+
+/// A file that is part of the page.
+pub(super) struct Embedded<'a> {
+    /// Its id on the page.
+    pub(super) id: String,
+    /// What it holds, once unpacked.
+    pub(super) media_type: &'static str,
+    /// Whether it is packed.
+    pub(super) gzip: bool,
+    pub(super) bytes: Cow<'a, [u8]>,
+}
+
+/// All that makes a page.
+pub(super) struct Page<'a> {
+    pub(super) title: String,
+    /// What the script is told.
+    pub(super) json: String,
+    pub(super) files: Vec<Embedded<'a>>,
+}
+
+impl Page<'_> {
+    /// Writes it.
+    pub(super) fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let program = crate::PROGRAM.strip_prefix("vtex ").unwrap_or_default();
+        writeln!(out, "{PAGE_BEGINNING}{program} -->")?;
+        // The frame alone is searched for marks, never what takes their place.
+        let mut parts = FRAME.split("{{");
+        out.write_all(parts.next().unwrap_or_default().as_bytes())?;
+        for part in parts {
+            let (mark, rest) = part.split_once("}}").unwrap_or((part, ""));
+            match mark {
+                "title" => out.write_all(text(&self.title).as_bytes())?,
+                "program" => out.write_all(crate::PROGRAM.as_bytes())?,
+                "style" => out.write_all(STYLE.as_bytes())?,
+                "data" => out.write_all(script_data(&self.json).as_bytes())?,
+                "files" => self.write_files(out)?,
+                "script" => SCRIPT.iter().try_for_each(|part| out.write_all(part.as_bytes()))?,
+                other => debug_assert!(false, "the frame has the unknown mark {other}"),
+            }
+            out.write_all(rest.as_bytes())?;
+        }
+        out.flush()
+    }
+
+    fn write_files(&self, out: &mut impl Write) -> io::Result<()> {
+        for file in &self.files {
+            let Embedded { id, media_type, gzip, bytes } = file;
+            write!(out, "<script type=\"text/plain\" id=\"{id}\" data-type=\"{media_type}\"")?;
+            writeln!(out, " data-gzip=\"{gzip}\">{}</script>", STANDARD.encode(bytes))?;
+        }
+        Ok(())
+    }
+}
+
+/// Text as content of an element: escaped, without what neither HTML nor XML can hold.
+fn text(text: &str) -> String {
+    let mut escaped = String::new();
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            ' '..='\u{7e}' | '\u{a0}'..='\u{fffd}' | '\u{10000}'.. => escaped.push(c),
+            _ => escaped.push('\u{fffd}'),
+        }
+    }
+    escaped
+}
+
+/// JSON as content of a `<script>`: the same JSON without anything that could end the element or
+/// begin markup. Such characters stand in strings only, where `\u` means them too.
+fn script_data(json: &str) -> String {
+    let mut escaped = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            '<' | '>' | '&' | '\u{7f}'..='\u{9f}' | '\u{2028}' | '\u{2029}' | '\u{fffe}' | '\u{ffff}' => {
+                escaped.push_str(&format!("\\u{:04x}", u32::from(c)));
+            }
+            _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn any_data_comes_back(words in proptest::collection::vec("\\PC*|[<>&\"'\\\\/!\u{0}\u{7f}-\u{9f}\u{2028}\u{fffe}-]*", 1..4)) {
+            let json = serde_json::to_string(&words).unwrap();
+            let page = Page { title: words.concat(), json, files: Vec::new() };
+            let mut bytes = Vec::new();
+            page.write(&mut bytes).unwrap();
+            let page = String::from_utf8(bytes).unwrap();
+            let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+            let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
+            let data = document.descendants().find(|n| n.attribute("id") == Some("data")).unwrap();
+            let text = data.text().unwrap();
+            prop_assert!(!text.contains(['<', '>', '&']));
+            prop_assert_eq!(serde_json::from_str::<Vec<String>>(text).unwrap(), words);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+// Layers to switch on and off, in the reconstruction and in the result.
+
+const hidden = { layers: new Set(), categories: new Set() };
+const LAYERS = [
+  ["background", "Background"],
+  ["secondary", "Secondaries"],
+  ["primary", "Primaries"],
+  ["details", "Details"],
+];
+
+// An SVG taken apart: how it begins, its definitions line by line, and its layers.
+function partsOf(text) {
+  const begin = text.indexOf(">", text.indexOf("<svg")) + 1;
+  const [from, to] = [text.indexOf("<defs>"), text.indexOf("</defs>")];
+  const starts = ["background", "secondary", "primary"].map((key) => [key, text.indexOf(`<g id="${key}"`)]);
+  const layers = {};
+  starts.forEach(([key, start], i) => {
+    let layer = text.slice(start, starts[i + 1]?.[1] ?? text.lastIndexOf("</svg>"));
+    // What ends a group around several layers is not of this one.
+    const count = (mark) => (layer.match(mark) ?? []).length;
+    for (let more = count(/<\/g>/g) - count(/<g[ >]/g); more > 0; more--) {
+      layer = layer.slice(0, layer.lastIndexOf("</g>"));
+    }
+    layers[key] = layer;
+  });
+  return { begin: text.slice(0, begin), definitions: text.slice(from + 6, to).split("\n"), layers };
+}
+
+// One layer as an SVG of its own: with the definitions that it can need, without what is switched off.
+function layerText(pane, layer) {
+  const { begin, definitions, layers } = pane.parts;
+  const own = { background: /^$/, secondary: /^s/, primary: /^t/ }[layer];
+  const needed = definitions.filter((line) => {
+    const texton = line.match(/^<(?:path|symbol|linearGradient) id="([st]\d)/);
+    return !texton || own.test(texton[1]);
+  });
+  let content = layers[layer];
+  let style = "";
+  if (layer === "primary") {
+    const instances = pane.picture === "result" ? group()?.instances ?? {} : {};
+    const gone = [...hidden.categories].map((id) =>
+      instances[id] ? instances[id].map((i) => `#p${i}`).join() : `[data-category="${id}"]`);
+    style = gone.filter(Boolean).map((which) => `${which}{display:none}`).join("");
+    // The first path of a primary is its base, those after it are its details; definitions are paths
+    // beside each other, too.
+    if (hidden.layers.has("details")) style += "path~path{display:none}defs>path,clipPath>path{display:inline}";
+  }
+  const clips = pane.picture === "result" && scene.domain && !(layer === "primary" && scene.domain === "keep");
+  if (clips) content = `<g clip-path="url(#domain)">${content}</g>`;
+  return `${begin}<style>${style}</style><defs>${needed.join("\n")}</defs>${content}</svg>`;
+}
+
+// Shows what a switch has changed: layers are hidden, primaries drawn anew.
+function redraw(key) {
+  for (const pane of panes) {
+    const image = pane.holder.querySelector(`[data-part="${key}"]`);
+    if (image && pane.picture) image.hidden = hidden.layers.has(key);
+    else if (pane.parts) showLayer(pane, "primary").catch(fail);
+  }
+}
+
+function toggle(set, key, button) {
+  if (!set.delete(key)) set.add(key);
+  button.setAttribute("aria-pressed", String(!set.has(key)));
+  redraw(key);
+}
+
+function makeLayers() {
+  hidden.layers.clear();
+  hidden.categories.clear();
+  const box = byId("layers");
+  box.replaceChildren();
+  if (!panes.some((pane) => pane.picture)) return;
+  const layers = LAYERS.map(([key, name]) =>
+    el("button", {
+      type: "button",
+      class: "switch",
+      "data-layer": key,
+      "aria-pressed": "true",
+      onclick: (event) => toggle(hidden.layers, key, event.currentTarget),
+    }, name));
+  box.append(el("div", { class: "row", role: "group", "aria-label": "Layers" },
+    el("span", { class: "rowname" }, "Layers"), ...layers));
+  const categories = group()?.categories ?? [];
+  if (categories.length === 0) return;
+  const buttons = categories.map((category) =>
+    el("button", {
+      type: "button",
+      class: "switch",
+      "data-category": category.id,
+      "aria-pressed": "true",
+      title: `Category ${category.id}, ${category.colour}`,
+      onclick: (event) => toggle(hidden.categories, category.id, event.currentTarget),
+    }, el("i", { class: "dot", style: { background: category.colour } }), String(category.id)));
+  const all = (on) => () => {
+    hidden.categories.clear();
+    if (!on) categories.forEach((category) => hidden.categories.add(category.id));
+    buttons.forEach((button) => button.setAttribute("aria-pressed", String(on)));
+    redraw("categories");
+  };
+  box.append(el("div", { class: "row", role: "group", "aria-label": "Categories" },
+    el("span", { class: "rowname" }, "Categories"), ...buttons,
+    el("button", { type: "button", class: "quiet", onclick: all(true) }, "All"),
+    el("button", { type: "button", class: "quiet", onclick: all(false) }, "None")));
+}
