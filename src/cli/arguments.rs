@@ -5,6 +5,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
+use super::edit_arguments::EditArgs;
 use super::values::{Axes, Bytes, Factors, Name, Seed, Size, WeightsFrom, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -47,6 +48,7 @@ pub(crate) enum Command {
     Analyze(AnalyzeArgs),
     Synth(SynthArgs),
     Warp(WarpArgs),
+    Edit(EditArgs),
     Tune(TuneArgs),
     Render(RenderArgs),
     Inspect(InspectArgs),
@@ -727,6 +729,7 @@ pub(crate) fn command() -> clap::Command {
         command.mut_subcommand(name, |sub| sub.args(args))
     };
     let command = hide(command, "tune", &WORK[1..]);
+    let command = hide(command, "edit", &WORK[1..]);
     let command = hide(command, "render", &WORK);
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());

@@ -4,6 +4,7 @@
 pub(crate) mod arguments;
 pub(crate) mod commands;
 mod config;
+mod edit_arguments;
 mod exit;
 pub(crate) mod failure;
 mod format;

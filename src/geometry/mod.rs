@@ -7,7 +7,9 @@ mod fit;
 mod fitted_map;
 mod outline;
 mod path_text;
+mod region;
 mod refit;
+mod second_moments;
 mod simple;
 mod trace;
 
@@ -16,5 +18,7 @@ pub use fitted_map::FittedMap;
 pub use kurbo::{Affine, BezPath, PathEl, Point, Rect, Vec2};
 pub use outline::{Outline, STEP};
 pub use path_text::{PathText, parse_path, write_path};
+pub use region::Region;
+pub use second_moments::SecondMoments;
 pub use simple::is_simple;
 pub use trace::{Arc, HalfArc, OUTSIDE, PlanarMap, Ring};

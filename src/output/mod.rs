@@ -12,6 +12,7 @@ pub mod pdf;
 pub mod png;
 pub mod raster_svg;
 pub mod reduce;
+mod shadow;
 #[cfg(test)]
 mod seams;
 pub mod svg;

@@ -105,10 +105,9 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
             let which = if i < 2 { many + i } else { (i * 7 + i * i) % many };
             id += 1;
             instances.push(Instance {
-                id,
-                texton: textons.start + which as u32,
                 transform: affine.as_coeffs(),
                 colour: (!turned || i % 11 == 4).then(|| colour([120.0, 130.0, 90.0], 50.0, rng)),
+                ..Instance::new(id, textons.start + which as u32)
             });
         }
         instances
@@ -137,6 +136,7 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
         primary,
         background: Field { spacing: 25.0, fallback: Colour([105, 110, 80]), points },
         domain: None,
+        edits: Vec::new(),
     }
 }
 

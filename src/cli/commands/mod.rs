@@ -3,6 +3,7 @@
 mod analyze;
 mod completions;
 mod doctor;
+mod edit;
 mod inspect;
 mod man;
 mod models;
@@ -25,6 +26,7 @@ pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
         Job::Analyze(analysis, target) => analyze::run(common, &reporter, analysis, target),
         Job::Synth(library, synthesis) => synth::run(common, &reporter, library, synthesis),
         Job::Warp(warping) => warp::run(common, &reporter, warping),
+        Job::Edit(editing) => edit::run(common, &reporter, editing),
         Job::Tune(library, tuning) => tune::run(common, &reporter, library, tuning),
         Job::Render(file, options) => render::run(common, &reporter, file, options),
         Job::Inspect(file) => inspect::run(common, file),
