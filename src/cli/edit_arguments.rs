@@ -47,7 +47,13 @@ pub(crate) struct EditArgs {
 pub(crate) enum Editing {
     /// All operations are explained.
     List,
-    Edit { scene: Input, requests: Vec<Request>, seed: Option<u64>, svg: SvgParameters, target: Target },
+    Edit {
+        scene: Input,
+        requests: Vec<Request>,
+        seed: Option<u64>,
+        svg: SvgParameters,
+        target: Target,
+    },
 }
 
 /// The operations, each checked.

@@ -21,9 +21,13 @@ pub fn palette(bytes: &[u8], name: &str) -> Result<Vec<Colour>> {
             colours.push(colour);
         }
     }
-    let fail = |reason: String, advice| Error::Control { name: name.into(), role: "a palette", reason, advice };
+    let fail =
+        |reason: String, advice| Error::Control { name: name.into(), role: "a palette", reason, advice };
     match colours.len() {
-        0 => Err(fail("it holds no colour".into(), "write colours as #aabbcc, one a line, or give a GIMP palette")),
+        0 => Err(fail(
+            "it holds no colour".into(),
+            "write colours as #aabbcc, one a line, or give a GIMP palette",
+        )),
         1..=MOST => Ok(colours),
         _ => Err(fail(format!("it holds more than {MOST} colours"), "a palette needs few colours, some ten")),
     }

@@ -101,12 +101,19 @@ const AREA: Kind = Kind::Number(0.0, 1e9, "px of area");
 const FAR: Kind = Kind::Number(-1e6, 1e6, "px");
 
 pub(super) static COMMON: [Parameter; 2] = [
-    usual("--layer", Kind::Choice(&["primary", "secondary", "all", "background"]), "all",
-        "which textons: all is primary and secondary; background, for colours only, is the ground"),
+    usual(
+        "--layer",
+        Kind::Choice(&["primary", "secondary", "all", "background"]),
+        "all",
+        "which textons: all is primary and secondary; background, for colours only, is the ground",
+    ),
     // Read by `parse`, never as a file.
-    optional("--where", Kind::File,
+    optional(
+        "--where",
+        Kind::File,
         "only those that fulfil conditions, with commas between: category=3 (or 3|5, or !=3), library=0, \
-         id=17, area>200, elongation>1.5, x<500, y>=20 (with >, <, >= or <=), inside=FILE, outside=FILE"),
+         id=17, area>200, elongation>1.5, x<500, y>=20 (with >, <, >= or <=), inside=FILE, outside=FILE",
+    ),
 ];
 
 /// What every operation takes besides its own parameters.
@@ -125,9 +132,13 @@ pub(super) static ENTRIES: [Entry; 17] = [
         does: "Take textons away: in each layer a share is kept; or the small ones go.",
         parameters: &[
             optional("KEEP", SHARE, "share kept"),
-            usual("--order", Kind::Choice(&["blue-noise", "random", "area"]), "blue-noise",
+            usual(
+                "--order",
+                Kind::Choice(&["blue-noise", "random", "area"]),
+                "blue-noise",
                 "which go first: those with the nearest neighbours, so that what is left stays even; any; \
-                 or the smallest"),
+                 or the smallest",
+            ),
             optional("--min-area", AREA, "smaller textons go, and smaller details of those that stay"),
         ],
         colours: false,
@@ -144,8 +155,11 @@ pub(super) static ENTRIES: [Entry; 17] = [
         name: "orient",
         does: "Turn the longer axis of each texton towards a direction. Round ones stay as they are.",
         parameters: &[
-            needed("DEGREES", Kind::NumberOrFile(-360.0, 360.0, "degrees"),
-                "clockwise from the right: 0 lies, 90 stands; or a grey picture, black 0 to white 180"),
+            needed(
+                "DEGREES",
+                Kind::NumberOrFile(-360.0, 360.0, "degrees"),
+                "clockwise from the right: 0 lies, 90 stands; or a grey picture, black 0 to white 180",
+            ),
             usual("--strength", SHARE, "1", "share of the way"),
         ],
         colours: false,
@@ -168,8 +182,12 @@ pub(super) static ENTRIES: [Entry; 17] = [
         parameters: &[
             needed("--from", Kind::Colour, "colour sought"),
             needed("--to", Kind::Colour, "colour that it becomes"),
-            usual("--reach", Kind::Number(0.01, 2.0, ""), "0.2",
-                "Oklab distance up to which colours are alike; black and white are 1 apart"),
+            usual(
+                "--reach",
+                Kind::Number(0.01, 2.0, ""),
+                "0.2",
+                "Oklab distance up to which colours are alike; black and white are 1 apart",
+            ),
         ],
         colours: true,
         example: "recolor --from #808080 --to #3060a0",
@@ -269,7 +287,11 @@ pub(super) static ENTRIES: [Entry; 17] = [
         name: "mask",
         does: "Keep the textons whose centre lies inside a shape, or outside.",
         parameters: &[
-            needed("SHAPE", Kind::File, "an SVG with one path, fitted to the canvas, or a picture, white inside"),
+            needed(
+                "SHAPE",
+                Kind::File,
+                "an SVG with one path, fitted to the canvas, or a picture, white inside",
+            ),
             usual("--keep", Kind::Choice(&["inside", "outside"]), "inside", "which side"),
         ],
         colours: false,

@@ -8,14 +8,7 @@ use crate::scene::{Gradient, Patch, Scene, Texton};
 use std::collections::BTreeMap;
 
 /// Mixes `amount` of a colour into those of a share of what is selected.
-pub(super) fn tint(
-    scene: &mut Scene,
-    chosen: &Chosen,
-    colour: Colour,
-    amount: f64,
-    share: f64,
-    draw: &Draw,
-) {
+pub(super) fn tint(scene: &mut Scene, chosen: &Chosen, colour: Colour, amount: f64, share: f64, draw: &Draw) {
     let some = |marks: &[bool], id: &dyn Fn(usize) -> u32| -> Vec<bool> {
         let drawn = |i: usize| share >= 1.0 || draw.of("edit/tint", id(i)).chance(share);
         marks.iter().enumerate().map(|(i, chosen)| *chosen && drawn(i)).collect()
@@ -139,7 +132,11 @@ fn moved(lab: [f32; 3], way: [f32; 3], share: f32) -> Colour {
 }
 
 /// Gives all colours of what is selected new ones. `new` gets the texton, none for the background.
-fn recolour(scene: &mut Scene, chosen: &Chosen, new: impl Fn(Option<&Texton>, Colour) -> Colour + Sync + Send) {
+fn recolour(
+    scene: &mut Scene,
+    chosen: &Chosen,
+    new: impl Fn(Option<&Texton>, Colour) -> Colour + Sync + Send,
+) {
     // The instances' own first, as long as they know the textons as they were.
     let own: Vec<Option<Colour>> = super::textons::selected(scene, chosen)
         .map(|i| i.colour.map(|c| new(Some(&scene.textons[i.texton as usize]), c)))
@@ -147,23 +144,24 @@ fn recolour(scene: &mut Scene, chosen: &Chosen, new: impl Fn(Option<&Texton>, Co
     selected_mut(scene, chosen).zip(own).for_each(|(instance, colour)| instance.colour = colour);
     change(scene, chosen, |texton, _| {
         let new = |c: Colour| new(Some(texton), c);
-        let shaded =
-            |g: Option<Gradient>| g.map(|g| Gradient { start: new(g.start), end: new(g.end), ..g });
+        let shaded = |g: Option<Gradient>| g.map(|g| Gradient { start: new(g.start), end: new(g.end), ..g });
         Texton {
             colour: new(texton.colour),
             gradient: shaded(texton.gradient),
             details: (texton.details.iter())
-                .map(|d| Patch { outline: d.outline.clone(), colour: new(d.colour), gradient: shaded(d.gradient) })
+                .map(|d| Patch {
+                    outline: d.outline.clone(),
+                    colour: new(d.colour),
+                    gradient: shaded(d.gradient),
+                })
                 .collect(),
             outline: texton.outline.clone(),
             ..*texton
         }
     });
     let field = &mut scene.background;
-    if field.points.is_empty() || !chosen.background.contains(&false) {
-        if chosen.background.contains(&true) {
-            field.fallback = new(None, field.fallback);
-        }
+    if chosen.background.contains(&true) && !chosen.background.contains(&false) {
+        field.fallback = new(None, field.fallback);
     }
     for (point, _) in field.points.iter_mut().zip(&chosen.background).filter(|(_, chosen)| **chosen) {
         point.colour = new(None, point.colour);

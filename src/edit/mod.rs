@@ -66,11 +66,7 @@ impl Draw {
 /// # Errors
 /// [`Error::Format`] for a scene that breaks its invariants, [`Error::Edit`] for an operation that
 /// leads out of their range.
-pub fn apply(
-    mut scene: Scene,
-    operations: &[Operation],
-    seed: Option<u64>,
-) -> Result<(Scene, Vec<Outcome>)> {
+pub fn apply(mut scene: Scene, operations: &[Operation], seed: Option<u64>) -> Result<(Scene, Vec<Outcome>)> {
     let unsound = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
     scene.validate().map_err(unsound)?;
     let seed = seed.or(scene.parameters.as_ref().map(|p| p.seed)).unwrap_or(0);

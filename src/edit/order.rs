@@ -170,10 +170,12 @@ impl Grid {
     fn neighbours(&self, index: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let [column, row] = self.cell_of(self.points[index]);
         let columns = self.beside(0, column);
-        let cells = self.beside(1, row).into_iter().flat_map(move |row| {
-            columns.clone().into_iter().map(move |column| row * self.size[0] + column)
-        });
-        let others = cells.flat_map(|cell| self.order[self.starts[cell]..self.starts[cell + 1]].iter().copied());
+        let cells = self
+            .beside(1, row)
+            .into_iter()
+            .flat_map(move |row| columns.clone().into_iter().map(move |column| row * self.size[0] + column));
+        let others =
+            cells.flat_map(|cell| self.order[self.starts[cell]..self.starts[cell + 1]].iter().copied());
         others.filter(move |other| *other != index).filter_map(move |other| {
             let distance = self.distance(index, other);
             (distance < self.reach).then(|| {
@@ -203,7 +205,8 @@ mod tests {
 
     fn points(count: usize) -> (Vec<Point>, Vec<u64>) {
         let mut random = stream(1, "test/points", 0);
-        let points = (0..count).map(|_| Point::new(random.range(0.0, 400.0), random.range(0.0, 300.0))).collect();
+        let points =
+            (0..count).map(|_| Point::new(random.range(0.0, 400.0), random.range(0.0, 300.0))).collect();
         (points, (0..count).map(|_| random.bits()).collect())
     }
 

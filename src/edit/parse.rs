@@ -149,7 +149,8 @@ impl Request {
             ));
         }
         let one_of = |names: &[&str], reason: &str| {
-            let missing = self.entry.parameters.iter().zip(&self.values).filter(|(p, _)| names.contains(&p.name));
+            let missing =
+                self.entry.parameters.iter().zip(&self.values).filter(|(p, _)| names.contains(&p.name));
             let none = missing.clone().all(|(_, v)| matches!(v, None | Some(Value::Number(0.0))));
             if none && missing.count() > 0 {
                 return Err(Fault::new(reason, format!("such as: {}", self.entry.example)));
@@ -157,7 +158,9 @@ impl Request {
             Ok(())
         };
         match self.entry.name {
-            "thin" if self.value("KEEP").is_none() => one_of(&["--min-area"], "nothing says how much to keep"),
+            "thin" if self.value("KEEP").is_none() => {
+                one_of(&["--min-area"], "nothing says how much to keep")
+            }
             "jitter" => one_of(&["--move", "--rotate", "--scale"], "nothing says what to change"),
             _ => Ok(()),
         }
@@ -194,8 +197,11 @@ impl Request {
         }
     }
 
-    fn is(&self, name: &str, word: &str) -> bool {
-        matches!(self.value(name), Some(Value::Choice(chosen)) if *chosen == word)
+    fn word(&self, name: &str) -> &str {
+        match self.value(name) {
+            Some(Value::Choice(word)) => word,
+            _ => "",
+        }
     }
 
     /// The operation on a canvas of `width` × `height` pixels; `read` gives the bytes of the files that
@@ -203,11 +209,7 @@ impl Request {
     ///
     /// # Errors
     /// Those of `read`, and of files that do not hold what they are used for.
-    pub fn load(
-        &self,
-        canvas: [u32; 2],
-        mut read: impl FnMut(&str) -> Result<Vec<u8>>,
-    ) -> Result<Operation> {
+    pub fn load(&self, canvas: [u32; 2], mut read: impl FnMut(&str) -> Result<Vec<u8>>) -> Result<Operation> {
         let mut conditions = Vec::with_capacity(self.conditions.len());
         for term in &self.conditions {
             conditions.push(match term {
@@ -225,10 +227,10 @@ impl Request {
         Ok(match self.entry.name {
             "thin" => Action::Thin {
                 keep: self.number("KEEP"),
-                order: match () {
-                    () if self.is("--order", "area") => ThinOrder::Area,
-                    () if self.is("--order", "random") => ThinOrder::Random,
-                    () => ThinOrder::BlueNoise,
+                order: match self.word("--order") {
+                    "area" => ThinOrder::Area,
+                    "random" => ThinOrder::Random,
+                    _ => ThinOrder::BlueNoise,
                 },
                 minimum_area: self.number("--min-area"),
             },
@@ -284,7 +286,7 @@ impl Request {
             "mask" => {
                 let file = self.file("SHAPE");
                 let region = region(&read(file)?, file, canvas)?;
-                Action::Mask { region, inside: self.is("--keep", "inside") }
+                Action::Mask { region, inside: self.word("--keep") == "inside" }
             }
             _ => Action::Delete,
         })
@@ -407,7 +409,10 @@ fn term(text: &str) -> Result<Term, Fault> {
                             elongation>1.5, x<500, y>=20, inside=FILE, outside=FILE, with commas between";
     let wrong = |reason: String| Fault::new(reason, EXPECTED);
     let signs = ["!=", ">=", "<=", "=", ">", "<"];
-    let found = signs.iter().filter_map(|sign| Some((text.find(sign)?, *sign))).min_by_key(|(at, s)| (*at, 2 - s.len()));
+    let found = signs
+        .iter()
+        .filter_map(|sign| Some((text.find(sign)?, *sign)))
+        .min_by_key(|(at, s)| (*at, 2 - s.len()));
     let (at, sign) = found.ok_or_else(|| wrong(format!("'{}' is no condition", crate::error::clip(text))))?;
     let (name, value) = (text[..at].trim(), text[at + sign.len()..].trim());
     let comparison = match sign {

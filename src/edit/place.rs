@@ -1,9 +1,9 @@
 //! Textons moved, turned and scaled, each about its own centre.
 
+use super::Draw;
 use super::operation::Direction;
 use super::selection::{Chosen, place};
 use super::textons::{measured, selected_mut};
-use super::Draw;
 use crate::geometry::Affine;
 use crate::scene::{Instance, Scene};
 
@@ -45,14 +45,7 @@ pub(super) fn rotate(scene: &mut Scene, chosen: &Chosen, angle: f64) {
 
 /// Moves, turns and scales each texton at random: evenly within a disc of radius `distance` pixels,
 /// by at most `angle` degrees and `scale` per cent either way.
-pub(super) fn jitter(
-    scene: &mut Scene,
-    chosen: &Chosen,
-    distance: f64,
-    angle: f64,
-    scale: f64,
-    draw: &Draw,
-) {
+pub(super) fn jitter(scene: &mut Scene, chosen: &Chosen, distance: f64, angle: f64, scale: f64, draw: &Draw) {
     let periods = periods(scene);
     for instance in selected_mut(scene, chosen) {
         let mut random = draw.of("edit/jitter", instance.id);

@@ -36,9 +36,7 @@ impl Stencil {
         let step = 1.0 / (SPAN * SIDE as f64);
         let at = |k: usize| (k as f64 + 0.5 - SIDE as f64 / 2.0) * step;
         let rows = std::array::from_fn(|y| {
-            (0..SIDE).fold(0, |row, x| {
-                row | u32::from(region.contains(back * Point::new(at(x), at(y)))) << x
-            })
+            (0..SIDE).fold(0, |row, x| row | u32::from(region.contains(back * Point::new(at(x), at(y)))) << x)
         });
         Self { rows }
     }
@@ -164,9 +162,8 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) {
         let mut concerned: Vec<u32> = selected(scene, &chosen).map(|i| i.texton).collect();
         concerned.sort_unstable();
         concerned.dedup();
-        let best = parallel::map(&concerned, |&t| {
-            index.best(&scene.textons[t as usize], &moments[t as usize])
-        });
+        let best =
+            parallel::map(&concerned, |&t| index.best(&scene.textons[t as usize], &moments[t as usize]));
         let best: BTreeMap<u32, Option<(usize, bool)>> = concerned.into_iter().zip(best).collect();
         let mut numbers: BTreeMap<usize, u32> = BTreeMap::new();
         let mut textons = Vec::new();

@@ -34,7 +34,11 @@ pub(super) fn selected_mut<'a>(
 
 /// Changes the textons of the selected instances. `change` gets a texton and the largest size at
 /// which a selected instance shows it; instances that are not selected keep the texton as it was.
-pub(super) fn change(scene: &mut Scene, chosen: &Chosen, change: impl Fn(&Texton, f64) -> Texton + Sync + Send) {
+pub(super) fn change(
+    scene: &mut Scene,
+    chosen: &Chosen,
+    change: impl Fn(&Texton, f64) -> Texton + Sync + Send,
+) {
     let count = scene.textons.len();
     let mut largest = vec![None::<f64>; count];
     for instance in selected(scene, chosen) {

@@ -56,8 +56,7 @@ pub(super) fn thin(
         let marked = |instances: &[Instance], chosen: &[bool]| -> Vec<bool> {
             instances.iter().zip(chosen).map(|(i, chosen)| !chosen || large(i)).collect()
         };
-        let stays =
-            [marked(&scene.secondary, &chosen.secondary), marked(&scene.primary, &chosen.primary)];
+        let stays = [marked(&scene.secondary, &chosen.secondary), marked(&scene.primary, &chosen.primary)];
         for ((marks, stays), layer) in
             marks.iter_mut().zip(&stays).zip([&mut scene.secondary, &mut scene.primary])
         {

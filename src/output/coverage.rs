@@ -124,8 +124,10 @@ mod tests {
 
     #[test]
     fn what_is_on_top_and_inside_counts() {
-        let place =
-            |id, texton, x, y| Instance { transform: [1.0, 0.0, 0.0, 1.0, x, y], ..Instance::new(id, texton) };
+        let place = |id, texton, x, y| Instance {
+            transform: [1.0, 0.0, 0.0, 1.0, x, y],
+            ..Instance::new(id, texton)
+        };
         let scene = Scene {
             format: Scene::FORMAT.into(),
             version: Scene::VERSION,

@@ -12,9 +12,9 @@ pub mod pdf;
 pub mod png;
 pub mod raster_svg;
 pub mod reduce;
-mod shadow;
 #[cfg(test)]
 mod seams;
+mod shadow;
 pub mod svg;
 #[cfg(test)]
 mod testing;

@@ -29,7 +29,7 @@ pub(super) struct Layer {
 }
 
 /// Texton, blur and opacity.
-type Key = (u32, u64, u64);
+pub(super) type Key = (u32, u64, u64);
 
 /// What a shadow looks like before it is put in its place.
 pub(super) fn key(instance: &Instance, shadow: &Shadow) -> Key {
@@ -81,17 +81,28 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<Layer> {
     };
     let count = (libm::round(blur / 2.0) as u32 + 2).min(6);
     let level = |k: u32| (f64::from(k) - 0.5) / f64::from(count);
-    let labels: Vec<u32> =
-        strength.values.iter().map(|v| (libm::floor(f64::from(*v) * f64::from(count) + 0.5)) as u32).collect();
+    let labels: Vec<u32> = strength
+        .values
+        .iter()
+        .map(|v| (libm::floor(f64::from(*v) * f64::from(count) + 0.5)) as u32)
+        .collect();
     let map = PlanarMap::trace(size[0] as u32, size[1] as u32, &labels);
-    let fitted = FittedMap::with_edges(map, TOLERANCE, count as usize, count as usize, |l| l, |p, n, a, b| {
-        strength.distance(p, n, level(a.min(b) + 1).midpoint(level(a.max(b))))
-    });
+    let fitted = FittedMap::with_edges(
+        map,
+        TOLERANCE,
+        count as usize,
+        count as usize,
+        |l| l,
+        |p, n, a, b| strength.distance(p, n, level(a.min(b) + 1).midpoint(level(a.max(b)))),
+    );
     let back = Affine::translate(origin.to_vec2()) * Affine::scale(pixel);
     let mut before = 0.0;
     let mut layers = Vec::new();
     for k in 1..=count {
-        let Some(traced) = fitted.outlines(1, |l| u32::from(l != crate::geometry::OUTSIDE && l >= k)).pop() else { continue };
+        let Some(traced) = fitted.outlines(1, |l| u32::from(l != crate::geometry::OUTSIDE && l >= k)).pop()
+        else {
+            continue;
+        };
         // What all up to this one darken together.
         let together = opacity * f64::from(k) / f64::from(count);
         let alone = 1.0 - (1.0 - together) / (1.0 - before);
@@ -111,7 +122,13 @@ struct Strength {
 }
 
 impl Strength {
-    fn new(outline: &Outline, [width, height]: [usize; 2], origin: Point, pixel: f64, deviation: f64) -> Option<Self> {
+    fn new(
+        outline: &Outline,
+        [width, height]: [usize; 2],
+        origin: Point,
+        pixel: f64,
+        deviation: f64,
+    ) -> Option<Self> {
         let path = path_of(outline)?;
         let mut mask = Mask::new(width as u32, height as u32)?;
         let scale = (1.0 / pixel) as f32;

@@ -4,7 +4,8 @@ use crate::geometry::{Affine, BezPath, Outline, Point};
 use crate::raster::colour::Colour;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::{
-    ControlPoint, Field, Gradient, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile,
+    ControlPoint, Field, Gradient, Instance, LibraryRef, Patch, Scene, Shadow, Stroke, SynthParams, Texton,
+    Tile,
 };
 
 /// A closed smooth ring around a centre, bumpy by `rough`; clockwise, or the other way for holes.
@@ -188,6 +189,23 @@ pub(super) fn moved(mut scene: Scene, dx: f64, dy: f64) -> Scene {
     if let Some(domain) = &mut scene.domain {
         let path = Affine::translate((dx, dy)) * domain.outline.path();
         domain.outline = Outline::new(&path).unwrap();
+    }
+    scene
+}
+
+/// The scene with shadows under its primaries and some of its secondaries, and lines along some of both.
+pub(super) fn dressed(mut scene: Scene) -> Scene {
+    let all =
+        scene.primary.iter_mut().map(|i| (i, true)).chain(scene.secondary.iter_mut().map(|i| (i, false)));
+    for (k, (instance, primary)) in all.enumerate() {
+        if primary || k % 3 == 0 {
+            let blur = if k % 5 == 0 { 0.0 } else { 4.0 };
+            instance.shadow = Some(Shadow { offset: [3.5, 5.25], opacity: 0.45, blur });
+        }
+        if k % 4 == 1 {
+            let colour = Colour([250, 240, 210]);
+            instance.stroke = Some(Stroke { width: if primary { 2.5 } else { 1.0 }, colour });
+        }
     }
     scene
 }

@@ -49,7 +49,8 @@ fn edit_scene(
     drop(bytes);
     let canvas = [scene.width, scene.height];
     let read = |name: &str| Input::File(PathBuf::from(name)).read();
-    let operations = requests.iter().map(|r| r.load(canvas, read)).collect::<vtex::Result<Vec<Operation>>>()?;
+    let operations =
+        requests.iter().map(|r| r.load(canvas, read)).collect::<vtex::Result<Vec<Operation>>>()?;
     reporter.stage("editing")?;
     let (scene, outcomes) = edit::apply(scene, &operations, seed)?;
     for outcome in outcomes.iter().filter(|o| o.matched == 0) {
