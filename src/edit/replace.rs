@@ -7,20 +7,22 @@
 
 use super::selection::Chosen;
 use super::textons::{measured, selected, selected_mut};
-use crate::geometry::{Affine, Outline, Point, Region, SecondMoments};
+use crate::geometry::{Affine, Outline, PathEl, Point, SecondMoments};
 use crate::library::Library;
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::field::Interpolant;
 use crate::scene::{Instance, LibraryRef, Scene, Texton};
 use crate::synth::{primary_texton, reference, secondary_texton};
+use kurbo::flatten;
 use std::collections::BTreeMap;
 
 /// How many candidates are laid over a texton.
 const CANDIDATES: usize = 16;
 /// Side of the raster on which overlap is counted.
 const SIDE: usize = 32;
-/// What part of the raster's side a square of the shape's area has.
+/// What part of the raster's side a square of the shape's area has; the ends of what is more than six
+/// times as long as broad stick out and do not count.
 const SPAN: f64 = 0.4;
 
 /// A shape brought to the origin, unit area and the longer axis along x, on a raster of bits.
@@ -30,13 +32,32 @@ struct Stencil {
 }
 
 impl Stencil {
+    /// Both fill rules fill an outline alike, so a pixel is inside if an odd number of edges lies to
+    /// its left.
     fn new(outline: &Outline, moments: &SecondMoments) -> Self {
-        let region = Region::new(outline);
-        let back = standing(moments);
-        let step = 1.0 / (SPAN * SIDE as f64);
-        let at = |k: usize| (k as f64 + 0.5 - SIDE as f64 / 2.0) * step;
-        let rows = std::array::from_fn(|y| {
-            (0..SIDE).fold(0, |row, x| row | u32::from(region.contains(back * Point::new(at(x), at(y)))) << x)
+        let middle = SIDE as f64 / 2.0;
+        let onto = Affine::translate((middle, middle)) * Affine::scale(SPAN * SIDE as f64);
+        let path = onto * standing(moments).inverse() * outline.path();
+        let mut rows = [0u32; SIDE];
+        let mut edge = |a: Point, b: Point| {
+            let (top, bottom) = (a.y.min(b.y), a.y.max(b.y));
+            let row = |y: f64| libm::ceil(y - 0.5).clamp(0.0, SIDE as f64) as usize;
+            for (y, bits) in rows.iter_mut().enumerate().take(row(bottom)).skip(row(top)) {
+                let x = a.x + (b.x - a.x) * (y as f64 + 0.5 - a.y) / (b.y - a.y);
+                *bits ^= u32::MAX.checked_shl(row(x) as u32).unwrap_or(0);
+            }
+        };
+        let (mut start, mut at) = (Point::ORIGIN, Point::ORIGIN);
+        flatten(path, 0.1, |element| match element {
+            PathEl::MoveTo(p) => (start, at) = (p, p),
+            PathEl::LineTo(p) => {
+                edge(at, p);
+                at = p;
+            }
+            _ => {
+                edge(at, start);
+                at = start;
+            }
         });
         Self { rows }
     }
@@ -172,15 +193,15 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) {
             let old = instance.texton;
             let Some((candidate, turned)) = best.get(&old).copied().flatten() else { continue };
             let new = &index.0[candidate];
-            let there = moments[old as usize].moved(instance.affine());
-            take_place(instance, new, &there, turned);
+            let at = instance.affine() * moments[old as usize].centroid;
+            take_place(instance, new, &moments[old as usize], turned);
             instance.texton = *numbers.entry(candidate).or_insert_with(|| {
                 textons.push(new.texton.clone());
                 first + textons.len() as u32 - 1
             });
             if new.texton.category.is_none() {
                 let secondary = &library.secondaries.textons[new.texton.source as usize];
-                let ground = field.at(there.centroid.x, there.centroid.y);
+                let ground = field.at(at.x, at.y);
                 let colour = std::array::from_fn(|k| ground[k] + f64::from(secondary.difference[k]));
                 instance.colour = Some(Colour::from_f64(colour));
             } else {
@@ -191,17 +212,18 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) {
     }
 }
 
-/// Brings a candidate to where a shape stands.
-fn take_place(instance: &mut Instance, new: &Candidate, there: &SecondMoments, turned: bool) {
+/// Brings a candidate to where an instance stands, given the moments of the instance's texton.
+fn take_place(instance: &mut Instance, new: &Candidate, own: &SecondMoments, turned: bool) {
+    let there = own.moved(instance.affine());
     let half = if turned { -1.0 } else { 1.0 };
     // The shape's own axis may point either way once it is moved; the texton's says which.
     let affine = instance.affine();
     let [a, b, c, d, ..] = affine.as_coeffs();
-    let old = there.moved(affine.inverse()).angle();
+    let old = own.angle();
     let axis = [a * libm::cos(old) + c * libm::sin(old), b * libm::cos(old) + d * libm::sin(old)];
     let along = libm::cos(there.angle()) * axis[0] + libm::sin(there.angle()) * axis[1];
     let sign = if along < 0.0 { -half } else { half };
-    let map = standing(there) * Affine::scale(sign) * standing(&new.moments).inverse();
+    let map = standing(&there) * Affine::scale(sign) * standing(&new.moments).inverse();
     let [a, b, c, d, e, f] = map.as_coeffs();
     let [a, b, c, d] = [a, b, c, d].map(|v| libm::round(v * 1e5) / 1e5);
     instance.transform = [a, b, c, d, libm::round(e * 100.0) / 100.0, libm::round(f * 100.0) / 100.0];

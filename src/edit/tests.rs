@@ -173,7 +173,7 @@ fn conditions_and_layers_select() {
     assert_eq!([matched("--layer primary"), matched("--layer secondary")], [60, 240]);
     assert_eq!([matched("--where category=3"), matched("--where 'category=3|7'")], [40, 60]);
     assert_eq!(matched("--where category!=3"), 260);
-    assert_eq!([matched("--where area>100"), matched("--where area<=6")], [60, 240]);
+    assert_eq!([matched("--where area>100"), matched("--where area<=7")], [60, 240]);
     assert_eq!(matched("--where elongation>=3"), 60);
     assert_eq!([matched("--where 'id=7, category=3'"), matched("--where id=70,category=3")], [1, 0]);
     assert_eq!(matched("--where library=0") - matched("--where library=1"), 300);
@@ -383,4 +383,15 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
     }
     let used = after.textons.iter().filter(|t| t.library == 1);
     assert!(used.count() >= 1);
+}
+
+proptest::proptest! {
+    #[test]
+    fn any_text_is_an_operation_or_a_fault(text in "\\PC*|(tint|thin|move|jitter) [a-z0-9#.=<>|,' -]{0,60}") {
+        if let Ok(request) = Request::parse(&text) {
+            // What was understood once is understood again, and loading it ends.
+            proptest::prop_assert_eq!(Request::parse(text.trim()).unwrap(), request.clone());
+            let _ = request.load([400, 300], file);
+        }
+    }
 }

@@ -237,7 +237,7 @@ fn a_shadow_falls_on_what_lies_below_and_on_nothing_above() {
     let plain = render(&scene, 1.0).unwrap();
     scene.primary[1].shadow = Some(crate::scene::Shadow { offset: [30.0, 0.0], opacity: 0.5, blur: 6.0 });
     let right = render(&scene, 1.0).unwrap();
-    scene.primary[1].shadow = Some(crate::scene::Shadow { offset: [-30.0, 0.0], opacity: 0.5, blur: 6.0 });
+    scene.primary[1].shadow = Some(crate::scene::Shadow { offset: [-35.0, 0.0], opacity: 0.5, blur: 6.0 });
     let left = render(&scene, 1.0).unwrap();
     let (first, second, third) = ((55, 60), (95, 60), (133, 60));
     assert_eq!(laid(&right, third.0, third.1), laid(&plain, third.0, third.1));
