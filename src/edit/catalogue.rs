@@ -195,7 +195,7 @@ pub(super) static ENTRIES: [Entry; 17] = [
     Entry {
         name: "palette",
         does: "Give the categories, from dark to light, the colours of a palette, from dark to light; shading \
-               within them stays. What has no category follows the categories that it is like.",
+               within them stays. What has no category gets the colour that stands at its lightness.",
         parameters: &[needed("FILE", Kind::File, "#rrggbb in any text, or a GIMP palette")],
         colours: true,
         example: "palette autumn.gpl",

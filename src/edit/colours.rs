@@ -43,20 +43,40 @@ pub(super) fn palette(scene: &mut Scene, chosen: &Chosen, colours: &[Colour]) {
     wanted.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let (count, new) = (ranked.len(), wanted.len());
     // Where there are more colours than categories, those in the middle of their share.
-    let moves: Vec<(Key, [f32; 3], [f32; 3])> = (ranked.into_iter().enumerate())
-        .map(|(rank, (key, mean))| {
-            let to = wanted[(2 * rank + 1) * new / (2 * count)];
-            (key, mean, std::array::from_fn(|i| to[i] - mean[i]))
-        })
+    let chosen_colour = |rank: usize| wanted[(2 * rank + 1) * new / (2 * count)];
+    let known: BTreeMap<Key, [f32; 3]> = (ranked.iter().enumerate())
+        .map(|(rank, (key, mean))| (*key, std::array::from_fn(|i| chosen_colour(rank)[i] - mean[i])))
         .collect();
-    let known: BTreeMap<Key, [f32; 3]> = moves.iter().map(|(key, _, way)| (*key, *way)).collect();
+    let tones: Vec<(f32, [f32; 3])> =
+        ranked.iter().enumerate().map(|(rank, (_, mean))| (mean[0], chosen_colour(rank))).collect();
+    let tones = joined(&tones);
     recolour(scene, chosen, |texton, colour| {
         let lab = colour.to_oklab();
         match texton.and_then(key_of).and_then(|key| known.get(&key)) {
             Some(way) => moved(lab, *way, 1.0),
-            None => moved(lab, blended(&moves, lab), 1.0),
+            None => Colour::from_oklab(toned(&tones, lab)),
         }
     });
+}
+
+/// One tone for each run of the same colour, at the mean lightness of the run.
+fn joined(tones: &[(f32, [f32; 3])]) -> Vec<(f32, [f32; 3])> {
+    let runs = tones.chunk_by(|a, b| a.1 == b.1);
+    runs.map(|run| (run.iter().map(|t| t.0).sum::<f32>() / run.len() as f32, run[0].1)).collect()
+}
+
+/// The colour that stands at the lightness of another, between those of rising tones.
+fn toned(tones: &[(f32, [f32; 3])], lab: [f32; 3]) -> [f32; 3] {
+    let above = tones.partition_point(|t| t.0 <= lab[0]);
+    match (above.checked_sub(1).map(|i| tones[i]), tones.get(above)) {
+        (Some((low, a)), Some(&(high, b))) => {
+            let share = (lab[0] - low) / (high - low).max(1e-6);
+            std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
+        }
+        // Beyond the ends only lightness goes on.
+        (Some((tone, [l, a, b])), None) | (None, Some(&(tone, [l, a, b]))) => [l + lab[0] - tone, a, b],
+        (None, None) => lab,
+    }
 }
 
 /// Library and category.
@@ -108,18 +128,6 @@ pub(super) fn mean(texton: &Texton) -> Colour {
     add(texton.colour, texton.gradient.as_ref(), base);
     let all = covered + base;
     if all > 0.0 { Colour::from_oklab(sum.map(|v| (v / all) as f32)) } else { texton.colour }
-}
-
-/// How a colour moves that belongs to no category: as those categories that it is like.
-fn blended(moves: &[(Key, [f32; 3], [f32; 3])], lab: [f32; 3]) -> [f32; 3] {
-    let (mut sum, mut total) = ([0.0; 3], 0.0);
-    for (_, mean, way) in moves {
-        let far = distance(lab, *mean);
-        let weight = 1.0 / (far * far + 1e-3);
-        (0..3).for_each(|i| sum[i] += weight * way[i]);
-        total += weight;
-    }
-    if total > 0.0 { sum.map(|v| v / total) } else { sum }
 }
 
 fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {

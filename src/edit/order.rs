@@ -60,26 +60,26 @@ fn eliminated(
     left: Vec<usize>,
     goal: usize,
 ) -> Vec<usize> {
-    let grid = Grid::new(points, periods, &left, goal);
-    let mut weights: Vec<f64> = (0..left.len()).map(|i| grid.neighbours(i).map(|(_, w)| w).sum()).collect();
+    let (starts, near) = Grid::new(points, periods, &left, goal).neighbours();
+    let of = |i: usize| &near[starts[i]..starts[i + 1]];
+    let mut weights: Vec<f64> = (0..left.len()).map(|i| of(i).iter().map(|(_, w)| w).sum()).collect();
     let entry = |index: usize, weight: f64| Crowded { weight, tie: ties[left[index]], index };
     let mut heap: BinaryHeap<Crowded> = weights.iter().enumerate().map(|(i, w)| entry(i, *w)).collect();
     let mut gone = vec![false; left.len()];
     let mut rest = left.len();
     while rest > goal {
         let Some(Crowded { weight, index, .. }) = heap.pop() else { break };
-        // A point is listed again whenever its weight falls; only the last entry is true.
-        if gone[index] || weight != weights[index] {
+        if gone[index] {
+            continue;
+        }
+        // Weights only fall, so an entry that is out of date stands too high and is put back.
+        if weight != weights[index] {
+            heap.push(entry(index, weights[index]));
             continue;
         }
         gone[index] = true;
         rest -= 1;
-        for (other, w) in grid.neighbours(index) {
-            if !gone[other] {
-                weights[other] -= w;
-                heap.push(entry(other, weights[other]));
-            }
-        }
+        of(index).iter().for_each(|&(other, w)| weights[other as usize] -= w);
     }
     left.iter().zip(gone).filter(|(_, gone)| !gone).map(|(i, _)| *i).collect()
 }
@@ -166,24 +166,37 @@ impl Grid {
         cells
     }
 
-    /// The other points that crowd a point, and how much.
-    fn neighbours(&self, index: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let [column, row] = self.cell_of(self.points[index]);
-        let columns = self.beside(0, column);
-        let cells = self
-            .beside(1, row)
-            .into_iter()
-            .flat_map(move |row| columns.clone().into_iter().map(move |column| row * self.size[0] + column));
-        let others =
-            cells.flat_map(|cell| self.order[self.starts[cell]..self.starts[cell + 1]].iter().copied());
-        others.filter(move |other| *other != index).filter_map(move |other| {
-            let distance = self.distance(index, other);
-            (distance < self.reach).then(|| {
-                let near = 1.0 - distance / self.reach;
-                let square = near * near;
-                let fourth = square * square;
-                (other, fourth * fourth)
-            })
+    /// The other points that crowd each point, and how much: those of point i stand at `starts[i]`
+    /// up to `starts[i + 1]`.
+    fn neighbours(&self) -> (Vec<usize>, Vec<(u32, f64)>) {
+        let beside = |axis: usize| -> Vec<Vec<usize>> {
+            (0..self.size[axis]).map(|at| self.beside(axis, at)).collect()
+        };
+        let (columns, rows) = (beside(0), beside(1));
+        let (mut starts, mut near) = (vec![0], Vec::new());
+        for index in 0..self.points.len() {
+            let [column, row] = self.cell_of(self.points[index]);
+            for row in &rows[row] {
+                for cell in columns[column].iter().map(|column| row * self.size[0] + column) {
+                    let others = self.order[self.starts[cell]..self.starts[cell + 1]].iter();
+                    near.extend(
+                        others.filter_map(|&other| Some((other as u32, self.crowding(index, other)?))),
+                    );
+                }
+            }
+            starts.push(near.len());
+        }
+        (starts, near)
+    }
+
+    /// How much one point crowds another; nothing if it is the same or far away.
+    fn crowding(&self, index: usize, other: usize) -> Option<f64> {
+        let distance = self.distance(index, other);
+        (index != other && distance < self.reach).then(|| {
+            let near = 1.0 - distance / self.reach;
+            let square = near * near;
+            let fourth = square * square;
+            fourth * fourth
         })
     }
 

@@ -39,7 +39,7 @@ impl Stencil {
         let onto = Affine::translate((middle, middle)) * Affine::scale(SPAN * SIDE as f64);
         let path = onto * standing(moments).inverse() * outline.path();
         let mut rows = [0u32; SIDE];
-        let mut edge = |a: Point, b: Point| {
+        let edge = |a: Point, b: Point| {
             let (top, bottom) = (a.y.min(b.y), a.y.max(b.y));
             let row = |y: f64| libm::ceil(y - 0.5).clamp(0.0, SIDE as f64) as usize;
             for (y, bits) in rows.iter_mut().enumerate().take(row(bottom)).skip(row(top)) {
@@ -47,18 +47,7 @@ impl Stencil {
                 *bits ^= u32::MAX.checked_shl(row(x) as u32).unwrap_or(0);
             }
         };
-        let (mut start, mut at) = (Point::ORIGIN, Point::ORIGIN);
-        flatten(path, 0.1, |element| match element {
-            PathEl::MoveTo(p) => (start, at) = (p, p),
-            PathEl::LineTo(p) => {
-                edge(at, p);
-                at = p;
-            }
-            _ => {
-                edge(at, start);
-                at = start;
-            }
-        });
+        edges(path, edge);
         Self { rows }
     }
 
@@ -95,7 +84,26 @@ struct Candidate {
 /// What shapes are compared by first: logarithms of elongation and area, the latter of less weight
 /// because size is adapted, and compactness.
 fn key(outline: &Outline, moments: &SecondMoments) -> [f64; 3] {
-    [libm::log(moments.elongation()), 0.15 * libm::log(moments.area), outline.compactness()]
+    let mut perimeter = 0.0;
+    edges(outline.path().iter(), |a, b| perimeter += a.distance(b));
+    let compactness = 4.0 * std::f64::consts::PI * moments.area / (perimeter * perimeter).max(1e-9);
+    [libm::log(moments.elongation()), 0.15 * libm::log(moments.area), compactness]
+}
+
+/// The edges of the polygon that a path nearly is.
+fn edges(path: impl IntoIterator<Item = PathEl>, mut edge: impl FnMut(Point, Point)) {
+    let (mut start, mut at) = (Point::ORIGIN, Point::ORIGIN);
+    flatten(path, 0.1, |element| match element {
+        PathEl::MoveTo(p) => (start, at) = (p, p),
+        PathEl::LineTo(p) => {
+            edge(at, p);
+            at = p;
+        }
+        _ => {
+            edge(at, start);
+            at = start;
+        }
+    });
 }
 
 /// Candidates by rising elongation.
