@@ -85,7 +85,7 @@ struct Candidate {
 /// because size is adapted, and compactness.
 fn key(outline: &Outline, moments: &SecondMoments) -> [f64; 3] {
     let mut perimeter = 0.0;
-    edges(outline.path().iter(), |a, b| perimeter += a.distance(b));
+    edges(outline.path().iter(), |a, b| perimeter += libm::sqrt((b - a).hypot2()));
     let compactness = 4.0 * std::f64::consts::PI * moments.area / (perimeter * perimeter).max(1e-9);
     [libm::log(moments.elongation()), 0.15 * libm::log(moments.area), compactness]
 }
