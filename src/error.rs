@@ -131,6 +131,16 @@ pub enum Error {
         /// What to try, as of [`Error::hint`].
         advice: &'static str,
     },
+    /// An operation on a scene cannot be understood or done.
+    #[error("cannot do '{operation}': {reason}")]
+    Edit {
+        /// The operation as it was written.
+        operation: String,
+        /// What is wrong with it.
+        reason: String,
+        /// What to try, as of [`Error::hint`].
+        advice: String,
+    },
     /// Nothing that can be given up makes a file small enough.
     #[error("no SVG of the scene fits in {most} bytes: the smallest has {smallest}")]
     MaxBytes {
@@ -197,6 +207,7 @@ impl Error {
             Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
             Self::Control { advice, .. } => (*advice).into(),
             Self::Network { advice, .. } if !advice.is_empty() => (*advice).into(),
+            Self::Edit { advice, .. } if !advice.is_empty() => advice.clone(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
             Self::Seams => "make the texture with --tile, for both axes".into(),
             Self::MaxBytes { smallest, .. } => {
@@ -219,5 +230,10 @@ pub(crate) fn check(
 
 /// The first characters of a hostile string, for an error message.
 pub(crate) fn clip(text: &str) -> String {
-    text.chars().take(24).collect()
+    clip_to(text, 24)
+}
+
+/// As [`clip`], with a number of characters.
+pub(crate) fn clip_to(text: &str, characters: usize) -> String {
+    text.chars().take(characters).collect()
 }

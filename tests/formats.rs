@@ -9,7 +9,8 @@ use std::sync::OnceLock;
 use tiny_skia::Pixmap;
 use vtex::output::svg::SvgOptions;
 use vtex::output::{file, pdf, png, raster_svg, reduce, svg};
-use vtex::scene::{Domain, Edge, Instance, Scene, SynthParams, Texton, Tile};
+use vtex::raster::colour::Colour;
+use vtex::scene::{Domain, Edge, Instance, Scene, Shadow, Stroke, SynthParams, Texton, Tile};
 use vtex::synth::synthesize;
 
 const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true };
@@ -91,9 +92,20 @@ fn by_poppler(scene: &Scene, resolution: u32) -> Option<Rgb> {
     Some(Rgb { width: picture.width() as usize, data: picture.into_raw() })
 }
 
+/// The scene with soft shadows and lines.
+fn dressed() -> Scene {
+    let mut scene = scene().clone();
+    let shadow = Shadow { offset: [3.0, 4.5], opacity: 0.5, blur: 4.0 };
+    scene.primary.iter_mut().for_each(|i| i.shadow = Some(shadow));
+    let stroke = Stroke { width: 1.5, colour: Colour([250, 240, 200]) };
+    scene.primary.iter_mut().step_by(3).for_each(|i| i.stroke = Some(stroke));
+    scene.secondary.iter_mut().step_by(4).for_each(|i| i.shadow = Some(Shadow { blur: 1.5, ..shadow }));
+    scene
+}
+
 #[test]
 fn all_formats_agree() {
-    for scene in [scene(), &shaped(Edge::Clip), &shaped(Edge::Keep)] {
+    for scene in [scene(), &shaped(Edge::Clip), &shaped(Edge::Keep), &dressed()] {
         let picture = on_white(&png::render(scene, 1.0).unwrap());
         let drawn = |bytes: &[u8]| on_white(&raster_svg::render_svg(bytes, 1.0, "test").unwrap());
         let plain = svg_of(scene, &SvgOptions::default());

@@ -6,6 +6,7 @@
 //! these with the parameter structs.
 
 use super::batch_arguments::BatchArgs;
+use super::edit_arguments::EditArgs;
 use super::metrics_arguments::MetricsArgs;
 use super::values::{Axes, Bytes, Factors, Name, Seed, Size, WeightsFrom, named};
 use clap::builder::styling::{AnsiColor, Styles};
@@ -50,6 +51,7 @@ pub(crate) enum Command {
     Synth(SynthArgs),
     Batch(Box<BatchArgs>),
     Warp(WarpArgs),
+    Edit(EditArgs),
     Tune(TuneArgs),
     Render(RenderArgs),
     Inspect(InspectArgs),
@@ -743,6 +745,7 @@ pub(crate) fn command() -> clap::Command {
         command.mut_subcommand(name, |sub| sub.args(args))
     };
     let command = hide(command, "tune", &WORK[1..]);
+    let command = hide(command, "edit", &WORK[1..]);
     let command = hide(command, "render", &WORK);
     let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS].concat());

@@ -48,7 +48,7 @@ pub(crate) fn show_usage(error: &clap::Error) -> Exit {
 pub(crate) fn explain(error: &anyhow::Error) -> (String, Option<String>, Exit) {
     match error.downcast_ref::<Error>() {
         Some(e @ Error::Interrupted) => (e.to_string(), e.hint(), Exit::Interrupted),
-        Some(e @ Error::Parameter { .. }) => (e.to_string(), e.hint(), Exit::Usage),
+        Some(e @ (Error::Parameter { .. } | Error::Edit { .. })) => (e.to_string(), e.hint(), Exit::Usage),
         Some(e) => (e.to_string(), e.hint(), Exit::Failed),
         None => match error.downcast_ref::<Failure>() {
             Some(f) => (f.message.clone(), f.hint.clone(), f.exit),

@@ -6,6 +6,7 @@ mod batch;
 mod batch_arguments;
 pub(crate) mod commands;
 mod config;
+mod edit_arguments;
 mod exit;
 pub(crate) mod failure;
 mod format;

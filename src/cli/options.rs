@@ -7,6 +7,7 @@ use super::arguments::{
 };
 use super::batch::{Batch, Source};
 use super::config::{Given, Layer, Parameters, RenderParameters, SvgParameters, Top};
+use super::edit_arguments::{self, EditArgs, Editing};
 use super::failure::Failure;
 use super::format::{self, default_name, weights_path};
 use super::input::Input;
@@ -53,6 +54,7 @@ pub(crate) enum Job {
     Synth(Vec<Input>, Synthesis),
     Batch(Batch),
     Warp(Warping),
+    Edit(Editing),
     Tune(Input, Tuning),
     Render(Input, RenderOptions),
     Metrics(MetricsArgs),
@@ -198,6 +200,7 @@ impl Options {
                 given.add("svg", &a.svg);
             }
             Some(Command::Warp(a)) => given.add("svg", &a.svg),
+            Some(Command::Edit(a)) => given.add("svg", &a.svg),
             Some(
                 Command::Tune(_)
                 | Command::Inspect(_)
@@ -299,6 +302,7 @@ impl Job {
                 let parameters = WarpParams { seed: given_seed.map(|s| s.0), edge: a.edge };
                 Self::Warp(Warping::new(a, parameters, svg)?)
             }
+            Command::Edit(a) => Self::Edit(editing(a, given_seed, svg)?),
             Command::Tune(mut a) => {
                 let library = required(a.library.take())?;
                 read_weights(weights, &library, &mut synth)?;
@@ -357,6 +361,19 @@ impl Warping {
         check_files(&read, &[("-o", output.as_deref())])?;
         Ok(Self { scene, libraries, how, parameters, svg, target })
     }
+}
+
+/// What is done to a scene.
+fn editing(a: EditArgs, seed: Option<Seed>, svg: SvgParameters) -> anyhow::Result<Editing> {
+    if a.list {
+        return Ok(Editing::List);
+    }
+    let scene = required(a.scene)?;
+    let requests = edit_arguments::requests(&a.op)?;
+    let output = a.output.clone();
+    let target = target(a.output, &a.force, &scene, format::OF_SCENE, Format::Svg)?;
+    check_files(&[("the scene", &scene)], &[("-o", output.as_deref())])?;
+    Ok(Editing::Edit { scene, requests, seed: seed.map(|s| s.0), svg, target })
 }
 
 impl Synthesis {

@@ -26,6 +26,15 @@ pub fn density(bytes: &[u8], name: &str) -> Result<ControlMap> {
     picture::map(grey.width(), grey.height(), value).ok_or_else(|| empty(name, "a density map"))
 }
 
+/// A share from 0, black, to 1, white, linear in the grey value; what is transparent is 0.
+///
+/// # Errors
+/// [`Error::Decode`], [`Error::TooLarge`].
+pub fn level(bytes: &[u8], name: &str) -> Result<ControlMap> {
+    let grey = picture::grey(&picture::read(bytes, name)?);
+    picture::map(grey.width(), grey.height(), share_of(&grey)).ok_or_else(|| empty(name, "a map"))
+}
+
 /// How much there is of each of `libraries` libraries, from pictures with their names:
 ///
 /// * as many pictures as libraries: in each, white is all and black nothing of its library; what

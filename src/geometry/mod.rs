@@ -8,6 +8,8 @@ mod fitted_map;
 mod outline;
 mod path_text;
 mod refit;
+mod region;
+mod second_moments;
 mod simple;
 mod trace;
 
@@ -16,5 +18,7 @@ pub use fitted_map::FittedMap;
 pub use kurbo::{Affine, BezPath, PathEl, Point, Rect, Vec2};
 pub use outline::{Outline, STEP};
 pub use path_text::{PathText, parse_path, write_path};
+pub use region::Region;
+pub use second_moments::SecondMoments;
 pub use simple::is_simple;
 pub use trace::{Arc, HalfArc, OUTSIDE, PlanarMap, Ring};

@@ -124,8 +124,10 @@ mod tests {
 
     #[test]
     fn what_is_on_top_and_inside_counts() {
-        let place =
-            |id, texton, x, y| Instance { id, texton, transform: [1.0, 0.0, 0.0, 1.0, x, y], colour: None };
+        let place = |id, texton, x, y| Instance {
+            transform: [1.0, 0.0, 0.0, 1.0, x, y],
+            ..Instance::new(id, texton)
+        };
         let scene = Scene {
             format: Scene::FORMAT.into(),
             version: Scene::VERSION,
@@ -146,6 +148,7 @@ mod tests {
             ],
             background: Field { spacing: 25.0, fallback: Colour([0; 3]), points: Vec::new() },
             domain: None,
+            edits: Vec::new(),
         };
         let counted: Vec<_> = coverage(&scene).into_iter().collect();
         assert_eq!(counted, [((0, 3), 150), ((0, 7), 0), ((0, 300), 150)]);

@@ -14,6 +14,7 @@ pub mod raster_svg;
 pub mod reduce;
 #[cfg(test)]
 mod seams;
+mod shadow;
 pub mod svg;
 #[cfg(test)]
 mod testing;

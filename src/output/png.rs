@@ -6,17 +6,19 @@
 
 use super::background::Background;
 use super::picture_size;
+use super::shadow::{self, Shadows};
 use crate::error::{Error, Result};
-use crate::geometry::{Affine, Outline, PathEl, Rect};
+use crate::geometry::{Affine, Outline, PathEl, Rect, Vec2};
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::{Edge, Gradient, Instance, Scene};
 use image::RgbImage;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 use tiny_skia::{
-    Color, FillRule, GradientStop, LinearGradient, Mask, Paint, PathBuilder, Pixmap, PixmapMut, Shader,
-    SpreadMode, Transform,
+    Color, FillRule, GradientStop, LineJoin, LinearGradient, Mask, Paint, PathBuilder, Pixmap, PixmapMut,
+    Shader, SpreadMode, Transform,
 };
 
 /// Height of the bands drawn at a time, in pixels.
@@ -142,8 +144,20 @@ struct Shapes<'a> {
     shapes: Vec<Shape>,
     /// Instances in painting order, copies right after their originals, each with its map to the
     /// picture.
-    secondary: Vec<(&'a Instance, Affine)>,
-    primary: Vec<(&'a Instance, Affine)>,
+    secondary: Vec<Placed<'a>>,
+    primary: Vec<Placed<'a>>,
+    shadows: BTreeMap<shadow::Key, Vec<(tiny_skia::Path, Paint<'static>)>>,
+}
+
+/// An instance or a copy of it.
+struct Placed<'a> {
+    instance: &'a Instance,
+    /// The map to the picture.
+    affine: Affine,
+    /// The same of its shadow.
+    shadow: Affine,
+    /// First and last row of the picture that it may touch.
+    rows: [f64; 2],
 }
 
 impl<'a> Shapes<'a> {
@@ -161,13 +175,29 @@ impl<'a> Shapes<'a> {
         let place = |instances: &'a [Instance]| {
             let with_copies = instances.iter().flat_map(|instance| {
                 let affine = instance.affine();
-                let bounds = affine.transform_rect_bbox(shapes[instance.texton as usize].bounds);
-                scene.copies(bounds).map(move |shift| (instance, scale * affine.then_translate(shift)))
+                let bounds = instance.reach(shapes[instance.texton as usize].bounds);
+                scene.copies(bounds).map(move |shift| {
+                    let reach = scale.transform_rect_bbox(bounds + shift);
+                    let away = shift + instance.shadow.map_or(Vec2::ZERO, |s| s.shift());
+                    Placed {
+                        instance,
+                        affine: scale * affine.then_translate(shift),
+                        shadow: scale * affine.then_translate(away),
+                        rows: [reach.y0, reach.y1],
+                    }
+                })
             });
             with_copies.collect()
         };
         let (secondary, primary) = (place(&scene.secondary), place(&scene.primary));
-        Self { scene, shapes, secondary, primary }
+        let shadows = Shadows::new(scene);
+        let layer = |l: &shadow::Layer| {
+            let mut paint = Paint::default();
+            paint.set_color(Color::from_rgba(0.0, 0.0, 0.0, l.opacity as f32).unwrap_or(Color::TRANSPARENT));
+            path_of(&l.outline).map(|path| (path, paint))
+        };
+        let shadows = shadows.all().map(|(key, layers)| (key, layers.iter().filter_map(layer).collect()));
+        Self { scene, shapes, secondary, primary, shadows: shadows.collect() }
     }
 
     /// Draws what of a layer touches a band of the picture.
@@ -176,13 +206,17 @@ impl<'a> Shapes<'a> {
             Layer::Secondary => &self.secondary,
             Layer::Primary => &self.primary,
         };
-        for (instance, affine) in instances {
+        for Placed { instance, affine, shadow: away, rows: [first, last] } in instances {
             let index = instance.texton as usize;
             let shape = &self.shapes[index];
-            let bounds = affine.transform_rect_bbox(shape.bounds);
             // A pixel more on each side, for antialiasing.
-            if bounds.y1 < top - 1.0 || bounds.y0 > top + rows + 1.0 {
+            if *last < top - 1.0 || *first > top + rows + 1.0 {
                 continue;
+            }
+            if let Some(layers) = instance.shadow.and_then(|s| self.shadows.get(&shadow::key(instance, &s))) {
+                for (path, paint) in layers {
+                    band.fill_path(path, paint, FillRule::Winding, band_transform(*away, top), None);
+                }
             }
             let transform = band_transform(*affine, top);
             if let Some(path) = &shape.base {
@@ -191,6 +225,14 @@ impl<'a> Shapes<'a> {
             }
             for (path, paint) in &shape.details {
                 band.fill_path(path, paint, FillRule::Winding, transform, None);
+            }
+            if let (Some(path), Some(stroke)) = (&shape.base, instance.stroke) {
+                let line = tiny_skia::Stroke {
+                    width: stroke.width as f32,
+                    line_join: LineJoin::Round,
+                    ..tiny_skia::Stroke::default()
+                };
+                band.stroke_path(path, &paint(stroke.colour, None), &line, transform, None);
             }
         }
     }

@@ -204,3 +204,43 @@ fn a_pattern_shows_the_tile_again_and_again() {
         assert!(error.hint().is_some_and(|h| h.contains("--tile")), "{error}");
     }
 }
+
+#[test]
+fn shadows_and_lines_are_alike_in_all_writers_and_cross_the_seams() {
+    for tile in TILES {
+        let scene = testing::dressed(testing::tiled(SIZE.0, SIZE.1, 9, tile));
+        let (dx, dy) = half(tile);
+        let moved = testing::moved(scene.clone(), f64::from(dx), f64::from(dy));
+        let all = pictures(&scene, 1.0);
+        for ((name, tiles), (_, whole)) in all.iter().zip(&pictures(&moved, 1.0)) {
+            let (mean, bad) = difference(tiles, whole, dx, dy, 40);
+            assert!(mean < 0.4 && bad == 0.0, "{name} {tile:?}: mean {mean}, bad {bad}");
+        }
+        for (name, other) in &all[1..] {
+            let (mean, bad) = difference(&all[0].1, other, 0, 0, 40);
+            assert!(mean < 0.5 && bad == 0.0, "{name} {tile:?}: mean {mean}, bad {bad}");
+        }
+    }
+}
+
+#[test]
+fn a_shadow_falls_on_what_lies_below_and_on_nothing_above() {
+    let mut scene = testing::scene(200, 120, 10);
+    scene.secondary.clear();
+    scene.primary.truncate(3);
+    let texton = (0..24).find(|&t| scene.textons[t as usize].details.is_empty()).unwrap();
+    for (instance, x) in scene.primary.iter_mut().zip([60.0, 95.0, 130.0]) {
+        instance.texton = texton;
+        instance.transform = [1.0, 0.0, 0.0, 1.0, x, 60.0];
+        instance.colour = Some(crate::raster::colour::Colour([200, 60, 60]));
+    }
+    let plain = render(&scene, 1.0).unwrap();
+    scene.primary[1].shadow = Some(crate::scene::Shadow { offset: [30.0, 0.0], opacity: 0.5, blur: 6.0 });
+    let right = render(&scene, 1.0).unwrap();
+    scene.primary[1].shadow = Some(crate::scene::Shadow { offset: [-35.0, 0.0], opacity: 0.5, blur: 6.0 });
+    let left = render(&scene, 1.0).unwrap();
+    let (first, second, third) = ((55, 60), (95, 60), (133, 60));
+    assert_eq!(laid(&right, third.0, third.1), laid(&plain, third.0, third.1));
+    assert_eq!(laid(&right, second.0, second.1), laid(&plain, second.0, second.1));
+    assert!(laid(&left, first.0, first.1)[0] < laid(&plain, first.0, first.1)[0]);
+}

@@ -4,7 +4,8 @@ use crate::geometry::{Affine, BezPath, Outline, Point};
 use crate::raster::colour::Colour;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::{
-    ControlPoint, Field, Gradient, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile,
+    ControlPoint, Field, Gradient, Instance, LibraryRef, Patch, Scene, Shadow, Stroke, SynthParams, Texton,
+    Tile,
 };
 
 /// A closed smooth ring around a centre, bumpy by `rough`; clockwise, or the other way for holes.
@@ -105,10 +106,9 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
             let which = if i < 2 { many + i } else { (i * 7 + i * i) % many };
             id += 1;
             instances.push(Instance {
-                id,
-                texton: textons.start + which as u32,
                 transform: affine.as_coeffs(),
                 colour: (!turned || i % 11 == 4).then(|| colour([120.0, 130.0, 90.0], 50.0, rng)),
+                ..Instance::new(id, textons.start + which as u32)
             });
         }
         instances
@@ -137,6 +137,7 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
         primary,
         background: Field { spacing: 25.0, fallback: Colour([105, 110, 80]), points },
         domain: None,
+        edits: Vec::new(),
     }
 }
 
@@ -188,6 +189,23 @@ pub(super) fn moved(mut scene: Scene, dx: f64, dy: f64) -> Scene {
     if let Some(domain) = &mut scene.domain {
         let path = Affine::translate((dx, dy)) * domain.outline.path();
         domain.outline = Outline::new(&path).unwrap();
+    }
+    scene
+}
+
+/// The scene with shadows under its primaries and some of its secondaries, and lines along some of both.
+pub(super) fn dressed(mut scene: Scene) -> Scene {
+    let all =
+        scene.primary.iter_mut().map(|i| (i, true)).chain(scene.secondary.iter_mut().map(|i| (i, false)));
+    for (k, (instance, primary)) in all.enumerate() {
+        if primary || k % 3 == 0 {
+            let blur = if k % 5 == 0 { 0.0 } else { 4.0 };
+            instance.shadow = Some(Shadow { offset: [3.5, 5.25], opacity: 0.45, blur });
+        }
+        if k % 4 == 1 {
+            let colour = Colour([250, 240, 210]);
+            instance.stroke = Some(Stroke { width: if primary { 2.5 } else { 1.0 }, colour });
+        }
     }
     scene
 }

@@ -1,11 +1,13 @@
 //! The scene: one synthesised texture, placed textons over a background field (`*.scene.json`).
 
+mod effects;
 pub mod field;
 mod gradient;
 mod parameters;
 mod tile;
 mod validate;
 
+pub use effects::{Shadow, Stroke};
 pub use gradient::Gradient;
 pub use parameters::{Ablation, SynthParams, Weights};
 pub use tile::Tile;
@@ -52,6 +54,19 @@ pub struct Scene {
     /// The shape that the texture fills, where that is not the whole canvas.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub domain: Option<Domain>,
+    /// What was done to it after synthesis, in order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub edits: Vec<EditRecord>,
+}
+
+/// An operation that a scene has gone through.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EditRecord {
+    /// The operation as it was written, such as `tint #ff0000 --amount 0.5`.
+    pub operation: String,
+    /// The seed of its random choices.
+    pub seed: u64,
 }
 
 /// The shape that a texture fills.
@@ -154,9 +169,21 @@ pub struct Instance {
     /// Colour of its own, in place of the texton's (for textons without details).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colour: Option<Colour>,
+    /// The shadow beneath it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shadow: Option<Shadow>,
+    /// The line along its outline.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stroke: Option<Stroke>,
 }
 
 impl Instance {
+    /// A texton where its coordinates are those of the canvas, with nothing of its own.
+    pub fn new(id: u32, texton: u32) -> Self {
+        let transform = Affine::IDENTITY.as_coeffs();
+        Self { id, texton, transform, colour: None, shadow: None, stroke: None }
+    }
+
     /// The transform.
     pub fn affine(&self) -> Affine {
         Affine::new(self.transform)

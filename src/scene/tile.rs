@@ -82,6 +82,7 @@ mod tests {
             primary: Vec::new(),
             background: Field { spacing: 25.0, fallback: Colour([0; 3]), points: Vec::new() },
             domain: None,
+            edits: Vec::new(),
         }
     }
 

@@ -38,6 +38,9 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
             if !instance.transform.iter().all(|v| v.abs() < 1e7) {
                 return Err(format!("{layer}[{i}].transform is out of range"));
             }
+            if let Some(effect) = instance.fault() {
+                return Err(format!("{layer}[{i}].{effect} is out of range"));
+            }
             if !ids.insert(instance.id) {
                 return Err(format!("{layer}[{i}].id {} is used twice", instance.id));
             }

@@ -6,7 +6,7 @@ use super::target::TargetMap;
 use super::variation::Variation;
 use crate::PROGRAM;
 use crate::geometry::{Affine, Outline};
-use crate::library::{Library, Primary, Secondary};
+use crate::library::{Library, Primary};
 use crate::raster::colour::Colour;
 use crate::scene::{Domain, Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
 use std::collections::BTreeMap;
@@ -74,7 +74,7 @@ pub fn reconstruct(library: &Library) -> Scene {
     scene
 }
 
-fn reference(library: &Library) -> LibraryRef {
+pub(crate) fn reference(library: &Library) -> LibraryRef {
     LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
 }
 
@@ -93,6 +93,7 @@ fn empty(libraries: Vec<LibraryRef>, width: u32, height: u32, background: Field)
         primary: Vec::new(),
         background,
         domain: None,
+        edits: Vec::new(),
     }
 }
 
@@ -128,7 +129,8 @@ pub(super) fn instance(
 ) -> Instance {
     // Five decimals are a hundredth of a pixel at a distance of a thousand, and short to write.
     let [a, b, c, d] = variation.matrix.map(|v| libm::round(v * 1e5) / 1e5);
-    Instance { id, texton, transform: [a, b, c, d, f64::from(at[0]), f64::from(at[1])], colour }
+    let transform = [a, b, c, d, f64::from(at[0]), f64::from(at[1])];
+    Instance { transform, colour, ..Instance::new(id, texton) }
 }
 
 /// Which of a library's textons a scene holds already, and where.
@@ -170,48 +172,57 @@ impl<'a> Textons<'a> {
 
     /// The number of a primary in the scene, which then holds it.
     pub(super) fn primary(&mut self, scene: &mut Scene, index: u32) -> u32 {
-        let p = &self.library.primaries[index as usize];
         *self.primaries[index as usize].get_or_insert_with(|| {
-            let moved = |outline: &Outline| translated(outline, origin(p));
-            let [x, y] = origin(p).map(f64::from);
-            let shift = Affine::translate((-x, -y));
-            let patch = |d: &crate::library::Detail| Patch {
-                outline: moved(&d.outline),
-                colour: d.colour,
-                gradient: d.gradient.map(|g| g.moved(shift)),
-            };
-            scene.textons.push(Texton {
-                library: self.number,
-                source: index,
-                category: Some(p.category.0),
-                outline: moved(&p.outline),
-                colour: p.base,
-                gradient: p.gradient.map(|g| g.moved(shift)),
-                details: p.details.iter().map(patch).collect(),
-            });
+            scene.textons.push(primary_texton(self.number, self.library, index));
             scene.textons.len() as u32 - 1
         })
     }
 
     /// The number of a secondary in the scene, which then holds it or one of the same shape.
     pub(super) fn secondary(&mut self, scene: &mut Scene, index: u32) -> u32 {
-        let s: &Secondary = &self.library.secondaries.textons[index as usize];
         *self.secondaries[index as usize].get_or_insert_with(|| {
-            let outline = translated(&s.outline, secondaries::origin(s));
-            *self.alike.entry(outline.to_string()).or_insert_with(|| {
-                let texton = Texton {
-                    library: self.number,
-                    source: index,
-                    category: None,
-                    outline,
-                    colour: s.colour,
-                    gradient: None,
-                    details: Vec::new(),
-                };
+            let texton = secondary_texton(self.number, self.library, index);
+            *self.alike.entry(texton.outline.to_string()).or_insert_with(|| {
                 scene.textons.push(texton);
                 scene.textons.len() as u32 - 1
             })
         })
+    }
+}
+
+/// A primary of the library that has the given number in a scene.
+pub(crate) fn primary_texton(number: u32, library: &Library, index: u32) -> Texton {
+    let p = &library.primaries[index as usize];
+    let moved = |outline: &Outline| translated(outline, origin(p));
+    let [x, y] = origin(p).map(f64::from);
+    let shift = Affine::translate((-x, -y));
+    let patch = |d: &crate::library::Detail| Patch {
+        outline: moved(&d.outline),
+        colour: d.colour,
+        gradient: d.gradient.map(|g| g.moved(shift)),
+    };
+    Texton {
+        library: number,
+        source: index,
+        category: Some(p.category.0),
+        outline: moved(&p.outline),
+        colour: p.base,
+        gradient: p.gradient.map(|g| g.moved(shift)),
+        details: p.details.iter().map(patch).collect(),
+    }
+}
+
+/// A secondary of the library that has the given number in a scene.
+pub(crate) fn secondary_texton(number: u32, library: &Library, index: u32) -> Texton {
+    let s = &library.secondaries.textons[index as usize];
+    Texton {
+        library: number,
+        source: index,
+        category: None,
+        outline: translated(&s.outline, secondaries::origin(s)),
+        colour: s.colour,
+        gradient: None,
+        details: Vec::new(),
     }
 }
 

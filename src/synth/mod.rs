@@ -34,6 +34,7 @@ mod variation;
 mod warp;
 
 pub use compose::reconstruct;
+pub(crate) use compose::{primary_texton, reference, secondary_texton};
 pub use controls::Controls;
 pub use report::{CategoryReport, Report};
 pub use warp::{Bend, WarpParams, warp};

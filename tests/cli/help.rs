@@ -16,6 +16,7 @@ fn help_of_every_command() {
         "analyze",
         "synth",
         "warp",
+        "edit",
         "tune",
         "render",
         "inspect",
@@ -31,12 +32,14 @@ fn help_of_every_command() {
         assert_eq!(help, printed(&format!("{command} -h")), "{command}");
         insta::assert_snapshot!(command, help);
     }
+    insta::assert_snapshot!("edit-list", printed("edit --list"));
     insta::assert_snapshot!("models-add", printed("models add --help"));
 }
 
 #[test]
 fn every_option_says_its_range_or_default() {
-    for command in ["texture", "vectorize", "analyze", "synth", "warp", "tune", "render", "metrics", "batch"]
+    for command in
+        ["texture", "vectorize", "analyze", "synth", "warp", "edit", "tune", "render", "metrics", "batch"]
     {
         let help = printed(&format!("{command} --help")).replace(['\n'], " ");
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -4,6 +4,7 @@ mod analyze;
 mod batch;
 mod completions;
 mod doctor;
+mod edit;
 mod inspect;
 mod man;
 mod metrics;
@@ -29,6 +30,7 @@ pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
         Job::Synth(library, synthesis) => synth::run(common, &reporter, library, synthesis),
         Job::Batch(jobs) => batch::run(common, jobs),
         Job::Warp(warping) => warp::run(common, &reporter, warping),
+        Job::Edit(editing) => edit::run(common, &reporter, editing),
         Job::Tune(library, tuning) => tune::run(common, &reporter, library, tuning),
         Job::Render(file, options) => render::run(common, &reporter, file, options),
         Job::Metrics(arguments) => metrics::run(common, &reporter, arguments),

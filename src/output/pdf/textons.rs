@@ -2,10 +2,13 @@
 
 use super::{fill, flat, gradual, is_seen, layer, path_of};
 use crate::geometry::{Affine, Rect};
+use crate::output::shadow::{self, Shadows};
 use crate::raster::colour::Colour;
 use crate::scene::{Instance, Scene, Texton};
 use krilla::geom::Transform;
 use krilla::graphic::Graphic;
+use krilla::num::NormalizedF32;
+use krilla::paint::{Fill, LineJoin, Stroke};
 use krilla::surface::Surface;
 use std::collections::BTreeMap;
 
@@ -21,12 +24,17 @@ pub(super) struct Textons<'a> {
     uses: BTreeMap<(u32, Option<Colour>), usize>,
     /// Those that are defined already.
     defined: BTreeMap<(u32, Option<Colour>), Graphic>,
+    shadows: Shadows,
+    /// The shadows that are defined already.
+    defined_shadows: BTreeMap<shadow::Key, Graphic>,
 }
 
 impl<'a> Textons<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
         let bounds = scene.textons.iter().map(Texton::bounds).collect();
-        let mut textons = Self { scene, bounds, uses: BTreeMap::new(), defined: BTreeMap::new() };
+        let (shadows, defined_shadows) = (Shadows::new(scene), BTreeMap::new());
+        let mut textons =
+            Self { scene, bounds, uses: BTreeMap::new(), defined: BTreeMap::new(), shadows, defined_shadows };
         for instance in scene.secondary.iter().chain(&scene.primary) {
             let count = textons.places(instance).count();
             *textons.uses.entry((instance.texton, instance.colour)).or_default() += count;
@@ -37,7 +45,7 @@ impl<'a> Textons<'a> {
     /// The maps to the canvas of what is seen of an instance and its copies.
     fn places(&self, instance: &Instance) -> impl Iterator<Item = Affine> + use<'a> {
         let (scene, affine) = (self.scene, instance.affine());
-        let bounds = affine.transform_rect_bbox(self.bounds[instance.texton as usize]);
+        let bounds = instance.reach(self.bounds[instance.texton as usize]);
         let shifts = scene.copies(bounds).filter(move |&shift| is_seen(scene, bounds, shift));
         shifts.map(move |shift| affine.then_translate(shift))
     }
@@ -49,8 +57,16 @@ impl<'a> Textons<'a> {
             let texton = &self.scene.textons[instance.texton as usize];
             let shared = self.uses[&key].saturating_sub(1) * elements(texton) >= WORTH;
             for affine in self.places(instance) {
-                let [a, b, c, d, e, f] = affine.as_coeffs().map(|v| v as f32);
-                surface.push_transform(&Transform::from_row(a, b, c, d, e, f));
+                if let Some(shadow) = &instance.shadow {
+                    let key = shadow::key(instance, shadow);
+                    let layers = self.shadows.of(instance, shadow);
+                    let define = || layer(surface, |s| darken(layers, s));
+                    let graphic = self.defined_shadows.entry(key).or_insert_with(define).clone();
+                    surface.push_transform(&transform(affine.then_translate(shadow.shift())));
+                    surface.draw_graphic(graphic);
+                    surface.pop();
+                }
+                surface.push_transform(&transform(affine));
                 if shared {
                     let define = || layer(surface, |s| paint(texton, instance.colour, s));
                     let graphic = self.defined.entry(key).or_insert_with(define).clone();
@@ -59,8 +75,32 @@ impl<'a> Textons<'a> {
                     // In its own coordinates, whose numbers are short.
                     paint(texton, instance.colour, surface);
                 }
+                if let (Some(stroke), Some(path)) = (instance.stroke, path_of(&texton.outline)) {
+                    let (paint, width) = (flat(stroke.colour), stroke.width as f32);
+                    let line = Stroke { paint, width, line_join: LineJoin::Round, ..Stroke::default() };
+                    surface.set_fill(None);
+                    surface.set_stroke(Some(line));
+                    surface.draw_path(&path);
+                    surface.set_stroke(None);
+                }
                 surface.pop();
             }
+        }
+    }
+}
+
+fn transform(affine: Affine) -> Transform {
+    let [a, b, c, d, e, f] = affine.as_coeffs().map(|v| v as f32);
+    Transform::from_row(a, b, c, d, e, f)
+}
+
+/// The layers of a shadow.
+fn darken(layers: &[shadow::Layer], surface: &mut Surface<'_>) {
+    for layer in layers {
+        let opacity = NormalizedF32::new(layer.opacity as f32).unwrap_or(NormalizedF32::ONE);
+        if let Some(path) = path_of(&layer.outline) {
+            surface.set_fill(Some(Fill { paint: flat(Colour([0; 3])), opacity, ..Fill::default() }));
+            surface.draw_path(&path);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a written SVG says of itself.
 
-use crate::scene::{LibraryRef, Scene, SynthParams, Tile};
+use crate::scene::{EditRecord, LibraryRef, Scene, SynthParams, Tile};
 use serde::Serialize;
 
 /// The content of `<metadata>`, as JSON: enough to make the same texture again.
@@ -18,6 +18,9 @@ struct Metadata<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<&'a SynthParams>,
     libraries: &'a [LibraryRef],
+    /// What was done to it after synthesis.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    edits: &'a [EditRecord],
 }
 
 /// The metadata of a scene as JSON text.
@@ -32,6 +35,7 @@ pub(super) fn json(scene: &Scene) -> String {
         tile: scene.tile,
         parameters: scene.parameters.as_ref(),
         libraries: &scene.libraries,
+        edits: &scene.edits,
     };
     serde_json::to_string(&metadata).expect("metadata hold nothing that JSON cannot")
 }

@@ -18,7 +18,7 @@
 //! The layers are layers in Inkscape too, and the symbols have titles.
 //!
 //! Ids: layers `background`, `secondary`, `primary`; `p7` the primary instance of id 7; `t…` and `s…`
-//! the textons, `t12g` the gradient of one; `g5` any other gradient; `b…` the background's; `inside`
+//! the textons, `t12g` the gradient of one, `t12s` its shadow (`t12s2` another), `t12o` its bare outline; `g5` any other gradient; `b…` the background's; `inside`
 //! the group that a domain clips, `domain` its clip path; `texture` the pattern.
 
 mod background;

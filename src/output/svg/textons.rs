@@ -5,10 +5,11 @@ use super::gradients::BoxGradient;
 use super::number::{Number, Paint, list};
 use super::xml::Xml;
 use crate::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
+use crate::output::shadow::{self, Layer, Shadows};
 use crate::raster::colour::Colour;
-use crate::scene::{Gradient, Instance, Scene, Texton};
+use crate::scene::{Gradient, Instance, Scene, Shadow, Stroke, Texton};
 use std::cell::Cell;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 
 /// The textons of a scene and how each is written.
@@ -28,6 +29,11 @@ pub(super) struct Textons<'a> {
     ids: Vec<String>,
     /// Number of the next gradient.
     gradients: Cell<u64>,
+    shadows: Shadows,
+    /// Ids of the shadows that are defined once.
+    shared_shadows: BTreeMap<shadow::Key, String>,
+    /// Whether a texton's bare outline is defined, for lines along it.
+    outlined: Vec<bool>,
 }
 
 /// What the outline of a texton is painted with.
@@ -56,24 +62,56 @@ impl<'a> Textons<'a> {
         let shared = vec![false; scene.textons.len()];
         let SvgOptions { precision, expand } = *options;
         let (ids, gradients) = (ids(scene), Cell::new(0));
-        let mut textons = Self { scene, precision, expand, bleed, shared, inherits, bounds, ids, gradients };
+        let (shadows, shared_shadows) = (Shadows::new(scene), BTreeMap::new());
+        let outlined = vec![false; scene.textons.len()];
+        let mut textons = Self {
+            scene,
+            precision,
+            expand,
+            bleed,
+            shared,
+            inherits,
+            bounds,
+            ids,
+            gradients,
+            shadows,
+            shared_shadows,
+            outlined,
+        };
         let mut uses = vec![0; scene.textons.len()];
+        let mut shadow_uses: BTreeMap<shadow::Key, usize> = BTreeMap::new();
+        let mut outlined = textons.outlined.clone();
         // Copies of primaries refer to their original as a whole.
         let secondary = scene.secondary.iter().map(|i| (i, textons.copies(i).count()));
         for (instance, count) in secondary.chain(scene.primary.iter().map(|i| (i, 1))) {
             uses[instance.texton as usize] += count;
+            if let Some(shadow) = &instance.shadow {
+                *shadow_uses.entry(shadow::key(instance, shadow)).or_insert(0) += count;
+            }
+            outlined[instance.texton as usize] |= instance.stroke.is_some();
         }
         for instance in scene.secondary.iter().chain(&scene.primary) {
             textons.inherits[instance.texton as usize] |= instance.colour.is_some();
         }
         textons.shared = uses.iter().map(|&n| n > 1 && !expand).collect();
+        let with_line =
+            |(i, asked): (usize, bool)| asked && textons.shared[i] && !scene.textons[i].details.is_empty();
+        textons.outlined = outlined.into_iter().enumerate().map(with_line).collect();
+        let many = shadow_uses.into_iter().filter(|(_, n)| *n > 1 && !expand);
+        let mut numbers: BTreeMap<u32, u32> = BTreeMap::new();
+        for (key, _) in many {
+            let number = numbers.entry(key.0).or_insert(0);
+            *number += 1;
+            let more = if *number > 1 { number.to_string() } else { String::new() };
+            textons.shared_shadows.insert(key, format!("{}s{more}", textons.ids[key.0 as usize]));
+        }
         textons
     }
 
     /// The shifts at which an instance is to be written, that of the original first.
     pub(super) fn copies(&self, instance: &Instance) -> impl Iterator<Item = Vec2> + use<> {
         let bounds = self.bounds.get(instance.texton as usize).copied().unwrap_or_default();
-        self.copies_of(instance.affine().transform_rect_bbox(bounds))
+        self.copies_of(instance.reach(bounds))
     }
 
     /// The same of anything with the given bounds on the canvas.
@@ -95,7 +133,20 @@ impl<'a> Textons<'a> {
 
     /// The shared textons, for `<defs>`.
     pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        for (key, layers) in self.shadows.all() {
+            if let Some(id) = self.shared_shadows.get(&key) {
+                self.write_shadow(xml, layers, None, Some(id))?;
+                xml.line();
+            }
+        }
         for (i, texton) in self.scene.textons.iter().enumerate().filter(|(i, _)| self.shared[*i]) {
+            if self.outlined[i] {
+                xml.open("path");
+                xml.attribute("id", format_args!("{}o", self.ids[i]));
+                xml.attribute("d", self.data(&texton.outline, None));
+                xml.close()?;
+                xml.line();
+            }
             let id = &self.ids[i];
             if self.inherits[i]
                 && let Some(gradient) = self.base_gradient(texton)
@@ -154,13 +205,30 @@ impl<'a> Textons<'a> {
         with_fill: bool,
     ) -> io::Result<()> {
         let index = instance.texton as usize;
-        let texton = &self.scene.textons[index];
-        let base = Base::new(texton.base(instance.colour));
+        let base = Base::new(self.scene.textons[index].base(instance.colour));
         let affine = instance.affine().then_translate(shift);
+        if let Some(shadow) = &instance.shadow {
+            self.write_shadow_of(xml, instance, shadow, affine)?;
+        }
         if !self.shared[index] {
             let base = if with_fill { base } else { Base::Inherited };
-            return self.write_paths(xml, index, base, Some(affine));
+            self.write_paths(xml, index, base, Some(affine))?;
+        } else {
+            self.write_use(xml, index, base, affine, with_fill)?;
         }
+        instance.stroke.map_or(Ok(()), |stroke| self.write_stroke(xml, index, stroke, affine))
+    }
+
+    /// A shared texton in its place.
+    fn write_use<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        index: usize,
+        base: Base<'_>,
+        affine: Affine,
+        with_fill: bool,
+    ) -> io::Result<()> {
+        let texton = &self.scene.textons[index];
         xml.open("use");
         xml.attribute("xlink:href", format_args!("#{}", self.ids[index]));
         self.write_transform(xml, &affine.as_coeffs());
@@ -173,6 +241,74 @@ impl<'a> Textons<'a> {
                 Base::Inherited => (),
             }
         }
+        xml.close()
+    }
+
+    /// The shadow of an instance that `affine` brings to its place.
+    fn write_shadow_of<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        instance: &Instance,
+        shadow: &Shadow,
+        affine: Affine,
+    ) -> io::Result<()> {
+        let affine = affine.then_translate(shadow.shift());
+        let Some(id) = self.shared_shadows.get(&shadow::key(instance, shadow)) else {
+            return self.write_shadow(xml, self.shadows.of(instance, shadow), Some(affine), None);
+        };
+        xml.open("use");
+        xml.attribute("xlink:href", format_args!("#{id}"));
+        self.write_transform(xml, &affine.as_coeffs());
+        xml.close()
+    }
+
+    /// The layers of a shadow, moved by `affine`.
+    fn write_shadow<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        layers: &[Layer],
+        affine: Option<Affine>,
+        id: Option<&str>,
+    ) -> io::Result<()> {
+        xml.open("g");
+        if let Some(id) = id {
+            xml.attribute("id", id);
+        }
+        xml.attribute("class", "shadow");
+        xml.attribute("fill", Paint(Colour([0; 3])));
+        for layer in layers {
+            xml.open("path");
+            xml.attribute("fill-opacity", Number(layer.opacity, 4));
+            xml.attribute("d", self.data(&layer.outline, affine));
+            xml.close()?;
+        }
+        xml.close()
+    }
+
+    /// The line along the outline of a texton that `affine` brings to its place.
+    fn write_stroke<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        index: usize,
+        stroke: Stroke,
+        affine: Affine,
+    ) -> io::Result<()> {
+        let width = if self.shared[index] {
+            xml.open("use");
+            let line = if self.outlined[index] { "o" } else { "" };
+            xml.attribute("xlink:href", format_args!("#{}{line}", self.ids[index]));
+            self.write_transform(xml, &affine.as_coeffs());
+            stroke.width
+        } else {
+            xml.open("path");
+            xml.attribute("d", self.data(&self.scene.textons[index].outline, Some(affine)));
+            stroke.width * libm::sqrt(affine.determinant().abs())
+        };
+        xml.attribute("class", "outline");
+        xml.attribute("fill", "none");
+        xml.attribute("stroke", Paint(stroke.colour));
+        xml.attribute("stroke-width", Number(width, 2));
+        xml.attribute("stroke-linejoin", "round");
         xml.close()
     }
 

@@ -1,0 +1,57 @@
+//! What textons are drawn with: shadows, lines, fewer details, simpler outlines.
+
+use super::colours::mean;
+use super::selection::Chosen;
+use super::textons::{change, selected_mut, size};
+use crate::raster::colour::Colour;
+use crate::scene::{Patch, Scene, Shadow, Stroke, Texton};
+
+/// Decimals at which a simpler outline is to be short: those of an SVG.
+const DECIMALS: u8 = 1;
+
+/// A length on the canvas in a texton's own pixels, to a hundredth, from 0.01.
+fn own(length: f64, size: f64) -> f64 {
+    (libm::round(100.0 * length / size.max(1e-6)) / 100.0).max(0.01)
+}
+
+pub(super) fn shadow(scene: &mut Scene, chosen: &Chosen, angle: f64, length: f64, opacity: f64, blur: f64) {
+    let angle = angle.to_radians();
+    let offset = [libm::cos(angle), libm::sin(angle)].map(|v| libm::round(100.0 * length * v) / 100.0);
+    for instance in selected_mut(scene, chosen) {
+        let blur = if blur == 0.0 { 0.0 } else { own(blur, size(instance)).min(Shadow::WIDEST) };
+        instance.shadow = (opacity > 0.0).then_some(Shadow { offset, opacity, blur });
+    }
+}
+
+pub(super) fn outline(scene: &mut Scene, chosen: &Chosen, width: f64, colour: Colour) {
+    for instance in selected_mut(scene, chosen) {
+        let width = own(width, size(instance)).min(Stroke::WIDEST);
+        instance.stroke = Some(Stroke { width, colour });
+    }
+}
+
+pub(super) fn flatten(scene: &mut Scene, chosen: &Chosen) {
+    change(scene, chosen, |texton, _| Texton {
+        colour: mean(texton),
+        gradient: None,
+        details: Vec::new(),
+        outline: texton.outline.clone(),
+        ..*texton
+    });
+}
+
+/// Outlines within `tolerance` pixels of the canvas of what they were, without the details that are
+/// smaller than a square of that side.
+pub(super) fn simplify(scene: &mut Scene, chosen: &Chosen, tolerance: f64) {
+    change(scene, chosen, |texton, size| {
+        let tolerance = tolerance / size.max(1e-6);
+        let large = |d: &&Patch| d.outline.area() >= tolerance * tolerance;
+        Texton {
+            outline: texton.outline.refitted(tolerance, DECIMALS),
+            details: (texton.details.iter().filter(large))
+                .map(|d| Patch { outline: d.outline.refitted(tolerance, DECIMALS), ..d.clone() })
+                .collect(),
+            ..*texton
+        }
+    });
+}

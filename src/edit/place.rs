@@ -1,0 +1,94 @@
+//! Textons moved, turned and scaled, each about its own centre.
+
+use super::Draw;
+use super::operation::Direction;
+use super::selection::{Chosen, place};
+use super::textons::{measured, selected_mut};
+use crate::geometry::Affine;
+use crate::scene::{Instance, Scene};
+
+/// Textons less elongated than this have no longer axis to speak of.
+const ROUND: f64 = 1.05;
+
+/// Changes the linear part of an instance's map by `about` and moves it by `by`; where the scene
+/// repeats, back onto the canvas. Numbers are as long as those of synthesis.
+fn put(instance: &mut Instance, about: Affine, by: [f64; 2], [width, height]: [Option<f64>; 2]) {
+    let [.., x, y] = instance.transform;
+    let [a, b, c, d, ..] = (about * instance.affine()).as_coeffs().map(|v| libm::round(v * 1e5) / 1e5);
+    let along = |v: f64, period: Option<f64>| {
+        let v = libm::round(v * 100.0) / 100.0;
+        period.map_or(v, |period| v.rem_euclid(period))
+    };
+    instance.transform = [a, b, c, d, along(x + by[0], width), along(y + by[1], height)];
+}
+
+/// Width and height of the canvas along the axes that repeat.
+fn periods(scene: &Scene) -> [Option<f64>; 2] {
+    let period = |size: u32, repeats: bool| repeats.then(|| f64::from(size));
+    [period(scene.width, scene.tile.x), period(scene.height, scene.tile.y)]
+}
+
+pub(super) fn shift(scene: &mut Scene, chosen: &Chosen, by: [f64; 2]) {
+    let periods = periods(scene);
+    selected_mut(scene, chosen).for_each(|i| put(i, Affine::IDENTITY, by, periods));
+}
+
+pub(super) fn scale(scene: &mut Scene, chosen: &Chosen, factor: f64) {
+    let periods = periods(scene);
+    selected_mut(scene, chosen).for_each(|i| put(i, Affine::scale(factor), [0.0; 2], periods));
+}
+
+pub(super) fn rotate(scene: &mut Scene, chosen: &Chosen, angle: f64) {
+    let (periods, turn) = (periods(scene), turn(angle.to_radians()));
+    selected_mut(scene, chosen).for_each(|i| put(i, turn, [0.0; 2], periods));
+}
+
+/// Moves, turns and scales each texton at random: evenly within a disc of radius `distance` pixels,
+/// by at most `angle` degrees and `scale` per cent either way.
+pub(super) fn jitter(scene: &mut Scene, chosen: &Chosen, distance: f64, angle: f64, scale: f64, draw: &Draw) {
+    let periods = periods(scene);
+    for instance in selected_mut(scene, chosen) {
+        let mut random = draw.of("edit/jitter", instance.id);
+        let (radius, towards) =
+            (distance * libm::sqrt(random.unit()), random.range(0.0, std::f64::consts::TAU));
+        let by = [radius * libm::cos(towards), radius * libm::sin(towards)];
+        let angle = random.range(-angle, angle).to_radians();
+        let factor = 1.0 + random.range(-scale, scale) / 100.0;
+        put(instance, Affine::scale(factor) * turn(angle), by, periods);
+    }
+}
+
+/// Turns longer axes a share of the way to a direction, the shorter way round.
+pub(super) fn orient(scene: &mut Scene, chosen: &Chosen, direction: &Direction, strength: f64) {
+    let moments = measured(scene);
+    let canvas = [f64::from(scene.width), f64::from(scene.height)];
+    let turns: Vec<f64> = super::textons::selected(scene, chosen)
+        .map(|instance| {
+            let now = moments[instance.texton as usize].moved(instance.affine());
+            let wanted = match direction {
+                Direction::Angle(degrees) => degrees.to_radians(),
+                Direction::Map(map) => {
+                    let at = place(scene, instance);
+                    map.at([at.x, at.y], canvas) * std::f64::consts::PI
+                }
+            };
+            if now.elongation() < ROUND { 0.0 } else { strength * half_turn(wanted - now.angle()) }
+        })
+        .collect();
+    let periods = periods(scene);
+    for (instance, angle) in selected_mut(scene, chosen).zip(turns) {
+        if angle != 0.0 {
+            put(instance, turn(angle), [0.0; 2], periods);
+        }
+    }
+}
+
+/// The angle moved by half turns to between -π/2 and π/2.
+fn half_turn(angle: f64) -> f64 {
+    angle - std::f64::consts::PI * libm::round(angle / std::f64::consts::PI)
+}
+
+fn turn(angle: f64) -> Affine {
+    let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+    Affine::new([cosine, sine, -sine, cosine, 0.0, 0.0])
+}

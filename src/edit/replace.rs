@@ -1,0 +1,248 @@
+//! Textons replaced by those of another library whose shapes fit best.
+//!
+//! Shapes are compared brought to the same place, size and direction of the longer axis. Candidates
+//! are sorted by elongation; those nearest in it, in area and in compactness are sought outwards from
+//! the texton's own, until what is left must be further away. Of these few the one that overlaps most
+//! is taken, turned by half where that fits better.
+
+use super::selection::Chosen;
+use super::textons::{measured, selected, selected_mut};
+use crate::geometry::{Affine, Outline, PathEl, Point, SecondMoments};
+use crate::library::Library;
+use crate::parallel;
+use crate::raster::colour::Colour;
+use crate::scene::field::Interpolant;
+use crate::scene::{Instance, LibraryRef, Scene, Texton};
+use crate::synth::{primary_texton, reference, secondary_texton};
+use kurbo::flatten;
+use std::collections::BTreeMap;
+
+/// How many candidates are laid over a texton.
+const CANDIDATES: usize = 16;
+/// Side of the raster on which overlap is counted.
+const SIDE: usize = 32;
+/// What part of the raster's side a square of the shape's area has; the ends of what is more than six
+/// times as long as broad stick out and do not count.
+const SPAN: f64 = 0.4;
+
+/// A shape brought to the origin, unit area and the longer axis along x, on a raster of bits.
+#[derive(Clone)]
+struct Stencil {
+    rows: [u32; SIDE],
+}
+
+impl Stencil {
+    /// Both fill rules fill an outline alike, so a pixel is inside if an odd number of edges lies to
+    /// its left.
+    fn new(outline: &Outline, moments: &SecondMoments) -> Self {
+        let middle = SIDE as f64 / 2.0;
+        let onto = Affine::translate((middle, middle)) * Affine::scale(SPAN * SIDE as f64);
+        let path = onto * standing(moments).inverse() * outline.path();
+        let mut rows = [0u32; SIDE];
+        let edge = |a: Point, b: Point| {
+            let (top, bottom) = (a.y.min(b.y), a.y.max(b.y));
+            let row = |y: f64| libm::ceil(y - 0.5).clamp(0.0, SIDE as f64) as usize;
+            for (y, bits) in rows.iter_mut().enumerate().take(row(bottom)).skip(row(top)) {
+                let x = a.x + (b.x - a.x) * (y as f64 + 0.5 - a.y) / (b.y - a.y);
+                *bits ^= u32::MAX.checked_shl(row(x) as u32).unwrap_or(0);
+            }
+        };
+        edges(path, edge);
+        Self { rows }
+    }
+
+    fn turned(&self) -> Self {
+        Self { rows: std::array::from_fn(|y| self.rows[SIDE - 1 - y].reverse_bits()) }
+    }
+
+    /// Shared area as a share of both together.
+    fn overlap(&self, other: &Self) -> f64 {
+        let pairs = || self.rows.iter().zip(&other.rows);
+        let both: u32 = pairs().map(|(a, b)| (a & b).count_ones()).sum();
+        let any: u32 = pairs().map(|(a, b)| (a | b).count_ones()).sum();
+        f64::from(both) / f64::from(any.max(1))
+    }
+}
+
+/// The map from unit area at the origin, longer axis along x, to where a shape stands.
+fn standing(moments: &SecondMoments) -> Affine {
+    let angle = moments.angle();
+    let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+    let size = libm::sqrt(moments.area);
+    let linear = [cosine, sine, -sine, cosine].map(|v| v * size);
+    Affine::new([linear[0], linear[1], linear[2], linear[3], moments.centroid.x, moments.centroid.y])
+}
+
+/// A texton that may take the place of others.
+struct Candidate {
+    texton: Texton,
+    moments: SecondMoments,
+    key: [f64; 3],
+    stencil: Stencil,
+}
+
+/// What shapes are compared by first: logarithms of elongation and area, the latter of less weight
+/// because size is adapted, and compactness.
+fn key(outline: &Outline, moments: &SecondMoments) -> [f64; 3] {
+    let mut perimeter = 0.0;
+    edges(outline.path().iter(), |a, b| perimeter += libm::sqrt((b - a).hypot2()));
+    let compactness = 4.0 * std::f64::consts::PI * moments.area / (perimeter * perimeter).max(1e-9);
+    [libm::log(moments.elongation()), 0.15 * libm::log(moments.area), compactness]
+}
+
+/// The edges of the polygon that a path nearly is.
+fn edges(path: impl IntoIterator<Item = PathEl>, mut edge: impl FnMut(Point, Point)) {
+    let (mut start, mut at) = (Point::ORIGIN, Point::ORIGIN);
+    flatten(path, 0.1, |element| match element {
+        PathEl::MoveTo(p) => (start, at) = (p, p),
+        PathEl::LineTo(p) => {
+            edge(at, p);
+            at = p;
+        }
+        _ => {
+            edge(at, start);
+            at = start;
+        }
+    });
+}
+
+/// Candidates by rising elongation.
+struct Index(Vec<Candidate>);
+
+impl Index {
+    fn new(textons: Vec<Texton>) -> Self {
+        let candidates = parallel::map(&textons, |texton| {
+            let moments = SecondMoments::new(&texton.outline);
+            let sound = moments.area > 0.0;
+            sound.then(|| Candidate {
+                key: key(&texton.outline, &moments),
+                stencil: Stencil::new(&texton.outline, &moments),
+                texton: texton.clone(),
+                moments,
+            })
+        });
+        let mut candidates: Vec<Candidate> = candidates.into_iter().flatten().collect();
+        candidates.sort_by(|a, b| a.key[0].total_cmp(&b.key[0]));
+        Self(candidates)
+    }
+
+    /// The nearest candidates, nearest first.
+    fn near(&self, key: [f64; 3]) -> Vec<usize> {
+        let mut found: Vec<(f64, usize)> = Vec::with_capacity(CANDIDATES + 1);
+        let middle = self.0.partition_point(|c| c.key[0] < key[0]);
+        let (mut down, mut up) = (middle, middle);
+        loop {
+            let gap = |i: Option<usize>| {
+                i.and_then(|i| self.0.get(i)).map_or(f64::INFINITY, |c| (c.key[0] - key[0]).abs())
+            };
+            let (below, above) = (gap(down.checked_sub(1)), gap(Some(up)));
+            let worst = if found.len() < CANDIDATES { f64::INFINITY } else { found[CANDIDATES - 1].0 };
+            let least = below.min(above);
+            // Whatever is further along comes no nearer.
+            if least == f64::INFINITY || least * least > worst {
+                return found.into_iter().map(|(_, i)| i).collect();
+            }
+            let next = if below <= above {
+                down -= 1;
+                down
+            } else {
+                up += 1;
+                up - 1
+            };
+            let far: f64 = (0..3).map(|k| self.0[next].key[k] - key[k]).map(|d| d * d).sum();
+            let place = found.partition_point(|(d, i)| (*d, *i) < (far, next));
+            found.insert(place, (far, next));
+            found.truncate(CANDIDATES);
+        }
+    }
+
+    /// The candidate that fits best, and whether it is turned by half.
+    fn best(&self, texton: &Texton, moments: &SecondMoments) -> Option<(usize, bool)> {
+        let stencil = Stencil::new(&texton.outline, moments);
+        let turned = stencil.turned();
+        let near = self.near(key(&texton.outline, moments)).into_iter();
+        let fits = near.flat_map(|i| {
+            let of = |s: &Stencil| s.overlap(&self.0[i].stencil);
+            [(of(&stencil), i, false), (of(&turned), i, true)]
+        });
+        // The first of several that fit alike.
+        let best = fits.reduce(|best, next| if next.0 > best.0 { next } else { best });
+        best.map(|(_, i, turned)| (i, turned))
+    }
+}
+
+/// Replaces primaries by whole primaries of the library, and secondaries by its secondaries, which
+/// then differ from the ground as much as they do in their exemplar.
+pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) {
+    let number = number_of(scene, library);
+    let field = Interpolant::new(&scene.background, scene.width, scene.height, scene.tile);
+    let whole = |i: &u32| !library.primaries[*i as usize].clipped;
+    let primaries = (0..library.primaries.len() as u32).filter(whole);
+    let primaries = Index::new(primaries.map(|i| primary_texton(number, library, i)).collect());
+    let secondaries = 0..library.secondaries.textons.len() as u32;
+    let secondaries = Index::new(secondaries.map(|i| secondary_texton(number, library, i)).collect());
+    let moments = measured(scene);
+    let one = |secondary: bool| Chosen {
+        secondary: if secondary { chosen.secondary.clone() } else { vec![false; scene.secondary.len()] },
+        primary: if secondary { vec![false; scene.primary.len()] } else { chosen.primary.clone() },
+        background: Vec::new(),
+    };
+    for (index, chosen) in [(&secondaries, one(true)), (&primaries, one(false))] {
+        let mut concerned: Vec<u32> = selected(scene, &chosen).map(|i| i.texton).collect();
+        concerned.sort_unstable();
+        concerned.dedup();
+        let best =
+            parallel::map(&concerned, |&t| index.best(&scene.textons[t as usize], &moments[t as usize]));
+        let best: BTreeMap<u32, Option<(usize, bool)>> = concerned.into_iter().zip(best).collect();
+        let mut numbers: BTreeMap<usize, u32> = BTreeMap::new();
+        let mut textons = Vec::new();
+        let first = scene.textons.len() as u32;
+        for instance in selected_mut(scene, &chosen) {
+            let old = instance.texton;
+            let Some((candidate, turned)) = best.get(&old).copied().flatten() else { continue };
+            let new = &index.0[candidate];
+            let at = instance.affine() * moments[old as usize].centroid;
+            take_place(instance, new, &moments[old as usize], turned);
+            instance.texton = *numbers.entry(candidate).or_insert_with(|| {
+                textons.push(new.texton.clone());
+                first + textons.len() as u32 - 1
+            });
+            if new.texton.category.is_none() {
+                let secondary = &library.secondaries.textons[new.texton.source as usize];
+                let ground = field.at(at.x, at.y);
+                let colour = std::array::from_fn(|k| ground[k] + f64::from(secondary.difference[k]));
+                instance.colour = Some(Colour::from_f64(colour));
+            } else {
+                instance.colour = None;
+            }
+        }
+        scene.textons.append(&mut textons);
+    }
+}
+
+/// Brings a candidate to where an instance stands, given the moments of the instance's texton.
+fn take_place(instance: &mut Instance, new: &Candidate, own: &SecondMoments, turned: bool) {
+    let there = own.moved(instance.affine());
+    let half = if turned { -1.0 } else { 1.0 };
+    // The shape's own axis may point either way once it is moved; the texton's says which.
+    let affine = instance.affine();
+    let [a, b, c, d, ..] = affine.as_coeffs();
+    let old = own.angle();
+    let axis = [a * libm::cos(old) + c * libm::sin(old), b * libm::cos(old) + d * libm::sin(old)];
+    let along = libm::cos(there.angle()) * axis[0] + libm::sin(there.angle()) * axis[1];
+    let sign = if along < 0.0 { -half } else { half };
+    let map = standing(&there) * Affine::scale(sign) * standing(&new.moments).inverse();
+    let [a, b, c, d, e, f] = map.as_coeffs();
+    let [a, b, c, d] = [a, b, c, d].map(|v| libm::round(v * 1e5) / 1e5);
+    instance.transform = [a, b, c, d, libm::round(e * 100.0) / 100.0, libm::round(f * 100.0) / 100.0];
+}
+
+/// The number of a library among those of the scene, which then lists it.
+fn number_of(scene: &mut Scene, library: &Library) -> u32 {
+    let wanted: LibraryRef = reference(library);
+    let known = scene.libraries.iter().position(|l| *l == wanted);
+    known.unwrap_or_else(|| {
+        scene.libraries.push(wanted);
+        scene.libraries.len() - 1
+    }) as u32
+}

@@ -1,0 +1,122 @@
+//! Fewer textons: a share, the large ones, those that a map or a shape leaves.
+
+use super::operation::ThinOrder;
+use super::selection::{Chosen, place};
+use super::textons::{change, measured, size};
+use super::{Draw, order};
+use crate::geometry::{Point, Region};
+use crate::raster::ControlMap;
+use crate::scene::{Instance, Scene, Texton};
+
+/// Keeps the instances for which `keep` holds, and all that are not selected. It gets the scene as
+/// it was.
+pub(super) fn retain(scene: &mut Scene, chosen: &Chosen, keep: impl Fn(&Scene, &Instance) -> bool) {
+    let decide = |instances: &[Instance], chosen: &[bool]| -> Vec<bool> {
+        instances.iter().zip(chosen).map(|(i, chosen)| !chosen || keep(scene, i)).collect()
+    };
+    let secondary = decide(&scene.secondary, &chosen.secondary);
+    let primary = decide(&scene.primary, &chosen.primary);
+    keep_marked(&mut scene.secondary, &secondary);
+    keep_marked(&mut scene.primary, &primary);
+}
+
+/// Keeps the items that are marked.
+fn keep_marked<T>(items: &mut Vec<T>, marks: &[bool]) {
+    let mut marks = marks.iter();
+    items.retain(|_| marks.next().is_some_and(|mark| *mark));
+}
+
+/// Keeps each texton with the probability that a map has where it stands.
+pub(super) fn by_map(scene: &mut Scene, chosen: &Chosen, map: &ControlMap, draw: &Draw) {
+    let canvas = [f64::from(scene.width), f64::from(scene.height)];
+    retain(scene, chosen, |scene, instance| {
+        let at = place(scene, instance);
+        draw.of("edit/density", instance.id).chance(map.at([at.x, at.y], canvas))
+    });
+}
+
+/// Keeps the textons whose centre lies in a region, or those whose centre does not.
+pub(super) fn by_region(scene: &mut Scene, chosen: &Chosen, region: &Region, inside: bool) {
+    retain(scene, chosen, |scene, instance| region.contains(place(scene, instance)) == inside);
+}
+
+/// Takes small textons and details away, then all but a share of each layer.
+pub(super) fn thin(
+    scene: &mut Scene,
+    chosen: &Chosen,
+    keep: Option<f64>,
+    order: ThinOrder,
+    minimum_area: Option<f64>,
+    draw: &Draw,
+) {
+    let mut marks = [chosen.secondary.clone(), chosen.primary.clone()];
+    if let Some(least) = minimum_area {
+        let moments = measured(scene);
+        let large = |i: &Instance| moments[i.texton as usize].moved(i.affine()).area >= least;
+        let marked = |instances: &[Instance], chosen: &[bool]| -> Vec<bool> {
+            instances.iter().zip(chosen).map(|(i, chosen)| !chosen || large(i)).collect()
+        };
+        let stays = [marked(&scene.secondary, &chosen.secondary), marked(&scene.primary, &chosen.primary)];
+        for ((marks, stays), layer) in
+            marks.iter_mut().zip(&stays).zip([&mut scene.secondary, &mut scene.primary])
+        {
+            keep_marked(marks, stays);
+            keep_marked(layer, stays);
+        }
+        let [secondary, primary] = marks.clone();
+        let left = Chosen { secondary, primary, background: Vec::new() };
+        change(scene, &left, |texton, size| Texton {
+            details: (texton.details.iter().filter(|d| d.outline.area() * size * size >= least))
+                .cloned()
+                .collect(),
+            ..texton.clone()
+        });
+    }
+    let Some(share) = keep else { return };
+    let [secondary, primary] = marks;
+    let keep_secondary = kept(scene, &scene.secondary, &secondary, share, order, draw);
+    let keep_primary = kept(scene, &scene.primary, &primary, share, order, draw);
+    keep_marked(&mut scene.secondary, &keep_secondary);
+    keep_marked(&mut scene.primary, &keep_primary);
+}
+
+/// Which instances of a layer are kept when a share of those selected is.
+fn kept(
+    scene: &Scene,
+    instances: &[Instance],
+    chosen: &[bool],
+    share: f64,
+    order: ThinOrder,
+    draw: &Draw,
+) -> Vec<bool> {
+    let selected: Vec<usize> = (0..instances.len()).filter(|&i| chosen[i]).collect();
+    let count = libm::round(share * selected.len() as f64) as usize;
+    let random = |i: usize| draw.of("edit/thin", instances[i].id).bits();
+    let mut kept: Vec<bool> = chosen.iter().map(|chosen| !chosen).collect();
+    let mut keep = |i: usize| kept[i] = true;
+    match order {
+        ThinOrder::Random => {
+            let mut ranked: Vec<(u64, usize)> = selected.iter().map(|&i| (random(i), i)).collect();
+            ranked.sort_unstable();
+            ranked[..count].iter().for_each(|&(_, i)| keep(i));
+        }
+        ThinOrder::Area => {
+            let areas: Vec<f64> = scene.textons.iter().map(|t| t.outline.area()).collect();
+            let area = |i: usize| {
+                let size = size(&instances[i]);
+                areas[instances[i].texton as usize] * size * size
+            };
+            let mut ranked: Vec<(f64, usize)> = selected.iter().map(|&i| (area(i), i)).collect();
+            ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            ranked[..count].iter().for_each(|&(_, i)| keep(i));
+        }
+        ThinOrder::BlueNoise => {
+            let points: Vec<Point> = selected.iter().map(|&i| place(scene, &instances[i])).collect();
+            let ties: Vec<u64> = selected.iter().map(|&i| random(i)).collect();
+            let period = |size: u32, repeats: bool| repeats.then(|| f64::from(size));
+            let torus = [period(scene.width, scene.tile.x), period(scene.height, scene.tile.y)];
+            order::spread(&points, &ties, torus, count).into_iter().for_each(|k| keep(selected[k]));
+        }
+    }
+    kept
+}

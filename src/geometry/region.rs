@@ -1,0 +1,101 @@
+//! Whether points lie inside an outline, for many points.
+
+use super::Outline;
+use kurbo::{PathEl, Point, Rect, flatten};
+
+/// How far the polygon that is asked may lie from the curve, in pixels.
+const TOLERANCE: f64 = 0.05;
+/// About how many edges share a row.
+const EDGES_IN_A_ROW: usize = 8;
+
+/// The inside of an outline, its edges sorted into rows, so that a point asks few of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    bounds: Rect,
+    /// Edges that touch each row from top to bottom.
+    rows: Vec<Vec<[Point; 2]>>,
+}
+
+impl Region {
+    /// The inside of an outline by the non-zero rule.
+    pub fn new(outline: &Outline) -> Self {
+        let mut edges: Vec<[Point; 2]> = Vec::new();
+        let (mut start, mut at) = (Point::ORIGIN, Point::ORIGIN);
+        flatten(outline.path().elements().iter().copied(), TOLERANCE, |element| match element {
+            PathEl::MoveTo(p) => (start, at) = (p, p),
+            PathEl::LineTo(p) => {
+                edges.push([at, p]);
+                at = p;
+            }
+            _ => {
+                edges.push([at, start]);
+                at = start;
+            }
+        });
+        let bounds = outline.bounds();
+        let mut region = Self { bounds, rows: vec![Vec::new(); edges.len() / EDGES_IN_A_ROW + 1] };
+        for edge in edges.into_iter().filter(|[a, b]| a.y != b.y) {
+            let (top, bottom) = (edge[0].y.min(edge[1].y), edge[0].y.max(edge[1].y));
+            for row in region.row(top)..=region.row(bottom) {
+                region.rows[row].push(edge);
+            }
+        }
+        region
+    }
+
+    fn row(&self, y: f64) -> usize {
+        let share = (y - self.bounds.y0) / self.bounds.height().max(1e-9);
+        ((share * self.rows.len() as f64).max(0.0) as usize).min(self.rows.len() - 1)
+    }
+
+    /// Whether a point lies inside.
+    pub fn contains(&self, point: Point) -> bool {
+        if !self.bounds.contains(point) {
+            return false;
+        }
+        let mut winding = 0;
+        for [a, b] in &self.rows[self.row(point.y)] {
+            let down = a.y <= point.y;
+            if down == (b.y <= point.y) {
+                continue;
+            }
+            let right = (*b - *a).cross(point - *a) > 0.0;
+            if down == right {
+                winding += if down { 1 } else { -1 };
+            }
+        }
+        winding != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::parse_path;
+    use kurbo::Shape;
+
+    #[test]
+    fn agrees_with_the_winding_number() {
+        for text in [
+            "M0 0h40v40h-40zM10 10v20h20v-20z",
+            "M0 0c50 10 80 60 30 70c-60 10-20-40-30-70z",
+            "M0 0l20 35l-9-2z M50 50h7v7h-7z",
+            "",
+        ] {
+            let outline = Outline::new(&parse_path(text).unwrap()).unwrap();
+            let region = Region::new(&outline);
+            let mut inside = 0;
+            for i in 0..90 * 90 {
+                let p = Point::new(f64::from(i % 90) - 10.13, f64::from(i / 90) - 10.37);
+                let wanted = outline.path().winding(p) != 0;
+                inside += u32::from(wanted);
+                // Within the tolerance of the polygon either is right.
+                let near = [-0.06, 0.06].iter().any(|d| {
+                    [(*d, 0.0), (0.0, *d)].iter().any(|d| (outline.path().winding(p + *d) != 0) != wanted)
+                });
+                assert!(near || region.contains(p) == wanted, "{text}: {p:?}");
+            }
+            assert!(text.is_empty() || inside > 20);
+        }
+    }
+}

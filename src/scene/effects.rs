@@ -1,0 +1,74 @@
+//! What is drawn around a placed texton: the shadow beneath it and the line along its outline.
+
+use super::Instance;
+use crate::geometry::{Rect, Vec2};
+use crate::raster::colour::Colour;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A black shadow of a texton's outline. It is painted right beneath its texton, so it falls on all
+/// that is painted before and on nothing that is painted later.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Shadow {
+    /// How far it lies from the texton along x and y, in pixels of the canvas.
+    pub offset: [f64; 2],
+    /// How dark it is where it is darkest, 0 to 1.
+    pub opacity: f64,
+    /// Width of its soft edge, half inside and half outside, in the texton's own pixels; 0 is sharp,
+    /// 200 the most.
+    pub blur: f64,
+}
+
+/// A line along a texton's outline, painted over its details.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Stroke {
+    /// Its width, half inside and half outside, in the texton's own pixels.
+    pub width: f64,
+    /// Its colour.
+    pub colour: Colour,
+}
+
+impl Stroke {
+    /// The widest line, in pixels.
+    pub const WIDEST: f64 = 1e4;
+}
+
+impl Shadow {
+    /// The widest soft edge, in pixels.
+    pub const WIDEST: f64 = 200.0;
+
+    /// The offset as a vector.
+    pub fn shift(&self) -> Vec2 {
+        Vec2::new(self.offset[0], self.offset[1])
+    }
+
+    fn is_sound(&self) -> bool {
+        self.offset.iter().all(|v| v.abs() < 1e7)
+            && (0.0..=1.0).contains(&self.opacity)
+            && (0.0..=Self::WIDEST).contains(&self.blur)
+    }
+}
+
+impl Instance {
+    /// Bounding box on the canvas of all that is painted of it, given that of its texton in the
+    /// texton's own coordinates.
+    pub fn reach(&self, texton: Rect) -> Rect {
+        let affine = self.affine();
+        let around = |margin: f64| affine.transform_rect_bbox(texton.inflate(margin, margin));
+        let mut all = around(self.stroke.map_or(0.0, |s| s.width / 2.0));
+        if let Some(shadow) = &self.shadow {
+            all = all.union(around(shadow.blur) + shadow.shift());
+        }
+        all
+    }
+
+    /// Why its shadow or line cannot be painted; nothing if they can.
+    pub(super) fn fault(&self) -> Option<&'static str> {
+        if self.shadow.is_some_and(|s| !s.is_sound()) {
+            return Some("shadow");
+        }
+        self.stroke.is_some_and(|s| !(s.width > 0.0 && s.width <= Stroke::WIDEST)).then_some("stroke")
+    }
+}
