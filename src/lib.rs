@@ -18,6 +18,7 @@ pub mod analyze;
 pub mod control;
 pub mod engine;
 pub mod geometry;
+pub mod interpolate;
 pub mod library;
 pub mod output;
 pub mod procedural;

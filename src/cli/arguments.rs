@@ -5,6 +5,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
+use super::interp_arguments::InterpArgs;
 use super::values::{Axes, Bytes, Factors, Name, Seed, Size, WeightsFrom, named};
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -49,6 +50,7 @@ pub(crate) enum Command {
     Warp(WarpArgs),
     Tune(TuneArgs),
     Render(RenderArgs),
+    Interp(InterpArgs),
     Inspect(InspectArgs),
     Doctor(DoctorArgs),
     Models(ModelsArgs),
@@ -728,6 +730,7 @@ pub(crate) fn command() -> clap::Command {
     };
     let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "render", &WORK);
+    let command = hide(command, "interp", &WORK);
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
     let command = hide(command, "models", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
@@ -749,6 +752,8 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("warp", "library"),
             ("tune", "library"),
             ("render", "file"),
+            ("interp", "from"),
+            ("interp", "to"),
             ("inspect", "file"),
         ] {
             command = command.mut_subcommand(name, |c| c.mut_arg(argument, |a| a.required(false)));

@@ -9,6 +9,7 @@ use super::config::{Given, Parameters, RenderParameters, SvgParameters, Top};
 use super::failure::Failure;
 use super::format::{self, default_name, weights_path};
 use super::input::Input;
+use super::interp_arguments::Interpolating;
 use super::output::{Place, Target};
 use super::values::{Factors, Name, Seed};
 use clap_complete::Shell;
@@ -52,6 +53,7 @@ pub(crate) enum Job {
     Warp(Warping),
     Tune(Input, Tuning),
     Render(Input, RenderOptions),
+    Interp(Interpolating),
     Inspect(Input),
     Doctor(EngineOptions),
     Models(ModelsJob),
@@ -182,6 +184,10 @@ impl Options {
                 given.add("render", &a.render);
                 given.add("svg", &a.svg);
             }
+            Some(Command::Interp(a)) => {
+                given.add("render", &a.render);
+                given.add("svg", &a.svg);
+            }
             Some(Command::Warp(a)) => given.add("svg", &a.svg),
             Some(
                 Command::Tune(_)
@@ -282,6 +288,7 @@ impl Job {
                 let pattern = pattern(a.pattern, &a.force, &target)?;
                 Self::Render(file, RenderOptions { scale: render, svg, target, pattern })
             }
+            Command::Interp(a) => Self::Interp(Interpolating::new(a, render, svg)?),
             Command::Inspect(a) => Self::Inspect(required(a.file)?),
             Command::Doctor(a) => Self::Doctor(engine(a.engine, threads)),
             Command::Models(a) => Self::Models(match a.action {
@@ -512,7 +519,7 @@ fn read_weights(name: Option<Name>, beside: &Input, synth: &mut SynthParams) -> 
 }
 
 /// Refuses that a file is read and written, or standard input read twice.
-fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+pub(super) fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
     if read.iter().filter(|(_, file)| **file == Input::Stdin).count() > 1 {
         let failure = Failure::usage("'-' stands for more than one file");
         return Err(failure.hint("standard input can be read once"));
@@ -543,7 +550,7 @@ fn apart(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
 }
 
 /// Where results go: as asked; else stdout if the input is stdin; else a file named after it.
-fn target(
+pub(super) fn target(
     output: Option<PathBuf>,
     force: &ForceArgs,
     input: &Input,
@@ -574,6 +581,6 @@ fn pattern(args: PatternArgs, force: &ForceArgs, output: &Target) -> Result<Opti
 }
 
 /// An argument that the parser lets be missing only beside `--dump-config`.
-fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
+pub(super) fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
     path.map(Input::new).ok_or_else(|| Failure::usage("no input is given"))
 }

@@ -33,6 +33,41 @@ impl Colour {
     pub fn to_oklab(self) -> [f32; 3] {
         oklab(self.0)
     }
+
+    /// The nearest 8-bit sRGB colour of an Oklab colour, components beyond the gamut cut off.
+    pub fn from_oklab([lightness, a, b]: [f32; 3]) -> Self {
+        let cube = |v: f32| v * v * v;
+        let l = cube(lightness + 0.396_337_78 * a + 0.215_803_76 * b);
+        let m = cube(lightness - 0.105_561_346 * a - 0.063_854_17 * b);
+        let s = cube(lightness - 0.089_484_18 * a - 1.291_485_5 * b);
+        let linear = [
+            4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s,
+            -1.268_438 * l + 2.609_757_4 * m - 0.341_319_38 * s,
+            -0.004_196_086 * l - 0.703_418_6 * m + 1.707_614_7 * s,
+        ];
+        Self(linear.map(encoded))
+    }
+
+    /// The colour a share of the way from this one to another, in Oklab.
+    pub fn mixed(self, other: Self, share: f64) -> Self {
+        let (a, b, share) = (self.to_oklab(), other.to_oklab(), share as f32);
+        Self::from_oklab(std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share))
+    }
+}
+
+/// The 8-bit sRGB component of linear light, cut off at 0 and 1.
+fn encoded(linear: f32) -> u8 {
+    let table = linear_table();
+    let above = table.partition_point(|&v| v < linear);
+    match above {
+        0 => 0,
+        256 => 255,
+        i => {
+            // Between two steps the encoding is as good as straight.
+            let nearer = linear - table[i - 1] < table[i] - linear;
+            (if nearer { i - 1 } else { i }) as u8
+        }
+    }
 }
 
 impl fmt::Display for Colour {
@@ -149,6 +184,17 @@ mod tests {
             assert!(a.abs() < 1e-3 && b.abs() < 1e-3, "{v}: {a} {b}");
             assert!((0.0..=1.001).contains(&l));
         }
+    }
+
+    #[test]
+    fn every_colour_comes_back_from_oklab() {
+        for i in 0..4096u32 {
+            let colour = Colour([(i % 16 * 17) as u8, (i / 16 % 16 * 17) as u8, (i / 256 * 17) as u8]);
+            assert_eq!(Colour::from_oklab(colour.to_oklab()), colour);
+        }
+        let (black, white) = (Colour([0; 3]), Colour([255; 3]));
+        assert_eq!((black.mixed(white, 0.0), black.mixed(white, 1.0)), (black, white));
+        assert_eq!(Colour::from_oklab([0.7, 0.4, 0.2]).0[2], 0);
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod analyze;
 mod completions;
 mod doctor;
 mod inspect;
+mod interp;
 mod man;
 mod models;
 mod render;
@@ -27,6 +28,7 @@ pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
         Job::Warp(warping) => warp::run(common, &reporter, warping),
         Job::Tune(library, tuning) => tune::run(common, &reporter, library, tuning),
         Job::Render(file, options) => render::run(common, &reporter, file, options),
+        Job::Interp(job) => interp::run(common, &reporter, job),
         Job::Inspect(file) => inspect::run(common, file),
         Job::Doctor(engine) => doctor::run(common, engine),
         Job::Models(job) => models::run(common, job),
