@@ -38,7 +38,8 @@ pub(crate) struct Written {
 }
 
 impl Written {
-    fn of(bytes: u64) -> Self {
+    /// So many bytes, and nothing to say of them.
+    pub(crate) fn of(bytes: u64) -> Self {
         Self { bytes, ..Self::default() }
     }
 }

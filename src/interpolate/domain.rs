@@ -1,5 +1,6 @@
 //! The shape that is filled, on its way.
 
+use super::motion::Moving;
 use super::patch::TOLERANCE;
 use super::ring::{Ring, alignment, even, moments, perimeter};
 use super::when::When;
@@ -54,6 +55,17 @@ impl Region {
         let outline = Outline::along(&rings, TOLERANCE).filter(|o| !o.is_empty())?;
         let centre = rings.first().map_or(Point::ORIGIN, |r| moments(r).1);
         Some(Domain { outline, edge: self.edges[usize::from(when.at(centre) >= 0.5)] })
+    }
+}
+
+impl Region {
+    /// All of its way, and what becomes of primaries at its edge.
+    pub(super) fn motion(&self) -> (Moving, Edge) {
+        let rings = self.rings.iter().map(|[from, to]| {
+            let half = from.iter().zip(to).map(|(a, b)| a.midpoint(*b)).collect();
+            [from.clone(), half, to.clone()]
+        });
+        (Moving { rings: rings.collect(), colours: Default::default() }, self.edges[0])
     }
 }
 

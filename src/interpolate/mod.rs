@@ -97,6 +97,7 @@ impl<'a> Interpolation<'a> {
         }
         let scenes =
             ends.map(|s| if s.tile == tile { Cow::Borrowed(s) } else { Cow::Owned(untiled(s, tile)) });
+        advance(progress, STAGE, 0, 4)?;
         let mut libraries = Vec::new();
         let sides = [0, 1].map(|k| Side::new(&scenes[k], &mut libraries));
         advance(progress, STAGE, 1, 4)?;

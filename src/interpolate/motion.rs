@@ -1,11 +1,12 @@
 //! The whole way at once, as few pictures of each texton: what an animation that a viewer plays is
 //! made of.
 
+use super::domain::Region;
 use super::item::{Ends, Item, Layer};
 use super::{Interpolation, ring::Ring};
 use crate::geometry::{Point, Rect};
 use crate::raster::colour::Colour;
-use crate::scene::{Instance, Scene};
+use crate::scene::{Edge, Instance, Scene};
 
 /// Points of a ring in a motion.
 const COUNT: (usize, usize) = (6, 32);
@@ -56,6 +57,12 @@ impl Interpolation<'_> {
         let first = self.secondary.len() as u32;
         [(Layer::Secondary, &self.secondary, 0), (Layer::Primary, &self.primary, first)]
             .map(|(layer, items, first)| self.motions_of(layer, items, first))
+    }
+
+    /// The shape that is filled, on its way, and what becomes of primaries at its edge; none if both
+    /// scenes fill the canvas.
+    pub fn domain_motion(&self) -> Option<(Moving, Edge)> {
+        self.region.as_ref().map(Region::motion)
     }
 
     /// The two scenes, with what repeats in only one of them listed copy by copy.

@@ -37,7 +37,12 @@ fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
         let mut details = vec![Patch {
             outline: blob(random, 0.0, 0.0, radius * 0.6),
             colour: colour(random),
-            gradient: Some(Gradient { from: [-3.0, 0.0], to: [3.0, 1.0], start: colour(random), end: colour(random) }),
+            gradient: Some(Gradient {
+                from: [-3.0, 0.0],
+                to: [3.0, 1.0],
+                start: colour(random),
+                end: colour(random),
+            }),
         }];
         for _ in 0..random.below(4) {
             let [s, c] = sine_cosine(random.range(0.0, TAU));
@@ -109,7 +114,11 @@ fn flat(outline: &Outline) -> Ring {
 }
 
 fn area(scene: &Scene) -> f64 {
-    scene.primary.iter().map(|i| scene.textons[i.texton as usize].outline.area() * i.affine().determinant()).sum()
+    scene
+        .primary
+        .iter()
+        .map(|i| scene.textons[i.texton as usize].outline.area() * i.affine().determinant())
+        .sum()
 }
 
 #[test]
@@ -207,9 +216,10 @@ fn scenes_that_tile_tile_on_the_way() {
     let half = between(&a, &plain, 0.5);
     assert!(!half.tile.any());
     let near = between(&a, &plain, 1e-6);
-    let copies = a.primary.iter().map(|i| {
-        a.copies(i.affine().transform_rect_bbox(a.textons[i.texton as usize].bounds())).count()
-    });
+    let copies = a
+        .primary
+        .iter()
+        .map(|i| a.copies(i.affine().transform_rect_bbox(a.textons[i.texton as usize].bounds())).count());
     assert_eq!(near.primary.len(), copies.sum::<usize>());
     near.validate().unwrap();
 }
@@ -220,9 +230,8 @@ fn across_the_canvas_each_side_is_its_own() {
     let mixed = across(&a, &b, Axis::X, &()).unwrap();
     mixed.validate().unwrap();
     assert!(!mixed.tile.any());
-    let there = |scene: &Scene, instance: &Instance| {
-        scene.primary.iter().any(|i| i.transform == instance.transform)
-    };
+    let there =
+        |scene: &Scene, instance: &Instance| scene.primary.iter().any(|i| i.transform == instance.transform);
     let mut seen = [0, 0];
     for i in &mixed.primary {
         let x = i.transform[4];

@@ -23,7 +23,10 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
     let scenes = [read(from)?, read(to)?];
     let made = match wanted {
         Wanted::Scene(between, target) => one(reporter, job, &scenes, between, target)?,
-        _ => many(reporter, job, &scenes)?,
+        Wanted::Frames { folder, kind, force, pace } => {
+            frames(reporter, job, &scenes, folder, (*kind, *force), pace)?
+        }
+        Wanted::Film { place, kind, pace } => film(reporter, job, &scenes, place, *kind, pace)?,
     };
     for warning in &made.written.warnings {
         reporter.warn(warning);
@@ -74,73 +77,80 @@ fn one<'a>(
     target: &'a Target,
 ) -> anyhow::Result<Made<'a>> {
     let scene = match *between {
-        Between::At(t) => Interpolation::new(from, to, reporter)?.at(t),
+        Between::At(t) => {
+            let way = Interpolation::new(from, to, reporter)?;
+            reporter.stage("drawing")?;
+            way.at(t)
+        }
         Between::Across(axis) => across(from, to, axis, reporter)?,
     };
     reporter.stage("drawing")?;
     let written = target.write_scene(&scene, job.svg, job.scale.scale)?;
-    let size = [scene.width, scene.height];
+    let drawn = target.kind.format == Format::Png;
+    let size = if drawn { scaled(&scene, job) } else { [scene.width, scene.height] };
     Ok(Made { path: target.place.path(), written, size, counts: Some(Counts::of_scene(&scene)) })
 }
 
-/// Frames, or a film of them.
-fn many<'a>(
+/// Files of their own, one for each frame.
+fn frames<'a>(
     reporter: &Reporter,
-    job: &'a Interpolating,
+    job: &Interpolating,
     [from, to]: &[Scene; 2],
-) -> anyhow::Result<Made<'a>> {
-    let scale = job.scale.scale;
-    let way = Interpolation::new(from, to, reporter)?;
-    let frame = |pace: &Pace, k: u32| -> vtex::Result<Scene> {
-        let go_on = reporter.advance("drawing", u64::from(k), u64::from(pace.played()));
-        if go_on { Ok(way.at(pace.share(k))) } else { Err(Error::Interrupted) }
-    };
-    let picture = |pace: &Pace, k: u32| png::render(&frame(pace, k)?, scale);
-    let (path, bytes, drawn) = match &job.wanted {
-        Wanted::Frames { folder, kind, force, pace } => {
-            std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
-            let ending = if kind.format == Format::Png { "png" } else { "svg" };
-            let mut bytes = 0;
-            for k in 0..pace.played() {
-                let path = folder.join(format!("frame_{:04}.{ending}", k + 1));
-                let target = Target { place: Place::File { path, force: *force }, kind: *kind };
-                bytes += target.write_scene(&frame(pace, k)?, job.svg, scale)?.bytes;
-            }
-            (folder.as_path(), bytes, ending == "png")
-        }
-        Wanted::Film { place, kind, pace } => {
-            let film = Film { frames: pace.played(), rate: pace.rate };
-            let opaque = from.domain.is_none() && to.domain.is_none();
-            let ((), bytes) = match kind {
-                FilmKind::Gif => place.write(|out| film.write_gif(|k| picture(pace, k), out))?,
-                FilmKind::Png => place.write(|out| film.write_png(opaque, |k| picture(pace, k), out))?,
-                FilmKind::Svg { gzip } => {
-                    return animated(job, &way, &film, *gzip, place, pace);
-                }
-            };
-            (place.path(), bytes, true)
-        }
-        Wanted::Scene(..) => unreachable!("one scene is written elsewhere"),
-    };
-    let side = |v: u32| if drawn { (f64::from(v) * scale).round().max(1.0) as u32 } else { v };
-    let written = Written { bytes, ..Written::default() };
-    Ok(Made { path, written, size: [side(from.width), side(from.height)], counts: None })
-}
-
-/// A film that a viewer draws itself.
-fn animated<'a>(
-    job: &'a Interpolating,
-    way: &Interpolation<'_>,
-    film: &Film,
-    packed: bool,
-    place: &'a Place,
+    folder: &'a Path,
+    (kind, force): (Kind, bool),
     pace: &Pace,
 ) -> anyhow::Result<Made<'a>> {
-    // As long as the way is in pictures, back not included.
-    let seconds = f64::from(pace.frames) / film.rate;
-    let animation = Animation { seconds, back: pace.back, precision: job.svg.precision };
-    let target = Target { place: place.clone(), kind: Kind { format: Format::Svg, gzip: packed } };
-    let written = target.write_animation(way, &animation)?;
-    let [scene, _] = way.scenes();
-    Ok(Made { path: place.path(), written, size: [scene.width, scene.height], counts: None })
+    let way = Interpolation::new(from, to, reporter)?;
+    std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
+    let drawn = kind.format == Format::Png;
+    let ending = if drawn { "png" } else { "svg" };
+    let mut bytes = 0;
+    for k in 0..pace.played() {
+        let path = folder.join(format!("frame_{:04}.{ending}", k + 1));
+        let target = Target { place: Place::File { path, force }, kind };
+        bytes += target.write_scene(&frame(reporter, &way, pace, k)?, job.svg, job.scale.scale)?.bytes;
+    }
+    let size = if drawn { scaled(from, job) } else { [from.width, from.height] };
+    Ok(Made { path: folder, written: Written::of(bytes), size, counts: None })
+}
+
+/// One file that plays.
+fn film<'a>(
+    reporter: &Reporter,
+    job: &Interpolating,
+    [from, to]: &[Scene; 2],
+    place: &'a Place,
+    kind: FilmKind,
+    pace: &Pace,
+) -> anyhow::Result<Made<'a>> {
+    let way = Interpolation::new(from, to, reporter)?;
+    let film = Film { frames: pace.played(), rate: pace.rate };
+    let opaque = from.domain.is_none() && to.domain.is_none();
+    let picture = |k: u32| png::render(&frame(reporter, &way, pace, k)?, job.scale.scale);
+    let (written, size) = match kind {
+        FilmKind::Gif => (Written::of(place.write(|out| film.write_gif(picture, out))?.1), scaled(from, job)),
+        FilmKind::Png => {
+            (Written::of(place.write(|out| film.write_png(opaque, picture, out))?.1), scaled(from, job))
+        }
+        FilmKind::Svg { gzip } => {
+            reporter.stage("drawing")?;
+            // As long as the way is in pictures, back not included.
+            let seconds = f64::from(pace.frames) / pace.rate;
+            let animation = Animation { seconds, back: pace.back, precision: job.svg.precision };
+            let target = Target { place: place.clone(), kind: Kind { format: Format::Svg, gzip } };
+            (target.write_animation(&way, &animation)?, [from.width, from.height])
+        }
+    };
+    Ok(Made { path: place.path(), written, size, counts: None })
+}
+
+/// Frame `k` of those played.
+fn frame(reporter: &Reporter, way: &Interpolation<'_>, pace: &Pace, k: u32) -> vtex::Result<Scene> {
+    let go_on = reporter.advance("drawing", u64::from(k), u64::from(pace.played()));
+    if go_on { Ok(way.at(pace.share(k))) } else { Err(Error::Interrupted) }
+}
+
+/// Size of a picture of a scene.
+fn scaled(scene: &Scene, job: &Interpolating) -> [u32; 2] {
+    [scene.width, scene.height].map(|v| (f64::from(v) * job.scale.scale).round().max(1.0) as u32)
 }

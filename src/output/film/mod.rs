@@ -69,7 +69,10 @@ impl Film {
             let tick = |k: u32| libm::round(f64::from(k) * 100.0 / self.rate);
             let frame = gif::Frame {
                 delay: (tick(k + 1) - tick(k)).clamp(1.0, 65535.0) as u16,
-                dispose: gif::DisposalMethod::Background,
+                dispose: match palette.transparent() {
+                    Some(_) => gif::DisposalMethod::Background,
+                    None => gif::DisposalMethod::Keep,
+                },
                 transparent: palette.transparent(),
                 width,
                 height,

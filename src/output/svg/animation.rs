@@ -16,7 +16,7 @@ use crate::error::{Result, check};
 use crate::geometry::{Affine, PathText, Point, Vec2, write_path};
 use crate::interpolate::{Change, Interpolation, Motion, Moving, Resizing};
 use crate::output::background::Background;
-use crate::scene::{Scene, Texton};
+use crate::scene::{Edge, Scene, Texton};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -48,7 +48,7 @@ pub fn write_animation(way: &Interpolation<'_>, options: &Animation, out: impl W
     check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
     check((0.01..=1e5).contains(&options.seconds), "seconds", options.seconds, "0.01 to 100000")?;
     let motions = way.motions();
-    let writer = Writer { scenes: way.scenes(), precision: options.precision };
+    let writer = Writer { scenes: way.scenes(), domain: way.domain_motion(), precision: options.precision };
     let mut shapes = 0;
     let mut summary = super::summed(0, out, |xml| {
         shapes = writer.write(xml, &motions, options)?;
@@ -65,6 +65,7 @@ pub fn write_animation(way: &Interpolation<'_>, options: &Animation, out: impl W
 
 struct Writer<'a> {
     scenes: [&'a Scene; 2],
+    domain: Option<(Moving, Edge)>,
     precision: u8,
 }
 
@@ -92,13 +93,13 @@ impl Writer<'_> {
         xml.line();
         self.write_rules(xml, motions, options)?;
         let backgrounds = self.scenes.map(Background::new);
-        xml.open("defs");
-        xml.line();
-        for (background, name) in backgrounds.iter().zip(['b', 'e']) {
-            background.write_definitions(xml, 0.0, name)?;
+        self.write_definitions(xml, &backgrounds)?;
+        let edge = self.domain.as_ref().map(|(_, edge)| *edge);
+        if edge.is_some() {
+            layer(xml, "inside", "Inside");
+            xml.attribute("clip-path", "url(#domain)");
+            xml.line();
         }
-        xml.close()?;
-        xml.line();
         layer(xml, "background", "Background");
         xml.line();
         backgrounds[0].write_bands(xml, 0.0, 'b')?;
@@ -110,17 +111,54 @@ impl Writer<'_> {
         xml.close()?;
         xml.close()?;
         xml.line();
-        let mut shapes = 0;
-        for (list, (id, label)) in motions.iter().zip([("secondary", "Secondary"), ("primary", "Primary")]) {
-            layer(xml, id, label);
-            xml.line();
-            for motion in list {
-                shapes += self.write_motion(xml, motion)?;
-                xml.line();
-            }
+        let [secondaries, primaries] = motions;
+        let mut shapes = self.write_layer(xml, ("secondary", "Secondary"), secondaries)?;
+        if edge == Some(Edge::Keep) {
             xml.close()?;
             xml.line();
         }
+        shapes += self.write_layer(xml, ("primary", "Primary"), primaries)?;
+        Ok(shapes)
+    }
+
+    fn write_definitions<W: Write>(&self, xml: &mut Xml<W>, backgrounds: &[Background; 2]) -> io::Result<()> {
+        xml.open("defs");
+        xml.line();
+        for (background, name) in backgrounds.iter().zip(['b', 'e']) {
+            background.write_definitions(xml, 0.0, name)?;
+        }
+        if let Some((shape, _)) = &self.domain {
+            xml.open("clipPath");
+            xml.attribute("id", "domain");
+            xml.open("path");
+            xml.attribute("class", "a");
+            xml.attribute("style", "animation-name:domain");
+            xml.attribute("d", self.data(shape, 0));
+            xml.close()?;
+            xml.close()?;
+            xml.line();
+        }
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    /// A layer of textons; gives the number of their shapes.
+    fn write_layer<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        (id, label): (&str, &str),
+        motions: &[Motion<'_>],
+    ) -> io::Result<usize> {
+        let mut shapes = 0;
+        layer(xml, id, label);
+        xml.line();
+        for motion in motions {
+            shapes += self.write_motion(xml, motion)?;
+            xml.line();
+        }
+        xml.close()?;
+        xml.line();
         Ok(shapes)
     }
 
@@ -151,6 +189,9 @@ impl Writer<'_> {
                 ".{name}{{animation-name:{name}}}\n@keyframes {name}{{0%,{first}%{{transform:{before};\
                  animation-timing-function:ease-in-out}}{last}%,100%{{transform:{after}}}}}\n"
             ));
+        }
+        if let Some((shape, _)) = &self.domain {
+            xml.raw_text(&format!("@keyframes domain{{to{{d:path(\"{}\")}}}}\n", self.data(shape, 2)))?;
         }
         for motion in motions.iter().flatten() {
             if let Change::Shapes(shapes) = &motion.change {
@@ -327,4 +368,82 @@ fn spline(text: &mut String, ring: &[Point], precision: u8) {
         at = end;
     }
     text.push('z');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::BezPath;
+    use crate::output::testing;
+    use std::f64::consts::TAU;
+
+    fn ring(n: u32, phase: f64) -> Vec<Point> {
+        let point = |i: u32| {
+            let angle = TAU * f64::from(i) / f64::from(n);
+            let r = 20.0 + 4.0 * libm::sin(3.0 * angle + phase);
+            Point::new(700.0 + r * libm::cos(angle), 300.0 + r * libm::sin(angle))
+        };
+        (0..n).map(point).collect()
+    }
+
+    #[test]
+    fn splines_pass_near_their_points_whatever_is_rounded() {
+        for precision in [1, 2] {
+            for phase in 0..8 {
+                let points = ring(28, f64::from(phase));
+                let mut text = String::new();
+                spline(&mut text, &points, precision);
+                let path = BezPath::from_svg(&text).unwrap();
+                let mut drawn = Vec::new();
+                kurbo_points(&path, &mut drawn);
+                for p in &points {
+                    let far = drawn.iter().map(|q| (*p - *q).hypot2()).fold(f64::INFINITY, f64::min);
+                    assert!(far < 0.4 * 0.4, "{far} {text}");
+                }
+            }
+        }
+    }
+
+    /// Points along a path.
+    fn kurbo_points(path: &BezPath, out: &mut Vec<Point>) {
+        use kurbo::ParamCurve;
+        for segment in path.segments() {
+            out.extend((0..20).map(|k| segment.eval(f64::from(k) / 20.0)));
+        }
+    }
+
+    #[test]
+    fn an_animation_has_everything_once_and_commands_that_correspond() {
+        let (a, b) = (testing::scene(200, 200, 1), testing::scene(200, 200, 2));
+        let way = Interpolation::new(&a, &b, &()).unwrap();
+        let options = Animation { seconds: 2.0, back: true, precision: 1 };
+        let mut bytes = Vec::new();
+        let summary = write_animation(&way, &options, &mut bytes).unwrap();
+        assert_eq!(summary.bytes, bytes.len() as u64);
+        let source = String::from_utf8(bytes).unwrap();
+        let document = roxmltree::Document::parse(&source).unwrap();
+        let with_id = |id: &str| document.descendants().filter(|n| n.attribute("id") == Some(id)).count();
+        for motion in way.motions().iter().flatten() {
+            assert_eq!(with_id(&format!("p{}", motion.id)), 1);
+        }
+        let style = document.descendants().find(|n| n.has_tag_name("style")).unwrap().text().unwrap();
+        let commands = |d: &str| -> String { d.chars().filter(char::is_ascii_alphabetic).collect() };
+        let numbers = |d: &str| BezPath::from_svg(d).unwrap().elements().len();
+        let mut seen = 0;
+        for path in document.descendants().filter(|n| n.has_tag_name("path")) {
+            let Some(name) = path.attribute("style").and_then(|s| s.strip_prefix("animation-name:")) else {
+                continue;
+            };
+            let rule = style.split(&format!("@keyframes {name}{{")).nth(1).unwrap().lines().next().unwrap();
+            let d = path.attribute("d").unwrap();
+            for other in rule.split("path(\"").skip(1).map(|r| r.split('"').next().unwrap()) {
+                assert_eq!((commands(d), numbers(d)), (commands(other), numbers(other)));
+            }
+            seen += 1;
+        }
+        assert!(seen > 10, "{seen}");
+        let mut again = Vec::new();
+        write_animation(&way, &options, &mut again).unwrap();
+        assert!(source.as_bytes() == again);
+    }
 }
