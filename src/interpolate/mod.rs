@@ -195,9 +195,11 @@ impl<'a> Interpolation<'a> {
                 }
                 What::New { texton, at, side, instance } => {
                     let at = home(at);
-                    let like = layer.of(&self.scenes[side])[instance as usize].clone();
-                    let transform = [1.0, 0.0, 0.0, 1.0, at.x, at.y];
-                    Instance { id, texton: add(texton), transform, colour: None, ..like }
+                    // What else it has is as of the nearer.
+                    let mut instance = layer.of(&self.scenes[side])[instance as usize].clone();
+                    (instance.id, instance.texton, instance.colour) = (id, add(texton), None);
+                    instance.transform = [1.0, 0.0, 0.0, 1.0, at.x, at.y];
+                    instance
                 }
             }
         };
