@@ -103,6 +103,14 @@ pub enum Error {
     /// A pattern was asked for of a scene that does not tile along both axes.
     #[error("a pattern needs a texture that repeats along both axes")]
     Seams,
+    /// Two scenes cannot turn into one another.
+    #[error("the scenes have different sizes, {}x{} and {}x{}", from[0], from[1], to[0], to[1])]
+    Sizes {
+        /// Width and height of the first, in pixels.
+        from: [u32; 2],
+        /// Width and height of the second.
+        to: [u32; 2],
+    },
     /// The caller asked to stop (see [`crate::Progress`]).
     #[error("interrupted")]
     Interrupted,
@@ -209,6 +217,9 @@ impl Error {
             Self::Network { advice, .. } if !advice.is_empty() => (*advice).into(),
             Self::Edit { advice, .. } if !advice.is_empty() => advice.clone(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
+            Self::Sizes { .. } => {
+                "make both with the same --size, or stretch one with 'vtex warp --scale'".into()
+            }
             Self::Seams => "make the texture with --tile, for both axes".into(),
             Self::MaxBytes { smallest, .. } => {
                 format!("give --max-bytes {smallest} or more, write .svgz, or make the texture smaller")

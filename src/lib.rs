@@ -19,6 +19,7 @@ pub mod control;
 pub mod edit;
 pub mod engine;
 pub mod geometry;
+pub mod interpolate;
 pub mod library;
 pub mod metrics;
 pub mod output;

@@ -7,6 +7,7 @@
 
 use super::batch_arguments::BatchArgs;
 use super::edit_arguments::EditArgs;
+use super::interp_arguments::InterpArgs;
 use super::metrics_arguments::MetricsArgs;
 use super::values::{Axes, Bytes, Factors, Name, Seed, Size, WeightsFrom, named};
 use clap::builder::styling::{AnsiColor, Styles};
@@ -54,6 +55,7 @@ pub(crate) enum Command {
     Edit(EditArgs),
     Tune(TuneArgs),
     Render(RenderArgs),
+    Interp(InterpArgs),
     Inspect(InspectArgs),
     Metrics(MetricsArgs),
     Doctor(DoctorArgs),
@@ -749,6 +751,7 @@ pub(crate) fn command() -> clap::Command {
     let command = hide(command, "render", &WORK);
     let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS].concat());
+    let command = hide(command, "interp", &WORK);
     let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
     let command = hide(command, "models", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();
@@ -771,6 +774,8 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("warp", "library"),
             ("tune", "library"),
             ("render", "file"),
+            ("interp", "from"),
+            ("interp", "to"),
             ("inspect", "file"),
         ] {
             command = command.mut_subcommand(name, |c| c.mut_arg(argument, |a| a.required(false)));

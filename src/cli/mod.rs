@@ -11,6 +11,7 @@ mod exit;
 pub(crate) mod failure;
 mod format;
 mod input;
+mod interp_arguments;
 pub(crate) mod interrupt;
 mod metrics_arguments;
 mod models;

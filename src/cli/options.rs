@@ -11,6 +11,7 @@ use super::edit_arguments::{self, EditArgs, Editing};
 use super::failure::Failure;
 use super::format::{self, default_name, weights_path};
 use super::input::Input;
+use super::interp_arguments::Interpolating;
 use super::metrics_arguments::MetricsArgs;
 use super::output::{Place, Target};
 use super::values::{Factors, Name, Seed};
@@ -59,6 +60,7 @@ pub(crate) enum Job {
     Render(Input, RenderOptions),
     Metrics(MetricsArgs),
     Inspect(Vec<Input>, Option<PageOptions>),
+    Interp(Interpolating),
     Doctor(EngineOptions),
     Models(ModelsJob),
     Completions(Shell),
@@ -199,6 +201,10 @@ impl Options {
                 given.add("render", &a.render);
                 given.add("svg", &a.svg);
             }
+            Some(Command::Interp(a)) => {
+                given.add("render", &a.render);
+                given.add("svg", &a.svg);
+            }
             Some(Command::Warp(a)) => given.add("svg", &a.svg),
             Some(Command::Edit(a)) => given.add("svg", &a.svg),
             Some(
@@ -321,6 +327,7 @@ impl Job {
                 let page = PageOptions::new(a, &files)?;
                 Self::Inspect(files, page)
             }
+            Command::Interp(a) => Self::Interp(Interpolating::new(a, render, svg)?),
             Command::Doctor(a) => Self::Doctor(engine(a.engine, threads)),
             Command::Models(a) => Self::Models(match a.action {
                 ModelsAction::Add(a) => ModelsJob::Add {
@@ -629,7 +636,7 @@ fn apart(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
 }
 
 /// Where results go: as asked; else stdout if the input is stdin; else a file named after it.
-fn target(
+pub(super) fn target(
     output: Option<PathBuf>,
     force: &ForceArgs,
     input: &Input,
@@ -660,6 +667,6 @@ fn pattern(args: PatternArgs, force: &ForceArgs, output: &Target) -> Result<Opti
 }
 
 /// An argument that the parser lets be missing only beside `--dump-config`.
-fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
+pub(super) fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
     path.map(Input::new).ok_or_else(|| Failure::usage("no input is given"))
 }

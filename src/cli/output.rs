@@ -6,6 +6,7 @@ use super::values::Bytes;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use vtex::interpolate::Interpolation;
 use vtex::output::file::{Format, Kind, gzip, write_file};
 use vtex::output::reduce::{self, GivenUp};
 use vtex::output::{pdf, png, svg};
@@ -37,7 +38,8 @@ pub(crate) struct Written {
 }
 
 impl Written {
-    fn of(bytes: u64) -> Self {
+    /// So many bytes, and nothing to say of them.
+    pub(crate) fn of(bytes: u64) -> Self {
         Self { bytes, ..Self::default() }
     }
 }
@@ -138,6 +140,20 @@ impl Target {
     /// As [`Place::write`], and those of [`svg::write_pattern`] and of [`reduce::to_fit`].
     pub(crate) fn write_pattern(&self, scene: &Scene, svg: SvgParameters) -> Result<Written> {
         self.write_svg(scene, svg, |s, o, out| svg::write_pattern(s, o, out))
+    }
+
+    /// Writes the way between two scenes as an SVG that plays.
+    ///
+    /// # Errors
+    /// As [`Place::write`], and those of [`svg::write_animation`].
+    pub(crate) fn write_animation(
+        &self,
+        way: &Interpolation<'_>,
+        animation: &svg::Animation,
+    ) -> Result<Written> {
+        let (summary, bytes) =
+            self.place.write(|out| self.pack(out, |w| svg::write_animation(way, animation, w)))?;
+        Ok(Written { bytes, warnings: summary.warnings, given_up: None })
     }
 
     /// Writes a scene by `writer`, as much of it as is allowed.

@@ -63,6 +63,11 @@ impl Cage {
         Ok(Self { before: from, after: to })
     }
 
+    /// From a polygon before and after, which correspond point by point; nothing is checked.
+    pub(crate) fn of_polygons(before: Vec<Point>, after: Vec<Point>) -> Self {
+        Self { before, after }
+    }
+
     /// Where a point goes. Points on the cage go with their side, linearly.
     pub fn map(&self, point: Point) -> Point {
         let count = self.before.len();

@@ -7,6 +7,7 @@ mod fit;
 mod fitted_map;
 mod outline;
 mod path_text;
+mod polygon;
 mod refit;
 mod region;
 mod second_moments;

@@ -118,9 +118,10 @@ pub fn write_file<T>(
     Ok(value)
 }
 
-/// Whether vtex wrote a file, told by its content: an SVG or a page just as vtex begins it, a JSON document
-/// whose first field is `"format": "vtex-…"`, one of these packed, a PNG whose text says so, or a PDF
-/// whose information does. A file that another program saved since does not count.
+/// Whether vtex wrote a file, told by its content: an SVG or a page just as vtex begins it, a JSON
+/// document whose first field is `"format": "vtex-…"`, one of these packed, a PNG whose text says so,
+/// a GIF whose comment does, or a PDF whose information does. A file that another program saved since
+/// does not count.
 fn is_ours(path: &Path) -> Result<bool> {
     const ENOUGH: u64 = 4096;
     let mut start = Vec::new();
@@ -130,6 +131,9 @@ fn is_ours(path: &Path) -> Result<bool> {
         let mut whole = start;
         (&file).read_to_end(&mut whole).map_err(|e| Error::read(path, e))?;
         return Ok(is_pdf(&whole));
+    }
+    if start.starts_with(b"GIF89a") {
+        return Ok(is_gif(&start));
     }
     if start.starts_with(&[0x1f, 0x8b]) {
         let mut unpacked = Vec::new();
@@ -158,6 +162,11 @@ fn is_png(start: &[u8]) -> bool {
         rest = next;
     }
     false
+}
+
+/// Whether a GIF says in a comment that vtex wrote it.
+fn is_gif(start: &[u8]) -> bool {
+    start.windows(8).any(|w| w[..2] == [0x21, 0xfe] && w[3..] == *b"vtex ")
 }
 
 /// Whether a PDF says that vtex produced it and nothing was appended to it.

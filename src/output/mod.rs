@@ -2,12 +2,13 @@
 //!
 //! All writers see one finished type, [`crate::scene::Scene`], and know nothing of how it came to
 //! be. [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale,
-//! [`raster_svg`] draws any SVG, [`reduce`] finds what of a scene fits in so many bytes, [`file`] puts
+//! [`film`] writes pictures that play, [`raster_svg`] draws any SVG, [`reduce`] finds what of a scene fits in so many bytes, [`file`] puts
 //! what they write safely in its place.
 
 mod background;
 mod coverage;
 pub mod file;
+pub mod film;
 pub mod pdf;
 pub mod png;
 pub mod raster_svg;

@@ -274,12 +274,18 @@ pub(super) fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
 pub fn encode(pixmap: &Pixmap, seed: Option<u64>, out: impl Write) -> Result<()> {
     let opaque = pixmap.pixels().iter().all(|p| p.alpha() == 255);
     let channels = if opaque { 3 } else { 4 };
+    let data = straight(pixmap, channels);
+    encode_data(pixmap.width(), pixmap.height(), opaque, &data, seed, out).map_err(failed)
+}
+
+/// The components of all pixels, 3 or 4 each, not multiplied by alpha.
+pub(super) fn straight(pixmap: &Pixmap, channels: usize) -> Vec<u8> {
     let mut data = Vec::with_capacity(pixmap.pixels().len() * channels);
     for pixel in pixmap.pixels() {
         let c = pixel.demultiply();
         data.extend_from_slice(&[c.red(), c.green(), c.blue(), c.alpha()][..channels]);
     }
-    encode_data(pixmap.width(), pixmap.height(), opaque, &data, seed, out).map_err(failed)
+    data
 }
 
 /// As [`encode`], of plain RGB.
@@ -290,7 +296,7 @@ pub fn encode_rgb(image: &RgbImage, out: impl Write) -> Result<()> {
     encode_data(image.width(), image.height(), true, image.as_raw(), None, out).map_err(failed)
 }
 
-fn failed(e: png::EncodingError) -> Error {
+pub(super) fn failed(e: png::EncodingError) -> Error {
     let source = match e {
         png::EncodingError::IoError(e) => e,
         other => std::io::Error::other(other.to_string()),

@@ -6,6 +6,7 @@ mod completions;
 mod doctor;
 mod edit;
 mod inspect;
+mod interp;
 mod man;
 mod metrics;
 mod models;
@@ -36,6 +37,7 @@ pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
         Job::Metrics(arguments) => metrics::run(common, &reporter, arguments),
         Job::Inspect(files, Some(page)) => report::run(common, &reporter, files, page),
         Job::Inspect(files, None) => files.iter().try_for_each(|file| inspect::run(common, file)),
+        Job::Interp(job) => interp::run(common, &reporter, job),
         Job::Doctor(engine) => doctor::run(common, engine),
         Job::Models(job) => models::run(common, job),
         Job::Completions(shell) => completions::run(*shell),

@@ -38,11 +38,17 @@ impl Background {
     }
 
     /// The gradients and the mask, for `<defs>`; the mask reaches `bleed` pixels beyond the canvas.
-    pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>, bleed: f64) -> io::Result<()> {
+    /// Their ids begin with `name`.
+    pub(super) fn write_definitions<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        bleed: f64,
+        name: char,
+    ) -> io::Result<()> {
         // Where a column's gradients begin and end is said once, and they refer to it.
         for (c, start) in self.columns[..self.column_count()].iter().enumerate() {
             xml.open("linearGradient");
-            xml.attribute("id", format_args!("bc{c}"));
+            xml.attribute("id", format_args!("{name}c{c}"));
             xml.attribute("gradientUnits", "userSpaceOnUse");
             xml.attribute("x1", Number(*start, DIGITS));
             xml.attribute("x2", Number(start + self.column_width, DIGITS));
@@ -53,8 +59,8 @@ impl Background {
             for (c, stops) in row.iter().enumerate() {
                 let start = self.columns[c];
                 xml.open("linearGradient");
-                xml.attribute("id", format_args!("b{}", k * self.column_count() + c));
-                xml.attribute("xlink:href", format_args!("#bc{c}"));
+                xml.attribute("id", format_args!("{name}{}", k * self.column_count() + c));
+                xml.attribute("xlink:href", format_args!("#{name}c{c}"));
                 for stop in stops {
                     xml.open("stop");
                     let offset = Number((stop.x - start) / self.column_width, 5);
@@ -67,7 +73,7 @@ impl Background {
             }
         }
         xml.open("linearGradient");
-        xml.attribute("id", "bt");
+        xml.attribute("id", format_args!("{name}t"));
         xml.attribute("x2", 0);
         xml.attribute("y2", 1);
         for (offset, opacity) in [("0", 0), (".5", 1), ("1", 0)] {
@@ -82,14 +88,14 @@ impl Background {
         let width = self.columns[self.column_count()];
         let height = (self.rows.len() - 1) as f64 * self.row_height;
         xml.open("mask");
-        xml.attribute("id", "bm");
+        xml.attribute("id", format_args!("{name}m"));
         xml.attribute("maskUnits", "userSpaceOnUse");
         xml.attribute("x", Number(-bleed, DIGITS));
         xml.attribute("y", Number(-bleed, DIGITS));
         xml.attribute("width", Number(width + 2.0 * bleed, DIGITS));
         xml.attribute("height", Number(height + 2.0 * bleed, DIGITS));
         xml.open("g");
-        xml.attribute("fill", "url(#bt)");
+        xml.attribute("fill", format_args!("url(#{name}t)"));
         for k in (1..self.rows.len()).step_by(2) {
             // The whole tent, also where it reaches beyond the canvas: its box shapes the gradient.
             xml.open("rect");
@@ -108,12 +114,12 @@ impl Background {
     }
 
     /// The bands; the outermost reach `bleed` pixels beyond the canvas.
-    pub(super) fn write_bands<W: Write>(&self, xml: &mut Xml<W>, bleed: f64) -> io::Result<()> {
+    pub(super) fn write_bands<W: Write>(&self, xml: &mut Xml<W>, bleed: f64, name: char) -> io::Result<()> {
         let (last_row, last_column) = (self.rows.len() - 1, self.column_count() - 1);
         for first in 0..2 {
             xml.open("g");
             if first == 1 {
-                xml.attribute("mask", "url(#bm)");
+                xml.attribute("mask", format_args!("url(#{name}m)"));
             }
             for k in (first..self.rows.len()).step_by(2) {
                 let (top, bottom) = self.band(k);
@@ -134,7 +140,7 @@ impl Background {
                     }
                     xml.attribute("width", Number(right - left, DIGITS));
                     xml.attribute("height", Number(bottom - top, DIGITS));
-                    xml.attribute("fill", format_args!("url(#b{})", k * self.column_count() + c));
+                    xml.attribute("fill", format_args!("url(#{name}{})", k * self.column_count() + c));
                     xml.close()?;
                 }
                 xml.line();

@@ -21,6 +21,7 @@
 //! the textons, `t12g` the gradient of one, `t12s` its shadow (`t12s2` another), `t12o` its bare outline; `g5` any other gradient; `b…` the background's; `inside`
 //! the group that a domain clips, `domain` its clip path; `texture` the pattern.
 
+mod animation;
 mod background;
 mod gradients;
 mod metadata;
@@ -29,6 +30,8 @@ mod number;
 mod tests;
 mod textons;
 mod xml;
+
+pub use animation::{Animation, write_animation};
 
 use super::background::Background;
 use crate::error::{Error, Result, check};
@@ -91,7 +94,7 @@ pub struct SvgSummary {
 /// A precision out of range; a scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
 pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
     let document = Document::new(scene, options, 0.0)?;
-    summed(&document, out, |xml| document.write(xml))
+    summed(document.textons.shared_count(), out, |xml| document.write(xml))
 }
 
 /// Writes a scene that tiles as an SVG that fills whatever room it is given: a
@@ -105,12 +108,12 @@ pub fn write_pattern(scene: &Scene, options: &SvgOptions, out: impl Write) -> Re
         return Err(Error::Seams);
     }
     let document = Document::new(scene, options, BLEED)?;
-    summed(&document, out, |xml| document.write_pattern(xml))
+    summed(document.textons.shared_count(), out, |xml| document.write_pattern(xml))
 }
 
 /// Writes a document and says what was written.
 fn summed<W: Write>(
-    document: &Document<'_>,
+    shared_textons: u64,
     out: W,
     content: impl FnOnce(&mut Xml<W>) -> io::Result<()>,
 ) -> Result<SvgSummary> {
@@ -125,7 +128,7 @@ fn summed<W: Write>(
              write a smaller size, or a PNG"
         ));
     }
-    Ok(SvgSummary { bytes, elements, shared_textons: document.textons.shared_count(), warnings })
+    Ok(SvgSummary { bytes, elements, shared_textons, warnings })
 }
 
 /// What is written, and how.
@@ -207,7 +210,7 @@ impl<'a> Document<'a> {
     fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         xml.open("defs");
         xml.line();
-        self.background.write_definitions(xml, self.bleed)?;
+        self.background.write_definitions(xml, self.bleed, 'b')?;
         self.textons.write_definitions(xml)?;
         if let Some(domain) = &self.scene.domain {
             xml.open("clipPath");
@@ -234,7 +237,7 @@ impl<'a> Document<'a> {
         }
         layer(xml, "background", "Background");
         xml.line();
-        self.background.write_bands(xml, self.bleed)?;
+        self.background.write_bands(xml, self.bleed, 'b')?;
         xml.close()?;
         xml.line();
         self.write_secondaries(xml)?;

@@ -52,6 +52,13 @@ impl<W: Write> Xml<W> {
         self.escape_from(start);
     }
 
+    /// Much text inside the open element, which needs no escapes.
+    pub(super) fn raw_text(&mut self, text: &str) -> io::Result<()> {
+        self.end_tag();
+        self.buffer.push_str(text);
+        if self.buffer.len() >= BUFFER { self.flush() } else { Ok(()) }
+    }
+
     /// A line break, for people who read the file.
     pub(super) fn line(&mut self) {
         self.end_tag();

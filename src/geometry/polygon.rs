@@ -1,0 +1,82 @@
+//! Outlines as polygons, and smooth outlines along polygons.
+
+use super::Outline;
+use super::fit::{Piece, fit_closed};
+use kurbo::{BezPath, PathEl, Point, flatten};
+
+impl Outline {
+    /// Its rings as closed polygons within `tolerance` pixels, the first point not repeated at the
+    /// end. What has fewer than three points is left out.
+    pub fn polygons(&self, tolerance: f64) -> Vec<Vec<Point>> {
+        let mut rings: Vec<Vec<Point>> = Vec::new();
+        flatten(self.path().elements().iter().copied(), tolerance.max(1e-3), |element| match element {
+            PathEl::MoveTo(p) => rings.push(vec![p]),
+            PathEl::LineTo(p) => {
+                if let Some(ring) = rings.last_mut()
+                    && ring.last() != Some(&p)
+                {
+                    ring.push(p);
+                }
+            }
+            _ => {}
+        });
+        for ring in &mut rings {
+            while ring.len() > 1 && ring.first() == ring.last() {
+                ring.pop();
+            }
+        }
+        rings.retain(|ring| ring.len() >= 3);
+        rings
+    }
+
+    /// Curves along closed polygons, within `tolerance` pixels of their points; corners stay. What
+    /// has fewer than three points is left out. `None` if a coordinate is out of range.
+    pub fn along(polygons: &[Vec<Point>], tolerance: f64) -> Option<Self> {
+        let mut path = BezPath::new();
+        for polygon in polygons.iter().filter(|p| p.len() >= 3) {
+            if !polygon.iter().all(|p| p.is_finite()) {
+                return None;
+            }
+            let (start, pieces) = fit_closed(polygon, true, tolerance);
+            path.move_to(start);
+            for (i, piece) in pieces.iter().enumerate() {
+                match *piece {
+                    // Closing draws it.
+                    Piece::Line(_) if i + 1 == pieces.len() => {}
+                    Piece::Line(p) => path.line_to(p),
+                    Piece::Cubic(a, b, p) => path.curve_to(a, b, p),
+                }
+            }
+            path.close_path();
+        }
+        Self::new(&path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::parse_path;
+
+    #[test]
+    fn a_ring_comes_back_from_its_polygon() {
+        for text in [
+            "M10 0C16 0 20 4 20 10C20 16 16 20 10 20C4 20 0 16 0 10C0 4 4 0 10 0z",
+            "M0 0H40V30H0zM10 10V20H30V10z",
+        ] {
+            let outline = Outline::new(&parse_path(text).unwrap()).unwrap();
+            let polygons = outline.polygons(0.02);
+            assert_eq!(polygons.len(), text.matches('M').count());
+            let again = Outline::along(&polygons, 0.05).unwrap();
+            assert!((again.area() - outline.area()).abs() < 0.01 * outline.area(), "{again}");
+            assert!((again.bounds().union(outline.bounds()).area() - outline.bounds().area()).abs() < 2.0);
+        }
+    }
+
+    #[test]
+    fn nothing_comes_of_nothing() {
+        assert!(Outline::default().polygons(0.1).is_empty());
+        assert_eq!(Outline::along(&[vec![Point::ORIGIN; 2]], 0.1), Some(Outline::default()));
+        assert_eq!(Outline::along(&[vec![Point::new(f64::NAN, 0.0); 3]], 0.1), None);
+    }
+}

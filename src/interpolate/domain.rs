@@ -1,0 +1,92 @@
+//! The shape that is filled, on its way.
+
+use super::motion::Moving;
+use super::patch::TOLERANCE;
+use super::ring::{Ring, alignment, even, moments, perimeter};
+use super::when::When;
+use crate::geometry::{Outline, Point, Rect};
+use crate::scene::{Domain, Edge, Scene};
+
+/// Distance of points along the shape, in pixels, and most points.
+const STEP: f64 = 3.0;
+const MOST: f64 = 2000.0;
+/// Where a scene fills the canvas, the shape begins as the canvas and so much around it, in pixels:
+/// its corners are cut by less.
+const AROUND: f64 = 8.0;
+
+/// A shape that becomes another.
+pub(super) struct Region {
+    rings: Vec<[Ring; 2]>,
+    edges: [Edge; 2],
+}
+
+impl Region {
+    /// Of two scenes of one size; none if both fill the canvas.
+    pub(super) fn new(scenes: [&Scene; 2]) -> Option<Self> {
+        if scenes.iter().all(|s| s.domain.is_none()) {
+            return None;
+        }
+        let canvas = Rect::new(0.0, 0.0, f64::from(scenes[0].width), f64::from(scenes[0].height));
+        let sheet = canvas.inflate(AROUND, AROUND);
+        let corners =
+            [(sheet.x0, sheet.y0), (sheet.x1, sheet.y0), (sheet.x1, sheet.y1), (sheet.x0, sheet.y1)];
+        let sheet: Ring = corners.map(|(x, y)| Point::new(x, y)).into();
+        let [a, b] = scenes.map(|s| {
+            let mut rings =
+                s.domain.as_ref().map_or_else(|| vec![sheet.clone()], |d| d.outline.polygons(0.1));
+            rings.sort_by(|a, b| moments(b).0.abs().total_cmp(&moments(a).0.abs()));
+            // Outer rings and holes of both are matched with their own kind, largest with largest.
+            let (outer, holes): (Vec<Ring>, Vec<Ring>) = rings.into_iter().partition(|r| moments(r).0 > 0.0);
+            [outer, holes]
+        });
+        let rings = a.into_iter().zip(b).flat_map(|(a, b)| matched(&a, &b)).collect();
+        let edge = |k: usize| scenes[k].domain.as_ref().map(|d| d.edge);
+        let edges = [edge(0).or(edge(1)).unwrap_or_default(), edge(1).or(edge(0)).unwrap_or_default()];
+        Some(Self { rings, edges })
+    }
+
+    /// The shape a share of the way; none if nothing is left of it.
+    pub(super) fn at(&self, when: &When) -> Option<Domain> {
+        let between = |[from, to]: &[Ring; 2]| {
+            let point = |(a, b): (&Point, &Point)| a.lerp(*b, when.at(a.midpoint(*b)));
+            from.iter().zip(to).map(point).collect::<Ring>()
+        };
+        let rings: Vec<Ring> = self.rings.iter().map(between).filter(|r| moments(r).0.abs() > 0.5).collect();
+        let outline = Outline::along(&rings, TOLERANCE).filter(|o| !o.is_empty())?;
+        let centre = rings.first().map_or(Point::ORIGIN, |r| moments(r).1);
+        Some(Domain { outline, edge: self.edges[usize::from(when.at(centre) >= 0.5)] })
+    }
+}
+
+impl Region {
+    /// All of its way, and what becomes of primaries at its edge.
+    pub(super) fn motion(&self) -> (Moving, Edge) {
+        let rings = self.rings.iter().map(|[from, to]| {
+            let half = from.iter().zip(to).map(|(a, b)| a.midpoint(*b)).collect();
+            [from.clone(), half, to.clone()]
+        });
+        (Moving { rings: rings.collect(), colours: Default::default() }, self.edges[0])
+    }
+}
+
+/// Rings that become one another; one without partner has its centre for one.
+fn matched(a: &[Ring], b: &[Ring]) -> Vec<[Ring; 2]> {
+    let point = |ring: &Ring| vec![moments(ring).1; ring.len()];
+    let pair = |i: usize| match (a.get(i), b.get(i)) {
+        (Some(a), Some(b)) => {
+            let n = libm::ceil(perimeter(a).max(perimeter(b)) / STEP).clamp(12.0, MOST) as usize;
+            let (a, mut b) = (even(a, n), even(b, n));
+            let around = |ring: &Ring| -> Ring {
+                let centre = moments(ring).1;
+                ring.iter().map(|p| (*p - centre).to_point()).collect()
+            };
+            let (shift, _) = alignment(&around(&a), &around(&b), false);
+            b.rotate_left(shift);
+            [a, b]
+        }
+        (Some(a), None) => [a.clone(), point(a)],
+        (None, Some(b)) => [point(b), b.clone()],
+        (None, None) => [Vec::new(), Vec::new()],
+    };
+    (0..a.len().max(b.len())).map(pair).collect()
+}

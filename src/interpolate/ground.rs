@@ -1,0 +1,105 @@
+//! The background on its way: the points of both fields, each between the colours of the two fields
+//! at its place.
+//!
+//! At either end all points lie on the field of that scene, so the field goes from one to the other
+//! without a jump, and where points of both lie close together their colours agree.
+
+use super::when::When;
+use crate::geometry::{Affine, Point};
+use crate::parallel;
+use crate::raster::colour::Colour;
+use crate::scene::field::Interpolant;
+use crate::scene::{ControlPoint, Field, Scene, Tile};
+
+/// Two fields.
+pub(super) struct Ground {
+    spacing: f64,
+    fallback: [Colour; 2],
+    /// Places with the colours of both fields.
+    points: Vec<(Point, [Colour; 2])>,
+}
+
+impl Ground {
+    /// Of two scenes of one size that repeat along the same axes.
+    pub(super) fn new(scenes: [&Scene; 2]) -> Self {
+        let Scene { width, height, tile, .. } = *scenes[0];
+        let fields = scenes.map(|s| Interpolant::new(&s.background, width, height, tile));
+        let within =
+            |v: f64, size: u32, repeats: bool| if repeats { v } else { v.clamp(0.0, f64::from(size)) };
+        let listed: Vec<(usize, ControlPoint)> = [0, 1]
+            .into_iter()
+            .flat_map(|side| scenes[side].background.points.iter().map(move |p| (side, *p)))
+            .collect();
+        let points = parallel::map(&listed, |(side, p)| {
+            // Beyond the canvas a field may run away.
+            let other = fields[1 - side].at(within(p.x, width, tile.x), within(p.y, height, tile.y));
+            let mut colours = [p.colour; 2];
+            colours[1 - side] = Colour::from_f64(other);
+            (Point::new(p.x, p.y), colours)
+        });
+        let spacing = scenes[0].background.spacing.min(scenes[1].background.spacing);
+        Self { spacing, fallback: scenes.map(|s| s.background.fallback), points }
+    }
+
+    /// The field a share of the way.
+    pub(super) fn at(&self, when: &When) -> Field {
+        let point = |(p, [from, to]): &(Point, [Colour; 2])| ControlPoint {
+            x: p.x,
+            y: p.y,
+            colour: from.mixed(*to, when.at(*p)),
+        };
+        Field {
+            spacing: self.spacing,
+            fallback: self.fallback[0].mixed(self.fallback[1], 0.5),
+            points: parallel::map(&self.points, point),
+        }
+    }
+}
+
+/// A scene that repeats along the axes of `kept` only: what repeats along others is listed once for
+/// each copy that reaches the canvas.
+pub(super) fn untiled(scene: &Scene, kept: Tile) -> Scene {
+    let mut out = scene.clone();
+    out.tile = kept;
+    // What repeats along a lost axis alone says which copies are to be listed.
+    let mut lost =
+        Scene { tile: Tile { x: scene.tile.x && !kept.x, y: scene.tile.y && !kept.y }, ..out.clone() };
+    let bounds: Vec<_> = scene.textons.iter().map(crate::scene::Texton::bounds).collect();
+    let all = scene.secondary.iter().chain(&scene.primary);
+    let mut next = all.map(|i| i.id).max().map_or(0, |id| id.wrapping_add(1));
+    for layer in [&mut out.secondary, &mut out.primary] {
+        let listed = std::mem::take(layer);
+        for instance in listed {
+            let affine = instance.affine();
+            for (k, shift) in
+                lost.copies(affine.transform_rect_bbox(bounds[instance.texton as usize])).enumerate()
+            {
+                let mut copy = instance.clone();
+                if k > 0 {
+                    copy.id = next;
+                    copy.transform = (Affine::translate(shift) * affine).as_coeffs();
+                    next = next.wrapping_add(1);
+                }
+                layer.push(copy);
+            }
+        }
+    }
+    let around = 3.0 * scene.background.spacing;
+    let listed = std::mem::take(&mut out.background.points);
+    for p in listed {
+        let reach = crate::geometry::Rect::new(p.x - around, p.y - around, p.x + around, p.y + around);
+        for shift in lost.copies(reach) {
+            out.background.points.push(ControlPoint { x: p.x + shift.x, y: p.y + shift.y, ..p });
+        }
+    }
+    if let Some(domain) = lost.domain.take()
+        && let Some(kept) = &mut out.domain
+    {
+        let mut path = crate::geometry::BezPath::new();
+        for shift in lost.copies(domain.outline.bounds()) {
+            path.extend((Affine::translate(shift) * domain.outline.path()).iter());
+        }
+        kept.outline = crate::geometry::Outline::new(&path).unwrap_or(domain.outline);
+    }
+    out
+}

@@ -1,0 +1,254 @@
+//! One texton on its way: into another, into nothing, or out of nothing.
+
+use super::blend::Blend;
+use super::motion::{Change, Moving, Resizing};
+use super::paint::Paint;
+use super::patch::{Carry, Part, Patch, TOLERANCE, patches};
+use super::presence;
+use super::ring::{Ring, sine_cosine, turned};
+use super::side::{Placed, Side};
+use super::when::When;
+use crate::geometry::{Affine, Outline, Point, Vec2};
+use crate::sampling::Stream;
+use crate::scene::{Instance, Scene, Texton};
+
+/// Share of the time that a texton without partner takes to go or to come.
+const FADE: f64 = 0.35;
+
+/// A texton on its way.
+pub(super) struct Item {
+    /// Place in the painting order at either end, 0 to 1.
+    keys: [f64; 2],
+    kind: Kind,
+}
+
+enum Kind {
+    Both(Box<Both>),
+    /// It is there at one end only: grows from nothing, or shrinks to nothing, where it stands.
+    One {
+        side: usize,
+        instance: u32,
+        centre: Point,
+        window: [f64; 2],
+    },
+}
+
+/// A texton that becomes another.
+struct Both {
+    /// Indices of the instances in their layer.
+    instances: [u32; 2],
+    centres: [Point; 2],
+    blend: Blend,
+    holes: Vec<Part>,
+    paints: [Paint; 2],
+    details: Vec<Patch>,
+}
+
+/// What is to be drawn of an item.
+pub(super) struct Drawn {
+    /// Place in the painting order.
+    pub(super) key: f64,
+    pub(super) what: What,
+}
+
+pub(super) enum What {
+    /// An instance of one of the scenes, as it is or scaled about its centre.
+    Old { side: usize, instance: Instance },
+    /// A new texton, placed around the point given; all else is as of an instance of a scene.
+    New { texton: Texton, at: Point, side: usize, instance: u32 },
+}
+
+impl Item {
+    /// An instance that is there at one end only.
+    pub(super) fn one(sides: &[Side<'_>; 2], side: usize, layer: Layer, k: u32, random: &mut Stream) -> Self {
+        let instances = layer.of(sides[side].scene);
+        let first = random.range(0.0, 1.0 - FADE);
+        let centre = sides[side].centre(&instances[k as usize]);
+        let kind = Kind::One { side, instance: k, centre, window: [first, first + FADE] };
+        Self { keys: [f64::from(k) / instances.len() as f64; 2], kind }
+    }
+
+    /// Two instances that become one another; the second is moved by `way` from the first. None if
+    /// either has no area.
+    pub(super) fn both(
+        sides: &[Side<'_>; 2],
+        layer: Layer,
+        pair: [u32; 2],
+        way: Vec2,
+        random: &mut Stream,
+    ) -> Option<Self> {
+        let lists = [0, 1].map(|s| layer.of(sides[s].scene));
+        let placed = |s: usize| sides[s].placed(&lists[s][pair[s] as usize]);
+        let [a, b]: [Placed; 2] = [placed(0)?, placed(1)?];
+        let blend = Blend::new(&a.rings[0], &b.rings[0]);
+        let turn = blend.turn();
+        let details = if a.details.is_empty() && b.details.is_empty() {
+            Vec::new()
+        } else {
+            patches([&a.details, &b.details], [a.area, b.area], turn, random)
+        };
+        let holes = [&a, &b].into_iter().enumerate();
+        let holes = holes.flat_map(|(s, p)| p.rings[1..].iter().map(move |r| Part::hole(s, r.clone())));
+        let both = Both {
+            instances: pair,
+            centres: [a.centre, a.centre + way],
+            blend,
+            holes: holes.collect(),
+            paints: [a.paint, b.paint],
+            details,
+        };
+        let keys = [0, 1].map(|s| f64::from(pair[s]) / lists[s].len() as f64);
+        Some(Self { keys, kind: Kind::Both(Box::new(both)) })
+    }
+
+    /// What is to be drawn of it; none where it is not there.
+    pub(super) fn at(&self, ends: &Ends<'_>, layer: Layer, when: &When) -> Option<Drawn> {
+        let old = |side: usize, k: u32| layer.of(ends.scenes[side])[k as usize].clone();
+        let (t, what) = match &self.kind {
+            Kind::One { side, instance, centre, window } => {
+                let t = when.at(*centre);
+                let size = presence(*side, *window, t);
+                if size < 0.02 {
+                    return None;
+                }
+                let mut instance = old(*side, *instance);
+                if size < 1.0 {
+                    let scaled = Affine::scale_about(size, *centre) * instance.affine();
+                    instance.transform = scaled.as_coeffs();
+                }
+                (t, What::Old { side: *side, instance })
+            }
+            Kind::Both(both) => {
+                let t = when.on_way(both.centres);
+                let what = if t <= 0.0 || t >= 1.0 {
+                    let side = usize::from(t >= 1.0);
+                    What::Old { side, instance: old(side, both.instances[side]) }
+                } else {
+                    both.at(ends, layer, t)?
+                };
+                (t, what)
+            }
+        };
+        Some(Drawn { key: self.key(t), what })
+    }
+
+    /// Its place in the painting order.
+    pub(super) fn key(&self, t: f64) -> f64 {
+        self.keys[0] + (self.keys[1] - self.keys[0]) * t
+    }
+
+    /// All of its way.
+    pub(super) fn change<'a>(&self, ends: &Ends<'a>, layer: Layer) -> Change<'a> {
+        match &self.kind {
+            Kind::One { side, instance, centre, window } => {
+                let scene = ends.scenes[*side];
+                let instance = &layer.of(scene)[*instance as usize];
+                let (centre, window) = (*centre, *window);
+                Change::Size(Resizing { scene, instance, centre, grows: *side == 1, window })
+            }
+            Kind::Both(both) => Change::Shapes(both.shapes()),
+        }
+    }
+
+    /// Whether it is one texton becoming another.
+    pub(super) fn is_pair(&self) -> bool {
+        matches!(self.kind, Kind::Both(_))
+    }
+}
+
+impl Both {
+    /// The turns so far, from either end.
+    fn turns(&self, t: f64) -> [f64; 2] {
+        let turn = self.blend.turn();
+        [turn * t, turn * (t - 1.0)]
+    }
+
+    /// Its outline and details, at the beginning, half-way and at the end.
+    fn shapes(&self) -> Vec<Moving> {
+        const TIMES: [f64; 3] = [0.0, 0.5, 1.0];
+        let hulls = TIMES.map(|t| self.blend.at(t));
+        let cages = hulls.each_ref().map(|hull| self.blend.cages(hull));
+        let carries = [0, 1, 2].map(|k| Carry {
+            cages: &cages[k],
+            hull: &hulls[k],
+            scales: [1.0; 2],
+            turns: self.turns(TIMES[k]),
+        });
+        let centres = TIMES.map(|t| self.centres[0].lerp(self.centres[1], t));
+        let outline = [0, 1, 2].map(|k| {
+            let holes = self.holes.iter().map(|hole| hole.ring(&carries[k], TIMES[k]));
+            std::iter::once(hulls[k].clone()).chain(holes).collect()
+        });
+        let mut shapes = vec![Moving::new(outline, centres, self.paints.map(|p| p.colour))];
+        let mut order: Vec<(f64, &Patch)> = self.details.iter().map(|d| (d.key(0.5), d)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        shapes.extend(order.iter().map(|(_, patch)| {
+            let rings = [0, 1, 2].map(|k| patch.rings(&carries[k], TIMES[k]));
+            Moving::new(rings, centres, patch.colours())
+        }));
+        shapes
+    }
+
+    fn at(&self, ends: &Ends<'_>, layer: Layer, t: f64) -> Option<What> {
+        let ring = self.blend.at(t);
+        let scales = self.blend.scales(&ring);
+        let turns = self.turns(t);
+        let paint = {
+            let carried = |side: usize| {
+                let turn = sine_cosine(turns[side]);
+                let there = |p: Point| (turned(p, turn).to_vec2() * scales[side]).to_point();
+                self.paints[side].carried(there)
+            };
+            carried(0).mixed(&carried(1), t)
+        };
+        let mut rings: Vec<Ring> = Vec::new();
+        let mut details = Vec::new();
+        if !(self.holes.is_empty() && self.details.is_empty()) {
+            let cages = self.blend.cages(&ring);
+            let carry = Carry { cages: &cages, hull: &ring, scales, turns };
+            rings.extend(self.holes.iter().filter_map(|hole| hole.at(&carry, t)));
+            let mut order: Vec<(f64, &Patch)> = self.details.iter().map(|d| (d.key(t), d)).collect();
+            order.sort_by(|a, b| a.0.total_cmp(&b.0));
+            details.extend(order.iter().filter_map(|(_, patch)| patch.at(&carry, t)));
+        }
+        rings.insert(0, ring);
+        let outline = Outline::along(&rings, TOLERANCE)?;
+        let side = usize::from(t >= 0.5);
+        let scene = ends.scenes[side];
+        let nearer = &scene.textons[layer.of(scene)[self.instances[side] as usize].texton as usize];
+        let texton = Texton {
+            library: ends.libraries[side][nearer.library as usize],
+            source: nearer.source,
+            category: nearer.category,
+            outline,
+            colour: paint.colour,
+            gradient: paint.gradient,
+            details,
+        };
+        let at = self.centres[0].lerp(self.centres[1], t);
+        Some(What::New { texton, at, side, instance: self.instances[side] })
+    }
+}
+
+/// The two scenes, and where their libraries stand among those of both.
+pub(super) struct Ends<'a> {
+    pub(super) scenes: [&'a Scene; 2],
+    pub(super) libraries: [&'a [u32]; 2],
+}
+
+/// One of the two layers of textons.
+#[derive(Clone, Copy)]
+pub(super) enum Layer {
+    Secondary,
+    Primary,
+}
+
+impl Layer {
+    /// Its instances, in painting order.
+    pub(super) fn of(self, scene: &Scene) -> &[Instance] {
+        match self {
+            Self::Secondary => &scene.secondary,
+            Self::Primary => &scene.primary,
+        }
+    }
+}

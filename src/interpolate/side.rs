@@ -1,0 +1,126 @@
+//! The textons of one of the two scenes, as polygons.
+
+use super::correspond::Traits;
+use super::paint::Paint;
+use super::patch::Detail;
+use super::ring::{Ring, moments, moved};
+use crate::geometry::{Affine, Outline, Point};
+use crate::parallel;
+use crate::raster::colour::Colour;
+use crate::scene::{Gradient, Instance, LibraryRef, Scene, Texton};
+
+/// How far polygons may lie from their curves, in pixels.
+const FLAT: f64 = 0.05;
+
+/// A scene and the shapes of its textons.
+pub(super) struct Side<'a> {
+    pub(super) scene: &'a Scene,
+    casts: Vec<Cast>,
+    /// Where each of its libraries stands in the list of both scenes.
+    pub(super) libraries: Vec<u32>,
+}
+
+/// A texton in its own coordinates.
+struct Cast {
+    rings: Vec<Ring>,
+    details: Vec<Vec<Ring>>,
+    area: f64,
+    centre: Point,
+    /// Mean colour in Oklab, details included.
+    colour: [f32; 3],
+}
+
+/// A placed texton around its centre.
+pub(super) struct Placed {
+    pub(super) centre: Point,
+    /// On the canvas, relative to the centre; the outer one first, and clockwise.
+    pub(super) rings: Vec<Ring>,
+    pub(super) area: f64,
+    pub(super) paint: Paint,
+    pub(super) details: Vec<Detail>,
+}
+
+impl<'a> Side<'a> {
+    /// Flattens the textons of a scene; its libraries are added to `libraries` unless they are there.
+    pub(super) fn new(scene: &'a Scene, libraries: &mut Vec<LibraryRef>) -> Self {
+        let index = |reference: &LibraryRef| {
+            let found = libraries.iter().position(|l| l == reference);
+            found.unwrap_or_else(|| {
+                libraries.push(reference.clone());
+                libraries.len() - 1
+            }) as u32
+        };
+        let known = scene.libraries.iter().map(index).collect();
+        Self { scene, casts: parallel::map(&scene.textons, Cast::new), libraries: known }
+    }
+
+    /// What tells an instance from others.
+    pub(super) fn traits(&self, instance: &Instance) -> Traits {
+        let cast = &self.casts[instance.texton as usize];
+        let texton = &self.scene.textons[instance.texton as usize];
+        let affine = instance.affine();
+        Traits {
+            at: affine * cast.centre,
+            size: libm::sqrt((cast.area * affine.determinant()).abs()),
+            colour: instance.colour.map_or(cast.colour, Colour::to_oklab),
+            category: texton.category.map(|c| (self.libraries[texton.library as usize], c)),
+        }
+    }
+
+    /// The centre of an instance on the canvas.
+    pub(super) fn centre(&self, instance: &Instance) -> Point {
+        instance.affine() * self.casts[instance.texton as usize].centre
+    }
+
+    /// An instance as polygons; none if it has no area.
+    pub(super) fn placed(&self, instance: &Instance) -> Option<Placed> {
+        let cast = &self.casts[instance.texton as usize];
+        let texton = &self.scene.textons[instance.texton as usize];
+        let affine = instance.affine();
+        let centre = affine * cast.centre;
+        let affine = affine.then_translate(-centre.to_vec2());
+        let rings = moved(&cast.rings, affine);
+        let area = rings.first().map_or(0.0, |r| moments(r).0);
+        let details = cast.details.iter().zip(&texton.details);
+        let details = details.filter(|(rings, _)| !rings.is_empty()).map(|(rings, patch)| Detail {
+            rings: moved(rings, affine),
+            paint: paint((patch.colour, patch.gradient.as_ref()), affine),
+        });
+        (area > 1e-3).then(|| Placed {
+            centre,
+            area,
+            paint: paint(texton.base(instance.colour), affine),
+            details: details.collect(),
+            rings,
+        })
+    }
+}
+
+fn paint((colour, gradient): (Colour, Option<&Gradient>), affine: Affine) -> Paint {
+    Paint { colour, gradient: gradient.map(|g| g.moved(affine)) }
+}
+
+impl Cast {
+    fn new(texton: &Texton) -> Self {
+        let flat = |outline: &Outline| moved(&outline.polygons(FLAT), Affine::IDENTITY);
+        let rings = flat(&texton.outline);
+        let (area, centre) = rings.first().map_or((0.0, Point::ORIGIN), |r| moments(r));
+        let details: Vec<Vec<Ring>> = texton.details.iter().map(|d| flat(&d.outline)).collect();
+        let mut sum = [0.0; 3];
+        let mut rest = area.abs();
+        let mut add = |colour: Colour, weight: f64| {
+            (0..3).for_each(|k| sum[k] += f64::from(colour.to_oklab()[k]) * weight);
+        };
+        let mut all = 0.0;
+        for (rings, patch) in details.iter().zip(&texton.details) {
+            let weight = rings.first().map_or(0.0, |r| moments(r).0.abs());
+            add(patch.colour, weight);
+            (rest, all) = (rest - weight, all + weight);
+        }
+        // Details overlap a little, and cover the rest or not.
+        let rest = rest.max(1e-6);
+        add(texton.colour, rest);
+        let colour = sum.map(|v| (v / (all + rest)) as f32);
+        Self { rings, details, area, centre, colour }
+    }
+}

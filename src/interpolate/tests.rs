@@ -1,0 +1,294 @@
+//! What holds of every scene between two scenes.
+
+use super::*;
+use crate::geometry::{Affine, BezPath, Outline};
+use crate::interpolate::ring::{Ring, inside, length, moments, nearest, sine_cosine};
+use crate::raster::colour::Colour;
+use crate::sampling::Stream;
+use crate::scene::field::Interpolant;
+use crate::scene::{ControlPoint, Domain, Edge, Field, Gradient, Patch};
+use std::f64::consts::TAU;
+
+const SIZE: u32 = 120;
+
+/// A bumpy blob around a place.
+fn blob(random: &mut Stream, x: f64, y: f64, radius: f64) -> Outline {
+    let (arms, depth, first) = (2 + random.below(4), random.range(0.0, 0.35), random.range(0.0, TAU));
+    let point = |i: u32| {
+        let angle = TAU * f64::from(i) / 40.0;
+        let r = radius * (1.0 + depth * libm::sin(arms as f64 * angle + first));
+        let [s, c] = sine_cosine(angle);
+        Point::new(x + r * c, y + r * s)
+    };
+    Outline::along(&[(0..40).map(point).collect()], 0.05).unwrap()
+}
+
+fn colour(random: &mut Stream) -> Colour {
+    Colour([0; 3].map(|_| random.below(256) as u8))
+}
+
+/// A scene of so many primaries with details and three times as many secondaries.
+fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
+    let random = &mut stream(seed, "test/interpolate", 0);
+    let mut textons = Vec::new();
+    let (mut primary, mut secondary) = (Vec::new(), Vec::new());
+    for k in 0..primaries {
+        let radius = random.range(5.0, 9.0);
+        let mut details = vec![Patch {
+            outline: blob(random, 0.0, 0.0, radius * 0.6),
+            colour: colour(random),
+            gradient: Some(Gradient {
+                from: [-3.0, 0.0],
+                to: [3.0, 1.0],
+                start: colour(random),
+                end: colour(random),
+            }),
+        }];
+        for _ in 0..random.below(4) {
+            let [s, c] = sine_cosine(random.range(0.0, TAU));
+            let outline = blob(random, c * radius * 0.4, s * radius * 0.4, radius * 0.15);
+            details.push(Patch { outline, colour: colour(random), gradient: None });
+        }
+        textons.push(Texton {
+            library: 0,
+            source: k,
+            category: Some((k % 3) as u16),
+            outline: blob(random, 0.0, 0.0, radius),
+            colour: colour(random),
+            gradient: None,
+            details,
+        });
+    }
+    for k in 0..8 {
+        textons.push(Texton {
+            library: 0,
+            source: k,
+            category: None,
+            outline: blob(random, 0.0, 0.0, 1.5 + f64::from(k) * 0.2),
+            colour: colour(random),
+            gradient: None,
+            details: Vec::new(),
+        });
+    }
+    let size = f64::from(SIZE);
+    let mut instance = |id: u32, texton: u32, own: bool| {
+        let (x, y) = (random.unit() * size, random.unit() * size);
+        let turn = Affine::translate((x, y)) * Affine::rotate(random.range(0.0, 0.5));
+        Instance { id, texton, transform: turn.as_coeffs(), colour: own.then(|| colour(random)) }
+    };
+    for k in 0..primaries {
+        primary.push(instance(k, k, false));
+    }
+    for k in 0..3 * primaries {
+        secondary.push(instance(primaries + k, primaries + k % 8, true));
+    }
+    let points = (0..30).map(|_| ControlPoint {
+        x: random.unit() * size,
+        y: random.unit() * size,
+        colour: colour(random),
+    });
+    let background = Field { spacing: 25.0, fallback: Colour([9; 3]), points: points.collect() };
+    Scene {
+        format: Scene::FORMAT.into(),
+        version: Scene::VERSION,
+        width: SIZE,
+        height: SIZE,
+        tile: Tile { x: tile, y: tile },
+        parameters: None,
+        program: String::new(),
+        libraries: vec![LibraryRef { exemplar: format!("{seed}.png"), sha256: seed.to_string() }],
+        textons,
+        secondary,
+        primary,
+        background,
+        domain: None,
+    }
+}
+
+fn between(a: &Scene, b: &Scene, t: f64) -> Scene {
+    Interpolation::new(a, b, &()).unwrap().at(t)
+}
+
+fn flat(outline: &Outline) -> Ring {
+    outline.polygons(0.02).swap_remove(0)
+}
+
+fn area(scene: &Scene) -> f64 {
+    scene
+        .primary
+        .iter()
+        .map(|i| scene.textons[i.texton as usize].outline.area() * i.affine().determinant())
+        .sum()
+}
+
+#[test]
+fn the_ends_are_the_scenes_and_all_between_is_valid() {
+    let (a, b) = (scene(1, 20, false), scene(2, 12, false));
+    let way = Interpolation::new(&a, &b, &()).unwrap();
+    assert!(way.at(0.0) == a && way.at(1.0) == b && way.at(-3.0) == a && way.at(f64::NAN) == a);
+    let [primary, secondary] = way.matched();
+    assert_eq!((primary.pairs, primary.alone), (12, 8));
+    assert_eq!(secondary.pairs * 2 + secondary.alone, 3 * 32);
+    for k in 1..10 {
+        let scene = way.at(f64::from(k) / 10.0);
+        scene.validate().unwrap();
+        assert_eq!(scene.libraries.len(), 2);
+        assert!(Scene::from_bytes(&scene.to_json(), "between").unwrap() == scene);
+    }
+}
+
+#[test]
+fn a_scene_between_looks_like_its_neighbours() {
+    let (a, b) = (scene(3, 20, false), scene(4, 20, false));
+    let way = Interpolation::new(&a, &b, &()).unwrap();
+    let areas: Vec<f64> = (0..=20).map(|k| area(&way.at(f64::from(k) / 20.0))).collect();
+    let (low, high) = (areas[0].min(areas[20]), areas[0].max(areas[20]));
+    for pair in areas.windows(2) {
+        assert!(pair[1] > 0.75 * low && pair[1] < 1.15 * high, "{areas:?}");
+        assert!((pair[1] - pair[0]).abs() < 0.12 * high, "{areas:?}");
+    }
+    // The field begins as that of the first.
+    let near = way.at(1e-9);
+    let field = |s: &Scene| Interpolant::new(&s.background, SIZE, SIZE, s.tile);
+    let (first, here) = (field(&a), field(&near));
+    for p in &b.background.points {
+        let (u, v) = (first.at(p.x, p.y), here.at(p.x, p.y));
+        assert!((0..3).all(|k| (u[k] - v[k]).abs() <= 3.0), "{u:?} {v:?}");
+    }
+}
+
+#[test]
+fn nothing_moves_in_leaps() {
+    let (a, b) = (scene(5, 15, false), scene(6, 15, false));
+    let way = Interpolation::new(&a, &b, &()).unwrap();
+    let places = |t: f64| -> Vec<(u32, Point)> {
+        let scene = way.at(t);
+        let mut all: Vec<_> = scene
+            .primary
+            .iter()
+            .map(|i| (i.id, i.affine() * moments(&flat(&scene.textons[i.texton as usize].outline)).1))
+            .collect();
+        all.sort_by_key(|p| p.0);
+        all
+    };
+    let mut before = places(0.02);
+    for k in 2..50 {
+        let here = places(f64::from(k) / 50.0);
+        for (id, p) in &here {
+            if let Ok(i) = before.binary_search_by_key(id, |p| p.0) {
+                assert!(length(before[i].1 - *p) < 3.0, "{id} at {k}");
+            }
+        }
+        before = here;
+    }
+}
+
+#[test]
+fn no_detail_sticks_out_of_its_texton() {
+    let (a, b) = (scene(7, 25, false), scene(8, 25, false));
+    let way = Interpolation::new(&a, &b, &()).unwrap();
+    for t in [0.1, 0.35, 0.5, 0.8] {
+        let scene = way.at(t);
+        let mut seen = 0;
+        for i in &scene.primary {
+            let texton = &scene.textons[i.texton as usize];
+            let hull = flat(&texton.outline);
+            for detail in &texton.details {
+                for p in detail.outline.polygons(0.05).concat() {
+                    assert!(inside(&hull, p) || length(nearest(&hull, p) - p) < 0.4, "{t}: {p:?}");
+                    seen += 1;
+                }
+            }
+        }
+        assert!(seen > 500);
+    }
+}
+
+#[test]
+fn scenes_that_tile_tile_on_the_way() {
+    let (a, b) = (scene(9, 20, true), scene(10, 20, true));
+    let half = between(&a, &b, 0.5);
+    assert!(half.tile.both());
+    let on_canvas = |i: &Instance| i.transform[4..].iter().all(|v| (-20.0..140.0).contains(v));
+    assert!(half.primary.iter().all(on_canvas));
+    // One that does not: the copies of the other are there one by one.
+    let plain = scene(11, 20, false);
+    let half = between(&a, &plain, 0.5);
+    assert!(!half.tile.any());
+    let near = between(&a, &plain, 1e-6);
+    let copies = a
+        .primary
+        .iter()
+        .map(|i| a.copies(i.affine().transform_rect_bbox(a.textons[i.texton as usize].bounds())).count());
+    assert_eq!(near.primary.len(), copies.sum::<usize>());
+    near.validate().unwrap();
+}
+
+#[test]
+fn across_the_canvas_each_side_is_its_own() {
+    let (a, b) = (scene(12, 30, true), scene(13, 30, false));
+    let mixed = across(&a, &b, Axis::X, &()).unwrap();
+    mixed.validate().unwrap();
+    assert!(!mixed.tile.any());
+    let there =
+        |scene: &Scene, instance: &Instance| scene.primary.iter().any(|i| i.transform == instance.transform);
+    let mut seen = [0, 0];
+    for i in &mixed.primary {
+        let x = i.transform[4];
+        if (0.0..6.0).contains(&x) {
+            assert!(there(&a, i));
+            seen[0] += 1;
+        } else if (114.0..120.0).contains(&x) {
+            assert!(there(&b, i));
+            seen[1] += 1;
+        }
+    }
+    assert!(seen[0] > 0 && seen[1] > 0, "{seen:?}");
+}
+
+#[test]
+fn domains_become_one_another() {
+    let (mut a, mut b) = (scene(14, 10, false), scene(15, 10, false));
+    let square = |side: f64| {
+        let mut path = BezPath::new();
+        path.move_to((60.0 - side, 60.0 - side));
+        for (x, y) in [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+            path.line_to((60.0 + x * side, 60.0 + y * side));
+        }
+        path.close_path();
+        Domain { outline: Outline::new(&path).unwrap(), edge: Edge::Clip }
+    };
+    a.domain = Some(square(20.0));
+    let grown = between(&a, &b, 0.5).domain.unwrap().outline.area();
+    assert!(grown > 1600.0 && grown < 14400.0, "{grown}");
+    b.domain = Some(square(40.0));
+    let half = between(&a, &b, 0.5).domain.unwrap().outline.area();
+    assert!((half - 3600.0).abs() < 60.0, "{half}");
+}
+
+#[test]
+fn other_sizes_and_empty_scenes() {
+    let a = scene(16, 5, false);
+    let mut b = scene(17, 5, false);
+    b.width = 60;
+    assert!(matches!(Interpolation::new(&a, &b, &()), Err(Error::Sizes { .. })));
+    let mut empty = scene(18, 0, false);
+    empty.background.points.clear();
+    let half = between(&a, &empty, 0.5);
+    half.validate().unwrap();
+    assert!(half.primary.len() <= 5);
+    between(&empty, &empty, 0.5).validate().unwrap();
+    assert!(matches!(Interpolation::new(&a, &a, &crate::progress::Stop), Err(Error::Interrupted)));
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let (a, b) = (scene(19, 20, false), scene(20, 30, false));
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| between(&a, &b, 0.4).to_json())
+    };
+    let one = on(1);
+    assert!(one == on(3) && one == on(1));
+}

@@ -1,0 +1,149 @@
+//! 256 colours for many pictures: median cut (Heckbert 1982) by variance, and an ordered pattern for
+//! the shades between them (Bayer 1973).
+
+use tiny_skia::Pixmap;
+
+/// Bits of a component by which colours are told apart.
+const BITS: u32 = 5;
+/// Side of the table of colours.
+const SIDE: usize = 1 << BITS;
+/// Colours, beside the one that stands for nothing.
+const MOST: usize = 255;
+/// How far the pattern shifts a component up or down, in 8-bit steps.
+const SPREAD: f64 = 6.0;
+
+/// Colours, and which is the nearest to any.
+pub(super) struct Palette {
+    /// Red, green, blue, one after another; the last stands for nothing.
+    colours: Vec<u8>,
+    /// The nearest to the middle of each cell.
+    nearest: Vec<u8>,
+    transparent: bool,
+}
+
+/// The colours in one cell of the table.
+#[derive(Clone, Copy, Default)]
+struct Cell {
+    count: u64,
+    sum: [u64; 3],
+    squares: [u64; 3],
+}
+
+impl Palette {
+    /// Colours for these pictures.
+    pub(super) fn new(pictures: &[Pixmap]) -> Self {
+        let mut cells = vec![Cell::default(); SIDE * SIDE * SIDE];
+        let mut transparent = false;
+        for pixel in pictures.iter().flat_map(|p| p.pixels()) {
+            if pixel.alpha() < 128 {
+                transparent = true;
+                continue;
+            }
+            let c = pixel.demultiply();
+            let rgb = [c.red(), c.green(), c.blue()];
+            let cell = &mut cells[index(rgb)];
+            cell.count += 1;
+            for k in 0..3 {
+                cell.sum[k] += u64::from(rgb[k]);
+                cell.squares[k] += u64::from(rgb[k]) * u64::from(rgb[k]);
+            }
+        }
+        let used: Vec<Cell> = cells.into_iter().filter(|c| c.count > 0).collect();
+        let mut colours = cut(used);
+        let list: Vec<[i32; 3]> = colours.iter().map(|c| c.map(i32::from)).collect();
+        let near = |i: usize| {
+            let middle =
+                [i / (SIDE * SIDE), i / SIDE % SIDE, i % SIDE].map(|v| (v * 256 / SIDE + 128 / SIDE) as i32);
+            let far = |c: &[i32; 3]| (0..3).map(|k| (c[k] - middle[k]) * (c[k] - middle[k])).sum::<i32>();
+            // The first of equals.
+            list.iter().enumerate().min_by_key(|(_, c)| far(c)).map_or(0, |(k, _)| k as u8)
+        };
+        let nearest = (0..SIDE * SIDE * SIDE).map(near).collect();
+        colours.resize(MOST + 1, [0; 3]);
+        Self { colours: colours.concat(), nearest, transparent }
+    }
+
+    /// All 256, as a GIF holds them.
+    pub(super) fn colours(&self) -> &[u8] {
+        &self.colours
+    }
+
+    /// The one that stands for nothing, if anything shows through.
+    pub(super) fn transparent(&self) -> Option<u8> {
+        self.transparent.then_some(MOST as u8)
+    }
+
+    /// The colours of row `y` of a picture.
+    pub(super) fn index_row(&self, picture: &Pixmap, y: usize, line: &mut [u8]) {
+        const BAYER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
+        let width = picture.width() as usize;
+        for (x, (pixel, out)) in picture.pixels()[y * width..][..width].iter().zip(line).enumerate() {
+            let c = pixel.demultiply();
+            if c.alpha() < 128 && self.transparent {
+                *out = MOST as u8;
+                continue;
+            }
+            let shift = (f64::from(BAYER[y % 4][x % 4]) + 0.5) / 16.0 - 0.5;
+            let shift = libm::round(shift * 2.0 * SPREAD) as i16;
+            let moved = |v: u8| (i16::from(v) + shift).clamp(0, 255) as u8;
+            *out = self.nearest[index([c.red(), c.green(), c.blue()].map(moved))];
+        }
+    }
+}
+
+fn index(rgb: [u8; 3]) -> usize {
+    let [r, g, b] = rgb.map(|v| usize::from(v) >> (8 - BITS));
+    (r * SIDE + g) * SIDE + b
+}
+
+/// The mean colours of groups, of which the one with the largest spread is cut in two until there are
+/// enough.
+fn cut(cells: Vec<Cell>) -> Vec<[u8; 3]> {
+    let mut groups = vec![Group::new(cells)];
+    while groups.len() < MOST {
+        let worst = groups.iter().enumerate().max_by_key(|(i, b)| (b.spread, std::cmp::Reverse(*i)));
+        let Some((i, _)) = worst.filter(|(_, b)| b.spread > 0) else { break };
+        let [a, b] = groups.swap_remove(i).halves();
+        groups.extend([a, b]);
+    }
+    groups.iter().filter(|b| b.all.count > 0).map(|b| b.all.sum.map(|v| (v / b.all.count) as u8)).collect()
+}
+
+/// Cells, and how far their colours spread along the component in which they do so most.
+struct Group {
+    cells: Vec<Cell>,
+    all: Cell,
+    axis: usize,
+    spread: u64,
+}
+
+impl Group {
+    fn new(cells: Vec<Cell>) -> Self {
+        let mut all = Cell::default();
+        for cell in &cells {
+            all.count += cell.count;
+            for k in 0..3 {
+                all.sum[k] += cell.sum[k];
+                all.squares[k] += cell.squares[k];
+            }
+        }
+        let spread = |k: usize| {
+            let mean = u128::from(all.sum[k]) * u128::from(all.sum[k]) / u128::from(all.count.max(1));
+            u64::try_from(u128::from(all.squares[k]).saturating_sub(mean)).unwrap_or(u64::MAX)
+        };
+        let axis = (0..3).rev().max_by_key(|&k| spread(k)).unwrap_or(0);
+        let spread = if cells.len() > 1 { spread(axis) } else { 0 };
+        Self { cells, all, axis, spread }
+    }
+
+    /// Cut at the mean, both with something in them.
+    fn halves(mut self) -> [Self; 2] {
+        let k = self.axis;
+        let mean = |c: &Cell| c.sum[k] * 256 / c.count;
+        self.cells.sort_by_key(mean);
+        let middle = self.all.sum[k] * 256 / self.all.count;
+        let at = self.cells.partition_point(|c| mean(c) < middle).clamp(1, self.cells.len() - 1);
+        let second = self.cells.split_off(at);
+        [Self::new(self.cells), Self::new(second)]
+    }
+}

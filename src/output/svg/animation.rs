@@ -1,0 +1,449 @@
+//! Two scenes → one SVG that plays the way between them, by CSS animations of paths, colours and sizes.
+//!
+//! A texton that becomes another is drawn once, as it is in the first scene, and has a rule that says
+//! what it is at the end, and half-way where it does not go there straight; the viewer does the rest.
+//! Programs that know nothing of animations show the first scene. Outlines are smooth splines: between
+//! the middles of the sides of a polygon run parabolas that touch its sides. As `T` commands these need
+//! but one point each, and the numbers of one path can be turned into those of another one by one.
+//!
+//! Gradients on textons are drawn in their mean colours. The painting order is that half-way, because
+//! it cannot change in a document.
+
+use super::number::{Number, Paint};
+use super::xml::Xml;
+use super::{SvgSummary, layer};
+use crate::error::{Result, check};
+use crate::geometry::{Affine, PathText, Point, Vec2, write_path};
+use crate::interpolate::{Change, Interpolation, Motion, Moving, Resizing};
+use crate::output::background::Background;
+use crate::scene::{Edge, Scene, Texton};
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+/// Windows of time are rounded to this share of the way, so that many share a rule.
+const WINDOW: f64 = 0.05;
+/// What is further than this from half-way between its ends when half-way there, in pixels, is told
+/// where it is then.
+const STRAIGHT: f64 = 0.6;
+/// From this many moving shapes on viewers no longer play smoothly.
+const MANY_SHAPES: usize = 5000;
+
+/// How an animation is played, again and again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Animation {
+    /// Seconds from the first scene to the second, 0.01 to 100 000.
+    pub seconds: f64,
+    /// Whether it is played back as well, instead of beginning anew.
+    pub back: bool,
+    /// Digits after the decimal point of coordinates, 0 to 6. Default of the program: 1.
+    pub precision: u8,
+}
+
+/// Writes the way between two scenes as one SVG that plays in browsers. Same scenes and options: the
+/// same bytes.
+///
+/// # Errors
+/// A parameter out of range; a failing writer, as [`Error::Write`] with the path `-`.
+pub fn write_animation(way: &Interpolation<'_>, options: &Animation, out: impl Write) -> Result<SvgSummary> {
+    check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
+    check((0.01..=1e5).contains(&options.seconds), "seconds", options.seconds, "0.01 to 100000")?;
+    let motions = way.motions();
+    let writer = Writer { scenes: way.scenes(), domain: way.domain_motion(), precision: options.precision };
+    let mut shapes = 0;
+    let mut summary = super::summed(0, out, |xml| {
+        shapes = writer.write(xml, &motions, options)?;
+        Ok(())
+    })?;
+    if shapes > MANY_SHAPES {
+        summary.warnings.push(format!(
+            "{shapes} shapes move; viewers do not play more than {MANY_SHAPES} smoothly: write a smaller size, \
+             a .gif or a .png"
+        ));
+    }
+    Ok(summary)
+}
+
+struct Writer<'a> {
+    scenes: [&'a Scene; 2],
+    domain: Option<(Moving, Edge)>,
+    precision: u8,
+}
+
+impl Writer<'_> {
+    /// Writes everything; gives the number of shapes that move.
+    fn write<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        motions: &[Vec<Motion<'_>>; 2],
+        options: &Animation,
+    ) -> io::Result<usize> {
+        let Scene { width, height, .. } = *self.scenes[0];
+        xml.open("svg");
+        xml.attribute("xmlns", "http://www.w3.org/2000/svg");
+        xml.attribute("xmlns:xlink", "http://www.w3.org/1999/xlink");
+        xml.attribute("xmlns:inkscape", "http://www.inkscape.org/namespaces/inkscape");
+        xml.attribute("width", width);
+        xml.attribute("height", height);
+        xml.attribute("viewBox", format_args!("0 0 {width} {height}"));
+        xml.line();
+        let [from, to] = self.scenes.map(super::super::title);
+        xml.open("title");
+        xml.text(&format!("{from} → {to}"));
+        xml.close()?;
+        xml.line();
+        self.write_rules(xml, motions, options)?;
+        let backgrounds = self.scenes.map(Background::new);
+        self.write_definitions(xml, &backgrounds)?;
+        let edge = self.domain.as_ref().map(|(_, edge)| *edge);
+        if edge.is_some() {
+            layer(xml, "inside", "Inside");
+            xml.attribute("clip-path", "url(#domain)");
+            xml.line();
+        }
+        layer(xml, "background", "Background");
+        xml.line();
+        backgrounds[0].write_bands(xml, 0.0, 'b')?;
+        xml.open("g");
+        xml.attribute("class", "a e");
+        xml.attribute("opacity", 0);
+        xml.line();
+        backgrounds[1].write_bands(xml, 0.0, 'e')?;
+        xml.close()?;
+        xml.close()?;
+        xml.line();
+        let [secondaries, primaries] = motions;
+        let mut shapes = self.write_layer(xml, ("secondary", "Secondary"), secondaries)?;
+        if edge == Some(Edge::Keep) {
+            xml.close()?;
+            xml.line();
+        }
+        shapes += self.write_layer(xml, ("primary", "Primary"), primaries)?;
+        Ok(shapes)
+    }
+
+    fn write_definitions<W: Write>(&self, xml: &mut Xml<W>, backgrounds: &[Background; 2]) -> io::Result<()> {
+        xml.open("defs");
+        xml.line();
+        for (background, name) in backgrounds.iter().zip(['b', 'e']) {
+            background.write_definitions(xml, 0.0, name)?;
+        }
+        if let Some((shape, _)) = &self.domain {
+            xml.open("clipPath");
+            xml.attribute("id", "domain");
+            xml.open("path");
+            xml.attribute("class", "a");
+            xml.attribute("style", "animation-name:domain");
+            xml.attribute("d", self.data(shape, 0));
+            xml.close()?;
+            xml.close()?;
+            xml.line();
+        }
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    /// A layer of textons; gives the number of their shapes.
+    fn write_layer<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        (id, label): (&str, &str),
+        motions: &[Motion<'_>],
+    ) -> io::Result<usize> {
+        let mut shapes = 0;
+        layer(xml, id, label);
+        xml.line();
+        for motion in motions {
+            shapes += self.write_motion(xml, motion)?;
+            xml.line();
+        }
+        xml.close()?;
+        xml.line();
+        Ok(shapes)
+    }
+
+    /// The rules of all that moves.
+    fn write_rules<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        motions: &[Vec<Motion<'_>>; 2],
+        options: &Animation,
+    ) -> io::Result<()> {
+        let direction = if options.back { "alternate" } else { "normal" };
+        xml.open("style");
+        let seconds = Number(options.seconds, 3);
+        xml.text(&format!(
+            "\n.a{{animation:{seconds}s linear infinite {direction}}}\n.e{{animation-name:e}}\n\
+             @keyframes e{{from{{opacity:0}}to{{opacity:1}}}}\n"
+        ));
+        // Windows begin and end on a few steps: a rule for each pair that there is.
+        let mut windows: Vec<(bool, [u32; 2])> = motions.iter().flatten().filter_map(window).collect();
+        windows.sort_unstable();
+        windows.dedup();
+        for key in windows {
+            let (grows, [first, last]) = key;
+            let percent = |step: u32| Number(f64::from(step) * WINDOW * 100.0, 2);
+            let (before, after) = if grows { ("scale(0)", "none") } else { ("none", "scale(0)") };
+            let (name, first, last) = (class(key), percent(first), percent(last));
+            xml.text(&format!(
+                ".{name}{{animation-name:{name}}}\n@keyframes {name}{{0%,{first}%{{transform:{before};\
+                 animation-timing-function:ease-in-out}}{last}%,100%{{transform:{after}}}}}\n"
+            ));
+        }
+        if let Some((shape, _)) = &self.domain {
+            xml.raw_text(&format!("@keyframes domain{{to{{d:path(\"{}\")}}}}\n", self.data(shape, 2)))?;
+        }
+        for motion in motions.iter().flatten() {
+            if let Change::Shapes(shapes) = &motion.change {
+                let mut rules = String::new();
+                for (k, shape) in shapes.iter().enumerate() {
+                    let _ = write!(rules, "@keyframes {}{{", name(motion.id, k));
+                    if !straight(shape) {
+                        let _ = write!(rules, "50%{{d:path(\"{}\")}}", self.data(shape, 1));
+                    }
+                    let _ = write!(rules, "to{{d:path(\"{}\")", self.data(shape, 2));
+                    if shape.colours[0] != shape.colours[1] {
+                        let _ = write!(rules, ";fill:{}", Paint(shape.colours[1]));
+                    }
+                    rules.push_str("}}\n");
+                }
+                xml.raw_text(&rules)?;
+            }
+        }
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    /// One texton, and its copies; gives the number of its shapes.
+    fn write_motion<W: Write>(&self, xml: &mut Xml<W>, motion: &Motion<'_>) -> io::Result<usize> {
+        let id = motion.id;
+        let (count, bounds) = match &motion.change {
+            Change::Shapes(shapes) => {
+                let grouped = shapes.len() > 1;
+                if grouped {
+                    xml.open("g");
+                    xml.attribute("id", format_args!("p{id}"));
+                }
+                for (k, shape) in shapes.iter().enumerate() {
+                    xml.open("path");
+                    if !grouped {
+                        xml.attribute("id", format_args!("p{id}"));
+                    }
+                    xml.attribute("class", "a");
+                    xml.attribute("style", format_args!("animation-name:{}", name(id, k)));
+                    xml.attribute("fill", Paint(shape.colours[0]));
+                    xml.attribute("d", self.data(shape, 0));
+                    xml.close()?;
+                }
+                if grouped {
+                    xml.close()?;
+                }
+                let bounds = shapes.iter().map(Moving::bounds).reduce(|a, b| a.union(b));
+                (shapes.len(), bounds.unwrap_or_default())
+            }
+            Change::Size(resizing) => {
+                let texton = &resizing.scene.textons[resizing.instance.texton as usize];
+                let affine = resizing.instance.affine();
+                xml.open("g");
+                xml.attribute("id", format_args!("p{id}"));
+                if let Some(key) = window(motion) {
+                    xml.attribute("class", format_args!("a {}", class(key)));
+                }
+                let [x, y] = [resizing.centre.x, resizing.centre.y].map(|v| Number(v, self.precision));
+                xml.attribute("style", format_args!("transform-origin:{x}px {y}px"));
+                if resizing.grows {
+                    xml.attribute("transform", "scale(0)");
+                }
+                let count = self.write_texton(xml, resizing, texton, affine)?;
+                xml.close()?;
+                (count, affine.transform_rect_bbox(texton.bounds()))
+            }
+        };
+        for shift in self.scenes[0].copies(bounds).filter(|&shift| shift != Vec2::ZERO) {
+            xml.open("use");
+            xml.attribute("xlink:href", format_args!("#p{id}"));
+            xml.attribute("x", Number(shift.x, self.precision));
+            xml.attribute("y", Number(shift.y, self.precision));
+            xml.close()?;
+        }
+        Ok(count)
+    }
+
+    /// The paths of a texton that keeps its shape.
+    fn write_texton<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        resizing: &Resizing<'_>,
+        texton: &Texton,
+        affine: Affine,
+    ) -> io::Result<usize> {
+        let (colour, _) = texton.base(resizing.instance.colour);
+        let details = texton.details.iter().map(|d| (&d.outline, d.colour));
+        for (outline, colour) in std::iter::once((&texton.outline, colour)).chain(details) {
+            xml.open("path");
+            xml.attribute("fill", Paint(colour));
+            let style = PathText { precision: self.precision };
+            xml.attribute("d", write_path(&(affine * outline.path()), style));
+            xml.close()?;
+        }
+        Ok(1 + texton.details.len())
+    }
+
+    /// The rings of a shape at one of its three times.
+    fn data(&self, shape: &Moving, time: usize) -> String {
+        let mut text = String::new();
+        for ring in &shape.rings {
+            spline(&mut text, &ring[time], self.precision);
+        }
+        text
+    }
+}
+
+/// The rule of shape `k` of a texton.
+fn name(id: u32, k: usize) -> String {
+    if k == 0 { format!("k{id}") } else { format!("k{id}-{k}") }
+}
+
+/// Whether a texton grows, and when it begins and ends to change its size, in steps.
+fn window(motion: &Motion<'_>) -> Option<(bool, [u32; 2])> {
+    let Change::Size(resizing) = &motion.change else { return None };
+    let step = |v: f64| libm::round(v / WINDOW) as u32;
+    Some((resizing.grows, resizing.window.map(step)))
+}
+
+fn class((grows, [first, last]): (bool, [u32; 2])) -> String {
+    format!("{}{first}-{last}", if grows { 'g' } else { 's' })
+}
+
+/// Whether a shape goes to its end straight enough.
+fn straight(shape: &Moving) -> bool {
+    shape.rings.iter().all(|[a, b, c]| {
+        let mut points = a.iter().zip(b).zip(c);
+        points.all(|((a, b), c)| (a.midpoint(*c) - *b).hypot2() < STRAIGHT * STRAIGHT)
+    })
+}
+
+/// A closed smooth curve near the points of a ring. Ends of parabolas are rounded so that the errors
+/// of the points between them, each of which is the last one mirrored, do not add up.
+fn spline(text: &mut String, ring: &[Point], precision: u8) {
+    let n = ring.len();
+    if n < 3 {
+        return;
+    }
+    // A control polygon whose parabolas come near the points.
+    let control = |i: usize| {
+        let (before, here, after) = (ring[(i + n - 1) % n], ring[i % n], ring[(i + 1) % n]);
+        here + ((here - before) + (here - after)) * 0.25
+    };
+    let scale = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6][usize::from(precision.min(6))];
+    let snap = |p: Point| Point::new(libm::round(p.x * scale) / scale, libm::round(p.y * scale) / scale);
+    let number = |v: f64| Number(v, precision);
+    let add = |text: &mut String, p: Point, from: Point, first: bool| {
+        for (k, v) in [p.x - from.x, p.y - from.y].into_iter().enumerate() {
+            let shown = number(v).to_string();
+            if !(first && k == 0 || shown.starts_with('-')) {
+                text.push(' ');
+            }
+            text.push_str(&shown);
+        }
+    };
+    let start = snap(control(0).midpoint(control(n - 1)));
+    text.push('M');
+    add(text, start, Point::ORIGIN, true);
+    let mut at = start;
+    let mut mirrored = snap(control(0));
+    for i in 0..n {
+        // Halfway from the point as it will be drawn to the next one as it should be.
+        let end = if i + 1 == n { start } else { snap(mirrored.midpoint(control(i + 1))) };
+        if i == 0 {
+            text.push('q');
+            add(text, mirrored, at, true);
+            add(text, end, at, false);
+            text.push('t');
+        } else {
+            add(text, end, at, i == 1);
+        }
+        mirrored = (end.to_vec2() * 2.0 - mirrored.to_vec2()).to_point();
+        at = end;
+    }
+    text.push('z');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::BezPath;
+    use crate::output::testing;
+    use std::f64::consts::TAU;
+
+    fn ring(n: u32, phase: f64) -> Vec<Point> {
+        let point = |i: u32| {
+            let angle = TAU * f64::from(i) / f64::from(n);
+            let r = 20.0 + 4.0 * libm::sin(3.0 * angle + phase);
+            Point::new(700.0 + r * libm::cos(angle), 300.0 + r * libm::sin(angle))
+        };
+        (0..n).map(point).collect()
+    }
+
+    #[test]
+    fn splines_pass_near_their_points_whatever_is_rounded() {
+        for precision in [1, 2] {
+            for phase in 0..8 {
+                let points = ring(28, f64::from(phase));
+                let mut text = String::new();
+                spline(&mut text, &points, precision);
+                let path = BezPath::from_svg(&text).unwrap();
+                let mut drawn = Vec::new();
+                kurbo_points(&path, &mut drawn);
+                for p in &points {
+                    let far = drawn.iter().map(|q| (*p - *q).hypot2()).fold(f64::INFINITY, f64::min);
+                    assert!(far < 0.4 * 0.4, "{far} {text}");
+                }
+            }
+        }
+    }
+
+    /// Points along a path.
+    fn kurbo_points(path: &BezPath, out: &mut Vec<Point>) {
+        use kurbo::ParamCurve;
+        for segment in path.segments() {
+            out.extend((0..20).map(|k| segment.eval(f64::from(k) / 20.0)));
+        }
+    }
+
+    #[test]
+    fn an_animation_has_everything_once_and_commands_that_correspond() {
+        let (a, b) = (testing::scene(200, 200, 1), testing::scene(200, 200, 2));
+        let way = Interpolation::new(&a, &b, &()).unwrap();
+        let options = Animation { seconds: 2.0, back: true, precision: 1 };
+        let mut bytes = Vec::new();
+        let summary = write_animation(&way, &options, &mut bytes).unwrap();
+        assert_eq!(summary.bytes, bytes.len() as u64);
+        let source = String::from_utf8(bytes).unwrap();
+        let document = roxmltree::Document::parse(&source).unwrap();
+        let with_id = |id: &str| document.descendants().filter(|n| n.attribute("id") == Some(id)).count();
+        for motion in way.motions().iter().flatten() {
+            assert_eq!(with_id(&format!("p{}", motion.id)), 1);
+        }
+        let style = document.descendants().find(|n| n.has_tag_name("style")).unwrap().text().unwrap();
+        let commands = |d: &str| -> String { d.chars().filter(char::is_ascii_alphabetic).collect() };
+        let numbers = |d: &str| BezPath::from_svg(d).unwrap().elements().len();
+        let mut seen = 0;
+        for path in document.descendants().filter(|n| n.has_tag_name("path")) {
+            let Some(name) = path.attribute("style").and_then(|s| s.strip_prefix("animation-name:")) else {
+                continue;
+            };
+            let rule = style.split(&format!("@keyframes {name}{{")).nth(1).unwrap().lines().next().unwrap();
+            let d = path.attribute("d").unwrap();
+            for other in rule.split("path(\"").skip(1).map(|r| r.split('"').next().unwrap()) {
+                assert_eq!((commands(d), numbers(d)), (commands(other), numbers(other)));
+            }
+            seen += 1;
+        }
+        assert!(seen > 10, "{seen}");
+        let mut again = Vec::new();
+        write_animation(&way, &options, &mut again).unwrap();
+        assert!(source.as_bytes() == again);
+    }
+}
