@@ -74,7 +74,11 @@ fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
     let mut instance = |id: u32, texton: u32, own: bool| {
         let (x, y) = (random.unit() * size, random.unit() * size);
         let turn = Affine::translate((x, y)) * Affine::rotate(random.range(0.0, 0.5));
-        Instance { id, texton, transform: turn.as_coeffs(), colour: own.then(|| colour(random)) }
+        Instance {
+            transform: turn.as_coeffs(),
+            colour: own.then(|| colour(random)),
+            ..Instance::new(id, texton)
+        }
     };
     for k in 0..primaries {
         primary.push(instance(k, k, false));
@@ -102,6 +106,7 @@ fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
         primary,
         background,
         domain: None,
+        edits: Vec::new(),
     }
 }
 

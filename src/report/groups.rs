@@ -1,7 +1,6 @@
 //! Which library explains which part of a scene.
 
 use super::{Named, Subject};
-use crate::geometry::Affine;
 use crate::library::Library;
 use crate::scene::{Field, Instance, LibraryRef, Scene};
 use crate::synth;
@@ -76,12 +75,7 @@ impl<'a> Group<'a> {
             return Some(synth::reconstruct(&library.content));
         }
         let scene = scene?;
-        let place = |i: usize| Instance {
-            id: i as u32,
-            texton: i as u32,
-            transform: Affine::IDENTITY.as_coeffs(),
-            colour: None,
-        };
+        let place = |i: usize| Instance::new(i as u32, i as u32);
         Some(Scene {
             primary: self.textons(scene).into_iter().map(place).collect(),
             secondary: Vec::new(),
