@@ -128,7 +128,7 @@ fn part((name, [x, y, width, height]): (&str, [u32; 4])) -> RgbImage {
 
 /// Both to three digits, and to a thousandth.
 fn close(found: f64, wanted: f64) -> bool {
-    (found - wanted).abs() <= 1e-3 * wanted.abs().min(1.0).max(1e-3)
+    (found - wanted).abs() <= 1e-3 * wanted.abs().clamp(1e-3, 1.0)
 }
 
 #[test]

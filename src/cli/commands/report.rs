@@ -59,8 +59,11 @@ pub(super) fn run(
     summary.tell(common, page.place == Place::Stdout)
 }
 
-/// The libraries, and the scene if there is one.
-fn read(inputs: &[Input]) -> anyhow::Result<(Vec<Named<Library>>, Option<Named<Scene>>)> {
+/// Libraries, and the scene if there is one.
+type Contents = (Vec<Named<Library>>, Option<Named<Scene>>);
+
+/// What the inputs hold.
+fn read(inputs: &[Input]) -> anyhow::Result<Contents> {
     let (mut libraries, mut scene) = (Vec::new(), None);
     for input in inputs {
         let bytes = input.read()?;

@@ -57,9 +57,7 @@ impl Film {
         let mut encoder = gif::Encoder::new(out, width, height, palette.colours()).map_err(failed_gif)?;
         encoder.set_repeat(gif::Repeat::Infinite).map_err(failed_gif)?;
         let comment = gif::AnyExtension(0xfe);
-        encoder
-            .write_raw_extension(comment, &[crate::PROGRAM.as_bytes()])
-            .map_err(|e| failed_gif(e.into()))?;
+        encoder.write_raw_extension(comment, &[crate::PROGRAM.as_bytes()]).map_err(failed_gif)?;
         for k in 0..self.frames {
             let picture = frame(k)?;
             let row = picture.width() as usize;
@@ -81,7 +79,7 @@ impl Film {
             };
             encoder.write_frame(&frame).map_err(failed_gif)?;
         }
-        encoder.into_inner().and_then(|mut out| Ok(out.flush()?)).map_err(|e| failed_gif(e.into()))
+        encoder.into_inner().and_then(|mut out| Ok(out.flush()?)).map_err(failed_gif)
     }
 
     /// Writes a PNG that moves where that is understood, and shows the first picture elsewhere.
