@@ -126,7 +126,7 @@ fn part((name, [x, y, width, height]): (&str, [u32; 4])) -> RgbImage {
     image::imageops::crop_imm(&image, x, y, width, height).to_image()
 }
 
-/// Both to three digits, and to a thousandth.
+/// Within a thousandth, of the value where that is below 1.
 fn close(found: f64, wanted: f64) -> bool {
     (found - wanted).abs() <= 1e-3 * wanted.abs().clamp(1e-3, 1.0)
 }
