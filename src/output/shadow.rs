@@ -11,8 +11,10 @@ use crate::scene::{Instance, Scene, Shadow};
 use std::collections::BTreeMap;
 use tiny_skia::{FillRule, Mask, Transform};
 
-/// Pixels of the raster to the width of the soft edge.
-const PIXELS: f64 = 6.0;
+/// Most outlines of a shadow.
+const MOST_LAYERS: u32 = 5;
+/// Pixels of the raster to the width of the soft edge: enough that no two lines lie between two pixels.
+const PIXELS: f64 = 8.5;
 /// Largest side of the raster.
 const LARGEST_SIDE: f64 = 600.0;
 /// Deviation of the blur, as a share of the width of the soft edge.
@@ -79,7 +81,7 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<Layer> {
     let Some(strength) = Strength::new(outline, size, origin, pixel, DEVIATION * blur / pixel) else {
         return sharp();
     };
-    let count = (libm::round(blur / 2.0) as u32 + 2).min(6);
+    let count = (libm::round(blur / 2.0) as u32 + 2).min(MOST_LAYERS);
     let level = |k: u32| (f64::from(k) - 0.5) / f64::from(count);
     let labels: Vec<u32> = strength
         .values
