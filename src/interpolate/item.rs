@@ -1,7 +1,7 @@
 //! One texton on its way: into another, into nothing, or out of nothing.
 
 use super::blend::Blend;
-use super::motion::{Change, Moving, Resizing};
+use super::motion::{Motion, Moving};
 use super::paint::Paint;
 use super::patch::{Carry, Part, Patch, TOLERANCE, patches};
 use super::presence;
@@ -138,15 +138,20 @@ impl Item {
     }
 
     /// All of its way.
-    pub(super) fn change<'a>(&self, ends: &Ends<'a>, layer: Layer) -> Change<'a> {
+    pub(super) fn motion(&self, ends: &Ends<'_>, layer: Layer, id: u32) -> Motion {
         match &self.kind {
+            Kind::Both(both) => Motion { id, shapes: both.shapes(), window: None },
             Kind::One { side, instance, centre, window } => {
-                let scene = ends.scenes[*side];
-                let instance = &layer.of(scene)[*instance as usize];
-                let (centre, window) = (*centre, *window);
-                Change::Size(Resizing { scene, instance, centre, grows: *side == 1, window })
+                let instance = &layer.of(ends.scenes[*side])[*instance as usize];
+                let texton = &ends.scenes[*side].textons[instance.texton as usize];
+                let (base, _) = texton.base(instance.colour);
+                let details = texton.details.iter().map(|d| (&d.outline, d.colour));
+                let all = std::iter::once((&texton.outline, base)).chain(details);
+                let moving = |(outline, colour): (&Outline, _)| {
+                    Moving::resized(outline, instance.affine(), *centre, *side == 1, colour)
+                };
+                Motion { id, shapes: all.map(moving).collect(), window: Some(*window) }
             }
-            Kind::Both(both) => Change::Shapes(both.shapes()),
         }
     }
 

@@ -28,7 +28,7 @@ mod side;
 mod tests;
 mod when;
 
-pub use motion::{Change, Motion, Moving, Resizing};
+pub use motion::{Motion, Moving};
 pub use when::Axis;
 
 use crate::document::Document;

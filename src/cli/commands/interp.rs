@@ -79,7 +79,7 @@ fn one<'a>(
     let scene = match *between {
         Between::At(t) => {
             let way = Interpolation::new(from, to, reporter)?;
-            reporter.stage("drawing")?;
+            reporter.stage("moving")?;
             way.at(t)
         }
         Between::Across(axis) => across(from, to, axis, reporter)?,

@@ -1,10 +1,13 @@
-//! Two scenes → one SVG that plays the way between them, by CSS animations of paths, colours and sizes.
+//! Two scenes → one SVG that plays the way between them, by CSS animations of paths and colours.
 //!
 //! A texton that becomes another is drawn once, as it is in the first scene, and has a rule that says
 //! what it is at the end, and half-way where it does not go there straight; the viewer does the rest.
 //! Programs that know nothing of animations show the first scene. Outlines are smooth splines: between
 //! the middles of the sides of a polygon run parabolas that touch its sides. As `T` commands these need
 //! but one point each, and the numbers of one path can be turned into those of another one by one.
+//!
+//! What grows or shrinks does so as a path too: Chromium would make a layer of its own of everything
+//! whose transform is animated, and thousands of them are more than it can paint.
 //!
 //! Gradients on textons are drawn in their mean colours. The painting order is that half-way, because
 //! it cannot change in a document.
@@ -13,15 +16,17 @@ use super::number::{Number, Paint};
 use super::xml::Xml;
 use super::{SvgSummary, layer};
 use crate::error::{Result, check};
-use crate::geometry::{Affine, PathText, Point, Vec2, write_path};
-use crate::interpolate::{Change, Interpolation, Motion, Moving, Resizing};
+use crate::geometry::{Point, Vec2};
+use crate::interpolate::{Interpolation, Motion, Moving};
 use crate::output::background::Background;
-use crate::scene::{Edge, Scene, Texton};
+use crate::scene::{Edge, Scene};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
 /// Windows of time are rounded to this share of the way, so that many share a rule.
 const WINDOW: f64 = 0.05;
+/// How much is done in a window at even times.
+const SMOOTH: [f64; 5] = [0.0, 0.156, 0.5, 0.844, 1.0];
 /// What is further than this from half-way between its ends when half-way there, in pixels, is told
 /// where it is then.
 const STRAIGHT: f64 = 0.6;
@@ -74,7 +79,7 @@ impl Writer<'_> {
     fn write<W: Write>(
         &self,
         xml: &mut Xml<W>,
-        motions: &[Vec<Motion<'_>>; 2],
+        motions: &[Vec<Motion>; 2],
         options: &Animation,
     ) -> io::Result<usize> {
         let Scene { width, height, .. } = *self.scenes[0];
@@ -148,7 +153,7 @@ impl Writer<'_> {
         &self,
         xml: &mut Xml<W>,
         (id, label): (&str, &str),
-        motions: &[Motion<'_>],
+        motions: &[Motion],
     ) -> io::Result<usize> {
         let mut shapes = 0;
         layer(xml, id, label);
@@ -166,49 +171,46 @@ impl Writer<'_> {
     fn write_rules<W: Write>(
         &self,
         xml: &mut Xml<W>,
-        motions: &[Vec<Motion<'_>>; 2],
+        motions: &[Vec<Motion>; 2],
         options: &Animation,
     ) -> io::Result<()> {
         let direction = if options.back { "alternate" } else { "normal" };
         xml.open("style");
         let seconds = Number(options.seconds, 3);
-        xml.text(&format!(
+        xml.raw_text(&format!(
             "\n.a{{animation:{seconds}s linear infinite {direction}}}\n.e{{animation-name:e}}\n\
              @keyframes e{{from{{opacity:0}}to{{opacity:1}}}}\n"
-        ));
+        ))?;
         // Windows begin and end on a few steps: a rule for each pair that there is.
-        let mut windows: Vec<(bool, [u32; 2])> = motions.iter().flatten().filter_map(window).collect();
+        let mut windows: Vec<[u32; 2]> = motions.iter().flatten().filter_map(window).collect();
         windows.sort_unstable();
         windows.dedup();
-        for key in windows {
-            let (grows, [first, last]) = key;
-            let percent = |step: u32| Number(f64::from(step) * WINDOW * 100.0, 2);
-            let (before, after) = if grows { ("scale(0)", "none") } else { ("none", "scale(0)") };
-            let (name, first, last) = (class(key), percent(first), percent(last));
-            xml.text(&format!(
-                ".{name}{{animation-name:{name}}}\n@keyframes {name}{{0%,{first}%{{transform:{before};\
-                 animation-timing-function:ease-in-out}}{last}%,100%{{transform:{after}}}}}\n"
-            ));
+        for [first, last] in windows {
+            let mut pace = String::from("0");
+            for (k, done) in SMOOTH.iter().enumerate() {
+                let share = k as f64 / (SMOOTH.len() - 1) as f64;
+                let step = f64::from(first) + f64::from(last - first) * share;
+                let _ = write!(pace, ",{} {}%", Number(*done, 3), Number(step * WINDOW * 100.0, 2));
+            }
+            xml.raw_text(&format!(".w{first}-{last}{{animation-timing-function:linear({pace},1)}}\n"))?;
         }
         if let Some((shape, _)) = &self.domain {
             xml.raw_text(&format!("@keyframes domain{{to{{d:path(\"{}\")}}}}\n", self.data(shape, 2)))?;
         }
         for motion in motions.iter().flatten() {
-            if let Change::Shapes(shapes) = &motion.change {
-                let mut rules = String::new();
-                for (k, shape) in shapes.iter().enumerate() {
-                    let _ = write!(rules, "@keyframes {}{{", name(motion.id, k));
-                    if !straight(shape) {
-                        let _ = write!(rules, "50%{{d:path(\"{}\")}}", self.data(shape, 1));
-                    }
-                    let _ = write!(rules, "to{{d:path(\"{}\")", self.data(shape, 2));
-                    if shape.colours[0] != shape.colours[1] {
-                        let _ = write!(rules, ";fill:{}", Paint(shape.colours[1]));
-                    }
-                    rules.push_str("}}\n");
+            let mut rules = String::new();
+            for (k, shape) in motion.shapes.iter().enumerate() {
+                let _ = write!(rules, "@keyframes {}{{", name(motion.id, k));
+                if !straight(shape) {
+                    let _ = write!(rules, "50%{{d:path(\"{}\")}}", self.data(shape, 1));
                 }
-                xml.raw_text(&rules)?;
+                let _ = write!(rules, "to{{d:path(\"{}\")", self.data(shape, 2));
+                if shape.colours[0] != shape.colours[1] {
+                    let _ = write!(rules, ";fill:{}", Paint(shape.colours[1]));
+                }
+                rules.push_str("}}\n");
             }
+            xml.raw_text(&rules)?;
         }
         xml.close()?;
         xml.line();
@@ -216,50 +218,31 @@ impl Writer<'_> {
     }
 
     /// One texton, and its copies; gives the number of its shapes.
-    fn write_motion<W: Write>(&self, xml: &mut Xml<W>, motion: &Motion<'_>) -> io::Result<usize> {
-        let id = motion.id;
-        let (count, bounds) = match &motion.change {
-            Change::Shapes(shapes) => {
-                let grouped = shapes.len() > 1;
-                if grouped {
-                    xml.open("g");
-                    xml.attribute("id", format_args!("p{id}"));
-                }
-                for (k, shape) in shapes.iter().enumerate() {
-                    xml.open("path");
-                    if !grouped {
-                        xml.attribute("id", format_args!("p{id}"));
-                    }
-                    xml.attribute("class", "a");
-                    xml.attribute("style", format_args!("animation-name:{}", name(id, k)));
-                    xml.attribute("fill", Paint(shape.colours[0]));
-                    xml.attribute("d", self.data(shape, 0));
-                    xml.close()?;
-                }
-                if grouped {
-                    xml.close()?;
-                }
-                let bounds = shapes.iter().map(Moving::bounds).reduce(|a, b| a.union(b));
-                (shapes.len(), bounds.unwrap_or_default())
-            }
-            Change::Size(resizing) => {
-                let texton = &resizing.scene.textons[resizing.instance.texton as usize];
-                let affine = resizing.instance.affine();
-                xml.open("g");
+    fn write_motion<W: Write>(&self, xml: &mut Xml<W>, motion: &Motion) -> io::Result<usize> {
+        let Motion { id, shapes, .. } = motion;
+        let grouped = shapes.len() > 1;
+        if grouped {
+            xml.open("g");
+            xml.attribute("id", format_args!("p{id}"));
+        }
+        for (k, shape) in shapes.iter().enumerate() {
+            xml.open("path");
+            if !grouped {
                 xml.attribute("id", format_args!("p{id}"));
-                if let Some(key) = window(motion) {
-                    xml.attribute("class", format_args!("a {}", class(key)));
-                }
-                let [x, y] = [resizing.centre.x, resizing.centre.y].map(|v| Number(v, self.precision));
-                xml.attribute("style", format_args!("transform-origin:{x}px {y}px"));
-                if resizing.grows {
-                    xml.attribute("transform", "scale(0)");
-                }
-                let count = self.write_texton(xml, resizing, texton, affine)?;
-                xml.close()?;
-                (count, affine.transform_rect_bbox(texton.bounds()))
             }
-        };
+            match window(motion) {
+                Some([first, last]) => xml.attribute("class", format_args!("a w{first}-{last}")),
+                None => xml.attribute("class", "a"),
+            }
+            xml.attribute("style", format_args!("animation-name:{}", name(*id, k)));
+            xml.attribute("fill", Paint(shape.colours[0]));
+            xml.attribute("d", self.data(shape, 0));
+            xml.close()?;
+        }
+        if grouped {
+            xml.close()?;
+        }
+        let bounds = shapes.iter().map(Moving::bounds).reduce(|a, b| a.union(b)).unwrap_or_default();
         for shift in self.scenes[0].copies(bounds).filter(|&shift| shift != Vec2::ZERO) {
             xml.open("use");
             xml.attribute("xlink:href", format_args!("#p{id}"));
@@ -267,27 +250,7 @@ impl Writer<'_> {
             xml.attribute("y", Number(shift.y, self.precision));
             xml.close()?;
         }
-        Ok(count)
-    }
-
-    /// The paths of a texton that keeps its shape.
-    fn write_texton<W: Write>(
-        &self,
-        xml: &mut Xml<W>,
-        resizing: &Resizing<'_>,
-        texton: &Texton,
-        affine: Affine,
-    ) -> io::Result<usize> {
-        let (colour, _) = texton.base(resizing.instance.colour);
-        let details = texton.details.iter().map(|d| (&d.outline, d.colour));
-        for (outline, colour) in std::iter::once((&texton.outline, colour)).chain(details) {
-            xml.open("path");
-            xml.attribute("fill", Paint(colour));
-            let style = PathText { precision: self.precision };
-            xml.attribute("d", write_path(&(affine * outline.path()), style));
-            xml.close()?;
-        }
-        Ok(1 + texton.details.len())
+        Ok(shapes.len())
     }
 
     /// The rings of a shape at one of its three times.
@@ -305,15 +268,9 @@ fn name(id: u32, k: usize) -> String {
     if k == 0 { format!("k{id}") } else { format!("k{id}-{k}") }
 }
 
-/// Whether a texton grows, and when it begins and ends to change its size, in steps.
-fn window(motion: &Motion<'_>) -> Option<(bool, [u32; 2])> {
-    let Change::Size(resizing) = &motion.change else { return None };
-    let step = |v: f64| libm::round(v / WINDOW) as u32;
-    Some((resizing.grows, resizing.window.map(step)))
-}
-
-fn class((grows, [first, last]): (bool, [u32; 2])) -> String {
-    format!("{}{first}-{last}", if grows { 'g' } else { 's' })
+/// When a texton begins and ends to change, in steps, if it does not all the way.
+fn window(motion: &Motion) -> Option<[u32; 2]> {
+    motion.window.map(|ends| ends.map(|v| libm::round(v / WINDOW) as u32))
 }
 
 /// Whether a shape goes to its end straight enough.
