@@ -123,8 +123,8 @@ mod tests {
             let area = |r: &Ring| moments(r).0;
             assert!((area(&blend.at(0.0)) / area(&a) - 1.0).abs() < 0.03);
             assert!((area(&blend.at(1.0)) / area(&b) - 1.0).abs() < 0.03);
-            let end = blend.at(1.0);
-            let far = |p: &Point| b.iter().map(|q| length(*p - *q)).fold(f64::INFINITY, f64::min);
+            let (end, fine) = (blend.at(1.0), even(&b, 2000));
+            let far = |p: &Point| fine.iter().map(|q| length(*p - *q)).fold(f64::INFINITY, f64::min);
             assert!(end.iter().map(far).fold(0.0, f64::max) < 1.5);
             for k in 0..=20 {
                 let ring = blend.at(f64::from(k) / 20.0);
