@@ -2,8 +2,10 @@
 
 use super::options::Common;
 use super::output::{print, say};
+use super::progress::Reporter;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
+use std::path::Path;
 use std::time::Duration;
 use vtex::library::Library;
 use vtex::output::reduce::GivenUp;
@@ -48,6 +50,37 @@ pub(crate) struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) peak_memory: Option<u64>,
     pub(crate) warnings: Vec<String>,
+}
+
+impl Summary {
+    /// Of a command that is done, from a stopped reporter; what not every command has is left out.
+    pub(crate) fn new(
+        command: &'static str,
+        inputs: Vec<String>,
+        output: &Path,
+        bytes: u64,
+        reporter: &Reporter,
+    ) -> Self {
+        let (seconds, warnings) = reporter.finish();
+        Self {
+            program: vtex::PROGRAM,
+            command,
+            inputs,
+            output: output.display().to_string(),
+            pattern: None,
+            bytes,
+            given_up: None,
+            seed: None,
+            size: [0; 2],
+            counts: None,
+            coverage: None,
+            overlap: None,
+            repetition: None,
+            seconds: Seconds(seconds),
+            peak_memory: peak_memory(),
+            warnings,
+        }
+    }
 }
 
 /// How many of what.

@@ -6,7 +6,7 @@ use crate::cli::input::{Input, Kind};
 use crate::cli::options::Common;
 use crate::cli::output::{Place, Target, print, say};
 use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Seconds, Summary, peak_memory};
+use crate::cli::summary::{Counts, Summary};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -61,24 +61,12 @@ fn edit_scene(
     for warning in &written.warnings {
         reporter.warn(warning);
     }
-    let (seconds, warnings) = reporter.finish();
     let summary = Summary {
-        program: vtex::PROGRAM,
-        command: "edit",
-        inputs: vec![input.name()],
-        output: target.place.path().display().to_string(),
-        pattern: None,
-        bytes: written.bytes,
         given_up: written.given_up,
         seed: scene.edits.last().map(|e| e.seed),
         size: canvas,
         counts: Some(Counts::of_scene(&scene)),
-        coverage: None,
-        overlap: None,
-        repetition: None,
-        seconds: Seconds(seconds),
-        peak_memory: peak_memory(),
-        warnings,
+        ..Summary::new("edit", vec![input.name()], target.place.path(), written.bytes, reporter)
     };
     let piped = target.place == Place::Stdout;
     if common.json {

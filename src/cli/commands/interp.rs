@@ -5,7 +5,7 @@ use crate::cli::interp_arguments::{Between, FilmKind, Interpolating, Pace, Wante
 use crate::cli::options::Common;
 use crate::cli::output::{Place, Target, Written};
 use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Seconds, Summary, peak_memory};
+use crate::cli::summary::{Counts, Summary};
 use std::path::Path;
 use vtex::interpolate::{Interpolation, across};
 use vtex::output::file::{Format, Kind};
@@ -31,24 +31,11 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
     for warning in &made.written.warnings {
         reporter.warn(warning);
     }
-    let (seconds, warnings) = reporter.finish();
     let summary = Summary {
-        program: vtex::PROGRAM,
-        command: "interp",
-        inputs: vec![from.name(), to.name()],
-        output: made.path.display().to_string(),
-        pattern: None,
-        bytes: made.written.bytes,
         given_up: made.written.given_up,
-        seed: None,
         size: made.size,
         counts: made.counts,
-        coverage: None,
-        overlap: None,
-        repetition: None,
-        seconds: Seconds(seconds),
-        peak_memory: peak_memory(),
-        warnings,
+        ..Summary::new("interp", vec![from.name(), to.name()], made.path, made.written.bytes, reporter)
     };
     summary.tell(common, made.path == Path::new("-"))
 }

@@ -6,7 +6,7 @@ use crate::cli::options::{Common, RenderOptions};
 use crate::cli::output::{Place, Written};
 use crate::cli::progress::Reporter;
 use crate::cli::stages;
-use crate::cli::summary::{Counts, Seconds, Summary, peak_memory};
+use crate::cli::summary::{Counts, Summary};
 use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::file::Format;
@@ -68,25 +68,13 @@ pub(super) fn run(
     for warning in &written.warnings {
         reporter.warn(warning);
     }
-    let (seconds, warnings) = reporter.finish();
     let drawn = |side: u32| (f64::from(side) * scale).round().max(1.0) as u32;
     let summary = Summary {
-        program: vtex::PROGRAM,
-        command: "render",
-        inputs: vec![name],
-        output: target.place.path().display().to_string(),
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
-        bytes: written.bytes,
         given_up: written.given_up,
-        seed: None,
         size: if scene.is_some() && target.kind.format == Format::Png { size.map(drawn) } else { size },
         counts: scene.as_ref().map(Counts::of_scene),
-        coverage: None,
-        overlap: None,
-        repetition: None,
-        seconds: Seconds(seconds),
-        peak_memory: peak_memory(),
-        warnings,
+        ..Summary::new("render", vec![name], target.place.path(), written.bytes, reporter)
     };
     summary.tell(common, target.place == Place::Stdout)
 }

@@ -5,7 +5,7 @@ use crate::cli::input::{Input, Kind};
 use crate::cli::options::{Common, PageOptions};
 use crate::cli::output::Place;
 use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Seconds, Summary, peak_memory};
+use crate::cli::summary::{Counts, Summary};
 use std::path::Path;
 use vtex::Progress;
 use vtex::library::Library;
@@ -28,7 +28,6 @@ pub(super) fn run(
     for warning in &warnings {
         reporter.warn(warning);
     }
-    let (seconds, warnings) = reporter.finish();
     let first = libraries.first().map(|l| &l.content);
     let counts = match &scene {
         Some(scene) => Some(Counts::of_scene(&scene.content)),
@@ -39,22 +38,15 @@ pub(super) fn run(
         None => first.map_or([0; 2], |l| [l.source.width, l.source.height]),
     };
     let summary = Summary {
-        program: vtex::PROGRAM,
-        command: "inspect",
-        inputs: inputs.iter().map(Input::name).collect(),
-        output: page.place.path().display().to_string(),
-        pattern: None,
-        bytes,
-        given_up: None,
-        seed: None,
         size,
         counts,
-        coverage: None,
-        overlap: None,
-        repetition: None,
-        seconds: Seconds(seconds),
-        peak_memory: peak_memory(),
-        warnings,
+        ..Summary::new(
+            "inspect",
+            inputs.iter().map(Input::name).collect(),
+            page.place.path(),
+            bytes,
+            reporter,
+        )
     };
     summary.tell(common, page.place == Place::Stdout)
 }

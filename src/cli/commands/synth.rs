@@ -6,7 +6,7 @@ use crate::cli::options::{Common, Synthesis};
 use crate::cli::output::{Place, Target, say};
 use crate::cli::progress::Reporter;
 use crate::cli::stages;
-use crate::cli::summary::{Counts, Coverage, Seconds, Summary, peak_memory};
+use crate::cli::summary::{Counts, Coverage, Summary};
 use vtex::Progress;
 use vtex::library::Library;
 use vtex::scene::Scene;
@@ -75,14 +75,8 @@ impl Made {
         for warning in &written.warnings {
             reporter.warn(warning);
         }
-        let (seconds, warnings) = reporter.finish();
         let summary = Summary {
-            program: vtex::PROGRAM,
-            command,
-            inputs,
-            output: target.place.path().display().to_string(),
             pattern: pattern.map(|p| p.place.path().display().to_string()),
-            bytes: written.bytes,
             given_up: written.given_up,
             seed: scene.parameters.as_ref().map(|p| p.seed),
             size: [scene.width, scene.height],
@@ -94,9 +88,7 @@ impl Made {
             }),
             overlap: Some(report.overlap),
             repetition: Some(report.repetition),
-            seconds: Seconds(seconds),
-            peak_memory: peak_memory(),
-            warnings,
+            ..Summary::new(command, inputs, target.place.path(), written.bytes, reporter)
         };
         summary.tell(common, target.place == Place::Stdout)
     }

@@ -5,7 +5,7 @@ use crate::cli::options::{Analysis, Common};
 use crate::cli::output::{Place, Target, say};
 use crate::cli::progress::Reporter;
 use crate::cli::stages;
-use crate::cli::summary::{Counts, Seconds, Summary, peak_memory};
+use crate::cli::summary::{Counts, Summary};
 use vtex::Progress;
 
 pub(super) fn run(
@@ -27,24 +27,12 @@ pub(super) fn run(
     for warning in &written.warnings {
         reporter.warn(warning);
     }
-    let (seconds, warnings) = reporter.finish();
     let summary = Summary {
-        program: vtex::PROGRAM,
-        command: "vectorize",
-        inputs: vec![analysis.photo.name()],
-        output: target.place.path().display().to_string(),
-        pattern: None,
-        bytes: written.bytes,
         given_up: written.given_up,
         seed: Some(library.source.parameters.seed),
         size: [scene.width, scene.height],
         counts: Some(Counts::of_scene(&scene)),
-        coverage: None,
-        overlap: None,
-        repetition: None,
-        seconds: Seconds(seconds),
-        peak_memory: peak_memory(),
-        warnings,
+        ..Summary::new("vectorize", vec![analysis.photo.name()], target.place.path(), written.bytes, reporter)
     };
     summary.tell(common, target.place == Place::Stdout)
 }
