@@ -1,12 +1,13 @@
 //! What was done, in JSON for programs and in a line or two for people.
 
 use super::options::Common;
-use super::output::{print, say};
+use super::output::{Written, print, say};
 use super::progress::Reporter;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use std::path::Path;
 use std::time::Duration;
+use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::reduce::GivenUp;
 use vtex::scene::Scene;
@@ -53,14 +54,16 @@ pub(crate) struct Summary {
 }
 
 impl Summary {
-    /// Of a command that is done, from a stopped reporter; what not every command has is left out.
+    /// Of a command that is done, with what the writer warns of; what not every command has is left
+    /// out. Nothing can be reported after it.
     pub(crate) fn new(
         command: &'static str,
         inputs: Vec<String>,
         output: &Path,
-        bytes: u64,
+        written: Written,
         reporter: &Reporter,
     ) -> Self {
+        written.warnings.iter().for_each(|warning| reporter.warn(warning));
         let (seconds, warnings) = reporter.finish();
         Self {
             program: vtex::PROGRAM,
@@ -68,8 +71,8 @@ impl Summary {
             inputs,
             output: output.display().to_string(),
             pattern: None,
-            bytes,
-            given_up: None,
+            bytes: written.bytes,
+            given_up: written.given_up,
             seed: None,
             size: [0; 2],
             counts: None,

@@ -23,9 +23,8 @@ fn put(instance: &mut Instance, about: Affine, by: [f64; 2], [width, height]: [O
 }
 
 /// Width and height of the canvas along the axes that repeat.
-fn periods(scene: &Scene) -> [Option<f64>; 2] {
-    let period = |size: u32, repeats: bool| repeats.then(|| f64::from(size));
-    [period(scene.width, scene.tile.x), period(scene.height, scene.tile.y)]
+pub(super) fn periods(scene: &Scene) -> [Option<f64>; 2] {
+    scene.tile.periods([f64::from(scene.width), f64::from(scene.height)])
 }
 
 pub(super) fn shift(scene: &mut Scene, chosen: &Chosen, by: [f64; 2]) {

@@ -1,6 +1,7 @@
 //! Fewer textons: a share, the large ones, those that a map or a shape leaves.
 
 use super::operation::ThinOrder;
+use super::place::periods;
 use super::selection::{Chosen, place};
 use super::textons::{change, measured, size};
 use super::{Draw, order};
@@ -113,9 +114,7 @@ fn kept(
         ThinOrder::BlueNoise => {
             let points: Vec<Point> = selected.iter().map(|&i| place(scene, &instances[i])).collect();
             let ties: Vec<u64> = selected.iter().map(|&i| random(i)).collect();
-            let period = |size: u32, repeats: bool| repeats.then(|| f64::from(size));
-            let torus = [period(scene.width, scene.tile.x), period(scene.height, scene.tile.y)];
-            order::spread(&points, &ties, torus, count).into_iter().for_each(|k| keep(selected[k]));
+            order::spread(&points, &ties, periods(scene), count).into_iter().for_each(|k| keep(selected[k]));
         }
     }
     kept

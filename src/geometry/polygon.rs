@@ -1,7 +1,8 @@
 //! Outlines as polygons, and smooth outlines along polygons.
 
 use super::Outline;
-use super::fit::{Piece, fit_closed};
+use super::fit::fit_closed;
+use super::refit::closed;
 use kurbo::{BezPath, PathEl, Point, flatten};
 
 impl Outline {
@@ -29,9 +30,15 @@ impl Outline {
         rings
     }
 
+    /// The edges of those polygons, ring by ring.
+    pub(super) fn edges(&self, tolerance: f64) -> Vec<[Point; 2]> {
+        let rings = self.polygons(tolerance);
+        rings.iter().flat_map(|r| (0..r.len()).map(|i| [r[i], r[(i + 1) % r.len()]])).collect()
+    }
+
     /// Curves along closed polygons, within `tolerance` pixels of their points, which must lie close:
-    /// between points far apart the curve is free. Corners stay. What
-    /// has fewer than three points is left out. `None` if a coordinate is out of range.
+    /// between points far apart the curve is free. Corners stay. What has fewer than three points is
+    /// left out. `None` if a coordinate is out of range.
     pub fn along(polygons: &[Vec<Point>], tolerance: f64) -> Option<Self> {
         let mut path = BezPath::new();
         for polygon in polygons.iter().filter(|p| p.len() >= 3) {
@@ -39,16 +46,7 @@ impl Outline {
                 return None;
             }
             let (start, pieces) = fit_closed(polygon, true, tolerance);
-            path.move_to(start);
-            for (i, piece) in pieces.iter().enumerate() {
-                match *piece {
-                    // Closing draws it.
-                    Piece::Line(_) if i + 1 == pieces.len() => {}
-                    Piece::Line(p) => path.line_to(p),
-                    Piece::Cubic(a, b, p) => path.curve_to(a, b, p),
-                }
-            }
-            path.close_path();
+            path.extend(closed(start, &pieces));
         }
         Self::new(&path)
     }

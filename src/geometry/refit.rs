@@ -156,7 +156,8 @@ impl Ring {
     }
 }
 
-fn closed(start: Point, pieces: &[Piece]) -> BezPath {
+/// A closed path from fitted pieces.
+pub(super) fn closed(start: Point, pieces: &[Piece]) -> BezPath {
     let mut path = BezPath::new();
     path.move_to(start);
     for (i, piece) in pieces.iter().enumerate() {

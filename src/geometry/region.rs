@@ -1,7 +1,7 @@
 //! Whether points lie inside an outline, for many points.
 
 use super::Outline;
-use kurbo::{PathEl, Point, Rect, flatten};
+use kurbo::{Point, Rect};
 
 /// How far the polygon that is asked may lie from the curve, in pixels.
 const TOLERANCE: f64 = 0.05;
@@ -19,19 +19,7 @@ pub struct Region {
 impl Region {
     /// The inside of an outline by the non-zero rule.
     pub fn new(outline: &Outline) -> Self {
-        let mut edges: Vec<[Point; 2]> = Vec::new();
-        let (mut start, mut at) = (Point::ORIGIN, Point::ORIGIN);
-        flatten(outline.path().elements().iter().copied(), TOLERANCE, |element| match element {
-            PathEl::MoveTo(p) => (start, at) = (p, p),
-            PathEl::LineTo(p) => {
-                edges.push([at, p]);
-                at = p;
-            }
-            _ => {
-                edges.push([at, start]);
-                at = start;
-            }
-        });
+        let edges = outline.edges(TOLERANCE);
         let bounds = outline.bounds();
         let mut region = Self { bounds, rows: vec![Vec::new(); edges.len() / EDGES_IN_A_ROW + 1] };
         for edge in edges.into_iter().filter(|[a, b]| a.y != b.y) {

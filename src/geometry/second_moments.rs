@@ -1,7 +1,7 @@
 //! Size, place, direction and slenderness of a shape: its moments up to the second.
 
 use super::Outline;
-use kurbo::{Affine, PathEl, Point, flatten};
+use kurbo::{Affine, Point};
 
 /// How far the polygon that is measured may lie from the curve, in pixels.
 const TOLERANCE: f64 = 0.05;
@@ -23,9 +23,8 @@ impl SecondMoments {
         // Green's theorem: sums over the edges of a polygon, about a point near it.
         let origin = outline.bounds().center();
         let mut sums = [0.0; 6];
-        let (mut start, mut at) = (Point::ORIGIN, Point::ORIGIN);
-        let mut edge = |from: Point, to: Point| {
-            let ([x0, y0], [x1, y1]) = ([from.x, from.y], [to.x, to.y]);
+        for edge in outline.edges(TOLERANCE) {
+            let [[x0, y0], [x1, y1]] = edge.map(|p| [p.x - origin.x, p.y - origin.y]);
             let cross = x0 * y1 - x1 * y0;
             let parts = [
                 1.0,
@@ -36,22 +35,7 @@ impl SecondMoments {
                 y0 * y0 + y0 * y1 + y1 * y1,
             ];
             sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += cross * part);
-        };
-        flatten(outline.path().elements().iter().copied(), TOLERANCE, |element| match element {
-            PathEl::MoveTo(p) => {
-                start = p - origin.to_vec2();
-                at = start;
-            }
-            PathEl::LineTo(p) => {
-                let p = p - origin.to_vec2();
-                edge(at, p);
-                at = p;
-            }
-            _ => {
-                edge(at, start);
-                at = start;
-            }
-        });
+        }
         let [doubled, x, y, xx, xy, yy] = sums;
         if doubled.abs() < 1e-9 {
             return Self { centroid: origin, ..Self::default() };

@@ -17,9 +17,9 @@ const EXACT: usize = 3000;
 const NEAREST: usize = 16;
 /// What leaving a texton without partner costs: a way of about two and a half typical distances.
 const NONE: f64 = 6.0;
-/// What twice as much of the natural logarithm of the ratio of sizes costs is four times this.
+/// What the square of the natural logarithm of the ratio of sizes costs.
 const SIZE: f64 = 0.5;
-/// The same of a distance in Oklab.
+/// What the square of a distance in Oklab costs.
 const COLOUR: f64 = 12.0;
 /// What another category of the same library costs.
 const CATEGORY: f64 = 0.3;

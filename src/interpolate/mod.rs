@@ -228,7 +228,7 @@ const STAGE: &str = "matching";
 fn items(sides: &[Side<'_>; 2], layer: Layer) -> Vec<Item> {
     let scene = sides[0].scene;
     let (width, height) = (f64::from(scene.width), f64::from(scene.height));
-    let periods = [scene.tile.x.then_some(width), scene.tile.y.then_some(height)];
+    let periods = scene.tile.periods([width, height]);
     let plane = Plane { area: width * height, periods };
     let traits: [Vec<Traits>; 2] =
         [0, 1].map(|k| parallel::map(layer.of(sides[k].scene), |i| sides[k].traits(i)));

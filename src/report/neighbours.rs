@@ -10,7 +10,7 @@ use crate::synth::statistics::Layout;
 /// centres whose nearest neighbour may be unknown are left out.
 pub(super) fn nearest(layout: &Layout) -> Vec<(f64, f64)> {
     let [width, height] = layout.size;
-    let periods = [layout.tile.x.then_some(width), layout.tile.y.then_some(height)];
+    let periods = layout.tile.periods(layout.size);
     let wrapped = |v: f64, period: Option<f64>| match period {
         Some(p) => v - p * libm::floor(v / p),
         None => v,

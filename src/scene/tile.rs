@@ -36,6 +36,12 @@ impl Tile {
     pub fn both(self) -> bool {
         self.x && self.y
     }
+
+    /// The lengths after which a canvas of the given width and height repeats along x and y; none
+    /// along an axis where it does not.
+    pub fn periods<T>(self, [width, height]: [T; 2]) -> [Option<T>; 2] {
+        [self.x.then_some(width), self.y.then_some(height)]
+    }
 }
 
 impl Scene {

@@ -171,7 +171,7 @@ fn meet(a: [i32; 2], b: [i32; 2], period: Option<i32>) -> bool {
 impl Grid {
     /// Whether two boxes (x0, y0, x1, y1), each around its place, have a cell in common.
     pub(super) fn boxes_meet(&self, a: [i32; 4], at: [i32; 2], b: [i32; 4], place: [i32; 2]) -> bool {
-        let periods = [self.tile.x.then_some(self.width), self.tile.y.then_some(self.height)];
+        let periods = self.tile.periods([self.width, self.height]);
         (0..2).all(|k| {
             meet([a[k] + at[k], a[k + 2] + at[k]], [b[k] + place[k], b[k + 2] + place[k]], periods[k])
         })

@@ -25,7 +25,7 @@ pub(super) fn run(
         size: [library.source.width, library.source.height],
         counts: Some(Counts::of_library(&library)),
         coverage: Some(Coverage { wanted: Some(library.coverage), got: None, categories: Vec::new() }),
-        ..Summary::new("analyze", vec![analysis.photo.name()], target.place.path(), written.bytes, reporter)
+        ..Summary::new("analyze", vec![analysis.photo.name()], target.place.path(), written, reporter)
     };
     summary.tell(common, target.place == Place::Stdout)
 }

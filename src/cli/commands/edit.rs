@@ -58,15 +58,11 @@ fn edit_scene(
     }
     reporter.stage("writing")?;
     let written = target.write_scene(&scene, svg, 1.0)?;
-    for warning in &written.warnings {
-        reporter.warn(warning);
-    }
     let summary = Summary {
-        given_up: written.given_up,
         seed: scene.edits.last().map(|e| e.seed),
         size: canvas,
         counts: Some(Counts::of_scene(&scene)),
-        ..Summary::new("edit", vec![input.name()], target.place.path(), written.bytes, reporter)
+        ..Summary::new("edit", vec![input.name()], target.place.path(), written, reporter)
     };
     let piped = target.place == Place::Stdout;
     if common.json {

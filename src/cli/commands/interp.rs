@@ -28,14 +28,10 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
         }
         Wanted::Film { place, kind, pace } => film(reporter, job, &scenes, place, *kind, pace)?,
     };
-    for warning in &made.written.warnings {
-        reporter.warn(warning);
-    }
     let summary = Summary {
-        given_up: made.written.given_up,
         size: made.size,
         counts: made.counts,
-        ..Summary::new("interp", vec![from.name(), to.name()], made.path, made.written.bytes, reporter)
+        ..Summary::new("interp", vec![from.name(), to.name()], made.path, made.written, reporter)
     };
     summary.tell(common, made.path == Path::new("-"))
 }

@@ -65,16 +65,12 @@ pub(super) fn run(
     if let (Some(pattern), Some(scene)) = (pattern, &scene) {
         pattern.write_pattern(scene, *svg)?;
     }
-    for warning in &written.warnings {
-        reporter.warn(warning);
-    }
     let drawn = |side: u32| (f64::from(side) * scale).round().max(1.0) as u32;
     let summary = Summary {
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
-        given_up: written.given_up,
         size: if scene.is_some() && target.kind.format == Format::Png { size.map(drawn) } else { size },
         counts: scene.as_ref().map(Counts::of_scene),
-        ..Summary::new("render", vec![name], target.place.path(), written.bytes, reporter)
+        ..Summary::new("render", vec![name], target.place.path(), written, reporter)
     };
     summary.tell(common, target.place == Place::Stdout)
 }

@@ -3,11 +3,10 @@
 use crate::cli::failure::Failure;
 use crate::cli::input::{Input, Kind};
 use crate::cli::options::{Common, PageOptions};
-use crate::cli::output::Place;
+use crate::cli::output::{Place, Written};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{Counts, Summary};
 use std::path::Path;
-use vtex::Progress;
 use vtex::library::Library;
 use vtex::report::{self, Named, Photo, Subject};
 use vtex::scene::Scene;
@@ -25,9 +24,7 @@ pub(super) fn run(
     reporter.stage("writing")?;
     let subject = Subject { libraries: &libraries, scene: scene.as_ref(), photos: &photos };
     let (warnings, bytes) = page.place.write(|out| report::write(&subject, out))?;
-    for warning in &warnings {
-        reporter.warn(warning);
-    }
+    let written = Written { bytes, warnings, given_up: None };
     let first = libraries.first().map(|l| &l.content);
     let counts = match &scene {
         Some(scene) => Some(Counts::of_scene(&scene.content)),
@@ -44,7 +41,7 @@ pub(super) fn run(
             "inspect",
             inputs.iter().map(Input::name).collect(),
             page.place.path(),
-            bytes,
+            written,
             reporter,
         )
     };

@@ -7,7 +7,6 @@ use crate::cli::output::{Place, Target, say};
 use crate::cli::progress::Reporter;
 use crate::cli::stages;
 use crate::cli::summary::{Counts, Coverage, Summary};
-use vtex::Progress;
 use vtex::library::Library;
 use vtex::scene::Scene;
 use vtex::synth::{Controls, Report};
@@ -72,12 +71,8 @@ impl Made {
         if let Some(pattern) = pattern {
             pattern.write_pattern(&scene, svg)?;
         }
-        for warning in &written.warnings {
-            reporter.warn(warning);
-        }
         let summary = Summary {
             pattern: pattern.map(|p| p.place.path().display().to_string()),
-            given_up: written.given_up,
             seed: scene.parameters.as_ref().map(|p| p.seed),
             size: [scene.width, scene.height],
             counts: Some(Counts::of_scene(&scene)),
@@ -88,7 +83,7 @@ impl Made {
             }),
             overlap: Some(report.overlap),
             repetition: Some(report.repetition),
-            ..Summary::new(command, inputs, target.place.path(), written.bytes, reporter)
+            ..Summary::new(command, inputs, target.place.path(), written, reporter)
         };
         summary.tell(common, target.place == Place::Stdout)
     }

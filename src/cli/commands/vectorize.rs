@@ -6,7 +6,6 @@ use crate::cli::output::{Place, Target, say};
 use crate::cli::progress::Reporter;
 use crate::cli::stages;
 use crate::cli::summary::{Counts, Summary};
-use vtex::Progress;
 
 pub(super) fn run(
     common: &Common,
@@ -24,15 +23,11 @@ pub(super) fn run(
     let scene = stages::reconstruct(&library);
     reporter.stage("writing")?;
     let written = target.write_scene(&scene, svg, 1.0)?;
-    for warning in &written.warnings {
-        reporter.warn(warning);
-    }
     let summary = Summary {
-        given_up: written.given_up,
         seed: Some(library.source.parameters.seed),
         size: [scene.width, scene.height],
         counts: Some(Counts::of_scene(&scene)),
-        ..Summary::new("vectorize", vec![analysis.photo.name()], target.place.path(), written.bytes, reporter)
+        ..Summary::new("vectorize", vec![analysis.photo.name()], target.place.path(), written, reporter)
     };
     summary.tell(common, target.place == Place::Stdout)
 }

@@ -97,7 +97,7 @@ impl Layout {
 
     /// The size along the axes that repeat.
     fn period(&self) -> [Option<f64>; 2] {
-        [self.tile.x.then_some(self.size[0]), self.tile.y.then_some(self.size[1])]
+        self.tile.periods(self.size)
     }
 }
 
