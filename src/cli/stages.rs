@@ -177,6 +177,14 @@ pub(super) fn synthesize(
     vtex::synth::synthesize_with(libraries, parameters, controls, reporter)
 }
 
+/// Reads a scene.
+pub(super) fn scene(input: &Input) -> anyhow::Result<Scene> {
+    let bytes = input.read()?;
+    Kind::expect(&bytes, input, &[Kind::Scene, Kind::Unknown])
+        .map_err(|failure| failure.hint("make a scene with 'vtex synth photo.lib.json -o out.scene.json'"))?;
+    Ok(Scene::from_bytes(&bytes, &input.name())?)
+}
+
 /// Reads libraries.
 pub(super) fn libraries(inputs: &[Input]) -> anyhow::Result<Vec<Library>> {
     let read = |input: &Input| {

@@ -7,14 +7,13 @@
 
 use super::selection::Chosen;
 use super::textons::{measured, selected, selected_mut};
-use crate::geometry::{Affine, Outline, PathEl, Point, SecondMoments};
+use crate::geometry::{Affine, Outline, SecondMoments, edges};
 use crate::library::Library;
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::field::Interpolant;
 use crate::scene::{Instance, LibraryRef, Scene, Texton};
 use crate::synth::{primary_texton, reference, secondary_texton};
-use kurbo::flatten;
 use std::collections::BTreeMap;
 
 /// How many candidates are laid over a texton.
@@ -24,6 +23,9 @@ const SIDE: usize = 32;
 /// What part of the raster's side a square of the shape's area has; the ends of what is more than six
 /// times as long as broad stick out and do not count.
 const SPAN: f64 = 0.4;
+
+/// How far polygons may lie from outlines, in pixels of what they are drawn on.
+const TOLERANCE: f64 = 0.1;
 
 /// A shape brought to the origin, unit area and the longer axis along x, on a raster of bits.
 #[derive(Clone)]
@@ -39,15 +41,14 @@ impl Stencil {
         let onto = Affine::translate((middle, middle)) * Affine::scale(SPAN * SIDE as f64);
         let path = onto * standing(moments).inverse() * outline.path();
         let mut rows = [0u32; SIDE];
-        let edge = |a: Point, b: Point| {
+        for [a, b] in edges(path, TOLERANCE) {
             let (top, bottom) = (a.y.min(b.y), a.y.max(b.y));
             let row = |y: f64| libm::ceil(y - 0.5).clamp(0.0, SIDE as f64) as usize;
             for (y, bits) in rows.iter_mut().enumerate().take(row(bottom)).skip(row(top)) {
                 let x = a.x + (b.x - a.x) * (y as f64 + 0.5 - a.y) / (b.y - a.y);
                 *bits ^= u32::MAX.checked_shl(row(x) as u32).unwrap_or(0);
             }
-        };
-        edges(path, edge);
+        }
         Self { rows }
     }
 
@@ -84,26 +85,10 @@ struct Candidate {
 /// What shapes are compared by first: logarithms of elongation and area, the latter of less weight
 /// because size is adapted, and compactness.
 fn key(outline: &Outline, moments: &SecondMoments) -> [f64; 3] {
-    let mut perimeter = 0.0;
-    edges(outline.path().iter(), |a, b| perimeter += libm::sqrt((b - a).hypot2()));
+    let edges = edges(outline.path().iter(), TOLERANCE);
+    let perimeter = edges.iter().fold(0.0, |sum, [a, b]| sum + libm::sqrt((*b - *a).hypot2()));
     let compactness = 4.0 * std::f64::consts::PI * moments.area / (perimeter * perimeter).max(1e-9);
     [libm::log(moments.elongation()), 0.15 * libm::log(moments.area), compactness]
-}
-
-/// The edges of the polygon that a path nearly is.
-fn edges(path: impl IntoIterator<Item = PathEl>, mut edge: impl FnMut(Point, Point)) {
-    let (mut start, mut at) = (Point::ORIGIN, Point::ORIGIN);
-    flatten(path, 0.1, |element| match element {
-        PathEl::MoveTo(p) => (start, at) = (p, p),
-        PathEl::LineTo(p) => {
-            edge(at, p);
-            at = p;
-        }
-        _ => {
-            edge(at, start);
-            at = start;
-        }
-    });
 }
 
 /// Candidates by rising elongation.

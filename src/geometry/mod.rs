@@ -19,6 +19,7 @@ pub use fitted_map::FittedMap;
 pub use kurbo::{Affine, BezPath, PathEl, Point, Rect, Vec2};
 pub use outline::{Outline, STEP};
 pub use path_text::{PathText, parse_path, write_path};
+pub(crate) use polygon::edges;
 pub use region::Region;
 pub use second_moments::SecondMoments;
 pub use simple::is_simple;

@@ -9,31 +9,7 @@ impl Outline {
     /// Its rings as closed polygons within `tolerance` pixels, the first point not repeated at the
     /// end. What has fewer than three points is left out.
     pub fn polygons(&self, tolerance: f64) -> Vec<Vec<Point>> {
-        let mut rings: Vec<Vec<Point>> = Vec::new();
-        flatten(self.path().elements().iter().copied(), tolerance.max(1e-3), |element| match element {
-            PathEl::MoveTo(p) => rings.push(vec![p]),
-            PathEl::LineTo(p) => {
-                if let Some(ring) = rings.last_mut()
-                    && ring.last() != Some(&p)
-                {
-                    ring.push(p);
-                }
-            }
-            _ => {}
-        });
-        for ring in &mut rings {
-            while ring.len() > 1 && ring.first() == ring.last() {
-                ring.pop();
-            }
-        }
-        rings.retain(|ring| ring.len() >= 3);
-        rings
-    }
-
-    /// The edges of those polygons, ring by ring.
-    pub(super) fn edges(&self, tolerance: f64) -> Vec<[Point; 2]> {
-        let rings = self.polygons(tolerance);
-        rings.iter().flat_map(|r| (0..r.len()).map(|i| [r[i], r[(i + 1) % r.len()]])).collect()
+        polygons(self.path().elements().iter().copied(), tolerance)
     }
 
     /// Curves along closed polygons, within `tolerance` pixels of their points, which must lie close:
@@ -50,6 +26,35 @@ impl Outline {
         }
         Self::new(&path)
     }
+}
+
+/// The rings of a path as polygons.
+fn polygons(path: impl IntoIterator<Item = PathEl>, tolerance: f64) -> Vec<Vec<Point>> {
+    let mut rings: Vec<Vec<Point>> = Vec::new();
+    flatten(path, tolerance.max(1e-3), |element| match element {
+        PathEl::MoveTo(p) => rings.push(vec![p]),
+        PathEl::LineTo(p) => {
+            if let Some(ring) = rings.last_mut()
+                && ring.last() != Some(&p)
+            {
+                ring.push(p);
+            }
+        }
+        _ => {}
+    });
+    for ring in &mut rings {
+        while ring.len() > 1 && ring.first() == ring.last() {
+            ring.pop();
+        }
+    }
+    rings.retain(|ring| ring.len() >= 3);
+    rings
+}
+
+/// The edges of the polygons within `tolerance` that the rings of a path nearly are, ring by ring.
+pub(crate) fn edges(path: impl IntoIterator<Item = PathEl>, tolerance: f64) -> Vec<[Point; 2]> {
+    let rings = polygons(path, tolerance);
+    rings.iter().flat_map(|r| (0..r.len()).map(|i| [r[i], r[(i + 1) % r.len()]])).collect()
 }
 
 #[cfg(test)]

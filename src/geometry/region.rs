@@ -1,6 +1,7 @@
 //! Whether points lie inside an outline, for many points.
 
 use super::Outline;
+use super::polygon::edges;
 use kurbo::{Point, Rect};
 
 /// How far the polygon that is asked may lie from the curve, in pixels.
@@ -19,7 +20,7 @@ pub struct Region {
 impl Region {
     /// The inside of an outline by the non-zero rule.
     pub fn new(outline: &Outline) -> Self {
-        let edges = outline.edges(TOLERANCE);
+        let edges = edges(outline.path().iter(), TOLERANCE);
         let bounds = outline.bounds();
         let mut region = Self { bounds, rows: vec![Vec::new(); edges.len() / EDGES_IN_A_ROW + 1] };
         for edge in edges.into_iter().filter(|[a, b]| a.y != b.y) {

@@ -1,6 +1,7 @@
 //! Size, place, direction and slenderness of a shape: its moments up to the second.
 
 use super::Outline;
+use super::polygon::edges;
 use kurbo::{Affine, Point};
 
 /// How far the polygon that is measured may lie from the curve, in pixels.
@@ -23,7 +24,7 @@ impl SecondMoments {
         // Green's theorem: sums over the edges of a polygon, about a point near it.
         let origin = outline.bounds().center();
         let mut sums = [0.0; 6];
-        for edge in outline.edges(TOLERANCE) {
+        for edge in edges(outline.path().iter(), TOLERANCE) {
             let [[x0, y0], [x1, y1]] = edge.map(|p| [p.x - origin.x, p.y - origin.y]);
             let cross = x0 * y1 - x1 * y0;
             let parts = [

@@ -2,17 +2,17 @@
 
 use crate::cli::config::SvgParameters;
 use crate::cli::edit_arguments::Editing;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::Input;
 use crate::cli::options::Common;
 use crate::cli::output::{Place, Target, print, say};
 use crate::cli::progress::Reporter;
+use crate::cli::stages;
 use crate::cli::summary::{Counts, Summary};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
 use vtex::Progress;
 use vtex::edit::{self, Kind as Takes, Need, Operation, Outcome, Parameter, Request};
-use vtex::scene::Scene;
 
 pub(super) fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Result<()> {
     match editing {
@@ -42,11 +42,7 @@ fn edit_scene(
 ) -> anyhow::Result<()> {
     target.place.probe()?;
     reporter.stage("reading")?;
-    let bytes = input.read()?;
-    Kind::expect(&bytes, input, &[Kind::Scene, Kind::Unknown])
-        .map_err(|failure| failure.hint("make a scene with 'vtex synth photo.lib.json -o out.scene.json'"))?;
-    let scene = Scene::from_bytes(&bytes, &input.name())?;
-    drop(bytes);
+    let scene = stages::scene(input)?;
     let canvas = [scene.width, scene.height];
     let read = |name: &str| Input::File(PathBuf::from(name)).read();
     let operations =

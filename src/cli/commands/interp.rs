@@ -1,10 +1,10 @@
 //! `vtex interp`: two scenes → frames, an animation, or a scene between them.
 
-use crate::cli::input::{Input, Kind as Content};
 use crate::cli::interp_arguments::{Between, FilmKind, Interpolating, Pace, Wanted};
 use crate::cli::options::Common;
 use crate::cli::output::{Place, Target, Written};
 use crate::cli::progress::Reporter;
+use crate::cli::stages;
 use crate::cli::summary::{Counts, Summary};
 use std::path::Path;
 use vtex::interpolate::{Interpolation, across};
@@ -20,7 +20,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
         place.probe()?;
     }
     reporter.stage("reading")?;
-    let scenes = [read(from)?, read(to)?];
+    let scenes = [stages::scene(from)?, stages::scene(to)?];
     let made = match wanted {
         Wanted::Scene(between, target) => one(reporter, job, &scenes, between, target)?,
         Wanted::Frames { folder, kind, force, pace } => {
@@ -42,13 +42,6 @@ struct Made<'a> {
     written: Written,
     size: [u32; 2],
     counts: Option<Counts>,
-}
-
-fn read(input: &Input) -> anyhow::Result<Scene> {
-    let bytes = input.read()?;
-    Content::expect(&bytes, input, &[Content::Scene, Content::Unknown])
-        .map_err(|failure| failure.hint("make a scene with 'vtex synth photo.lib.json -o out.scene.json'"))?;
-    Ok(Scene::from_bytes(&bytes, &input.name())?)
 }
 
 /// One scene between the two.

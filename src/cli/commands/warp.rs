@@ -1,21 +1,16 @@
 //! `vtex warp`: scene → scene of another shape.
 
 use super::synth::Made;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::Input;
 use crate::cli::options::{Common, How, Warping};
 use crate::cli::progress::Reporter;
 use crate::cli::stages;
-use vtex::scene::Scene;
 
 pub(super) fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Result<()> {
     let Warping { scene, libraries, how, parameters, svg, target } = warping;
     target.place.probe()?;
     reporter.stage("reading")?;
-    let bytes = scene.read()?;
-    Kind::expect(&bytes, scene, &[Kind::Scene, Kind::Unknown])
-        .map_err(|failure| failure.hint("make a scene with 'vtex synth photo.lib.json -o out.scene.json'"))?;
-    let before = Scene::from_bytes(&bytes, &scene.name())?;
-    drop(bytes);
+    let before = stages::scene(scene)?;
     let bend = stages::bend(&before, how)?;
     let known = stages::libraries(libraries)?;
     let mut inputs = vec![scene.name()];
