@@ -601,7 +601,7 @@ pub(crate) struct AnalyzeFlags {
     #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true, help_heading = "Segmentation")]
     pub(crate) segmenter: Option<SegmenterName>,
     /// Smallest primary texton, px of area [1 to 1000000, default: 5]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    #[arg(long, visible_alias = "min-area", value_name = "PX", allow_negative_numbers = true)]
     pub(crate) minimum_area: Option<u32>,
     /// Scale of details: larger means fewer [0 to 10000, default: 10]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]

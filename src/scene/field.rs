@@ -1,10 +1,13 @@
-//! The background field: linear radial basis functions through coloured points.
+//! The background field: radial basis functions through coloured points.
 //!
-//! The field is the interpolant Σ cᵢ |x - xᵢ| + c₀ (paper §3.2.3). Solving it for all points at
-//! once costs the cube of their number, so it is solved in overlapping square patches of some
-//! fifty points and the patches are blended by smooth weights that add up to one (partition of
-//! unity). Every patch passes through all points that it weighs in on, so the blend does too, and
-//! cost and memory grow with the number of points alone.
+//! The field is the interpolant Σ cᵢ √(|x - xᵢ|² + s²) + c₀. The paper (§3.2.3) has s = 0, which
+//! makes each point the tip of a cone: a dot of a few pixels where its colour differs much from
+//! those around, and more than gradients can follow. A small s rounds the tips off.
+//!
+//! Solving it for all points at once costs the cube of their number, so it is solved in overlapping
+//! square patches of some fifty points and the patches are blended by smooth weights that add up to
+//! one (partition of unity). Every patch passes through all points that it weighs in on, so the
+//! blend does too, and cost and memory grow with the number of points alone.
 //!
 //! Components are 8-bit sRGB values as floats (0 to 255), because that is the space in which SVG
 //! gradients interpolate: what is evaluated here is what is painted.
@@ -31,6 +34,8 @@ const WHOLE: usize = 64;
 const LARGEST_PATCH: usize = 144;
 /// A patch of fewer points takes in some from further away.
 const SMALLEST_PATCH: usize = 8;
+/// How far the tips are rounded off (s), as a share of the distance between control points.
+const ROUND: f64 = 0.2;
 /// Points nearer to each other than this, in pixels, become one.
 const MERGE: f64 = 1.0 / 64.0;
 
@@ -40,6 +45,8 @@ pub struct Interpolant {
     fallback: [f64; 3],
     /// Whether the first patch holds the whole field.
     whole: bool,
+    /// s², in square pixels.
+    round: f64,
     grid: Grid,
     /// Points of each cell, sorted by cell; `starts[c]..starts[c + 1]` are those of cell c.
     order: Vec<u32>,
@@ -65,10 +72,12 @@ struct Patch {
     /// x, y and the coefficients of the three components.
     terms: Vec<[f64; 5]>,
     constant: [f64; 3],
+    /// s², in square pixels.
+    round: f64,
 }
 
 impl Patch {
-    fn new(sites: &[Site]) -> Self {
+    fn new(sites: &[Site], round: f64) -> Self {
         let mean = |k: usize| sites.iter().map(|s| s.colour[k]).sum::<f64>() / sites.len() as f64;
         let mean = [mean(0), mean(1), mean(2)];
         // Unknowns: one coefficient per point and the constant, which makes them add up to zero.
@@ -77,23 +86,23 @@ impl Patch {
         let mut right = vec![[0.0; 3]; n];
         for (i, a) in sites.iter().enumerate() {
             for (j, b) in sites.iter().enumerate() {
-                matrix[i * n + j] = libm::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
+                matrix[i * n + j] = libm::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + round);
             }
             (matrix[i * n + n - 1], matrix[(n - 1) * n + i]) = (1.0, 1.0);
             right[i] = [0, 1, 2].map(|k| a.colour[k] - mean[k]);
         }
         if sites.len() < 2 || !dense::solve(&mut matrix, &mut right) {
-            return Self { terms: Vec::new(), constant: mean };
+            return Self { terms: Vec::new(), constant: mean, round };
         }
         let terms = sites.iter().zip(&right).map(|(s, c)| [s.x, s.y, c[0], c[1], c[2]]).collect();
-        Self { terms, constant: [0, 1, 2].map(|k| mean[k] + right[n - 1][k]) }
+        Self { terms, constant: [0, 1, 2].map(|k| mean[k] + right[n - 1][k]), round }
     }
 
     fn at(&self, x: f64, y: f64) -> [f64; 3] {
         let mut sum = self.constant;
         for t in &self.terms {
             let (dx, dy) = (x - t[0], y - t[1]);
-            let r = libm::sqrt(dx * dx + dy * dy);
+            let r = libm::sqrt(dx * dx + dy * dy + self.round);
             for k in 0..3 {
                 sum[k] += r * t[2 + k];
             }
@@ -127,7 +136,9 @@ impl Interpolant {
         let whole = points.len() <= WHOLE && !tile.any();
         let corners = if whole { 1 } else { grid.x.corners() * grid.y.corners() };
         let patches = (0..corners).map(|_| OnceLock::new()).collect();
-        Self { points, fallback: field.fallback.to_f64(), whole, grid, order, starts, patches }
+        let spacing = if field.spacing > 0.0 { field.spacing.min(1000.0) } else { 0.0 };
+        let round = ROUND * ROUND * spacing * spacing;
+        Self { points, fallback: field.fallback.to_f64(), whole, round, grid, order, starts, patches }
     }
 
     /// sRGB components (0 to 255, not rounded) at a point of the canvas, in pixels.
@@ -137,7 +148,7 @@ impl Interpolant {
             return self.fallback;
         }
         if self.whole {
-            return clamp(self.patches[0].get_or_init(|| Patch::new(&self.points)).at(x, y));
+            return clamp(self.patches[0].get_or_init(|| Patch::new(&self.points, self.round)).at(x, y));
         }
         let g = &self.grid;
         let (x, y) = (g.x.canonical(x), g.y.canonical(y));
@@ -199,7 +210,7 @@ impl Interpolant {
                     Site { x: gx.shifted(p.x, turns_x), y: gy.shifted(p.y, turns_y), ..p }
                 })
                 .collect();
-            Patch::new(&sites)
+            Patch::new(&sites, self.round)
         })
     }
 

@@ -32,7 +32,7 @@ const COLUMN: usize = 200;
 /// 300 kB of SVG at 1000 × 1000. A field that would need more is fitted again with wider bounds.
 const STOPS: f64 = 3.75;
 /// By how much they are widened, one after another until few enough stops are left.
-const SLACK: [f64; 3] = [1.35, 1.7, 2.2];
+const SLACK: [f64; 5] = [1.12, 1.25, 1.45, 1.75, 2.2];
 
 /// The background of a scene, ready to paint.
 pub(super) struct Background {

@@ -31,7 +31,8 @@ pub(super) struct Samples {
     row_count: usize,
     /// Whether the last row is the first again.
     wraps: bool,
-    /// By how much all bounds are widened.
+    /// By how much the tolerance is widened. The bound grows by its root: rather many pixels a bit
+    /// off than a few too far.
     pub(super) slack: f64,
 }
 
@@ -121,7 +122,7 @@ impl Samples {
         let wanted = &wanted[..count];
         let square: f64 = wanted.iter().map(|(w, _)| w * w).sum();
         let [red, green, blue] = [0, 1, 2].map(|c| {
-            let (low, high) = range(wanted, c, BOUND * self.slack);
+            let (low, high) = range(wanted, c, BOUND * libm::sqrt(self.slack));
             let tolerance = TOLERANCE * self.slack;
             let best = wanted.iter().map(|(w, rest)| w * rest[c]).sum::<f64>() / square;
             let target = best.clamp(low, high).clamp(0.0, 255.0);

@@ -29,6 +29,22 @@ fn passes_through_every_point() {
 }
 
 #[test]
+fn its_slope_is_continuous_in_every_point() {
+    let mut f = field(300.0, 300.0, 20.0, 5);
+    // Far from black and white, where values are cut off.
+    f.points.iter_mut().for_each(|p| p.colour.0 = p.colour.0.map(|v| 64 + v / 2));
+    let i = Interpolant::new(&f, 300, 300, PLANE);
+    // A cone's slope changes by as much however near one looks.
+    let bend = |p: &ControlPoint, d: f64| {
+        let [before, here, after] = [-d, 0.0, d].map(|d| i.at(p.x + d, p.y)[0]);
+        (after - 2.0 * here + before).abs() / d
+    };
+    let steep = f.points.iter().map(|p| bend(p, 2.0)).fold(0.0, f64::max);
+    let tips = f.points.iter().map(|p| bend(p, 0.02)).fold(0.0, f64::max);
+    assert!(steep > 2.0 && tips < 0.02 * steep, "{steep} {tips}");
+}
+
+#[test]
 fn a_constant_field_is_constant() {
     let mut f = field(400.0, 300.0, 10.0, 2);
     f.points.iter_mut().for_each(|p| p.colour = Colour([10, 200, 77]));
@@ -43,7 +59,8 @@ fn close_to_the_solution_for_all_points_at_once() {
     let f = field(300.0, 300.0, 14.0, 3);
     let sites = merged(&f, 300, 300, PLANE);
     assert!(sites.len() > 3 * WHOLE);
-    let (whole, blend) = (Patch::new(&sites), Interpolant::new(&f, 300, 300, PLANE));
+    let blend = Interpolant::new(&f, 300, 300, PLANE);
+    let whole = Patch::new(&sites, blend.round);
     let (mut sum, mut count) = (0.0, 0.0);
     for k in 0..2500 {
         let (x, y) = (25.0 + 5.0 * f64::from(k % 50), 25.0 + 5.0 * f64::from(k / 50));
