@@ -1,6 +1,7 @@
 //! One texton on its way: into another, into nothing, or out of nothing.
 
 use super::blend::Blend;
+use super::effects::{Effects, near};
 use super::motion::{Motion, Moving};
 use super::paint::Paint;
 use super::patch::{Carry, Part, Patch, TOLERANCE, patches};
@@ -54,8 +55,8 @@ pub(super) struct Drawn {
 pub(super) enum What {
     /// An instance of one of the scenes, as it is or scaled about its centre.
     Old { side: usize, instance: Instance },
-    /// A new texton, placed around the point given; all else is as of an instance of a scene.
-    New { texton: Texton, at: Point, side: usize, instance: u32 },
+    /// A new texton, placed around the point given.
+    New { texton: Texton, at: Point, effects: Effects },
 }
 
 impl Item {
@@ -115,6 +116,7 @@ impl Item {
                 if size < 1.0 {
                     let scaled = Affine::scale_about(size, *centre) * instance.affine();
                     instance.transform = scaled.as_coeffs();
+                    instance.shadow = instance.shadow.map(|shadow| near(shadow, size));
                 }
                 (t, What::Old { side: *side, instance })
             }
@@ -140,7 +142,11 @@ impl Item {
     /// All of its way.
     pub(super) fn motion(&self, ends: &Ends<'_>, layer: Layer, id: u32) -> Motion {
         match &self.kind {
-            Kind::Both(both) => Motion { id, shapes: both.shapes(), window: None },
+            Kind::Both(both) => {
+                let of = |side: usize| &layer.of(ends.scenes[side])[both.instances[side] as usize];
+                let effects = Effects::aligned(Effects::of(of(0)), Effects::of(of(1)));
+                Motion { id, shapes: Moving::with_effects(both.shapes(), effects), window: None }
+            }
             Kind::One { side, instance, centre, window } => {
                 let instance = &layer.of(ends.scenes[*side])[*instance as usize];
                 let texton = &ends.scenes[*side].textons[instance.texton as usize];
@@ -150,7 +156,10 @@ impl Item {
                 let moving = |(outline, colour): (&Outline, _)| {
                     Moving::resized(outline, instance.affine(), *centre, *side == 1, colour)
                 };
-                Motion { id, shapes: all.map(moving).collect(), window: Some(*window) }
+                let own = Effects::of(instance);
+                let effects = if *side == 1 { [own.shrunk(0.0), own] } else { [own, own.shrunk(0.0)] };
+                let shapes = Moving::with_effects(all.map(moving).collect(), effects);
+                Motion { id, shapes, window: Some(*window) }
             }
         }
     }
@@ -218,9 +227,9 @@ impl Both {
         }
         rings.insert(0, ring);
         let outline = Outline::along(&rings, TOLERANCE)?;
+        let instances = [0, 1].map(|side| &layer.of(ends.scenes[side])[self.instances[side] as usize]);
         let side = usize::from(t >= 0.5);
-        let scene = ends.scenes[side];
-        let nearer = &scene.textons[layer.of(scene)[self.instances[side] as usize].texton as usize];
+        let nearer = &ends.scenes[side].textons[instances[side].texton as usize];
         let texton = Texton {
             library: ends.libraries[side][nearer.library as usize],
             source: nearer.source,
@@ -231,7 +240,8 @@ impl Both {
             details,
         };
         let at = self.centres[0].lerp(self.centres[1], t);
-        Some(What::New { texton, at, side, instance: self.instances[side] })
+        let effects = Effects::mixed(Effects::of(instances[0]), Effects::of(instances[1]), t);
+        Some(What::New { texton, at, effects })
     }
 }
 
