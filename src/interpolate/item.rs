@@ -7,7 +7,7 @@ use super::paint::Paint;
 use super::patch::{Carry, Part, Patch, TOLERANCE, patches};
 use super::presence;
 use super::ring::{Ring, sine_cosine, turned};
-use super::side::{Placed, Side};
+use super::side::{Placed, Side, same};
 use super::when::When;
 use crate::geometry::{Affine, Outline, Point, Vec2};
 use crate::sampling::Stream;
@@ -38,6 +38,8 @@ enum Kind {
 struct Both {
     /// Indices of the instances in their layer.
     instances: [u32; 2],
+    /// Whether it stays as it is.
+    still: bool,
     centres: [Point; 2],
     blend: Blend,
     holes: Vec<Part>,
@@ -90,8 +92,10 @@ impl Item {
         };
         let holes = [&a, &b].into_iter().enumerate();
         let holes = holes.flat_map(|(s, p)| p.rings[1..].iter().map(move |r| Part::hole(s, r.clone())));
+        let still = same(sides, [0, 1].map(|s| &lists[s][pair[s] as usize]));
         let both = Both {
             instances: pair,
+            still,
             centres: [a.centre, a.centre + way],
             blend,
             holes: holes.collect(),
@@ -122,7 +126,7 @@ impl Item {
             }
             Kind::Both(both) => {
                 let t = when.on_way(both.centres);
-                let what = if t <= 0.0 || t >= 1.0 {
+                let what = if both.still || t <= 0.0 || t >= 1.0 {
                     let side = usize::from(t >= 1.0);
                     What::Old { side, instance: old(side, both.instances[side]) }
                 } else {

@@ -357,6 +357,23 @@ fn plain_grounds_mix_and_a_scene_between_says_what_it_is() {
 }
 
 #[test]
+fn what_both_have_stays_as_it_is() {
+    let a = scene(27, 12, false);
+    let mut b = a.clone();
+    b.primary.truncate(8);
+    b.background.points.truncate(20);
+    for t in [0.3, 0.7] {
+        let between = between(&a, &b, t);
+        for i in &b.primary {
+            let there = |j: &&Instance| j.transform == i.transform;
+            let found = between.primary.iter().find(there).unwrap();
+            assert!(between.textons[found.texton as usize].outline == b.textons[i.texton as usize].outline);
+        }
+        assert_eq!(between.secondary.len(), a.secondary.len());
+    }
+}
+
+#[test]
 fn other_sizes_and_empty_scenes() {
     let a = scene(16, 5, false);
     let mut b = scene(17, 5, false);
