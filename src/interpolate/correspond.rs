@@ -4,8 +4,9 @@
 //! distance of textons, of the ratio of their sizes, and of the difference of their colours. Pairs
 //! that cost more than leaving both alone are never made, so only those near each other need be
 //! looked at, and the assignment among these is the cheapest that there is. Where more than
-//! [`EXACT`] textons are to be assigned, only the [`NEAREST`] cheapest partners of each are looked at:
-//! an approximation.
+//! [`EXACT`] textons are to be assigned, only the [`NEAREST`] cheapest partners of each are looked at,
+//! so that crowds do not fill the memory: an approximation that costs nothing where textons are spread
+//! evenly (`benches/editing.md`).
 
 use super::assign::{Table, assign};
 use crate::geometry::Point;
@@ -269,26 +270,7 @@ mod tests {
         for (n, m) in [(1500, 1500), (1500, 3500)] {
             let (a, b) = (scattered(n, 4), scattered(m, 5));
             let [all, few] = [usize::MAX, NEAREST].map(|most| sum(&a, &b, &among(&a, &b, &PLANE, most)));
-            assert!(few >= all - 1e-6 && few < 1.02 * all, "{n} and {m}: {few} instead of {all}");
-        }
-    }
-
-    #[test]
-    #[ignore = "a measurement, told in benches/editing.md"]
-    fn what_few_partners_cost() {
-        for (n, m) in [(4000, 4000), (4000, 6000), (6000, 18000), (20000, 40000), (30000, 60000)] {
-            let (a, b) = (scattered(n, 6), scattered(m, 7));
-            for most in [usize::MAX, 32, NEAREST, 8] {
-                let begun = std::time::Instant::now();
-                let found = among(&a, &b, &PLANE, most);
-                let seconds = begun.elapsed().as_secs_f64();
-                println!(
-                    "{n} {m} {most:>20}: {:.2} {:.3} s, {} pairs",
-                    sum(&a, &b, &found),
-                    seconds,
-                    found.pairs.len()
-                );
-            }
+            assert!(few >= all - 1e-6 && few < 1.002 * all, "{n} and {m}: {few} instead of {all}");
         }
     }
 
