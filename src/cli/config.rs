@@ -18,7 +18,7 @@ use toml::{Table, Value};
 use vtex::Error;
 use vtex::library::AnalyzeParams;
 use vtex::output::svg::SvgOptions;
-use vtex::scene::SynthParams;
+use vtex::scene::{Scene, SynthParams};
 
 /// Every parameter, resolved.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +59,21 @@ impl From<SvgParameters> for SvgOptions {
 pub(crate) struct RenderParameters {
     /// Pixels for each pixel of the canvas. 0.01 to 100.
     pub(crate) scale: f64,
+}
+
+impl RenderParameters {
+    /// Size of what is made of a scene, in pixels: of its picture, or of its canvas where that has
+    /// no resolution.
+    pub(crate) fn size_of(&self, scene: &Scene, drawn: bool) -> [u32; 2] {
+        let scale = if drawn { self.scale } else { 1.0 };
+        [scene.width, scene.height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
+    }
+
+    /// What to tell of a scale that was asked for where nothing is `drawn`.
+    pub(crate) fn warning(&self, drawn: bool) -> Option<&'static str> {
+        let idle = !drawn && self.scale != 1.0;
+        idle.then_some("--scale has no effect here: only pictures made of pixels have a resolution")
+    }
 }
 
 /// What the command line gives, a table for each section.

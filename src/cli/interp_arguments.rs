@@ -36,8 +36,8 @@ pub(crate) struct InterpArgs {
     /// The scene to end with, plain or gzip; - reads stdin
     #[arg(value_name = "TO", required = true)]
     pub(crate) to: Option<PathBuf>,
-    /// Result, by extension an animation .svg, .svgz, .gif or .png, or a folder for frames; with
-    /// --at or --across .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz
+    /// Result, by extension an animation .svg, .svgz, .gif, .png or .apng, or a folder for frames;
+    /// with --at or --across .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
     /// Pictures, first and last included [2 to 10000, default: 30]
@@ -185,6 +185,7 @@ fn play(path: PathBuf, format: Option<FrameFormat>, force: bool, pace: Pace) -> 
         (".svgz", FilmKind::Svg { gzip: true }),
         (".gif", FilmKind::Gif),
         (".png", FilmKind::Png),
+        (".apng", FilmKind::Png),
     ];
     let found = known.iter().find(|(ending, _)| name.ends_with(ending)).filter(|_| !path.is_dir());
     match found {
@@ -201,7 +202,7 @@ fn play(path: PathBuf, format: Option<FrameFormat>, force: bool, pace: Pace) -> 
         }
         None => Err(Failure::usage(format!("cannot tell the kind of animation from '{}'", path.display()))
             .hint(
-                "give -o a name that ends in .svg, .svgz, .gif or .png, or the name of a folder; \
+                "give -o a name that ends in .svg, .svgz, .gif, .png or .apng, or the name of a folder; \
                 other files hold one scene: give --at or --across",
             )),
     }

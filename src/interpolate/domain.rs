@@ -1,10 +1,10 @@
 //! The shape that is filled, on its way.
 
-use super::motion::Moving;
+use super::motion::{Brush, Moving};
 use super::patch::TOLERANCE;
 use super::ring::{Ring, alignment, even, moments, perimeter};
 use super::when::When;
-use crate::geometry::{Outline, Point, Rect};
+use crate::geometry::{BezPath, Outline, Point, Rect};
 use crate::scene::{Domain, Edge, Scene};
 
 /// Distance of points along the shape, in pixels, and most points.
@@ -45,16 +45,17 @@ impl Region {
         Some(Self { rings, edges })
     }
 
-    /// The shape a share of the way; none if nothing is left of it.
-    pub(super) fn at(&self, when: &When) -> Option<Domain> {
+    /// The shape a share of the way; one beside the canvas if nothing is left of it, because a scene
+    /// without a shape fills the canvas.
+    pub(super) fn at(&self, when: &When) -> Domain {
         let between = |[from, to]: &[Ring; 2]| {
             let point = |(a, b): (&Point, &Point)| a.lerp(*b, when.at(a.midpoint(*b)));
             from.iter().zip(to).map(point).collect::<Ring>()
         };
         let rings: Vec<Ring> = self.rings.iter().map(between).filter(|r| moments(r).0.abs() > 0.5).collect();
-        let outline = Outline::along(&rings, TOLERANCE).filter(|o| !o.is_empty())?;
+        let outline = Outline::along(&rings, TOLERANCE).filter(|o| !o.is_empty()).unwrap_or_else(beside);
         let centre = rings.first().map_or(Point::ORIGIN, |r| moments(r).1);
-        Some(Domain { outline, edge: self.edges[usize::from(when.at(centre) >= 0.5)] })
+        Domain { outline, edge: self.edges[usize::from(when.at(centre) >= 0.5)] }
     }
 }
 
@@ -65,16 +66,31 @@ impl Region {
             let half = from.iter().zip(to).map(|(a, b)| a.midpoint(*b)).collect();
             [from.clone(), half, to.clone()]
         });
-        (Moving { rings: rings.collect(), colours: Default::default() }, self.edges[0])
+        (Moving { rings: rings.collect(), brush: Brush::Fill(Default::default()) }, self.edges[0])
     }
+}
+
+/// A shape beside the canvas.
+fn beside() -> Outline {
+    let mut path = BezPath::new();
+    path.move_to((-2.0, -2.0));
+    path.line_to((-1.0, -2.0));
+    path.line_to((-1.0, -1.0));
+    path.close_path();
+    Outline::new(&path).unwrap_or_default()
 }
 
 /// Rings that become one another; one without partner has its centre for one.
 fn matched(a: &[Ring], b: &[Ring]) -> Vec<[Ring; 2]> {
-    let point = |ring: &Ring| vec![moments(ring).1; ring.len()];
+    let count = |length: f64| libm::ceil(length / STEP).clamp(12.0, MOST) as usize;
+    let alone = |ring: &Ring| {
+        let ring = even(ring, count(perimeter(ring)));
+        let point = vec![moments(&ring).1; ring.len()];
+        (ring, point)
+    };
     let pair = |i: usize| match (a.get(i), b.get(i)) {
         (Some(a), Some(b)) => {
-            let n = libm::ceil(perimeter(a).max(perimeter(b)) / STEP).clamp(12.0, MOST) as usize;
+            let n = count(perimeter(a).max(perimeter(b)));
             let (a, mut b) = (even(a, n), even(b, n));
             let around = |ring: &Ring| -> Ring {
                 let centre = moments(ring).1;
@@ -84,8 +100,11 @@ fn matched(a: &[Ring], b: &[Ring]) -> Vec<[Ring; 2]> {
             b.rotate_left(shift);
             [a, b]
         }
-        (Some(a), None) => [a.clone(), point(a)],
-        (None, Some(b)) => [point(b), b.clone()],
+        (Some(a), None) => <[Ring; 2]>::from(alone(a)),
+        (None, Some(b)) => {
+            let (ring, point) = alone(b);
+            [point, ring]
+        }
         (None, None) => [Vec::new(), Vec::new()],
     };
     (0..a.len().max(b.len())).map(pair).collect()

@@ -5,7 +5,7 @@
 //! without a jump, and where points of both lie close together their colours agree.
 
 use super::when::When;
-use crate::geometry::{Affine, Point};
+use crate::geometry::{Affine, Point, Vec2};
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::field::Interpolant;
@@ -30,7 +30,8 @@ impl Ground {
             .into_iter()
             .flat_map(|side| scenes[side].background.points.iter().map(move |p| (side, *p)))
             .collect();
-        let points = parallel::map(&listed, |(side, p)| {
+        let fallback = scenes.map(|s| s.background.fallback);
+        let mut points = parallel::map(&listed, |(side, p)| {
             // Beyond the canvas a field may run away.
             let other = fields[1 - side].at(within(p.x, width, tile.x), within(p.y, height, tile.y));
             let mut colours = [p.colour; 2];
@@ -38,7 +39,13 @@ impl Ground {
             (Point::new(p.x, p.y), colours)
         });
         let spacing = scenes[0].background.spacing.min(scenes[1].background.spacing);
-        Self { spacing, fallback: scenes.map(|s| s.background.fallback), points }
+        if points.is_empty() && fallback[0] != fallback[1] {
+            // Two plain grounds: so many points that they mix evenly from one side to the other.
+            let at = |k: u32, size: u32| f64::from(k) * f64::from(size) / 10.0;
+            let all = (0..=10).flat_map(|y| (0..=10).map(move |x| (x, y)));
+            points.extend(all.map(|(x, y)| (Point::new(at(x, width), at(y, height)), fallback)));
+        }
+        Self { spacing, fallback, points }
     }
 
     /// The field a share of the way.
@@ -57,7 +64,7 @@ impl Ground {
 }
 
 /// A scene that repeats along the axes of `kept` only: what repeats along others is listed once for
-/// each copy that reaches the canvas.
+/// each copy that reaches the canvas, under the id that it has.
 pub(super) fn untiled(scene: &Scene, kept: Tile) -> Scene {
     let mut out = scene.clone();
     out.tile = kept;
@@ -65,20 +72,14 @@ pub(super) fn untiled(scene: &Scene, kept: Tile) -> Scene {
     let mut lost =
         Scene { tile: Tile { x: scene.tile.x && !kept.x, y: scene.tile.y && !kept.y }, ..out.clone() };
     let bounds: Vec<_> = scene.textons.iter().map(crate::scene::Texton::bounds).collect();
-    let all = scene.secondary.iter().chain(&scene.primary);
-    let mut next = all.map(|i| i.id).max().map_or(0, |id| id.wrapping_add(1));
     for layer in [&mut out.secondary, &mut out.primary] {
         let listed = std::mem::take(layer);
         for instance in listed {
             let affine = instance.affine();
-            for (k, shift) in
-                lost.copies(affine.transform_rect_bbox(bounds[instance.texton as usize])).enumerate()
-            {
+            for shift in lost.copies(instance.reach(bounds[instance.texton as usize])) {
                 let mut copy = instance.clone();
-                if k > 0 {
-                    copy.id = next;
+                if shift != Vec2::ZERO {
                     copy.transform = (Affine::translate(shift) * affine).as_coeffs();
-                    next = next.wrapping_add(1);
                 }
                 layer.push(copy);
             }

@@ -1,12 +1,13 @@
 //! One texton on its way: into another, into nothing, or out of nothing.
 
 use super::blend::Blend;
+use super::effects::{Effects, near};
 use super::motion::{Motion, Moving};
 use super::paint::Paint;
 use super::patch::{Carry, Part, Patch, TOLERANCE, patches};
 use super::presence;
 use super::ring::{Ring, sine_cosine, turned};
-use super::side::{Placed, Side};
+use super::side::{Placed, Side, same};
 use super::when::When;
 use crate::geometry::{Affine, Outline, Point, Vec2};
 use crate::sampling::Stream;
@@ -37,6 +38,8 @@ enum Kind {
 struct Both {
     /// Indices of the instances in their layer.
     instances: [u32; 2],
+    /// Whether it stays as it is.
+    still: bool,
     centres: [Point; 2],
     blend: Blend,
     holes: Vec<Part>,
@@ -54,8 +57,8 @@ pub(super) struct Drawn {
 pub(super) enum What {
     /// An instance of one of the scenes, as it is or scaled about its centre.
     Old { side: usize, instance: Instance },
-    /// A new texton, placed around the point given; all else is as of an instance of a scene.
-    New { texton: Texton, at: Point, side: usize, instance: u32 },
+    /// A new texton, placed around the point given.
+    New { texton: Texton, at: Point, effects: Effects },
 }
 
 impl Item {
@@ -89,8 +92,10 @@ impl Item {
         };
         let holes = [&a, &b].into_iter().enumerate();
         let holes = holes.flat_map(|(s, p)| p.rings[1..].iter().map(move |r| Part::hole(s, r.clone())));
+        let still = same(sides, [0, 1].map(|s| &lists[s][pair[s] as usize]));
         let both = Both {
             instances: pair,
+            still,
             centres: [a.centre, a.centre + way],
             blend,
             holes: holes.collect(),
@@ -115,12 +120,13 @@ impl Item {
                 if size < 1.0 {
                     let scaled = Affine::scale_about(size, *centre) * instance.affine();
                     instance.transform = scaled.as_coeffs();
+                    instance.shadow = instance.shadow.map(|shadow| near(shadow, size));
                 }
                 (t, What::Old { side: *side, instance })
             }
             Kind::Both(both) => {
                 let t = when.on_way(both.centres);
-                let what = if t <= 0.0 || t >= 1.0 {
+                let what = if both.still || t <= 0.0 || t >= 1.0 {
                     let side = usize::from(t >= 1.0);
                     What::Old { side, instance: old(side, both.instances[side]) }
                 } else {
@@ -140,7 +146,11 @@ impl Item {
     /// All of its way.
     pub(super) fn motion(&self, ends: &Ends<'_>, layer: Layer, id: u32) -> Motion {
         match &self.kind {
-            Kind::Both(both) => Motion { id, shapes: both.shapes(), window: None },
+            Kind::Both(both) => {
+                let of = |side: usize| &layer.of(ends.scenes[side])[both.instances[side] as usize];
+                let effects = Effects::aligned(Effects::of(of(0)), Effects::of(of(1)));
+                Motion { id, shapes: Moving::with_effects(both.shapes(), effects), window: None }
+            }
             Kind::One { side, instance, centre, window } => {
                 let instance = &layer.of(ends.scenes[*side])[*instance as usize];
                 let texton = &ends.scenes[*side].textons[instance.texton as usize];
@@ -150,7 +160,10 @@ impl Item {
                 let moving = |(outline, colour): (&Outline, _)| {
                     Moving::resized(outline, instance.affine(), *centre, *side == 1, colour)
                 };
-                Motion { id, shapes: all.map(moving).collect(), window: Some(*window) }
+                let own = Effects::of(instance);
+                let effects = if *side == 1 { [own.shrunk(0.0), own] } else { [own, own.shrunk(0.0)] };
+                let shapes = Moving::with_effects(all.map(moving).collect(), effects);
+                Motion { id, shapes, window: Some(*window) }
             }
         }
     }
@@ -218,9 +231,9 @@ impl Both {
         }
         rings.insert(0, ring);
         let outline = Outline::along(&rings, TOLERANCE)?;
+        let instances = [0, 1].map(|side| &layer.of(ends.scenes[side])[self.instances[side] as usize]);
         let side = usize::from(t >= 0.5);
-        let scene = ends.scenes[side];
-        let nearer = &scene.textons[layer.of(scene)[self.instances[side] as usize].texton as usize];
+        let nearer = &ends.scenes[side].textons[instances[side].texton as usize];
         let texton = Texton {
             library: ends.libraries[side][nearer.library as usize],
             source: nearer.source,
@@ -231,7 +244,8 @@ impl Both {
             details,
         };
         let at = self.centres[0].lerp(self.centres[1], t);
-        Some(What::New { texton, at, side, instance: self.instances[side] })
+        let effects = Effects::mixed(Effects::of(instances[0]), Effects::of(instances[1]), t);
+        Some(What::New { texton, at, effects })
     }
 }
 

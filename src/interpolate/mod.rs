@@ -5,9 +5,10 @@
 //! primaries with primaries, each with its details, secondaries with secondaries. Outlines of a pair
 //! turn into one another point by point around the moving centre (`blend`); details are carried along
 //! by the outline that holds them while they turn into those of the other (`patch`). Textons without
-//! partner shrink to nothing or grow from nothing where they stand, one after another (`item`). The
-//! fields of the background are blended (`ground`). Where a thing stands in the painting order moves
-//! from its place in one scene to that in the other.
+//! partner shrink to nothing or grow from nothing where they stand, one after another (`item`). Shadows
+//! and lines around textons change with them (`effects`). The fields of the background are blended
+//! (`ground`), shapes that are filled become one another (`domain`). Where a thing stands in the
+//! painting order moves from its place in one scene to that in the other.
 //!
 //! Works badly for outlines that are much branched: those that would cross themselves half-way become
 //! rounder there. Where two textons that overlap change places in the painting order, one pops in
@@ -17,6 +18,7 @@ mod assign;
 mod blend;
 mod correspond;
 mod domain;
+mod effects;
 mod ground;
 mod item;
 mod motion;
@@ -28,7 +30,7 @@ mod side;
 mod tests;
 mod when;
 
-pub use motion::{Motion, Moving};
+pub use motion::{Brush, Motion, Moving};
 pub use when::Axis;
 
 use crate::document::Document;
@@ -37,9 +39,10 @@ use crate::geometry::{Point, Vec2};
 use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::sampling::stream;
-use crate::scene::{Instance, LibraryRef, Scene, Texton, Tile};
+use crate::scene::{EditRecord, Instance, LibraryRef, Scene, Texton, Tile};
 use correspond::{Correspondence, Plane, Traits, correspond};
 use domain::Region;
+use effects::Effects;
 use ground::{Ground, untiled};
 use item::{Drawn, Item, Layer, What};
 use side::Side;
@@ -113,7 +116,7 @@ impl<'a> Interpolation<'a> {
     }
 
     /// The scene a share `t` of the way, 0 to 1: the first scene at 0, the second at 1. Between them
-    /// seed and parameters are those of the nearer.
+    /// seed, parameters and edits are those of the nearer, and a last edit says what it is.
     pub fn at(&self, t: f64) -> Scene {
         if t < 1.0 && t > 0.0 {
             self.between(&When::Now(t))
@@ -136,7 +139,8 @@ impl<'a> Interpolation<'a> {
         let mut scene = self.shells[usize::from(when.at(middle) >= 0.5)].clone();
         scene.libraries.clone_from(&self.libraries);
         scene.background = self.ground.at(when);
-        scene.domain = self.region.as_ref().and_then(|r| r.at(when));
+        scene.domain = self.region.as_ref().map(|r| r.at(when));
+        scene.edits.push(self.record(when));
         let mut used = [0, 1].map(|k| vec![None; self.scenes[k].textons.len()]);
         for (layer, items) in [(Layer::Secondary, &self.secondary), (Layer::Primary, &self.primary)] {
             let first = if matches!(layer, Layer::Primary) { self.secondary.len() } else { 0 };
@@ -147,6 +151,20 @@ impl<'a> Interpolation<'a> {
             }
         }
         scene
+    }
+
+    /// What a scene between the two says of itself.
+    fn record(&self, when: &When) -> EditRecord {
+        let names = self.ends.map(|scene| {
+            let names: Vec<&str> = scene.libraries.iter().map(|l| l.exemplar.as_str()).collect();
+            names.join("+")
+        });
+        let place = match *when {
+            When::Now(t) => format!("--at {t}"),
+            When::Across(Axis::X, _) => "--across x".into(),
+            When::Across(Axis::Y, _) => "--across y".into(),
+        };
+        EditRecord { operation: format!("interp '{}' '{}' {place}", names[0], names[1]), seed: 0 }
     }
 
     /// The instances of a layer in painting order; their textons are added to the scene. Ids are
@@ -193,13 +211,11 @@ impl<'a> Interpolation<'a> {
                     });
                     Instance { id, texton, ..instance }
                 }
-                What::New { texton, at, side, instance } => {
+                What::New { texton, at, effects } => {
                     let at = home(at);
-                    // What else it has is as of the nearer.
-                    let mut instance = layer.of(&self.scenes[side])[instance as usize].clone();
-                    (instance.id, instance.texton, instance.colour) = (id, add(texton), None);
-                    instance.transform = [1.0, 0.0, 0.0, 1.0, at.x, at.y];
-                    instance
+                    let Effects { shadow, stroke } = effects;
+                    let transform = [1.0, 0.0, 0.0, 1.0, at.x, at.y];
+                    Instance { transform, shadow, stroke, ..Instance::new(id, add(texton)) }
                 }
             }
         };

@@ -3,9 +3,10 @@
 
 use super::Interpolation;
 use super::domain::Region;
+use super::effects::{Effects, half_way};
 use super::item::{Ends, Item, Layer};
 use super::ring::{Ring, count, even};
-use crate::geometry::{Affine, Outline, Point, Rect};
+use crate::geometry::{Affine, Outline, Point, Rect, Vec2};
 use crate::raster::colour::Colour;
 use crate::scene::{Edge, Scene};
 
@@ -31,8 +32,24 @@ pub struct Motion {
 pub struct Moving {
     /// Its rings at the beginning, half-way and at the end, in canvas pixels: as many points each.
     pub rings: Vec<[Vec<Point>; 3]>,
-    /// Its colour at the beginning and at the end. In place of a gradient its mean.
-    pub colours: [Colour; 2],
+    /// How it is painted.
+    pub brush: Brush,
+}
+
+/// How a shape on its way is painted, at the beginning and at the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Brush {
+    /// In colours; in place of a gradient its mean.
+    Fill([Colour; 2]),
+    /// In black of these opacities, 0 to 1, with a sharp edge.
+    Shadow([f64; 2]),
+    /// A line along the outline, of these widths in pixels.
+    Line {
+        /// Its colours.
+        colours: [Colour; 2],
+        /// Its widths.
+        widths: [f64; 2],
+    },
 }
 
 impl Interpolation<'_> {
@@ -74,7 +91,7 @@ impl Moving {
             .zip(&b)
             .zip(&c)
             .map(|((a, b), c)| [thin(a, centres[0]), thin(b, centres[1]), thin(c, centres[2])]);
-        Self { rings: three.collect(), colours }
+        Self { rings: three.collect(), brush: Brush::Fill(colours) }
     }
 
     /// From an outline on the canvas that shrinks to a point, or grows from it.
@@ -92,15 +109,37 @@ impl Moving {
             let half = whole.iter().map(|p| p.midpoint(centre)).collect();
             if grows { [nothing, half, whole] } else { [whole, half, nothing] }
         });
-        Self { rings: rings.collect(), colours: [colour; 2] }
+        Self { rings: rings.collect(), brush: Brush::Fill([colour; 2]) }
+    }
+
+    /// Shapes of a texton with the shadow beneath them and the line along the first of them that both
+    /// ends have.
+    pub(super) fn with_effects(mut shapes: Vec<Self>, [from, to]: [Effects; 2]) -> Vec<Self> {
+        let Some(rings) = shapes.first().map(|shape| shape.rings.clone()) else { return shapes };
+        if let Some((a, b)) = from.shadow.zip(to.shadow) {
+            let shifts = [a.shift(), half_way(&a, &b), b.shift()];
+            let moved = |ring: &Ring, shift: Vec2| ring.iter().map(|p| *p + shift).collect::<Ring>();
+            let fallen = |ring: &[Ring; 3]| [0, 1, 2].map(|k| moved(&ring[k], shifts[k]));
+            let rings = rings.iter().map(fallen).collect();
+            shapes.insert(0, Self { rings, brush: Brush::Shadow([a.opacity, b.opacity]) });
+        }
+        if let Some((a, b)) = from.stroke.zip(to.stroke) {
+            let brush = Brush::Line { colours: [a.colour, b.colour], widths: [a.width, b.width] };
+            shapes.push(Self { rings, brush });
+        }
+        shapes
     }
 
     /// A box around all that it passes.
     pub fn bounds(&self) -> Rect {
+        let margin = match self.brush {
+            Brush::Line { widths: [a, b], .. } => a.max(b) / 2.0,
+            Brush::Fill(_) | Brush::Shadow(_) => 0.0,
+        };
         let points = self.rings.iter().flatten().flatten();
         let mut all = points.map(|p| Rect::from_points(*p, *p));
         let first = all.next().unwrap_or_default();
-        all.fold(first, |sum, r| sum.union(r))
+        all.fold(first, |sum, r| sum.union(r)).inflate(margin, margin)
     }
 }
 

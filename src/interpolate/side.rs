@@ -96,6 +96,17 @@ impl<'a> Side<'a> {
     }
 }
 
+/// Whether two instances look the same in the same place.
+pub(super) fn same(sides: &[Side<'_>; 2], instances: [&Instance; 2]) -> bool {
+    let [a, b] = instances;
+    let [s, t] = [0, 1].map(|k| &sides[k].scene.textons[instances[k].texton as usize]);
+    let placed = (a.transform, a.colour, a.shadow, a.stroke) == (b.transform, b.colour, b.shadow, b.stroke);
+    placed
+        && (s.category, s.colour, s.gradient) == (t.category, t.colour, t.gradient)
+        && s.outline == t.outline
+        && s.details == t.details
+}
+
 fn paint((colour, gradient): (Colour, Option<&Gradient>), affine: Affine) -> Paint {
     Paint { colour, gradient: gradient.map(|g| g.moved(affine)) }
 }

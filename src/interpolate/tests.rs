@@ -6,7 +6,7 @@ use crate::interpolate::ring::{Ring, inside, length, moments, nearest, sine_cosi
 use crate::raster::colour::Colour;
 use crate::sampling::Stream;
 use crate::scene::field::Interpolant;
-use crate::scene::{ControlPoint, Domain, Edge, Field, Gradient, Patch};
+use crate::scene::{ControlPoint, Domain, Edge, Field, Gradient, Patch, Shadow, Stroke};
 use std::f64::consts::TAU;
 
 const SIZE: u32 = 120;
@@ -275,6 +275,102 @@ fn domains_become_one_another() {
     b.domain = Some(square(40.0));
     let half = between(&a, &b, 0.5).domain.unwrap().outline.area();
     assert!((half - 3600.0).abs() < 60.0, "{half}");
+}
+
+#[test]
+fn a_part_of_a_shape_without_partner_shrinks_as_it_is() {
+    let (mut a, mut b) = (scene(23, 4, false), scene(24, 4, false));
+    let rect = |path: &mut BezPath, x: f64, y: f64, w: f64, h: f64| {
+        path.move_to((x, y));
+        [(x + w, y), (x + w, y + h), (x, y + h)].into_iter().for_each(|p| path.line_to(p));
+        path.close_path();
+    };
+    let mut path = BezPath::new();
+    rect(&mut path, 5.0, 5.0, 60.0, 100.0);
+    let one = Domain { outline: Outline::new(&path).unwrap(), edge: Edge::Clip };
+    rect(&mut path, 80.0, 20.0, 30.0, 30.0);
+    let two = Domain { outline: Outline::new(&path).unwrap(), edge: Edge::Clip };
+    (a.domain, b.domain) = (Some(two), Some(one));
+    let way = Interpolation::new(&a, &b, &()).unwrap();
+    let half = way.at(0.5).domain.unwrap().outline.area();
+    assert!((half - 6000.0 - 225.0).abs() < 40.0, "{half}");
+    // What moves is told closely enough that curves through its points stay near its sides.
+    for ring in way.domain_motion().unwrap().0.rings {
+        let first = &ring[0];
+        let far = (0..first.len()).map(|i| length(first[(i + 1) % first.len()] - first[i]));
+        assert!(far.fold(0.0, f64::max) < 4.0);
+    }
+}
+
+#[test]
+fn shadows_and_lines_change_without_a_jump() {
+    let (a, mut b) = (scene(21, 15, false), scene(22, 15, false));
+    for instance in b.primary.iter_mut().chain(&mut b.secondary) {
+        instance.transform[..4].copy_from_slice(&[1.4, 0.0, 0.0, 1.4]);
+        instance.shadow = Some(Shadow { offset: [6.0, 3.0], opacity: 0.5, blur: 2.0 });
+        instance.stroke = Some(Stroke { width: 1.0, colour: Colour([0, 0, 200]) });
+    }
+    let way = Interpolation::new(&a, &b, &()).unwrap();
+    // Width and opacity on the canvas, by id.
+    let look = |t: f64| -> std::collections::BTreeMap<u32, [f64; 2]> {
+        let scene = way.at(t);
+        scene.validate().unwrap();
+        let of = |i: &Instance| {
+            let scale = libm::sqrt(i.affine().determinant().abs());
+            [i.stroke.map_or(0.0, |s| s.width * scale), i.shadow.map_or(0.0, |s| s.opacity)]
+        };
+        scene.primary.iter().chain(&scene.secondary).map(|i| (i.id, of(i))).collect()
+    };
+    let paired = way.matched()[0].pairs;
+    let mut before = look(0.01);
+    for k in 1..100 {
+        let here = look(f64::from(k) / 100.0);
+        let mut seen = 0;
+        for (id, now) in &here {
+            let Some(then) = before.get(id) else { continue };
+            let far = |k: usize| (now[k] - then[k]).abs();
+            assert!(far(0) < 0.1 && far(1) < 0.1, "{id} at {k}: {then:?} {now:?}");
+            seen += 1;
+        }
+        assert!(seen >= paired, "{seen}");
+        before = here;
+    }
+    assert!(before.values().all(|v| v[0] > 1.3 && v[1] > 0.49), "{before:?}");
+}
+
+#[test]
+fn plain_grounds_mix_and_a_scene_between_says_what_it_is() {
+    let plain = |seed: u64, grey: u8| {
+        let mut plain = scene(seed, 3, false);
+        (plain.background.points, plain.background.fallback) = (Vec::new(), Colour([grey; 3]));
+        plain
+    };
+    let (a, b) = (plain(25, 20), plain(26, 220));
+    let ground =
+        |scene: &Scene, x: f64| Interpolant::new(&scene.background, SIZE, SIZE, scene.tile).at(x, 60.0)[0];
+    let way = Interpolation::new(&a, &b, &()).unwrap();
+    assert!(ground(&way.at(0.001), 60.0) < 24.0 && ground(&way.at(0.999), 60.0) > 216.0);
+    let mixed = across(&a, &b, Axis::X, &()).unwrap();
+    assert!(ground(&mixed, 3.0) < 24.0 && ground(&mixed, 117.0) > 216.0);
+    assert_eq!(mixed.edits.last().unwrap().operation, "interp '25.png' '26.png' --across x");
+    assert_eq!(way.at(0.25).edits.last().unwrap().operation, "interp '25.png' '26.png' --at 0.25");
+}
+
+#[test]
+fn what_both_have_stays_as_it_is() {
+    let a = scene(27, 12, false);
+    let mut b = a.clone();
+    b.primary.truncate(8);
+    b.background.points.truncate(20);
+    for t in [0.3, 0.7] {
+        let between = between(&a, &b, t);
+        for i in &b.primary {
+            let there = |j: &&Instance| j.transform == i.transform;
+            let found = between.primary.iter().find(there).unwrap();
+            assert!(between.textons[found.texton as usize].outline == b.textons[i.texton as usize].outline);
+        }
+        assert_eq!(between.secondary.len(), a.secondary.len());
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::geometry::Rect;
 use crate::library::{AnalyzeParams, Arrangement, Library};
 use crate::output::{coverage, inside};
 use crate::raster::colour::Colour;
-use crate::scene::{ControlPoint, Edge, Scene, SynthParams, Tile};
+use crate::scene::{ControlPoint, Edge, EditRecord, Scene, SynthParams, Tile};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -85,12 +85,22 @@ pub(super) struct SceneData<'a> {
     seed: Option<String>,
     parameters: Option<&'a SynthParams>,
     defaults: SynthParams,
+    /// What was done to it after synthesis, one after another.
+    edits: Vec<EditData<'a>>,
     exemplars: Vec<&'a str>,
     coverage: f64,
     primaries: usize,
     details: usize,
     secondaries: usize,
     background: BackgroundData,
+}
+
+/// An operation that the result has gone through.
+#[derive(Serialize)]
+struct EditData<'a> {
+    operation: &'a str,
+    /// As text, as all seeds.
+    seed: String,
 }
 
 /// A category, in exemplar and result. Shares are of the picture, 0 to 1.
@@ -299,6 +309,12 @@ impl BackgroundData {
     }
 }
 
+impl<'a> EditData<'a> {
+    fn new(record: &'a EditRecord) -> Self {
+        Self { operation: &record.operation, seed: record.seed.to_string() }
+    }
+}
+
 impl<'a> SceneData<'a> {
     pub(super) fn new(named: &'a Named<Scene>) -> Self {
         let scene = &named.content;
@@ -314,6 +330,7 @@ impl<'a> SceneData<'a> {
             seed: scene.parameters.as_ref().map(|p| p.seed.to_string()),
             parameters: scene.parameters.as_ref(),
             defaults: SynthParams::default(),
+            edits: scene.edits.iter().map(EditData::new).collect(),
             exemplars: scene.libraries.iter().map(|l| l.exemplar.as_str()).collect(),
             coverage: covered as f64 / (inside(scene) as f64).max(1.0),
             primaries: scene.primary.len(),

@@ -6,6 +6,7 @@ mod config;
 mod damaged;
 mod files;
 mod help;
+mod interp;
 mod messages;
 mod metrics;
 mod models;

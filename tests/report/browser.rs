@@ -5,7 +5,8 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use vtex::geometry::{BezPath, Outline};
-use vtex::scene::{Domain, Edge};
+use vtex::raster::colour::Colour;
+use vtex::scene::{Domain, Edge, EditRecord, Scene, Shadow, Stroke};
 
 /// Clicks through the page and leaves what it saw in an element `outcome`.
 const CLICKS: &str = include_str!("clicks.js");
@@ -52,6 +53,15 @@ fn domain() -> Domain {
     Domain { outline: Outline::new(&path).unwrap(), edge: Edge::Keep }
 }
 
+/// Shadows beneath all primaries and lines around them.
+fn edit(scene: &mut Scene) {
+    for instance in &mut scene.primary {
+        instance.shadow = Some(Shadow { offset: [3.0, 3.0], opacity: 0.5, blur: 3.0 });
+        instance.stroke = Some(Stroke { width: 4.0, colour: Colour([200, 30, 30]) });
+    }
+    scene.edits = vec![EditRecord { operation: "shadow --length 3".into(), seed: 1 }];
+}
+
 #[test]
 fn the_page_works_by_clicking() {
     let Some(browser) = browser() else {
@@ -83,10 +93,16 @@ fn the_page_works_by_clicking() {
 
     let mut shaped = made.scene.clone();
     shaped.content.domain = Some(domain());
+    edit(&mut shaped.content);
     for text in [page(&made.libraries, None, &[]).0, page(&[], Some(&shaped), &[]).0] {
         let (seen, console) = click(&browser, &text);
         assert_eq!((console, &seen["errors"]), (Vec::new(), &Value::Array(Vec::new())), "{seen}");
         assert_eq!(seen["panes"].as_array().unwrap().len(), 1, "{seen}");
         assert!(seen["changed"]["primary"].as_f64().unwrap() > 0.0, "{seen}");
+        let edited = text.contains("shadow --length 3");
+        assert_eq!(seen["edits"], usize::from(edited), "{seen}");
+        // Without its details a primary keeps the line around it, and hides no more of others.
+        let [with, without] = [0, 1].map(|k| seen["lines"][k].as_u64().unwrap());
+        assert!(without >= with && (with > 0) == edited, "{seen}");
     }
 }

@@ -39,6 +39,14 @@
       await press(button);
     }
     seen.restored = difference(full, pixels());
+    // Pixels of the last picture in the red of lines, with details and without.
+    const red = () => pixels().reduce((sum, v, i, p) =>
+      sum + (i % 4 === 0 && v === 200 && p[i + 1] === 30 && p[i + 2] === 30 ? 1 : 0), 0);
+    seen.lines = [red()];
+    await press(document.querySelector('[data-layer="details"]'));
+    seen.lines.push(red());
+    await press(document.querySelector('[data-layer="details"]'));
+    seen.edits = all(".edits li").length;
     const transforms = () => all(".holder").map((holder) => new DOMMatrix(getComputedStyle(holder).transform));
     if (seen.panes.length > 1) {
       await press(document.getElementById("over"));

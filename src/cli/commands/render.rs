@@ -19,14 +19,15 @@ pub(super) fn run(
     input: &Input,
     options: &RenderOptions,
 ) -> anyhow::Result<()> {
-    let RenderOptions { scale, svg, target, pattern } = options;
-    let scale = scale.scale;
+    let RenderOptions { scale: parameters, svg, target, pattern } = options;
+    let scale = parameters.scale;
+    let drawn = target.kind.format == Format::Png;
     target.place.probe()?;
     if let Some(pattern) = pattern {
         pattern.place.probe()?;
     }
-    if scale != 1.0 && target.kind.format != Format::Png {
-        reporter.warn("--scale has no effect here: only a .png has a resolution");
+    if let Some(warning) = parameters.warning(drawn) {
+        reporter.warn(warning);
     }
     reporter.stage("reading")?;
     let bytes = input.read()?;
@@ -48,11 +49,8 @@ pub(super) fn run(
     }
     reporter.stage("drawing")?;
     let (written, size) = match &scene {
-        Some(scene) => {
-            let size = [scene.width, scene.height];
-            (target.write_scene(scene, *svg, scale)?, size)
-        }
-        None if target.kind.format == Format::Png => {
+        Some(scene) => (target.write_scene(scene, *svg, scale)?, parameters.size_of(scene, drawn)),
+        None if drawn => {
             let picture = raster_svg::render_svg(&bytes, scale, &name)?;
             let (_, bytes) = target.place.write(|out| png::encode(&picture, None, out))?;
             (Written { bytes, ..Written::default() }, [picture.width(), picture.height()])
@@ -65,10 +63,9 @@ pub(super) fn run(
     if let (Some(pattern), Some(scene)) = (pattern, &scene) {
         pattern.write_pattern(scene, *svg)?;
     }
-    let drawn = |side: u32| (f64::from(side) * scale).round().max(1.0) as u32;
     let summary = Summary {
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
-        size: if scene.is_some() && target.kind.format == Format::Png { size.map(drawn) } else { size },
+        size,
         counts: scene.as_ref().map(Counts::of_scene),
         ..Summary::new("render", vec![name], target.place.path(), written, reporter)
     };

@@ -21,8 +21,9 @@ pub struct Film {
     pub rate: f64,
 }
 
-/// Pictures looked at for the palette.
-const LOOKS: u32 = 4;
+/// Pictures looked at for the palette; an odd number, so that of a film that plays there and back the
+/// one in which it turns is among them.
+const LOOKS: u32 = 5;
 
 impl Film {
     fn check(&self) -> Result<()> {
@@ -42,7 +43,8 @@ impl Film {
         let looks = LOOKS.min(self.frames);
         let mut seen = Vec::new();
         for k in 0..looks {
-            seen.push(frame(k * (self.frames - 1) / (looks - 1).max(1))?);
+            let at = u64::from(k) * u64::from(self.frames) / u64::from(looks - 1).max(1);
+            seen.push(frame((at as u32).min(self.frames - 1))?);
         }
         let palette = Palette::new(&seen);
         let side = |v: u32| {
@@ -168,6 +170,37 @@ mod tests {
         let mut again = Vec::new();
         FILM.write_gif(|k| Ok(picture(k)), &mut again).unwrap();
         assert!(bytes == again);
+    }
+
+    #[test]
+    fn all_colours_of_a_film_that_plays_back_are_known() {
+        // Red at first, then a step towards blue, blue where it turns.
+        let plain = |k: u32| {
+            let mut pixmap = Pixmap::new(8, 8).unwrap();
+            let blue = [0, 40, 230, 40][k as usize];
+            pixmap.fill(Color::from_rgba8(240 - blue, 20, blue, 255));
+            Ok(pixmap)
+        };
+        for (frames, rate) in [(4, 10.0), (3, 10.0)] {
+            let mut bytes = Vec::new();
+            Film { frames, rate }.write_gif(plain, &mut bytes).unwrap();
+            let mut options = gif::DecodeOptions::new();
+            options.set_color_output(gif::ColorOutput::RGBA);
+            let mut decoder = options.read_info(&bytes[..]).unwrap();
+            let mut last = Vec::new();
+            for _ in 0..3 {
+                last = decoder.read_next_frame().unwrap().unwrap().buffer.to_vec();
+            }
+            assert!(last[2] > 200 && last[0] < 40, "{:?}", &last[..4]);
+        }
+        // There and back in twenty pictures: the one in which it turns is the eleventh.
+        let turning = |k: u32| plain(if k == 10 { 2 } else { 0 });
+        let mut bytes = Vec::new();
+        Film { frames: 20, rate: 10.0 }.write_gif(turning, &mut bytes).unwrap();
+        let mut decoder = gif::DecodeOptions::new().read_info(&bytes[..]).unwrap();
+        let palette = decoder.global_palette().unwrap().to_vec();
+        assert!(palette.chunks(3).any(|c| c[2] > 200 && c[0] < 40));
+        assert!(decoder.read_next_frame().unwrap().is_some());
     }
 
     #[test]

@@ -9,15 +9,15 @@
 //! What grows or shrinks does so as a path too: Chromium would make a layer of its own of everything
 //! whose transform is animated, and thousands of them are more than it can paint.
 //!
-//! Gradients on textons are drawn in their mean colours. The painting order is that half-way, because
-//! it cannot change in a document.
+//! Gradients on textons are drawn in their mean colours, shadows with a sharp edge. The painting order
+//! is that half-way, because it cannot change in a document.
 
 use super::number::{Number, Paint};
 use super::xml::Xml;
 use super::{SvgSummary, layer};
 use crate::error::{Result, check};
-use crate::geometry::{Point, Vec2};
-use crate::interpolate::{Interpolation, Motion, Moving};
+use crate::geometry::{Point, Rect, Vec2};
+use crate::interpolate::{Brush, Interpolation, Motion, Moving};
 use crate::output::background::Background;
 use crate::scene::{Edge, Scene};
 use std::fmt::Write as _;
@@ -62,8 +62,18 @@ pub fn write_animation(way: &Interpolation<'_>, options: &Animation, out: impl W
     if shapes > MANY_SHAPES {
         summary.warnings.push(format!(
             "{shapes} shapes move; viewers do not play more than {MANY_SHAPES} smoothly: write a smaller size, \
-             a .gif or a .png"
+             a .gif or a .png, or thin and flatten the scenes with 'vtex edit' before"
         ));
+    }
+    let soft = |scene: &Scene| {
+        let mut shadows = scene.secondary.iter().chain(&scene.primary).filter_map(|i| i.shadow);
+        shadows.any(|shadow| shadow.blur > 0.0)
+    };
+    if way.scenes().into_iter().any(soft) {
+        summary.warnings.push(
+            "soft shadows have a sharp edge in an animated SVG; frames, a .gif and a .png show them soft"
+                .into(),
+        );
     }
     Ok(summary)
 }
@@ -123,6 +133,10 @@ impl Writer<'_> {
             xml.line();
         }
         shapes += self.write_layer(xml, ("primary", "Primary"), primaries)?;
+        if edge == Some(Edge::Clip) {
+            xml.close()?;
+            xml.line();
+        }
         Ok(shapes)
     }
 
@@ -136,10 +150,12 @@ impl Writer<'_> {
             xml.open("clipPath");
             xml.attribute("id", "domain");
             xml.open("path");
+            xml.attribute("id", "shape");
             xml.attribute("class", "a");
             xml.attribute("style", "animation-name:domain");
             xml.attribute("d", self.data(shape, 0));
             xml.close()?;
+            self.write_copies(xml, "shape", shape.bounds())?;
             xml.close()?;
             xml.line();
         }
@@ -205,9 +221,7 @@ impl Writer<'_> {
                     let _ = write!(rules, "50%{{d:path(\"{}\")}}", self.data(shape, 1));
                 }
                 let _ = write!(rules, "to{{d:path(\"{}\")", self.data(shape, 2));
-                if shape.colours[0] != shape.colours[1] {
-                    let _ = write!(rules, ";fill:{}", Paint(shape.colours[1]));
-                }
+                brush_rule(&mut rules, &shape.brush);
                 rules.push_str("}}\n");
             }
             xml.raw_text(&rules)?;
@@ -235,7 +249,7 @@ impl Writer<'_> {
                 None => xml.attribute("class", "a"),
             }
             xml.attribute("style", format_args!("animation-name:{}", name(*id, k)));
-            xml.attribute("fill", Paint(shape.colours[0]));
+            write_brush(xml, &shape.brush);
             xml.attribute("d", self.data(shape, 0));
             xml.close()?;
         }
@@ -243,14 +257,20 @@ impl Writer<'_> {
             xml.close()?;
         }
         let bounds = shapes.iter().map(Moving::bounds).reduce(|a, b| a.union(b)).unwrap_or_default();
+        self.write_copies(xml, &format!("p{id}"), bounds)?;
+        Ok(shapes.len())
+    }
+
+    /// The copies of an element that reaches as far as `bounds`, where the scenes repeat.
+    fn write_copies<W: Write>(&self, xml: &mut Xml<W>, id: &str, bounds: Rect) -> io::Result<()> {
         for shift in self.scenes[0].copies(bounds).filter(|&shift| shift != Vec2::ZERO) {
             xml.open("use");
-            xml.attribute("xlink:href", format_args!("#p{id}"));
+            xml.attribute("xlink:href", format_args!("#{id}"));
             xml.attribute("x", Number(shift.x, self.precision));
             xml.attribute("y", Number(shift.y, self.precision));
             xml.close()?;
         }
-        Ok(shapes.len())
+        Ok(())
     }
 
     /// The rings of a shape at one of its three times.
@@ -260,6 +280,38 @@ impl Writer<'_> {
             spline(&mut text, &ring[time], self.precision);
         }
         text
+    }
+}
+
+/// How a shape is painted in the first scene.
+fn write_brush<W: Write>(xml: &mut Xml<W>, brush: &Brush) {
+    match brush {
+        Brush::Fill([colour, _]) => xml.attribute("fill", Paint(*colour)),
+        Brush::Shadow([opacity, _]) => xml.attribute("fill-opacity", Number(*opacity, 3)),
+        Brush::Line { colours: [colour, _], widths: [width, _] } => {
+            xml.attribute("fill", "none");
+            xml.attribute("stroke", Paint(*colour));
+            xml.attribute("stroke-width", Number(*width, 2));
+            xml.attribute("stroke-linejoin", "round");
+        }
+    }
+}
+
+/// What of it is another in the second scene, as a part of a rule.
+fn brush_rule(rule: &mut String, brush: &Brush) {
+    // Writing into a String cannot fail.
+    match brush {
+        Brush::Fill([from, to]) if from != to => _ = write!(rule, ";fill:{}", Paint(*to)),
+        Brush::Shadow([from, to]) if from != to => _ = write!(rule, ";fill-opacity:{}", Number(*to, 3)),
+        Brush::Line { colours, widths } => {
+            if colours[0] != colours[1] {
+                let _ = write!(rule, ";stroke:{}", Paint(colours[1]));
+            }
+            if widths[0] != widths[1] {
+                let _ = write!(rule, ";stroke-width:{}", Number(widths[1], 2));
+            }
+        }
+        Brush::Fill(_) | Brush::Shadow(_) => {}
     }
 }
 

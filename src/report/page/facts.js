@@ -90,12 +90,22 @@ function makeFacts() {
         row("size", `${scene.width} × ${scene.height} px`),
         row("repeats", tile.x && tile.y ? "along both axes" : tile.x ? "left to right" : tile.y ? "top to bottom" : "no"),
         row("fills", scene.domain ? "a shape" : "the canvas"),
-        row("seed", scene.seed ?? "none, it is a reconstruction"), row("written by", scene.program),
+        row("seed", scene.seed ?? "none, nothing was drawn by chance"), row("written by", scene.program),
         row("primaries", integer(scene.primaries)), row("details", integer(scene.details)),
         row("secondaries", integer(scene.secondaries)), row("coverage", percent(scene.coverage))));
     if (scene.parameters) box.append(table("Synthesis", ...rowsOf(parameters, scene.defaults)));
+    if (scene.edits.length > 0) box.append(makeEdits());
   }
   box.append(table("This page", row("written by", data.program)));
+}
+
+// What was done to the scene after synthesis, in order.
+function makeEdits() {
+  const items = scene.edits.map((edit) =>
+    el("li", null, el("code", null, edit.operation), el("span", { class: "faint" }, ` seed ${edit.seed}`)));
+  return el("article", { class: "fact" }, el("h3", null, "Edits"),
+    el("p", { class: "faint" }, "What was done to the scene after it was made, one after another."),
+    el("ol", { class: "edits" }, ...items));
 }
 
 function makeNotes() {
@@ -120,6 +130,7 @@ function makeSummary() {
   if (scene) {
     parts.push(`result: ${scene.width} × ${scene.height} px, ${plural(scene.primaries, "primary", "primaries")}`);
     if (scene.seed !== null) parts.push(`seed ${scene.seed}`);
+    if (scene.edits.length > 0) parts.push(plural(scene.edits.length, "edit", "edits"));
   }
   byId("summary").textContent = parts.join(" · ");
 }

@@ -41,9 +41,11 @@ function layerText(pane, layer) {
     const gone = [...hidden.categories].map((id) =>
       instances[id] ? instances[id].map((i) => `#p${i}`).join() : `[data-category="${id}"]`);
     style = gone.filter(Boolean).map((which) => `${which}{display:none}`).join("");
-    // The first path of a primary is its base, those after it are its details; definitions are paths
-    // beside each other, too.
-    if (hidden.layers.has("details")) style += "path~path{display:none}defs>path,clipPath>path{display:inline}";
+    // The first path of a primary is its base, those after it are its details, but for the line along its
+    // outline; definitions and the layers of a shadow are paths beside each other, too.
+    if (hidden.layers.has("details")) {
+      style += "path~path:where(:not(.outline)){display:none}.shadow>path,defs>path,clipPath>path{display:inline}";
+    }
   }
   const clips = pane.picture === "result" && scene.domain && !(layer === "primary" && scene.domain === "keep");
   if (clips) content = `<g clip-path="url(#domain)">${content}</g>`;
