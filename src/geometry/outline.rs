@@ -23,15 +23,23 @@ impl Outline {
             fine.then(|| Point::new(libm::round(p.x / STEP) * STEP, libm::round(p.y / STEP) * STEP))
         };
         let mut out = BezPath::new();
-        let (mut current, mut open) = (Point::ORIGIN, false);
+        let (mut start, mut current, mut open) = (Point::ORIGIN, Point::ORIGIN, false);
         for element in path.elements() {
             match *element {
-                PathEl::MoveTo(p) => {
+                PathEl::MoveTo(_) | PathEl::ClosePath => {
                     if open {
                         out.close_path();
                     }
+                    open = false;
+                }
+                // What goes on after closing begins where that began.
+                _ if !open => out.move_to(snap(start)?),
+                _ => {}
+            }
+            match *element {
+                PathEl::MoveTo(p) => {
                     out.move_to(snap(p)?);
-                    open = true;
+                    start = p;
                 }
                 PathEl::LineTo(p) => {
                     let p = snap(p)?;
@@ -44,16 +52,10 @@ impl Outline {
                     out.curve_to(snap(c1)?, snap(c2)?, snap(b)?);
                 }
                 PathEl::CurveTo(a, b, c) => out.curve_to(snap(a)?, snap(b)?, snap(c)?),
-                PathEl::ClosePath => {
-                    if open {
-                        out.close_path();
-                    }
-                    open = false;
-                }
+                PathEl::ClosePath => {}
             }
-            if let Some(p) = element.end_point() {
-                current = p;
-            }
+            open = !matches!(element, PathEl::ClosePath);
+            current = element.end_point().unwrap_or(start);
         }
         if open {
             out.close_path();
@@ -139,5 +141,17 @@ impl JsonSchema for Outline {
             "description": "SVG path data: closed rings of M, L, H, V, C and Z, in exemplar pixels",
             "pattern": "^[MmLlHhVvCcZz0-9eE+., -]*$",
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_goes_on_after_closing_is_a_ring_of_its_own() {
+        let of = |text: &str| Outline::new(&parse_path(text).unwrap()).unwrap();
+        assert_eq!(of("M1 3l9 0 0 9zh-4v5M20 20h5v5"), of("M1 3h9v9zM1 3h-4v5zM20 20h5v5z"));
+        assert_eq!(of("M1 3l9 0 0 9zH1 3"), of("M1 3h9v9zM1 3H3z"));
     }
 }

@@ -6,14 +6,18 @@
 use super::picture_size;
 use crate::error::{Error, Result};
 use crate::svg_tree;
+use resvg::usvg::{Group, Tree};
 use tiny_skia::{Pixmap, Transform};
+
+/// Furthest place of a shape, in pixels of the picture: beyond some 10⁹ curves cannot be drawn.
+const FURTHEST: f32 = 1e8;
 
 /// Draws an SVG or SVGZ, `scale` pixels of the picture to a unit of the SVG; the size is rounded.
 /// `name` appears in errors.
 ///
 /// # Errors
-/// Not an SVG that can be parsed; a scale that is not above 0; [`Error::TooLarge`] beyond 2³⁰
-/// pixels or 1 GiB of text.
+/// Not an SVG that can be parsed; a shape that reaches 10⁸ pixels away; a scale that is not above 0;
+/// [`Error::TooLarge`] beyond 2³⁰ pixels or 1 GiB of text.
 pub fn render_svg(bytes: &[u8], scale: f64, name: &str) -> Result<Pixmap> {
     let fail = |reason: String| Error::Render { name: name.into(), reason };
     let tree = svg_tree::parse(bytes, name, fail)?;
@@ -22,8 +26,25 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str) -> Result<Pixmap> {
     let mut pixmap = Pixmap::new(width, height)
         .ok_or_else(|| fail(format!("a picture of {width} x {height} pixels cannot be held in memory")))?;
     let transform = Transform::from_scale(width as f32 / w, height as f32 / h);
+    if furthest(&tree) * transform.sx.max(transform.sy) > FURTHEST {
+        return Err(fail("it has a shape that reaches further than can be drawn".into()));
+    }
     resvg::render(&tree, transform, &mut pixmap.as_mut());
     Ok(pixmap)
+}
+
+/// How far from the origin anything lies, in units of the SVG.
+fn furthest(tree: &Tree) -> f32 {
+    let hidden = (tree.clip_paths().iter().map(|c| c.root()))
+        .chain(tree.masks().iter().map(|m| m.root()))
+        .chain(tree.patterns().iter().map(|p| p.root()));
+    let reach = |group: &Group| {
+        let (own, all) = (group.stroke_bounding_box(), group.abs_stroke_bounding_box());
+        [own.left(), own.top(), own.right(), own.bottom(), all.left(), all.top(), all.right(), all.bottom()]
+            .into_iter()
+            .fold(0.0, |most: f32, v| most.max(v.abs()))
+    };
+    hidden.map(reach).fold(reach(tree.root()), f32::max)
 }
 
 #[cfg(test)]
@@ -75,6 +96,22 @@ mod tests {
         );
         let picture = render_svg(outer.as_bytes(), 1.0, "outer.svg").unwrap();
         assert!(picture.pixels().iter().all(|p| p.alpha() == 0));
+    }
+
+    #[test]
+    fn shapes_that_reach_too_far_are_refused() {
+        let curve = |far: &str| format!(r#"<path d="M7 18c-4.1-{far} 9-2 13-1l5 9z"/>"#);
+        let draw = |inside: String| render_svg(format!("{RED}{inside}</svg>").as_bytes(), 1.0, "far.svg");
+        assert!(draw(curve("40000000")).is_ok());
+        for far in ["4e10", "4e20", "4e30"] {
+            let clipped = format!(
+                r##"<clipPath id="c">{}</clipPath><rect width="9" height="9" clip-path="url(#c)"/>"##,
+                curve(far)
+            );
+            for inside in [curve(far), clipped] {
+                assert!(matches!(draw(inside), Err(Error::Render { .. })), "{far}");
+            }
+        }
     }
 
     #[test]
