@@ -28,11 +28,15 @@ pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colo
     };
     let alike = |colour: Colour| share(colour) > 0.0;
     let shaded = |g: &Option<Gradient>| g.as_ref().is_some_and(|g| alike(g.start) || alike(g.end));
-    let textons: Vec<bool> = crate::parallel::map(&scene.textons, |t| {
-        let details = || t.details.iter().any(|d| alike(d.colour) || shaded(&d.gradient));
-        alike(t.colour) || shaded(&t.gradient) || details()
+    // Of each texton: its base, which an instance's own colour hides, and its details.
+    let textons: Vec<[bool; 2]> = crate::parallel::map(&scene.textons, |t| {
+        let detail = t.details.iter().any(|d| alike(d.colour) || shaded(&d.gradient));
+        [alike(t.colour) || shaded(&t.gradient), detail]
     });
-    let has = |i: &Instance| textons[i.texton as usize] || i.colour.is_some_and(alike);
+    let has = |i: &Instance| {
+        let [base, detail] = textons[i.texton as usize];
+        detail || i.colour.map_or(base, alike)
+    };
     let chosen = chosen.only(
         |i| has(&scene.secondary[i]),
         |i| has(&scene.primary[i]),
