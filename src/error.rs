@@ -239,6 +239,35 @@ pub(crate) fn check(
     if ok { Ok(()) } else { Err(Error::Parameter { name, value: value.to_string(), allowed }) }
 }
 
+/// Which of some words was probably meant: the one that takes the fewest changes of letters, the first of
+/// several. Empty only if there are none.
+pub fn nearest<'a>(text: &str, names: &[&'a str]) -> &'a str {
+    // Hostile texts are long; their ends do not matter.
+    let text: String = text.chars().take(40).collect();
+    names.iter().copied().min_by_key(|name| letters_to_change(&text, name)).unwrap_or_default()
+}
+
+/// Number of letters to add, remove, replace or swap with the next to make one word the other (Damerau
+/// 1964, Levenshtein 1966).
+fn letters_to_change(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).collect()];
+    for i in 1..=a.len() {
+        let mut row = vec![i];
+        for j in 1..=b.len() {
+            let above = &rows[i - 1];
+            let replaced = above[j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut least = replaced.min(above[j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                least = least.min(rows[i - 2][j - 2] + 1);
+            }
+            row.push(least);
+        }
+        rows.push(row);
+    }
+    rows[a.len()][b.len()]
+}
+
 /// The first characters of a hostile string, for an error message.
 pub(crate) fn clip(text: &str) -> String {
     clip_to(text, 24)
@@ -247,4 +276,19 @@ pub(crate) fn clip(text: &str) -> String {
 /// As [`clip`], with a number of characters.
 pub(crate) fn clip_to(text: &str, characters: usize) -> String {
     text.chars().take(characters).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_of_letters_are_counted() {
+        for (a, b, wanted) in
+            [("", "abc", 3), ("kitten", "sitting", 3), ("a", "a", 0), ("tnit", "tint", 1), ("ab", "", 2)]
+        {
+            assert_eq!((letters_to_change(a, b), letters_to_change(b, a)), (wanted, wanted), "{a} {b}");
+        }
+        assert_eq!((nearest("rotat", &["move", "rotate", "rotato"]), nearest("x", &[])), ("rotate", ""));
+    }
 }

@@ -16,6 +16,7 @@ use std::fmt::Write;
 use std::path::Path;
 use toml::{Table, Value};
 use vtex::Error;
+use vtex::error::nearest;
 use vtex::library::AnalyzeParams;
 use vtex::output::svg::SvgOptions;
 use vtex::scene::{Scene, SynthParams};
@@ -175,26 +176,10 @@ fn known(key: &str, section: &str, file: &str) -> Result<(), Failure> {
             if section.is_empty() {
                 names.extend(SECTIONS[1..].iter().map(|s| (*s).to_owned()));
             }
-            let nearest = names.iter().min_by_key(|n| edits(key, n)).expect("every section has keys");
-            failure.hint(format!("did you mean '{nearest}'?"))
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            failure.hint(format!("did you mean '{}'?", nearest(key, &names)))
         }
     })
-}
-
-/// Number of letters to add, remove or replace to make one word the other (Levenshtein 1966).
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 impl Default for Parameters {
@@ -458,10 +443,5 @@ mod tests {
             assert_eq!(again, p);
             assert_eq!(again.dump(), p.dump());
         }
-    }
-
-    #[test]
-    fn edits_are_counted() {
-        assert_eq!((edits("", "abc"), edits("kitten", "sitting"), edits("a", "a")), (3, 3, 0));
     }
 }

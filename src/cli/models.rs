@@ -162,6 +162,11 @@ impl Store {
         Ok(networks.map(|f| self.folder.join(name).join(&f.file)).collect())
     }
 
+    /// Sums of all files of a model, as they were when it was added.
+    pub(crate) fn sums(&self, name: &str) -> anyhow::Result<Vec<String>> {
+        Ok(self.model(name)?.files.into_iter().map(|f| f.sha256).collect())
+    }
+
     /// Copies files into the folder, after a look at what they are. All of them appear, or none.
     pub(crate) fn add(
         &self,
@@ -273,6 +278,27 @@ impl Store {
         fs::remove_dir(&folder).map_err(|e| Error::write(&folder, e))?;
         Ok(())
     }
+}
+
+/// SHA-256 of a network and of the files beside it whose names begin with its own, because weights may
+/// lie in a file such as `encoder.onnx.data` or `encoder.data`.
+pub(crate) fn sums_of_network(path: &Path) -> Result<Vec<String>> {
+    let mut files = vec![path.to_owned()];
+    if let (Some(folder), Some(stem)) = (path.parent(), path.file_stem()) {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let begin = stem.to_string_lossy();
+        for entry in fs::read_dir(folder).map_err(|e| Error::read(folder, e))? {
+            let entry = entry.map_err(|e| Error::read(folder, e))?;
+            let is_weights = entry.file_name() != path.file_name().unwrap_or_default()
+                && entry.file_name().to_string_lossy().starts_with(&*begin)
+                && entry.path().is_file();
+            if is_weights {
+                files.push(entry.path());
+            }
+        }
+    }
+    files[1..].sort();
+    files.iter().map(|file| Ok(copy(file, None)?.1)).collect()
 }
 
 /// Copies a file, or only reads it: its bytes and their SHA-256.

@@ -2,10 +2,11 @@
 
 use super::failure::Failure;
 use super::input::{Input, Kind};
-use super::models::Store;
+use super::models::{Store, sums_of_network};
 use super::options::{Analysis, Common, DomainFrom, How, MasksFrom, SamFrom, Steering};
 use super::output::{Place, say};
 use super::progress::Reporter;
+use super::values::Name;
 use image::RgbImage;
 use vtex::analyze::{Exemplar, Limits};
 use vtex::control;
@@ -40,20 +41,14 @@ fn segmenter(
     analysis: &Analysis,
     reporter: &Reporter,
 ) -> anyhow::Result<Box<dyn Segmenter>> {
-    let any_model = || SamFrom::Model(None);
-    let from = match &analysis.masks {
+    match &analysis.masks {
         MasksFrom::File(path) => return Ok(Box::new(MasksFile::read(path)?)),
         MasksFrom::Felzenszwalb => return Ok(Box::new(Felzenszwalb::default())),
         MasksFrom::Regions => return Ok(Box::new(Regions)),
-        MasksFrom::Sam(from) => Some(from.clone()),
-        // Without a folder for models there are none.
-        MasksFrom::Auto => {
-            Store::open().is_ok_and(|s| s.names().is_ok_and(|names| !names.is_empty())).then(any_model)
-        }
-        MasksFrom::Texton => None,
-    };
+        MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_) => {}
+    }
     reporter.stage("loading")?;
-    let Some(from) = from else {
+    let Some(from) = sam_from(&analysis.masks) else {
         return Ok(Box::new(Texton::new(&for_texton(&analysis.engine))?));
     };
     let sam = sam(&from, &analysis.engine)?;
@@ -61,6 +56,50 @@ fn segmenter(
         say(&format!("{}{}", sam.title(), why_not(&analysis.engine)));
     }
     Ok(Box::new(Generator::new(Box::new(sam), GeneratorParams::default())?))
+}
+
+/// The network of Segment Anything that finds masks, if one does.
+fn sam_from(masks: &MasksFrom) -> Option<SamFrom> {
+    match masks {
+        MasksFrom::Sam(from) => Some(from.clone()),
+        // Without a folder for models there are none.
+        MasksFrom::Auto => {
+            let any = Store::open().is_ok_and(|s| s.names().is_ok_and(|names| !names.is_empty()));
+            any.then_some(SamFrom::Model(None))
+        }
+        _ => None,
+    }
+}
+
+/// All that masks depend on but the photograph and its parameters, as text: what finds them, sums of
+/// files, the engine.
+pub(super) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow::Result<String> {
+    let engine = |engine: &EngineOptions| {
+        Ok::<_, Error>(match choose(engine)? {
+            Choice::OnnxRuntime { version, .. } => format!("ONNX Runtime {version}"),
+            Choice::Rten { .. } => "rten".to_owned(),
+        })
+    };
+    Ok(match (masks, sam_from(masks)) {
+        (_, Some(from)) => {
+            let sums = match &from {
+                SamFrom::Files(files) => {
+                    let sums: Vec<Vec<String>> =
+                        files.iter().map(|path| sums_of_network(path)).collect::<Result<_>>()?;
+                    sums.concat()
+                }
+                SamFrom::Model(name) => {
+                    let store = Store::open()?;
+                    store.sums(&model_name(&store, name.as_ref())?)?
+                }
+            };
+            format!("sam {} {}", sums.join(" "), engine(options)?)
+        }
+        (MasksFrom::Regions, None) => "regions".into(),
+        (MasksFrom::Felzenszwalb, None) => "felzenszwalb".into(),
+        (MasksFrom::File(path), None) => format!("file {}", sums_of_network(path)?.join(" ")),
+        (_, None) => format!("texton {}", engine(&for_texton(options))?),
+    })
 }
 
 /// What runs the network that is part of the program: ONNX Runtime only if asked for by name, so
@@ -76,26 +115,29 @@ fn sam(from: &SamFrom, engine: &EngineOptions) -> anyhow::Result<Sam> {
         SamFrom::Files(files) => files.clone(),
         SamFrom::Model(name) => {
             let store = Store::open()?;
-            let names = store.names()?;
-            let name = match (name, &names[..]) {
-                (Some(name), _) => name.as_str().to_owned(),
-                (None, [only]) => only.clone(),
-                (None, []) => {
-                    let failure = Failure::failed("there is no model of Segment Anything");
-                    let hint =
-                        "add one with 'vtex models add', or name its files with --encoder and --decoder";
-                    return Err(failure.hint(hint).into());
-                }
-                (None, several) => {
-                    let message = format!("there are several models: {}", several.join(", "));
-                    return Err(Failure::usage(message).hint("choose one with --model").into());
-                }
-            };
-            store.networks(&name)?
+            store.networks(&model_name(&store, name.as_ref())?)?
         }
     };
     let files: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
     Ok(Sam::open(&files, engine)?)
+}
+
+/// The model that is named, or the only one.
+fn model_name(store: &Store, name: Option<&Name>) -> anyhow::Result<String> {
+    let names = store.names()?;
+    match (name, &names[..]) {
+        (Some(name), _) => Ok(name.as_str().to_owned()),
+        (None, [only]) => Ok(only.clone()),
+        (None, []) => {
+            let failure = Failure::failed("there is no model of Segment Anything");
+            let hint = "add one with 'vtex models add', or name its files with --encoder and --decoder";
+            Err(failure.hint(hint).into())
+        }
+        (None, several) => {
+            let message = format!("there are several models: {}", several.join(", "));
+            Err(Failure::usage(message).hint("choose one with --model").into())
+        }
+    }
 }
 
 /// Why ONNX Runtime does not run networks though it may, for people.

@@ -44,6 +44,8 @@ pub enum Kind {
     NumberOrFile(f64, f64, &'static str),
     /// One of some words.
     Choice(&'static [&'static str]),
+    /// What textons must fulfil to be selected.
+    Conditions,
 }
 
 /// Whether a parameter can be left out.
@@ -57,7 +59,31 @@ pub enum Need {
     Default(&'static str),
 }
 
+impl Entry {
+    /// How it is written, such as `tint COLOUR [--amount NUMBER] [--share NUMBER]`.
+    pub fn usage(&self) -> String {
+        let words = self.parameters.iter().map(|p| {
+            let word = p.title();
+            if p.need == Need::Required { word } else { format!("[{word}]") }
+        });
+        std::iter::once(self.name.to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+    }
+}
+
 impl Parameter {
+    /// Its name, of a flag with what follows it, such as `--amount NUMBER`.
+    pub fn title(&self) -> String {
+        let value = match self.kind {
+            _ if !self.is_flag() => return self.name.to_owned(),
+            Kind::Colour => "COLOUR",
+            Kind::File => "FILE",
+            Kind::Conditions => "CONDITIONS",
+            Kind::Choice(_) => "WORD",
+            Kind::Number(..) | Kind::NumberOrFile(..) => "NUMBER",
+        };
+        format!("{} {value}", self.name)
+    }
+
     /// Whether it is a flag.
     pub fn is_flag(&self) -> bool {
         self.name.starts_with("--")
@@ -75,6 +101,7 @@ impl Parameter {
             Kind::Colour => "#rrggbb".into(),
             Kind::File => "a file".into(),
             Kind::Choice(words) => words.join(", "),
+            Kind::Conditions => "conditions, with commas between".into(),
         };
         if let Need::Default(value) = self.need {
             text.push_str(&format!(", default: {value}"));
@@ -107,11 +134,10 @@ pub(super) static COMMON: [Parameter; 2] = [
         "all",
         "which textons: all is primary and secondary; background, for colours only, is the ground",
     ),
-    // Read by `parse`, never as a file.
     optional(
         "--where",
-        Kind::File,
-        "only those that fulfil conditions, with commas between: category=3 (or 3|5, or !=3), library=0, \
+        Kind::Conditions,
+        "only those that fulfil all of category=3 (or 3|5, or !=3; secondaries have none), library=0, \
          id=17, area>200, elongation>1.5, x<500, y>=20 (with >, <, >= or <=), inside=FILE, outside=FILE",
     ),
 ];
@@ -129,7 +155,7 @@ pub fn catalogue() -> &'static [Entry] {
 pub(super) static ENTRIES: [Entry; 17] = [
     Entry {
         name: "thin",
-        does: "Take textons away: in each layer a share is kept; or the small ones go.",
+        does: "Take textons away: the small ones go, and of what is left a share of each layer is kept.",
         parameters: &[
             optional("KEEP", SHARE, "share kept"),
             usual(
@@ -206,7 +232,7 @@ pub(super) static ENTRIES: [Entry; 17] = [
         parameters: &[
             usual("--angle", ANGLE, "45", "where it falls, clockwise from the right"),
             usual("--length", Kind::Number(0.0, 1000.0, "px"), "5", "how far"),
-            usual("--opacity", SHARE, "0.4", "how dark"),
+            usual("--opacity", SHARE, "0.4", "how dark; 0 takes shadows away"),
             usual("--blur", Kind::Number(0.0, Shadow::WIDEST, "px"), "5", "width of its soft edge"),
         ],
         colours: false,
@@ -230,7 +256,7 @@ pub(super) static ENTRIES: [Entry; 17] = [
         name: "outline",
         does: "Draw a line along each texton's outline.",
         parameters: &[
-            needed("WIDTH", Kind::Number(0.01, 1000.0, "px"), "width of the line"),
+            needed("WIDTH", Kind::Number(0.0, 1000.0, "px"), "width of the line; 0 takes lines away"),
             needed("COLOUR", Kind::Colour, "its colour"),
         ],
         colours: false,

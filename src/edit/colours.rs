@@ -4,40 +4,54 @@ use super::Draw;
 use super::selection::Chosen;
 use super::textons::{change, selected_mut};
 use crate::raster::colour::Colour;
-use crate::scene::{Gradient, Patch, Scene, Texton};
+use crate::scene::{Gradient, Instance, Patch, Scene, Texton};
 use std::collections::BTreeMap;
 
 /// Mixes `amount` of a colour into those of a share of what is selected.
 pub(super) fn tint(scene: &mut Scene, chosen: &Chosen, colour: Colour, amount: f64, share: f64, draw: &Draw) {
-    let some = |marks: &[bool], id: &dyn Fn(usize) -> u32| -> Vec<bool> {
-        let drawn = |i: usize| share >= 1.0 || draw.of("edit/tint", id(i)).chance(share);
-        marks.iter().enumerate().map(|(i, chosen)| *chosen && drawn(i)).collect()
-    };
-    let chosen = Chosen {
-        secondary: some(&chosen.secondary, &|i| scene.secondary[i].id),
-        primary: some(&chosen.primary, &|i| scene.primary[i].id),
-        background: some(&chosen.background, &|i| i as u32),
-    };
+    let drawn = |id: u32| share >= 1.0 || draw.of("edit/tint", id).chance(share);
+    let chosen =
+        chosen.only(|i| drawn(scene.secondary[i].id), |i| drawn(scene.primary[i].id), |i| drawn(i as u32));
     recolour(scene, &chosen, |_, c| c.mixed(colour, amount));
 }
 
-/// Moves colours near `from` as far as it is to `to`, those up to `reach` away less and less far.
-pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colour, reach: f64) {
+/// Moves colours near `from` as far as it is to `to`, those up to `reach` away less and less far. How
+/// many textons or points have such a colour.
+pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colour, reach: f64) -> usize {
     let (from, to) = (from.to_oklab(), to.to_oklab());
     let way: [f32; 3] = std::array::from_fn(|i| to[i] - from[i]);
-    recolour(scene, chosen, |_, colour| {
-        let lab = colour.to_oklab();
+    let share = |colour: Colour| {
         // All within half the reach, none from it on, smoothly between.
-        let far = (2.0 * f64::from(distance(lab, from)) / reach - 1.0).clamp(0.0, 1.0);
-        let share = 1.0 - far * far * (3.0 - 2.0 * far);
-        if share == 0.0 { colour } else { moved(lab, way, share as f32) }
+        let far = 2.0 * f64::from(distance(colour.to_oklab(), from)) / reach - 1.0;
+        let far = far.clamp(0.0, 1.0);
+        1.0 - far * far * (3.0 - 2.0 * far)
+    };
+    let alike = |colour: Colour| share(colour) > 0.0;
+    let shaded = |g: &Option<Gradient>| g.as_ref().is_some_and(|g| alike(g.start) || alike(g.end));
+    // Of each texton: its base, which an instance's own colour hides, and its details.
+    let textons: Vec<[bool; 2]> = crate::parallel::map(&scene.textons, |t| {
+        let detail = t.details.iter().any(|d| alike(d.colour) || shaded(&d.gradient));
+        [alike(t.colour) || shaded(&t.gradient), detail]
     });
+    let has = |i: &Instance| {
+        let [base, detail] = textons[i.texton as usize];
+        detail || i.colour.map_or(base, alike)
+    };
+    let chosen = chosen.only(
+        |i| has(&scene.secondary[i]),
+        |i| has(&scene.primary[i]),
+        |i| alike(scene.background.points[i].colour),
+    );
+    recolour(scene, &chosen, |_, colour| match share(colour) {
+        0.0 => colour,
+        share => moved(colour.to_oklab(), way, share as f32),
+    });
+    chosen.count()
 }
 
 /// Gives categories new mean colours, by rank of lightness.
 pub(super) fn palette(scene: &mut Scene, chosen: &Chosen, colours: &[Colour]) {
-    let means = means(scene);
-    let mut ranked: Vec<(Key, [f32; 3])> = means.into_iter().collect();
+    let mut ranked: Vec<(Key, [f32; 3])> = means(scene, colours.len()).into_iter().collect();
     ranked.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]).then(a.0.cmp(&b.0)));
     let mut wanted: Vec<[f32; 3]> = colours.iter().map(|c| c.to_oklab()).collect();
     wanted.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -79,7 +93,7 @@ fn toned(tones: &[(f32, [f32; 3])], lab: [f32; 3]) -> [f32; 3] {
     }
 }
 
-/// Library and category.
+/// Library and category; a step of lightness and none where there are no categories.
 type Key = (u32, Option<u16>);
 
 /// The group of a texton that belongs to a category.
@@ -87,21 +101,31 @@ fn key_of(texton: &Texton) -> Option<Key> {
     texton.category.map(|c| (texton.library, Some(c)))
 }
 
-/// The mean colour of each category, by area; of all textons together where there is no category.
-fn means(scene: &Scene) -> BTreeMap<Key, [f32; 3]> {
-    let any = scene.textons.iter().any(|t| t.category.is_some());
-    let mut sums: BTreeMap<Key, [f64; 4]> = BTreeMap::new();
+/// The mean colour of each category, by area. Where nothing has a category: of as many steps of
+/// lightness, each of the same area, as there are to be.
+fn means(scene: &Scene, steps: usize) -> BTreeMap<Key, [f32; 3]> {
     let means: Vec<[f32; 3]> = crate::parallel::map(&scene.textons, |t| mean(t).to_oklab());
     let areas: Vec<f64> = scene.textons.iter().map(|t| t.outline.area()).collect();
-    for instance in scene.primary.iter().chain(&scene.secondary) {
+    let measured = |instance: &Instance| {
         let index = instance.texton as usize;
-        let key = match key_of(&scene.textons[index]) {
-            Some(key) => key,
-            None if any => continue,
-            None => (0, None),
-        };
         let lab = instance.colour.map_or(means[index], Colour::to_oklab);
         let area = areas[index] * instance.affine().determinant().abs() + 1e-6;
+        (key_of(&scene.textons[index]), lab, area)
+    };
+    let mut all: Vec<_> = scene.primary.iter().chain(&scene.secondary).map(measured).collect();
+    if all.iter().all(|(key, ..)| key.is_none()) {
+        all.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
+        let whole: f64 = all.iter().map(|(.., area)| area).sum();
+        let mut below = 0.0;
+        for (key, _, area) in &mut all {
+            let step = (below + *area / 2.0) / whole * steps as f64;
+            *key = Some((step as u32, None));
+            below += *area;
+        }
+    }
+    let mut sums: BTreeMap<Key, [f64; 4]> = BTreeMap::new();
+    for (key, lab, area) in all {
+        let Some(key) = key else { continue };
         let sum = sums.entry(key).or_default();
         (0..3).for_each(|i| sum[i] += area * f64::from(lab[i]));
         sum[3] += area;
@@ -168,7 +192,7 @@ fn recolour(
         }
     });
     let field = &mut scene.background;
-    if chosen.background.contains(&true) && !chosen.background.contains(&false) {
+    if chosen.fallback {
         field.fallback = new(None, field.fallback);
     }
     for (point, _) in field.points.iter_mut().zip(&chosen.background).filter(|(_, chosen)| **chosen) {

@@ -4,7 +4,7 @@ use super::colours::mean;
 use super::selection::Chosen;
 use super::textons::{change, selected_mut, size};
 use crate::raster::colour::Colour;
-use crate::scene::{Patch, Scene, Shadow, Stroke, Texton};
+use crate::scene::{Instance, Patch, Scene, Shadow, Stroke, Texton};
 
 /// Decimals at which a simpler outline is to be short: those of an SVG.
 const DECIMALS: u8 = 1;
@@ -25,8 +25,19 @@ pub(super) fn shadow(scene: &mut Scene, chosen: &Chosen, angle: f64, length: f64
 
 pub(super) fn outline(scene: &mut Scene, chosen: &Chosen, width: f64, colour: Colour) {
     for instance in selected_mut(scene, chosen) {
-        let width = own(width, size(instance)).min(Stroke::WIDEST);
-        instance.stroke = Some(Stroke { width, colour });
+        let own = own(width, size(instance)).min(Stroke::WIDEST);
+        instance.stroke = (width > 0.0).then_some(Stroke { width: own, colour });
+    }
+}
+
+/// Leaves shadow and line as wide on the canvas as they were when the instance had another size.
+pub(super) fn keep_widths(instance: &mut Instance, before: f64) {
+    let now = size(instance);
+    if let Some(stroke) = &mut instance.stroke {
+        stroke.width = own(stroke.width * before, now).min(Stroke::WIDEST);
+    }
+    if let Some(shadow) = instance.shadow.as_mut().filter(|shadow| shadow.blur > 0.0) {
+        shadow.blur = own(shadow.blur * before, now).min(Shadow::WIDEST);
     }
 }
 

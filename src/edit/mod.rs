@@ -9,6 +9,7 @@
 
 mod catalogue;
 mod colours;
+mod conditions;
 mod dress;
 mod operation;
 mod order;
@@ -39,7 +40,8 @@ use serde::Serialize;
 pub struct Outcome {
     /// The operation as it was written.
     pub operation: String,
-    /// Textons, or points of the background, that it was for.
+    /// Textons, or points of the background, that it was for: those selected; of `recolor` those that
+    /// have a colour like the one sought, of `replace` those for which the library has another.
     pub matched: usize,
     /// Textons that are gone after it.
     pub removed: usize,
@@ -75,7 +77,7 @@ pub fn apply(mut scene: Scene, operations: &[Operation], seed: Option<u64>) -> R
         let chosen = Chosen::new(&scene, operation);
         let before = scene.primary.len() + scene.secondary.len();
         let draw = Draw { seed, step: scene.edits.len() as u64 };
-        act(&mut scene, &chosen, &operation.action, &draw);
+        let matched = act(&mut scene, &chosen, &operation.action, &draw);
         textons::drop_unused(&mut scene);
         let removed = before - scene.primary.len() - scene.secondary.len();
         scene.edits.push(EditRecord { operation: operation.text.clone(), seed });
@@ -84,12 +86,13 @@ pub fn apply(mut scene: Scene, operations: &[Operation], seed: Option<u64>) -> R
             reason: format!("it leads too far: {reason}"),
             advice: "give smaller numbers".into(),
         })?;
-        outcomes.push(Outcome { operation: operation.text.clone(), matched: chosen.count(), removed });
+        outcomes.push(Outcome { operation: operation.text.clone(), matched, removed });
     }
     Ok((scene, outcomes))
 }
 
-fn act(scene: &mut Scene, chosen: &Chosen, action: &Action, draw: &Draw) {
+/// Does an operation; how many it was for.
+fn act(scene: &mut Scene, chosen: &Chosen, action: &Action, draw: &Draw) -> usize {
     match action {
         Action::Thin { keep, order, minimum_area } => {
             thin::thin(scene, chosen, *keep, *order, *minimum_area, draw);
@@ -107,7 +110,7 @@ fn act(scene: &mut Scene, chosen: &Chosen, action: &Action, draw: &Draw) {
         Action::Tint { colour, amount, share } => {
             colours::tint(scene, chosen, *colour, *amount, *share, draw);
         }
-        Action::Recolor { from, to, reach } => colours::recolor(scene, chosen, *from, *to, *reach),
+        Action::Recolor { from, to, reach } => return colours::recolor(scene, chosen, *from, *to, *reach),
         Action::Palette { colours } => colours::palette(scene, chosen, colours),
         Action::Shadow { angle, length, opacity, blur } => {
             dress::shadow(scene, chosen, *angle, *length, *opacity, *blur);
@@ -115,6 +118,7 @@ fn act(scene: &mut Scene, chosen: &Chosen, action: &Action, draw: &Draw) {
         Action::Outline { width, colour } => dress::outline(scene, chosen, *width, *colour),
         Action::Flatten => dress::flatten(scene, chosen),
         Action::Simplify { tolerance } => dress::simplify(scene, chosen, *tolerance),
-        Action::Replace { library } => replace::replace(scene, chosen, library),
+        Action::Replace { library } => return replace::replace(scene, chosen, library),
     }
+    chosen.count()
 }

@@ -6,7 +6,7 @@
 //! it grows in steps as points go; a point then always has some ten neighbours, and the whole costs
 //! little more than their number.
 
-use crate::geometry::{Point, Vec2};
+use crate::geometry::{NearPoints, Point, shortest_way};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -60,7 +60,8 @@ fn eliminated(
     left: Vec<usize>,
     goal: usize,
 ) -> Vec<usize> {
-    let (starts, near) = Grid::new(points, periods, &left, goal).neighbours();
+    let kept: Vec<Point> = left.iter().map(|&i| points[i]).collect();
+    let (starts, near) = crowding(&kept, periods, reach(&kept, periods, goal));
     let of = |i: usize| &near[starts[i]..starts[i + 1]];
     let mut weights: Vec<f64> = (0..left.len()).map(|i| of(i).iter().map(|(_, w)| w).sum()).collect();
     let entry = |index: usize, weight: f64| Crowded { weight, tie: ties[left[index]], index };
@@ -84,131 +85,42 @@ fn eliminated(
     left.iter().zip(gone).filter(|(_, gone)| !gone).map(|(i, _)| *i).collect()
 }
 
-/// Points sorted into square cells as wide as points crowd one another.
-struct Grid {
-    points: Vec<Point>,
-    periods: [Option<f64>; 2],
-    origin: Point,
-    cell: f64,
-    size: [usize; 2],
-    /// Points of each cell, by cell.
-    order: Vec<usize>,
-    starts: Vec<usize>,
-    reach: f64,
+/// The distance at which points crowd one another when `goal` are to be left: twice the largest radius
+/// of so many discs in the area.
+fn reach(points: &[Point], periods: [Option<f64>; 2], goal: usize) -> f64 {
+    let length = |period: Option<f64>, at: &dyn Fn(&Point) -> f64| {
+        let low = points.iter().map(at).fold(f64::INFINITY, f64::min);
+        let high = points.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
+        period.unwrap_or((high - low).max(1e-3))
+    };
+    let (width, height) = (length(periods[0], &|p| p.x), length(periods[1], &|p| p.y));
+    let reach = 2.0 * libm::sqrt(width * height / (2.0 * libm::sqrt(3.0) * goal.max(1) as f64));
+    reach.min(width.max(height)).max(1e-3)
 }
 
-/// Most cells along an axis.
-const MOST_CELLS: f64 = 2048.0;
-
-impl Grid {
-    fn new(all: &[Point], periods: [Option<f64>; 2], left: &[usize], goal: usize) -> Self {
-        let points: Vec<Point> = left.iter().map(|&i| all[i]).collect();
-        let (mut low, mut high) = (Point::new(f64::MAX, f64::MAX), Point::new(f64::MIN, f64::MIN));
-        for p in &points {
-            low = Point::new(low.x.min(p.x), low.y.min(p.y));
-            high = Point::new(high.x.max(p.x), high.y.max(p.y));
-        }
-        let axis = |period: Option<f64>, low: f64, high: f64| {
-            period.map_or((low, (high - low).max(1e-3)), |period| (0.0, period))
-        };
-        let (x, width) = axis(periods[0], low.x, high.x);
-        let (y, height) = axis(periods[1], low.y, high.y);
-        // Twice the largest radius of so many discs in the area.
-        let reach = 2.0 * libm::sqrt(width * height / (2.0 * libm::sqrt(3.0) * goal.max(1) as f64));
-        let reach = reach.min(width.max(height)).max(1e-3);
-        let cells = |length: f64| libm::floor(length / reach).clamp(1.0, MOST_CELLS);
-        let size = [cells(width) as usize, cells(height) as usize];
-        let cell = (width / cells(width)).max(height / cells(height));
-        let mut grid = Self {
-            points,
-            periods,
-            origin: Point::new(x, y),
-            cell: cell.max(reach),
-            size,
-            order: Vec::new(),
-            starts: vec![0; size[0] * size[1] + 1],
-            reach,
-        };
-        let homes: Vec<usize> = (0..left.len()).map(|i| grid.home(i)).collect();
-        homes.iter().for_each(|&home| grid.starts[home + 1] += 1);
-        (1..grid.starts.len()).for_each(|c| grid.starts[c] += grid.starts[c - 1]);
-        let mut next = grid.starts.clone();
-        grid.order = vec![0; left.len()];
-        for (i, home) in homes.into_iter().enumerate() {
-            grid.order[next[home]] = i;
-            next[home] += 1;
-        }
-        grid
-    }
-
-    /// Column and row of a point.
-    fn cell_of(&self, p: Point) -> [usize; 2] {
-        let along = |v: f64, count: usize| ((v / self.cell).max(0.0) as usize).min(count - 1);
-        [along(p.x - self.origin.x, self.size[0]), along(p.y - self.origin.y, self.size[1])]
-    }
-
-    fn home(&self, index: usize) -> usize {
-        let [column, row] = self.cell_of(self.points[index]);
-        row * self.size[0] + column
-    }
-
-    /// Cells next to one along an axis, itself too, each once.
-    fn beside(&self, axis: usize, at: usize) -> Vec<usize> {
-        let count = self.size[axis];
-        let mut cells: Vec<usize> = if self.periods[axis].is_some() {
-            // The last cell may be narrower than the others, so two beyond the seam.
-            (0..5).map(|k| (at + k + 2 * count - 2) % count).collect()
-        } else {
-            (at.saturating_sub(1)..(at + 2).min(count)).collect()
-        };
-        cells.sort_unstable();
-        cells.dedup();
-        cells
-    }
-
-    /// The other points that crowd each point, and how much: those of point i stand at `starts[i]`
-    /// up to `starts[i + 1]`.
-    fn neighbours(&self) -> (Vec<usize>, Vec<(u32, f64)>) {
-        let beside = |axis: usize| -> Vec<Vec<usize>> {
-            (0..self.size[axis]).map(|at| self.beside(axis, at)).collect()
-        };
-        let (columns, rows) = (beside(0), beside(1));
-        let (mut starts, mut near) = (vec![0], Vec::new());
-        for index in 0..self.points.len() {
-            let [column, row] = self.cell_of(self.points[index]);
-            for row in &rows[row] {
-                for cell in columns[column].iter().map(|column| row * self.size[0] + column) {
-                    let others = self.order[self.starts[cell]..self.starts[cell + 1]].iter();
-                    near.extend(
-                        others.filter_map(|&other| Some((other as u32, self.crowding(index, other)?))),
-                    );
-                }
+/// The other points that crowd each point, and how much: those of point i stand at `starts[i]` up to
+/// `starts[i + 1]`.
+fn crowding(points: &[Point], periods: [Option<f64>; 2], reach: f64) -> (Vec<usize>, Vec<(u32, f64)>) {
+    let cells = NearPoints::new(points, periods, reach);
+    let (mut starts, mut near) = (vec![0], Vec::new());
+    for (index, &at) in points.iter().enumerate() {
+        cells.each(at, |other| {
+            let square = shortest_way(at, points[other], periods).hypot2();
+            if other != index && square < reach * reach {
+                near.push((other as u32, weight(libm::sqrt(square) / reach)));
             }
-            starts.push(near.len());
-        }
-        (starts, near)
+        });
+        starts.push(near.len());
     }
+    (starts, near)
+}
 
-    /// How much one point crowds another; nothing if it is the same or far away.
-    fn crowding(&self, index: usize, other: usize) -> Option<f64> {
-        let distance = self.distance(index, other);
-        (index != other && distance < self.reach).then(|| {
-            let near = 1.0 - distance / self.reach;
-            let square = near * near;
-            let fourth = square * square;
-            fourth * fourth
-        })
-    }
-
-    fn distance(&self, a: usize, b: usize) -> f64 {
-        let along = |d: f64, period: Option<f64>| match period {
-            Some(period) => d.abs().min(period - d.abs()),
-            None => d,
-        };
-        let Vec2 { x, y } = self.points[a] - self.points[b];
-        let (x, y) = (along(x, self.periods[0]), along(y, self.periods[1]));
-        libm::sqrt(x * x + y * y)
-    }
+/// How much points crowd one another at a share of the distance at which they begin to.
+fn weight(distance: f64) -> f64 {
+    let near = 1.0 - distance;
+    let square = near * near;
+    let fourth = square * square;
+    fourth * fourth
 }
 
 #[cfg(test)]
@@ -216,43 +128,42 @@ mod tests {
     use super::*;
     use crate::sampling::stream;
 
-    fn points(count: usize) -> (Vec<Point>, Vec<u64>) {
+    fn points(count: usize, [width, height]: [f64; 2]) -> (Vec<Point>, Vec<u64>) {
         let mut random = stream(1, "test/points", 0);
         let points =
-            (0..count).map(|_| Point::new(random.range(0.0, 400.0), random.range(0.0, 300.0))).collect();
+            (0..count).map(|_| Point::new(random.range(0.0, width), random.range(0.0, height))).collect();
         (points, (0..count).map(|_| random.bits()).collect())
     }
 
-    /// Shortest distance of two kept points, on a torus.
-    fn shortest(points: &[Point], kept: &[usize]) -> f64 {
-        let along = |d: f64, period: f64| d.abs().min(period - d.abs());
-        let mut least = f64::MAX;
-        for (n, &i) in kept.iter().enumerate() {
-            for &j in &kept[..n] {
-                let d = points[i] - points[j];
-                least = least.min(libm::hypot(along(d.x, 400.0), along(d.y, 300.0)));
-            }
-        }
-        least
+    /// Shortest distance of two kept points.
+    fn shortest(points: &[Point], kept: &[usize], periods: [Option<f64>; 2]) -> f64 {
+        let pairs = kept.iter().enumerate().flat_map(|(n, i)| kept[..n].iter().map(move |j| (*i, *j)));
+        let apart = pairs.map(|(i, j)| libm::sqrt(shortest_way(points[i], points[j], periods).hypot2()));
+        apart.fold(f64::MAX, f64::min)
     }
 
     #[test]
     fn what_is_left_is_spread_evenly_across_the_seams() {
-        let (points, ties) = points(2000);
-        for count in [600, 100, 9] {
-            let kept = spread(&points, &ties, [Some(400.0), Some(300.0)], count);
-            assert_eq!(kept.len(), count);
-            assert!(kept.windows(2).all(|w| w[0] < w[1]));
-            // In a perfect lattice they would be this far apart.
-            let lattice = libm::sqrt(400.0 * 300.0 * 2.0 / (libm::sqrt(3.0) * count as f64));
-            let share = shortest(&points, &kept) / lattice;
-            assert!(share > 0.5, "{count}: {share}");
+        // Cells along the two axes are of unlike sizes.
+        for canvas in [[400.0, 300.0], [1000.0, 61.0], [90.0, 700.0]] {
+            let (points, ties) = points(2000, canvas);
+            let periods = canvas.map(Some);
+            for count in [600, 100, 9] {
+                let kept = spread(&points, &ties, periods, count);
+                assert_eq!(kept.len(), count);
+                assert!(kept.windows(2).all(|w| w[0] < w[1]));
+                // In a perfect lattice they would be this far apart.
+                let area = canvas[0] * canvas[1];
+                let lattice = libm::sqrt(area * 2.0 / (libm::sqrt(3.0) * count as f64));
+                let share = shortest(&points, &kept, periods) / lattice;
+                assert!(share > 0.5, "{canvas:?} {count}: {share}");
+            }
         }
     }
 
     #[test]
     fn any_points_and_numbers_end() {
-        let (mut all, ties) = points(50);
+        let (mut all, ties) = points(50, [400.0, 300.0]);
         let whole = [None, None];
         assert_eq!(spread(&all, &ties, whole, 50).len(), 50);
         assert_eq!(spread(&all, &ties, whole, 70).len(), 50);

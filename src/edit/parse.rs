@@ -1,12 +1,10 @@
 //! Text → operation: words, then values by the catalogue, then the files that they name.
 
 use super::catalogue::{COMMON, ENTRIES, Entry, Kind, Need, Parameter};
-use super::operation::{
-    Action, Comparison, Condition, Direction, Identity, Layers, Operation, Quantity, ThinOrder,
-};
+use super::conditions::{Term, region, term};
+use super::operation::{Action, Direction, Layers, Operation, ThinOrder};
 use crate::control;
-use crate::error::{Error, Result};
-use crate::geometry::{Outline, Region};
+use crate::error::{Error, Result, nearest};
 use crate::library::Library;
 use crate::raster::colour::Colour;
 
@@ -28,13 +26,6 @@ enum Value {
     Colour(Colour),
     File(String),
     Choice(&'static str),
-}
-
-/// A condition whose file is not read yet.
-#[derive(Clone, Debug, PartialEq)]
-enum Term {
-    Ready(Condition),
-    Place { file: String, inside: bool },
 }
 
 impl Request {
@@ -63,6 +54,7 @@ impl Request {
             conditions: Vec::new(),
         };
         let mut rest = words[1..].iter();
+        let mut given: Vec<&str> = Vec::new();
         while let Some(word) = rest.next() {
             if !word.starts_with("--") {
                 request.positional(word)?;
@@ -70,12 +62,21 @@ impl Request {
             }
             let (name, joined) = word.split_once('=').map_or((word.as_str(), None), |(n, v)| (n, Some(v)));
             let parameter = request.flag(name)?;
+            // Conditions add up.
+            if given.contains(&parameter.name) && parameter.kind != Kind::Conditions {
+                return Err(Fault::new(format!("{name} is given twice"), "give it once"));
+            }
+            given.push(parameter.name);
             let value = joined.or_else(|| rest.next().map(String::as_str)).ok_or_else(|| {
                 Fault::new(format!("{name} needs a value"), format!("give {}", parameter.range()))
             })?;
             request.set(parameter, value)?;
         }
         request.complete()?;
+        if given.contains(&"--order") && request.value("KEEP").is_none() {
+            let reason = "--order says which go first, and nothing how much to keep";
+            return Err(Fault::new(reason, format!("such as: {}", request.entry.example)));
+        }
         Ok(request)
     }
 
@@ -98,7 +99,7 @@ impl Request {
         let free = self.entry.parameters.iter().zip(&self.values).find(|(p, v)| !p.is_flag() && v.is_none());
         let Some((parameter, _)) = free else {
             let reason = format!("'{}' is one word too many", crate::error::clip(word));
-            return Err(Fault::new(reason, format!("write it as: {}", usage(self.entry))));
+            return Err(Fault::new(reason, format!("write it as: {}", self.entry.usage())));
         };
         self.set(parameter, word)
     }
@@ -136,7 +137,7 @@ impl Request {
                 (None, Need::Default(text)) => *slot = Some(value(parameter, text)?),
                 (None, Need::Required) => {
                     let reason = format!("{} is missing ({})", parameter.name, parameter.range());
-                    return Err(Fault::new(reason, format!("write it as: {}", usage(self.entry))));
+                    return Err(Fault::new(reason, format!("write it as: {}", self.entry.usage())));
                 }
                 _ => {}
             }
@@ -146,6 +147,12 @@ impl Request {
             return Err(Fault::new(
                 format!("'{}' cannot be done to the background", self.entry.name),
                 format!("the background is for {}", able.join(", ")),
+            ));
+        }
+        if self.layers == Layers::Background && !self.conditions.iter().all(Term::is_of_place) {
+            return Err(Fault::new(
+                "the background has no categories, areas and the like",
+                "its points are told apart by x, y, inside and outside",
             ));
         }
         let one_of = |names: &[&str], reason: &str| {
@@ -210,15 +217,8 @@ impl Request {
     /// # Errors
     /// Those of `read`, and of files that do not hold what they are used for.
     pub fn load(&self, canvas: [u32; 2], mut read: impl FnMut(&str) -> Result<Vec<u8>>) -> Result<Operation> {
-        let mut conditions = Vec::with_capacity(self.conditions.len());
-        for term in &self.conditions {
-            conditions.push(match term {
-                Term::Ready(condition) => condition.clone(),
-                Term::Place { file, inside } => {
-                    Condition::Place { region: region(&read(file)?, file, canvas)?, inside: *inside }
-                }
-            });
-        }
+        let conditions = self.conditions.iter().map(|term| term.load(canvas, &mut read));
+        let conditions = conditions.collect::<Result<_>>()?;
         let action = self.action(canvas, &mut read)?;
         Ok(Operation { text: self.text.clone(), layers: self.layers, conditions, action })
     }
@@ -293,19 +293,11 @@ impl Request {
     }
 }
 
-/// The inside of what a file shows: the shape of an SVG, or what is white in a picture.
-fn region(bytes: &[u8], name: &str, canvas: [u32; 2]) -> Result<Region> {
-    let picture = image::guess_format(bytes).is_ok();
-    let outline: Outline =
-        if picture { control::mask(bytes, name, canvas)? } else { control::shape(bytes, name, canvas)? };
-    Ok(Region::new(&outline))
-}
-
 /// What is wrong, and what to try.
-struct Fault(String, String);
+pub(super) struct Fault(String, String);
 
 impl Fault {
-    fn new(reason: impl Into<String>, advice: impl Into<String>) -> Self {
+    pub(super) fn new(reason: impl Into<String>, advice: impl Into<String>) -> Self {
         Self(reason.into(), advice.into())
     }
 }
@@ -346,23 +338,6 @@ fn entry(name: &str) -> Result<&'static Entry, Fault> {
     })
 }
 
-/// How an operation is written.
-pub(super) fn usage(entry: &Entry) -> String {
-    let mut text = entry.name.to_owned();
-    for p in entry.parameters {
-        let word = match (p.is_flag(), p.kind) {
-            (false, _) => p.name.to_owned(),
-            (true, Kind::Colour) => format!("{} COLOUR", p.name),
-            (true, Kind::File) => format!("{} FILE", p.name),
-            (true, Kind::Choice(_)) => format!("{} WORD", p.name),
-            (true, _) => format!("{} NUMBER", p.name),
-        };
-        text.push(' ');
-        text.push_str(&if p.need == Need::Required { word } else { format!("[{word}]") });
-    }
-    text
-}
-
 fn value(parameter: &'static Parameter, text: &str) -> Result<Value, Fault> {
     let wrong = |what: &str| {
         let reason = format!("{} = {} is {what}", parameter.name, crate::error::clip(text));
@@ -378,7 +353,8 @@ fn value(parameter: &'static Parameter, text: &str) -> Result<Value, Fault> {
         Kind::NumberOrFile(low, high, _) if text.parse::<f64>().is_ok() => number(low, high),
         Kind::Colour => colour(text).map(Value::Colour).ok_or_else(|| wrong("no colour")),
         Kind::File | Kind::NumberOrFile(..) if text.is_empty() => Err(wrong("no name of a file")),
-        Kind::File | Kind::NumberOrFile(..) => Ok(Value::File(text.to_owned())),
+        // Conditions are read by `set`.
+        Kind::File | Kind::NumberOrFile(..) | Kind::Conditions => Ok(Value::File(text.to_owned())),
         Kind::Choice(_) => choice(parameter, text).map(Value::Choice),
     }
 }
@@ -401,90 +377,4 @@ fn colour(text: &str) -> Option<Colour> {
         return Colour::from_hex(&format!("#{doubled}"));
     }
     Colour::from_hex(text)
-}
-
-/// A condition of `--where`.
-fn term(text: &str) -> Result<Term, Fault> {
-    const EXPECTED: &str = "conditions are category=3, category!=3, category=3|5, library=0, id=17, area>200, \
-                            elongation>1.5, x<500, y>=20, inside=FILE, outside=FILE, with commas between";
-    let wrong = |reason: String| Fault::new(reason, EXPECTED);
-    let signs = ["!=", ">=", "<=", "=", ">", "<"];
-    let found = signs
-        .iter()
-        .filter_map(|sign| Some((text.find(sign)?, *sign)))
-        .min_by_key(|(at, s)| (*at, 2 - s.len()));
-    let (at, sign) = found.ok_or_else(|| wrong(format!("'{}' is no condition", crate::error::clip(text))))?;
-    let (name, value) = (text[..at].trim(), text[at + sign.len()..].trim());
-    let comparison = match sign {
-        ">" => Some(Comparison::More),
-        ">=" => Some(Comparison::AtLeast),
-        "<" => Some(Comparison::Less),
-        "<=" => Some(Comparison::AtMost),
-        _ => None,
-    };
-    let equal = sign == "=";
-    let unfit = || wrong(format!("'{name}' is not compared by '{sign}'"));
-    let among = |identity| {
-        if comparison.is_some() {
-            return Err(unfit());
-        }
-        let numbers: std::result::Result<Vec<u32>, _> = value.split('|').map(|v| v.trim().parse()).collect();
-        let numbers =
-            numbers.map_err(|_| wrong(format!("'{}' is no whole number", crate::error::clip(value))))?;
-        Ok(Term::Ready(Condition::Among { identity, numbers, wanted: equal }))
-    };
-    let compare = |quantity| {
-        let limit = value.parse::<f64>().ok().filter(|v| v.is_finite());
-        let limit = limit.ok_or_else(|| wrong(format!("'{}' is no number", crate::error::clip(value))))?;
-        Ok(Term::Ready(Condition::Compare { quantity, comparison: comparison.ok_or_else(unfit)?, limit }))
-    };
-    let place = |inside| match (equal, value) {
-        (true, "") => Err(wrong(format!("'{name}=' names no file"))),
-        (true, file) => Ok(Term::Place { file: file.to_owned(), inside }),
-        (false, _) => Err(unfit()),
-    };
-    match name {
-        "category" => among(Identity::Category),
-        "library" => among(Identity::Library),
-        "id" => among(Identity::Id),
-        "area" => compare(Quantity::Area),
-        "elongation" => compare(Quantity::Elongation),
-        "x" => compare(Quantity::X),
-        "y" => compare(Quantity::Y),
-        "inside" => place(true),
-        "outside" => place(false),
-        _ => {
-            let names = ["category", "library", "id", "area", "elongation", "x", "y", "inside", "outside"];
-            let reason = format!("'{}' is nothing that textons have", crate::error::clip(name));
-            Err(Fault::new(reason, format!("did you mean '{}'? {EXPECTED}", nearest(name, &names))))
-        }
-    }
-}
-
-/// The name that takes the fewest changes of letters; the first of several.
-fn nearest<'a>(text: &str, names: &[&'a str]) -> &'a str {
-    // Hostile texts are long; their ends do not matter.
-    let text: String = text.chars().take(40).collect();
-    names.iter().copied().min_by_key(|name| letters_to_change(&text, name)).unwrap_or_default()
-}
-
-/// Number of letters to add, remove, replace or swap with the next to make one word the other (Damerau
-/// 1964, Levenshtein 1966).
-fn letters_to_change(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).collect()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let above = &rows[i - 1];
-            let replaced = above[j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut least = replaced.min(above[j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                least = least.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(least);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
 }

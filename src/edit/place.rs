@@ -4,48 +4,50 @@ use super::Draw;
 use super::operation::Direction;
 use super::selection::{Chosen, place};
 use super::textons::{measured, selected_mut};
-use crate::geometry::Affine;
+use crate::geometry::{Affine, wrapped};
 use crate::scene::{Instance, Scene};
 
 /// Textons less elongated than this have no longer axis to speak of.
 const ROUND: f64 = 1.05;
 
-/// Changes the linear part of an instance's map by `about` and moves it by `by`; where the scene
-/// repeats, back onto the canvas. Numbers are as long as those of synthesis.
-fn put(instance: &mut Instance, about: Affine, by: [f64; 2], [width, height]: [Option<f64>; 2]) {
+/// Changes the linear part of an instance's map by `about` and moves it by `by`.
+fn put(instance: &mut Instance, about: Affine, by: [f64; 2], periods: [Option<f64>; 2]) {
     let [.., x, y] = instance.transform;
-    let [a, b, c, d, ..] = (about * instance.affine()).as_coeffs().map(|v| libm::round(v * 1e5) / 1e5);
-    let along = |v: f64, period: Option<f64>| {
-        let v = libm::round(v * 100.0) / 100.0;
-        period.map_or(v, |period| v.rem_euclid(period))
-    };
-    instance.transform = [a, b, c, d, along(x + by[0], width), along(y + by[1], height)];
+    let [a, b, c, d, ..] = (about * instance.affine()).as_coeffs();
+    set(instance, [a, b, c, d, x + by[0], y + by[1]], periods);
 }
 
-/// Width and height of the canvas along the axes that repeat.
-pub(super) fn periods(scene: &Scene) -> [Option<f64>; 2] {
-    scene.tile.periods([f64::from(scene.width), f64::from(scene.height)])
+/// Gives an instance a map of numbers as long as those of synthesis; where the scene repeats, its
+/// origin comes onto the canvas.
+pub(super) fn set(instance: &mut Instance, map: [f64; 6], periods: [Option<f64>; 2]) {
+    let along = |v: f64, period: Option<f64>| {
+        // What is rounded may come to lie on the far edge.
+        wrapped(libm::round(wrapped(v, period) * 100.0) / 100.0, period)
+    };
+    let [a, b, c, d, x, y] = map;
+    let [a, b, c, d] = [a, b, c, d].map(|v| libm::round(v * 1e5) / 1e5);
+    instance.transform = [a, b, c, d, along(x, periods[0]), along(y, periods[1])];
 }
 
 pub(super) fn shift(scene: &mut Scene, chosen: &Chosen, by: [f64; 2]) {
-    let periods = periods(scene);
+    let periods = scene.periods();
     selected_mut(scene, chosen).for_each(|i| put(i, Affine::IDENTITY, by, periods));
 }
 
 pub(super) fn scale(scene: &mut Scene, chosen: &Chosen, factor: f64) {
-    let periods = periods(scene);
+    let periods = scene.periods();
     selected_mut(scene, chosen).for_each(|i| put(i, Affine::scale(factor), [0.0; 2], periods));
 }
 
 pub(super) fn rotate(scene: &mut Scene, chosen: &Chosen, angle: f64) {
-    let (periods, turn) = (periods(scene), turn(angle.to_radians()));
+    let (periods, turn) = (scene.periods(), turn(angle.to_radians()));
     selected_mut(scene, chosen).for_each(|i| put(i, turn, [0.0; 2], periods));
 }
 
 /// Moves, turns and scales each texton at random: evenly within a disc of radius `distance` pixels,
 /// by at most `angle` degrees and `scale` per cent either way.
 pub(super) fn jitter(scene: &mut Scene, chosen: &Chosen, distance: f64, angle: f64, scale: f64, draw: &Draw) {
-    let periods = periods(scene);
+    let periods = scene.periods();
     for instance in selected_mut(scene, chosen) {
         let mut random = draw.of("edit/jitter", instance.id);
         let (radius, towards) =
@@ -74,7 +76,7 @@ pub(super) fn orient(scene: &mut Scene, chosen: &Chosen, direction: &Direction, 
             if now.elongation() < ROUND { 0.0 } else { strength * half_turn(wanted - now.angle()) }
         })
         .collect();
-    let periods = periods(scene);
+    let periods = scene.periods();
     for (instance, angle) in selected_mut(scene, chosen).zip(turns) {
         if angle != 0.0 {
             put(instance, turn(angle), [0.0; 2], periods);

@@ -6,7 +6,8 @@
 //! is taken, turned by half where that fits better.
 
 use super::selection::Chosen;
-use super::textons::{measured, selected, selected_mut};
+use super::textons::{measured, selected, selected_mut, size};
+use super::{dress, place};
 use crate::geometry::{Affine, Outline, SecondMoments, edges};
 use crate::library::Library;
 use crate::parallel;
@@ -85,10 +86,7 @@ struct Candidate {
 /// What shapes are compared by first: logarithms of elongation and area, the latter of less weight
 /// because size is adapted, and compactness.
 fn key(outline: &Outline, moments: &SecondMoments) -> [f64; 3] {
-    let edges = edges(outline.path().iter(), TOLERANCE);
-    let perimeter = edges.iter().fold(0.0, |sum, [a, b]| sum + libm::sqrt((*b - *a).hypot2()));
-    let compactness = 4.0 * std::f64::consts::PI * moments.area / (perimeter * perimeter).max(1e-9);
-    [libm::log(moments.elongation()), 0.15 * libm::log(moments.area), compactness]
+    [libm::log(moments.elongation()), 0.15 * libm::log(moments.area), outline.compactness()]
 }
 
 /// Candidates by rising elongation.
@@ -141,8 +139,12 @@ impl Index {
         }
     }
 
-    /// The candidate that fits best, and whether it is turned by half.
+    /// The candidate that fits best, and whether it is turned by half; none if there is none.
     fn best(&self, texton: &Texton, moments: &SecondMoments) -> Option<(usize, bool)> {
+        // What encloses nothing has no shape.
+        if moments.area <= 0.0 {
+            return None;
+        }
         let stencil = Stencil::new(&texton.outline, moments);
         let turned = stencil.turned();
         let near = self.near(key(&texton.outline, moments)).into_iter();
@@ -157,8 +159,10 @@ impl Index {
 }
 
 /// Replaces primaries by whole primaries of the library, and secondaries by its secondaries, which
-/// then differ from the ground as much as they do in their exemplar.
-pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) {
+/// then differ from the ground as much as they do in their exemplar. How many found another: none where
+/// the library has none of their layer.
+pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) -> usize {
+    let libraries = scene.libraries.len();
     let number = number_of(scene, library);
     let field = Interpolant::new(&scene.background, scene.width, scene.height, scene.tile);
     let whole = |i: &u32| !library.primaries[*i as usize].clipped;
@@ -167,12 +171,12 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) {
     let secondaries = 0..library.secondaries.textons.len() as u32;
     let secondaries = Index::new(secondaries.map(|i| secondary_texton(number, library, i)).collect());
     let moments = measured(scene);
-    let one = |secondary: bool| Chosen {
-        secondary: if secondary { chosen.secondary.clone() } else { vec![false; scene.secondary.len()] },
-        primary: if secondary { vec![false; scene.primary.len()] } else { chosen.primary.clone() },
-        background: Vec::new(),
-    };
-    for (index, chosen) in [(&secondaries, one(true)), (&primaries, one(false))] {
+    let periods = scene.periods();
+    let mut replaced = 0;
+    for (index, chosen) in [
+        (&secondaries, chosen.only(|_| true, |_| false, |_| false)),
+        (&primaries, chosen.only(|_| false, |_| true, |_| false)),
+    ] {
         let mut concerned: Vec<u32> = selected(scene, &chosen).map(|i| i.texton).collect();
         concerned.sort_unstable();
         concerned.dedup();
@@ -186,8 +190,10 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) {
             let old = instance.texton;
             let Some((candidate, turned)) = best.get(&old).copied().flatten() else { continue };
             let new = &index.0[candidate];
-            let at = instance.affine() * moments[old as usize].centroid;
-            take_place(instance, new, &moments[old as usize], turned);
+            let (before, at) = (size(instance), instance.affine() * moments[old as usize].centroid);
+            place::set(instance, standing_in(instance, new, &moments[old as usize], turned), periods);
+            dress::keep_widths(instance, before);
+            replaced += 1;
             instance.texton = *numbers.entry(candidate).or_insert_with(|| {
                 textons.push(new.texton.clone());
                 first + textons.len() as u32 - 1
@@ -203,23 +209,17 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) {
         }
         scene.textons.append(&mut textons);
     }
+    if replaced == 0 {
+        scene.libraries.truncate(libraries);
+    }
+    replaced
 }
 
-/// Brings a candidate to where an instance stands, given the moments of the instance's texton.
-fn take_place(instance: &mut Instance, new: &Candidate, own: &SecondMoments, turned: bool) {
-    let there = own.moved(instance.affine());
-    let half = if turned { -1.0 } else { 1.0 };
-    // The shape's own axis may point either way once it is moved; the texton's says which.
-    let affine = instance.affine();
-    let [a, b, c, d, ..] = affine.as_coeffs();
-    let old = own.angle();
-    let axis = [a * libm::cos(old) + c * libm::sin(old), b * libm::cos(old) + d * libm::sin(old)];
-    let along = libm::cos(there.angle()) * axis[0] + libm::sin(there.angle()) * axis[1];
-    let sign = if along < 0.0 { -half } else { half };
-    let map = standing(&there) * Affine::scale(sign) * standing(&new.moments).inverse();
-    let [a, b, c, d, e, f] = map.as_coeffs();
-    let [a, b, c, d] = [a, b, c, d].map(|v| libm::round(v * 1e5) / 1e5);
-    instance.transform = [a, b, c, d, libm::round(e * 100.0) / 100.0, libm::round(f * 100.0) / 100.0];
+/// The map that brings a candidate to where an instance stands, given the moments of the instance's
+/// texton.
+fn standing_in(instance: &Instance, new: &Candidate, own: &SecondMoments, turned: bool) -> [f64; 6] {
+    let turn = Affine::scale(if turned { -1.0 } else { 1.0 });
+    (instance.affine() * standing(own) * turn * standing(&new.moments).inverse()).as_coeffs()
 }
 
 /// The number of a library among those of the scene, which then lists it.

@@ -2,7 +2,7 @@
 
 use super::operation::{Condition, Identity, Layers, Operation, Quantity};
 use super::textons::measured;
-use crate::geometry::{Point, SecondMoments};
+use crate::geometry::{Point, SecondMoments, wrapped};
 use crate::scene::{Instance, Scene};
 
 /// Whether each texton and each point of the background is selected, by their places in the scene.
@@ -10,6 +10,8 @@ pub(super) struct Chosen {
     pub(super) secondary: Vec<bool>,
     pub(super) primary: Vec<bool>,
     pub(super) background: Vec<bool>,
+    /// Whether the colour of a background without points is.
+    pub(super) fallback: bool,
 }
 
 impl Chosen {
@@ -35,13 +37,34 @@ impl Chosen {
                     of_background && conditions.iter().all(|c| holds_of_point(c, at))
                 })
                 .collect(),
+            fallback: of_background && conditions.is_empty(),
+        }
+    }
+
+    /// Those of them for which the place of a secondary, a primary or a point of the background fulfils
+    /// something.
+    pub(super) fn only(
+        &self,
+        secondary: impl Fn(usize) -> bool,
+        primary: impl Fn(usize) -> bool,
+        background: impl Fn(usize) -> bool,
+    ) -> Self {
+        let some = |marks: &[bool], fits: &dyn Fn(usize) -> bool| -> Vec<bool> {
+            marks.iter().enumerate().map(|(i, chosen)| *chosen && fits(i)).collect()
+        };
+        Self {
+            secondary: some(&self.secondary, &secondary),
+            primary: some(&self.primary, &primary),
+            background: some(&self.background, &background),
+            fallback: self.fallback,
         }
     }
 
     /// How many there are.
     pub(super) fn count(&self) -> usize {
         let all = [&self.secondary, &self.primary, &self.background];
-        all.into_iter().flatten().filter(|chosen| **chosen).count()
+        let points = all.into_iter().flatten().filter(|chosen| **chosen).count();
+        points + usize::from(self.fallback && self.background.is_empty())
     }
 }
 
@@ -52,8 +75,8 @@ pub(super) fn place(scene: &Scene, instance: &Instance) -> Point {
 }
 
 fn on_canvas(scene: &Scene, p: Point) -> Point {
-    let along = |v: f64, size: u32, repeats: bool| if repeats { v.rem_euclid(f64::from(size)) } else { v };
-    Point::new(along(p.x, scene.width, scene.tile.x), along(p.y, scene.height, scene.tile.y))
+    let [width, height] = scene.periods();
+    Point::new(wrapped(p.x, width), wrapped(p.y, height))
 }
 
 fn holds(condition: &Condition, scene: &Scene, instance: &Instance, moments: &[SecondMoments]) -> bool {

@@ -1,7 +1,7 @@
 //! What every operation holds to.
 
 use super::*;
-use crate::geometry::{Affine, Outline, SecondMoments, parse_path};
+use crate::geometry::{Affine, Outline, SecondMoments, parse_path, shortest_way};
 use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::scene::{ControlPoint, Field, Instance, LibraryRef, Patch, Texton, Tile};
@@ -135,6 +135,9 @@ fn faults_are_told_with_what_would_be_right() {
         ("delete --where category=1.5", "is no whole number", "category=3"),
         ("delete --where inside=", "names no file", "inside=FILE"),
         ("delete --where category", "is no condition", "category=3"),
+        ("tint #fff --amount 0.2 --amount=0.3", "--amount is given twice", "once"),
+        ("thin --min-area 9 --order area", "--order says which go first", "such as: thin 0.5"),
+        ("tint #fff --layer background --where x<9,area>3", "has no categories", "told apart by x"),
         ("delete --where 'area>3", "a quote ' is not closed", "close it"),
     ] {
         let [found, advice] = fault(text);
@@ -283,6 +286,18 @@ fn recolouring_keeps_shading_and_leaves_what_is_unlike() {
     assert_eq!(red.colour, Colour::from_hex("#3c50b4").unwrap());
     assert_eq!(red.details[0].colour, Colour([240; 3]), "the light detail is unlike");
     assert_eq!(other.colour, Colour([40, 60, 150]));
+    // What has no such colour does not count, and nothing happens to it.
+    let (same, outcomes) = edited(&scene(), &["recolor --from #00ff00 --to #000000 --reach 0.1"]);
+    assert_eq!((outcomes[0].matched, same.textons), (0, scene().textons));
+    let red = edited(&scene(), &["recolor --from #b43c32 --to #000000 --reach 0.05"]).1[0].matched;
+    assert_eq!(red, 40);
+}
+
+#[test]
+fn a_background_without_points_has_a_colour_too() {
+    let bare = Scene { background: Field { points: Vec::new(), ..scene().background }, ..scene() };
+    let (after, outcomes) = edited(&bare, &["tint #000000 --amount 1 --layer background"]);
+    assert_eq!((outcomes[0].matched, after.background.fallback), (1, Colour([0; 3])));
 }
 
 #[test]
@@ -302,14 +317,27 @@ fn palettes_give_the_dark_category_the_dark_colour() {
 }
 
 #[test]
+fn without_categories_a_palette_follows_lightness() {
+    let after = edited(&scene(), &["delete --layer primary", "palette two.txt"]).0;
+    let lightness = |i: &Instance| i.colour.unwrap().to_oklab()[0];
+    let (mut before, mut now): (Vec<f32>, Vec<f32>) =
+        (scene().secondary.iter().map(lightness).collect(), after.secondary.iter().map(lightness).collect());
+    [&mut before, &mut now].into_iter().for_each(|v| v.sort_by(f32::total_cmp));
+    let range = |v: &[f32]| v[v.len() - 1] - v[0];
+    // Both colours of the palette are there, not one in place of all.
+    assert!(range(&now) > 2.0 * range(&before), "{} {}", range(&now), range(&before));
+}
+
+#[test]
 fn shadows_and_lines_have_the_size_asked_for_on_the_canvas() {
     let dressed =
         edited(&scene(), &["scale 2", "shadow --angle 90 --length 8 --blur 6", "outline 3 #102030"]).0;
     let all = || dressed.primary.iter().chain(&dressed.secondary);
     assert!(all().all(|i| i.shadow.unwrap().offset == [0.0, 8.0]));
     assert!(all().all(|i| i.shadow.unwrap().blur == 3.0 && i.stroke.unwrap().width == 1.5));
-    let none = edited(&dressed, &["shadow --opacity 0 --layer primary"]).0;
+    let none = edited(&dressed, &["shadow --opacity 0 --layer primary", "outline 0 #fff"]).0;
     assert!(none.primary.iter().all(|i| i.shadow.is_none()) && none.secondary[0].shadow.is_some());
+    assert!(none.primary.iter().chain(&none.secondary).all(|i| i.stroke.is_none()));
 }
 
 #[test]
@@ -367,15 +395,30 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
         conditions: Vec::new(),
         action: Action::Replace { library: Box::new(library) },
     };
-    let after = apply(scene(), &[replace], None).unwrap().0;
+    let dress = operation("outline 2 #000 --layer primary");
+    let after = apply(scene(), &[dress, replace.clone()], None).unwrap().0;
     assert_eq!((after.libraries.len(), after.secondary.len()), (2, 240));
+    // Lines stay as wide as they were, whatever the size that the new textons have in their library.
+    for instance in &after.primary {
+        let width = instance.stroke.unwrap().width * libm::sqrt(instance.affine().determinant());
+        assert!((width - 2.0).abs() < 0.05, "{width}");
+        let [.., x, y] = instance.transform;
+        assert!((0.0..400.0).contains(&x) && (0.0..300.0).contains(&y), "{x} {y}");
+    }
+    // A library without primaries has none to give.
+    let Action::Replace { library } = &replace.action else { unreachable!() };
+    let bare = Library { primaries: Vec::new(), ..*library.clone() };
+    let replace = Operation { action: Action::Replace { library: Box::new(bare) }, ..replace };
+    let (same, outcomes) = apply(scene(), &[replace], None).unwrap();
+    assert_eq!((outcomes[0].matched, same.primary), (0, scene().primary));
     for (new, old) in after.primary.iter().zip(&scene().primary) {
         let of = |s: &Scene, i: &Instance| {
             SecondMoments::new(&s.textons[i.texton as usize].outline).moved(i.affine())
         };
         let (new, old) = (of(&after, new), of(&scene(), old));
         assert!((new.area / old.area - 1.0).abs() < 0.01);
-        assert!(new.centroid.distance(old.centroid) < 0.1);
+        let way = shortest_way(old.centroid, new.centroid, after.periods());
+        assert!(way.hypot2() < 0.01, "{way:?}");
         let turn = (new.angle() - old.angle()).rem_euclid(std::f64::consts::PI);
         assert!(turn.min(std::f64::consts::PI - turn) < 0.02);
         // Bars become the most elongated of the ovals, whose axes are as three to one.

@@ -1,7 +1,6 @@
 //! Fewer textons: a share, the large ones, those that a map or a shape leaves.
 
 use super::operation::ThinOrder;
-use super::place::periods;
 use super::selection::{Chosen, place};
 use super::textons::{change, measured, size};
 use super::{Draw, order};
@@ -65,7 +64,7 @@ pub(super) fn thin(
             keep_marked(layer, stays);
         }
         let [secondary, primary] = marks.clone();
-        let left = Chosen { secondary, primary, background: Vec::new() };
+        let left = Chosen { secondary, primary, background: Vec::new(), fallback: false };
         change(scene, &left, |texton, size| Texton {
             details: (texton.details.iter().filter(|d| d.outline.area() * size * size >= least))
                 .cloned()
@@ -114,7 +113,7 @@ fn kept(
         ThinOrder::BlueNoise => {
             let points: Vec<Point> = selected.iter().map(|&i| place(scene, &instances[i])).collect();
             let ties: Vec<u64> = selected.iter().map(|&i| random(i)).collect();
-            order::spread(&points, &ties, periods(scene), count).into_iter().for_each(|k| keep(selected[k]));
+            order::spread(&points, &ties, scene.periods(), count).into_iter().for_each(|k| keep(selected[k]));
         }
     }
     kept

@@ -12,9 +12,12 @@ use std::collections::BTreeMap;
 use tiny_skia::{FillRule, Mask, Transform};
 
 /// Most outlines of a shadow.
-const MOST_LAYERS: u32 = 5;
-/// Pixels of the raster to the width of the soft edge: enough that no two lines lie between two pixels.
-const PIXELS: f64 = 8.5;
+const MOST_LAYERS: u32 = 8;
+/// Darkness from one outline to the next that is not seen as a step.
+const STEP: f64 = 0.075;
+/// Pixels of the raster to the width of the soft edge, at least and for each outline: enough that no two
+/// lines lie between two pixels.
+const PIXELS: [f64; 2] = [8.5, 1.7];
 /// Largest side of the raster.
 const LARGEST_SIDE: f64 = 600.0;
 /// Deviation of the blur, as a share of the width of the soft edge.
@@ -71,7 +74,9 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<Layer> {
     let sharp = || vec![Layer { outline: outline.clone(), opacity }];
     let bounds = outline.bounds().inflate(blur, blur);
     let longest = bounds.width().max(bounds.height());
-    let pixel = (blur / PIXELS).max(longest / LARGEST_SIDE);
+    let count = (libm::round(blur / 2.0) + 2.0).min(libm::ceil(opacity / STEP).max(1.0));
+    let count = (count as u32).min(MOST_LAYERS);
+    let pixel = (blur / (PIXELS[1] * f64::from(count)).max(PIXELS[0])).max(longest / LARGEST_SIDE);
     // A soft edge of less than two pixels of the raster is not seen on so large a shape.
     if blur < 0.3 || blur < 2.0 * pixel {
         return sharp();
@@ -81,7 +86,6 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<Layer> {
     let Some(strength) = Strength::new(outline, size, origin, pixel, DEVIATION * blur / pixel) else {
         return sharp();
     };
-    let count = (libm::round(blur / 2.0) as u32 + 2).min(MOST_LAYERS);
     let level = |k: u32| (f64::from(k) - 0.5) / f64::from(count);
     let labels: Vec<u32> = strength
         .values
@@ -208,6 +212,15 @@ mod tests {
         assert!(along.windows(2).all(|w| w[1] - w[0] < 0.11), "it falls in small steps");
         // Corners are rounded.
         assert!(darkness(&layers, (0.5, 0.5)) < at(0.5));
+    }
+
+    #[test]
+    fn dark_wide_shadows_fall_in_small_steps_and_faint_ones_have_few() {
+        let shape = Outline::new(&parse_path("M0 0h60v60h-60z").unwrap()).unwrap();
+        let dark = layers(&shape, 16.0, 0.6);
+        let along: Vec<f64> = (0..320).map(|k| darkness(&dark, (f64::from(k) / 10.0 - 16.0, 30.3))).collect();
+        assert!(along.windows(2).all(|w| (0.0..=STEP + 1e-9).contains(&(w[1] - w[0]))));
+        assert!(layers(&shape, 16.0, 0.1).len() <= 2 && layers(&shape, 16.0, 0.0).len() <= 1);
     }
 
     #[test]

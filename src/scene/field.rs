@@ -24,8 +24,9 @@ mod grid;
 mod tests;
 
 use super::{Field, Tile};
+use crate::geometry::wrapped;
 use crate::parallel;
-use grid::{Grid, cells, within};
+use grid::{Grid, cells};
 use std::sync::OnceLock;
 
 /// Up to this many points one patch holds the whole field.
@@ -240,7 +241,7 @@ fn thinned<T: Copy>(items: &[T], most: usize) -> impl Iterator<Item = T> {
 /// The points in order of place, those at one place made one of their mean colour. Along the axes
 /// of `tile` all are moved onto the canvas.
 fn merged(field: &Field, width: u32, height: u32, tile: Tile) -> Vec<Site> {
-    let wrap = |v: f64, size: u32, repeats: bool| if repeats { within(v, f64::from(size.max(1))) } else { v };
+    let wrap = |v: f64, size: u32, repeats: bool| wrapped(v, repeats.then_some(f64::from(size.max(1))));
     let key = |v: f64| libm::floor(v / MERGE) as i64;
     let mut sites: Vec<((i64, i64), Site)> = field
         .points

@@ -45,6 +45,12 @@ impl Tile {
 }
 
 impl Scene {
+    /// The lengths, in pixels, after which the scene repeats along x and y; none along an axis where it
+    /// does not.
+    pub fn periods(&self) -> [Option<f64>; 2] {
+        self.tile.periods([f64::from(self.width), f64::from(self.height)])
+    }
+
     /// Shifts, in pixels, at which something with the given bounds is to be drawn: zero first, for
     /// the original, wherever it is; then those at which a copy reaches into the canvas, by row
     /// and column. Nothing but zero in a scene that does not tile; at most 64 copies along an axis.

@@ -4,6 +4,7 @@
 mod batch;
 mod config;
 mod damaged;
+mod edit;
 mod files;
 mod help;
 mod interp;

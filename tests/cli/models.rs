@@ -1,6 +1,6 @@
 //! `models`, `doctor` and `--segmenter sam`, with the small networks of `tests/networks`.
 
-use super::support::{Folder, Run};
+use super::support::{Folder, Run, photo};
 
 /// A folder that also holds some of the networks.
 fn folder(networks: &[&str]) -> Folder {
@@ -152,4 +152,23 @@ fn the_doctor_tells_what_there_is_and_what_is_missing() {
     let report = folder.run("doctor --onnxruntime photo.png --json").succeeds().json();
     assert!(report["missing"][0].as_str().unwrap().contains("cannot be loaded"), "{report}");
     assert!(report.get("engine").is_none(), "{report}");
+}
+
+#[test]
+fn a_batch_notices_a_changed_network() {
+    let folder = folder(&["sam_encoder", "sam_decoder"]);
+    folder.write("photo.png", photo());
+    let status = || {
+        let line = "batch photo.png --out-dir out --size 40 --seed 1 --json --segmenter sam --engine rten \
+                    --encoder sam_encoder.onnx --decoder sam_decoder.onnx";
+        let run = folder.run(line);
+        let first = run.text().lines().next().unwrap().to_owned();
+        serde_json::from_str::<serde_json::Value>(&first).unwrap()["status"].as_str().unwrap().to_owned()
+    };
+    assert_eq!([status(), status()], ["done", "skipped"]);
+    // Weights of the encoder, as far as names tell.
+    folder.write("sam_encoder.onnx.data", "more");
+    assert_eq!([status(), status()], ["done", "skipped"]);
+    folder.write("sam_encoder.onnx", "no network");
+    assert_eq!(status(), "failed");
 }

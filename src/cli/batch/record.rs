@@ -78,8 +78,8 @@ pub(crate) struct Records {
     folder: PathBuf,
     /// The file to which this run adds.
     path: PathBuf,
-    /// The records of jobs that were done, by job and key.
-    done: BTreeMap<String, Record>,
+    /// The records of jobs that were done, by job and key; several where one was done again.
+    done: BTreeMap<String, Vec<Record>>,
 }
 
 impl Records {
@@ -103,14 +103,14 @@ impl Records {
             }
         }
         files.sort();
-        let mut done = BTreeMap::new();
+        let mut done: BTreeMap<String, Vec<Record>> = BTreeMap::new();
         for path in files {
             let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
             for line in bytes.split(|b| *b == b'\n') {
                 if let Ok(record) = serde_json::from_slice::<Record>(line)
                     && record.status == Status::Done
                 {
-                    done.insert(format!("{}\n{}", record.job, record.key), record);
+                    done.entry(format!("{}\n{}", record.job, record.key)).or_default().push(record);
                 }
             }
         }
@@ -120,13 +120,13 @@ impl Records {
     /// The record of a job that was done from the same, whose results are still there as they were
     /// written.
     pub(crate) fn done(&self, job: &str, key: &str, files: &[String]) -> Option<&Record> {
-        let record = self.done.get(&format!("{job}\n{key}"))?;
         let is_there = |w: &Written| {
             let same_size = fs::metadata(self.folder.join(&w.file)).is_ok_and(|m| m.len() == w.bytes);
             same_size && Written::of(&self.folder, &w.file).is_ok_and(|found| found == *w)
         };
-        let wanted = files.iter().all(|file| record.outputs.iter().any(|w| w.file == *file));
-        (wanted && record.outputs.iter().all(is_there)).then_some(record)
+        let wanted = |r: &Record| files.iter().all(|file| r.outputs.iter().any(|w| w.file == *file));
+        let known = self.done.get(&format!("{job}\n{key}"))?;
+        known.iter().find(|record| wanted(record) && record.outputs.iter().all(is_there))
     }
 
     /// Adds a line, at once and whole.
@@ -202,6 +202,19 @@ mod tests {
         assert!(!known("k", &["a.svg"]));
         fs::remove_file(&file).unwrap();
         assert!(!known("k", &["a.svg"]));
+    }
+
+    #[test]
+    fn what_was_done_again_elsewhere_is_known_too() {
+        let folder = tempfile::tempdir().unwrap();
+        // Without a seed the results of one key differ. The whole batch ran first, then a shard.
+        for (shard, text) in [(Shard::WHOLE, "one"), ("1/2".parse().unwrap(), "two")] {
+            fs::write(folder.path().join("a.svg"), text).unwrap();
+            let written = Written::of(folder.path(), "a.svg").unwrap();
+            Records::open(folder.path(), shard).unwrap().add(&record("a", "k", vec![written])).unwrap();
+        }
+        let again = Records::open(folder.path(), Shard::WHOLE).unwrap();
+        assert!(again.done("a", "k", &["a.svg".into()]).is_some());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! `vtex batch`: many photographs or libraries → textures.
 
 use crate::cli::Exit;
+use crate::cli::arguments::SegmenterName;
 use crate::cli::batch::{Batch, BatchJob, Record, Records, Status, Written, key, sum};
 use crate::cli::config::SvgParameters;
 use crate::cli::failure::{Failure, explain, label};
@@ -14,6 +15,8 @@ use crate::cli::summary::bytes as show_bytes;
 use crate::cli::table::table;
 use anstyle::AnsiColor;
 use serde::Serialize;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 use vtex::library::{AnalyzeParams, Library};
@@ -43,17 +46,35 @@ struct Origin<'a> {
     input: String,
     /// SHA-256 of the files that steer synthesis, with their flags.
     steering: Vec<(&'static str, String)>,
-    /// Of a photograph: what finds masks, on what.
+    /// Of a photograph: what finds masks, with the sums of its networks.
     masks: Option<String>,
     analyze: Option<&'a AnalyzeParams>,
     synth: &'a SynthParams,
     svg: SvgParameters,
 }
 
+/// What finds masks, by segmenter: networks are large and read once for all jobs.
+#[derive(Default)]
+struct Finders(RefCell<BTreeMap<SegmenterName, String>>);
+
+impl Finders {
+    /// All that the masks of a job depend on but its photograph and its parameters.
+    fn of(&self, batch: &Batch, job: &BatchJob) -> anyhow::Result<String> {
+        let name = job.parameters.segmenter;
+        if let Some(known) = self.0.borrow().get(&name) {
+            return Ok(known.clone());
+        }
+        let found = stages::finds_masks(&job.masks, &batch.engine)?;
+        self.0.borrow_mut().insert(name, found.clone());
+        Ok(found)
+    }
+}
+
 /// A job with all its parameters resolved.
 struct Run<'a> {
     batch: &'a Batch,
     job: &'a BatchJob,
+    finders: &'a Finders,
     common: Common,
     input: Input,
     analyze: AnalyzeParams,
@@ -73,6 +94,7 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
     let records = Records::open(&batch.out_dir, batch.shard)?;
     let all = batch.jobs.iter().enumerate();
     let mine: Vec<&BatchJob> = all.filter(|(i, _)| batch.shard.holds(*i)).map(|(_, job)| job).collect();
+    let finders = Finders::default();
     let began = Instant::now();
     let mut told = Vec::new();
     for (i, job) in mine.iter().enumerate() {
@@ -82,7 +104,7 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
         if !common.quiet && !common.json {
             say(&format!("[{}/{}] {}", i + 1, mine.len(), job.input.display()));
         }
-        let Some(record) = one(common, batch, job, &records) else { break };
+        let Some(record) = one(common, batch, job, &finders, &records) else { break };
         if record.status != Status::Skipped {
             records.add(&record)?;
         }
@@ -110,7 +132,13 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
 }
 
 /// Does a job, whatever comes of it. None if the user asked to stop.
-fn one(common: &Common, batch: &Batch, job: &BatchJob, records: &Records) -> Option<Record> {
+fn one(
+    common: &Common,
+    batch: &Batch,
+    job: &BatchJob,
+    finders: &Finders,
+    records: &Records,
+) -> Option<Record> {
     let began = Instant::now();
     let mut record = Record {
         job: job.name.clone(),
@@ -127,7 +155,7 @@ fn one(common: &Common, batch: &Batch, job: &BatchJob, records: &Records) -> Opt
         hint: None,
         warnings: Vec::new(),
     };
-    let done = guarded(|| Run::new(common, batch, job)?.complete(&mut record, records));
+    let done = guarded(|| Run::new(common, batch, job, finders)?.complete(&mut record, records));
     if let Err(error) = done {
         let (message, hint, exit) = explain(&error);
         if exit == Exit::Interrupted {
@@ -151,14 +179,27 @@ fn guarded<T>(work: impl FnOnce() -> anyhow::Result<T>) -> anyhow::Result<T> {
 }
 
 impl<'a> Run<'a> {
-    fn new(common: &Common, batch: &'a Batch, job: &'a BatchJob) -> anyhow::Result<Self> {
+    fn new(
+        common: &Common,
+        batch: &'a Batch,
+        job: &'a BatchJob,
+        finders: &'a Finders,
+    ) -> anyhow::Result<Self> {
         let input = Input::File(job.input.clone());
         let seed = job.parameters.seed.unwrap_or(batch.seed).0;
         let analyze = AnalyzeParams { seed, ..job.parameters.analyze.clone() };
         let mut synth = SynthParams { seed, ..job.parameters.synth.clone() };
         read_weights(job.parameters.weights.clone(), &input, &mut synth)?;
         let debug_folder = common.debug_folder.as_ref().map(|folder| folder.join(&job.name));
-        Ok(Self { batch, job, common: Common { debug_folder, ..common.clone() }, input, analyze, synth })
+        Ok(Self {
+            batch,
+            job,
+            finders,
+            common: Common { debug_folder, ..common.clone() },
+            input,
+            analyze,
+            synth,
+        })
     }
 
     /// Skips what is done, else makes and writes all results.
@@ -209,7 +250,7 @@ impl<'a> Run<'a> {
             program: vtex::PROGRAM,
             input: sum(input),
             steering: steering.collect::<vtex::Result<_>>()?,
-            masks: (!is_library).then(|| format!("{:?} {:?}", self.job.masks, self.batch.engine.runtime)),
+            masks: (!is_library).then(|| self.finders.of(self.batch, self.job)).transpose()?,
             analyze: (!is_library).then_some(&analyze),
             synth: &synth,
             svg: self.job.parameters.svg,

@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
 use vtex::Progress;
-use vtex::edit::{self, Kind as Takes, Need, Operation, Outcome, Parameter, Request};
+use vtex::edit::{self, Need, Operation, Outcome, Parameter, Request};
 
 pub(super) fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Result<()> {
     match editing {
@@ -90,15 +90,7 @@ fn list() -> String {
          lengths are pixels of the canvas.\n",
     );
     for entry in edit::catalogue() {
-        let _ = write!(text, "\n{}", entry.name);
-        for p in entry.parameters.iter().filter(|p| !p.is_flag()) {
-            let _ = if p.need == Need::Required {
-                write!(text, " {}", p.name)
-            } else {
-                write!(text, " [{}]", p.name)
-            };
-        }
-        text.push('\n');
+        let _ = writeln!(text, "\n{}", entry.usage());
         wrap(&mut text, entry.does, 4);
         entry.parameters.iter().for_each(|p| describe(&mut text, p));
         let _ = writeln!(text, "    Example: --op \"{}\"", entry.example);
@@ -109,17 +101,9 @@ fn list() -> String {
 }
 
 fn describe(text: &mut String, parameter: &Parameter) {
-    let placeholder = match (parameter.is_flag(), parameter.kind) {
-        (false, _) => "",
-        (true, Takes::Colour) => " COLOUR",
-        (true, Takes::File) => " CONDITIONS",
-        (true, Takes::Choice(_)) => " WORD",
-        (true, _) => " NUMBER",
-    };
-    let range = parameter.range();
     let needed = if parameter.is_flag() && parameter.need == Need::Required { ", needed" } else { "" };
-    let range = if parameter.name == "--where" { String::new() } else { format!(" [{range}{needed}]") };
-    wrap(text, &format!("{}{placeholder}  {}{range}", parameter.name, parameter.does), 6);
+    let range = format!("[{}{needed}]", parameter.range());
+    wrap(text, &format!("{}  {} {range}", parameter.title(), parameter.does), 6);
 }
 
 /// Adds a paragraph, indented and wrapped at 100 columns.

@@ -9,7 +9,7 @@ use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Library};
 use vtex::raster::colour::Colour;
-use vtex::scene::{Scene, SynthParams, Tile};
+use vtex::scene::{EditRecord, Scene, SynthParams, Tile};
 
 /// What is said of a file.
 #[derive(Debug, Serialize)]
@@ -41,6 +41,9 @@ struct Inspection {
     analyze: Option<AnalyzeParams>,
     #[serde(skip_serializing_if = "Option::is_none")]
     synth: Option<SynthParams>,
+    /// What was done to a scene after it was made, in order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    edits: Vec<EditRecord>,
     warnings: Vec<String>,
 }
 
@@ -140,6 +143,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         categories: categories.collect(),
         analyze: Some(source.parameters.clone()),
         synth: None,
+        edits: Vec::new(),
         warnings: source.warnings.clone(),
     }
 }
@@ -193,6 +197,7 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         categories: categories.collect(),
         analyze: None,
         synth: scene.parameters.clone(),
+        edits: scene.edits.clone(),
         warnings: Vec::new(),
     }
 }
@@ -281,6 +286,15 @@ impl Inspection {
             }
             let swatches: Vec<Colour> = self.categories.iter().map(|c| c.colour).collect();
             table(&rows, &swatches, &mut text);
+        }
+        if !self.edits.is_empty() {
+            text.push_str(&format!("\n{head}edits{head:#}, in this order\n"));
+        }
+        for (i, edit) in self.edits.iter().enumerate() {
+            // The scene's own seed needs no telling.
+            let own = edit.seed == self.seed.unwrap_or(0);
+            let seed = if own { String::new() } else { format!(" (seed {})", edit.seed) };
+            text.push_str(&format!("{:4}  {}{seed}\n", i + 1, edit.operation));
         }
         if !self.warnings.is_empty() {
             text.push('\n');

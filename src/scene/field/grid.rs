@@ -1,6 +1,7 @@
 //! The cells into which the canvas of a field is divided, and how they join at a seam.
 
 use super::{Site, Tile};
+use crate::geometry::wrapped;
 
 /// Points per cell aimed at; a patch covers four cells.
 const PER_CELL: f64 = 12.0;
@@ -25,7 +26,7 @@ pub(super) struct Axis {
 impl Axis {
     /// A coordinate moved into the period, if there is one.
     pub(super) fn canonical(&self, v: f64) -> f64 {
-        self.period.map_or(v, |period| within(v, period))
+        wrapped(v, self.period)
     }
 
     /// The cell of a coordinate and the place within it, 0 to 1; what lies outside belongs to the
@@ -76,13 +77,6 @@ impl Axis {
     pub(super) fn shifted(&self, v: f64, turns: i32) -> f64 {
         self.period.map_or(v, |period| v + f64::from(turns) * period)
     }
-}
-
-/// A coordinate moved by whole periods to 0 or above, below the period.
-pub(super) fn within(v: f64, period: f64) -> f64 {
-    let v = v.rem_euclid(period);
-    // A small negative number may come out as the period itself.
-    if v < period { v } else { 0.0 }
 }
 
 /// Cells over the canvas and the points not far from it, each with [`PER_CELL`] points on average.

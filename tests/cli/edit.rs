@@ -1,0 +1,46 @@
+//! `vtex edit`, and what `vtex inspect` tells of it.
+
+use super::support::{Folder, Run};
+use serde_json::json;
+
+/// Runs `vtex edit` with operations that hold spaces.
+fn edit(folder: &Folder, arguments: &str, operations: &[&str]) -> Run {
+    let mut command = folder.command(&format!("edit {arguments}"));
+    operations.iter().for_each(|operation| {
+        command.args(["--op", operation]);
+    });
+    command.output().unwrap().into()
+}
+
+fn with_scene() -> Folder {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json -o a.scene.json --size 120 --seed 5").succeeds();
+    folder
+}
+
+#[test]
+fn what_was_done_is_told_by_inspect() {
+    let folder = with_scene();
+    let chain = ["thin 0.5 --layer secondary", "tint #ff0000 --where area>20"];
+    edit(&folder, "a.scene.json -o b.scene.json", &chain[..1]).succeeds();
+    edit(&folder, "b.scene.json -o c.scene.json.gz --seed 9", &chain[1..]).succeeds();
+    let told = folder.run("inspect c.scene.json.gz --json").succeeds().json();
+    let records = json!([{ "operation": chain[0], "seed": 5 }, { "operation": chain[1], "seed": 9 }]);
+    assert_eq!(told["edits"], records);
+    let run = folder.run("inspect c.scene.json.gz").succeeds();
+    let text = run.text();
+    assert!(text.contains("   1  thin 0.5 --layer secondary\n"), "{text}");
+    assert!(text.contains("   2  tint #ff0000 --where area>20 (seed 9)\n"), "{text}");
+    assert!(folder.run("inspect a.scene.json --json").succeeds().json().get("edits").is_none());
+}
+
+#[test]
+fn what_matches_nothing_is_told() {
+    let folder = with_scene();
+    let idle = ["delete --where category=77", "recolor --from #00ff00 --to #000000 --reach 0.1"];
+    let run = edit(&folder, "a.scene.json -o b.scene.json", &idle).succeeds();
+    for operation in idle {
+        let said = format!("'{operation}' matches nothing: the scene stays as it was");
+        assert!(run.stderr.contains(&said), "{}", run.stderr);
+    }
+}
