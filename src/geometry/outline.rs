@@ -25,16 +25,12 @@ impl Outline {
         let mut out = BezPath::new();
         let (mut start, mut current, mut open) = (Point::ORIGIN, Point::ORIGIN, false);
         for element in path.elements() {
-            match *element {
-                PathEl::MoveTo(_) | PathEl::ClosePath => {
-                    if open {
-                        out.close_path();
-                    }
-                    open = false;
-                }
+            let draws = !matches!(element, PathEl::MoveTo(_) | PathEl::ClosePath);
+            if open && !draws {
+                out.close_path();
+            } else if draws && !open {
                 // What goes on after closing begins where that began.
-                _ if !open => out.move_to(snap(start)?),
-                _ => {}
+                out.move_to(snap(start)?);
             }
             match *element {
                 PathEl::MoveTo(p) => {

@@ -9,7 +9,7 @@
 //! evenly (`benches/editing.md`).
 
 use super::assign::{Table, assign};
-use crate::geometry::Point;
+use crate::geometry::{NearPoints, Point, shortest_way};
 use crate::parallel;
 
 /// Up to so many textons all partners are looked at.
@@ -55,17 +55,6 @@ pub(super) struct Correspondence {
     pub(super) alone: [Vec<u32>; 2],
 }
 
-impl Plane {
-    /// The way from one point to the nearest copy of another.
-    pub(super) fn way(&self, from: Point, to: Point) -> [f64; 2] {
-        let along = |way: f64, period: Option<f64>| match period {
-            Some(period) => way - libm::round(way / period) * period,
-            None => way,
-        };
-        [along(to.x - from.x, self.periods[0]), along(to.y - from.y, self.periods[1])]
-    }
-}
-
 /// The cheapest correspondence of two sets.
 pub(super) fn correspond(from: &[Traits], to: &[Traits], plane: &Plane) -> Correspondence {
     let most = if from.len().min(to.len()) > EXACT { NEAREST } else { usize::MAX };
@@ -81,13 +70,14 @@ fn among(from: &[Traits], to: &[Traits], plane: &Plane, most: usize) -> Correspo
         Vec::new()
     } else {
         let spacing = libm::sqrt(plane.area / rows.len() as f64).max(1e-9);
-        let near = Near::new(columns, plane, spacing * libm::sqrt(NONE));
+        let places: Vec<Point> = columns.iter().map(|c| c.at).collect();
+        let near = NearPoints::new(&places, plane.periods, spacing * libm::sqrt(NONE));
         let table = parallel::map(rows, |row| {
             let mut entries: Vec<(u32, i64)> = Vec::new();
             near.each(row.at, |k| {
-                let cost = cost(row, &columns[k as usize], plane, spacing);
+                let cost = cost(row, &columns[k], plane, spacing);
                 if cost < NONE {
-                    entries.push((k, libm::round(cost * UNIT) as i64));
+                    entries.push((k as u32, libm::round(cost * UNIT) as i64));
                 }
             });
             if entries.len() > most {
@@ -115,8 +105,7 @@ fn among(from: &[Traits], to: &[Traits], plane: &Plane, most: usize) -> Correspo
 
 fn cost(a: &Traits, b: &Traits, plane: &Plane, spacing: f64) -> f64 {
     let square = |v: f64| v * v;
-    let [x, y] = plane.way(a.at, b.at);
-    let way = (x * x + y * y) / square(spacing);
+    let way = shortest_way(a.at, b.at, plane.periods).hypot2() / square(spacing);
     let size = square(libm::log(a.size.max(1e-3) / b.size.max(1e-3)));
     let colour: f64 = a.colour.iter().zip(b.colour).map(|(a, b)| square(f64::from(a - b))).sum();
     let other = match (a.category, b.category) {
@@ -124,97 +113,6 @@ fn cost(a: &Traits, b: &Traits, plane: &Plane, spacing: f64) -> f64 {
         _ => 0.0,
     };
     way + SIZE * size + COLOUR * colour + other
-}
-
-/// Points in square cells, to find those near a place.
-struct Near {
-    /// Sides of a cell, and counts, along x and y.
-    side: [f64; 2],
-    count: [i64; 2],
-    origin: [f64; 2],
-    periodic: [bool; 2],
-    starts: Vec<u32>,
-    order: Vec<u32>,
-}
-
-impl Near {
-    /// Most cells along an axis.
-    const MOST: f64 = 1024.0;
-
-    /// Cells in which all within `reach` of a place lie in the nine cells around it.
-    fn new(points: &[Traits], plane: &Plane, reach: f64) -> Self {
-        let axis = |period: Option<f64>, at: &dyn Fn(&Traits) -> f64| {
-            let low = points.iter().map(at).fold(f64::INFINITY, f64::min);
-            let high = points.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
-            let (origin, length) = period.map_or((low, (high - low).max(reach)), |p| (0.0, p));
-            let count = libm::floor(length / reach).clamp(1.0, Self::MOST);
-            (if origin.is_finite() { origin } else { 0.0 }, length / count, count as i64)
-        };
-        let [x, y] = [axis(plane.periods[0], &|t| t.at.x), axis(plane.periods[1], &|t| t.at.y)];
-        let mut near = Self {
-            side: [x.1, y.1],
-            count: [x.2, y.2],
-            origin: [x.0, y.0],
-            periodic: plane.periods.map(|p| p.is_some()),
-            starts: Vec::new(),
-            order: Vec::new(),
-        };
-        let cell = |t: &Traits| {
-            let [x, y] = near.cell(t.at);
-            (near.wrapped(y, 1).unwrap_or(0) * near.count[0] + near.wrapped(x, 0).unwrap_or(0)) as usize
-        };
-        let cells: Vec<usize> = points.iter().map(cell).collect();
-        let mut starts = vec![0u32; (near.count[0] * near.count[1]) as usize + 1];
-        cells.iter().for_each(|&c| starts[c + 1] += 1);
-        for c in 1..starts.len() {
-            starts[c] += starts[c - 1];
-        }
-        let mut next = starts.clone();
-        let mut order = vec![0; points.len()];
-        for (i, &c) in cells.iter().enumerate() {
-            order[next[c] as usize] = i as u32;
-            next[c] += 1;
-        }
-        (near.starts, near.order) = (starts, order);
-        near
-    }
-
-    fn cell(&self, p: Point) -> [i64; 2] {
-        let along = |v: f64, k: usize| {
-            let cell = libm::floor((v - self.origin[k]) / self.side[k]) as i64;
-            if self.periodic[k] { cell } else { cell.clamp(0, self.count[k] - 1) }
-        };
-        [along(p.x, 0), along(p.y, 1)]
-    }
-
-    /// The cell that stands for one; none beyond the border.
-    fn wrapped(&self, cell: i64, k: usize) -> Option<i64> {
-        let count = self.count[k];
-        if self.periodic[k] {
-            Some(cell.rem_euclid(count))
-        } else {
-            (0..count).contains(&cell).then_some(cell)
-        }
-    }
-
-    /// Hands over all points in the cells around a place, each once.
-    fn each(&self, at: Point, mut f: impl FnMut(u32)) {
-        let [x, y] = self.cell(at);
-        let around = |cell: i64, k: usize| {
-            let mut cells: Vec<i64> = (cell - 1..=cell + 1).filter_map(|c| self.wrapped(c, k)).collect();
-            cells.sort_unstable();
-            cells.dedup();
-            cells
-        };
-        let columns = around(x, 0);
-        for row in around(y, 1) {
-            for &column in &columns {
-                let cell = (row * self.count[0] + column) as usize;
-                let (first, last) = (self.starts[cell] as usize, self.starts[cell + 1] as usize);
-                self.order[first..last].iter().for_each(|&k| f(k));
-            }
-        }
-    }
 }
 
 #[cfg(test)]

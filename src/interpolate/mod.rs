@@ -35,7 +35,7 @@ pub use when::Axis;
 
 use crate::document::Document;
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Vec2};
+use crate::geometry::{Point, Vec2, shortest_way};
 use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::sampling::stream;
@@ -256,9 +256,9 @@ fn items(sides: &[Side<'_>; 2], layer: Layer) -> Vec<Item> {
     let one =
         |side: usize, k: u32| Item::one(sides, side, layer, k, &mut stream(0, name[side], u64::from(k)));
     let paired = parallel::map(&pairs, |&[i, k]| {
-        let [x, y] = plane.way(traits[0][i as usize].at, traits[1][k as usize].at);
+        let way = shortest_way(traits[0][i as usize].at, traits[1][k as usize].at, plane.periods);
         let random = &mut stream(0, "interpolate/details", u64::from(i));
-        match Item::both(sides, layer, [i, k], Vec2::new(x, y), random) {
+        match Item::both(sides, layer, [i, k], way, random) {
             Some(item) => vec![item],
             None => vec![one(0, i), one(1, k)],
         }

@@ -4,6 +4,7 @@
 //! Such centres are left out, and the others weighted by how rarely their like is left out: by the
 //! inverse of the area in which such a distance is seen (Hanisch 1984).
 
+use crate::geometry::wrapped;
 use crate::synth::statistics::Layout;
 
 /// The distance of each centre to the nearest other, centre to centre in pixels, with its weight;
@@ -11,10 +12,6 @@ use crate::synth::statistics::Layout;
 pub(super) fn nearest(layout: &Layout) -> Vec<(f64, f64)> {
     let [width, height] = layout.size;
     let periods = layout.tile.periods(layout.size);
-    let wrapped = |v: f64, period: Option<f64>| match period {
-        Some(p) => v - p * libm::floor(v / p),
-        None => v,
-    };
     let centres: Vec<[f64; 2]> =
         layout.centres.iter().map(|c| [wrapped(c.at[0], periods[0]), wrapped(c.at[1], periods[1])]).collect();
     let images = images(&centres, periods);
