@@ -48,7 +48,11 @@ fn scatter(look: &Look, coverage: f64, cluster: f32, first: u32, canvas: &mut Ca
         if random.unit() < f64::from(cluster * (1.0 - 1.6 * density)) {
             continue;
         }
-        draw(look, canvas, look.species(random).make(radius, label, random), centre);
+        let mut parts = look.species(random).make(radius, label, random);
+        // Deeper down there is less light.
+        let light = 1.0 - look.depth * (canvas.coverage() / coverage) as f32;
+        parts.iter_mut().for_each(|part| part.fill.darken(light));
+        draw(look, canvas, parts, centre);
         label += 1;
     }
 }
@@ -280,7 +284,6 @@ pub(super) fn grow(look: &Look, amount: f64, canvas: &mut Canvas, random: &mut S
         let centre = anywhere(canvas, radius, random);
         let mut parts = look.growth[random.index(look.growth.len())].make(radius, 0, random);
         for part in &mut parts {
-            // Deeper down there is less light.
             part.fill.darken(1.0 - 0.8 * k as f32 / count as f32);
             part.centre = [part.centre[0] + centre[0], part.centre[1] + centre[1]];
             canvas.draw(part, None);

@@ -50,13 +50,15 @@ pub enum Kind {
     Flakes,
     /// Straw, needles, blades of grass.
     Blades,
+    /// Leaves and blades lying over each other down into the dark, a few heads of flowers.
+    Meadow,
     /// Forms, fills, colours, grounds and layouts of the others, mixed.
     Mixed,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Terrazzo,
         Self::Concrete,
         Self::Worktop,
@@ -68,6 +70,7 @@ impl Kind {
         Self::Flowers,
         Self::Flakes,
         Self::Blades,
+        Self::Meadow,
         Self::Mixed,
     ];
 
@@ -85,6 +88,7 @@ impl Kind {
             Self::Flowers => [0.05, 0.35],
             Self::Flakes => [0.1, 0.6],
             Self::Blades => [0.3, 0.85],
+            Self::Meadow => [0.4, 0.8],
             Self::Mixed => [0.1, 0.8],
         }
     }

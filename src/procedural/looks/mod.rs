@@ -30,6 +30,8 @@ pub(super) struct Look {
     pub(super) below: f64,
     pub(super) above: f64,
     pub(super) shadow: Option<Shadow>,
+    /// Share of the light that what lies scattered deepest does not get.
+    pub(super) depth: f32,
     /// Unit vector to the light, z towards the camera.
     pub(super) light: [f32; 3],
 }
@@ -64,12 +66,13 @@ impl Look {
             Kind::Flowers => plants::flowers(random),
             Kind::Flakes => stones::flakes(random),
             Kind::Blades => plants::blades(random),
+            Kind::Meadow => plants::meadow(random),
             Kind::Mixed => mixed(random),
         };
         let largest = 0.5 * params.size as f32;
         let smallest = (largest / random.range(2.0, 6.0) as f32).max(3.2);
         look.radius = [smallest, largest.max(1.05 * smallest)];
-        look.growth_radius = (largest * 0.3).clamp(4.0, 10.0);
+        look.growth_radius = (largest * 0.2).clamp(3.0, 6.0);
         let mean = blend(look.ground.base, look.ground.second, 0.5 * look.ground.broad);
         for (_, species) in &mut look.species {
             for colour in &mut species.palette {
@@ -131,6 +134,7 @@ fn base(random: &mut Stream, ground: Light, layout: Layout) -> Look {
         below: 0.0,
         above: 0.0,
         shadow: None,
+        depth: 0.0,
         light: [
             (across * libm::cos(angle)) as f32,
             (across * libm::sin(angle)) as f32,
@@ -171,6 +175,7 @@ fn mixed(random: &mut Stream) -> Look {
         plants::litter,
         plants::flowers,
         plants::blades,
+        plants::meadow,
     ];
     let mut look = pick(random, &makers)(random);
     let other = pick(random, &makers)(random);

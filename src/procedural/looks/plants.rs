@@ -214,3 +214,52 @@ pub(super) fn blades(random: &mut Stream) -> Look {
     look.species = vec![(1.0, Species { form, palette: colours, style, roughness: 0.0 })];
     look
 }
+
+pub(super) fn meadow(random: &mut Stream) -> Look {
+    let (green, colours) = scheme(
+        random,
+        &[
+            &[0x2f6b2a, 0x3f8a38, 0x56a048, 0x2f7434, 0x74b45c, 0x4b8f5a],
+            &[0x46702a, 0x6d9a3a, 0x86ac4c, 0x547f2e, 0xa3bc62],
+            &[0x3d5f3a, 0x5f8a60, 0x4a7a4e, 0x7ba27c, 0x8a9a58],
+        ],
+    );
+    let mut look = base(random, green.map(|c| c * 0.06), Layout::Scatter { cluster: 0.0 });
+    look.exponent = random.range(1.0, 2.0);
+    look.shadow = soft_shadow(random);
+    look.depth = range(random, 0.3, 0.8);
+    look.growth = grass(random, green.map(|c| c * 0.5));
+    look.below = 1.6;
+    let style = Style {
+        mottle: range(random, 0.1, 0.35),
+        ribs: range(random, 0.05, 0.3),
+        slope: range(random, 0.2, 0.5),
+        dome: range(random, 0.1, 0.5),
+        rim: range(random, -0.15, 0.15),
+        spread: 0.25,
+        tint: 0.1,
+        ..Style::default()
+    };
+    let leaflet = Species {
+        form: Form::Leaf { ratio: range(random, 1.1, 1.7), fullness: 0.55, bend: 0.1, serration: 0.0 },
+        palette: colours.clone(),
+        style: style.clone(),
+        roughness: 0.01,
+    };
+    let blade = Species {
+        form: Form::Leaf { ratio: range(random, 5.0, 14.0), fullness: 0.4, bend: 0.3, serration: 0.0 },
+        palette: colours.clone(),
+        style: style.clone(),
+        roughness: 0.0,
+    };
+    let pale = pick(random, &[0xf4f1e6, 0xefe0cc, 0xf3d95a, 0xe8a8c0, 0xb79ad8, 0xa8c46a]);
+    let head = Species {
+        form: Form::Head { petals: [9, 18] },
+        palette: shades(palette(&[pale])[0], &[0.75, 0.9, 1.0]),
+        style: Style { slope: 0.5, dome: 0.4, spread: 0.1, ..Style::default() },
+        roughness: 0.0,
+    };
+    let flowers = if random.chance(0.7) { random.range(0.03, 0.25) } else { 0.0 };
+    look.species = vec![(1.0, leaflet), (random.range(0.1, 0.8), blade), (flowers, head)];
+    look
+}

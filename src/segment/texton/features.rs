@@ -6,7 +6,10 @@ use image::RgbImage;
 
 /// Number of features.
 pub const FEATURES: usize = 32;
-/// Which of them is the score of the region tree.
+/// Which of them are the network's prediction for the mask, its stability, and the score of the region
+/// tree.
+pub(super) const PREDICTED: usize = 23;
+pub(super) const STABILITY: usize = 24;
 pub(super) const REGION: usize = 27;
 /// Share of a rim that may be weaker than its quantile.
 const QUANTILE: f64 = 0.3;

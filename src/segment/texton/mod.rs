@@ -24,7 +24,7 @@ use crate::error::Result;
 use crate::parallel::map;
 use crate::progress::{Progress, advance};
 use crate::raster::{Connectivity, LabelMap, Mask, Span, components_of_mask};
-use features::{Context, Origin, REGION};
+use features::{Context, Origin, PREDICTED, REGION, STABILITY};
 use image::RgbImage;
 
 /// Units of the hidden layer of the [`Judge`].
@@ -43,7 +43,10 @@ const LEAST_NODE: f32 = 0.2;
 const SAME: f32 = 0.9;
 /// What the region tree's own score of a node counts at least: where a photograph shows what no
 /// scene does, the network sees nothing.
-const REGIONS: f32 = 0.5;
+const REGIONS: f32 = 0.55;
+/// What the network's own estimate of a mask counts beside the judge's, for the same reason: the judge
+/// knows scenes alone.
+const OWN: f32 = 0.15;
 /// A mask may lose this share of its pixels to masks worth more.
 const MOST_LOST: f32 = 0.25;
 
@@ -141,6 +144,13 @@ struct Offer {
     origin: Origin,
 }
 
+/// How well a candidate would fit a texton, 0 to 1: what the [`Judge`] says, and those who found it.
+fn score(judged: f32, features: &[f32; FEATURES]) -> f32 {
+    let own = features[PREDICTED] * features[STABILITY].max(0.0).sqrt();
+    let score = if own > 0.0 { judged + (own - judged) * OWN } else { judged };
+    score.max(REGIONS * features[REGION])
+}
+
 /// The better of those nearly alike.
 fn distinct(mut nodes: Vec<ScoredMask>) -> Vec<(Measured, f32)> {
     nodes.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -162,7 +172,7 @@ impl Segmenter for Texton {
 
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
         let candidates = self.candidates(image, progress)?;
-        let judged = |c: &Candidate| weights::NETWORK.score(&c.features).max(REGIONS * c.features[REGION]);
+        let judged = |c: &Candidate| score(weights::NETWORK.score(&c.features), &c.features);
         let scores = map(&candidates, judged);
         let worth = |k: usize| worth(candidates[k].mask.area() as f32, scores[k]);
         let mut order: Vec<(f32, usize)> = (0..scores.len()).map(|k| (worth(k), k)).collect();

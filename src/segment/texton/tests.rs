@@ -128,3 +128,23 @@ fn work_can_be_interrupted() {
     let answer = Texton::new(&rten()).unwrap().segment(&RgbImage::new(40, 40), &crate::progress::Stop);
     assert!(matches!(answer, Err(crate::Error::Interrupted)));
 }
+
+/// The features that the segmenter looks at itself are those of who found the mask.
+#[test]
+fn nodes_have_a_score_and_masks_a_prediction() {
+    let image = scene(128, 5, Kind::Terrazzo).image;
+    let (mut nodes, mut masks) = (0, 0);
+    for Candidate { features, .. } in Texton::new(&rten()).unwrap().candidates(&image, &()).unwrap() {
+        let [predicted, stability, region] = [PREDICTED, STABILITY, REGION].map(|k| features[k]);
+        if predicted == 0.0 {
+            assert!(stability == 0.0 && (LEAST_NODE..=1.0).contains(&region), "{stability} {region}");
+            assert!(score(0.0, &features) == REGIONS * region);
+            nodes += 1;
+        } else {
+            assert!((0.3..=1.0).contains(&predicted) && (0.3..=1.0).contains(&stability));
+            assert!(score(0.0, &features) > 0.0 && score(1.0, &features) <= 1.0);
+            masks += 1;
+        }
+    }
+    assert!(nodes > 10 && masks > 10, "{nodes} {masks}");
+}
