@@ -12,16 +12,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use vtex::Progress;
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
+use vtex::engine::{EngineOptions, Runtime};
 use vtex::library::Library;
 use vtex::output::png;
 use vtex::scene::{Scene, SynthParams};
-use vtex::segment::Regions;
+use vtex::segment::texton::Texton;
 use vtex::synth::{reconstruct, synthesize};
 
 /// White between the parts of a picture, in pixels.
 const GAP: u32 = 8;
 /// Height of the pictures that show a whole texture, in pixels.
-const HEIGHT: u32 = 210;
+const HEIGHT: u32 = 204;
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
@@ -45,7 +46,8 @@ fn open(name: &str) -> Outcome<Exemplar> {
 }
 
 fn library(photo: &Exemplar, progress: &dyn Progress) -> Outcome<Library> {
-    Ok(analyze(photo, &Regions, &AnalyzeParams::default(), progress)?)
+    let options = EngineOptions { runtime: Runtime::Rten, ..EngineOptions::default() };
+    Ok(analyze(photo, &Texton::new(&options)?, &AnalyzeParams::default(), progress)?)
 }
 
 fn scene(library: &Library, width: u32, height: u32, progress: &dyn Progress) -> Outcome<Scene> {
