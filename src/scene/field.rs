@@ -117,7 +117,8 @@ impl Interpolant {
     /// field is periodic: the same bits at x and at x + `width`, where that sum is exact.
     pub fn new(field: &Field, width: u32, height: u32, tile: Tile) -> Self {
         let points = merged(field, width, height, tile);
-        let grid = cells(&points, field.spacing, width, height, tile);
+        let spacing = if field.spacing > 0.0 { field.spacing.min(1e6) } else { 0.0 };
+        let grid = cells(&points, spacing, width, height, tile);
         // Counting sort into cells.
         let cell = |p: &Site| grid.y.cell(p.y).0 * grid.x.count + grid.x.cell(p.x).0;
         let mut starts = vec![0u32; grid.x.count * grid.y.count + 1];
@@ -137,8 +138,8 @@ impl Interpolant {
         let whole = points.len() <= WHOLE && !tile.any();
         let corners = if whole { 1 } else { grid.x.corners() * grid.y.corners() };
         let patches = (0..corners).map(|_| OnceLock::new()).collect();
-        let spacing = if field.spacing > 0.0 { field.spacing.min(1000.0) } else { 0.0 };
-        let round = ROUND * ROUND * spacing * spacing;
+        let reach = spacing.min(1000.0);
+        let round = ROUND * ROUND * reach * reach;
         Self { points, fallback: field.fallback.to_f64(), whole, round, grid, order, starts, patches }
     }
 

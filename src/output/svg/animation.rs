@@ -14,7 +14,7 @@
 
 use super::number::{Number, Paint};
 use super::xml::Xml;
-use super::{SvgSummary, layer};
+use super::{Part, SvgSummary, layers};
 use crate::error::{Result, check};
 use crate::geometry::{Point, Rect, Vec2};
 use crate::interpolate::{Brush, Interpolation, Motion, Moving};
@@ -110,33 +110,16 @@ impl Writer<'_> {
         let backgrounds = self.scenes.map(Background::new);
         self.write_definitions(xml, &backgrounds)?;
         let edge = self.domain.as_ref().map(|(_, edge)| *edge);
-        if edge.is_some() {
-            layer(xml, "inside", "Inside");
-            xml.attribute("clip-path", "url(#domain)");
-            xml.line();
-        }
-        layer(xml, "background", "Background");
-        xml.line();
-        backgrounds[0].write_bands(xml, 0.0, 'b')?;
-        xml.open("g");
-        xml.attribute("class", "a e");
-        xml.attribute("opacity", 0);
-        xml.line();
-        backgrounds[1].write_bands(xml, 0.0, 'e')?;
-        xml.close()?;
-        xml.close()?;
-        xml.line();
         let [secondaries, primaries] = motions;
-        let mut shapes = self.write_layer(xml, ("secondary", "Secondary"), secondaries)?;
-        if edge == Some(Edge::Keep) {
-            xml.close()?;
-            xml.line();
-        }
-        shapes += self.write_layer(xml, ("primary", "Primary"), primaries)?;
-        if edge == Some(Edge::Clip) {
-            xml.close()?;
-            xml.line();
-        }
+        let mut shapes = 0;
+        layers(xml, edge, |xml, part| {
+            match part {
+                Part::Background => write_grounds(xml, &backgrounds)?,
+                Part::Secondary => shapes += self.write_motions(xml, secondaries)?,
+                Part::Primary => shapes += self.write_motions(xml, primaries)?,
+            }
+            Ok(())
+        })?;
         Ok(shapes)
     }
 
@@ -164,22 +147,13 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// A layer of textons; gives the number of their shapes.
-    fn write_layer<W: Write>(
-        &self,
-        xml: &mut Xml<W>,
-        (id, label): (&str, &str),
-        motions: &[Motion],
-    ) -> io::Result<usize> {
+    /// The textons of a layer; gives the number of their shapes.
+    fn write_motions<W: Write>(&self, xml: &mut Xml<W>, motions: &[Motion]) -> io::Result<usize> {
         let mut shapes = 0;
-        layer(xml, id, label);
-        xml.line();
         for motion in motions {
             shapes += self.write_motion(xml, motion)?;
             xml.line();
         }
-        xml.close()?;
-        xml.line();
         Ok(shapes)
     }
 
@@ -295,6 +269,17 @@ fn write_brush<W: Write>(xml: &mut Xml<W>, brush: &Brush) {
             xml.attribute("stroke-linejoin", "round");
         }
     }
+}
+
+/// The ground of the first scene, and over it that of the second, which appears.
+fn write_grounds<W: Write>(xml: &mut Xml<W>, backgrounds: &[Background; 2]) -> io::Result<()> {
+    backgrounds[0].write_bands(xml, 0.0, 'b')?;
+    xml.open("g");
+    xml.attribute("class", "a e");
+    xml.attribute("opacity", 0);
+    xml.line();
+    backgrounds[1].write_bands(xml, 0.0, 'e')?;
+    xml.close()
 }
 
 /// What of it is another in the second scene, as a part of a rule.

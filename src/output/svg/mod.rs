@@ -226,38 +226,16 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    /// The three layers, those that a domain clips in one group, so that what is clipped together
-    /// has one clean edge.
     fn write_layers<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
-        let edge = self.scene.domain.as_ref().map(|d| d.edge);
-        if edge.is_some() {
-            layer(xml, "inside", "Inside");
-            xml.attribute("clip-path", "url(#domain)");
-            xml.line();
-        }
-        layer(xml, "background", "Background");
-        xml.line();
-        self.background.write_bands(xml, self.bleed, 'b')?;
-        xml.close()?;
-        xml.line();
-        self.write_secondaries(xml)?;
-        let stick_out = edge == Some(Edge::Keep);
-        if stick_out {
-            xml.close()?;
-            xml.line();
-        }
-        self.write_primaries(xml)?;
-        if edge.is_some() && !stick_out {
-            xml.close()?;
-            xml.line();
-        }
-        Ok(())
+        layers(xml, self.scene.domain.as_ref().map(|d| d.edge), |xml, part| match part {
+            Part::Background => self.background.write_bands(xml, self.bleed, 'b'),
+            Part::Secondary => self.write_secondaries(xml),
+            Part::Primary => self.write_primaries(xml),
+        })
     }
 
     fn write_secondaries<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         let textons = &self.textons;
-        layer(xml, "secondary", "Secondary");
-        xml.line();
         // Neighbours in painting order that share a fill take it from one group.
         let alike = |a: &_, b: &_| textons.fill(a).is_some() && textons.fill(a) == textons.fill(b);
         for run in self.scene.secondary.chunk_by(alike) {
@@ -278,21 +256,15 @@ impl<'a> Document<'a> {
                 xml.line();
             }
         }
-        xml.close()?;
-        xml.line();
         Ok(())
     }
 
     fn write_primaries<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
-        layer(xml, "primary", "Primary");
-        xml.line();
         for instance in &self.scene.primary {
             for (k, shift) in self.textons.copies(instance).enumerate() {
                 self.write_primary(xml, instance, (k > 0).then_some(shift))?;
             }
         }
-        xml.close()?;
-        xml.line();
         Ok(())
     }
 
@@ -327,6 +299,50 @@ impl<'a> Document<'a> {
         xml.line();
         Ok(())
     }
+}
+
+/// A layer of the document.
+#[derive(Clone, Copy)]
+enum Part {
+    Background,
+    Secondary,
+    Primary,
+}
+
+/// The three layers, those that a domain of that edge clips in one group, so that what is clipped
+/// together has one clean edge. `write` fills each.
+fn layers<W: Write>(
+    xml: &mut Xml<W>,
+    edge: Option<Edge>,
+    mut write: impl FnMut(&mut Xml<W>, Part) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut one = |xml: &mut Xml<W>, id: &str, label: &str, part: Part| {
+        layer(xml, id, label);
+        xml.line();
+        write(xml, part)?;
+        end(xml)
+    };
+    if edge.is_some() {
+        layer(xml, "inside", "Inside");
+        xml.attribute("clip-path", "url(#domain)");
+        xml.line();
+    }
+    one(xml, "background", "Background", Part::Background)?;
+    one(xml, "secondary", "Secondary", Part::Secondary)?;
+    if edge == Some(Edge::Keep) {
+        end(xml)?;
+    }
+    one(xml, "primary", "Primary", Part::Primary)?;
+    if edge == Some(Edge::Clip) {
+        end(xml)?;
+    }
+    Ok(())
+}
+
+fn end<W: Write>(xml: &mut Xml<W>) -> io::Result<()> {
+    xml.close()?;
+    xml.line();
+    Ok(())
 }
 
 /// Begins one of the layers, which Inkscape shows as such.

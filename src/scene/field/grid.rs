@@ -82,7 +82,7 @@ impl Axis {
 /// Cells over the canvas and the points not far from it, each with [`PER_CELL`] points on average.
 /// Along the axes of `tile` a whole number of cells fills the canvas.
 pub(super) fn cells(points: &[Site], spacing: f64, width: u32, height: u32, tile: Tile) -> Grid {
-    let margin = 4.0 * if spacing > 0.0 { spacing.min(1e6) } else { 0.0 };
+    let margin = 4.0 * spacing;
     let extent = |coordinate: &dyn Fn(&Site) -> f64, size: u32, repeats: bool| {
         let (mut low, mut high) = (0.0, f64::from(size.max(1)));
         if !repeats {
