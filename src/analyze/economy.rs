@@ -1,5 +1,6 @@
 //! From all that can be told apart to what is worth drawing.
 
+use super::grid::Grid;
 use super::joining;
 use super::palette::Palette;
 use super::price::Price;
@@ -16,11 +17,12 @@ pub(super) fn economise(
     details: &[Vec<Mask>],
     patches: Vec<Patch>,
     params: &AnalyzeParams,
+    grid: Grid,
     warnings: &mut Vec<String>,
 ) -> (Pieces, Price) {
     let join = |price: Price| parallel::map(details, |masks| joining::join(image, masks, price));
     let affordable = |price: Price, p: &Patch| price.affords(p.mask.area(), p.difference);
-    let mut price = Price::new(params);
+    let mut price = Price::new(params, grid);
     if params.max_paths > 0 {
         let most = params.max_paths as usize;
         price = price.within(most, |price| {

@@ -6,6 +6,7 @@
 //! merging after Mumford and Shah (Koepfler, Lopez and Morel 1994), with bytes in place of lengths
 //! and with fills that are flat or linear gradients.
 
+use super::grid::Grid;
 use super::moments::Moments;
 use super::price::{Price, SECONDARY};
 use crate::raster::Mask;
@@ -17,14 +18,12 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 /// Bytes of a detail beside its border.
 const DETAIL: f64 = 45.0;
-/// Bytes of a pixel of border, which the shapes on both sides draw.
-const BORDER: f64 = 9.0;
 
-/// The gradient that a region is filled with, if one is worth its bytes.
-pub(super) fn gradient(image: &RgbImage, mask: &Mask, price: Price) -> Option<Gradient> {
+/// The gradient that a region is filled with, in pixels, if one is worth its bytes.
+pub(super) fn gradient(image: &RgbImage, mask: &Mask, price: Price, grid: Grid) -> Option<Gradient> {
     let origin = mask.centroid()?.into();
     let sums = Moments::new(image, mask, origin);
-    if price.of(&sums).1 { sums.gradient(mask, origin) } else { None }
+    if price.of(&sums).1 { sums.gradient(mask, origin, grid) } else { None }
 }
 
 /// Joins the details of one primary; what is left still tiles it.
@@ -32,7 +31,7 @@ pub(super) fn join(image: &RgbImage, details: &[Mask], price: Price) -> Vec<Mask
     unite(image, details, price, DETAIL, u32::MAX)
 }
 
-/// Joins secondaries, which are flat, to ones of at most `largest` pixels.
+/// Joins secondaries, which are flat, to ones of at most `largest` cells.
 pub(super) fn join_secondaries(
     image: &RgbImage,
     secondaries: &[Mask],
@@ -55,7 +54,7 @@ fn unite(image: &RgbImage, masks: &[Mask], price: Price, shape: f64, largest: u3
     let mut version = vec![0u32; masks.len()];
     let saved = |regions: &[Option<Moments>], a: usize, b: usize, border: u32| {
         let (x, y) = (regions[a].as_ref()?, regions[b].as_ref()?);
-        let bytes = shape + BORDER * f64::from(border);
+        let bytes = shape + price.border * f64::from(border);
         let saved = price.of(x).0 + price.of(y).0 + bytes * price.byte - price.of(&x.with(y)).0;
         // Whole units sort exactly.
         (saved > 0.0).then_some(libm::round(saved * 16.0) as u64)
@@ -125,7 +124,7 @@ fn united(masks: &[Mask], parent: &mut [usize]) -> Vec<Mask> {
     spans.into_iter().filter(|s| !s.is_empty()).map(Mask::from_spans).collect()
 }
 
-/// Length of the border between each two of several disjoint masks, in pixels.
+/// Length of the border between each two of several disjoint masks, in cells.
 fn borders(masks: &[Mask]) -> Vec<BTreeMap<usize, u32>> {
     let mut rows: BTreeMap<i32, Vec<(i32, i32, usize)>> = BTreeMap::new();
     for (i, mask) in masks.iter().enumerate() {
@@ -175,7 +174,7 @@ mod tests {
         (0..40 / width).map(|k| column(k * width, (k + 1) * width)).collect()
     }
 
-    const PRICE: Price = Price { gradient_area: 40.0, byte: 10.0 };
+    const PRICE: Price = Price { gradient_area: 40.0, byte: 10.0, border: 9.0 };
 
     #[test]
     fn equal_neighbours_become_one_and_unlike_ones_stay() {
@@ -191,11 +190,14 @@ mod tests {
         let image = RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90]));
         let joined = join(&image, &columns(5), PRICE);
         assert_eq!(joined, [column(0, 40)]);
-        let g = gradient(&image, &joined[0], PRICE).unwrap();
+        let g = gradient(&image, &joined[0], PRICE, Grid { cells: 1 }).unwrap();
         assert!((g.from[0] - g.to[0]).abs() > 38.0 && g.from[1] == g.to[1], "{g:?}");
         let flat = join(&image, &columns(5), Price { gradient_area: f64::INFINITY, ..PRICE });
         assert!(flat.len() > 3, "{}", flat.len());
-        assert!(gradient(&image, &joined[0], Price { gradient_area: f64::INFINITY, ..PRICE }).is_none());
+        assert!(
+            gradient(&image, &joined[0], Price { gradient_area: f64::INFINITY, ..PRICE }, Grid { cells: 1 })
+                .is_none()
+        );
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod categories;
 mod economy;
 mod edges;
 mod exemplar;
+mod grid;
 mod joining;
 mod kmeans;
 mod moments;
@@ -33,6 +34,7 @@ use crate::scene::Field;
 use crate::scene::Tile;
 use crate::scene::field::Interpolant;
 use crate::segment::{Segmenter, Smoothed, details};
+use grid::Grid;
 use image::RgbImage;
 use price::Price;
 use shapes::Style;
@@ -57,23 +59,26 @@ pub fn analyze(
     progress.picture("masks", &|| pictures::masks(image, &masks));
 
     advance(progress, "primaries", 0, 1)?;
-    let (mut primaries, rims) = candidates::select(image, &masks, params.minimum_area);
-    let patches = secondaries::find(&own_colours(image, &primaries, params), &primaries, &rims, params);
-    promote(&mut primaries, &patches.promoted);
-    let count = primaries.labels.iter().max().map_or(0, |m| *m as usize);
-    let primary_masks = Mask::all_of_labels(&primaries, count + 1).split_off(1);
+    let mut primaries = candidates::select(image, &masks, params.minimum_area);
+    let grid = Grid::new(image, params);
+    let (fine, in_cells) = (grid.image(image), grid.params(params));
+    let mut cells = grid.labels(image, &fine, &primaries);
+    let patches = secondaries::find(&own_colours(&fine, &cells, grid, params), &cells, &in_cells);
+    promote(&mut primaries, &mut cells, &patches.promoted, grid);
+    let count = cells.labels.iter().max().map_or(0, |m| *m as usize);
+    let primary_masks = Mask::all_of_labels(&cells, count + 1).split_off(1);
     progress.picture("primaries", &|| crate::raster::picture::outlines(image, &primaries));
 
     advance(progress, "details", 0, count as u64)?;
     // What follows paints with the colours of both sides; only edges are sought in the photograph.
-    let clean = own_colours(image, &primaries, params);
-    let smoothed = Smoothed::new(&clean, params.detail_sigma);
+    let clean = own_colours(&fine, &cells, grid, params);
+    let smoothed = Smoothed::new(&clean, in_cells.detail_sigma);
     let details = crate::parallel::map(&primary_masks, |mask| {
-        details(&smoothed, mask, params.detail_scale, params.detail_minimum)
+        details(&smoothed, mask, in_cells.detail_scale, in_cells.detail_minimum)
     });
 
     advance(progress, "background", 0, 1)?;
-    let textons = any_texton(&primaries, patches.secondaries.iter());
+    let textons = grid.pixels(&any_texton(&cells, patches.secondaries.iter()));
     let background = background::palette(image, &primaries, &textons, params);
     progress.picture("background", &|| pictures::background(image, &textons, &background));
     let field = Field {
@@ -82,17 +87,21 @@ pub fn analyze(
         points: background.sites.clone(),
     };
     let interpolant = Interpolant::new(&field, width, height, Tile::default());
-    let joined =
-        joining::join_secondaries(&clean, &patches.secondaries, Price::new(params), params.secondary_maximum);
-    let patches = shapes::patches(&clean, joined, &interpolant);
+    let joined = joining::join_secondaries(
+        &clean,
+        &patches.secondaries,
+        Price::new(params, grid),
+        in_cells.secondary_maximum,
+    );
+    let patches = shapes::patches(&clean, joined, grid, &interpolant);
 
     advance(progress, "joining", 0, 1)?;
     let mut warnings = exemplar.warnings.clone();
-    let (pieces, price) = economy::economise(&clean, &details, patches, params, &mut warnings);
+    let (pieces, price) = economy::economise(&clean, &details, patches, params, grid, &mut warnings);
     let (pieces, palette) = economy::reduce_colours(&clean, pieces, params);
 
     advance(progress, "outlines", 0, 1)?;
-    let style = Style { fidelity: params.fidelity, price, palette: &palette };
+    let style = Style { fidelity: params.fidelity, grid, price, palette: &palette };
     let shapes = shapes::outlines(image, &clean, &pieces, &style);
 
     advance(progress, "categories", 0, 1)?;
@@ -110,7 +119,8 @@ pub fn analyze(
     let mut primary_textons = shapes.primaries;
     for (p, &id) in primary_textons.iter_mut().zip(&ids) {
         p.category = id;
-        p.clipped = !params.wrap && touches_border(&primary_masks[p.id.0 as usize], width, height);
+        p.clipped =
+            !params.wrap && touches_border(&primary_masks[p.id.0 as usize], fine.width(), fine.height());
     }
     progress.picture("categories", &|| pictures::categories(&primaries, &ids));
 
@@ -152,16 +162,21 @@ pub fn analyze(
 /// Below this fidelity in pixels the mixture of a single pixel is worth its shape.
 const MIXTURES_KEPT: f64 = 0.2;
 
-/// The image, pixels on the borders of primaries in the colour of their own side.
-fn own_colours(image: &RgbImage, primaries: &LabelMap, params: &AnalyzeParams) -> RgbImage {
-    if params.fidelity < MIXTURES_KEPT { image.clone() } else { unmixed(image, primaries) }
+/// The enlarged image, cells on the borders of primaries in the colour of their own side.
+fn own_colours(fine: &RgbImage, cells: &LabelMap, grid: Grid, params: &AnalyzeParams) -> RgbImage {
+    if params.fidelity < MIXTURES_KEPT { fine.clone() } else { unmixed(fine, cells, grid) }
 }
 
-/// Joins promoted patches to the primaries.
-fn promote(primaries: &mut LabelMap, promoted: &[Mask]) {
-    let first = primaries.labels.iter().max().map_or(0, |m| *m) + 1;
+/// Joins promoted patches to the primaries, on pixels and on cells.
+fn promote(primaries: &mut LabelMap, cells: &mut LabelMap, promoted: &[Mask], grid: Grid) {
+    let first = cells.labels.iter().max().map_or(0, |m| *m) + 1;
     for (k, mask) in promoted.iter().enumerate() {
-        primaries.fill(mask, first + k as u32);
+        cells.fill(mask, first + k as u32);
+    }
+    for (label, new) in primaries.labels.iter_mut().zip(grid.pixels(cells).labels) {
+        if *label == 0 && new >= first {
+            *label = new;
+        }
     }
 }
 

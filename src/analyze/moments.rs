@@ -2,6 +2,7 @@
 //!
 //! Sums of two regions add up to those of both together, so a union costs nothing to judge.
 
+use super::grid::Grid;
 use crate::geometry::STEP;
 use crate::raster::Mask;
 use crate::raster::colour::Colour;
@@ -127,7 +128,7 @@ impl Moments {
 
     /// The best linear gradient over a mask, whose sums these are about `origin`; none if colours
     /// hardly change.
-    pub(super) fn gradient(&self, mask: &Mask, origin: [f64; 2]) -> Option<Gradient> {
+    pub(super) fn gradient(&self, mask: &Mask, origin: [f64; 2], cells: Grid) -> Option<Gradient> {
         let Trend { along, slope, .. } = self.trend()?;
         let mean = self.place.map(|v| v / self.count);
         let reach = |x: i32, y: i32| {
@@ -136,7 +137,7 @@ impl Moments {
         };
         let ends = mask.spans().iter().flat_map(|s| [reach(s.x0, s.y), reach(s.x1 - 1, s.y)]);
         let (least, most) = ends.fold((f64::MAX, f64::MIN), |(a, b), t| (a.min(t), b.max(t)));
-        let grid = |v: f64| libm::round(v / STEP) * STEP;
+        let grid = |v: f64| libm::round(v / cells.along() / STEP) * STEP;
         let place = |t: f64| [0, 1].map(|k| grid(origin[k] + mean[k] + t * along[k]));
         let colour = |t: f64| Colour::from_f64([0, 1, 2].map(|c| self.colour[c] / self.count + t * slope[c]));
         let gradient =
@@ -172,7 +173,7 @@ mod tests {
             let (mask, origin) = (square(40), [20.0, 20.0]);
             let sums = Moments::new(&image, &mask, origin);
             assert!(sums.gradient_error() < 0.001 * sums.flat_error());
-            let g = sums.gradient(&mask, origin).unwrap();
+            let g = sums.gradient(&mask, origin, Grid { cells: 1 }).unwrap();
             for (place, colour) in [(g.from, g.start), (g.to, g.end)] {
                 let wanted = at(place[0], place[1]);
                 assert!((0..3).all(|c| (wanted[c] - colour.to_f64()[c]).abs() < 1.5), "{turn}: {g:?}");
@@ -195,10 +196,14 @@ mod tests {
     #[test]
     fn what_is_flat_or_a_line_has_no_gradient() {
         let image = RgbImage::from_pixel(9, 9, Rgb([40, 50, 60]));
-        assert!(Moments::new(&image, &square(9), [4.0; 2]).gradient(&square(9), [4.0; 2]).is_none());
+        assert!(
+            Moments::new(&image, &square(9), [4.0; 2])
+                .gradient(&square(9), [4.0; 2], Grid { cells: 1 })
+                .is_none()
+        );
         let line = Mask::from_spans(vec![Span { y: 3, x0: 0, x1: 9 }]);
         let sums = Moments::new(&image, &line, [4.0; 2]);
-        assert!(sums.gradient(&line, [4.0; 2]).is_none() && sums.gradient_error() < 1e-6);
+        assert!(sums.gradient(&line, [4.0; 2], Grid { cells: 1 }).is_none() && sums.gradient_error() < 1e-6);
         let empty = Moments::new(&image, &Mask::from_spans(Vec::new()), [0.0; 2]);
         assert_eq!((empty.flat_error(), empty.gradient_error()), (0.0, 0.0));
     }

@@ -3,6 +3,7 @@
 use super::candidates::{Lab, spans_image};
 use super::neighbours::{edge_lengths, quantile};
 use crate::library::AnalyzeParams;
+use crate::parallel;
 use crate::raster::{LabelMap, Mask};
 use crate::segment::flood;
 use image::RgbImage;
@@ -18,18 +19,20 @@ pub(super) struct Patches {
 
 /// Flood fills what the primaries leave. Patches as large as the median primary with a rim as
 /// strong as theirs are promoted; patches of the sizes allowed are secondaries; what is larger or
-/// smaller is ground. `rims` holds the rim strength of each primary.
-pub(super) fn find(image: &RgbImage, primaries: &LabelMap, rims: &[f32], params: &AnalyzeParams) -> Patches {
+/// smaller is ground.
+pub(super) fn find(image: &RgbImage, primaries: &LabelMap, params: &AnalyzeParams) -> Patches {
     let (w, h) = (image.width() as i32, image.height() as i32);
     let mut regions = flood(image, &|i| primaries.labels[i] != 0, params.secondary_tolerance);
     join_fragments(image, &mut regions, params.secondary_minimum);
     let count = regions.labels.iter().max().map_or(0, |m| *m as usize) + 1;
     let masks = Mask::all_of_labels(&regions, count);
-    let mut areas: Vec<f64> = primaries.areas().into_iter().skip(1).map(f64::from).collect();
-    areas.retain(|&a| a > 0.0);
-    let median_area = quantile(areas, 0.5).unwrap_or(f64::INFINITY);
-    let typical_rim = quantile(rims.iter().map(|&r| f64::from(r)).collect(), 0.5).unwrap_or(f64::INFINITY);
+    let mut standing = Mask::all_of_labels(primaries, primaries.areas().len()).split_off(1);
+    standing.retain(|m| m.area() > 0);
+    let median_area =
+        quantile(standing.iter().map(|m| f64::from(m.area())).collect(), 0.5).unwrap_or(f64::INFINITY);
     let lab = Lab::new(image);
+    let rims = parallel::map(&standing, |m| f64::from(lab.rim(m).0));
+    let typical_rim = quantile(rims, 0.5).unwrap_or(f64::INFINITY);
     let mut patches = Patches { secondaries: Vec::new(), promoted: Vec::new() };
     for mask in masks.into_iter().skip(1) {
         let area = mask.area();

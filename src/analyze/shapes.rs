@@ -5,18 +5,19 @@
 //! it. The largest is the base, painted as the primary's whole outline.
 
 use super::edges::Edges;
+use super::grid::{Grid, to_four_digits};
 use super::joining;
 use super::palette::Palette;
 use super::price::Price;
-use crate::geometry::{Affine, FittedMap, Outline, PlanarMap};
+use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
 use crate::library::{CategoryId, Detail, Primary, Secondary, TextonId};
 use crate::raster::colour::{self, Colour};
 use crate::raster::{LabelMap, Mask};
 use crate::scene::field::Interpolant;
 use image::RgbImage;
 
-/// Secondaries of at most so many pixels are traced by themselves: they have no shape but that of
-/// their pixels, so equal ones are equal to the last digit and stand in files once. Larger ones are
+/// Secondaries of at most so many cells are traced by themselves: they have no shape but that of
+/// their cells, so equal ones are equal to the last digit and stand in files once. Larger ones are
 /// often pieces of stems and rims, which traced apart would fall into beads.
 const SPECK: u32 = 5;
 
@@ -42,6 +43,8 @@ pub(super) struct Pieces {
 pub(super) struct Style<'a> {
     /// Largest distance of an outline to what is traced, in pixels.
     pub(super) fidelity: f64,
+    /// What the masks of pieces are made of.
+    pub(super) grid: Grid,
     pub(super) price: Price,
     pub(super) palette: &'a Palette,
 }
@@ -54,9 +57,9 @@ pub(super) struct Shapes {
 }
 
 /// Patches with their colours, also against the background.
-pub(super) fn patches(image: &RgbImage, masks: Vec<Mask>, field: &Interpolant) -> Vec<Patch> {
+pub(super) fn patches(image: &RgbImage, masks: Vec<Mask>, grid: Grid, field: &Interpolant) -> Vec<Patch> {
     let found = crate::parallel::map(&masks, |mask| {
-        let (colour, [x, y]) = (median(image, mask), centroid(mask));
+        let (colour, [x, y]) = (median(image, mask), grid.centroid(mask));
         let (own, ground) = (colour.to_f64(), field.at(x, y));
         (colour, std::array::from_fn(|i| libm::round(own[i] - ground[i].clamp(0.0, 255.0)) as i16))
     });
@@ -72,9 +75,9 @@ pub(super) fn median(image: &RgbImage, mask: &Mask) -> Colour {
     colour::median(mask.pixels().map(|(x, y)| image.get_pixel(x as u32, y as u32).0)).unwrap_or_default()
 }
 
-/// Traces and fits all outlines.
+/// Traces and fits all outlines. `image` gives the colours of cells, `photo` the edges.
 pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, style: &Style<'_>) -> Shapes {
-    let (width, height) = image.dimensions();
+    let (grid, (width, height)) = (style.grid, image.dimensions());
     let mut map = LabelMap::filled(width, height, 0);
     // Group of each label: primaries first, then every secondary by itself.
     let mut groups = vec![0u32];
@@ -102,10 +105,10 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
     let (count, group_count) = (groups.len() - 1, primary_count + pieces.secondaries.len());
     let planar = PlanarMap::trace(width, height, &map.labels);
     let edges = Edges::new(photo, colours);
-    let fitted =
-        FittedMap::with_edges(planar, style.fidelity, count, group_count, group, |at, normal, l, r| {
-            edges.distance(at, normal, l, r)
-        });
+    let scale = Scale { tolerance: style.fidelity, cells: grid.along() };
+    let fitted = FittedMap::with_edges(planar, scale, count, group_count, group, |at, normal, l, r| {
+        edges.distance(at, normal, l, r)
+    });
     let whole = fitted.outlines(group_count, group);
     let stacked =
         fitted.stacked_outlines(first_secondary - 1, |own, other| group(own) == group(other) && own < other);
@@ -116,7 +119,8 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
         let colours: Vec<Colour> =
             (label - 1..).take(details.len()).map(|i| style.palette.nearest(medians[i])).collect();
         let base = colours.first().copied().unwrap_or_default();
-        let gradients: Vec<_> = details.iter().map(|m| joining::gradient(image, m, style.price)).collect();
+        let gradients: Vec<_> =
+            details.iter().map(|m| joining::gradient(image, m, style.price, grid)).collect();
         let base_gradient = gradients.first().copied().flatten();
         let mut painted = Vec::new();
         for (i, &colour) in colours.iter().enumerate() {
@@ -134,9 +138,9 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
             base,
             gradient: base_gradient,
             category: CategoryId(0),
-            area: mask.area(),
-            centroid: centroid(&mask),
-            compactness: round(outline.compactness()),
+            area: grid.pixel_area(&mask),
+            centroid: grid.centroid(&mask),
+            compactness: to_four_digits(outline.compactness()),
             clipped: false,
             details: painted,
             outline,
@@ -147,37 +151,30 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
         let Patch { mask, colour, difference } = &pieces.secondaries[k];
         let speck = mask.area() <= SPECK;
         Secondary {
-            outline: if speck { alone(mask) } else { whole[primary_count + k + 1].clone() },
+            outline: if speck { alone(mask, grid) } else { whole[primary_count + k + 1].clone() },
             colour: style.palette.nearest(*colour),
             difference: *difference,
-            area: mask.area(),
-            centroid: centroid(mask),
+            area: grid.pixel_area(mask),
+            centroid: grid.centroid(mask),
         }
     });
     Shapes { secondaries: secondaries.into_iter().filter(|s| !s.outline.is_empty()).collect(), primaries }
 }
 
 /// The outline of a mask traced by itself, of the mask's area.
-fn alone(mask: &Mask) -> Outline {
+fn alone(mask: &Mask, grid: Grid) -> Outline {
     let Some((x0, y0, x1, y1)) = mask.bounds() else { return Outline::default() };
     let mut map = LabelMap::filled((x1 - x0 + 2) as u32, (y1 - y0 + 2) as u32, 0);
     let corner = (1 - x0, 1 - y0);
     map.fill(&mask.shifted(corner.0, corner.1), 1);
     let planar = PlanarMap::trace(map.width, map.height, &map.labels);
-    let outline = FittedMap::new(planar, 0.5, 1, 1, |l| l).outlines(1, |l| l).swap_remove(1);
+    let scale = Scale { tolerance: 0.5, cells: grid.along() };
+    let fitted = FittedMap::with_edges(planar, scale, 1, 1, |l| l, |_, _, _, _| 0.0);
+    let outline = fitted.outlines(1, |l| l).swap_remove(1);
     // Rounding the corners of a few pixels takes a good part of them, and with it contrast.
-    let grow = libm::sqrt(f64::from(mask.area()) / outline.area().max(0.1)).min(1.4);
-    let [cx, cy] = centroid(mask);
+    let grow = libm::sqrt(f64::from(mask.area()) / grid.area() / outline.area().max(0.1)).min(1.4);
+    let [cx, cy] = grid.centroid(mask);
     let about = Affine::translate((cx, cy)) * Affine::scale(grow) * Affine::translate((-cx, -cy));
-    let back = Affine::translate((-f64::from(corner.0), -f64::from(corner.1)));
+    let back = Affine::translate((-f64::from(corner.0) / grid.along(), -f64::from(corner.1) / grid.along()));
     Outline::new(&(about * back * outline.path())).unwrap_or_default()
-}
-
-fn centroid(mask: &Mask) -> [f64; 2] {
-    mask.centroid().map_or([0.0; 2], |(x, y)| [round(x), round(y)])
-}
-
-/// To four digits, so that files stay small.
-fn round(v: f64) -> f64 {
-    libm::round(v * 1e4) / 1e4
 }

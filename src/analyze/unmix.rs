@@ -4,32 +4,34 @@
 //! along the rim of a texton, a detail of its own or a secondary; but the mixture comes back by
 //! itself wherever a smooth outline is drawn. Edges are still sought in the photograph.
 
+use super::grid::Grid;
 use crate::raster::LabelMap;
 use image::{Rgb, RgbImage};
 
-/// Rings of pixels on each side of a border that may be mixed.
-const RINGS: u8 = LEAST.len() as u8;
+/// How far from a border pixels may be mixed, in pixels.
+const DEPTH: u32 = 2;
 /// How far a pixel looks for what its side and the other look like.
 const REACH: i32 = 3;
 /// Smallest distance of the two colours (8-bit steps) that can mix.
 const CONTRAST: f32 = 12.0;
-/// Share of its own side that a pixel of the first and of the second ring has at least: one with
-/// less is no mixture but counts to the wrong side, as a gap between petals may.
-const LEAST: [f32; 2] = [0.35, 0.65];
+/// Share of its own side that a pixel has at least, at the border and for each pixel further in: one
+/// with less is no mixture but counts to the wrong side, as a gap between petals may.
+const LEAST: [f32; 2] = [0.2, 0.3];
 /// A mixture lies this close to the line between the colours: steps, and share of its length.
 const OFF: [f32; 2] = [8.0, 0.2];
 
-/// The image, without mixtures of two labels along their borders.
-pub(super) fn unmixed(image: &RgbImage, labels: &LabelMap) -> RgbImage {
-    let rings = rings(labels);
+/// The enlarged image, without mixtures of two labels along their borders.
+pub(super) fn unmixed(image: &RgbImage, labels: &LabelMap, grid: Grid) -> RgbImage {
+    let depth = (DEPTH * grid.cells) as u8;
+    let rings = rings(labels, depth);
     let mut clean = image.clone();
     // From the inner rings outwards: the inner, made clean, tell what the outer should be.
-    for ring in (1..=RINGS).rev() {
+    for ring in (1..=depth).rev() {
         let before = clean.clone();
         for y in 0..labels.height {
             for x in 0..labels.width {
                 if rings[(y * labels.width + x) as usize] == ring
-                    && let Some(own) = mixture(&before, labels, &rings, [x as i32, y as i32], ring)
+                    && let Some(own) = mixture(&before, labels, &rings, [x as i32, y as i32], grid)
                 {
                     clean.put_pixel(x, y, own);
                 }
@@ -39,12 +41,12 @@ pub(super) fn unmixed(image: &RgbImage, labels: &LabelMap) -> RgbImage {
     clean
 }
 
-/// For each pixel 1 at the border of its label, 2 beside such a pixel of its label, up to
-/// [`RINGS`]; one more further inside.
-fn rings(labels: &LabelMap) -> Vec<u8> {
+/// For each cell 1 at the border of its label, 2 beside such a cell of its label, up to `depth`; one
+/// more further inside.
+fn rings(labels: &LabelMap, depth: u8) -> Vec<u8> {
     let (w, h) = (i64::from(labels.width), i64::from(labels.height));
-    let mut rings = vec![RINGS + 1; labels.labels.len()];
-    for ring in 1..=RINGS {
+    let mut rings = vec![depth + 1; labels.labels.len()];
+    for ring in 1..=depth {
         let before = rings.clone();
         for y in 0..h {
             for x in 0..w {
@@ -57,7 +59,7 @@ fn rings(labels: &LabelMap) -> Vec<u8> {
                         && before[((y + dy) * w + x + dx) as usize] == ring - 1;
                     other.is_some_and(|l| l != own) || beside
                 };
-                if before[i] > RINGS && [(-1, 0), (1, 0), (0, -1), (0, 1)].into_iter().any(near) {
+                if before[i] > depth && [(-1, 0), (1, 0), (0, -1), (0, 1)].into_iter().any(near) {
                     rings[i] = ring;
                 }
             }
@@ -66,14 +68,21 @@ fn rings(labels: &LabelMap) -> Vec<u8> {
     rings
 }
 
-/// The colour of the pixel's own side, if it shows a mixture of both sides.
-fn mixture(image: &RgbImage, labels: &LabelMap, rings: &[u8], [x, y]: [i32; 2], ring: u8) -> Option<Rgb<u8>> {
+/// The colour of the cell's own side, if it shows a mixture of both sides.
+fn mixture(
+    image: &RgbImage,
+    labels: &LabelMap,
+    rings: &[u8],
+    [x, y]: [i32; 2],
+    grid: Grid,
+) -> Option<Rgb<u8>> {
     let at = |x: i32, y: i32| (y * labels.width as i32 + x) as usize;
-    let own_label = labels.labels[at(x, y)];
+    let (own_label, ring) = (labels.labels[at(x, y)], rings[at(x, y)]);
+    let cells = grid.cells as i32;
     let (mut own, mut other) = (Mean::default(), Mean::default());
     for dy in -REACH..=REACH {
         for dx in -REACH..=REACH {
-            let (px, py) = (x + dx, y + dy);
+            let (px, py) = (x + dx * cells, y + dy * cells);
             let inside = px >= 0 && py >= 0 && px < labels.width as i32 && py < labels.height as i32;
             if !inside || dx * dx + dy * dy > REACH * REACH {
                 continue;
@@ -85,7 +94,7 @@ fn mixture(image: &RgbImage, labels: &LabelMap, rings: &[u8], [x, y]: [i32; 2], 
                 if rings[i] > ring {
                     own.add(colour, distance);
                 }
-            } else if rings[i] > 1 {
+            } else if i32::from(rings[i]) > cells {
                 other.add(colour, distance);
             }
         }
@@ -100,7 +109,7 @@ fn mixture(image: &RgbImage, labels: &LabelMap, rings: &[u8], [x, y]: [i32; 2], 
     }
     let share = (0..3).map(|c| (here[c] - other[c]) * line[c]).sum::<f32>() / length2;
     let off2: f32 = (0..3).map(|c| here[c] - other[c] - share * line[c]).map(|v| v * v).sum();
-    let least = LEAST[usize::from(ring) - 1];
+    let least = LEAST[0] + LEAST[1] * (f32::from(ring) - 0.5) / cells as f32;
     let mixed = share < 0.98 && share > least && off2.sqrt() < OFF[0] + OFF[1] * length;
     mixed.then(|| Rgb(own.map(|v| (v + 0.5) as u8)))
 }
@@ -150,7 +159,7 @@ mod tests {
     fn both_sides_get_their_own_colour() {
         for blur in [0.5, 1.0, 1.5] {
             let (image, labels) = disc(blur);
-            let clean = unmixed(&image, &labels);
+            let clean = unmixed(&image, &labels, Grid { cells: 1 });
             for (x, y, pixel) in clean.enumerate_pixels() {
                 let wanted = if labels.get(x, y) == 1 { STONE } else { GROUND };
                 for c in 0..3 {
@@ -165,13 +174,13 @@ mod tests {
         let (mut image, labels) = disc(0.5);
         // A dark line along the rim, darker than both sides.
         let dark = Rgb([5, 5, 5]);
-        let rings = rings(&labels);
+        let rings = rings(&labels, 2);
         for (i, pixel) in image.pixels_mut().enumerate() {
             if rings[i] == 1 && labels.labels[i] == 1 {
                 *pixel = dark;
             }
         }
-        let clean = unmixed(&image, &labels);
+        let clean = unmixed(&image, &labels, Grid { cells: 1 });
         let kept = (0..1600).filter(|&i| rings[i] == 1 && labels.labels[i] == 1);
         assert!(kept.clone().count() > 40);
         for i in kept {

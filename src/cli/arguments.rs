@@ -606,7 +606,7 @@ pub(crate) struct AnalyzeFlags {
     /// Scale of details: larger means fewer [0 to 10000, default: 10]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) detail_scale: Option<f64>,
-    /// Smoothing before details are sought, px [0 to 10, default: 0.95]
+    /// Smoothing before details are sought, px [0 to 10, default: 0.7]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) detail_sigma: Option<f64>,
     /// Smallest detail, px of area [1 to 10000, default: 3]
@@ -649,6 +649,10 @@ pub(crate) struct AnalyzeFlags {
     /// Most elements and details together; 0: as many as there are [0 to 10000000, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) max_paths: Option<u32>,
+    /// Cells along each side of a pixel, on which small shapes are told apart; 0: as fits the
+    /// photograph [0 to 4, default: 0]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) cells: Option<u32>,
     /// The photograph tiles: opposite borders join [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]

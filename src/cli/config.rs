@@ -406,6 +406,7 @@ mod tests {
             ("synth", "scale-jitter", "0", "50"),
             ("analyze", "colors", "0", "4096"),
             ("analyze", "max-paths", "0", "10000000"),
+            ("analyze", "cells", "0", "4"),
             ("svg", "precision", "0", "6"),
             ("render", "scale", "0.01", "100"),
         ] {

@@ -12,54 +12,74 @@ use crate::parallel;
 use kurbo::{Point, Vec2};
 use std::collections::BTreeMap;
 
-/// Rounds of the filter.
+/// Rounds of the filter for each cell along a pixel.
 const ROUNDS: usize = 6;
 /// Steps of the filter (Taubin 1995): shrink, then grow a little more.
 const STEPS: [f64; 2] = [0.5, -0.52];
-/// Furthest way of a point from its crack middle, in pixels.
+/// Furthest way of a point from its crack middle, in pixels of the image.
 const REACH: f64 = 0.5;
-/// Furthest way from there to the edge in the image, in pixels.
+/// Furthest way from there to the edge in the image, in pixels of the image.
 const FURTHEST: f64 = 0.6;
 /// Rounds that even out these ways between neighbours.
 const EVEN: usize = 4;
 
-/// Points of every arc before and after relaxing. Open arcs begin and end at their junctions.
-/// Corners of the arcs for which `soft` holds are rounded like the rest. Relaxed points move on to
-/// the edge that `edge` finds: given a point, a unit normal from left to right and both labels, the
-/// distance along the normal.
-pub(super) fn sample_all(
-    map: &PlanarMap,
-    junctions: &Junctions,
-    soft: impl Fn(&Arc) -> bool,
-    edge: impl Fn(Point, Vec2, u32, u32) -> f64 + Sync,
-) -> (Vec<Vec<Point>>, Vec<Vec<Point>>) {
-    let mut rough: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
-    let fixed: Vec<Vec<bool>> = (rough.iter().zip(&map.arcs))
-        .map(|(p, arc)| if soft(arc) { vec![false; p.len()] } else { corners(p, arc.closed) })
-        .collect();
-    let mut smooth = rough.clone();
-    for round in 0..2 * ROUNDS {
-        relax(map, &mut smooth, &rough, &fixed, junctions, STEPS[round % 2]);
-    }
-    // Both ways an arc ends where its junction has moved to, so that all that meet there meet.
-    for ((rough, smooth), _) in rough.iter_mut().zip(&smooth).zip(&map.arcs).filter(|(_, arc)| !arc.closed) {
-        let last = rough.len() - 1;
-        (rough[0], rough[last]) = (smooth[0], smooth[last]);
-    }
-    for (points, arc) in
-        smooth.iter_mut().zip(&map.arcs).filter(|(_, arc)| arc.closed && !borders_outside(arc))
-    {
-        keep_area(points, map.points_of(arc));
-    }
-    let indices: Vec<usize> = (0..smooth.len()).collect();
-    let smooth = parallel::map(&indices, |&i| {
-        let arc = &map.arcs[i];
-        if borders_outside(arc) {
-            return smooth[i].clone();
+/// The points of every arc of a map. Open arcs begin and end at their junctions, in all ways alike.
+pub(super) struct Samples {
+    /// The middles of cracks.
+    pub(super) rough: Vec<Vec<Point>>,
+    /// Relaxed within the cells around, so that next to nothing crosses.
+    pub(super) calm: Vec<Vec<Point>>,
+    /// Relaxed within the pixels around and moved on to the edges of the image.
+    pub(super) moved: Vec<Vec<Point>>,
+}
+
+impl Samples {
+    /// Samples the arcs of a map of `cells` along a pixel of the image. Corners of the arcs for which
+    /// `soft` holds are rounded like the rest. Relaxed points move on to the edge that `edge` finds:
+    /// given a point, a unit normal from left to right and both labels, the distance along the normal.
+    pub(super) fn new(
+        map: &PlanarMap,
+        junctions: &Junctions,
+        cells: f64,
+        soft: impl Fn(&Arc) -> bool,
+        edge: impl Fn(Point, Vec2, u32, u32) -> f64 + Sync,
+    ) -> Self {
+        let mut rough: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
+        let fixed: Vec<Vec<bool>> = (rough.iter().zip(&map.arcs))
+            .map(|(p, arc)| if soft(arc) { vec![false; p.len()] } else { corners(p, arc.closed, cells) })
+            .collect();
+        let relaxed = |reach: f64| {
+            let mut points = rough.clone();
+            for round in 0..2 * ROUNDS * cells as usize {
+                relax(map, &mut points, &rough, &fixed, junctions, reach, STEPS[round % 2]);
+            }
+            let inner = |arc: &Arc| arc.closed && !borders_outside(arc);
+            for (points, arc) in points.iter_mut().zip(&map.arcs).filter(|(_, arc)| inner(arc)) {
+                keep_area(points, map.points_of(arc));
+            }
+            points
+        };
+        let smooth = relaxed(REACH * cells);
+        let mut calm = if cells > 1.0 { relaxed(REACH) } else { smooth.clone() };
+        // Every way an arc ends where its junction has moved to, so that all that meet there meet.
+        for other in [&mut rough, &mut calm] {
+            for ((points, smooth), _) in
+                other.iter_mut().zip(&smooth).zip(&map.arcs).filter(|(_, arc)| !arc.closed)
+            {
+                let last = points.len() - 1;
+                (points[0], points[last]) = (smooth[0], smooth[last]);
+            }
         }
-        to_edge(&smooth[i], arc.closed, |at, normal| edge(at, normal, arc.left, arc.right))
-    });
-    (rough, smooth)
+        let indices: Vec<usize> = (0..smooth.len()).collect();
+        let moved = parallel::map(&indices, |&i| {
+            let arc = &map.arcs[i];
+            if borders_outside(arc) {
+                return smooth[i].clone();
+            }
+            to_edge(&smooth[i], arc.closed, cells, |at, normal| edge(at, normal, arc.left, arc.right))
+        });
+        Self { rough, calm, moved }
+    }
 }
 
 /// Unit vectors to the right of a curve at its points; at the ends of an open one from the end and
@@ -81,12 +101,18 @@ fn beside(n: usize, closed: bool, i: usize) -> [usize; 2] {
 
 /// Points moved along their normals by as much as `distance` says, evened out between neighbours;
 /// the ends of an open arc stay.
-fn to_edge(points: &[Point], closed: bool, distance: impl Fn(Point, Vec2) -> f64) -> Vec<Point> {
+fn to_edge(points: &[Point], closed: bool, cells: f64, distance: impl Fn(Point, Vec2) -> f64) -> Vec<Point> {
     let n = points.len();
     let normals = normals(points, closed);
     let moves = |i: usize| closed || (i > 0 && i + 1 < n);
     let mut away: Vec<f64> = (0..n)
-        .map(|i| if moves(i) { distance(points[i], normals[i]).clamp(-FURTHEST, FURTHEST) } else { 0.0 })
+        .map(|i| {
+            if moves(i) {
+                distance(points[i], normals[i]).clamp(-FURTHEST * cells, FURTHEST * cells)
+            } else {
+                0.0
+            }
+        })
         .collect();
     for _ in 0..EVEN {
         let before = away.clone();
@@ -111,28 +137,28 @@ fn middles(map: &PlanarMap, arc: &Arc) -> Vec<Point> {
     points
 }
 
-/// Points where the curve turns by more than about 50° over five points each way: a corner of the
-/// thing, not of a pixel.
-fn corners(points: &[Point], closed: bool) -> Vec<bool> {
-    const SPAN: isize = 5;
+/// Points where the curve turns by more than about 50° over five pixels of the image each way: a corner
+/// of the thing, not of a pixel.
+fn corners(points: &[Point], closed: bool, cells: f64) -> Vec<bool> {
+    let span = (5.0 * cells) as isize;
     const COSINE: f64 = 0.64;
     let n = points.len() as isize;
     let mut found = vec![false; points.len()];
-    if n < 3 * SPAN {
+    if n < 3 * span {
         return found;
     }
     let at = |i: isize| points[i.rem_euclid(n) as usize];
     let cosine = |i: isize| -> f64 {
-        if !closed && (i < SPAN || i + SPAN >= n) {
+        if !closed && (i < span || i + span >= n) {
             return 1.0;
         }
-        let (a, b) = (at(i) - at(i - SPAN), at(i + SPAN) - at(i));
+        let (a, b) = (at(i) - at(i - span), at(i + span) - at(i));
         a.dot(b) / libm::sqrt(a.hypot2() * b.hypot2()).max(1e-9)
     };
     let cosines: Vec<f64> = (0..n).map(cosine).collect();
     let get = |i: isize| if closed || (0..n).contains(&i) { cosines[i.rem_euclid(n) as usize] } else { 1.0 };
     for i in 0..n {
-        let sharpest = (1..=SPAN).all(|k| get(i) < get(i - k) && get(i) <= get(i + k));
+        let sharpest = (1..=span).all(|k| get(i) < get(i - k) && get(i) <= get(i + k));
         found[i as usize] = get(i) < COSINE && sharpest;
     }
     found
@@ -145,6 +171,7 @@ fn relax(
     rough: &[Vec<Point>],
     fixed: &[Vec<bool>],
     junctions: &Junctions,
+    reach: f64,
     step: f64,
 ) {
     // Junctions first, from the points around them as they are.
@@ -177,7 +204,7 @@ fn relax(
             if !fixed[i][k] {
                 let away = here + (before.midpoint(after) - here) * step - rough[i][k];
                 let length = libm::sqrt(away.hypot2());
-                p[k] = rough[i][k] + if length > REACH { away * (REACH / length) } else { away };
+                p[k] = rough[i][k] + if length > reach { away * (reach / length) } else { away };
             }
             before = here;
         }

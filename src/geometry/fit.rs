@@ -27,13 +27,13 @@ impl Piece {
 /// curve, or `None` to estimate them. With `corners`, sharp turns in between stay corners.
 pub(super) fn fit_open(
     points: &[Point],
-    corners: bool,
+    corners: Option<usize>,
     [start, end]: [Option<Vec2>; 2],
     tolerance: f64,
 ) -> Vec<Piece> {
     let mut out = Vec::new();
     let mut from = 0;
-    let corners = if corners { self::corners(points, false) } else { Vec::new() };
+    let corners = corners.map_or(Vec::new(), |reach| self::corners(points, false, reach));
     for &to in corners.iter().chain([&(points.len() - 1)]) {
         if to > from {
             let first = if from == 0 { start } else { None };
@@ -47,9 +47,9 @@ pub(super) fn fit_open(
 
 /// Fits a closed curve through `points` (the last is not a repeat of the first; at least three).
 /// Gives the starting point and the pieces, which end there.
-pub(super) fn fit_closed(points: &[Point], corners: bool, tolerance: f64) -> (Point, Vec<Piece>) {
+pub(super) fn fit_closed(points: &[Point], corners: Option<usize>, tolerance: f64) -> (Point, Vec<Piece>) {
     let n = points.len();
-    let corners = if corners { self::corners(points, true) } else { Vec::new() };
+    let corners = corners.map_or(Vec::new(), |reach| self::corners(points, true, reach));
     let first = corners.first().copied().unwrap_or(0);
     let mut turned: Vec<Point> = points[first..].iter().chain(&points[..=first]).copied().collect();
     let tangent = if corners.is_empty() {
@@ -83,31 +83,30 @@ fn unit(v: Vec2) -> Option<Vec2> {
     (length > 1e-9).then(|| v / length)
 }
 
-/// Indices where the direction turns by more than about 55° within four samples and stays turned.
-fn corners(points: &[Point], closed: bool) -> Vec<usize> {
-    const REACH: usize = 4;
+/// Indices where the direction turns by more than about 55° within `reach` samples and stays turned.
+fn corners(points: &[Point], closed: bool, reach: usize) -> Vec<usize> {
     const COSINE: f64 = 0.57;
     let n = points.len();
-    if n < 2 * REACH + 1 + if closed { 2 * REACH } else { 0 } {
+    if n < 2 * reach + 1 + if closed { 2 * reach } else { 0 } {
         return Vec::new();
     }
     let at = |i: usize, offset: isize| points[(i as isize + offset).rem_euclid(n as isize) as usize];
     let sharpness = |i: usize| -> f64 {
-        let before = at(i, 0) - at(i, -(REACH as isize));
-        let after = at(i, REACH as isize) - at(i, 0);
+        let before = at(i, 0) - at(i, -(reach as isize));
+        let after = at(i, reach as isize) - at(i, 0);
         match (unit(before), unit(after)) {
             (Some(a), Some(b)) => a.dot(b),
             _ => 1.0,
         }
     };
-    let range = if closed { 0..n } else { REACH..n - REACH };
+    let range = if closed { 0..n } else { reach..n - reach };
     let cosines: Vec<f64> = (0..n).map(|i| if range.contains(&i) { sharpness(i) } else { 1.0 }).collect();
     let mut found: Vec<usize> = Vec::new();
     for i in range {
         if cosines[i] >= COSINE {
             continue;
         }
-        let sharpest = (1..=REACH as isize).all(|k| {
+        let sharpest = (1..=reach as isize).all(|k| {
             let get = |o: isize| {
                 let j = i as isize + o;
                 if closed {

@@ -1,19 +1,19 @@
 //! A planar map with smooth arcs: the outlines of all its faces, borders shared.
 //!
 //! Each arc is sampled at the middles of its cracks, fitted once, and used by both sides, so that
-//! neighbours meet without a gap. A face whose outline would cross itself has its arcs fitted more
-//! tightly, in the end as the polyline through the samples, which cannot cross itself.
+//! neighbours meet without a gap. Where the outline of a face would cross itself, the arcs that cross
+//! are fitted more tightly, in the end as polylines through the middles of cracks, which cannot cross.
 
-use super::arc_samples::{Junctions, normals, sample_all};
+use super::arc_samples::{Junctions, Samples, normals};
 use super::fit::{Piece, fit_closed, fit_open};
-use super::simple::is_simple;
+use super::simple::{crossing_elements, is_simple};
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap, Ring};
 use super::{Outline, STEP};
 use crate::parallel;
 use kurbo::{BezPath, Point, Shape, Vec2};
 use std::collections::BTreeMap;
 
-/// How far an earlier face reaches beneath a later one, in pixels.
+/// How far an earlier face reaches beneath a later one, in pixels of the image.
 const UNDERLAP: f64 = 0.6;
 
 /// A planar map whose arcs are smooth curves.
@@ -22,7 +22,16 @@ pub struct FittedMap {
     arcs: Vec<Curve>,
     /// Kept to fit variants of arcs.
     samples: Vec<Vec<Point>>,
-    tolerance: f64,
+    scale: Scale,
+}
+
+/// How fine a map is and how closely it is followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
+    /// Largest distance of a curve to what is traced, in pixels of the image.
+    pub tolerance: f64,
+    /// Cells of the map along each side of a pixel. Outlines are in pixels.
+    pub cells: f64,
 }
 
 /// A fitted arc.
@@ -32,8 +41,11 @@ struct Curve {
     pieces: Vec<Piece>,
 }
 
-/// Fits, from loose to exact.
-const TIGHTNESS: [f64; 3] = [1.0, 0.4, 0.0];
+/// Fits, from loose to exact: shares of the tolerance, and whether through points that moved on to the
+/// edges of the image. What still crosses becomes the polyline through the middles of the cracks.
+const FITS: [(f64, bool); 3] = [(1.0, true), (0.4, true), (0.4, false)];
+/// Pixels on either side of a corner.
+const CORNER: f64 = 4.0;
 
 impl FittedMap {
     /// Fits every arc of a planar map within `tolerance` pixels. `group` joins labels: where a
@@ -46,15 +58,17 @@ impl FittedMap {
         groups: usize,
         group: impl Fn(u32) -> u32 + Sync,
     ) -> Self {
-        Self::with_edges(map, tolerance, count, groups, group, |_, _, _, _| 0.0)
+        let scale = Scale { tolerance, cells: 1.0 };
+        Self::with_edges(map, scale, count, groups, group, |_, _, _, _| 0.0)
     }
 
-    /// As [`FittedMap::new`], where something knows better than the pixels where edges are: given a
-    /// point of a border, a unit normal there from left to right, and the labels left and right,
-    /// `edge` gives the distance of the edge along the normal, in pixels.
+    /// As [`FittedMap::new`], of a map that may be finer than the image, and where something knows
+    /// better than its cells where edges are: given a point of a border, a unit normal there from left
+    /// to right, and the labels left and right, `edge` gives the distance of the edge along the
+    /// normal, all in pixels.
     pub fn with_edges(
         map: PlanarMap,
-        tolerance: f64,
+        scale: Scale,
         count: usize,
         groups: usize,
         group: impl Fn(u32) -> u32 + Sync,
@@ -65,18 +79,24 @@ impl FittedMap {
         };
         let junctions = Junctions::new(&map, rank);
         let soft = |arc: &Arc| rank(arc.left, arc.right) == 0;
-        let (rough, samples) = sample_all(&map, &junctions, soft, edge);
+        let cells = scale.cells;
+        let edge = |at: Point, normal, left, right| {
+            edge((at.to_vec2() / cells).to_point(), normal, left, right) * cells
+        };
+        let Samples { rough, calm, moved } = Samples::new(&map, &junctions, cells, soft, edge);
         let indices: Vec<usize> = (0..map.arcs.len()).collect();
         let fit = |i: usize, level: usize| {
             let arc = &map.arcs[i];
             if arc.left == OUTSIDE || arc.right == OUTSIDE {
-                return along_border(map.points_of(arc));
+                return along_border(map.points_of(arc), cells);
             }
-            if level + 1 == TIGHTNESS.len() {
-                return polyline(&rough[i], arc.closed);
-            }
-            let ends = junctions.tangents(&samples, i);
-            fit_arc(&samples[i], arc.closed, !soft(arc), ends, tolerance * TIGHTNESS[level])
+            let Some(&(share, on_edges)) = FITS.get(level) else {
+                return polyline(&rough[i], arc.closed, cells);
+            };
+            let samples = if on_edges { &moved } else { &calm };
+            let ends = junctions.tangents(samples, i);
+            let scale = Scale { tolerance: scale.tolerance * share, cells };
+            fit_arc(&samples[i], arc.closed, !soft(arc), ends, scale)
         };
         let mut arcs = parallel::map(&indices, |&i| fit(i, 0));
         let mut level = vec![0usize; arcs.len()];
@@ -85,16 +105,18 @@ impl FittedMap {
         faces.extend(map.rings(groups, &group));
         let mut suspects: Vec<usize> = (0..faces.len()).filter(|&f| !faces[f].is_empty()).collect();
         while !suspects.is_empty() {
-            let crossing: Vec<bool> = parallel::map(&suspects, |&f| {
-                !is_simple(&path_of(&faces[f], |h| (&arcs[h.arc as usize], h.reversed)))
+            let looser = |i: &usize| level[*i] < FITS.len();
+            let crossing: Vec<Vec<usize>> = parallel::map(&suspects, |&f| {
+                let face = &faces[f];
+                let mut crossing = crossing_arcs(face, &arcs);
+                if !crossing.is_empty() && !crossing.iter().any(looser) {
+                    crossing = face.iter().flatten().map(|h| h.arc as usize).collect();
+                }
+                crossing
             });
-            let mut tighten: Vec<usize> = Vec::new();
-            for (&f, _) in suspects.iter().zip(&crossing).filter(|(_, c)| **c) {
-                tighten.extend(faces[f].iter().flatten().map(|h| h.arc as usize));
-            }
+            let mut tighten: Vec<usize> = crossing.into_iter().flatten().filter(looser).collect();
             tighten.sort_unstable();
             tighten.dedup();
-            tighten.retain(|&i| level[i] + 1 < TIGHTNESS.len());
             let refitted = parallel::map(&tighten, |&i| fit(i, level[i] + 1));
             let mut changed = vec![false; arcs.len()];
             for (&i, curve) in tighten.iter().zip(refitted) {
@@ -105,7 +127,7 @@ impl FittedMap {
                 .filter(|&f| faces[f].iter().flatten().any(|h| changed[h.arc as usize]))
                 .collect();
         }
-        Self { map, arcs, samples, tolerance }
+        Self { map, arcs, samples: moved, scale }
     }
 
     /// The outlines of keys 0 to `count` (0 is empty), where `key` joins labels.
@@ -128,11 +150,10 @@ impl FittedMap {
                 let other = if h.reversed { arc.right } else { arc.left };
                 if other != OUTSIDE && other != 0 && beneath(label as u32, other) {
                     let side = if h.reversed { 1.0 } else { -1.0 };
-                    let points = offset(&self.samples[h.arc as usize], arc.closed, side * UNDERLAP);
-                    widened.insert(
-                        h.arc,
-                        fit_arc(&points, arc.closed, false, [None, None], self.tolerance.max(0.3)),
-                    );
+                    let points =
+                        offset(&self.samples[h.arc as usize], arc.closed, side * UNDERLAP * self.scale.cells);
+                    let scale = Scale { tolerance: self.scale.tolerance.max(0.3), ..self.scale };
+                    widened.insert(h.arc, fit_arc(&points, arc.closed, false, [None, None], scale));
                 }
             }
             let bare = path_of(face, |h| (&self.arcs[h.arc as usize], h.reversed));
@@ -150,6 +171,25 @@ impl FittedMap {
 
 fn outline(path: BezPath) -> Outline {
     Outline::new(&path).unwrap_or_default()
+}
+
+/// The arcs of a face that cross one another.
+fn crossing_arcs(face: &[Ring], arcs: &[Curve]) -> Vec<usize> {
+    let path = path_of(face, |h| (&arcs[h.arc as usize], h.reversed));
+    let crossing = crossing_elements(&path);
+    if crossing.is_empty() {
+        return Vec::new();
+    }
+    let mut arc_of_element = Vec::with_capacity(path.elements().len());
+    for ring in face {
+        let (first, last) = (ring[0].arc, ring[ring.len() - 1].arc);
+        arc_of_element.push(first);
+        for h in ring {
+            arc_of_element.extend(arcs[h.arc as usize].pieces.iter().map(|_| h.arc));
+        }
+        arc_of_element.push(last);
+    }
+    crossing.into_iter().map(|element| arc_of_element[element] as usize).collect()
 }
 
 /// The closed path of a face.
@@ -187,35 +227,39 @@ fn append_reversed(path: &mut BezPath, c: &Curve) {
     }
 }
 
-/// A point on the grid of outlines, so that both sides of an arc round alike.
-fn grid(p: Point) -> Point {
-    Point::new(libm::round(p.x / STEP) * STEP, libm::round(p.y / STEP) * STEP)
+/// A point of the map in pixels, on the grid of outlines, so that both sides of an arc round alike.
+fn grid(p: Point, cells: f64) -> Point {
+    Point::new(libm::round(p.x / cells / STEP) * STEP, libm::round(p.y / cells / STEP) * STEP)
 }
 
-fn fit_arc(points: &[Point], closed: bool, corners: bool, ends: [Option<Vec2>; 2], tolerance: f64) -> Curve {
+fn fit_arc(points: &[Point], closed: bool, sharp: bool, ends: [Option<Vec2>; 2], scale: Scale) -> Curve {
+    let tolerance = scale.tolerance * scale.cells;
+    let corners = sharp.then_some((CORNER * scale.cells) as usize);
     let (start, pieces) = if closed {
         fit_closed(points, corners, tolerance)
     } else {
         (points[0], fit_open(points, corners, ends, tolerance))
     };
     let pieces = pieces.into_iter().map(|piece| match piece {
-        Piece::Line(p) => Piece::Line(grid(p)),
-        Piece::Cubic(a, b, p) => Piece::Cubic(grid(a), grid(b), grid(p)),
+        Piece::Line(p) => Piece::Line(grid(p, scale.cells)),
+        Piece::Cubic(a, b, p) => {
+            Piece::Cubic(grid(a, scale.cells), grid(b, scale.cells), grid(p, scale.cells))
+        }
     });
-    Curve { start: grid(start), pieces: pieces.collect() }
+    Curve { start: grid(start, scale.cells), pieces: pieces.collect() }
 }
 
 /// The border of the image, exactly: straight, with its corners.
-fn along_border(lattice: &[[i32; 2]]) -> Curve {
-    let point = |p: [i32; 2]| Point::new(f64::from(p[0]), f64::from(p[1]));
+fn along_border(lattice: &[[i32; 2]], cells: f64) -> Curve {
+    let point = |p: [i32; 2]| grid(Point::new(f64::from(p[0]), f64::from(p[1])), cells);
     let turns = lattice.windows(3).filter(|w| w[0][0] != w[2][0] && w[0][1] != w[2][1]).map(|w| w[1]);
     let pieces = turns.chain(lattice.last().copied()).map(|p| Piece::Line(point(p))).collect();
     Curve { start: point(lattice[0]), pieces }
 }
 
-fn polyline(points: &[Point], closed: bool) -> Curve {
+fn polyline(points: &[Point], closed: bool, cells: f64) -> Curve {
     let rest = points[1..].iter().chain(closed.then_some(&points[0]));
-    Curve { start: grid(points[0]), pieces: rest.map(|&p| Piece::Line(grid(p))).collect() }
+    Curve { start: grid(points[0], cells), pieces: rest.map(|&p| Piece::Line(grid(p, cells))).collect() }
 }
 
 /// The samples moved sideways (to the right for positive `distance`), the ends kept.
@@ -264,6 +308,7 @@ mod tests {
             (w, h, labels) in maps(),
             tolerance in 0.05..5.0f64,
             unrest in prop_oneof![Just(0.0), 0.0..2.0f64],
+            cells in 1..4u32,
         ) {
             let group = |l: u32| l.div_ceil(2);
             // Edges of an image as rough as can be: every point is drawn somewhere else.
@@ -271,7 +316,8 @@ mod tests {
                 unrest * libm::sin(at.x * 12.9 + at.y * 78.2 + f64::from(left * 7 + right))
             };
             let planar = PlanarMap::trace(w, h, &labels);
-            let fitted = FittedMap::with_edges(planar, tolerance, 5, 3, group, edge);
+            let scale = Scale { tolerance, cells: f64::from(cells) };
+            let fitted = FittedMap::with_edges(planar, scale, 5, 3, group, edge);
             let outlines = fitted.outlines(5, |l| l);
             let groups = fitted.outlines(3, group);
             let stacked = fitted.stacked_outlines(5, |a, b| a < b);
@@ -292,7 +338,7 @@ mod tests {
             }
             // The whole image is tiled: every face beside the image border has its straight edge.
             let all = fitted.outlines(1, |_| 1);
-            prop_assert!((all[1].path().area() - f64::from(w * h)).abs() < 1e-6);
+            prop_assert!((all[1].path().area() * scale.cells * scale.cells - f64::from(w * h)).abs() < 1e-6);
         }
     }
 

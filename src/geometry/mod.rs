@@ -16,7 +16,7 @@ mod simple;
 mod trace;
 
 pub use cage::Cage;
-pub use fitted_map::FittedMap;
+pub use fitted_map::{FittedMap, Scale};
 pub use kurbo::{Affine, BezPath, PathEl, Point, Rect, Vec2};
 pub use outline::{Outline, STEP};
 pub use path_text::{PathText, parse_path, write_path};

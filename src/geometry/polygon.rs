@@ -5,6 +5,9 @@ use super::fit::fit_closed;
 use super::refit::closed;
 use kurbo::{BezPath, PathEl, Point, flatten};
 
+/// Points on either side of a corner.
+const CORNER: usize = 4;
+
 impl Outline {
     /// Its rings as closed polygons within `tolerance` pixels, the first point not repeated at the
     /// end. What has fewer than three points is left out.
@@ -21,7 +24,7 @@ impl Outline {
             if !polygon.iter().all(|p| p.is_finite()) {
                 return None;
             }
-            let (start, pieces) = fit_closed(polygon, true, tolerance);
+            let (start, pieces) = fit_closed(polygon, Some(CORNER), tolerance);
             path.extend(closed(start, &pieces));
         }
         Self::new(&path)

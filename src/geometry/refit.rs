@@ -41,8 +41,10 @@ impl Outline {
                 }
             }
             let kept = (path.area().abs() - area).abs() <= AREA * area;
-            let better = kept && is_simple(&path) && length(&path) < length(self.path());
-            if let Some(outline) = better.then(|| Self::new(&path)).flatten() {
+            let shorter = kept && length(&path) < length(self.path());
+            // Rounding to the grid of outlines may make a path cross itself.
+            let outline = shorter.then(|| Self::new(&path)).flatten();
+            if let Some(outline) = outline.filter(|o| is_simple(o.path())) {
                 return outline;
             }
             tolerance /= 2.0;
@@ -107,7 +109,7 @@ impl Ring {
     fn fits(&self, tolerance: f64) -> Vec<BezPath> {
         let mut fits = vec![self.with_corners(tolerance)];
         if !self.corners.is_empty() {
-            let (start, pieces) = fit_closed(&self.points, false, tolerance);
+            let (start, pieces) = fit_closed(&self.points, None, tolerance);
             fits.push(closed(start, &pieces));
         }
         fits.push(self.polygon(tolerance));
@@ -117,14 +119,14 @@ impl Ring {
     fn with_corners(&self, tolerance: f64) -> BezPath {
         let n = self.points.len();
         let Some(&first) = self.corners.first() else {
-            let (start, pieces) = fit_closed(&self.points, false, tolerance);
+            let (start, pieces) = fit_closed(&self.points, None, tolerance);
             return closed(start, &pieces);
         };
         let mut pieces = Vec::new();
         for (i, &from) in self.corners.iter().enumerate() {
             let to = self.corners.get(i + 1).copied().unwrap_or(first + n);
             let span: Vec<Point> = (from..=to).map(|k| self.points[k % n]).collect();
-            pieces.extend(fit_open(&span, false, [None, None], tolerance));
+            pieces.extend(fit_open(&span, None, [None, None], tolerance));
         }
         closed(self.points[first], &pieces)
     }

@@ -4,41 +4,74 @@ use kurbo::{BezPath, PathEl, Point, flatten};
 
 /// Whether no two edges of the flattened path cross properly. Rings may touch at points.
 pub fn is_simple(path: &BezPath) -> bool {
-    let mut edges: Vec<[Point; 2]> = Vec::new();
-    let (mut start, mut at) = (Point::ORIGIN, Point::ORIGIN);
-    flatten(path.elements().iter().copied(), 0.05, |el| match el {
-        PathEl::MoveTo(p) => (start, at) = (p, p),
-        PathEl::LineTo(p) => {
-            if p != at {
-                edges.push([at, p]);
-            }
-            at = p;
-        }
-        _ => {
-            if at != start {
-                edges.push([at, start]);
-            }
-            at = start;
-        }
+    crossing(path, |_, _| false)
+}
+
+/// Indices of the elements of a path whose flattened edges cross, each once.
+pub(super) fn crossing_elements(path: &BezPath) -> Vec<usize> {
+    let mut found = Vec::new();
+    crossing(path, |a, b| {
+        found.extend([a, b]);
+        true
     });
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// Calls `meet` for pairs of elements that cross, as long as it answers true; whether it never
+/// answered false.
+fn crossing(path: &BezPath, mut meet: impl FnMut(usize, usize) -> bool) -> bool {
+    let edges = edges(path);
     // Sweep along x: only edges whose intervals overlap are compared.
-    let left = |e: &[Point; 2]| e[0].x.min(e[1].x);
-    let right = |e: &[Point; 2]| e[0].x.max(e[1].x);
-    edges.sort_by(|a, b| left(a).total_cmp(&left(b)));
-    for (i, a) in edges.iter().enumerate() {
+    for (i, (a, own)) in edges.iter().enumerate() {
         let end = right(a);
-        for b in &edges[i + 1..] {
+        for (b, other) in &edges[i + 1..] {
             if left(b) > end {
                 break;
             }
             let apart_in_y =
                 a[0].y.max(a[1].y) < b[0].y.min(b[1].y) || b[0].y.max(b[1].y) < a[0].y.min(a[1].y);
-            if !apart_in_y && cross(a, b) {
+            if !apart_in_y && cross(a, b) && !meet(*own, *other) {
                 return false;
             }
         }
     }
     true
+}
+
+/// The edges of the flattened path with the index of their element, from left to right.
+fn edges(path: &BezPath) -> Vec<([Point; 2], usize)> {
+    let mut edges: Vec<([Point; 2], usize)> = Vec::new();
+    let (mut start, mut at) = (Point::ORIGIN, Point::ORIGIN);
+    let mut add = |from: &mut Point, to: Point, element: usize| {
+        if to != *from {
+            edges.push(([*from, to], element));
+        }
+        *from = to;
+    };
+    for (i, &element) in path.elements().iter().enumerate() {
+        match element {
+            PathEl::MoveTo(p) => (start, at) = (p, p),
+            PathEl::ClosePath => add(&mut at, start, i),
+            PathEl::LineTo(p) => add(&mut at, p, i),
+            curve => flatten([PathEl::MoveTo(at), curve], 0.05, |el| {
+                if let PathEl::LineTo(p) = el {
+                    add(&mut at, p, i);
+                }
+            }),
+        }
+    }
+    edges.sort_by(|(a, _), (b, _)| left(a).total_cmp(&left(b)));
+    edges
+}
+
+fn left(e: &[Point; 2]) -> f64 {
+    e[0].x.min(e[1].x)
+}
+
+fn right(e: &[Point; 2]) -> f64 {
+    e[0].x.max(e[1].x)
 }
 
 /// Whether two edges cross at a point inside both.
@@ -63,6 +96,7 @@ mod tests {
         assert!(!is_simple(&path("M0 0l10 10h-10l10-10z")));
         assert!(is_simple(&path("M0 0h10v10h-10zM2 2v6h6v-6z")));
         assert!(!is_simple(&path("M0 0h10v10h-10zM2 2v16h6v-16z")));
+        assert_eq!(crossing_elements(&path("M0 0h10v10h-10zM2 2v16h6v-16z")), [3, 6, 8]);
         assert!(!is_simple(&path("M0 0c20 10-10 10 10 0v-5h-10z")));
     }
 }

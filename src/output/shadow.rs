@@ -5,7 +5,7 @@
 //! blur: corners are rounded, gaps and holes close. All formats paint the same outlines.
 
 use super::png::path_of;
-use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Point, Vec2};
+use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Point, Scale, Vec2};
 use crate::parallel;
 use crate::scene::{Instance, Scene, Shadow};
 use std::collections::BTreeMap;
@@ -95,7 +95,7 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<Layer> {
     let map = PlanarMap::trace(size[0] as u32, size[1] as u32, &labels);
     let fitted = FittedMap::with_edges(
         map,
-        TOLERANCE,
+        Scale { tolerance: TOLERANCE, cells: 1.0 },
         count as usize,
         count as usize,
         |l| l,

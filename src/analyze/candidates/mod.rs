@@ -33,8 +33,8 @@ struct Candidate {
 }
 
 /// Picks disjoint primaries from overlapping masks. Gives a label map in which primary k has
-/// label k + 1 (in the order of their first pixel), and the rim strength of each.
-pub(super) fn select(image: &RgbImage, masks: &[ScoredMask], minimum_area: u32) -> (LabelMap, Vec<f32>) {
+/// label k + 1, in the order of their first pixel.
+pub(super) fn select(image: &RgbImage, masks: &[ScoredMask], minimum_area: u32) -> LabelMap {
     let (w, h) = (image.width() as i32, image.height() as i32);
     let lab = Lab::new(image);
     let pieces: Vec<(Mask, f32)> = masks.iter().flat_map(|m| pieces(m, minimum_area, w, h)).collect();
@@ -263,32 +263,26 @@ fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
 }
 
 /// Paints the kept candidates, better over worse; what is left of each is one connected piece.
-fn paint(
-    candidates: &[Candidate],
-    kept: &[usize],
-    width: u32,
-    height: u32,
-    minimum_area: u32,
-) -> (LabelMap, Vec<f32>) {
+fn paint(candidates: &[Candidate], kept: &[usize], width: u32, height: u32, minimum_area: u32) -> LabelMap {
     let mut order = kept.to_vec();
     order.sort_by(|&a, &b| candidates[a].quality.total_cmp(&candidates[b].quality).then(b.cmp(&a)));
     let mut owner = LabelMap::filled(width, height, 0);
     for (rank, &i) in order.iter().enumerate() {
         owner.fill(&candidates[i].mask, rank as u32 + 1);
     }
-    let mut left: Vec<(Mask, f32)> = Vec::new();
+    let mut left: Vec<Mask> = Vec::new();
     for (rank, visible) in Mask::all_of_labels(&owner, order.len() + 1).into_iter().enumerate().skip(1) {
         let c = &candidates[order[rank - 1]];
         let piece = components_of_mask(&visible, Connectivity::Four).into_iter().max_by_key(Mask::area);
         let piece = piece.filter(|p| p.area() >= minimum_area && p.area() * 2 >= c.area);
-        left.extend(piece.map(|p| (p, c.rim)));
+        left.extend(piece);
     }
-    left.sort_by_key(|(m, _)| m.spans().first().map(|s| (s.y, s.x0)));
+    left.sort_by_key(|m| m.spans().first().map(|s| (s.y, s.x0)));
     let mut map = LabelMap::filled(width, height, 0);
-    for (k, (mask, _)) in left.iter().enumerate() {
+    for (k, mask) in left.iter().enumerate() {
         map.fill(mask, k as u32 + 1);
     }
-    (map, left.into_iter().map(|(_, rim)| rim).collect())
+    map
 }
 
 #[cfg(test)]
