@@ -78,13 +78,32 @@ pub(super) fn place(
     placed
 }
 
-/// In the colour of the ground beneath them plus their own difference.
+/// In the colour of the ground beneath them plus their own difference, within the tones of their
+/// exemplar: dark flecks of pale ground would be darker on dark ground than anything seen.
 pub(super) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interpolant) -> Vec<Placed> {
+    let tones: Vec<[[f64; 2]; 3]> = libraries.iter().map(tones).collect();
     parallel::map(&placed, |p| {
         let difference = libraries[p.library].secondaries.textons[p.secondary as usize].difference;
         let ground = field.at(f64::from(p.at[0]), f64::from(p.at[1]));
-        let colour = [0, 1, 2].map(|c| ground[c] + f64::from(difference[c]));
+        let colour = [0, 1, 2].map(|c| {
+            let [least, most] = tones[p.library][c];
+            (ground[c] + f64::from(difference[c])).clamp(least, most)
+        });
         Placed { colour: coarse(colour), ..*p }
+    })
+}
+
+/// Least and most of each component among the secondaries of a library, but for one in a hundred at
+/// either end.
+fn tones(library: &Library) -> [[f64; 2]; 3] {
+    [0, 1, 2].map(|c| {
+        let mut values: Vec<u8> = library.secondaries.textons.iter().map(|s| s.colour.0[c]).collect();
+        values.sort_unstable();
+        let beyond = values.len() / 100;
+        match (values.get(beyond), values.len().checked_sub(beyond + 1)) {
+            (Some(&least), Some(last)) => [f64::from(least), f64::from(values[last])],
+            _ => [0.0, 255.0],
+        }
     })
 }
 
