@@ -407,4 +407,20 @@ mod tests {
         let density = points.len() as f64 / 1e4;
         assert!((density / POISSON_DENSITY - 1.0).abs() < 0.01, "{density}");
     }
+
+    #[test]
+    fn no_secondary_is_darker_or_lighter_than_those_of_the_exemplar() {
+        let textons = |r: u8| crate::library::Secondary {
+            outline: crate::geometry::Outline::default(),
+            colour: crate::raster::colour::Colour([r, 90, 200]),
+            difference: [-60, 0, 60],
+            area: 4,
+            centroid: [0.0; 2],
+        };
+        let mut library = crate::synth::testing::library(&crate::raster::LabelMap::filled(8, 8, 0));
+        library.secondaries.textons.clear();
+        assert_eq!(tones(&library), [[0.0, 255.0]; 3]);
+        library.secondaries.textons = (0..=200).map(textons).collect();
+        assert_eq!(tones(&library), [[2.0, 198.0], [90.0, 90.0], [200.0, 200.0]]);
+    }
 }
