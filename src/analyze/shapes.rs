@@ -21,6 +21,12 @@ use image::RgbImage;
 /// often pieces of stems and rims, which traced apart would fall into beads.
 const SPECK: u32 = 5;
 
+/// How far a detail reaches beneath those of its primary that are painted later, in pixels.
+const BENEATH: f64 = 0.6;
+/// How far a secondary reaches into its neighbours, in pixels: drawn side by side without, a hair of the
+/// ground would show between them.
+const JOINT: f64 = 0.15;
+
 /// A flat patch between the primaries.
 #[derive(Clone)]
 pub(super) struct Patch {
@@ -110,8 +116,15 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
         edges.distance(at, normal, l, r)
     });
     let whole = fitted.outlines(group_count, group);
-    let stacked =
-        fitted.stacked_outlines(first_secondary - 1, |own, other| group(own) == group(other) && own < other);
+    let stacked = fitted.stacked_outlines(count, |own, other| {
+        let detail = (own as usize) < first_secondary;
+        match (detail, group(own) == group(other)) {
+            (true, true) if own < other => BENEATH,
+            // Whichever is painted first, the joint is covered.
+            (false, _) if own < other || (other as usize) < first_secondary => JOINT,
+            _ => 0.0,
+        }
+    });
     let mut primaries = Vec::with_capacity(primary_count);
     let mut label = 1;
     for (k, details) in ordered.iter().enumerate() {
@@ -151,7 +164,7 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
         let Patch { mask, colour, difference } = &pieces.secondaries[k];
         let speck = mask.area() <= SPECK;
         Secondary {
-            outline: if speck { alone(mask, grid) } else { whole[primary_count + k + 1].clone() },
+            outline: if speck { alone(mask, grid) } else { stacked[first_secondary + k].clone() },
             colour: style.palette.nearest(*colour),
             difference: *difference,
             area: grid.pixel_area(mask),

@@ -84,7 +84,7 @@ impl Samples {
 
 /// Unit vectors to the right of a curve at its points; at the ends of an open one from the end and
 /// the point beside it.
-pub(super) fn normals(points: &[Point], closed: bool) -> Vec<Vec2> {
+fn normals(points: &[Point], closed: bool) -> Vec<Vec2> {
     let normal = |i: usize| {
         let [last, next] = beside(points.len(), closed, i);
         let along = points[next] - points[last];

@@ -4,7 +4,7 @@
 //! neighbours meet without a gap. Where the outline of a face would cross itself, the arcs that cross
 //! are fitted more tightly, in the end as polylines through the middles of cracks, which cannot cross.
 
-use super::arc_samples::{Junctions, Samples, normals};
+use super::arc_samples::{Junctions, Samples};
 use super::fit::{Piece, fit_closed, fit_open};
 use super::simple::{crossing_elements, is_simple};
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap, Ring};
@@ -13,16 +13,10 @@ use crate::parallel;
 use kurbo::{BezPath, Point, Shape, Vec2};
 use std::collections::BTreeMap;
 
-/// How far an earlier face reaches beneath a later one, in pixels of the image.
-const UNDERLAP: f64 = 0.6;
-
 /// A planar map whose arcs are smooth curves.
 pub struct FittedMap {
     map: PlanarMap,
     arcs: Vec<Curve>,
-    /// Kept to fit variants of arcs.
-    samples: Vec<Vec<Point>>,
-    scale: Scale,
 }
 
 /// How fine a map is and how closely it is followed.
@@ -127,7 +121,7 @@ impl FittedMap {
                 .filter(|&f| faces[f].iter().flatten().any(|h| changed[h.arc as usize]))
                 .collect();
         }
-        Self { map, arcs, samples: moved, scale }
+        Self { map, arcs }
     }
 
     /// The outlines of keys 0 to `count` (0 is empty), where `key` joins labels.
@@ -137,9 +131,9 @@ impl FittedMap {
     }
 
     /// The outlines of labels 0 to `count` (0 is empty) for painting one after the other:
-    /// wherever `beneath(own, other)` holds for a neighbour, which must be painted later, the
-    /// outline reaches a little beneath it, so that no background shows through the joint.
-    pub fn stacked_outlines(&self, count: usize, beneath: impl Fn(u32, u32) -> bool + Sync) -> Vec<Outline> {
+    /// the outline reaches `beneath(own, other)` pixels beneath each neighbour, where that is not 0, so
+    /// that no background shows through the joint.
+    pub fn stacked_outlines(&self, count: usize, beneath: impl Fn(u32, u32) -> f64 + Sync) -> Vec<Outline> {
         let rings = self.map.rings(count, |l| l);
         let labels: Vec<usize> = (0..rings.len()).collect();
         parallel::map(&labels, |&label| {
@@ -148,12 +142,10 @@ impl FittedMap {
             for h in face.iter().flatten() {
                 let arc = &self.map.arcs[h.arc as usize];
                 let other = if h.reversed { arc.right } else { arc.left };
-                if other != OUTSIDE && other != 0 && beneath(label as u32, other) {
+                let reach = if other == OUTSIDE || other == 0 { 0.0 } else { beneath(label as u32, other) };
+                if reach > 0.0 {
                     let side = if h.reversed { 1.0 } else { -1.0 };
-                    let points =
-                        offset(&self.samples[h.arc as usize], arc.closed, side * UNDERLAP * self.scale.cells);
-                    let scale = Scale { tolerance: self.scale.tolerance.max(0.3), ..self.scale };
-                    widened.insert(h.arc, fit_arc(&points, arc.closed, false, [None, None], scale));
+                    widened.insert(h.arc, beside(&self.arcs[h.arc as usize], arc.closed, side * reach));
                 }
             }
             let bare = path_of(face, |h| (&self.arcs[h.arc as usize], h.reversed));
@@ -262,15 +254,57 @@ fn polyline(points: &[Point], closed: bool, cells: f64) -> Curve {
     Curve { start: grid(points[0], cells), pieces: rest.map(|&p| Piece::Line(grid(p, cells))).collect() }
 }
 
-/// The samples moved sideways (to the right for positive `distance`), the ends kept.
-fn offset(points: &[Point], closed: bool, distance: f64) -> Vec<Point> {
-    let mut moved = points.to_vec();
-    let kept = usize::from(!closed);
-    let inner = kept..points.len() - kept;
-    for (p, normal) in moved[inner.clone()].iter_mut().zip(&normals(points, closed)[inner]) {
-        *p += *normal * distance;
-    }
-    moved
+/// The curve moved sideways by a little (to the right for positive `distance`), the ends of an open one
+/// kept: each joint along the normal there, handles with their joints. A line between fixed ends bows.
+fn beside(curve: &Curve, closed: bool, distance: f64) -> Curve {
+    let joint = |i: usize| if i == 0 { curve.start } else { curve.pieces[i - 1].end() };
+    let count = curve.pieces.len();
+    let unit = |v: Vec2| v / libm::sqrt(v.hypot2()).max(1e-9);
+    // Directions in which a piece begins and ends; a handle may lie on its joint.
+    let way = |i: usize| match curve.pieces[i] {
+        Piece::Cubic(a, b, p) => [joint(i), a, b, p],
+        Piece::Line(p) => [joint(i), p, joint(i), p],
+    };
+    let begins = |i: usize| {
+        let [from, rest @ ..] = way(i);
+        unit(rest.into_iter().find(|q| *q != from).unwrap_or(from) - from)
+    };
+    let ends = |i: usize| {
+        let [rest @ .., to] = way(i);
+        unit(to - rest.into_iter().rev().find(|q| *q != to).unwrap_or(to))
+    };
+    let fixed = |i: usize| !closed && (i == 0 || i == count);
+    // How far handles at a joint move; halfway between two fixed ends a curve moves by three quarters of
+    // what its handles do.
+    let moves: Vec<Vec2> = (0..=count)
+        .map(|i| {
+            let along = match i {
+                0 if !closed => begins(0),
+                i if fixed(i) => ends(count - 1),
+                i => unit(ends((i + count - 1) % count) + begins(i % count)),
+            };
+            // y points down, so turning right is (x, y) → (-y, x).
+            Vec2::new(-along.y, along.x) * if fixed(i) { distance * 4.0 / 3.0 } else { distance }
+        })
+        .collect();
+    let moved = |i: usize| grid(if fixed(i) { joint(i) } else { joint(i) + moves[i] }, 1.0);
+    let pieces = (0..count).flat_map(|i| {
+        let bow = match curve.pieces[i] {
+            Piece::Line(to) if fixed(i) && fixed(i + 1) => {
+                let middle = joint(i).midpoint(to) + moves[i] * 0.75;
+                Some(Piece::Line(grid(middle, 1.0)))
+            }
+            _ => None,
+        };
+        let piece = match curve.pieces[i] {
+            Piece::Line(_) => Piece::Line(moved(i + 1)),
+            Piece::Cubic(a, b, _) => {
+                Piece::Cubic(grid(a + moves[i], 1.0), grid(b + moves[i + 1], 1.0), moved(i + 1))
+            }
+        };
+        bow.into_iter().chain([piece])
+    });
+    Curve { start: moved(0), pieces: pieces.collect() }
 }
 
 #[cfg(test)]
@@ -320,7 +354,7 @@ mod tests {
             let fitted = FittedMap::with_edges(planar, scale, 5, 3, group, edge);
             let outlines = fitted.outlines(5, |l| l);
             let groups = fitted.outlines(3, group);
-            let stacked = fitted.stacked_outlines(5, |a, b| a < b);
+            let stacked = fitted.stacked_outlines(5, |a, b| if a < b { 0.6 } else { 0.0 });
             for (l, outline) in outlines.iter().enumerate().skip(1) {
                 let pixels = labels.iter().filter(|&&x| x == l as u32).count();
                 prop_assert_eq!(outline.is_empty(), pixels == 0);
