@@ -10,7 +10,7 @@ use super::simple::{crossing_elements, is_simple};
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap, Ring};
 use super::{Outline, STEP};
 use crate::parallel;
-use kurbo::{BezPath, Point, Shape, Vec2};
+use kurbo::{BezPath, Point, Vec2};
 use std::collections::BTreeMap;
 
 /// A planar map whose arcs are smooth curves.
@@ -148,15 +148,15 @@ impl FittedMap {
                     widened.insert(h.arc, beside(&self.arcs[h.arc as usize], arc.closed, side * reach));
                 }
             }
-            let bare = path_of(face, |h| (&self.arcs[h.arc as usize], h.reversed));
+            let bare = outline(path_of(face, |h| (&self.arcs[h.arc as usize], h.reversed)));
             if widened.is_empty() {
-                return outline(bare);
+                return bare;
             }
             let path =
                 path_of(face, |h| (widened.get(&h.arc).unwrap_or(&self.arcs[h.arc as usize]), h.reversed));
             // Reaching beneath a thin neighbour may cross the far side: then the joint stays bare.
-            let reaches = path.area() >= bare.area() && is_simple(&path);
-            outline(if reaches { path } else { bare })
+            let wide = outline(path);
+            if wide.area() >= bare.area() && is_simple(wide.path()) { wide } else { bare }
         })
     }
 }
@@ -311,6 +311,7 @@ fn beside(curve: &Curve, closed: bool, distance: f64) -> Curve {
 mod tests {
     use super::*;
     use crate::geometry::is_simple;
+    use kurbo::Shape;
     use proptest::prelude::*;
 
     /// Label maps of blobs, thin lines and single pixels.
