@@ -31,7 +31,7 @@ const FAR: f32 = -8.0;
 /// A mask that reaches more cells than this, and than a quarter of all, is none.
 const MOST_CELLS: usize = 1 << 14;
 /// Weight of the texton logit in that of a mask, as trained.
-const TEXTON_WEIGHT: f32 = 1.5990;
+const TEXTON_WEIGHT: f32 = 1.6555;
 
 /// The texton network.
 pub struct TextonNetwork {
