@@ -22,7 +22,7 @@ use vtex::synth::{reconstruct, synthesize};
 /// White between the parts of a picture, in pixels.
 const GAP: u32 = 8;
 /// Height of the pictures that show a whole texture, in pixels.
-const HEIGHT: u32 = 204;
+const HEIGHT: u32 = 200;
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
