@@ -105,14 +105,9 @@ fn to_edge(points: &[Point], closed: bool, cells: f64, distance: impl Fn(Point, 
     let n = points.len();
     let normals = normals(points, closed);
     let moves = |i: usize| closed || (i > 0 && i + 1 < n);
+    let furthest = FURTHEST * cells;
     let mut away: Vec<f64> = (0..n)
-        .map(|i| {
-            if moves(i) {
-                distance(points[i], normals[i]).clamp(-FURTHEST * cells, FURTHEST * cells)
-            } else {
-                0.0
-            }
-        })
+        .map(|i| if moves(i) { distance(points[i], normals[i]).clamp(-furthest, furthest) } else { 0.0 })
         .collect();
     for _ in 0..EVEN {
         let before = away.clone();

@@ -24,7 +24,8 @@ impl Piece {
 
 /// Fits `points` (at least two) within `tolerance`, in the units of the points. The curve passes
 /// through the first and the last point; `ends` are unit tangents there, both pointing along the
-/// curve, or `None` to estimate them. With `corners`, sharp turns in between stay corners.
+/// curve, or `None` to estimate them. With `corners`, turns that are sharp over so many points on either
+/// side stay corners.
 pub(super) fn fit_open(
     points: &[Point],
     corners: Option<usize>,
