@@ -39,12 +39,18 @@
       await press(button);
     }
     seen.restored = difference(full, pixels());
-    // Pixels of the last picture in the red of lines, with details and without.
-    const red = () => pixels().reduce((sum, v, i, p) =>
-      sum + (i % 4 === 0 && v === 200 && p[i + 1] === 30 && p[i + 2] === 30 ? 1 : 0), 0);
-    seen.lines = [red()];
+    // Pixels of the last picture in the red of lines, and how many of these stay so without details;
+    // blending rounds them by a step.
+    const red = (p, i, steps) => [200, 30, 30].every((v, c) => Math.abs(p[i + c] - v) <= steps);
+    const lined = pixels();
     await press(document.querySelector('[data-layer="details"]'));
-    seen.lines.push(red());
+    const bare = pixels();
+    seen.lines = [0, 0];
+    for (let i = 0; i !== lined.length; i += 4) {
+      if (!red(lined, i, 0)) continue;
+      seen.lines[0] += 1;
+      if (red(bare, i, 2)) seen.lines[1] += 1;
+    }
     await press(document.querySelector('[data-layer="details"]'));
     seen.edits = all(".edits li").length;
     const transforms = () => all(".holder").map((holder) => new DOMMatrix(getComputedStyle(holder).transform));
