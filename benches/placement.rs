@@ -19,7 +19,7 @@ use support::{MEASURE, Outcome, Watch, child, cpu_seconds, row, sum};
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 use vtex::library::Library;
 use vtex::raster::ControlMap;
-use vtex::scene::{SynthParams, Tile};
+use vtex::scene::{Method, SynthParams, Tile};
 use vtex::segment::Regions;
 use vtex::synth::{self, Controls};
 
@@ -104,7 +104,8 @@ fn measure() -> Outcome {
         black_box(yardstick());
         least[0] = least[0].min(cpu_seconds() - begin);
         for (least, &(side, count, set, ..)) in least[1..].iter_mut().zip(&SETTINGS) {
-            let mut params = SynthParams { width: side, height: side, ..SynthParams::default() };
+            let method = Method::Descriptor;
+            let mut params = SynthParams { width: side, height: side, method, ..SynthParams::default() };
             let mut controls = Controls::default();
             set(&mut params, &mut controls);
             let watch = Watch::start("preparation");

@@ -20,7 +20,7 @@ use support::{MEASURE, Outcome, Watch, child, kilo, mega, peak_memory, row, seco
 use vtex::library::Library;
 use vtex::output::{png, svg};
 use vtex::sampling::{Stream, stream};
-use vtex::scene::{Ablation, Scene, SynthParams};
+use vtex::scene::{Ablation, Method, Scene, SynthParams};
 use vtex::synth::statistics::{Correlation, Difference, Layout, largest_categories, neighbour_distance};
 use vtex::synth::tune::TunedWeights;
 use vtex::synth::{self, Controls, Report};
@@ -415,7 +415,8 @@ fn measure(arguments: &[String]) -> Outcome {
     let side = side.parse()?;
     let begin = std::time::Instant::now();
     let watch = Watch::start("preparation");
-    let params = SynthParams { width: side, height: side, ..SynthParams::default() };
+    let method = Method::Descriptor;
+    let params = SynthParams { width: side, height: side, method, ..SynthParams::default() };
     let scene: Scene = synth::synthesize(&library, &params, &watch)?;
     let wall = begin.elapsed().as_secs_f64();
     let stages = watch.stop();
@@ -436,7 +437,8 @@ fn measure(arguments: &[String]) -> Outcome {
 }
 
 fn params(without: &[Ablation]) -> SynthParams {
-    SynthParams { width: SIDE, height: SIDE, seed: 1, ablate: without.to_vec(), ..SynthParams::default() }
+    let (method, ablate) = (Method::Descriptor, without.to_vec());
+    SynthParams { width: SIDE, height: SIDE, seed: 1, method, ablate, ..SynthParams::default() }
 }
 
 /// `photo` for `some/photo.lib.json`.

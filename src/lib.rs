@@ -16,6 +16,7 @@ mod svg_tree;
 
 pub mod analyze;
 pub mod control;
+mod correspondence;
 pub mod edit;
 pub mod engine;
 pub mod geometry;

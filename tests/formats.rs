@@ -183,6 +183,8 @@ fn origin(node: Node<'_, '_>) -> (u32, u32) {
     match (said("data-source"), name) {
         (Some(source), _) => (source, said("data-library").unwrap_or(0)),
         (None, Some(name)) => {
+            // Of several parts of one texton the later ones have their number after a point.
+            let name = name.split('.').next().unwrap();
             let (source, library) = name[1..].split_once('-').unwrap_or((&name[1..], "0"));
             (number(source), number(library))
         }

@@ -80,6 +80,10 @@ fn check(value: &Value, schema: &Value, root: &Value, at: &str) -> Result<(), St
                     other => panic!("{at}: pattern {other}"),
                 }
             }
+            "contentEncoding" => rule == "base64" && decoded(value).is_some(),
+            "contentMediaType" => {
+                rule == "image/png" && decoded(value).is_some_and(|png| png.starts_with(b"\x89PNG\r\n"))
+            }
             "minimum" => value.as_f64().is_none_or(|v| v >= number(rule)),
             "maximum" => value.as_f64().is_none_or(|v| v <= number(rule)),
             "minItems" => length >= number(rule),
@@ -119,6 +123,12 @@ fn check(value: &Value, schema: &Value, root: &Value, at: &str) -> Result<(), St
         }
     }
     Ok(())
+}
+
+/// What a string holds in base64.
+fn decoded(value: &Value) -> Option<Vec<u8>> {
+    use base64::Engine as _;
+    base64::engine::general_purpose::STANDARD.decode(value.as_str()?).ok()
 }
 
 /// A library, a scene, weights, masks and a reconstruction of a small crop, with their schemas.
@@ -184,7 +194,9 @@ fn unknown_and_missing_fields_break_the_schema_as_they_break_reading() {
             assert!(check(&wrong, &schema, &schema, "$").is_err(), "{place}");
             assert!(!reads(&wrong), "{place}");
         }
-        for field in value.as_object().unwrap().keys().filter(|key| *key != "parameters") {
+        // What may be missing.
+        let optional = ["parameters", "guide"];
+        for field in value.as_object().unwrap().keys().filter(|key| !optional.contains(&key.as_str())) {
             let mut wrong = value.clone();
             wrong.as_object_mut().unwrap().remove(field);
             assert!(check(&wrong, &schema, &schema, "$").is_err(), "{field}");

@@ -10,6 +10,7 @@ mod economy;
 mod edges;
 mod exemplar;
 mod grid;
+mod guide;
 mod joining;
 mod kmeans;
 mod moments;
@@ -154,6 +155,7 @@ pub fn analyze(
         background,
         arrangement: Arrangement::from_labels(&primaries),
         descriptor_half,
+        guide: Some(guide::guide(image)),
     };
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use vtex::library::Shading;
-use vtex::scene::{Ablation, Edge};
+use vtex::scene::{Ablation, Edge, Method};
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Yellow.on_default().bold())
@@ -666,7 +666,12 @@ pub(crate) struct SynthFlags {
     /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, at most 400 megapixels, default: 1000]
     #[arg(long, value_name = "SIZE")]
     pub(crate) size: Option<Size>,
-    /// Textons tried for each place [1 to 1000, default: 20]
+    /// How elements are placed: carried from the exemplar along a field of correspondences, which keeps
+    /// structure larger than a few elements; one by one by the descriptors of their neighbours; or as
+    /// the library allows [auto, correspondence or descriptor, default: auto]
+    #[arg(long, value_name = "METHOD", value_parser = named::<Method>)]
+    pub(crate) method: Option<Method>,
+    /// Textons tried for each place, by descriptors [1 to 1000, default: 20]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) candidates: Option<u32>,
     /// Moves by one cell that may better a placement [0 to 100, default: 5]

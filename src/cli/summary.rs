@@ -10,9 +10,9 @@ use std::time::Duration;
 use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::reduce::GivenUp;
-use vtex::scene::Scene;
-use vtex::synth::CategoryReport;
+use vtex::scene::{Method, Scene};
 use vtex::synth::statistics::{Overlap, Repetition};
+use vtex::synth::{CategoryReport, Structure};
 
 /// The summary of a command.
 #[derive(Debug, Serialize)]
@@ -39,6 +39,12 @@ pub(crate) struct Summary {
     pub(crate) counts: Option<Counts>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) coverage: Option<Coverage>,
+    /// How primaries were placed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) method: Option<Method>,
+    /// What came along the field of correspondences.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) structure: Option<Structure>,
     /// How much primaries hide of one another.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) overlap: Option<Overlap>,
@@ -77,6 +83,8 @@ impl Summary {
             size: [0; 2],
             counts: None,
             coverage: None,
+            method: None,
+            structure: None,
             overlap: None,
             repetition: None,
             seconds: Seconds(seconds),
@@ -206,6 +214,11 @@ impl Summary {
             }
             _ => {}
         }
+        line.push_str(match self.method {
+            Some(Method::Correspondence) => ", by correspondences",
+            Some(Method::Descriptor) => ", by descriptors",
+            Some(Method::Auto) | None => "",
+        });
         if let Some(pattern) = &self.pattern {
             line.push_str(&format!(", pattern in {pattern}"));
         }
@@ -218,6 +231,9 @@ impl Summary {
             say(&format!("seed: {seed} (give --seed {seed} for the same again)"));
         }
         if common.verbosity > 0 {
+            if let Some(structure) = &self.structure {
+                say(&format!("  {}", carried(structure)));
+            }
             if let (Some(overlap), Some(repetition)) = (&self.overlap, &self.repetition) {
                 say(&format!("  {}", placement(overlap, repetition)));
             }
@@ -244,6 +260,21 @@ fn missing(given_up: &GivenUp) -> String {
         line.push_str(&format!(", {details} details and {secondaries} secondaries are left out"));
     }
     line
+}
+
+/// What came along a field of correspondences, in a line.
+fn carried(s: &Structure) -> String {
+    format!(
+        "{} islands brought {} primaries whole and {} in part, {} others and {} fragments ({:.1} % of the \
+         canvas) close holes, {} copies were exchanged",
+        s.islands,
+        s.whole,
+        s.completed,
+        s.filled,
+        s.fragments,
+        100.0 * s.fragments_share,
+        s.exchanged
+    )
 }
 
 /// What placement came to, in a line.

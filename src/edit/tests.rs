@@ -16,6 +16,7 @@ fn scene() -> Scene {
         library: 0,
         source,
         category: Some(category),
+        fragment: false,
         outline: outline("M-10-3h20v6h-20z"),
         colour,
         gradient: None,

@@ -238,6 +238,7 @@ impl Both {
             library: ends.libraries[side][nearer.library as usize],
             source: nearer.source,
             category: nearer.category,
+            fragment: false,
             outline,
             colour: paint.colour,
             gradient: paint.gradient,

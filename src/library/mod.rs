@@ -1,10 +1,12 @@
 //! The texton library: all that analysis knows of an exemplar (`*.lib.json`).
 
 mod arrangement;
+mod guide;
 mod parameters;
 mod validate;
 
 pub use arrangement::Arrangement;
+pub use guide::{Guide, Picture};
 pub use parameters::{AnalyzeParams, Shading};
 
 use crate::document::{self, Document};
@@ -51,6 +53,10 @@ pub struct Library {
     pub arrangement: Arrangement,
     /// Half the side of a descriptor's window, in pixels (DESIGN: 2.25 mean neighbour distances).
     pub descriptor_half: u32,
+    /// The exemplar's colours on a coarse grid, which placement by correspondences follows. Absent
+    /// from libraries of older versions, whose textons are placed by descriptors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub guide: Option<Guide>,
 }
 
 /// Where a library comes from.

@@ -19,6 +19,9 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
         return Err(format!("descriptor_half = {} is above {LARGEST_SIDE}", l.descriptor_half));
     }
     l.arrangement.check(l.primaries.len() as u32)?;
+    if let Some(guide) = &l.guide {
+        guide.check(w, h)?;
+    }
     share("coverage", l.coverage)?;
     let inside = |what: &str, c: [f64; 2]| {
         let ok = c[0] >= 0.0 && c[1] >= 0.0 && c[0] <= f64::from(w) && c[1] <= f64::from(h);

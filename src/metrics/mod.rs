@@ -16,6 +16,7 @@ mod plane;
 mod sharpness;
 mod similarity;
 mod spectrum;
+mod structure;
 #[cfg(test)]
 mod tests;
 mod transport;
@@ -26,6 +27,7 @@ use image::RgbImage;
 use image::imageops::{FilterType, resize};
 use plane::Plane;
 use serde::Serialize;
+pub use structure::Spread;
 
 /// Smallest side of a picture, in pixels.
 const SMALLEST: u32 = 32;
@@ -69,6 +71,8 @@ pub struct Metrics {
     pub lapvar_result: f64,
     /// Logarithm of their quotient: below 0 the result is more blurred, above 0 rougher.
     pub lapvar_logratio: f64,
+    /// The spread of the means of blocks, by their size: structure larger than a few elements.
+    pub structure: Vec<Spread>,
     /// How strongly the exemplar repeats beyond 12 px: its largest autocorrelation, at most 1.
     pub acf_peak_exemplar: f64,
     /// The same of the result.
@@ -110,6 +114,7 @@ pub fn compare(exemplar: &RgbImage, result: &RgbImage, progress: &dyn Progress) 
     let [lapvar_exemplar, lapvar_result] = [&grey_a, &grey_b].map(sharpness::lapvar);
     let [acf_peak_exemplar, acf_peak_result] = [&grey_a, &grey_b].map(spectrum::acf_peak);
     step(7)?;
+    let structure = structure::spreads(exemplar, result);
     let (ssim, ms_ssim) = similarity::ssim(&grey_a, &grey_b);
     step(STEPS)?;
     Ok(Metrics {
@@ -129,6 +134,7 @@ pub fn compare(exemplar: &RgbImage, result: &RgbImage, progress: &dyn Progress) 
         lapvar_exemplar,
         lapvar_result,
         lapvar_logratio: libm::log((lapvar_result + 1e-3) / (lapvar_exemplar + 1e-3)),
+        structure,
         acf_peak_exemplar,
         acf_peak_result,
         ssim,

@@ -115,6 +115,7 @@ mod tests {
             library: 0,
             source: 0,
             category,
+            fragment: false,
             outline: Outline::new(&path).unwrap(),
             colour: Colour([9; 3]),
             gradient: None,

@@ -67,6 +67,7 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
                 library: 0,
                 source: i,
                 category: primary.then_some((i % 5) as u16),
+                fragment: false,
                 outline: outline(Point::ORIGIN, radius, 0.5, i % 7 == 3, rng),
                 colour: colour(base, 6.0, rng),
                 gradient: (primary && i % 3 == 1).then(|| gradient(radius, base, rng)),

@@ -56,7 +56,7 @@ impl Colour {
 }
 
 /// The 8-bit sRGB component of linear light, cut off at 0 and 1.
-fn encoded(linear: f32) -> u8 {
+pub fn encoded(linear: f32) -> u8 {
     let table = linear_table();
     let above = table.partition_point(|&v| v < linear);
     match above {

@@ -211,7 +211,18 @@ fn of_scene(group: &Group<'_>, scene: &Scene, placed: impl Fn(u32) -> usize) -> 
             centre: None,
         }
     };
-    group.textons(scene).into_iter().map(texton).collect()
+    // Of the parts of a primary, one stands for all; the whole one if there is one.
+    let mut shown: BTreeMap<u32, usize> = BTreeMap::new();
+    for i in group.textons(scene) {
+        let rank = |i: usize| (!scene.textons[i].fragment, scene.textons[i].outline.area());
+        let best = shown.entry(scene.textons[i].source).or_insert(i);
+        if rank(i) > rank(*best) {
+            *best = i;
+        }
+    }
+    let mut shown: Vec<usize> = shown.into_values().collect();
+    shown.sort_unstable();
+    shown.into_iter().map(texton).collect()
 }
 
 fn sides(r: Rect) -> [f64; 4] {

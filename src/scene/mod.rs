@@ -9,7 +9,7 @@ mod validate;
 
 pub use effects::{Shadow, Stroke};
 pub use gradient::Gradient;
-pub use parameters::{Ablation, SynthParams, Weights};
+pub use parameters::{Ablation, Method, SynthParams, Weights};
 pub use tile::Tile;
 
 use crate::document::{self, Document};
@@ -114,6 +114,9 @@ pub struct Texton {
     /// Category, for primaries.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub category: Option<u16>,
+    /// Only a part of the library's texton.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub fragment: bool,
     /// Its outline.
     pub outline: Outline,
     /// Colour painted inside the outline, beneath the details.

@@ -15,6 +15,8 @@ pub struct SynthParams {
     pub height: u32,
     /// Seed of the random streams. Default 0.
     pub seed: u64,
+    /// How primaries are placed. Default auto; a scene says which it was.
+    pub method: Method,
     /// Candidates tried for each place. 1 to 1000, default 20.
     pub candidates: u32,
     /// Moves by one cell that may improve a placement. 0 to 100, default 5.
@@ -35,6 +37,22 @@ pub struct SynthParams {
     pub edge: Edge,
     /// Parts of the method left out, to see what they do. Default none.
     pub ablate: Vec<Ablation>,
+}
+
+/// How primaries are placed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// By correspondences if every library has a guide and nothing is asked for that only descriptors
+    /// know: weights of their score, or parts of their method left out. Else by descriptors.
+    #[default]
+    Auto,
+    /// Elements are carried along a field that says from where in the exemplar each place comes, so
+    /// that structure larger than a few elements is kept.
+    Correspondence,
+    /// Elements are drawn one by one to answer what the descriptors of those around ask for (paper
+    /// §3.2.1).
+    Descriptor,
 }
 
 /// A part of the method that can be left out.
@@ -107,6 +125,7 @@ impl Default for SynthParams {
             width: 1000,
             height: 1000,
             seed: 0,
+            method: Method::default(),
             candidates: 20,
             moves: 5,
             weights: Weights::default(),

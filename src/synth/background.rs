@@ -1,6 +1,8 @@
 //! The background field's control points (paper §3.2.3).
 
+use super::correspondence::Correspondence;
 use super::ground::Ground;
+use super::target::TargetMap;
 use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
@@ -9,15 +11,27 @@ use crate::scene::{ControlPoint, Field, SynthParams};
 /// How far control points reach beyond a border of the canvas, in spacings.
 const MARGIN: f64 = 2.0;
 
+/// Distance of control points that take their colours from the exemplar's background, as a share of
+/// that of its own.
+const FINER: f64 = 0.75;
+
 /// Poisson-disk points over the canvas and a margin, each in a colour of the palette. Where libraries
 /// share the canvas, in colours of their palettes mixed by their shares.
-pub(super) fn field(libraries: &[Library], ground: &Ground<'_>, params: &SynthParams) -> Field {
+pub(super) fn field(
+    libraries: &[Library],
+    map: &TargetMap<'_>,
+    correspondence: Option<&Correspondence>,
+    params: &SynthParams,
+) -> Field {
+    let ground = &map.ground;
     let spacings = libraries.iter().map(|l| l.background.spacing);
-    let spacing = params.background_spacing.unwrap_or_else(|| spacings.fold(f64::INFINITY, f64::min));
+    let usual = spacings.fold(f64::INFINITY, f64::min) * if correspondence.is_some() { FINER } else { 1.0 };
+    let spacing = params.background_spacing.unwrap_or(usual);
     let mut field = Field { spacing, fallback: libraries[0].background.fallback, points: Vec::new() };
     if libraries.iter().all(|l| l.background.sites.is_empty()) {
         return field;
     }
+    let backdrops = correspondence.map(|c| (c, c.backdrops(libraries)));
     let mut random = stream(params.seed, "synth/background", 0);
     let margin = |wrap: bool| if wrap { 0.0 } else { MARGIN * spacing };
     let margin = [margin(params.tile.x), margin(params.tile.y)];
@@ -30,7 +44,11 @@ pub(super) fn field(libraries: &[Library], ground: &Ground<'_>, params: &SynthPa
     for p in poisson_disk(area, spacing, &mut random) {
         // A hundredth of a pixel is enough, and shorter to write.
         let [x, y] = [0, 1].map(|k| libm::round((p[k] - margin[k]) * 100.0) / 100.0);
-        field.points.push(ControlPoint { x, y, colour: colour(libraries, ground, [x, y], &mut random) });
+        let colour = match &backdrops {
+            Some((correspondence, backdrops)) => correspondence.background(map.model(), backdrops, [x, y]),
+            None => colour(libraries, ground, [x, y], &mut random),
+        };
+        field.points.push(ControlPoint { x, y, colour });
     }
     field
 }

@@ -32,13 +32,24 @@ pub(super) fn scene(
         let variation = &map.model().variations[usize::from(p.variation)];
         push(&mut scene, Layer::Secondary, texton, p.at, variation, Some(p.colour));
     }
+    let none = Variation::default();
     for id in map.painting_order() {
         let p = map.placed[id as usize];
         if is_seen(map, id) {
             let primary = map.model().primary(p.form);
-            let texton = textons[primary.library].primary(&mut scene, primary.index);
             let at = [0, 1].map(|k| p.at[k] - map.grid.margin[k]);
-            push(&mut scene, Layer::Primary, texton, at, map.model().variation(p.form), None);
+            let (texton, variation) = match primary.fragment {
+                // A fragment is varied already.
+                Some(fragment) => {
+                    scene.textons.push(map.model().fragments[fragment as usize].clone());
+                    (scene.textons.len() as u32 - 1, &none)
+                }
+                None => {
+                    let texton = textons[primary.library].primary(&mut scene, primary.index);
+                    (texton, map.model().variation(p.form))
+                }
+            };
+            push(&mut scene, Layer::Primary, texton, at, variation, None);
         }
     }
     scene
@@ -155,7 +166,7 @@ impl<'a> Textons<'a> {
     /// Those that a scene holds already.
     pub(super) fn known(number: u32, library: &'a Library, scene: &Scene) -> Self {
         let mut textons = Self::new(number, library);
-        for (i, t) in scene.textons.iter().enumerate().filter(|(_, t)| t.library == number) {
+        for (i, t) in scene.textons.iter().enumerate().filter(|(_, t)| t.library == number && !t.fragment) {
             let (list, primary) = match t.category {
                 Some(_) => (&mut textons.primaries, true),
                 None => (&mut textons.secondaries, false),
@@ -205,6 +216,7 @@ pub(crate) fn primary_texton(number: u32, library: &Library, index: u32) -> Text
         library: number,
         source: index,
         category: Some(p.category.0),
+        fragment: false,
         outline: moved(&p.outline),
         colour: p.base,
         gradient: p.gradient.map(|g| g.moved(shift)),
@@ -219,6 +231,7 @@ pub(crate) fn secondary_texton(number: u32, library: &Library, index: u32) -> Te
         library: number,
         source: index,
         category: None,
+        fragment: false,
         outline: translated(&s.outline, secondaries::origin(s)),
         colour: s.colour,
         gradient: None,

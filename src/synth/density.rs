@@ -63,7 +63,13 @@ pub(super) fn correct(
         return Ok(counts);
     }
     let mut random = stream(params.seed, "synth/density", 0);
-    let wanted = map.ground.wanted(map.model());
+    if (0..map.ground.zone_count()).all(|zone| map.is_settled(zone)) {
+        return Ok(counts);
+    }
+    let mut wanted = map.ground.wanted(map.model());
+    for (zone, wanted) in wanted.iter_mut().enumerate().filter(|(zone, _)| map.is_settled(*zone)) {
+        *wanted = map.covered[zone].iter().map(|&cells| cells as f64).collect();
+    }
     counts.removed = thin(map, &wanted, !params.without(Ablation::Removal), &mut random);
     if !params.without(Ablation::Growth) {
         counts.added = grow(map, choice, &wanted, params, progress, &mut random)?;
@@ -79,11 +85,12 @@ fn thin(map: &mut TargetMap<'_>, wanted: &[Vec<f64>], worst: bool, random: &mut 
     let mut standing: Vec<Vec<u32>> = vec![Vec::new(); wanted.len() * categories];
     for id in 0..map.placed.len() as u32 {
         let p = map.placed[id as usize];
-        if p.removed {
+        let zone = zone_of(map, p.form, p.at);
+        if p.removed || zone.is_some_and(|zone| map.is_settled(zone)) {
         } else if f64::from(p.visible) < LEAST_VISIBLE * f64::from(p.cells) || p.cells == 0 {
             map.remove(id);
             removed += 1;
-        } else if let Some(zone) = zone_of(map, p.form, p.at) {
+        } else if let Some(zone) = zone {
             standing[zone * categories + map.model().primary(p.form).category].push(id);
         }
     }

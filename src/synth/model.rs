@@ -8,7 +8,7 @@
 use super::variation::Variation;
 use crate::library::Library;
 use crate::raster::{LabelMap, Mask, Span};
-use crate::scene::SynthParams;
+use crate::scene::{SynthParams, Texton};
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -49,6 +49,10 @@ pub(super) struct Primary {
     pub(super) code: u16,
     /// Whole, and small enough for the canvas, so it may be placed anew.
     pub(super) placeable: bool,
+    /// Cut by the border of its exemplar.
+    pub(super) clipped: bool,
+    /// Index among the fragments, for a part of a primary.
+    pub(super) fragment: Option<u32>,
 }
 
 /// What belongs to one library.
@@ -80,6 +84,8 @@ pub(super) struct Model {
     pub(super) wanted: Vec<f64>,
     /// The variations; the first is none.
     pub(super) variations: Vec<Variation>,
+    /// What is painted of each fragment.
+    pub(super) fragments: Vec<Texton>,
     shapes: Vec<OnceLock<Shape>>,
 }
 
@@ -163,6 +169,7 @@ impl Model {
             reach: 0,
             wanted: Vec::new(),
             variations,
+            fragments: Vec::new(),
             shapes: Vec::new(),
         };
         for library in libraries {
@@ -198,7 +205,17 @@ impl Model {
             }
             let index = self.primaries.len() as u32 - first;
             let library = self.sources.len();
-            self.primaries.push(Primary { library, index, origin, category, code: EMPTY, placeable });
+            let (code, clipped, fragment) = (EMPTY, p.clipped, None);
+            self.primaries.push(Primary {
+                library,
+                index,
+                origin,
+                category,
+                code,
+                placeable,
+                clipped,
+                fragment,
+            });
             self.shapes.push(OnceLock::from(shape));
             self.shapes.extend((1..self.variations.len()).map(|_| OnceLock::new()));
         }
@@ -217,6 +234,25 @@ impl Model {
             density: count as f64 / (f64::from(map.width) * f64::from(map.height)),
             exemplar: Runs::new(&map, wrap),
         });
+    }
+
+    /// Adds a part of a form, as a primary that is never drawn. Gives its form.
+    pub(super) fn add_fragment(&mut self, form: u32, mask: Mask, texton: Texton) -> u32 {
+        let primary = self.primaries.len() as u32;
+        let fragment = Some(self.fragments.len() as u32);
+        self.primaries.push(Primary { placeable: false, fragment, ..*self.primary(form) });
+        self.fragments.push(texton);
+        let shape = OnceLock::from(Shape::new(mask));
+        // Only one of its variations is ever asked for.
+        self.shapes.extend((0..self.variations.len()).map(|_| OnceLock::new()));
+        let part = self.varied(primary, form);
+        self.shapes[part as usize] = shape;
+        part
+    }
+
+    /// What decides which of two forms is painted first: the larger, and fragments before all.
+    pub(super) fn depth(&self, form: u32) -> u32 {
+        if self.primary(form).fragment.is_some() { u32::MAX } else { self.shape(form).area }
     }
 
     /// The primary of a form.

@@ -1,10 +1,11 @@
 //! How close a synthesised scene came to its exemplar, in figures.
 
+use super::correspondence::Structure;
 use super::statistics::{Overlap, Repetition};
 use super::target::TargetMap;
 use super::{density, primaries};
 use crate::library::Library;
-use crate::scene::Scene;
+use crate::scene::{Method, Scene};
 use serde::Serialize;
 
 /// Coverage wanted and got, and what was done for it. Shares are of the canvas, 0 to 1.
@@ -33,6 +34,10 @@ pub struct Report {
     pub removed: u64,
     /// Textons added to correct the density.
     pub added: u64,
+    /// How primaries were placed.
+    pub method: Method,
+    /// What came along the field of correspondences, if there was one.
+    pub structure: Option<Structure>,
     /// How much primaries hide of one another.
     pub overlap: Overlap,
     /// How often the same primaries come back.
@@ -80,6 +85,8 @@ impl Report {
             refused: placement.refused,
             removed: correction.removed,
             added: correction.added,
+            method: scene.parameters.as_ref().map_or(Method::Descriptor, |p| p.method),
+            structure: None,
             overlap: Overlap::of_scene(scene, libraries),
             repetition: Repetition::of_scene(scene, libraries),
         }

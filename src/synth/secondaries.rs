@@ -9,6 +9,7 @@
 //!
 //! Works badly where secondaries form structures larger than a cell: those are cut.
 
+use super::correspondence::{Correspondence, serves};
 use super::neighbourhoods::{Exemplar, Sites};
 use super::target::TargetMap;
 use super::variation::Variation;
@@ -61,10 +62,15 @@ pub(super) fn place(
     libraries: &[Library],
     map: &TargetMap<'_>,
     field: &Interpolant,
+    correspondence: Option<&Correspondence>,
     params: &SynthParams,
 ) -> Vec<Placed> {
     if params.without(Ablation::Secondary) {
         return Vec::new();
+    }
+    let came = correspondence.map_or_else(Vec::new, |c| carried(libraries, map, c, params.seed));
+    if map.settled && (0..map.ground.zone_count()).all(|zone| serves(map.ground.level(zone))) {
+        return came;
     }
     let lands = Lands::new(libraries, map, params.seed);
     let mut placed = Vec::new();
@@ -74,8 +80,47 @@ pub(super) fn place(
         placed.extend(task.places(&lands).into_iter().map(|place| task.placed(place)));
     }
     let mut placed = painted(libraries, placed, field);
+    placed.extend(came);
     placed.sort_by_key(Placed::painting_key);
     placed
+}
+
+/// Secondaries that came along a field of correspondences, in the colours that they have in the
+/// exemplar: the ground beneath them came along too.
+fn carried(
+    libraries: &[Library],
+    map: &TargetMap<'_>,
+    correspondence: &Correspondence,
+    seed: u64,
+) -> Vec<Placed> {
+    let mut placed = Vec::new();
+    let mut random = stream(seed, "correspondence/secondaries", 0);
+    for (number, library) in libraries.iter().enumerate() {
+        let samples: Vec<Vec<[f64; 2]>> = library.secondaries.textons.iter().map(samples).collect();
+        let mut came = correspondence.secondaries(library, number, map.model());
+        if !map.ground.is_plain() {
+            came.retain(|p| {
+                let level = map.ground.density(p.at.map(f64::from));
+                is_served(map, p.at) && (level >= 1.0 || random.chance(level))
+            });
+        }
+        let seen = |p: &Placed| {
+            let place = Place { secondary: p.secondary, at: p.at, variation: p.variation };
+            visible(map, &samples[p.secondary as usize], &place) >= LEAST_VISIBLE
+        };
+        let seen = parallel::map(&came, seen).into_iter();
+        let own = |p: Placed| Placed { colour: coarse(p.colour.to_f64()), ..p };
+        placed.extend(came.into_iter().zip(seen).filter(|c| c.1).map(|c| own(c.0)));
+    }
+    placed.sort_by_key(Placed::painting_key);
+    placed
+}
+
+/// Whether what stands at a place of the canvas came along a field of correspondences.
+fn is_served(map: &TargetMap<'_>, at: [i32; 2]) -> bool {
+    let at = [0, 1].map(|k| at[k] + map.grid.margin[k]);
+    let zone = map.grid.canvas_cell(at).and_then(|i| map.ground.zone(i));
+    map.settled && zone.is_some_and(|zone| serves(map.ground.level(zone)))
 }
 
 /// In the colour of the ground beneath them plus their own difference, within the tones of their
@@ -177,7 +222,8 @@ impl Task<'_, '_> {
     fn places(&self, lands: &Lands) -> Vec<Place> {
         let samples: Vec<Vec<[f64; 2]>> = self.library.secondaries.textons.iter().map(samples).collect();
         let fits = |p: &Place| {
-            lands.belongs(p.at, self.number)
+            !is_served(self.map, p.at)
+                && lands.belongs(p.at, self.number)
                 && visible(self.map, &samples[p.secondary as usize], p) >= LEAST_VISIBLE
         };
         let mut places = Vec::new();
@@ -256,7 +302,7 @@ impl Task<'_, '_> {
             let covered: u64 = map.covered[zone][categories.clone()].iter().sum();
             map.ground.level(zone) * (map.ground.area(zone, self.number) - covered as f64).max(0.0)
         };
-        let zones = 0..map.ground.zone_count();
+        let zones = (0..map.ground.zone_count()).filter(|&z| !(map.settled && serves(map.ground.level(z))));
         let wanted = POISSON_DENSITY * zones.clone().map(ground).sum::<f64>() / (radius * radius);
         let missing = wanted - places.len() as f64;
         if missing < 1.0 {

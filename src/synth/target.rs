@@ -72,6 +72,8 @@ pub(super) struct TargetMap<'a> {
     bins: Vec<Vec<u32>>,
     seen: Vec<u32>,
     scratch: Vec<u16>,
+    /// Whether all that is wanted in zones of the exemplar's density stands already.
+    pub(super) settled: bool,
     /// Rows whose requests are answered here, if not all; the others are put off.
     pub(super) core: Option<Range<i32>>,
     pub(super) put_off: Vec<u32>,
@@ -96,6 +98,7 @@ impl<'a> TargetMap<'a> {
             weights: Sums::default(),
             covered: vec![vec![0; model.members.len()]; ground.zone_count()],
             ground,
+            settled: false,
             core: None,
             put_off: Vec::new(),
             bins: vec![Vec::new(); bins],
@@ -125,6 +128,11 @@ impl<'a> TargetMap<'a> {
         self.grid.canvas_cell(at).is_some_and(|i| self.ground.zone(i).is_some())
     }
 
+    /// Whether nothing is to be added to or taken from a zone.
+    pub(super) fn is_settled(&self, zone: usize) -> bool {
+        self.settled && self.ground.level(zone) == 1.0
+    }
+
     /// Visible cells to be filled of a category, in all zones.
     pub(super) fn covered_by(&self, category: usize) -> u64 {
         self.covered.iter().map(|zone| zone[category]).sum()
@@ -133,8 +141,8 @@ impl<'a> TargetMap<'a> {
     /// Whether texton `a` is painted over texton `b`: small over large, later over earlier, so
     /// that as little as possible is hidden.
     fn above(&self, a: u32, b: u32) -> bool {
-        let area = |i: u32| self.model.shape(self.placed[i as usize].form).area;
-        (area(b), a) > (area(a), b)
+        let depth = |i: u32| self.model.depth(self.placed[i as usize].form);
+        (depth(b), a) > (depth(a), b)
     }
 
     /// Places a texton and its descriptor (paper, algorithm 2). Gives its index.
@@ -478,8 +486,8 @@ impl<'a> TargetMap<'a> {
     pub(super) fn painting_order(&self) -> Vec<u32> {
         let mut order: Vec<u32> =
             (0..self.placed.len() as u32).filter(|&i| !self.placed[i as usize].removed).collect();
-        let area = |i: u32| self.model.shape(self.placed[i as usize].form).area;
-        order.sort_by_key(|&i| (std::cmp::Reverse(area(i)), i));
+        let depth = |i: u32| self.model.depth(self.placed[i as usize].form);
+        order.sort_by_key(|&i| (std::cmp::Reverse(depth(i)), i));
         order
     }
 

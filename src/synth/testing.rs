@@ -2,8 +2,8 @@
 
 use crate::geometry::{BezPath, Outline};
 use crate::library::{
-    AnalyzeParams, Arrangement, Background, Category, CategoryId, Library, Primary, Secondaries, Secondary,
-    Source, TextonId,
+    AnalyzeParams, Arrangement, Background, Category, CategoryId, Guide, Library, Picture, Primary,
+    Secondaries, Secondary, Source, TextonId,
 };
 use crate::raster::colour::Colour;
 use crate::raster::{LabelMap, Mask};
@@ -97,7 +97,21 @@ pub(super) fn library(map: &LabelMap) -> Library {
             sites: vec![site(3.0, 3.0, 100), site(40.0, 30.0, 140)],
         },
         arrangement: Arrangement::from_labels(map),
+        guide: None,
     }
+}
+
+/// [`library`] with a guide: primaries in their colours on dark ground, which grows lighter to the right.
+pub(super) fn guided(map: &LabelMap) -> Library {
+    let mut library = library(map);
+    let colour = |x: u32, y: u32| match map.get(x.min(map.width - 1), y.min(map.height - 1)) {
+        0 => image::Rgb([(40 + x * 60 / map.width) as u8; 3]),
+        label => image::Rgb(library.primaries[label as usize - 1].colour.0),
+    };
+    let cell = |size: u32| size.div_ceil(2);
+    let picture = image::RgbImage::from_fn(cell(map.width), cell(map.height), |x, y| colour(2 * x, 2 * y));
+    library.guide = Some(Guide { cell: 2, picture: Picture(picture) });
+    library
 }
 
 /// A mosaic of stones: each pixel belongs to the nearest of scattered centres if it is within the

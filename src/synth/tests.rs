@@ -354,3 +354,194 @@ fn bands_put_together_make_one_sound_map() {
         }
     }
 }
+
+/// Correspondences.
+mod carried {
+    use super::super::testing::guided;
+    use super::*;
+    use crate::geometry::{Outline, parse_path};
+    use crate::raster::ControlMap;
+    use crate::scene::{Edge, Method};
+
+    /// Stones in the left half of an exemplar, few in the right one.
+    fn uneven() -> Library {
+        let mut map = mosaic(240, 13.0, 0.8, 9);
+        let masks = crate::raster::Mask::all_of_labels(&map, map.areas().len());
+        let mut names = vec![0; masks.len()];
+        let mut count = 0;
+        for (label, mask) in masks.iter().enumerate().skip(1) {
+            if mask.centroid().is_some_and(|(x, _)| x < 120.0 || label % 9 == 0) {
+                count += 1;
+                names[label] = count;
+            }
+        }
+        map.labels.iter_mut().for_each(|l| *l = names[*l as usize]);
+        guided(&map)
+    }
+
+    /// Standard deviation of the share that primaries cover in blocks.
+    fn spread(map: &LabelMap, block: u32) -> f64 {
+        let (columns, rows) = (map.width / block, map.height / block);
+        let share = |k: u32| {
+            let (x0, y0) = (k % columns * block, k / columns * block);
+            let taken = (0..block * block).filter(|i| map.get(x0 + i % block, y0 + i / block) != 0).count();
+            taken as f64 / f64::from(block * block)
+        };
+        let shares: Vec<f64> = (0..columns * rows).map(share).collect();
+        let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+        libm::sqrt(shares.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / shares.len() as f64)
+    }
+
+    #[test]
+    fn structure_larger_than_a_few_stones_is_kept() {
+        let library = uneven();
+        let exemplar = spread(&library.arrangement.to_labels(), 40);
+        for seed in 1..4 {
+            let of = |method| {
+                let (scene, report) = run(&library, &SynthParams { method, ..params(360, 360, seed) });
+                assert_eq!((scene.validate(), report.method), (Ok(()), method));
+                spread(&painted(&library, &scene), 40) / exemplar
+            };
+            let (carried, drawn) = (of(Method::Correspondence), of(Method::Descriptor));
+            assert!((0.75..1.3).contains(&carried), "{carried}");
+            assert!(carried > drawn + 0.1, "{carried} {drawn}");
+        }
+    }
+
+    #[test]
+    fn coverage_is_near_that_of_the_exemplar_and_holes_are_closed() {
+        for (fill, seed) in [(0.35, 1), (0.9, 3), (1.2, 4)] {
+            let library = guided(&mosaic(200, 15.0, fill, seed));
+            let (scene, report) = run(&library, &params(400, 330, seed));
+            assert_eq!(report.method, Method::Correspondence);
+            assert_eq!(scene.validate(), Ok(()));
+            assert!(
+                (report.coverage - library.coverage).abs() < 0.04,
+                "{} {}",
+                report.coverage,
+                library.coverage
+            );
+            let structure = report.structure.unwrap();
+            assert!((structure.wanted - report.coverage).abs() < 0.04, "{structure:?} {}", report.coverage);
+            assert!(structure.whole > structure.completed, "{structure:?}");
+            // Fragments are parts: none is larger than what it is of.
+            for t in scene.textons.iter().filter(|t| t.fragment) {
+                let whole = library.primaries[t.source as usize].outline.area();
+                assert!(t.outline.area() < 1.3 * whole + 8.0, "{} {whole}", t.outline.area());
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_stand_as_in_the_exemplar_to_the_pixel() {
+        let library = guided(&mosaic(240, 14.0, 0.7, 2));
+        // Share of those whose nearest neighbour is as far away as in the exemplar, exactly.
+        let kept = |method| {
+            let (scene, _) = run(&library, &SynthParams { method, ..params(300, 300, 5) });
+            let offsets: Vec<[[f64; 2]; 2]> = scene
+                .primary
+                .iter()
+                .map(|i| {
+                    let source = scene.textons[i.texton as usize].source as usize;
+                    let origin = library.primaries[source].centroid.map(libm::round);
+                    let at = [i.transform[4], i.transform[5]];
+                    [at, [at[0] - origin[0], at[1] - origin[1]]]
+                })
+                .collect();
+            let same = |(i, [at, offset]): (usize, &[[f64; 2]; 2])| {
+                let others = offsets.iter().enumerate().filter(|(j, _)| *j != i);
+                let distance = |o: &[[f64; 2]; 2]| libm::hypot(o[0][0] - at[0], o[0][1] - at[1]);
+                let nearest = others.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).unwrap();
+                nearest.1[1] == *offset
+            };
+            offsets.iter().enumerate().filter(|o| same(*o)).count() as f64 / offsets.len() as f64
+        };
+        let (carried, drawn) = (kept(Method::Correspondence), kept(Method::Descriptor));
+        assert!(carried > 0.12 && carried > 5.0 * drawn, "{carried} {drawn}");
+    }
+
+    #[test]
+    fn a_tile_has_no_seam_and_a_domain_is_kept_to() {
+        let library = guided(&mosaic(200, 15.0, 0.8, 6));
+        let tile = Tile { x: true, y: true };
+        let (scene, report) = run(&library, &SynthParams { tile, ..params(151, 133, 2) });
+        assert_eq!(scene.validate(), Ok(()));
+        assert!((report.coverage - library.coverage).abs() < 0.08, "{}", report.coverage);
+        let outline = Outline::new(&parse_path("M40 30H200V170H40Z").unwrap()).unwrap();
+        for edge in [Edge::Clip, Edge::Keep, Edge::Avoid] {
+            let controls = Controls { domain: Some(outline.clone()), ..Controls::default() };
+            let p = SynthParams { edge, ..params(240, 200, 3) };
+            let (scene, _) = synthesize_with(std::slice::from_ref(&library), &p, &controls, &()).unwrap();
+            assert!(scene.primary.len() > 20);
+            for i in &scene.primary {
+                let b = scene.textons[i.texton as usize].outline.bounds_after(i.affine());
+                let inside = b.x0 > 38.5 && b.y0 > 28.5 && b.x1 < 201.5 && b.y1 < 171.5;
+                assert!(edge != Edge::Avoid || inside, "{b:?}");
+                let apart = b.x1 < 40.0 || b.y1 < 30.0 || b.x0 > 200.0 || b.y0 > 170.0;
+                assert!(!apart, "{b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn densities_and_libraries_go_where_their_maps_say() {
+        let [one, two] =
+            [(14.0, 0.8, 1), (10.0, 0.6, 2)].map(|(s, f, seed)| guided(&mosaic(200, s, f, seed)));
+        let map = |values: Vec<f32>| ControlMap::new(2, 1, values).unwrap();
+        let shares = vec![map(vec![1.0, 0.0]), map(vec![0.0, 1.0])];
+        let controls = Controls { shares, ..Controls::default() };
+        let (scene, report) =
+            synthesize_with(&[one.clone(), two], &params(400, 200, 1), &controls, &()).unwrap();
+        assert_eq!(report.method, Method::Correspondence);
+        // Maps are stretched smoothly: between a quarter and three there is something of both.
+        for i in &scene.primary {
+            let library = scene.textons[i.texton as usize].library;
+            let x = i.transform[4];
+            assert!((80.0..320.0).contains(&x) || library == u32::from(x > 200.0), "{x} {library}");
+        }
+        let covered = |low: f32, high: f32| {
+            let controls = Controls { density: Some(map(vec![low, high])), ..Controls::default() };
+            let libraries = std::slice::from_ref(&one);
+            let (scene, _) = synthesize_with(libraries, &params(400, 200, 1), &controls, &()).unwrap();
+            let half = |x0: f64| {
+                let inside = |i: &&crate::scene::Instance| (x0..x0 + 100.0).contains(&i.transform[4]);
+                scene.primary.iter().filter(inside).count()
+            };
+            [half(0.0), half(300.0)]
+        };
+        let [sparse, dense] = covered(0.2, 1.0);
+        assert!(3 * sparse < dense && sparse > 0, "{sparse} {dense}");
+    }
+
+    #[test]
+    fn islands_turn_and_wrap_with_their_exemplar() {
+        let mut library = guided(&mosaic(200, 15.0, 0.6, 8));
+        let turned = SynthParams { rotate: 180.0, mirror: true, ..params(260, 240, 1) };
+        let (scene, report) = run(&library, &turned);
+        assert_eq!(scene.validate(), Ok(()));
+        assert!((report.coverage - library.coverage).abs() < 0.05, "{}", report.coverage);
+        let mirrored = scene.primary.iter().filter(|i| i.affine().determinant() < 0.0).count();
+        assert!(mirrored > scene.primary.len() / 10, "{mirrored} of {}", scene.primary.len());
+        library.source.parameters.wrap = true;
+        library.primaries.iter_mut().for_each(|p| p.clipped = false);
+        let (scene, report) = run(&library, &params(300, 300, 1));
+        assert_eq!((scene.validate(), report.method), (Ok(()), Method::Correspondence));
+    }
+
+    #[test]
+    fn the_method_is_as_asked_for_or_as_the_library_allows() {
+        let (with, without) = (guided(&mosaic(90, 12.0, 0.8, 1)), library(&mosaic(90, 12.0, 0.8, 1)));
+        let method = |library: &Library, p: &SynthParams| run(library, p).1.method;
+        let asked = |method| SynthParams { method, ..params(80, 80, 1) };
+        assert_eq!(method(&with, &asked(Method::Auto)), Method::Correspondence);
+        assert_eq!(method(&without, &asked(Method::Auto)), Method::Descriptor);
+        assert_eq!(method(&with, &asked(Method::Descriptor)), Method::Descriptor);
+        let tuned = crate::scene::Weights { empty: -0.4, ..Default::default() };
+        assert_eq!(method(&with, &SynthParams { weights: tuned, ..asked(Method::Auto) }), Method::Descriptor);
+        let refused = synthesize(&without, &asked(Method::Correspondence), &());
+        assert!(matches!(refused, Err(Error::Parameter { name: "method", .. })), "{refused:?}");
+        // What a scene says it was made by gives it again.
+        let (scene, _) = run(&with, &asked(Method::Auto));
+        assert_eq!(run(&with, &scene.parameters.clone().unwrap()).0, scene);
+    }
+}

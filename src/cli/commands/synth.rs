@@ -81,6 +81,8 @@ impl Made {
                 got: Some(report.coverage),
                 categories: report.categories,
             }),
+            method: Some(report.method),
+            structure: report.structure,
             overlap: Some(report.overlap),
             repetition: Some(report.repetition),
             ..Summary::new(command, inputs, target.place.path(), written, reporter)

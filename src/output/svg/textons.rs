@@ -413,17 +413,22 @@ impl<'a> Textons<'a> {
     }
 }
 
-/// An id for each texton: `t` of a primary or `s` of a secondary, its index in its library, and
+/// An id for each texton: `t` of a primary, `f` of a part of one or `s` of a secondary, its index in its library, and
 /// `-` with the number of the library where there are several. In a scene in which two are called
 /// alike, the later ones have `.` and their index after it.
 fn ids(scene: &Scene) -> Vec<String> {
     let mut known = BTreeSet::new();
     let id = |(i, t): (usize, &Texton)| {
-        let mut id = format!("{}{}", if t.category.is_some() { 't' } else { 's' }, t.source);
+        let kind = match t.category {
+            Some(_) if t.fragment => 'f',
+            Some(_) => 't',
+            None => 's',
+        };
+        let mut id = format!("{kind}{}", t.source);
         if scene.libraries.len() > 1 {
             id.push_str(&format!("-{}", t.library));
         }
-        if !known.insert((t.category.is_some(), t.source, t.library)) {
+        if !known.insert((kind, t.source, t.library)) {
             id.push_str(&format!(".{i}"));
         }
         id
@@ -434,6 +439,9 @@ fn ids(scene: &Scene) -> Vec<String> {
 /// What editors call a texton among their symbols.
 fn title(texton: &Texton) -> String {
     match texton.category {
+        Some(category) if texton.fragment => {
+            format!("Part of primary {}, category {category}", texton.source)
+        }
         Some(category) => format!("Primary {}, category {category}", texton.source),
         None => format!("Secondary {}", texton.source),
     }

@@ -67,8 +67,11 @@ pub(super) fn place(
     params: &SynthParams,
     progress: &dyn Progress,
 ) -> Result<Counts> {
-    let watch = Watch::new(map, progress);
     let mut counts = Counts::default();
+    if !map.state.contains(&UNDEFINED) {
+        return Ok(counts);
+    }
+    let watch = Watch::new(map, progress);
     let bands = if params.without(Ablation::Seeds) { None } else { Bands::new(map.model(), &map.grid) };
     if let Some(bands) = bands {
         for first in 0..2 {

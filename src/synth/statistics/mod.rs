@@ -8,10 +8,12 @@
 //! scenes in a domain, under a map of densities or of several libraries.
 
 mod correlation;
+mod groups;
 mod overlap;
 mod repetition;
 
 pub use correlation::{Correlation, Curve, Difference, largest_categories};
+pub use groups::Groups;
 pub use overlap::Overlap;
 pub use repetition::{Copies, Repetition};
 
@@ -47,6 +49,19 @@ impl Layout {
     /// the mean radius of its primaries is left out all around: of those cut by the border, only
     /// the middle of what the photograph shows is known.
     pub fn of_library(library: &Library) -> Self {
+        let all = Self::whole(library);
+        if all.tile.both() || library.primaries.is_empty() {
+            return all;
+        }
+        let area: f64 = library.primaries.iter().map(|p| f64::from(p.area)).sum();
+        let radius = libm::sqrt(area / library.primaries.len() as f64 / std::f64::consts::PI);
+        let size = all.size;
+        let strip = radius.min(size[0] / 4.0).min(size[1] / 4.0);
+        all.window([strip; 2], size.map(|s| s - strip))
+    }
+
+    /// The exemplar's own arrangement, as library 0, up to its borders.
+    pub fn whole(library: &Library) -> Self {
         let size = [library.source.width, library.source.height].map(f64::from);
         let wrap = library.source.parameters.wrap;
         let centre = |(i, p): (usize, &crate::library::Primary)| Centre {
@@ -56,14 +71,7 @@ impl Layout {
             at: p.centroid,
         };
         let centres: Vec<Centre> = library.primaries.iter().enumerate().map(centre).collect();
-        let all = Self { size, tile: Tile { x: wrap, y: wrap }, centres };
-        if wrap || library.primaries.is_empty() {
-            return all;
-        }
-        let area: f64 = library.primaries.iter().map(|p| f64::from(p.area)).sum();
-        let radius = libm::sqrt(area / library.primaries.len() as f64 / std::f64::consts::PI);
-        let strip = radius.min(size[0] / 4.0).min(size[1] / 4.0);
-        all.window([strip; 2], size.map(|s| s - strip))
+        Self { size, tile: Tile { x: wrap, y: wrap }, centres }
     }
 
     /// The primaries of a scene, which must have been validated.

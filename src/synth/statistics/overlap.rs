@@ -9,6 +9,7 @@ use crate::parallel;
 use crate::raster::{Mask, Span};
 use crate::scene::{Scene, Tile};
 use crate::synth::model::relative;
+use crate::synth::pixels;
 use kurbo::Point;
 use serde::Serialize;
 
@@ -36,8 +37,13 @@ impl Overlap {
     /// mix-up of files, count for nothing.
     pub fn of_scene(scene: &Scene, libraries: &[Library]) -> Self {
         let masks: Vec<Vec<Mask>> = libraries.iter().map(silhouettes).collect();
+        let fragments: Vec<Option<Mask>> =
+            parallel::map(&scene.textons, |t| t.fragment.then(|| pixels::mask(&t.outline)));
         let stamp = |i: &crate::scene::Instance| {
             let texton = scene.textons.get(i.texton as usize)?;
+            if let Some(mask) = fragments.get(i.texton as usize)? {
+                return Some(Stamp { mask, transform: i.affine() });
+            }
             let mask = masks.get(texton.library as usize)?.get(texton.source as usize)?;
             Some(Stamp { mask, transform: i.affine() })
         };

@@ -2,11 +2,12 @@
 
 use super::Bend;
 use crate::error::{Error, Result};
-use crate::library::Library;
+use crate::library::{Library, Primary};
 use crate::raster::ControlMap;
 use crate::scene::{Instance, Scene, Texton};
 use crate::synth::compose;
 use crate::synth::model::Model;
+use crate::synth::pixels;
 use std::collections::VecDeque;
 
 /// Longer side of the map of lands, in its own pixels.
@@ -37,7 +38,10 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<Vec<Libr
         let library = &found[texton.library as usize];
         let known =
             library.primaries.get(texton.source as usize).filter(|p| Some(p.category.0) == texton.category);
-        if known.is_none_or(|p| compose::translated(&p.outline, compose::origin(p)) != texton.outline) {
+        let same = |p: &Primary| {
+            texton.fragment || compose::translated(&p.outline, compose::origin(p)) == texton.outline
+        };
+        if !known.is_some_and(same) {
             return Err(fail(&library.source.file, "its textons are not those of the scene".into()));
         }
     }
@@ -56,6 +60,18 @@ pub(super) fn form(model: &Model, instance: &Instance, texton: &Texton) -> u32 {
     let source = &model.sources[texton.library as usize];
     let variation = variation(model, instance);
     (source.primaries.start + texton.source) * model.variations.len() as u32 + u32::from(variation)
+}
+
+/// The form of each of a scene's textons that is a fragment, which the model then knows.
+pub(super) fn fragments(model: &mut Model, scene: &Scene) -> Vec<Option<u32>> {
+    let known = |texton: &Texton| {
+        texton.fragment.then(|| {
+            let whole = (model.sources[texton.library as usize].primaries.start + texton.source)
+                * model.variations.len() as u32;
+            model.add_fragment(whole, pixels::mask(&texton.outline), texton.clone())
+        })
+    };
+    scene.textons.iter().map(known).collect()
 }
 
 /// The variation nearest to that of an instance; the first of equals.

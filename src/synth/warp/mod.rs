@@ -68,7 +68,8 @@ pub fn warp(
     let controls = Controls { domain: bend.domain(scene), density: None, shares };
 
     // Textons of the scene are varied as its own seed says.
-    let model = Model::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });
+    let mut model = Model::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });
+    let fragments = carried::fragments(&mut model, scene);
     let grid = TargetMap::grid(&model, width, height, params.tile);
     let ground = super::ground::Ground::new(&grid, &controls, &params);
     let mut map = TargetMap::new(&model, ground, grid);
@@ -83,9 +84,12 @@ pub fn warp(
         let Some(there) = bend.texton(instance, texton) else { continue };
         let at = [0, 1].map(|k| libm::round(there[k]) as i32 + map.grid.margin[k]);
         if map.grid.cell(at).is_some() {
-            let form = carried::form(&model, instance, texton);
+            let form = fragments[instance.texton as usize]
+                .unwrap_or_else(|| carried::form(&model, instance, texton));
             map.stand(form, at, CARRIED_SCORE);
-            choice.used(&model, form);
+            if model.primary(form).placeable {
+                choice.used(&model, form);
+            }
             standing.push((i, there));
         }
     }

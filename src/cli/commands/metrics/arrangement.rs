@@ -10,7 +10,7 @@ use serde::Serialize;
 use vtex::library::Library;
 use vtex::scene::Scene;
 use vtex::synth::statistics::{
-    Correlation, Difference, Layout, Repetition, largest_categories, neighbour_distance,
+    Correlation, Difference, Groups, Layout, Repetition, largest_categories, neighbour_distance,
 };
 
 /// What is told of them.
@@ -25,6 +25,8 @@ struct Found {
     categories: Vec<CategoryShares>,
     /// How often the same primaries come back.
     repetition: Repetition,
+    /// Groups that stand as in the exemplar.
+    groups: Groups,
     correlation: PairCorrelation,
     /// Mean distance between neighbouring primaries of the exemplar, in pixels.
     neighbour_distance: f64,
@@ -89,6 +91,7 @@ pub(super) fn run(
         coverage,
         categories,
         repetition: Repetition::new(&layout, placeable, &[unit]),
+        groups: Groups::new(&layout, &[Layout::whole(library)]),
         correlation: PairCorrelation::new(library, &layout, unit),
         neighbour_distance: unit,
     };
@@ -154,6 +157,14 @@ impl Found {
             rows.push(line("shortest", format!("{:.0} px", copies.shortest), "from a copy to the next"));
             rows.push(line("median", format!("{:.0} px", copies.median), "from a copy to the next"));
         }
+        let g = &self.groups;
+        rows.push(line("kept", cent(g.kept), "stand among the same five neighbours as in the exemplar"));
+        rows.push(line("largest group", g.largest.to_string(), "of such side by side"));
+        rows.push(line("copied groups", g.copies.to_string(), "pairs with more than six in common"));
+        if let Some(shortest) = g.shortest {
+            rows.push(line("nearest", format!("{shortest:.0} px"), "from a group to its copy"));
+        }
+        rows.push(line("in windows", cent(g.windows), "of the exemplar's size a group is seen twice"));
         text += &table(&rows);
         text.push('\n');
         let mut rows = vec![["pair correlation", "", ""].map(str::to_owned).to_vec()];

@@ -115,8 +115,13 @@ impl Found {
         let pair =
             |name: &str, a: f64, b: f64, meaning: String| vec![name.into(), digits(a), digits(b), meaning];
         let ratio = digits(m.lapvar_logratio);
-        text += &table(&[
-            ["of each", "exemplar", "result", ""].map(str::to_owned).to_vec(),
+        let mut rows = vec![["of each", "exemplar", "result", ""].map(str::to_owned).to_vec()];
+        rows.extend(m.structure.iter().map(|s| {
+            let ratio = s.ratio.map_or("-".into(), digits);
+            let meaning = format!("spread of means of blocks; ratio {ratio}, below 1 is too even");
+            pair(&format!("spread {} px", s.block), s.exemplar, s.result, meaning)
+        }));
+        rows.extend([
             pair(
                 "lapvar",
                 m.lapvar_exemplar,
@@ -125,6 +130,7 @@ impl Found {
             ),
             pair("acf_peak", m.acf_peak_exemplar, m.acf_peak_result, "repetition, at most 1".into()),
         ]);
+        text += &table(&rows);
         text
     }
 }

@@ -1,0 +1,226 @@
+//! All pages of one level in one array, so that a source is one number.
+
+use super::{CHANNELS, COARSEST, MOST_COMPARED, MOST_LEVELS, PATCH, Page, REACH, Source, UNIT};
+
+/// Features in one patch row.
+pub(super) const ROW: usize = PATCH * CHANNELS;
+
+/// The pages of one level, one below the other, each with a frame of [`REACH`] cells that mirrors it.
+pub(super) struct Atlas {
+    /// Cells in a row.
+    pub(super) stride: usize,
+    /// Features cell by cell.
+    pub(super) features: Vec<i16>,
+    /// Whether a cell can be a source.
+    pub(super) inside: Vec<bool>,
+    pub(super) pages: Vec<Sheet>,
+}
+
+/// Where a page lies in an atlas.
+pub(super) struct Sheet {
+    pub(super) group: u8,
+    /// Row of its first cell.
+    top: usize,
+    pub(super) size: [usize; 2],
+    /// Cells along its border that are no sources: what surrounds them is not known, and islands would go
+    /// on there for ever.
+    rim: usize,
+}
+
+/// A page on one level.
+struct Level {
+    size: [usize; 2],
+    features: Vec<[f32; CHANNELS]>,
+    inside: Option<Vec<bool>>,
+}
+
+impl Level {
+    /// Half as fine: means of two by two cells. An odd row or column at the end is left out.
+    fn reduced(&self) -> Self {
+        let size = self.size.map(|v| (v / 2).max(1));
+        let mut features = Vec::with_capacity(size[0] * size[1]);
+        let mut inside = self.inside.as_ref().map(|_| Vec::with_capacity(size[0] * size[1]));
+        for y in 0..size[1] {
+            for x in 0..size[0] {
+                let at = |dx: usize, dy: usize| {
+                    (2 * y + dy).min(self.size[1] - 1) * self.size[0] + (2 * x + dx).min(self.size[0] - 1)
+                };
+                let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+                features.push(std::array::from_fn(|c| {
+                    four.iter().map(|&i| self.features[i][c]).sum::<f32>() / 4.0
+                }));
+                if let (Some(new), Some(old)) = (&mut inside, &self.inside) {
+                    new.push(four.iter().all(|&i| old[i]));
+                }
+            }
+        }
+        Self { size, features, inside }
+    }
+}
+
+impl Atlas {
+    /// The levels, from the finest to one whose smallest page is [`COARSEST`] cells wide or high.
+    pub(super) fn pyramid(pages: &[Page]) -> Vec<Self> {
+        let mut levels: Vec<Level> = pages
+            .iter()
+            .map(|p| Level { size: p.size, features: p.features.clone(), inside: p.inside.clone() })
+            .collect();
+        let groups: Vec<u8> = pages.iter().map(|p| p.group).collect();
+        let mut pyramid = vec![Self::new(&levels, &groups)];
+        let shortest = |levels: &[Level]| levels.iter().flat_map(|l| l.size).min().unwrap_or(0);
+        // Of a long strip, coarser levels than its breadth likes.
+        let large =
+            |levels: &[Level]| levels.iter().map(|l| l.size[0] * l.size[1]).sum::<usize>() > MOST_COMPARED;
+        let goes_on = |levels: &[Level]| {
+            shortest(levels) >= 2 * COARSEST || (large(levels) && shortest(levels) >= 2 * PATCH)
+        };
+        while pyramid.len() < MOST_LEVELS && goes_on(&levels) {
+            levels = levels.iter().map(Level::reduced).collect();
+            let coarser = Self::new(&levels, &groups);
+            let has = |g: &u8| coarser.sources_of(*g).next().is_some();
+            if !groups.iter().all(has) {
+                break;
+            }
+            pyramid.push(coarser);
+        }
+        pyramid
+    }
+
+    fn new(levels: &[Level], groups: &[u8]) -> Self {
+        let stride = levels.iter().map(|l| l.size[0]).max().unwrap_or(0) + 2 * REACH;
+        let rows: usize = levels.iter().map(|l| l.size[1] + 2 * REACH).sum();
+        let mut atlas = Self {
+            stride,
+            features: vec![0; stride * rows * CHANNELS],
+            inside: vec![false; stride * rows],
+            pages: Vec::new(),
+        };
+        let mut top = 0;
+        for (level, &group) in levels.iter().zip(groups) {
+            let [w, h] = level.size;
+            let rim = match w.min(h) {
+                0..8 => 0,
+                8..24 => 1,
+                _ => REACH,
+            };
+            for y in 0..h + 2 * REACH {
+                for x in 0..w + 2 * REACH {
+                    let (px, py) = (mirrored(x, w), mirrored(y, h));
+                    let to = ((top + y) * stride + x) * CHANNELS;
+                    for c in 0..CHANNELS {
+                        atlas.features[to + c] = stored(level.features[py * w + px][c]);
+                    }
+                    let within = |v: usize, size: usize| (REACH + rim..size + REACH - rim).contains(&v);
+                    let real = within(x, w) && within(y, h);
+                    let inside = level.inside.as_ref().is_none_or(|i| i[py * w + px]);
+                    atlas.inside[(top + y) * stride + x] = real && inside;
+                }
+            }
+            atlas.pages.push(Sheet { group, top: top + REACH, size: level.size, rim });
+            top += h + 2 * REACH;
+        }
+        atlas
+    }
+
+    /// All cells of a group that can be sources, in order.
+    pub(super) fn sources_of(&self, group: u8) -> impl Iterator<Item = u32> + '_ {
+        self.pages.iter().filter(move |p| p.group == group).flat_map(move |p| {
+            (0..p.size[1]).flat_map(move |y| {
+                let start = (p.top + y) * self.stride + REACH;
+                (start..start + p.size[0]).filter(|&i| self.inside[i]).map(|i| i as u32)
+            })
+        })
+    }
+
+    /// The cells of a group that are all compared, at most [`MOST_COMPARED`].
+    pub(super) fn compared(&self, group: u8) -> Vec<u32> {
+        let all: Vec<u32> = self.sources_of(group).collect();
+        let step = all.len().div_ceil(MOST_COMPARED).max(1);
+        all.into_iter().step_by(step).collect()
+    }
+
+    /// The largest number of a group.
+    pub(super) fn last_group(&self) -> u8 {
+        self.pages.iter().map(|p| p.group).max().unwrap_or(0)
+    }
+
+    /// Group of the page of a cell.
+    pub(super) fn group(&self, cell: u32) -> u8 {
+        self.pages[self.page(cell)].group
+    }
+
+    /// Number of the page of a cell.
+    pub(super) fn page(&self, cell: u32) -> usize {
+        if self.pages.len() == 1 {
+            return 0;
+        }
+        let row = cell as usize / self.stride;
+        self.pages.partition_point(|p| p.top <= row + REACH).max(1) - 1
+    }
+
+    /// Page and place of a cell.
+    pub(super) fn source(&self, cell: u32) -> Source {
+        let page = self.page(cell);
+        let (x, y) = (cell as usize % self.stride, cell as usize / self.stride);
+        Source { page: page as u16, at: [(x - REACH) as u16, (y - self.pages[page].top) as u16] }
+    }
+
+    /// The cell of a page at a place, moved to where sources may be if it lies beside that.
+    pub(super) fn cell(&self, page: usize, at: [i64; 2]) -> u32 {
+        let sheet = &self.pages[page];
+        let (rim, size) = (sheet.rim as i64, sheet.size.map(|v| v as i64));
+        let [x, y] = [0, 1].map(|k| at[k].clamp(rim, size[k] - 1 - rim) as usize);
+        ((sheet.top + y) * self.stride + x + REACH) as u32
+    }
+
+    /// A cell some cells away, if that can be a source.
+    #[inline]
+    pub(super) fn moved(&self, cell: u32, dx: isize, dy: isize) -> Option<u32> {
+        let at = cell as isize + dy * self.stride as isize + dx;
+        (at >= 0 && self.inside.get(at as usize) == Some(&true)).then_some(at as u32)
+    }
+
+    /// Index of the first feature of the patch around a cell.
+    #[inline]
+    pub(super) fn patch(&self, cell: u32) -> usize {
+        (cell as usize - REACH * self.stride - REACH) * CHANNELS
+    }
+
+    /// The features of a cell.
+    #[inline]
+    pub(super) fn of(&self, cell: u32) -> &[i16] {
+        &self.features[cell as usize * CHANNELS..][..CHANNELS]
+    }
+}
+
+/// Squared distance of two patches, each given by the index of its first feature and the features
+/// in a row; or anything from `limit` on.
+#[inline(always)]
+pub(super) fn distance(a: &[i16], a_row: usize, b: &[i16], b_row: usize, limit: i32) -> i32 {
+    let mut sum = 0;
+    for r in 0..PATCH {
+        let (x, y) = (&a[r * a_row..][..ROW], &b[r * b_row..][..ROW]);
+        for i in 0..ROW {
+            let d = x[i].wrapping_sub(y[i]);
+            sum += i32::from(d) * i32::from(d);
+        }
+        if sum >= limit {
+            break;
+        }
+    }
+    sum
+}
+
+/// A feature as it is stored.
+fn stored(v: f32) -> i16 {
+    // Ten deviations and more are alike; squares of differences then fit 32 bits a hundredfold.
+    libm::roundf(v.clamp(-16.0, 16.0) * UNIT) as i16
+}
+
+/// The index within `0..size` that a framed index shows.
+fn mirrored(framed: usize, size: usize) -> usize {
+    let i = framed as i64 - REACH as i64;
+    let i = if i < 0 { -1 - i } else { i };
+    let i = if i >= size as i64 { 2 * size as i64 - 1 - i } else { i };
+    i.clamp(0, size as i64 - 1) as usize
+}

@@ -1,0 +1,105 @@
+//! Islands: cells side by side that come from one place.
+
+use super::atlas::Atlas;
+use super::canvas::Canvas;
+use super::search::Best;
+use super::{Field, Source};
+
+/// Which island each cell belongs to.
+pub(crate) struct Islands {
+    /// Number of the island of each cell, row by row.
+    pub(crate) of: Vec<u32>,
+    /// Cells of each island.
+    pub(crate) sizes: Vec<u32>,
+}
+
+impl Islands {
+    /// Those of a field.
+    pub(crate) fn new(field: &Field) -> Self {
+        let continues = |a: Source, b: Source, d: [i32; 2]| {
+            a.page == b.page && (0..2).all(|k| i32::from(b.at[k]) - i32::from(a.at[k]) == d[k])
+        };
+        let s = &field.sources;
+        Self::connected(field.size, field.wrap, |i, j, d| continues(s[i], s[j], d))
+    }
+
+    /// Cells joined where `joined(cell, next, way)` says so of a cell and the next to the right or
+    /// below.
+    fn connected(size: [usize; 2], wrap: [bool; 2], joined: impl Fn(usize, usize, [i32; 2]) -> bool) -> Self {
+        let [w, h] = size;
+        let mut parent: Vec<u32> = (0..(w * h) as u32).collect();
+        fn root(parent: &mut [u32], mut i: u32) -> u32 {
+            while parent[i as usize] != i {
+                parent[i as usize] = parent[parent[i as usize] as usize];
+                i = parent[i as usize];
+            }
+            i
+        }
+        for y in 0..h {
+            for x in 0..w {
+                let i = y * w + x;
+                let right = if x + 1 < w { Some(i + 1) } else { wrap[0].then_some(y * w) };
+                let below = if y + 1 < h { Some(i + w) } else { wrap[1].then_some(x) };
+                for (next, way) in [(right, [1, 0]), (below, [0, 1])] {
+                    let Some(j) = next.filter(|&j| joined(i, j, way)) else { continue };
+                    let (a, b) = (root(&mut parent, i as u32), root(&mut parent, j as u32));
+                    // The first cell is the root, so that numbers follow the order of cells.
+                    parent[a.max(b) as usize] = a.min(b);
+                }
+            }
+        }
+        let mut of = vec![0; w * h];
+        let mut sizes = Vec::new();
+        for i in 0..w * h {
+            let first = root(&mut parent, i as u32) as usize;
+            if first == i {
+                of[i] = sizes.len() as u32;
+                sizes.push(0);
+            } else {
+                of[i] = of[first];
+            }
+            sizes[of[i] as usize] += 1;
+        }
+        Self { of, sizes }
+    }
+}
+
+impl Canvas {
+    /// Gives the cells of islands of fewer than `least` cells to the islands around them that suit
+    /// best.
+    pub(super) fn absorb_small_islands(&mut self, atlas: &Atlas, least: u32) {
+        self.copy_sources(atlas);
+        let islands = Islands::connected(self.size, self.wrap, |i, j, [dx, dy]| {
+            atlas.moved(self.sources[i], dx as isize, dy as isize) == Some(self.sources[j])
+        });
+        let none = vec![0; atlas.inside.len()];
+        let mut settled: Vec<bool> = islands.of.iter().map(|&k| islands.sizes[k as usize] >= least).collect();
+        let mut open: Vec<usize> = (0..settled.len()).filter(|&i| !settled[i]).collect();
+        while !open.is_empty() {
+            let mut changes = Vec::new();
+            for &i in &open {
+                let at = [i % self.size[0], i / self.size[0]];
+                let mut best = Best::new(self, atlas, at, &none);
+                for d in [[-1, 0], [1, 0], [0, -1], [0, 1]] {
+                    if self.neighbour(at, d).is_some_and(|q| settled[q])
+                        && let Some(source) = self.continued(atlas, at, d)
+                    {
+                        best.consider(source, 8);
+                    }
+                }
+                if best.cost < i32::MAX {
+                    changes.push((i, best.source));
+                }
+            }
+            if changes.is_empty() {
+                break;
+            }
+            for &(i, source) in &changes {
+                self.show(atlas, [i % self.size[0], i / self.size[0]], source);
+                settled[i] = true;
+            }
+            self.frame();
+            open.retain(|&i| !settled[i]);
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Which library each cell takes its source from, and which cells need none.
+
+use crate::sampling::{Area, poisson_disk, stream};
+use crate::synth::grid::Grid;
+use crate::synth::ground::Ground;
+use crate::synth::model::Model;
+use crate::synth::neighbourhoods::Sites;
+
+/// Cells further than this from all that is to be filled need no source, in pixels.
+const AROUND: i32 = 24;
+
+/// The library of every cell; none for one library. Where several have a part, each has regions of
+/// some elements, as many as its share.
+pub(super) fn libraries(
+    grid: &Grid,
+    ground: &Ground<'_>,
+    model: &Model,
+    seed: u64,
+    size: [usize; 2],
+    place: impl Fn(usize, usize) -> [i32; 2],
+) -> Option<Vec<u8>> {
+    if !ground.is_shared() {
+        return None;
+    }
+    let mut random = stream(seed, "correspondence/libraries", 0);
+    let (canvas, tile) = (grid.canvas(), grid.tile);
+    let radius = f64::from(model.half.max(8));
+    let margin = [tile.x, tile.y].map(|wrap| if wrap { 0.0 } else { radius });
+    let area = Area {
+        width: canvas[0] + 2.0 * margin[0],
+        height: canvas[1] + 2.0 * margin[1],
+        wrap_x: tile.x,
+        wrap_y: tile.y,
+    };
+    let centres = poisson_disk(area, radius, &mut random).into_iter();
+    let centres = centres.map(|p| [0, 1].map(|k| libm::floor(p[k] - margin[k]) as i32)).collect();
+    let sites = Sites::new(centres, radius, canvas, tile);
+    // What decides for a library, the same for all cells of a site.
+    let draws: Vec<f64> = sites.centres().iter().map(|_| random.unit()).collect();
+    let library = |at: [i32; 2]| {
+        let at = [0, 1].map(|k| at[k].clamp(0, canvas[k] as i32 - 1));
+        let draw = sites.owner(at).map_or(0.5, |site| draws[site]);
+        let shares = ground.shares(at.map(f64::from));
+        let mut sum = 0.0;
+        let known = model.sources.len();
+        let found = (0..known).find(|&k| {
+            sum += shares[k];
+            shares[k] > 0.0 && draw < sum
+        });
+        found.unwrap_or_else(|| (0..known).rev().find(|&k| shares[k] > 0.0).unwrap_or(0)) as u8
+    };
+    Some(
+        (0..size[1])
+            .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
+            .map(|(x, y)| library(place(x, y)))
+            .collect(),
+    )
+}
+
+/// Which cells need a source; none if all do.
+pub(super) fn active(
+    grid: &Grid,
+    ground: &Ground<'_>,
+    size: [usize; 2],
+    place: impl Fn(usize, usize) -> [i32; 2],
+) -> Option<Vec<bool>> {
+    if ground.is_plain() {
+        return None;
+    }
+    let wanted = |at: [i32; 2]| {
+        let at = [0, 1].map(|k| at[k] + grid.margin[k]);
+        grid.canvas_cell(at)
+            .and_then(|i| ground.zone(i))
+            .is_some_and(|zone| super::serves(ground.level(zone)))
+    };
+    let near = |at: [i32; 2]| {
+        let step = AROUND / 2;
+        (-2..=2).any(|v| (-2..=2).any(|u| wanted([at[0] + u * step, at[1] + v * step])))
+    };
+    Some(
+        (0..size[1])
+            .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
+            .map(|(x, y)| near(place(x, y)))
+            .collect(),
+    )
+}
