@@ -46,11 +46,11 @@ const OCCURRENCE: f32 = 0.03;
 /// What a source costs more that no cell around continues: a share of its distance, and a share of the
 /// squared deviation. One that some of the eight continue costs as much less.
 const ALONE: [f32; 2] = [0.3, 0.04];
+/// Levels, from the finest, on which it costs that; on coarser ones structure is still to be found.
+const COHERENT: usize = 2;
 /// What a source costs more of which a copy is beside, as a share of the squared deviation; less with
 /// distance. Only where all sources are compared: later, islands are too large to make way.
 const COPY: f32 = 0.3;
-/// Levels, from the finest, on which it does; on coarser ones structure is still to be found.
-const COHERENT: usize = 2;
 /// Shortest side of the coarsest level of the smallest page, in cells.
 const COARSEST: usize = 14;
 /// Most cells that are all compared: of more, so many evenly chosen.
@@ -215,16 +215,12 @@ impl Watch<'_> {
 }
 
 /// Keeps those of several canvases whose contrast is nearest to the exemplar's, of equals the first.
+/// Errors are from 0 on, so their bits are in their order.
 fn keep_best(canvases: &mut Vec<Canvas>, atlas: &Atlas, count: usize) {
     if canvases.len() > count {
-        canvases.sort_by_cached_key(|canvas| ordered(canvas.contrast_error(atlas)));
+        canvases.sort_by_cached_key(|canvas| canvas.contrast_error(atlas).to_bits());
         canvases.truncate(count);
     }
-}
-
-/// A number from 0 on as one that can be compared.
-fn ordered(v: f32) -> u32 {
-    v.to_bits()
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@
 //! Works badly where secondaries form structures larger than a cell: those are cut.
 
 use super::correspondence::{Correspondence, serves};
+use super::grid::Grid;
 use super::neighbourhoods::{Exemplar, Sites};
 use super::target::TargetMap;
 use super::variation::Variation;
@@ -177,7 +178,7 @@ impl Lands {
             return Self { sites: None };
         }
         let mut random = stream(seed, "synth/secondaries/lands", 0);
-        let sites = scattered(map, reach, reach, &mut random);
+        let sites = scattered(&map.grid, reach, reach, &mut random);
         let library = |p: &[i32; 2]| map.ground.draw_library(p.map(f64::from), &mut random);
         let of = sites.centres().to_vec().iter().map(library).collect();
         Self { sites: Some((sites, of)) }
@@ -189,8 +190,8 @@ impl Lands {
 }
 
 /// Sites of a Poisson-disk set over the canvas and, beyond borders, `outside` pixels more.
-fn scattered(map: &TargetMap<'_>, radius: f64, outside: f64, random: &mut Stream) -> Sites {
-    let (canvas, tile) = (map.grid.canvas(), map.grid.tile);
+pub(super) fn scattered(grid: &Grid, radius: f64, outside: f64, random: &mut Stream) -> Sites {
+    let (canvas, tile) = (grid.canvas(), grid.tile);
     let margin = [tile.x, tile.y].map(|wrap| if wrap { 0.0 } else { outside });
     let area = Area {
         width: canvas[0] + 2.0 * margin[0],
@@ -242,7 +243,7 @@ impl Task<'_, '_> {
         // Each library has draws of its own; those of the first do not depend on the others.
         let item = |i: usize| (self.number as u64) << 40 | i as u64;
         // Cells just outside reach in.
-        let sites = scattered(map, reach, reach, &mut stream(seed, "synth/secondaries", item(0)));
+        let sites = scattered(&map.grid, reach, reach, &mut stream(seed, "synth/secondaries", item(0)));
         let exemplar = Exemplar::new(self.library, reach);
         let indices: Vec<usize> = (0..sites.centres().len()).collect();
         let cells = parallel::map(&indices, |&i| {
@@ -316,7 +317,7 @@ impl Task<'_, '_> {
         let sites = Sites::new(places.iter().map(|p| p.at).collect(), radius, canvas, tile);
         let item = (self.number as u64) << 40;
         let mut random = stream(self.params.seed, "synth/secondaries/gaps", item);
-        let mut gaps = scattered(map, closer(densest), 0.0, &mut random).centres().to_vec();
+        let mut gaps = scattered(&map.grid, closer(densest), 0.0, &mut random).centres().to_vec();
         gaps.retain(|&at| {
             let density = map.ground.density(at.map(f64::from));
             !sites.any_within(at, closer(density)) && (density >= 1.0 || random.chance(density))

@@ -1,10 +1,10 @@
 //! Which library each cell takes its source from, and which cells need none.
 
-use crate::sampling::{Area, poisson_disk, stream};
+use crate::sampling::stream;
 use crate::synth::grid::Grid;
 use crate::synth::ground::Ground;
 use crate::synth::model::Model;
-use crate::synth::neighbourhoods::Sites;
+use crate::synth::secondaries::scattered;
 
 /// Cells further than this from all that is to be filled need no source, in pixels.
 const AROUND: i32 = 24;
@@ -23,18 +23,9 @@ pub(super) fn libraries(
         return None;
     }
     let mut random = stream(seed, "correspondence/libraries", 0);
-    let (canvas, tile) = (grid.canvas(), grid.tile);
+    let canvas = grid.canvas();
     let radius = f64::from(model.half.max(8));
-    let margin = [tile.x, tile.y].map(|wrap| if wrap { 0.0 } else { radius });
-    let area = Area {
-        width: canvas[0] + 2.0 * margin[0],
-        height: canvas[1] + 2.0 * margin[1],
-        wrap_x: tile.x,
-        wrap_y: tile.y,
-    };
-    let centres = poisson_disk(area, radius, &mut random).into_iter();
-    let centres = centres.map(|p| [0, 1].map(|k| libm::floor(p[k] - margin[k]) as i32)).collect();
-    let sites = Sites::new(centres, radius, canvas, tile);
+    let sites = scattered(grid, radius, radius, &mut random);
     // What decides for a library, the same for all cells of a site.
     let draws: Vec<f64> = sites.centres().iter().map(|_| random.unit()).collect();
     let library = |at: [i32; 2]| {
