@@ -8,6 +8,7 @@
 
 #![forbid(unsafe_code)]
 
+mod disjoint_sets;
 mod document;
 pub mod error;
 mod parallel;

@@ -9,6 +9,7 @@
 use super::grid::Grid;
 use super::moments::Moments;
 use super::price::{Price, SECONDARY};
+use crate::disjoint_sets::DisjointSets;
 use crate::raster::Mask;
 use crate::raster::colour::Colour;
 use crate::scene::Gradient;
@@ -65,7 +66,7 @@ fn unite(image: &RgbImage, masks: &[Mask], price: Price, shape: f64, largest: u3
             queue.extend(saved(&regions, a, b, border).map(|s| (s, Reverse((a, b)), 0, 0)));
         }
     }
-    let mut parent: Vec<usize> = (0..masks.len()).collect();
+    let mut sets = DisjointSets::new(masks.len());
     while let Some((_, Reverse((a, b)), at_a, at_b)) = queue.pop() {
         let stale = (version[a], version[b]) != (at_a, at_b);
         if stale || areas[a].saturating_add(areas[b]) > largest {
@@ -74,7 +75,7 @@ fn unite(image: &RgbImage, masks: &[Mask], price: Price, shape: f64, largest: u3
         let (Some(x), Some(y)) = (regions[a], regions[b].take()) else { continue };
         regions[a] = Some(x.with(&y));
         areas[a] += areas[b];
-        parent[b] = a;
+        sets.attach(a, b);
         version[a] += 1;
         version[b] += 1;
         for (c, border) in std::mem::take(&mut borders[b]) {
@@ -90,38 +91,29 @@ fn unite(image: &RgbImage, masks: &[Mask], price: Price, shape: f64, largest: u3
             queue.extend(entry.map(|s| (s, Reverse((low, high)), version[low], version[high])));
         }
     }
-    united(masks, &mut parent)
+    united(masks, sets)
 }
 
 /// Joins neighbours of one colour.
 pub(super) fn join_alike(details: &[Mask], colour: impl Fn(&Mask) -> Colour) -> Vec<Mask> {
     let colours: Vec<Colour> = details.iter().map(colour).collect();
-    let mut parent: Vec<usize> = (0..details.len()).collect();
+    let mut sets = DisjointSets::new(details.len());
     for (a, neighbours) in borders(details).iter().enumerate() {
         for &b in neighbours.keys().filter(|&&b| b > a && colours[a] == colours[b]) {
-            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-            parent[a.max(b)] = a.min(b);
+            sets.join(a, b);
         }
     }
-    united(details, &mut parent)
-}
-
-/// Whom a mask was joined to in the end.
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
+    united(details, sets)
 }
 
 /// The unions, in the order of their first masks.
-fn united(masks: &[Mask], parent: &mut [usize]) -> Vec<Mask> {
-    let mut spans = vec![Vec::new(); masks.len()];
-    for (i, mask) in masks.iter().enumerate() {
-        spans[root(parent, i)].extend_from_slice(mask.spans());
+fn united(masks: &[Mask], mut sets: DisjointSets) -> Vec<Mask> {
+    let (of, count) = sets.indices();
+    let mut spans = vec![Vec::new(); count];
+    for (mask, set) in masks.iter().zip(of) {
+        spans[set as usize].extend_from_slice(mask.spans());
     }
-    spans.into_iter().filter(|s| !s.is_empty()).map(Mask::from_spans).collect()
+    spans.into_iter().map(Mask::from_spans).collect()
 }
 
 /// Length of the border between each two of several disjoint masks, in cells.

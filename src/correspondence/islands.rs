@@ -4,6 +4,7 @@ use super::atlas::Atlas;
 use super::canvas::Canvas;
 use super::search::Best;
 use super::{Field, Source};
+use crate::disjoint_sets::DisjointSets;
 
 /// Which island each cell belongs to.
 pub(crate) struct Islands {
@@ -27,39 +28,22 @@ impl Islands {
     /// below.
     fn connected(size: [usize; 2], wrap: [bool; 2], joined: impl Fn(usize, usize, [i32; 2]) -> bool) -> Self {
         let [w, h] = size;
-        let mut parent: Vec<u32> = (0..(w * h) as u32).collect();
-        fn root(parent: &mut [u32], mut i: u32) -> u32 {
-            while parent[i as usize] != i {
-                parent[i as usize] = parent[parent[i as usize] as usize];
-                i = parent[i as usize];
-            }
-            i
-        }
+        let mut sets = DisjointSets::new(w * h);
         for y in 0..h {
             for x in 0..w {
                 let i = y * w + x;
                 let right = if x + 1 < w { Some(i + 1) } else { wrap[0].then_some(y * w) };
                 let below = if y + 1 < h { Some(i + w) } else { wrap[1].then_some(x) };
                 for (next, way) in [(right, [1, 0]), (below, [0, 1])] {
-                    let Some(j) = next.filter(|&j| joined(i, j, way)) else { continue };
-                    let (a, b) = (root(&mut parent, i as u32), root(&mut parent, j as u32));
-                    // The first cell is the root, so that numbers follow the order of cells.
-                    parent[a.max(b) as usize] = a.min(b);
+                    if let Some(j) = next.filter(|&j| joined(i, j, way)) {
+                        sets.join(i, j);
+                    }
                 }
             }
         }
-        let mut of = vec![0; w * h];
-        let mut sizes = Vec::new();
-        for i in 0..w * h {
-            let first = root(&mut parent, i as u32) as usize;
-            if first == i {
-                of[i] = sizes.len() as u32;
-                sizes.push(0);
-            } else {
-                of[i] = of[first];
-            }
-            sizes[of[i] as usize] += 1;
-        }
+        let (of, count) = sets.indices();
+        let mut sizes = vec![0; count];
+        of.iter().for_each(|&island| sizes[island as usize] += 1);
         Self { of, sizes }
     }
 }

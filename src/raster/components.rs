@@ -1,6 +1,7 @@
 //! Connected components of label maps and masks.
 
 use super::{LabelMap, Mask};
+use crate::disjoint_sets::DisjointSets;
 
 /// Which pixels count as neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,14 +72,7 @@ pub fn components(map: &LabelMap, connectivity: Connectivity) -> (LabelMap, Vec<
 /// The connected pieces of a mask, in the order of their first pixel.
 pub fn components_of_mask(mask: &Mask, connectivity: Connectivity) -> Vec<Mask> {
     let spans = mask.spans();
-    let mut parent: Vec<usize> = (0..spans.len()).collect();
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
+    let mut sets = DisjointSets::new(spans.len());
     let reach = i32::from(connectivity == Connectivity::Eight);
     let mut above = 0;
     for i in 0..spans.len() {
@@ -90,20 +84,14 @@ pub fn components_of_mask(mask: &Mask, connectivity: Connectivity) -> Vec<Mask> 
         }
         let mut j = above;
         while j < i && spans[j].y == s.y - 1 && spans[j].x0 < s.x1 + reach {
-            let (a, b) = (root(&mut parent, i), root(&mut parent, j));
-            parent[a.max(b)] = a.min(b);
+            sets.join(i, j);
             j += 1;
         }
     }
-    let mut index = vec![usize::MAX; spans.len()];
-    let mut pieces: Vec<Vec<super::Span>> = Vec::new();
-    for (i, s) in spans.iter().enumerate() {
-        let r = root(&mut parent, i);
-        if index[r] == usize::MAX {
-            index[r] = pieces.len();
-            pieces.push(Vec::new());
-        }
-        pieces[index[r]].push(*s);
+    let (of, count) = sets.indices();
+    let mut pieces: Vec<Vec<super::Span>> = vec![Vec::new(); count];
+    for (s, piece) in spans.iter().zip(of) {
+        pieces[piece as usize].push(*s);
     }
     pieces.into_iter().map(Mask::from_spans).collect()
 }

@@ -8,6 +8,7 @@
 //! knows nothing of shape.
 
 use super::{ScoredMask, Segmenter};
+use crate::disjoint_sets::DisjointSets;
 use crate::error::{Result, check};
 use crate::progress::{Progress, advance};
 use crate::raster::{LabelMap, Mask, Span};
@@ -174,7 +175,7 @@ fn edge(pixels: &[[f32; 3]], i: usize, j: usize, number: usize) -> u64 {
 
 /// Disjoint sets of pixels.
 struct Forest {
-    parent: Vec<u32>,
+    sets: DisjointSets,
     size: Vec<u32>,
     /// Largest weight of the minimum spanning tree plus scale / size.
     limit: Vec<f32>,
@@ -182,33 +183,23 @@ struct Forest {
 
 impl Forest {
     fn new(pixels: usize) -> Self {
-        Self { parent: (0..pixels as u32).collect(), size: vec![1; pixels], limit: Vec::new() }
-    }
-
-    fn root(&mut self, i: usize) -> usize {
-        let mut i = i as u32;
-        while self.parent[i as usize] != i {
-            let up = self.parent[self.parent[i as usize] as usize];
-            self.parent[i as usize] = up;
-            i = up;
-        }
-        i as usize
+        Self { sets: DisjointSets::new(pixels), size: vec![1; pixels], limit: Vec::new() }
     }
 
     fn join(&mut self, a: usize, b: usize) -> usize {
         let (a, b) = if self.size[a] >= self.size[b] { (a, b) } else { (b, a) };
-        self.parent[b] = a as u32;
+        self.sets.attach(a, b);
         self.size[a] += self.size[b];
         a
     }
 
     fn grow(&mut self, mut edges: Vec<u64>, ends: impl Fn(u32) -> (usize, usize), scale: f32, minimum: u32) {
         edges.sort_unstable();
-        self.limit = vec![scale; self.parent.len()];
+        self.limit = vec![scale; self.size.len()];
         for &e in &edges {
             let weight = f32::from_bits((e >> 32) as u32);
             let (i, j) = ends(e as u32);
-            let (a, b) = (self.root(i), self.root(j));
+            let (a, b) = (self.sets.root(i), self.sets.root(j));
             if a != b && weight < self.limit[a].min(self.limit[b]) {
                 let joined = self.join(a, b);
                 self.limit[joined] = weight + scale / self.size[joined] as f32;
@@ -216,7 +207,7 @@ impl Forest {
         }
         for &e in &edges {
             let (i, j) = ends(e as u32);
-            let (a, b) = (self.root(i), self.root(j));
+            let (a, b) = (self.sets.root(i), self.sets.root(j));
             if a != b && self.size[a].min(self.size[b]) < minimum {
                 self.join(a, b);
             }
@@ -225,18 +216,7 @@ impl Forest {
 
     /// The number of each pixel's set, from 1 in the order of their first pixel.
     fn number(&mut self) -> Vec<u32> {
-        let mut numbers = vec![0; self.parent.len()];
-        let mut last = 0;
-        (0..self.parent.len())
-            .map(|i| {
-                let root = self.root(i);
-                if numbers[root] == 0 {
-                    last += 1;
-                    numbers[root] = last;
-                }
-                numbers[root]
-            })
-            .collect()
+        self.sets.indices().0.into_iter().map(|index| index + 1).collect()
     }
 }
 

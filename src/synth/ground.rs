@@ -17,6 +17,8 @@ const OUTSIDE: u8 = u8::MAX;
 const STEP: f64 = 8.0;
 /// Highest density, relative to the exemplar's.
 const DENSEST: f64 = 2.0;
+/// Densities that correspondences serve, relative to the exemplar's.
+const SERVED: std::ops::RangeInclusive<f64> = 0.5..=1.25;
 /// No more than this share of the ground is asked for, however dense.
 const FULLEST: f64 = 0.95;
 /// A library has no part in a cell where its share is smaller.
@@ -168,6 +170,22 @@ impl<'a> Ground<'a> {
             sources.flat_map(|(k, s)| category(k, s.categories.clone())).collect()
         };
         self.areas.iter().enumerate().map(zone).collect()
+    }
+
+    /// Whether correspondences place what stands in a zone. Where density is that of the exemplar or
+    /// near it, textons can be taken from what came along and a few added, but no more.
+    pub(super) fn serves(&self, zone: usize) -> bool {
+        SERVED.contains(&self.level(zone))
+    }
+
+    /// [`Ground::serves`] of all zones.
+    pub(super) fn serves_all(&self) -> bool {
+        (0..self.zone_count()).all(|zone| self.serves(zone))
+    }
+
+    /// [`Ground::serves`] of a cell of the canvas.
+    pub(super) fn serves_cell(&self, i: usize) -> bool {
+        self.zone(i).is_some_and(|zone| self.serves(zone))
     }
 
     /// Density relative to the exemplar's in a zone.

@@ -9,7 +9,7 @@
 //!
 //! Works badly where secondaries form structures larger than a cell: those are cut.
 
-use super::correspondence::{Correspondence, serves};
+use super::correspondence::Correspondence;
 use super::grid::Grid;
 use super::neighbourhoods::{Exemplar, Sites};
 use super::target::TargetMap;
@@ -70,7 +70,7 @@ pub(super) fn place(
         return Vec::new();
     }
     let came = correspondence.map_or_else(Vec::new, |c| carried(libraries, map, c, params.seed));
-    if map.settled && (0..map.ground.zone_count()).all(|zone| serves(map.ground.level(zone))) {
+    if map.settled && map.ground.serves_all() {
         return came;
     }
     let lands = Lands::new(libraries, map, params.seed);
@@ -120,8 +120,7 @@ fn carried(
 /// Whether what stands at a place of the canvas came along a field of correspondences.
 fn is_served(map: &TargetMap<'_>, at: [i32; 2]) -> bool {
     let at = [0, 1].map(|k| at[k] + map.grid.margin[k]);
-    let zone = map.grid.canvas_cell(at).and_then(|i| map.ground.zone(i));
-    map.settled && zone.is_some_and(|zone| serves(map.ground.level(zone)))
+    map.settled && map.grid.canvas_cell(at).is_some_and(|i| map.ground.serves_cell(i))
 }
 
 /// In the colour of the ground beneath them plus their own difference, within the tones of their
@@ -303,7 +302,7 @@ impl Task<'_, '_> {
             let covered: u64 = map.covered[zone][categories.clone()].iter().sum();
             map.ground.level(zone) * (map.ground.area(zone, self.number) - covered as f64).max(0.0)
         };
-        let zones = (0..map.ground.zone_count()).filter(|&z| !(map.settled && serves(map.ground.level(z))));
+        let zones = (0..map.ground.zone_count()).filter(|&z| !(map.settled && map.ground.serves(z)));
         let wanted = POISSON_DENSITY * zones.clone().map(ground).sum::<f64>() / (radius * radius);
         let missing = wanted - places.len() as f64;
         if missing < 1.0 {

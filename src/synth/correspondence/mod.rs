@@ -72,8 +72,7 @@ impl Carried {
     /// Lets all of it stand. What is left of the zones that correspondences serve holds nothing.
     pub(super) fn stand(&self, map: &mut TargetMap<'_>, choice: &mut Choice) {
         map.settled = true;
-        let zones = 0..map.ground.zone_count();
-        let all = zones.clone().all(|zone| serves(map.ground.level(zone)));
+        let all = map.ground.serves_all();
         for &(form, at) in &self.elements {
             map.stand(form, at, SCORE);
             if map.model().primary(form).placeable {
@@ -81,8 +80,7 @@ impl Carried {
             }
         }
         for i in 0..map.state.len() {
-            let served = all || map.ground.zone(i).is_some_and(|zone| serves(map.ground.level(zone)));
-            if served && map.state[i] == UNDEFINED {
+            if (all || map.ground.serves_cell(i)) && map.state[i] == UNDEFINED {
                 map.state[i] = EMPTY;
             }
         }
@@ -95,12 +93,6 @@ impl Carried {
             }
         }
     }
-}
-
-/// Whether correspondences place what stands where density is `level` times the exemplar's: textons can
-/// be taken from what came along, and a few added, but no more.
-pub(super) fn serves(level: f64) -> bool {
-    (0.5..=1.25).contains(&level)
 }
 
 /// A canvas as a mosaic of its exemplars.
@@ -251,7 +243,7 @@ fn stands(grid: &Grid, ground: &Ground<'_>, mask: &Mask, at: [i32; 2], middle: [
     if ground.is_plain() {
         return true;
     }
-    let served = |zone: usize| serves(ground.level(zone));
+    let served = |zone| ground.serves(zone);
     let canvas =
         || mask.spans().iter().flat_map(|&s| grid.parts(s, at)).flat_map(|Part { canvas, .. }| canvas);
     let inside = grid.canvas_cell(middle).and_then(|i| ground.zone(i));

@@ -23,6 +23,8 @@ pub(super) struct Sheet {
     pub(super) variation: u16,
     /// Size of the exemplar, in pixels.
     pub(super) size: [i32; 2],
+    /// Size of the page, in pixels.
+    area: [i32; 2],
     /// Place of the exemplar's middle on the page, in pixels.
     middle: [i32; 2],
     wrap: bool,
@@ -38,7 +40,67 @@ pub(super) struct Pages {
     pub(super) labels: Vec<LabelMap>,
 }
 
+/// What an exemplar shows, pixel by pixel.
+struct Surface<'a> {
+    guide: &'a Guide,
+    /// Colours of the guide's cells.
+    colours: &'a [[f32; 3]],
+    /// What a unit of Oklab weighs.
+    unit: f32,
+    /// Signed distance of each pixel to the nearest border, as [`border_distances`] gives it.
+    borders: Vec<f32>,
+}
+
 impl Sheet {
+    /// For an exemplar of `size` pixels in one of the model's variations.
+    fn new(library: usize, model: &Model, variation: usize, size: [i32; 2], wrap: bool) -> Self {
+        let area = extent(model, variation, size, wrap);
+        let middle = if variation == 0 { size } else { area }.map(|v| v / 2);
+        Self { library, variation: variation as u16, size, area, middle, wrap }
+    }
+
+    /// Whether the page is the exemplar as it is: neither varied nor continued.
+    fn is_exemplar(&self) -> bool {
+        self.variation == 0 && !self.wrap
+    }
+
+    /// The page, in cells of `cell` pixels.
+    fn page(&self, model: &Model, cell: i32, exemplar: &Surface<'_>) -> Page {
+        let size = self
+            .area
+            .map(|v| if self.is_exemplar() { (v + cell - 1) / cell } else { v / cell }.max(1) as usize);
+        let cells = (0..size[1] as i32).flat_map(|y| (0..size[0] as i32).map(move |x| [x * cell, y * cell]));
+        let (features, inside) = cells.map(|first| self.feature(model, first, cell, exemplar)).unzip();
+        // A cell of the plain page that sticks out of the exemplar still counts.
+        let inside = (self.variation != 0).then_some(inside);
+        Page { group: self.library as u8, size, features, inside }
+    }
+
+    /// Features of the cell with the given first pixel, and whether all of it shows the exemplar.
+    fn feature(&self, model: &Model, first: [i32; 2], cell: i32, exemplar: &Surface<'_>) -> ([f32; 4], bool) {
+        let (mut border, mut found) = (0.0, 0);
+        for v in 0..cell {
+            for u in 0..cell {
+                if let Some([x, y]) = self.exemplar(model, [first[0] + u, first[1] + v]) {
+                    border += exemplar.borders[(y * self.size[0] + x) as usize];
+                    found += 1;
+                }
+            }
+        }
+        let mut centre = first.map(|v| v + cell / 2);
+        if self.is_exemplar() {
+            centre = [0, 1].map(|k| centre[k].min(self.size[k] - 1));
+        }
+        let at = self.exemplar(model, centre);
+        let colour = at.map_or([0.0; 3], |[x, y]| {
+            let side = exemplar.guide.cell as i32;
+            exemplar.colours[((y / side) * exemplar.guide.picture.0.width() as i32 + x / side) as usize]
+        });
+        let [l, a, b] = colour.map(|v| v * exemplar.unit);
+        let feature = [l, a, b, BORDER_WEIGHT * border / found.max(1) as f32];
+        (feature, at.is_some() && found == cell * cell)
+    }
+
     /// The pixel of the exemplar that a pixel of the page shows; none beside the exemplar.
     pub(super) fn exemplar(&self, model: &Model, page: [i32; 2]) -> Option<[i32; 2]> {
         let variation = &model.variations[usize::from(self.variation)];
@@ -76,9 +138,7 @@ impl Sheet {
         let back = variation.back([near[0] - self.middle[0], near[1] - self.middle[1]]);
         place([0, 1].map(|k| nearest_copy(at[k], back[k] + half[k], self.size[k])))
     }
-}
 
-impl Sheet {
     /// Calls `visit` with every place on a page of `area` pixels that shows a place of the exemplar.
     pub(super) fn copies(
         &self,
@@ -128,45 +188,17 @@ impl Pages {
         let step = model.variations.len().div_ceil(MOST_VARIED) | 1;
         let mut this = Self { cell, pages: Vec::new(), sheets: Vec::new(), labels };
         for (k, library) in libraries.iter().enumerate() {
-            let (guide, map) = (guides[k], &this.labels[k]);
+            let map = &this.labels[k];
             let size = [map.width as i32, map.height as i32];
-            let wrap = library.source.parameters.wrap;
-            let borders = border_distances(map, cell as f32 * FARTHEST);
+            let exemplar = Surface {
+                guide: guides[k],
+                colours: &colours[k],
+                unit,
+                borders: border_distances(map, cell as f32 * FARTHEST),
+            };
             for variation in (0..model.variations.len()).step_by(step) {
-                let area = extent(model, variation, size, wrap);
-                let plain = variation == 0;
-                let middle = if plain { size.map(|v| v / 2) } else { area.map(|v| v / 2) };
-                let sheet = Sheet { library: k, variation: variation as u16, size, middle, wrap };
-                let cells = area
-                    .map(|v| if plain && !wrap { (v + cell - 1) / cell } else { v / cell }.max(1) as usize);
-                let mut features = Vec::with_capacity(cells[0] * cells[1]);
-                let mut inside = Vec::with_capacity(cells[0] * cells[1]);
-                for y in 0..cells[1] as i32 {
-                    for x in 0..cells[0] as i32 {
-                        let (mut border, mut found) = (0.0, 0);
-                        for v in 0..cell {
-                            for u in 0..cell {
-                                if let Some([ex, ey]) = sheet.exemplar(model, [x * cell + u, y * cell + v]) {
-                                    border += borders[(ey * size[0] + ex) as usize];
-                                    found += 1;
-                                }
-                            }
-                        }
-                        let centre = [x * cell + cell / 2, y * cell + cell / 2];
-                        let centre = [0, 1]
-                            .map(|i| if plain && !wrap { centre[i].min(size[i] - 1) } else { centre[i] });
-                        let at = sheet.exemplar(model, centre);
-                        let colour = at.map_or([0.0; 3], |[ex, ey]| {
-                            let g = guide.cell as i32;
-                            colours[k][((ey / g) * guide.picture.0.width() as i32 + ex / g) as usize]
-                        });
-                        let [l, a, b] = colour.map(|v| v * unit);
-                        features.push([l, a, b, BORDER_WEIGHT * border / found.max(1) as f32]);
-                        inside.push(at.is_some() && (plain || found == cell * cell));
-                    }
-                }
-                let inside = (!plain).then_some(inside);
-                this.pages.push(Page { group: k as u8, size: cells, features, inside });
+                let sheet = Sheet::new(k, model, variation, size, library.source.parameters.wrap);
+                this.pages.push(sheet.page(model, cell, &exemplar));
                 this.sheets.push(sheet);
             }
         }

@@ -60,9 +60,7 @@ pub(super) fn active(
     }
     let wanted = |at: [i32; 2]| {
         let at = [0, 1].map(|k| at[k] + grid.margin[k]);
-        grid.canvas_cell(at)
-            .and_then(|i| ground.zone(i))
-            .is_some_and(|zone| super::serves(ground.level(zone)))
+        grid.canvas_cell(at).is_some_and(|i| ground.serves_cell(i))
     };
     let near = |at: [i32; 2]| {
         let step = AROUND / 2;
