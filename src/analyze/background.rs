@@ -1,4 +1,4 @@
-//! The background palette: median colours of the ground in Voronoi cells.
+//! The background palette: the median colour of the background in each of a set of Voronoi cells.
 
 use crate::library::{AnalyzeParams, Background};
 use crate::raster::{LabelMap, colour, squared_distance};
@@ -7,19 +7,20 @@ use crate::scene::ControlPoint;
 use image::RgbImage;
 use spade::{DelaunayTriangulation, Point2};
 
-/// Share of a full cell's pixels that must be ground for the cell to have a colour.
-const ENOUGH: f64 = 0.12;
-/// Colours further from the middle of the palette than this many median distances are leftovers of
-/// textons that the masks missed, not ground.
-const OUTLIER: f32 = 3.5;
-/// No colour nearer than this to the middle of the palette is an outlier, in Oklab units.
-const ALIKE: f32 = 0.03;
+/// Least share of a cell's mean area that must be background for the cell to yield a colour.
+const LEAST_SHARE: f64 = 0.12;
+/// Outlier threshold, as a multiple of the median distance to the palette's median colour. Colours
+/// beyond it come from textons that the masks missed.
+const OUTLIER_FACTOR: f32 = 3.5;
+/// Lower bound of the outlier threshold, in Oklab units.
+const LEAST_LIMIT: f32 = 0.03;
 
-/// Takes the palette. `primaries` holds a label above 0 where a primary stands, `textons` where
-/// any texton stands. Of each cell the pixels at least `background_margin` from every texton
-/// count; where they are too few the strip is made thinner, in the end only primaries and the
-/// pixels around them are left out, so that what lies between small textons is ground too.
-/// Cells of little ground and colours far from all others are left out.
+/// Samples the palette at the sites of a Poisson-disk set. `primaries` is above 0 in primaries,
+/// `textons` above 0 in any texton. A cell's colour is the median of its pixels that lie at least
+/// `background_margin` from every texton. If too few remain, the margin is reduced in steps. As a
+/// last resort only primaries and a thin strip around them are excluded, so the space between
+/// small textons counts as background. Cells with little background, and outlying colours, are
+/// left out.
 pub(super) fn palette(
     image: &RgbImage,
     primaries: &LabelMap,
@@ -39,11 +40,11 @@ pub(super) fn palette(
     }
     let rgb = |i: u32| image.as_raw()[3 * i as usize..][..3].try_into().unwrap_or([0; 3]);
     let margin = params.background_margin as f32;
-    let enough = ENOUGH * (w * h) as f64 / sites.len().max(1) as f64;
+    let enough = LEAST_SHARE * (w * h) as f64 / sites.len().max(1) as f64;
     let median_beyond = |cell: &[u32], distance2: &[f32], strip: f32| {
-        let ground: Vec<u32> =
+        let background: Vec<u32> =
             cell.iter().copied().filter(|&i| distance2[i as usize] > strip * strip).collect();
-        if ground.len() as f64 >= enough { colour::median(ground.into_iter().map(rgb)) } else { None }
+        if background.len() as f64 >= enough { colour::median(background.into_iter().map(rgb)) } else { None }
     };
     let mut found = Vec::new();
     for (site, cell) in sites.iter().zip(&pixels) {
@@ -54,16 +55,16 @@ pub(super) fn palette(
         found.extend(colour.map(|colour| ControlPoint { x: round(site[0]), y: round(site[1]), colour }));
     }
     drop_outliers(&mut found);
-    let ground = (0..w as u32 * h as u32).filter(|&i| primaries.labels[i as usize] == 0);
+    let background = (0..w as u32 * h as u32).filter(|&i| primaries.labels[i as usize] == 0);
     let fallback = colour::median(found.iter().map(|s| s.colour.0))
-        .or_else(|| colour::median(ground.map(rgb)))
+        .or_else(|| colour::median(background.map(rgb)))
         .or_else(|| colour::median(image.pixels().map(|p| p.0)))
         .unwrap_or_default();
     Background { spacing: params.background_spacing, fallback, sites: found }
 }
 
-/// Drops sites whose colour lies far from the middle of the palette, measured by the median
-/// distance (Oklab). A ground of two colours has a large median distance and keeps both.
+/// Drops sites whose colour lies far from the palette's median colour, relative to the median of
+/// these distances (Oklab). A background of two colours has a large median and keeps both.
 fn drop_outliers(sites: &mut Vec<ControlPoint>) {
     let Some(middle) = colour::median(sites.iter().map(|s| s.colour.0)) else { return };
     let centre = middle.to_oklab();
@@ -73,11 +74,11 @@ fn drop_outliers(sites: &mut Vec<ControlPoint>) {
     };
     let mut distances: Vec<f32> = sites.iter().map(distance).collect();
     distances.sort_by(f32::total_cmp);
-    let limit = (OUTLIER * distances[distances.len() / 2]).max(ALIKE);
+    let limit = (OUTLIER_FACTOR * distances[distances.len() / 2]).max(LEAST_LIMIT);
     sites.retain(|s| distance(s) <= limit);
 }
 
-/// To a hundredth of a pixel, so that files stay small.
+/// Rounds to a hundredth of a pixel, which keeps files small.
 fn round(v: f64) -> f64 {
     libm::round(v * 100.0) / 100.0
 }

@@ -1,4 +1,4 @@
-//! k-means over colour, area and compactness: which primaries look alike.
+//! Categories of primaries: k-means over colour, area and compactness.
 
 use super::kmeans;
 use crate::library::{Category, CategoryId};
@@ -10,9 +10,10 @@ pub(super) type Features = [f64; 5];
 /// Colours count twice as much as area and compactness (paper §3.1.3).
 const WEIGHTS: Features = [2.0, 2.0, 2.0, 1.0, 1.0];
 
-/// Clusters primaries: k-means++ seeding, Lloyd's rounds, best of ten starts. Each feature is
-/// scaled to 0..1 over the primaries, then weighted. Categories are ordered by size, largest
-/// first, and none is empty. `image_area` in pixels gives their coverage.
+/// Clusters primaries into at most `k` categories: k-means++ seeding, Lloyd's iterations, best of
+/// ten starts. Each feature is scaled to 0..1 over the primaries, then weighted. Categories are
+/// sorted by number of members, largest first; none is empty. `image_area` (pixels) is the
+/// denominator of their coverage.
 pub(super) fn cluster(
     features: &[Features],
     k: usize,

@@ -1,26 +1,27 @@
-//! Where, between pixels, the image has an edge.
+//! Sub-pixel positions of the image's edges.
 //!
-//! A pixel that an edge runs through shows a mixture of both sides. So across a blurred edge the
-//! amount of one side's colour, summed along the normal, tells where the edge lies; no threshold
-//! and no gradient is needed, and the sum is that of the coverage an outline draws there.
+//! A pixel that an edge crosses shows a mixture of both sides. The share of one side's colour,
+//! integrated along the normal across the edge, gives the edge's position. No threshold and no
+//! gradient is needed, and an outline drawn there covers the same area.
 
 use crate::geometry::{Point, Vec2};
 use crate::raster::colour::Colour;
 use image::RgbImage;
 
-/// How far to both sides the image is looked at, in pixels.
+/// Distance to each side over which the image is sampled, in pixels.
 const REACH: f64 = 1.5;
 /// Samples on each side.
 const SAMPLES: i32 = 6;
-/// Where a side shows its own colour, in pixels from the edge.
+/// Distance from the edge at which a side shows its own colour, in pixels.
 const PLATEAU: f64 = 2.0;
-/// Between these distances of the colours of both sides (8-bit steps) an edge begins to count.
+/// Contrast between both sides (8-bit steps) at which an edge begins to count, and at which it
+/// counts fully.
 const CONTRAST: [f64; 2] = [12.0, 30.0];
 
-/// The edges of an image between pieces of known colour.
+/// An image whose edges between labelled pieces can be located.
 pub(super) struct Edges<'a> {
     image: &'a RgbImage,
-    /// The colour of each label; none for ground, whose colour changes from place to place.
+    /// The colour of each label; `None` for background, whose colour varies.
     colours: Vec<Option<Colour>>,
 }
 
@@ -29,8 +30,8 @@ impl<'a> Edges<'a> {
         Self { image, colours }
     }
 
-    /// How far the edge between two labels lies from a point, in pixels along `normal`, a unit
-    /// vector from the left side to the right.
+    /// Signed distance from `at` to the edge between two labels, in pixels along `normal`, a unit
+    /// vector from the left side to the right. 0 where the contrast is too low.
     pub(super) fn distance(&self, at: Point, normal: Vec2, left: u32, right: u32) -> f64 {
         let side = |label: u32, away: Vec2| {
             let here = self.colour(at + away);
@@ -58,7 +59,7 @@ impl<'a> Edges<'a> {
         weight * (amount - REACH)
     }
 
-    /// The image between pixel centres, bilinear; beyond its border the nearest pixel.
+    /// Bilinear sample of the image; beyond the border the nearest pixel.
     fn colour(&self, at: Point) -> [f64; 3] {
         let (width, height) = self.image.dimensions();
         let (x, y) = (at.x - 0.5, at.y - 0.5);

@@ -1,6 +1,6 @@
-//! Loading the exemplar: any common image to plain 8-bit RGB, within limits.
+//! Loading of exemplars: decodes common image formats to 8-bit RGB, within limits.
 //!
-//! Works badly with colour profiles other than sRGB: they are not applied.
+//! Colour profiles are ignored: every image is taken for sRGB.
 
 use crate::error::{Error, Result};
 use crate::raster::{self, Limits};
@@ -8,42 +8,43 @@ use image::{DynamicImage, GrayAlphaImage, RgbImage, RgbaImage};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
-/// The photograph that a library is made from.
+/// An exemplar: the photograph that a library is made from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Exemplar {
-    /// Its pixels, 8-bit sRGB, upright.
+    /// Pixels, 8-bit sRGB, with the EXIF rotation applied.
     pub image: RgbImage,
-    /// Its file name, without the folder.
+    /// File name without the folder.
     pub file: String,
     /// SHA-256 of the file, in hexadecimal.
     pub sha256: String,
-    /// What was done to the image that the user may not expect.
+    /// Conversions that the user may not expect, one sentence each. Usually empty.
     pub warnings: Vec<String>,
 }
 
 impl Exemplar {
-    /// Smallest side, in pixels.
+    /// Smallest permitted width and height, in pixels.
     pub const SMALLEST_SIDE: u32 = 32;
-    /// Largest side that a library can describe, in pixels.
+    /// Largest permitted width and height, in pixels.
     pub const LARGEST_SIDE: u32 = raster::LARGEST_SIDE;
 
-    /// Reads an image file.
+    /// Reads and decodes an image file; see [`Exemplar::from_bytes`].
     ///
     /// # Errors
-    /// [`Error::Read`], and as [`Exemplar::from_bytes`].
+    /// [`Error::Read`] if the file cannot be read, and the errors of [`Exemplar::from_bytes`].
     pub fn open(path: &Path, limits: &Limits) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|e| Error::read(path, e))?;
         let file = path.file_name().unwrap_or(path.as_os_str());
         Self::from_bytes(&bytes, &file.to_string_lossy(), limits)
     }
 
-    /// Decodes a PNG, JPEG, TIFF, WebP, BMP, GIF or PNM, told apart by content. Of an animation the
-    /// first frame counts. 16-bit samples are rounded to 8, grey becomes RGB, CMYK is converted,
-    /// the rotation of EXIF is applied. Whatever is transparent is laid over white, with a warning.
+    /// Decodes a PNG, JPEG, TIFF, WebP, BMP, GIF or PNM image; the format is detected from the
+    /// content. `name` is stored as the file name and appears in errors. Only the first frame of an
+    /// animation is used. 16-bit samples are rounded to 8 bits, grey and CMYK are converted to RGB, and
+    /// the EXIF rotation is applied. Transparent pixels are composited over white, with a warning.
     ///
     /// # Errors
-    /// [`Error::Decode`] if it is no image or damaged, [`Error::TooLarge`] beyond `limits`,
-    /// [`Error::Unusable`] below 32 × 32 pixels or if all pixels are alike.
+    /// [`Error::Decode`] if the bytes are no image or damaged, [`Error::TooLarge`] beyond `limits`,
+    /// [`Error::Unusable`] below 32 × 32 pixels or if all pixels have the same colour.
     pub fn from_bytes(bytes: &[u8], name: &str, limits: &Limits) -> Result<Self> {
         let mut warnings = Vec::new();
         let image = decode(bytes, name, limits, &mut warnings)?;
@@ -71,7 +72,7 @@ fn decode(bytes: &[u8], name: &str, limits: &Limits, warnings: &mut Vec<String>)
     Ok(rgb.into_rgb8())
 }
 
-/// Lays what is transparent over white and rounds to 8 bits.
+/// Composites transparent pixels over white and rounds to 8 bits.
 fn flatten(image: DynamicImage, warnings: &mut Vec<String>) -> RgbImage {
     let over_white = |v: u8, alpha: u8| {
         let (v, alpha) = (u32::from(v), u32::from(alpha));

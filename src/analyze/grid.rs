@@ -1,63 +1,63 @@
-//! A grid finer than the photograph's pixels, on which details and secondaries are told apart.
+//! A grid of cells finer than the photograph's pixels, on which details and secondaries are found.
 //!
-//! What is two or three pixels wide has no shape on the pixels themselves but stairs: petals become
-//! squares and stems fall into beads. Enlarged smoothly, the photograph shows where between its pixels
-//! one colour gives way to the next.
+//! Shapes two or three pixels wide look jagged at pixel resolution: petals become squares and stems
+//! fall into beads. A smoothly enlarged photograph shows where between pixels one colour changes
+//! into the next.
 
 use crate::library::AnalyzeParams;
 use crate::parallel;
 use crate::raster::{Connectivity, LabelMap, Mask, components};
 use image::{RgbImage, imageops};
 
-/// Photographs of more pixels than this have one cell a pixel unless asked otherwise: what matters in
-/// them is larger.
-const LARGE: u64 = 2_500_000;
-/// How far a cell looks for pixels that vote on its label.
+/// Photographs with more pixels than this get one cell per pixel by default. Their smallest
+/// elements are larger.
+const LARGE_PHOTOGRAPH: u64 = 2_500_000;
+/// Radius of the window of pixels that vote on a cell's label.
 const REACH: i32 = 2;
-/// Deviation of the votes' weight by distance, in pixels.
-const NEAR: f32 = 0.8;
-/// Distance of two colours (8-bit steps) at which a vote counts a quarter.
-const ALIKE: f32 = 20.0;
-/// A primary that keeps a smaller share of its area than this is as its pixels are.
-const KEPT: f64 = 0.8;
+/// Standard deviation of the votes' spatial weight, in pixels.
+const SPATIAL_DEVIATION: f32 = 0.8;
+/// Colour distance (8-bit steps) at which a vote's weight falls to a quarter.
+const COLOUR_FALLOFF: f32 = 20.0;
+/// A primary that keeps a smaller share of its area than this is resampled without smoothing.
+const LEAST_KEPT: f64 = 0.8;
 
-/// So many cells along each side of a pixel.
+/// Number of cells along each side of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     pub(super) cells: u32,
 }
 
 impl Grid {
-    /// As asked for, or else as it suits a photograph.
+    /// The grid that `params.cells` asks for, or the default for the photograph's size.
     pub(super) fn new(image: &RgbImage, params: &AnalyzeParams) -> Self {
         let pixels = u64::from(image.width()) * u64::from(image.height());
-        let fitting = if pixels > LARGE { 1 } else { 2 };
+        let fitting = if pixels > LARGE_PHOTOGRAPH { 1 } else { 2 };
         Self { cells: if params.cells == 0 { fitting } else { params.cells } }
     }
 
-    /// Cells along each side of a pixel.
+    /// Cells per pixel along one axis.
     pub(super) fn along(self) -> f64 {
         f64::from(self.cells)
     }
 
-    /// Cells of a pixel.
+    /// Cells per pixel by area.
     pub(super) fn area(self) -> f64 {
         self.along() * self.along()
     }
 
-    /// Where the middle of a mask of cells lies, in pixels.
+    /// Centroid of a mask of cells, in pixels.
     pub(super) fn centroid(self, mask: &Mask) -> [f64; 2] {
         let centre = mask.centroid().map_or([0.0; 2], Into::into);
         centre.map(|v| to_four_digits(v / self.along()))
     }
 
-    /// Area of a mask of cells in pixels, at least one.
+    /// Area of a mask of cells in pixels, rounded, at least 1.
     pub(super) fn pixel_area(self, mask: &Mask) -> u32 {
         (libm::round(f64::from(mask.area()) / self.area()) as u32).max(1)
     }
 
-    /// The photograph, enlarged, its edges as steep as those of vectors: drawn, they are blurred again by
-    /// the pixels they are drawn on.
+    /// The photograph enlarged to the grid, with edges sharpened to those of vector shapes. Drawing
+    /// them at pixel resolution blurs them again.
     pub(super) fn image(self, image: &RgbImage) -> RgbImage {
         if self.cells == 1 {
             return image.clone();
@@ -66,11 +66,11 @@ impl Grid {
         steepened(&imageops::resize(image, w, h, imageops::FilterType::CatmullRom))
     }
 
-    /// Parameters with areas and lengths in cells, as far as they concern details and secondaries.
+    /// The parameters for details and secondaries, with areas and lengths converted to cells.
     pub(super) fn params(self, params: &AnalyzeParams) -> AnalyzeParams {
         let area = self.cells * self.cells;
         AnalyzeParams {
-            // Steps between neighbours are smaller by as much as they are nearer.
+            // Colour steps between neighbouring cells shrink with their distance.
             detail_scale: params.detail_scale * self.along(),
             detail_sigma: params.detail_sigma * self.along(),
             detail_minimum: params.detail_minimum * area,
@@ -80,9 +80,10 @@ impl Grid {
         }
     }
 
-    /// Labels of pixels → labels of cells. A cell beside another label takes that one where the pixels
-    /// around it, the more the nearer and the more like it in `fine`, say so: joint bilateral upsampling
-    /// (Kopf et al. 2007). Labels above 0 that were connected remain so.
+    /// Upsamples a label map from pixels to cells. Near a border between labels, each cell takes a
+    /// weighted vote of the pixels around it; weights fall with distance and with the difference in
+    /// colour to `fine`: joint bilateral upsampling (Kopf et al. 2007). Connected labels above 0 stay
+    /// connected.
     pub(super) fn labels(self, image: &RgbImage, fine: &RgbImage, labels: &LabelMap) -> LabelMap {
         if self.cells == 1 {
             return labels.clone();
@@ -98,16 +99,16 @@ impl Grid {
         let (before, after) = (labels.areas(), map.areas());
         let lost = |label: u32| {
             let after = after.get(label as usize).copied().unwrap_or(0);
-            f64::from(after) < KEPT * self.area() * f64::from(before[label as usize])
+            f64::from(after) < LEAST_KEPT * self.area() * f64::from(before[label as usize])
         };
         let thin: Vec<usize> =
             (0..labels.labels.len()).filter(|&i| labels.labels[i] != 0 && lost(labels.labels[i])).collect();
         thin.into_iter().for_each(|i| self.as_pixel(labels, &mut map, i));
-        self.without_crumbs(labels, &mut map);
+        self.restore_disconnected(labels, &mut map);
         map
     }
 
-    /// Gives the cells of a pixel its label.
+    /// Assigns a pixel's label to all its cells.
     fn as_pixel(self, labels: &LabelMap, map: &mut LabelMap, pixel: usize) {
         let (x, y) = (pixel as u32 % labels.width, pixel as u32 / labels.width);
         for row in 0..self.cells {
@@ -116,8 +117,8 @@ impl Grid {
         }
     }
 
-    /// Where the cells of a label have lost touch with the rest of it, pixels are whole again.
-    fn without_crumbs(self, labels: &LabelMap, map: &mut LabelMap) {
+    /// Restores whole pixels where cells of a label have become disconnected from the rest of it.
+    fn restore_disconnected(self, labels: &LabelMap, map: &mut LabelMap) {
         let mut whole = vec![false; labels.labels.len()];
         loop {
             let (pieces, of) = components(map, Connectivity::Four);
@@ -154,7 +155,7 @@ impl Grid {
     fn vote(self, image: &RgbImage, fine: &RgbImage, labels: &LabelMap, [x, y]: [u32; 2]) -> u32 {
         let k = self.cells;
         let (px, py) = (i64::from(x / k), i64::from(y / k));
-        // The neighbour on whose side of the pixel the cell lies; none for a cell in the middle.
+        // The neighbour on the cell's side of the pixel; none for a cell in the middle.
         let side = |v: u32| (2 * (v % k) + 1).cmp(&k) as i64;
         let own = labels.get(x / k, y / k);
         let beside = [labels.at(px + side(x), py), labels.at(px, py + side(y))].map(|l| l.unwrap_or(own));
@@ -175,7 +176,7 @@ impl Grid {
                 let (ox, oy) = (qx as f32 + 0.5 - at[0], qy as f32 + 0.5 - at[1]);
                 let there = image.get_pixel(qx as u32, qy as u32).0.map(f32::from);
                 let apart: f32 = (0..3).map(|c| here[c] - there[c]).map(|v| v * v).sum();
-                let alike = 1.0 / (1.0 + apart / (ALIKE * ALIKE));
+                let alike = 1.0 / (1.0 + apart / (COLOUR_FALLOFF * COLOUR_FALLOFF));
                 votes[candidate] += near(ox * ox + oy * oy) * alike * alike;
             }
         }
@@ -183,7 +184,8 @@ impl Grid {
         choice[if votes[2] > votes[best] { 2 } else { best }]
     }
 
-    /// A map of cells by pixels: the label above 0 of any cell where at least half of them have one.
+    /// Downsamples a label map from cells to pixels. A pixel is labelled if at least half of its cells
+    /// are; it takes the label of one of them.
     pub(super) fn pixels(self, map: &LabelMap) -> LabelMap {
         let k = self.cells;
         let mut pixels = LabelMap::filled(map.width / k, map.height / k, 0);
@@ -200,13 +202,13 @@ impl Grid {
     }
 }
 
-/// To four digits, so that files stay small.
+/// Rounds to four decimals, which keeps files small.
 pub(super) fn to_four_digits(v: f64) -> f64 {
     libm::round(v * 1e4) / 1e4
 }
 
-/// Each cell in the colour of the lightest or the darkest around it, whichever is nearer in lightness:
-/// ramps become steps where they are steepest (Kramer and Bruckner 1975).
+/// Replaces each cell's colour by that of the lightest or the darkest neighbour, whichever is nearer
+/// in lightness. Ramps become steps at their steepest point (Kramer and Bruckner 1975).
 fn steepened(image: &RgbImage) -> RgbImage {
     let (w, h) = (image.width() as i32, image.height() as i32);
     let lightness = |p: &image::Rgb<u8>| {
@@ -238,9 +240,9 @@ fn steepened(image: &RgbImage) -> RgbImage {
     out
 }
 
-/// Weight of a vote by the square of its distance.
+/// Weight of a vote, from the square of its distance in pixels.
 fn near(distance2: f32) -> f32 {
-    libm::expf(-distance2 / (2.0 * NEAR * NEAR))
+    libm::expf(-distance2 / (2.0 * SPATIAL_DEVIATION * SPATIAL_DEVIATION))
 }
 
 #[cfg(test)]
@@ -251,8 +253,8 @@ mod tests {
     const STONE: [f64; 3] = [190.0, 120.0, 60.0];
     const GROUND: [f64; 3] = [60.0, 80.0, 70.0];
 
-    /// A picture in which `inside` tells, at places in pixels, what is stone, drawn with 16 samples a
-    /// pixel; and the pixels that are mostly stone.
+    /// A picture of the shape `inside` (arguments in pixels), drawn with 16 samples per pixel, and the
+    /// labels of the pixels that it mostly covers.
     fn drawn(side: u32, inside: impl Fn(f64, f64) -> bool) -> (RgbImage, LabelMap) {
         let mut labels = LabelMap::filled(side, side, 0);
         let image = RgbImage::from_fn(side, side, |x, y| {
@@ -266,7 +268,7 @@ mod tests {
         (image, labels)
     }
 
-    /// Cells with the wrong label, and those that pixels as blocks get wrong.
+    /// Number of cells with a wrong label: after upsampling, and with each pixel repeated as a block.
     fn wrong(side: u32, cells: u32, inside: impl Fn(f64, f64) -> bool) -> [usize; 2] {
         let (image, labels) = drawn(side, &inside);
         let grid = Grid { cells };
@@ -300,7 +302,7 @@ mod tests {
         let blade = |x: f64, y: f64| (x - y - 3.0).abs() < 0.75 || (x - 30.5).abs() < 0.5;
         let [fine, blocks] = wrong(40, 2, blade);
         assert!(fine <= blocks, "{fine} of {blocks}");
-        // Even where its colour does not tell it apart.
+        // Holds even if its colour equals that of its surroundings.
         let grid = Grid { cells: 2 };
         let flat = RgbImage::from_pixel(12, 12, Rgb([90; 3]));
         let mut labels = LabelMap::filled(12, 12, 0);
@@ -310,7 +312,7 @@ mod tests {
 
     #[test]
     fn what_was_connected_remains_so() {
-        // Noise, in which single pixels hold labels together.
+        // Noise, in which single pixels keep labels connected.
         let noise = |x: u32, y: u32| (x * 7919 + y * 104_729 + x * y * 31) % 97;
         let image = RgbImage::from_fn(30, 30, |x, y| Rgb([noise(x, y) as u8 * 2; 3]));
         let mut raw = LabelMap::filled(30, 30, 0);

@@ -1,10 +1,10 @@
-//! Mean colours over coarse cells, which synthesis follows.
+//! The guide: mean colours over coarse cells, which synthesis by correspondences follows.
 
 use crate::library::{Guide, Picture};
 use crate::raster::colour::{encoded, linear};
 use image::{Rgb, RgbImage};
 
-/// The guide of an exemplar. Means are of linear light, as an eye far away sees them.
+/// The guide of an exemplar. Colours are averaged in linear light, as seen from far away.
 pub(super) fn guide(image: &RgbImage) -> Guide {
     let (width, height) = image.dimensions();
     let cell = Guide::cell_for(width, height);

@@ -1,14 +1,14 @@
-//! Details of a primary, or secondaries, joined where what they show is not worth what they cost.
+//! Region merging: joins details of a primary, or secondaries, where their union is cheaper.
 //!
-//! Each way to draw them has an error, the squared difference to the photograph, and a length
-//! in a file: so much for each shape and its fill, so much for each pixel of border between two. Of
-//! all pairs of neighbours that whose union saves most is joined, until none saves anything: region
-//! merging after Mumford and Shah (Koepfler, Lopez and Morel 1994), with bytes in place of lengths
-//! and with fills that are flat or linear gradients.
+//! Each set of regions has an error, the squared difference to the photograph, and a rate, the bytes
+//! that it takes in a file: a constant for each shape and its fill, plus a term for the length of
+//! the border between two. The pair of neighbours whose union reduces the total cost most is joined
+//! first, until no union reduces it. This is region merging after Mumford and Shah (Koepfler, Lopez
+//! and Morel 1994), with bytes in place of border lengths and with flat or linear-gradient fills.
 
 use super::grid::Grid;
 use super::moments::Moments;
-use super::price::{Price, SECONDARY};
+use super::rate_distortion::{RateDistortion, SECONDARY_BYTES};
 use crate::disjoint_sets::DisjointSets;
 use crate::raster::Mask;
 use crate::raster::colour::Colour;
@@ -17,33 +17,41 @@ use image::RgbImage;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// Bytes of a detail beside its border.
-const DETAIL: f64 = 45.0;
+/// Bytes of a detail, not counting its border.
+const DETAIL_BYTES: f64 = 45.0;
 
-/// The gradient that a region is filled with, in pixels, if one is worth its bytes.
-pub(super) fn gradient(image: &RgbImage, mask: &Mask, price: Price, grid: Grid) -> Option<Gradient> {
+/// The linear gradient that fills a region (coordinates in pixels), or `None` if a flat fill is
+/// cheaper.
+pub(super) fn gradient(image: &RgbImage, mask: &Mask, cost: RateDistortion, grid: Grid) -> Option<Gradient> {
     let origin = mask.centroid()?.into();
     let sums = Moments::new(image, mask, origin);
-    if price.of(&sums).1 { sums.gradient(mask, origin, grid) } else { None }
+    if cost.of_region(&sums).1 { sums.gradient(mask, origin, grid) } else { None }
 }
 
-/// Joins the details of one primary; what is left still tiles it.
-pub(super) fn join(image: &RgbImage, details: &[Mask], price: Price) -> Vec<Mask> {
-    unite(image, details, price, DETAIL, u32::MAX)
+/// Joins the details of one primary; the result still tiles it.
+pub(super) fn join(image: &RgbImage, details: &[Mask], cost: RateDistortion) -> Vec<Mask> {
+    unite(image, details, cost, DETAIL_BYTES, u32::MAX)
 }
 
-/// Joins secondaries, which are flat, to ones of at most `largest` cells.
+/// Joins secondaries, which have flat fills, up to unions of `largest` cells.
 pub(super) fn join_secondaries(
     image: &RgbImage,
     secondaries: &[Mask],
-    price: Price,
+    cost: RateDistortion,
     largest: u32,
 ) -> Vec<Mask> {
-    unite(image, secondaries, Price { gradient_area: f64::INFINITY, ..price }, SECONDARY, largest)
+    unite(
+        image,
+        secondaries,
+        RateDistortion { gradient_area: f64::INFINITY, ..cost },
+        SECONDARY_BYTES,
+        largest,
+    )
 }
 
-/// Joins disjoint masks where that saves anything; `shape` is the bytes of one beside its border.
-fn unite(image: &RgbImage, masks: &[Mask], price: Price, shape: f64, largest: u32) -> Vec<Mask> {
+/// Joins disjoint masks while this reduces the cost. `shape` is the bytes of one shape, not counting
+/// its border.
+fn unite(image: &RgbImage, masks: &[Mask], cost: RateDistortion, shape: f64, largest: u32) -> Vec<Mask> {
     if masks.len() < 2 {
         return masks.to_vec();
     }
@@ -55,9 +63,10 @@ fn unite(image: &RgbImage, masks: &[Mask], price: Price, shape: f64, largest: u3
     let mut version = vec![0u32; masks.len()];
     let saved = |regions: &[Option<Moments>], a: usize, b: usize, border: u32| {
         let (x, y) = (regions[a].as_ref()?, regions[b].as_ref()?);
-        let bytes = shape + price.border * f64::from(border);
-        let saved = price.of(x).0 + price.of(y).0 + bytes * price.byte - price.of(&x.with(y)).0;
-        // Whole units sort exactly.
+        let bytes = shape + cost.border_bytes * f64::from(border);
+        let saved = cost.of_region(x).0 + cost.of_region(y).0 + bytes * cost.error_per_byte
+            - cost.of_region(&x.with(y)).0;
+        // Integers sort exactly.
         (saved > 0.0).then_some(libm::round(saved * 16.0) as u64)
     };
     let mut queue = BinaryHeap::new();
@@ -94,7 +103,7 @@ fn unite(image: &RgbImage, masks: &[Mask], price: Price, shape: f64, largest: u3
     united(masks, sets)
 }
 
-/// Joins neighbours of one colour.
+/// Joins neighbours of the same colour.
 pub(super) fn join_alike(details: &[Mask], colour: impl Fn(&Mask) -> Colour) -> Vec<Mask> {
     let colours: Vec<Colour> = details.iter().map(colour).collect();
     let mut sets = DisjointSets::new(details.len());
@@ -116,7 +125,7 @@ fn united(masks: &[Mask], mut sets: DisjointSets) -> Vec<Mask> {
     spans.into_iter().map(Mask::from_spans).collect()
 }
 
-/// Length of the border between each two of several disjoint masks, in cells.
+/// For each mask, the neighbouring masks and the length of their common border, in cells.
 fn borders(masks: &[Mask]) -> Vec<BTreeMap<usize, u32>> {
     let mut rows: BTreeMap<i32, Vec<(i32, i32, usize)>> = BTreeMap::new();
     for (i, mask) in masks.iter().enumerate() {
@@ -166,37 +175,44 @@ mod tests {
         (0..40 / width).map(|k| column(k * width, (k + 1) * width)).collect()
     }
 
-    const PRICE: Price = Price { gradient_area: 40.0, byte: 10.0, border: 9.0 };
+    const COST: RateDistortion =
+        RateDistortion { gradient_area: 40.0, error_per_byte: 10.0, border_bytes: 9.0 };
 
     #[test]
     fn equal_neighbours_become_one_and_unlike_ones_stay() {
         let image = RgbImage::from_fn(40, 30, |x, _| Rgb(if x < 20 { [200, 40, 40] } else { [30, 60, 190] }));
-        let joined = join(&image, &columns(5), PRICE);
+        let joined = join(&image, &columns(5), COST);
         assert_eq!(joined, [column(0, 20), column(20, 40)]);
-        assert_eq!(join(&image, &columns(5), Price { byte: 0.0, ..PRICE }).len(), 8);
-        assert_eq!(join(&image, &columns(5), Price { byte: 1e9, ..PRICE }).len(), 1);
+        assert_eq!(join(&image, &columns(5), RateDistortion { error_per_byte: 0.0, ..COST }).len(), 8);
+        assert_eq!(join(&image, &columns(5), RateDistortion { error_per_byte: 1e9, ..COST }).len(), 1);
     }
 
     #[test]
     fn steps_of_a_slope_become_one_gradient() {
         let image = RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90]));
-        let joined = join(&image, &columns(5), PRICE);
+        let joined = join(&image, &columns(5), COST);
         assert_eq!(joined, [column(0, 40)]);
-        let g = gradient(&image, &joined[0], PRICE, Grid { cells: 1 }).unwrap();
+        let g = gradient(&image, &joined[0], COST, Grid { cells: 1 }).unwrap();
         assert!((g.from[0] - g.to[0]).abs() > 38.0 && g.from[1] == g.to[1], "{g:?}");
-        let flat = join(&image, &columns(5), Price { gradient_area: f64::INFINITY, ..PRICE });
+        let flat = join(&image, &columns(5), RateDistortion { gradient_area: f64::INFINITY, ..COST });
         assert!(flat.len() > 3, "{}", flat.len());
         assert!(
-            gradient(&image, &joined[0], Price { gradient_area: f64::INFINITY, ..PRICE }, Grid { cells: 1 })
-                .is_none()
+            gradient(
+                &image,
+                &joined[0],
+                RateDistortion { gradient_area: f64::INFINITY, ..COST },
+                Grid { cells: 1 }
+            )
+            .is_none()
         );
     }
 
     #[test]
     fn secondaries_stay_flat_and_within_the_largest_area() {
         let image = RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90]));
-        let count = |byte, largest| {
-            let joined = join_secondaries(&image, &columns(5), Price { byte, ..PRICE }, largest);
+        let count = |error_per_byte, largest| {
+            let joined =
+                join_secondaries(&image, &columns(5), RateDistortion { error_per_byte, ..COST }, largest);
             assert!(joined.iter().all(|m| m.area() <= largest));
             joined.len()
         };

@@ -1,12 +1,12 @@
-//! k-means of weighted points: k-means++ seeding, Lloyd's rounds, the best of several starts.
+//! Weighted k-means: k-means++ seeding, Lloyd's iterations, best of several starts.
 
 use crate::sampling::Stream;
 
 const STARTS: u64 = 10;
 const ROUNDS: usize = 100;
 
-/// The cluster of each point, at most `k` of them; `random` gives the stream of each start. Weights
-/// are above 0.
+/// The cluster of each point, from at most `k` clusters. Weights must be above 0. `random(i)` is the
+/// random stream of start `i`.
 pub(super) fn cluster<const N: usize>(
     points: &[[f64; N]],
     weights: &[f64],
@@ -20,7 +20,7 @@ pub(super) fn cluster<const N: usize>(
     let runs = crate::parallel::map(&starts, |&start| {
         lloyd(points, weights, k.min(points.len()), &mut random(start))
     });
-    // The first of the best, so that ties do not depend on anything.
+    // Ties go to the first start.
     let best = runs.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
     best.map_or_else(Vec::new, |b| b.0)
 }
@@ -40,7 +40,7 @@ fn nearest<const N: usize>(p: &[f64; N], centres: &[[f64; N]]) -> (usize, f64) {
     best
 }
 
-/// One run: the cluster of each point and the sum of squared distances.
+/// One run: the cluster of each point, and the sum of squared distances.
 fn lloyd<const N: usize>(
     points: &[[f64; N]],
     weights: &[f64],

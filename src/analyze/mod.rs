@@ -1,12 +1,11 @@
 //! Image → library: primaries, details, secondaries, categories, descriptors, palette.
 //!
-//! Works badly where the exemplar holds few textons, has depth or strong shadows, or a structure
-//! larger than a few textons: the descriptors cannot see it.
+//! Works badly for exemplars with few textons, with depth or with strong shadows. Descriptors do not
+//! capture structure larger than a few textons; the guide does.
 
 mod background;
 mod candidates;
 mod categories;
-mod economy;
 mod edges;
 mod exemplar;
 mod grid;
@@ -17,9 +16,10 @@ mod moments;
 mod neighbours;
 mod palette;
 mod pictures;
-mod price;
+mod rate_distortion;
 mod secondaries;
 mod shapes;
+mod simplify;
 mod unmix;
 
 pub use crate::library::AnalyzeParams;
@@ -37,16 +37,37 @@ use crate::scene::field::Interpolant;
 use crate::segment::{Segmenter, Smoothed, details};
 use grid::Grid;
 use image::RgbImage;
-use price::Price;
+use rate_distortion::RateDistortion;
 use shapes::Style;
 use unmix::unmixed;
 
-/// Analyses an exemplar.
+/// Analyses an exemplar: finds its textons with `segmenter`, and derives their shapes, colours,
+/// categories and arrangement and the background's palette. The same arguments give the same
+/// library on any number of threads.
+///
+/// An exemplar without primaries is no error. Its library holds the background, secondaries and a
+/// warning.
 ///
 /// # Errors
-/// A parameter out of range, [`crate::Error::Interrupted`], and the segmenter's own errors. An
-/// exemplar in which no texton is found is no error: the library then holds background and
-/// secondaries and a warning.
+/// [`crate::Error::Parameter`] for a parameter out of range, [`crate::Error::Interrupted`], and the
+/// errors of the segmenter.
+///
+/// # Example
+/// ```
+/// use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
+/// use vtex::segment::Felzenszwalb;
+/// # use image::{Rgb, RgbImage};
+/// # let dark = |x: u32, y: u32| (x % 16 < 8) && (y % 16 < 8);
+/// # let picture = RgbImage::from_fn(64, 64, |x, y| Rgb(if dark(x, y) { [60, 40, 30] } else { [200; 3] }));
+/// # let mut png = std::io::Cursor::new(Vec::new());
+/// # picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
+/// # let png = png.into_inner();
+///
+/// let exemplar = Exemplar::from_bytes(&png, "photo.png", &Limits::default())?;
+/// let library = analyze(&exemplar, &Felzenszwalb::default(), &AnalyzeParams::default(), &())?;
+/// assert_eq!(library.primaries.len(), 16);
+/// # Ok::<(), vtex::Error>(())
+/// ```
 pub fn analyze(
     exemplar: &Exemplar,
     segmenter: &dyn Segmenter,
@@ -71,7 +92,7 @@ pub fn analyze(
     progress.picture("primaries", &|| crate::raster::picture::outlines(image, &primaries));
 
     advance(progress, "details", 0, count as u64)?;
-    // What follows paints with the colours of both sides; only edges are sought in the photograph.
+    // From here on shapes take the colours of `clean`; only edges are located in the photograph.
     let clean = own_colours(&fine, &cells, grid, params);
     let smoothed = Smoothed::new(&clean, in_cells.detail_sigma);
     let details = crate::parallel::map(&primary_masks, |mask| {
@@ -91,18 +112,18 @@ pub fn analyze(
     let joined = joining::join_secondaries(
         &clean,
         &patches.secondaries,
-        Price::new(params, grid),
+        RateDistortion::new(params, grid),
         in_cells.secondary_maximum,
     );
     let patches = shapes::patches(&clean, joined, grid, &interpolant);
 
     advance(progress, "joining", 0, 1)?;
     let mut warnings = exemplar.warnings.clone();
-    let (pieces, price) = economy::economise(&clean, &details, patches, params, grid, &mut warnings);
-    let (pieces, palette) = economy::reduce_colours(&clean, pieces, params);
+    let (pieces, cost) = simplify::simplify(&clean, &details, patches, params, grid, &mut warnings);
+    let (pieces, palette) = simplify::reduce_colours(&clean, pieces, params);
 
     advance(progress, "outlines", 0, 1)?;
-    let style = Style { fidelity: params.fidelity, grid, price, palette: &palette };
+    let style = Style { fidelity: params.fidelity, grid, cost, palette: &palette };
     let shapes = shapes::outlines(image, &clean, &pieces, &style);
 
     advance(progress, "categories", 0, 1)?;
@@ -147,7 +168,7 @@ pub fn analyze(
             program: crate::PROGRAM.into(),
             warnings,
         },
-        // An empty sum of floats is -0, so from 0 on.
+        // An empty sum of floats is -0; folding from 0 avoids it.
         coverage: categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0),
         primaries: primary_textons,
         secondaries: Secondaries { spacing, textons: shapes.secondaries },
@@ -161,15 +182,15 @@ pub fn analyze(
     Ok(library)
 }
 
-/// Below this fidelity in pixels the mixture of a single pixel is worth its shape.
-const MIXTURES_KEPT: f64 = 0.2;
+/// Fit tolerance (`fidelity`, in pixels) below which mixed pixels along rims keep their colours.
+const FINEST_UNMIXED: f64 = 0.2;
 
-/// The enlarged image, cells on the borders of primaries in the colour of their own side.
+/// The enlarged image, in which cells along the borders of primaries have the colour of their side.
 fn own_colours(fine: &RgbImage, cells: &LabelMap, grid: Grid, params: &AnalyzeParams) -> RgbImage {
-    if params.fidelity < MIXTURES_KEPT { fine.clone() } else { unmixed(fine, cells, grid) }
+    if params.fidelity < FINEST_UNMIXED { fine.clone() } else { unmixed(fine, cells, grid) }
 }
 
-/// Joins promoted patches to the primaries, on pixels and on cells.
+/// Adds promoted patches to the primaries, on both the pixel and the cell map.
 fn promote(primaries: &mut LabelMap, cells: &mut LabelMap, promoted: &[Mask], grid: Grid) {
     let first = cells.labels.iter().max().map_or(0, |m| *m) + 1;
     for (k, mask) in promoted.iter().enumerate() {
@@ -182,7 +203,7 @@ fn promote(primaries: &mut LabelMap, cells: &mut LabelMap, promoted: &[Mask], gr
     }
 }
 
-/// A map that holds a label above 0 wherever a texton stands.
+/// A map with a label above 0 wherever there is a texton.
 fn any_texton<'a>(primaries: &LabelMap, secondaries: impl Iterator<Item = &'a Mask>) -> LabelMap {
     let mut map = primaries.clone();
     for mask in secondaries {
@@ -200,8 +221,8 @@ fn centres(secondaries: &[crate::library::Secondary]) -> Vec<[f64; 2]> {
     secondaries.iter().map(|s| s.centroid).collect()
 }
 
-/// Half the side of the descriptors' window: `reach` mean distances between neighbours, at most
-/// half the exemplar's shorter side.
+/// Half the side of the descriptors' window, in pixels: `reach` times the mean distance between
+/// neighbours, at most half the exemplar's shorter side.
 fn descriptor_half(centroids: &[[f64; 2]], width: u32, height: u32, reach: f64) -> u32 {
     let lengths = neighbours::edge_lengths(centroids, |_, _| false);
     let most = width.min(height) / 2;

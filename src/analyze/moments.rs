@@ -1,6 +1,6 @@
-//! Sums over the pixels of a region, and the fill that explains them best.
+//! Sums over a region's pixels, and the flat or gradient fill that fits them best.
 //!
-//! Sums of two regions add up to those of both together, so a union costs nothing to judge.
+//! The sums of two disjoint regions add up to those of their union, so a union is cheap to evaluate.
 
 use super::grid::Grid;
 use crate::geometry::STEP;
@@ -9,36 +9,36 @@ use crate::raster::colour::Colour;
 use crate::scene::Gradient;
 use image::RgbImage;
 
-/// Components of start and end that differ less (8-bit steps, summed) make no gradient.
+/// Least difference between a gradient's start and end (8-bit steps, summed over components).
 const LEAST_CHANGE: f64 = 6.0;
 
-/// Sums over pixels: count, places and colours, and their products. Places are relative to an
-/// origin nearby, so that little is lost by rounding.
+/// Sums over pixels: count, positions, colours, and their products. Positions are relative to a
+/// nearby origin, which limits rounding errors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moments {
     count: f64,
     place: [f64; 2],
-    /// xx, xy, yy
+    /// Sums of xx, xy, yy.
     places: [f64; 3],
     colour: [f64; 3],
-    /// Colour times x, colour times y.
+    /// Sums of colour · x and of colour · y.
     mixed: [[f64; 3]; 2],
-    /// Squares of colours, over all components.
+    /// Sum of squared colours, over all components.
     colours: f64,
 }
 
-/// The line along which colours of a region change most.
+/// The linear change of colour that explains most of a region's variance.
 struct Trend {
-    /// Unit vector.
+    /// Direction: a unit vector.
     along: [f64; 2],
-    /// Change of each component by pixel.
+    /// Change of each component per pixel along it.
     slope: [f64; 3],
-    /// Squared error that it explains.
+    /// Reduction of the squared error against a flat fill.
     explained: f64,
 }
 
 impl Moments {
-    /// Of the pixels of a mask that lie in the image.
+    /// Sums over those pixels of a mask that lie inside the image.
     pub(super) fn new(image: &RgbImage, mask: &Mask, origin: [f64; 2]) -> Self {
         let mut sums = Self::default();
         let (width, height) = (image.width() as i32, image.height() as i32);
@@ -66,7 +66,7 @@ impl Moments {
         }
     }
 
-    /// Of two regions without a common pixel, about the same origin.
+    /// Sums of the union of two disjoint regions with the same origin.
     pub(super) fn with(&self, other: &Self) -> Self {
         Self {
             count: self.count + other.count,
@@ -78,20 +78,20 @@ impl Moments {
         }
     }
 
-    /// Squared error of the mean colour, over all components.
+    /// Squared error of the mean colour, summed over components.
     pub(super) fn flat_error(&self) -> f64 {
         let squares: f64 = self.colour.iter().map(|c| c * c).sum();
         (self.colours - squares / self.count.max(1.0)).max(0.0)
     }
 
-    /// Squared error of the best linear gradient.
+    /// Squared error of the best linear gradient, summed over components.
     pub(super) fn gradient_error(&self) -> f64 {
         let explained = self.trend().map_or(0.0, |t| t.explained);
         (self.flat_error() - explained).max(0.0)
     }
 
-    /// Of all directions that in which a linear change explains most: the larger eigenvalue of
-    /// S⁻¹ CᵀC, S being the covariance of places and C that of colours and places.
+    /// The direction in which a linear change explains most: the eigenvector of the larger eigenvalue
+    /// of S⁻¹ CᵀC, where S is the covariance of positions and C that of colours and positions.
     fn trend(&self) -> Option<Trend> {
         let n = self.count;
         if n < 3.0 {
@@ -115,7 +115,7 @@ impl Moments {
         let half = (m[0][0] + m[1][1]) / 2.0;
         let rest = half * half - (m[0][0] * m[1][1] - m[0][1] * m[1][0]);
         let explained = half + libm::sqrt(rest.max(0.0));
-        // The row of m - explained that is longer is at right angles to the eigenvector.
+        // The longer row of (m − explained · I) is perpendicular to the eigenvector.
         let rows = [[m[0][0] - explained, m[0][1]], [m[1][0], m[1][1] - explained]];
         let length = |r: [f64; 2]| libm::sqrt(r[0] * r[0] + r[1] * r[1]);
         let row = if length(rows[0]) >= length(rows[1]) { rows[0] } else { rows[1] };
@@ -126,7 +126,7 @@ impl Moments {
         Some(Trend { along, slope, explained })
     }
 
-    /// The best linear gradient over a mask, whose sums these are about `origin`; none if colours
+    /// The best linear gradient over `mask`, whose sums about `origin` these are. `None` if its colours
     /// hardly change.
     pub(super) fn gradient(&self, mask: &Mask, origin: [f64; 2], cells: Grid) -> Option<Gradient> {
         let Trend { along, slope, .. } = self.trend()?;

@@ -2,8 +2,8 @@
 
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
-/// Lengths of the Delaunay edges between points, edges along the hull left out, in a fixed order.
-/// `crosses(a, b)` leaves out further edges. Empty for fewer than four points.
+/// Lengths of the Delaunay edges between points, in a deterministic order. Edges on the convex hull
+/// and those for which `crosses(a, b)` holds are left out. Empty for fewer than four points.
 pub(super) fn edge_lengths(points: &[[f64; 2]], crosses: impl Fn([f64; 2], [f64; 2]) -> bool) -> Vec<f64> {
     let vertices = points.iter().map(|p| Point2::new(p[0], p[1])).collect();
     let Ok(triangulation) = DelaunayTriangulation::<Point2<f64>>::bulk_load(vertices) else {
@@ -19,7 +19,7 @@ pub(super) fn edge_lengths(points: &[[f64; 2]], crosses: impl Fn([f64; 2], [f64;
     lengths
 }
 
-/// The value below which a share `q` (0 to 1) of the values lies; `None` of none.
+/// The `q` quantile (0 to 1) of the values; `None` if there are none.
 pub(super) fn quantile(mut values: Vec<f64>, q: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let at = libm::round(q * values.len().saturating_sub(1) as f64) as usize;

@@ -1,15 +1,15 @@
-//! Few colours for all that is flat.
+//! Colour quantisation of flat fills.
 
 use super::kmeans;
 use crate::raster::colour::Colour;
 use crate::sampling::stream;
 
-/// Colours that stand for many.
+/// The palette's colours, each in sRGB and in Oklab. Empty if colours are not quantised.
 pub(super) struct Palette(Vec<(Colour, [f64; 3])>);
 
 impl Palette {
-    /// At most `count` colours for these, each with its area in pixels: clusters in Oklab, where
-    /// distances are those that are seen. No count, no palette: every colour stands for itself.
+    /// Clusters colours, each given with its area in pixels, into at most `count` palette entries
+    /// (weighted k-means in Oklab). A `count` of 0 gives an empty palette.
     pub(super) fn new(colours: &[(Colour, u32)], count: usize, seed: u64) -> Self {
         if count == 0 {
             return Self(Vec::new());
@@ -28,7 +28,7 @@ impl Palette {
         Self(held.map(|(sum, w)| Colour::from_f64(sum.map(|v| v / w))).map(|c| (c, oklab(c))).collect())
     }
 
-    /// The colour that stands for this one.
+    /// The palette entry nearest to a colour in Oklab; the colour itself if the palette is empty.
     pub(super) fn nearest(&self, colour: Colour) -> Colour {
         let own = oklab(colour);
         let distance = |c: &[f64; 3]| (0..3).map(|i| (c[i] - own[i]) * (c[i] - own[i])).sum::<f64>();

@@ -1,4 +1,4 @@
-//! Pictures of the stages of analysis, for people who look at what it did.
+//! Diagnostic pictures of the stages of analysis.
 
 use crate::library::{Background, CategoryId};
 use crate::raster::picture::{label_colour, labels};
@@ -19,7 +19,7 @@ pub(super) fn masks(image: &RgbImage, masks: &[ScoredMask]) -> RgbImage {
     picture
 }
 
-/// Every primary in the colour of its category.
+/// Primaries in the colours of their categories.
 pub(super) fn categories(primaries: &LabelMap, ids: &[CategoryId]) -> RgbImage {
     labels(&by_category(primaries, ids))
 }
@@ -29,7 +29,7 @@ fn by_category(primaries: &LabelMap, ids: &[CategoryId]) -> LabelMap {
     LabelMap { labels: primaries.labels.iter().map(category).collect(), ..*primaries }
 }
 
-/// The windows of the first few primaries whose window lies inside, side by side.
+/// The descriptor windows of the first few primaries whose window fits the image, side by side.
 pub(super) fn descriptors(
     primaries: &LabelMap,
     ids: &[CategoryId],
@@ -54,7 +54,7 @@ pub(super) fn descriptors(
     picture
 }
 
-/// The ground that gives the palette, with every site as a square of its colour.
+/// The background pixels that the palette is sampled from, with a square of its colour at each site.
 pub(super) fn background(image: &RgbImage, textons: &LabelMap, background: &Background) -> RgbImage {
     let mut picture = RgbImage::from_fn(image.width(), image.height(), |x, y| {
         if textons.get(x, y) == 0 { *image.get_pixel(x, y) } else { Rgb([0; 3]) }

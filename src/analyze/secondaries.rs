@@ -1,4 +1,4 @@
-//! Secondaries: the small patches of one colour between the primaries.
+//! Secondaries: small patches of uniform colour between the primaries.
 
 use super::candidates::{Lab, spans_image};
 use super::neighbours::{edge_lengths, quantile};
@@ -9,17 +9,17 @@ use crate::segment::flood;
 use image::RgbImage;
 use std::collections::BTreeMap;
 
-/// What flood fill finds between the primaries.
+/// Result of the flood fill between the primaries.
 pub(super) struct Patches {
     /// Small patches, in the order of their first pixel.
     pub(super) secondaries: Vec<Mask>,
-    /// Patches as large and as distinct as the primaries.
+    /// Patches as large and as distinct as the primaries, which become primaries.
     pub(super) promoted: Vec<Mask>,
 }
 
-/// Flood fills what the primaries leave. Patches as large as the median primary with a rim as
-/// strong as theirs are promoted; patches of the sizes allowed are secondaries; what is larger or
-/// smaller is ground.
+/// Flood fills the area between the primaries. Patches as large as the median primary, with a rim as
+/// strong, are promoted to primaries. Patches within the permitted range of sizes become
+/// secondaries. All others are background.
 pub(super) fn find(image: &RgbImage, primaries: &LabelMap, params: &AnalyzeParams) -> Patches {
     let (w, h) = (image.width() as i32, image.height() as i32);
     let mut regions = flood(image, &|i| primaries.labels[i] != 0, params.secondary_tolerance);
@@ -52,8 +52,9 @@ pub(super) fn find(image: &RgbImage, primaries: &LabelMap, params: &AnalyzeParam
     patches
 }
 
-/// Typical spacing: the 40th percentile of the Delaunay edges between centres, edges across
-/// primaries and along the hull left out (paper §3.1.2); 0 if there are too few.
+/// Typical spacing in pixels: the 40th percentile of the lengths of Delaunay edges between centres
+/// (paper §3.1.2). Edges that cross primaries or lie on the hull are left out. 0 if there are too
+/// few.
 pub(super) fn spacing(centres: &[[f64; 2]], primaries: &LabelMap) -> f64 {
     let across = |a: [f64; 2], b: [f64; 2]| {
         let steps = libm::ceil(libm::hypot(a[0] - b[0], a[1] - b[1])).max(1.0);
@@ -67,9 +68,9 @@ pub(super) fn spacing(centres: &[[f64; 2]], primaries: &LabelMap) -> f64 {
     libm::round(spacing * 1000.0) / 1000.0
 }
 
-/// Joins regions of fewer than `minimum` pixels to the neighbour whose mean colour is nearest, as
-/// Felzenszwalb and Huttenlocher do: flood fill leaves many, and dropped they would take the
-/// finest grain of the photograph with them. A fragment without neighbours stays.
+/// Joins regions of fewer than `minimum` pixels to the neighbour of nearest mean colour, as
+/// Felzenszwalb and Huttenlocher do. Flood fill leaves many of them. Dropping them would remove
+/// the finest grain of the photograph. A fragment without neighbours stays.
 fn join_fragments(image: &RgbImage, regions: &mut LabelMap, minimum: u32) {
     let (w, n) = (regions.width as usize, regions.labels.len());
     let count = regions.labels.iter().max().map_or(0, |m| *m as usize) + 1;
@@ -91,7 +92,7 @@ fn join_fragments(image: &RgbImage, regions: &mut LabelMap, minimum: u32) {
         label
     }
     loop {
-        // The nearest neighbour of every fragment still too small.
+        // The best neighbour of every fragment that is still too small.
         let mut nearest: BTreeMap<u32, (f32, u32)> = BTreeMap::new();
         for &i in &small {
             let own = root(&mut joined, regions.labels[i]);

@@ -1,14 +1,14 @@
 //! Pixels → shapes: outlines and colours of primaries, details and secondaries.
 //!
-//! All pieces but specks share one planar map, so that each border is fitted once. Details of a primary are
-//! painted from the largest to the smallest; each reaches a little beneath those painted after
-//! it. The largest is the base, painted as the primary's whole outline.
+//! All pieces except specks share one planar map, so each border is fitted once. The details of a
+//! primary are painted from the largest to the smallest. Each extends a little underneath those
+//! painted after it. The largest is the base, painted with the primary's whole outline.
 
 use super::edges::Edges;
 use super::grid::{Grid, to_four_digits};
 use super::joining;
 use super::palette::Palette;
-use super::price::Price;
+use super::rate_distortion::RateDistortion;
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
 use crate::library::{CategoryId, Detail, Primary, Secondary, TextonId};
 use crate::raster::colour::{self, Colour};
@@ -16,16 +16,16 @@ use crate::raster::{LabelMap, Mask};
 use crate::scene::field::Interpolant;
 use image::RgbImage;
 
-/// Secondaries of at most so many cells are traced by themselves: they have no shape but that of
-/// their cells, so equal ones are equal to the last digit and stand in files once. Larger ones are
-/// often pieces of stems and rims, which traced apart would fall into beads.
+/// Largest secondary that is traced on its own, in cells. Such specks have only the shape of their
+/// cells, so equal ones have identical outlines and are stored once. Larger ones are often parts of
+/// stems and rims; traced separately they would look like beads.
 const SPECK: u32 = 5;
 
-/// How far a detail reaches beneath those of its primary that are painted later, in pixels.
-const BENEATH: f64 = 0.6;
-/// How far a secondary reaches into its neighbours, in pixels: drawn side by side without, a hair of the
-/// ground would show between them.
-const JOINT: f64 = 0.15;
+/// Distance that a detail extends underneath later details of its primary, in pixels.
+const UNDERLAP: f64 = 0.6;
+/// Distance that a secondary extends into its neighbours, in pixels. It prevents hairlines of
+/// background between adjacent secondaries.
+const SIDE_UNDERLAP: f64 = 0.15;
 
 /// A flat patch between the primaries.
 #[derive(Clone)]
@@ -33,7 +33,7 @@ pub(super) struct Patch {
     pub(super) mask: Mask,
     /// Median colour of its pixels.
     pub(super) colour: Colour,
-    /// That minus the background's at its centroid.
+    /// Its colour minus the background's at its centroid, per component.
     pub(super) difference: [i16; 3],
 }
 
@@ -45,29 +45,29 @@ pub(super) struct Pieces {
     pub(super) secondaries: Vec<Patch>,
 }
 
-/// How pieces are drawn.
+/// Settings for tracing and filling pieces.
 pub(super) struct Style<'a> {
-    /// Largest distance of an outline to what is traced, in pixels.
+    /// Fit tolerance: largest distance between an outline and the traced border, in pixels.
     pub(super) fidelity: f64,
-    /// What the masks of pieces are made of.
+    /// Grid of the pieces' masks.
     pub(super) grid: Grid,
-    pub(super) price: Price,
+    pub(super) cost: RateDistortion,
     pub(super) palette: &'a Palette,
 }
 
-/// What comes of the pieces.
+/// The textons made from the pieces.
 pub(super) struct Shapes {
-    /// Primaries, their categories not yet known.
+    /// Primaries; their categories are not assigned yet.
     pub(super) primaries: Vec<Primary>,
     pub(super) secondaries: Vec<Secondary>,
 }
 
-/// Patches with their colours, also against the background.
+/// Patches with their median colours, and these relative to the background field.
 pub(super) fn patches(image: &RgbImage, masks: Vec<Mask>, grid: Grid, field: &Interpolant) -> Vec<Patch> {
     let found = crate::parallel::map(&masks, |mask| {
         let (colour, [x, y]) = (median(image, mask), grid.centroid(mask));
-        let (own, ground) = (colour.to_f64(), field.at(x, y));
-        (colour, std::array::from_fn(|i| libm::round(own[i] - ground[i].clamp(0.0, 255.0)) as i16))
+        let (own, behind) = (colour.to_f64(), field.at(x, y));
+        (colour, std::array::from_fn(|i| libm::round(own[i] - behind[i].clamp(0.0, 255.0)) as i16))
     });
     masks
         .into_iter()
@@ -81,11 +81,11 @@ pub(super) fn median(image: &RgbImage, mask: &Mask) -> Colour {
     colour::median(mask.pixels().map(|(x, y)| image.get_pixel(x as u32, y as u32).0)).unwrap_or_default()
 }
 
-/// Traces and fits all outlines. `image` gives the colours of cells, `photo` the edges.
+/// Traces and fits all outlines. Colours are taken from `image` (cells), edges from `photo` (pixels).
 pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, style: &Style<'_>) -> Shapes {
     let (grid, (width, height)) = (style.grid, image.dimensions());
     let mut map = LabelMap::filled(width, height, 0);
-    // Group of each label: primaries first, then every secondary by itself.
+    // Labels of one primary form a group; every secondary is a group of its own.
     let mut groups = vec![0u32];
     let mut ordered: Vec<Vec<&Mask>> = Vec::new();
     for (k, details) in pieces.details.iter().enumerate() {
@@ -119,9 +119,9 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
     let stacked = fitted.stacked_outlines(count, |own, other| {
         let detail = (own as usize) < first_secondary;
         match (detail, group(own) == group(other)) {
-            (true, true) if own < other => BENEATH,
-            // Whichever is painted first, the joint is covered.
-            (false, _) if own < other || (other as usize) < first_secondary => JOINT,
+            (true, true) if own < other => UNDERLAP,
+            // Both pieces extend, so the joint is covered whichever is painted first.
+            (false, _) if own < other || (other as usize) < first_secondary => SIDE_UNDERLAP,
             _ => 0.0,
         }
     });
@@ -133,7 +133,7 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
             (label - 1..).take(details.len()).map(|i| style.palette.nearest(medians[i])).collect();
         let base = colours.first().copied().unwrap_or_default();
         let gradients: Vec<_> =
-            details.iter().map(|m| joining::gradient(image, m, style.price, grid)).collect();
+            details.iter().map(|m| joining::gradient(image, m, style.cost, grid)).collect();
         let base_gradient = gradients.first().copied().flatten();
         let mut painted = Vec::new();
         for (i, &colour) in colours.iter().enumerate() {
@@ -174,7 +174,7 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
     Shapes { secondaries: secondaries.into_iter().filter(|s| !s.outline.is_empty()).collect(), primaries }
 }
 
-/// The outline of a mask traced by itself, of the mask's area.
+/// The outline of a mask traced on its own, scaled to the mask's area.
 fn alone(mask: &Mask, grid: Grid) -> Outline {
     let Some((x0, y0, x1, y1)) = mask.bounds() else { return Outline::default() };
     let mut map = LabelMap::filled((x1 - x0 + 2) as u32, (y1 - y0 + 2) as u32, 0);
@@ -184,7 +184,7 @@ fn alone(mask: &Mask, grid: Grid) -> Outline {
     let scale = Scale { tolerance: 0.5, cells: grid.along() };
     let fitted = FittedMap::with_edges(planar, scale, 1, 1, |l| l, |_, _, _, _| 0.0);
     let outline = fitted.outlines(1, |l| l).swap_remove(1);
-    // Rounding the corners of a few pixels takes a good part of them, and with it contrast.
+    // Rounding the corners of a few pixels removes much of their area, and contrast with it.
     let grow = libm::sqrt(f64::from(mask.area()) / grid.area() / outline.area().max(0.1)).min(1.4);
     let [cx, cy] = grid.centroid(mask);
     let about = Affine::translate((cx, cy)) * Affine::scale(grow) * Affine::translate((-cx, -cy));

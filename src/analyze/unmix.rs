@@ -1,31 +1,32 @@
-//! Pixels that an outline runs through, given the colour of the side they count to.
+//! Removes mixed pixels: those on a border get the colour of the side they are labelled with.
 //!
-//! Such a pixel shows a mixture of both sides. Taken for what it seems it becomes a thin crescent
-//! along the rim of a texton, a detail of its own or a secondary; but the mixture comes back by
-//! itself wherever a smooth outline is drawn. Edges are still sought in the photograph.
+//! A pixel that an outline crosses shows a mixture of both sides. Left in, it becomes a thin crescent
+//! along the rim of a texton, as a detail or a secondary. Drawing a smooth outline mixes the colours
+//! again, so nothing is lost. Edges are still located in the photograph.
 
 use super::grid::Grid;
 use crate::raster::LabelMap;
 use image::{Rgb, RgbImage};
 
-/// How far from a border pixels may be mixed, in pixels.
+/// Largest distance of mixed pixels from a border, in pixels.
 const DEPTH: u32 = 2;
-/// How far a pixel looks for what its side and the other look like.
+/// Radius in which a pixel looks for the unmixed colours of both sides, in pixels.
 const REACH: i32 = 3;
-/// Smallest distance of the two colours (8-bit steps) that can mix.
+/// Least distance of two colours (8-bit steps) whose mixture can be recognised.
 const CONTRAST: f32 = 12.0;
-/// Share of its own side that a pixel has at least, at the border and for each pixel further in: one
-/// with less is no mixture but counts to the wrong side, as a gap between petals may.
-const LEAST: [f32; 2] = [0.2, 0.3];
-/// A mixture lies this close to the line between the colours: steps, and share of its length.
-const OFF: [f32; 2] = [8.0, 0.2];
+/// Least share of its own side's colour in a mixed pixel: the share at the border, and its increase
+/// per pixel inwards. A pixel with less is mislabelled rather than mixed, as in a gap between petals.
+const LEAST_OWN_SHARE: [f32; 2] = [0.2, 0.3];
+/// Largest distance of a mixture from the line between both colours: 8-bit steps, plus this share
+/// of the line's length.
+const LINE_TOLERANCE: [f32; 2] = [8.0, 0.2];
 
-/// The enlarged image, without mixtures of two labels along their borders.
+/// The enlarged image with the mixed cells along label borders replaced.
 pub(super) fn unmixed(image: &RgbImage, labels: &LabelMap, grid: Grid) -> RgbImage {
     let depth = (DEPTH * grid.cells) as u8;
     let rings = rings(labels, depth);
     let mut clean = image.clone();
-    // From the inner rings outwards: the inner, made clean, tell what the outer should be.
+    // From the inner rings outwards: cleaned inner cells tell the outer ones their colour.
     for ring in (1..=depth).rev() {
         let before = clean.clone();
         for y in 0..labels.height {
@@ -41,8 +42,8 @@ pub(super) fn unmixed(image: &RgbImage, labels: &LabelMap, grid: Grid) -> RgbIma
     clean
 }
 
-/// For each cell 1 at the border of its label, 2 beside such a cell of its label, up to `depth`; one
-/// more further inside.
+/// The ring of each cell: 1 at the border of its label, 2 next to a cell of ring 1 of the same label,
+/// and so on up to `depth`; `depth + 1` further inside.
 fn rings(labels: &LabelMap, depth: u8) -> Vec<u8> {
     let (w, h) = (i64::from(labels.width), i64::from(labels.height));
     let mut rings = vec![depth + 1; labels.labels.len()];
@@ -68,7 +69,7 @@ fn rings(labels: &LabelMap, depth: u8) -> Vec<u8> {
     rings
 }
 
-/// The colour of the cell's own side, if it shows a mixture of both sides.
+/// The unmixed colour of a cell, or `None` if the cell does not show a mixture of both sides.
 fn mixture(
     image: &RgbImage,
     labels: &LabelMap,
@@ -109,8 +110,8 @@ fn mixture(
     }
     let share = (0..3).map(|c| (here[c] - other[c]) * line[c]).sum::<f32>() / length2;
     let off2: f32 = (0..3).map(|c| here[c] - other[c] - share * line[c]).map(|v| v * v).sum();
-    let least = LEAST[0] + LEAST[1] * (f32::from(ring) - 0.5) / cells as f32;
-    let mixed = share < 0.98 && share > least && off2.sqrt() < OFF[0] + OFF[1] * length;
+    let least = LEAST_OWN_SHARE[0] + LEAST_OWN_SHARE[1] * (f32::from(ring) - 0.5) / cells as f32;
+    let mixed = share < 0.98 && share > least && off2.sqrt() < LINE_TOLERANCE[0] + LINE_TOLERANCE[1] * length;
     mixed.then(|| Rgb(own.map(|v| (v + 0.5) as u8)))
 }
 
@@ -140,7 +141,7 @@ mod tests {
     const STONE: [f32; 3] = [180.0, 90.0, 40.0];
     const GROUND: [f32; 3] = [60.0, 70.0, 90.0];
 
-    /// A blurred disc on the ground, and its labels.
+    /// A blurred disc on a plain background, and its labels.
     fn disc(blur: f32) -> (RgbImage, LabelMap) {
         let depth = |x: u32, y: u32| {
             let (dx, dy) = (x as f32 + 0.5 - 20.3, y as f32 + 0.5 - 19.6);
@@ -157,7 +158,7 @@ mod tests {
 
     #[test]
     fn both_sides_get_their_own_colour() {
-        // Cells come from a picture that overshoots a little; a few are taken for the wrong side.
+        // Enlarged pictures overshoot a little, so a few cells are assigned to the wrong side.
         for (cells, tolerance, few) in [(1, 2.0, 0), (2, 10.0, 10), (3, 10.0, 20)] {
             let grid = Grid { cells };
             for blur in [0.5, 1.0, 1.5] {

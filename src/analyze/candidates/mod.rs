@@ -1,39 +1,41 @@
 //! Overlapping scored masks → disjoint primaries.
 //!
 //! A mask and the masks inside it describe the same pixels twice: a flower and its petals, a stone
-//! and its facets, or a patch of ground and the stones on it. The reference keeps the larger, so
-//! that one stray mask of the ground swallows all stones. Here every candidate has a *quality*:
-//! its score, times how strongly the image changes along its rim, times how compact it is. From
-//! each nest the disjoint set of largest `area · quality²` is kept. A whole thing has as strong a
-//! rim as its parts and is more compact, so it wins over them; ground has a weak rim where it ends
-//! for no reason, and loses to the stones on it. Masks that span opposite borders, that surround
-//! other candidates like a net, or that hold several candidates within a much weaker rim are
-//! ground in any case, and so are masks that cut through several smaller ones.
+//! and its facets, or a patch of background and the stones on it. The paper keeps the larger mask,
+//! so one stray mask of the background swallows all stones on it. Here each candidate has a
+//! *quality*: its score × the strength of the image's change along its rim × the square root of
+//! its compactness. From each nest, the disjoint set with the largest sum of `area · quality²` is
+//! kept. A whole object has as strong a rim as its parts and is more compact, so it wins over them.
+//! A patch of background has a weak rim wherever it ends arbitrarily, so it loses to the objects on
+//! it. Four kinds of mask always count as background: those that span opposite borders of the
+//! image, those that surround other candidates like a net, those that hold several candidates
+//! with much stronger rims, and those that cut through several smaller masks.
 
 use crate::raster::{Connectivity, LabelMap, Mask, Span, colour::oklab, components_of_mask};
 use crate::segment::ScoredMask;
 use image::RgbImage;
 
-/// Share of a rim that may be weaker than its strength.
+/// Quantile of the colour steps along a rim that serves as the rim's strength.
 const RIM_QUANTILE: f64 = 0.35;
-/// A mask whose rim is weaker than this share of its parts' rims is ground.
-const WEAK: f64 = 0.6;
-/// A mask that cuts through this many smaller ones is no thing.
-const CUTS: usize = 3;
+/// A mask whose rim is weaker than this share of its parts' mean rim is background.
+const WEAK_RIM: f64 = 0.6;
+/// A mask that cuts through this many smaller ones is dropped.
+const CUTS_OF_BACKGROUND: usize = 3;
 
-/// A connected mask with what is needed to compare it with others.
+/// A connected mask with the measures by which candidates are compared.
 struct Candidate {
     mask: Mask,
     area: u32,
     bounds: (i32, i32, i32, i32),
     score: f32,
-    /// Colour step that most of the rim exceeds, in Oklab units.
+    /// Strength of the rim: the [`RIM_QUANTILE`] of the colour steps along it, in Oklab units.
     rim: f32,
     quality: f32,
 }
 
-/// Picks disjoint primaries from overlapping masks. Gives a label map in which primary k has
-/// label k + 1, in the order of their first pixel.
+/// Selects disjoint primaries from overlapping masks. In the label map returned, primary `k` has
+/// label `k + 1`; primaries are numbered in the order of their first pixel. `minimum_area` in
+/// pixels.
 pub(super) fn select(image: &RgbImage, masks: &[ScoredMask], minimum_area: u32) -> LabelMap {
     let (w, h) = (image.width() as i32, image.height() as i32);
     let lab = Lab::new(image);
@@ -47,11 +49,11 @@ pub(super) fn select(image: &RgbImage, masks: &[ScoredMask], minimum_area: u32) 
     paint(&candidates, &kept, image.width(), image.height(), minimum_area)
 }
 
-/// The connected pieces of a mask that may be primaries, small holes filled.
+/// The connected pieces of a mask that are large enough to be primaries, with small holes filled.
 fn pieces(scored: &ScoredMask, minimum_area: u32, w: i32, h: i32) -> Vec<(Mask, f32)> {
     let mut pieces = components_of_mask(&scored.mask, Connectivity::Four);
     let largest = pieces.iter().map(Mask::area).max().unwrap_or(0);
-    // Crumbs beside a large piece are noise of the segmenter, not things.
+    // Small pieces beside a large one are noise of the segmenter.
     pieces.retain(|p| p.area() >= minimum_area.max(largest / 10) && !spans_image(p, w, h));
     pieces.into_iter().map(|p| (fill_small_holes(&p, minimum_area), scored.score)).collect()
 }
@@ -61,7 +63,7 @@ pub(super) fn spans_image(mask: &Mask, w: i32, h: i32) -> bool {
     mask.bounds().is_some_and(|(x0, y0, x1, y1)| (x0 <= 0 && x1 >= w) || (y0 <= 0 && y1 >= h))
 }
 
-/// The mask with its holes of fewer than `minimum` pixels filled.
+/// The mask with small holes filled: those below `minimum` pixels or a fiftieth of its area.
 fn fill_small_holes(mask: &Mask, minimum: u32) -> Mask {
     let Some((x0, y0, x1, y1)) = mask.bounds() else { return Mask::default() };
     let mut spans = mask.spans().to_vec();
@@ -75,7 +77,7 @@ fn fill_small_holes(mask: &Mask, minimum: u32) -> Mask {
     Mask::from_spans(spans)
 }
 
-/// The pixels of a box that a mask does not hold.
+/// The pixels of a box that a mask does not contain.
 fn complement(mask: &Mask, (x0, y0, x1, y1): (i32, i32, i32, i32)) -> Mask {
     let mut gaps = Vec::new();
     let mut rest = mask.spans();
@@ -110,9 +112,10 @@ impl Lab {
         self.pixels[(y * self.width + x) as usize]
     }
 
-    /// Colour step across the rim of a mask, between pixels two steps inside and outside, that most
-    /// of the rim exceeds; and the number of cracks of the rim. The image border does not count as
-    /// rim. A true border is strong nearly everywhere; a cut through things only here and there.
+    /// Strength of a mask's rim, and its length in cracks (pixel edges). A colour step compares the
+    /// pixels two steps inside and outside; the strength is the [`RIM_QUANTILE`] of all steps. The
+    /// image border does not count as rim. A true border is strong nearly everywhere, an arbitrary cut
+    /// only in places.
     pub(super) fn rim(&self, mask: &Mask) -> (f32, u32) {
         let (mut steps, mut cracks) = (Vec::new(), 0u32);
         mask.for_cracks(|[x, y], [dx, dy]| {
@@ -136,7 +139,7 @@ impl Candidate {
     fn new(mask: &Mask, score: f32, lab: &Lab) -> Self {
         let (rim, cracks) = lab.rim(mask);
         let area = mask.area();
-        // On the pixel lattice a disc has 4/π times its true perimeter: scale so that it counts 1.
+        // The crack length of a disc is 4/π times its true perimeter; the factor makes its compactness 1.
         let length = cracks as f32 * std::f32::consts::FRAC_PI_4;
         let compactness = (4.0 * std::f32::consts::PI * area as f32 / (length * length)).min(1.0);
         let quality = score.max(1e-3) * rim * compactness.sqrt();
@@ -154,7 +157,7 @@ impl Candidate {
     }
 }
 
-/// Of candidates that agree to 80 % the one of highest score stays.
+/// Of candidates whose IoU exceeds 0.8, keeps only the one with the highest score.
 fn drop_duplicates(candidates: &mut Vec<Candidate>) {
     let n = candidates.len();
     let mut dropped = vec![false; n];
@@ -178,21 +181,23 @@ fn drop_duplicates(candidates: &mut Vec<Candidate>) {
     candidates.retain(|_| !dropped[index.next().unwrap_or(0)]);
 }
 
-/// Drops candidates whose rim cuts through several smaller ones: patches of ground with parts of
-/// the things on it.
+/// Drops candidates whose rim cuts through several smaller ones. Such a mask is a patch of
+/// background with parts of the objects on it.
 fn drop_cutters(candidates: &mut Vec<Candidate>) {
     let cuts = |big: &Candidate, small: &Candidate| {
         let inside = f64::from(big.overlap(small)) / f64::from(small.area);
         2 * small.area < big.area && inside > 0.15 && inside < 0.85
     };
     let cutters: Vec<bool> = (candidates.iter().enumerate())
-        .map(|(i, big)| candidates[i + 1..].iter().filter(|small| cuts(big, small)).count() >= CUTS)
+        .map(|(i, big)| {
+            candidates[i + 1..].iter().filter(|small| cuts(big, small)).count() >= CUTS_OF_BACKGROUND
+        })
         .collect();
     let mut index = 0..;
     candidates.retain(|_| !cutters[index.next().unwrap_or(0)]);
 }
 
-/// Drops candidates in whose holes two or more others lie: ground around things.
+/// Drops candidates with two or more others in their holes: background around objects.
 fn drop_nets(candidates: &mut Vec<Candidate>) {
     let nets: Vec<bool> = candidates
         .iter()
@@ -216,10 +221,10 @@ fn drop_nets(candidates: &mut Vec<Candidate>) {
     candidates.retain(|_| !nets[index.next().unwrap_or(0)]);
 }
 
-/// From every nest of candidates the disjoint set of largest worth; indices, larger first.
+/// The disjoint set of largest total worth from every nest, as indices, largest area first.
 fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
     let n = candidates.len();
-    // Parent: the smallest larger candidate that holds nine tenths of this one.
+    // The parent is the smallest larger candidate that contains nine tenths of this one.
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); n];
     let mut roots = Vec::new();
     for i in 0..n {
@@ -240,8 +245,8 @@ fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
         let sum: f64 = parts.iter().map(|&p| best[p]).sum();
         let mean_rim =
             parts.iter().map(|&p| f64::from(candidates[p].rim)).sum::<f64>() / parts.len().max(1) as f64;
-        let ground = parts.len() >= 2 && f64::from(candidates[i].rim) < WEAK * mean_rim;
-        // One part that is most of the whole is the same thing seen twice: the better one counts.
+        let is_background = parts.len() >= 2 && f64::from(candidates[i].rim) < WEAK_RIM * mean_rim;
+        // A single part that covers most of the whole is the same object found twice: the better one wins.
         let twin = match parts[..] {
             [p] if 2 * candidates[p].area > candidates[i].area && whole[p] => Some(&candidates[p]),
             _ => None,
@@ -250,7 +255,7 @@ fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
             Some(twin) => candidates[i].quality >= twin.quality,
             None => worth(&candidates[i]) >= sum,
         };
-        whole[i] = !ground && better;
+        whole[i] = !is_background && better;
         best[i] = if whole[i] { worth(&candidates[i]) } else { sum };
     }
     let mut kept = Vec::new();
@@ -262,7 +267,7 @@ fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
     kept
 }
 
-/// Paints the kept candidates, better over worse; what is left of each is one connected piece.
+/// Paints the kept candidates in ascending quality. The largest visible piece of each remains.
 fn paint(candidates: &[Candidate], kept: &[usize], width: u32, height: u32, minimum_area: u32) -> LabelMap {
     let mut order = kept.to_vec();
     order.sort_by(|&a, &b| candidates[a].quality.total_cmp(&candidates[b].quality).then(b.cmp(&a)));

@@ -1,10 +1,10 @@
-//! The rule for overlapping masks, on scenes whose true instances are known.
+//! Selection among overlapping masks, on scenes whose true instances are known.
 
 use super::*;
 use crate::procedural::{SceneParams, generate};
 use crate::sampling::stream;
 
-/// True masks of at least 30 px with their score.
+/// True masks of at least 30 px with a score.
 fn truth(instances: &LabelMap) -> Vec<ScoredMask> {
     let count = instances.labels.iter().max().map_or(0, |m| *m as usize) + 1;
     let masks = Mask::all_of_labels(instances, count).into_iter().skip(1);
@@ -42,8 +42,8 @@ fn stray_masks_do_not_swallow_true_ones() {
         }
         let mut random = stream(seed, "test/candidates", 0);
         let mut masks = truth.clone();
-        // What a segmenter that tries every point also gives: the ground with and without the
-        // things on it, patches of ground with things, clumps, halves, and things slightly larger.
+        // A segmenter that tries every point also finds the background with and without the objects,
+        // patches of background with objects, clumps, halves, and slightly enlarged objects.
         let ground = Mask::from_labels(&scene.instances, |l| l == 0);
         masks.push(ScoredMask { mask: ground.clone(), score: 0.95 });
         masks.push(ScoredMask { mask: block(0, 0, 160, 160), score: 0.95 });

@@ -1,33 +1,34 @@
-//! From all that can be told apart to what is worth drawing.
+//! Simplification: joins and drops pieces until the drawing is worth its bytes.
 
 use super::grid::Grid;
 use super::joining;
 use super::palette::Palette;
-use super::price::Price;
+use super::rate_distortion::RateDistortion;
 use super::shapes::{self, Patch, Pieces};
 use crate::library::AnalyzeParams;
 use crate::parallel;
 use crate::raster::Mask;
 use image::RgbImage;
 
-/// Joins details and leaves out patches that are not worth their bytes, at the lowest price that
-/// leaves no more shapes than asked for. A warning tells if that cannot be.
-pub(super) fn economise(
+/// Joins details and drops patches that cost more bytes than they save error. If `max_paths` is
+/// above 0, the cost of a byte rises until at most that many shapes remain; a warning says if the
+/// primaries alone exceed it.
+pub(super) fn simplify(
     image: &RgbImage,
     details: &[Vec<Mask>],
     patches: Vec<Patch>,
     params: &AnalyzeParams,
     grid: Grid,
     warnings: &mut Vec<String>,
-) -> (Pieces, Price) {
-    let join = |price: Price| parallel::map(details, |masks| joining::join(image, masks, price));
-    let affordable = |price: Price, p: &Patch| price.affords(p.mask.area(), p.difference);
-    let mut price = Price::new(params, grid);
+) -> (Pieces, RateDistortion) {
+    let join = |cost: RateDistortion| parallel::map(details, |masks| joining::join(image, masks, cost));
+    let worthwhile = |cost: RateDistortion, p: &Patch| cost.is_worth(p.mask.area(), p.difference);
+    let mut cost = RateDistortion::new(params, grid);
     if params.max_paths > 0 {
         let most = params.max_paths as usize;
-        price = price.within(most, |price| {
-            let kept = patches.iter().filter(|p| affordable(price, p)).count();
-            kept + join(price).iter().map(Vec::len).sum::<usize>()
+        cost = cost.with_limit(most, |cost| {
+            let kept = patches.iter().filter(|p| worthwhile(cost, p)).count();
+            kept + join(cost).iter().map(Vec::len).sum::<usize>()
         });
         if details.len() > most {
             warnings.push(format!(
@@ -37,11 +38,12 @@ pub(super) fn economise(
             ));
         }
     }
-    let secondaries = patches.into_iter().filter(|p| affordable(price, p)).collect();
-    (Pieces { details: join(price), secondaries }, price)
+    let secondaries = patches.into_iter().filter(|p| worthwhile(cost, p)).collect();
+    (Pieces { details: join(cost), secondaries }, cost)
 }
 
-/// The palette of all pieces, and the pieces with neighbours of one colour joined.
+/// Clusters the colours of all pieces into a palette of `colors` entries, and joins neighbouring
+/// details that share an entry.
 pub(super) fn reduce_colours(
     image: &RgbImage,
     mut pieces: Pieces,
