@@ -1,51 +1,51 @@
-//! What lies between the elements: noise and small grains that carry no label.
+//! The background of scenes: noise and small grains without labels.
 
 use super::fills::{Light, blend};
 use super::noise::{fractal, hash, smoothstep, split, unit};
 
-/// The ground of a scene.
+/// Parameters of the background.
 #[derive(Clone, Debug)]
-pub(super) struct Ground {
+pub(super) struct Background {
     pub(super) base: Light,
     pub(super) second: Light,
-    /// Strength (0..1) and wavelength in pixels of the large blotches of the second colour.
+    /// Strength (0..1) of large blotches of the second colour, then their wavelength in pixels.
     pub(super) broad: f32,
     pub(super) broad_wavelength: f32,
-    /// Strength and wavelength of the fine structure in brightness.
+    /// Strength of the fine brightness variation, then its wavelength in pixels.
     pub(super) fine: f32,
     pub(super) fine_wavelength: f32,
-    /// Brightness noise from pixel to pixel.
+    /// Strength of the brightness noise of single pixels.
     pub(super) dust: f32,
-    /// Stretch of the fine structure along x, 1 for none: brushed, rained on, fibrous.
+    /// Anisotropy of the fine variation along x, 1 for none; for brushed or fibrous surfaces.
     pub(super) stretch: f32,
     /// Layers of small grains, the topmost first.
     pub(super) grains: Vec<Grains>,
     pub(super) seed: u32,
 }
 
-/// A layer of small round or oval grains, one at most in each cell of a jittered grid.
+/// A layer of small round or oval grains, at most one in each cell of a jittered grid.
 #[derive(Clone, Debug)]
 pub(super) struct Grains {
-    /// Edge of a cell in pixels; a grain measures 0.35 to 0.9 of it.
+    /// Side of a cell in pixels. Grains measure 0.35 to 0.9 of it.
     pub(super) cell: f32,
-    /// Share of the cells that hold a grain.
+    /// Share of cells that contain a grain.
     pub(super) share: f32,
     pub(super) colours: Vec<Light>,
-    /// How strongly grains cover what is below, 0..1.
+    /// Opacity of the grains, 0..1.
     pub(super) strength: f32,
-    /// Shading that makes grains stand out (positive) or look like pits (negative).
+    /// Strength of the shading; positive for raised grains, negative for pits.
     pub(super) relief: f32,
 }
 
-impl Ground {
-    /// The colour at a pixel; `light` points to the light.
+impl Background {
+    /// The colour at a pixel. `light` is the unit vector to the light.
     #[inline]
     pub(super) fn at(&self, x: f32, y: f32, light: [f32; 3]) -> Light {
         let (bx, by) = (x / self.broad_wavelength, y / self.broad_wavelength);
         let broad = fractal(bx, by, 3, self.seed);
         let mut colour = blend(self.base, self.second, (self.broad * (0.5 + broad)).clamp(0.0, 1.0));
         let (fx, fy) = (x / (self.fine_wavelength * self.stretch), y / self.fine_wavelength);
-        // Turned, so that the lattice does not weave along the pixels.
+        // Rotated, so that the noise lattice is not aligned with the pixels.
         let fine = fractal(0.8 * fx + 0.6 * fy, 0.8 * fy - 0.6 * fx, 2, self.seed ^ 0xf17e);
         let dust = unit(hash(x as i32, y as i32, self.seed ^ 0xd057)) - 0.5;
         let gain = (1.0 + self.fine * fine + self.dust * dust).max(0.05);
@@ -60,7 +60,7 @@ impl Ground {
 impl Grains {
     #[inline]
     fn over(&self, below: Light, x: f32, y: f32, seed: u32, light: [f32; 3]) -> Light {
-        // Every layer is turned, so that no row of its grid runs along the pixels.
+        // Every layer is rotated, so that no row of its grid is aligned with the pixels.
         let (c, s) = [(0.8, 0.6), (0.28, 0.96), (0.923_076_9, 0.384_615_4)][seed as usize % 3];
         let (x, y) = (c * x + s * y, c * y - s * x);
         let shift = split(split(y / self.cell).0 as f32 * 0.618).1;
@@ -78,7 +78,7 @@ impl Grains {
         let dy = fy - 0.5 - room * (2.0 * unit(g << 3) - 1.0);
         let (c, s) = if g & 2 == 0 { (0.8, 0.6) } else { (0.28, -0.96) };
         let (ax, ay) = (dx * c + dy * s, (dy * c - dx * s) / oval);
-        // Every other grain is angular.
+        // Every second grain is angular.
         let rho = if g & 4 == 0 {
             (ax * ax + ay * ay).sqrt()
         } else {

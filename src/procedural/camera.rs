@@ -1,10 +1,10 @@
-//! From light to a photograph: uneven lighting, a soft lens, a tone curve and sensor noise.
+//! Camera simulation: uneven lighting, lens blur, tone curve and sensor noise.
 
 use super::fills::Light;
 use super::noise::hash;
 use image::RgbImage;
 
-/// What the camera does to the light.
+/// Parameters of the camera.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Camera {
     /// Relative brightening from the centre to the right and to the lower border.
@@ -13,7 +13,7 @@ pub(super) struct Camera {
     pub(super) vignette: f32,
     /// Standard deviation of the blur in pixels.
     pub(super) blur: f32,
-    /// Lifts (positive) or lowers the middle tones.
+    /// Tone adjustment: positive lifts the middle tones, negative lowers them.
     pub(super) tone: f32,
     /// Standard deviation of the noise in 8-bit levels.
     pub(super) noise: f32,
@@ -21,7 +21,7 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    /// The picture taken.
+    /// Takes the picture: converts linear light to 8-bit sRGB.
     pub(super) fn take(&self, mut light: Vec<Light>, width: usize, height: usize) -> RgbImage {
         let (cx, cy) = (width as f32 * 0.5, height as f32 * 0.5);
         for (i, pixel) in light.iter_mut().enumerate() {
@@ -55,7 +55,7 @@ fn bell(bits: u32) -> f32 {
     (sum as f32 - 382.5) * (1.0 / 128.0)
 }
 
-/// Brightens a dark picture, as automatic exposure does.
+/// Brightens a dark picture, like automatic exposure.
 fn expose(light: &mut [Light]) {
     let sum: f64 = light.iter().map(|c| f64::from(c[0] + c[1] + c[2])).sum();
     let mean = sum / (3 * light.len()) as f64;

@@ -1,4 +1,4 @@
-//! Kinds of elements: a form, its colours and its fill.
+//! Kinds of elements: form, colours and fill.
 
 use super::fills::{Fill, Light, Style};
 use super::render::Element;
@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 pub(super) enum Form {
     /// Straight-sided broken stone.
     Chip { corners: [u32; 2], stretch: f32, rounding: f32 },
-    /// Rounded stone; a large wobble makes it a blot.
+    /// Rounded stone, or a blot if `wobble` is large.
     Pebble { wobble: f32, stretch: f32 },
     /// Simple leaf, petal, needle or blade.
     Leaf { ratio: f32, fullness: f32, bend: f32, serration: f32 },
@@ -25,17 +25,17 @@ pub(super) enum Form {
 
 /// A kind of element.
 #[derive(Clone, Debug)]
-pub(super) struct Species {
+pub(super) struct ElementKind {
     pub(super) form: Form,
     pub(super) palette: Vec<Light>,
     pub(super) style: Style,
-    /// Noise on the outline in shares of the radius.
+    /// Amplitude of the noise on the outline, as a share of the radius.
     pub(super) roughness: f32,
 }
 
-impl Species {
-    /// The parts of one element of radius `radius` (that of a circle of the same area) around the
-    /// origin, turned at random.
+impl ElementKind {
+    /// The parts of a random element around the origin, randomly rotated. `radius` is that of a circle of
+    /// the same area, in pixels.
     pub(super) fn make(&self, radius: f32, label: u32, random: &mut Stream) -> Vec<Element> {
         let colour = self.colour(random);
         if let Form::Head { petals } = self.form {
@@ -67,7 +67,7 @@ impl Species {
         vec![self.element(shape, radius, colour, [0.0, 0.0], random.range(0.0, TAU), label, random)]
     }
 
-    /// An element from an outline given by the layout.
+    /// An element with an outline given by the layout.
     pub(super) fn fill(&self, shape: Shape, radius: f32, label: u32, random: &mut Stream) -> Element {
         let colour = self.colour(random);
         self.element(shape, radius, colour, [0.0, 0.0], 0.0, label, random)
@@ -97,7 +97,7 @@ impl Species {
         Element { shape, fill, centre, turn: [libm::cos(turn) as f32, libm::sin(turn) as f32], label }
     }
 
-    /// Petals in two or three rings, the inner ones above the outer ones, all under one label.
+    /// A flower head: petals in two or three rings, inner ones on top, with a common label.
     fn head(
         &self,
         radius: f32,
@@ -116,7 +116,7 @@ impl Species {
                 let turn = start + (f64::from(k) + random.range(-0.3, 0.3)) / f64::from(count) * TAU;
                 let reach = radius * (ring * random.range(0.85, 1.15)) as f32;
                 let length = radius * random.range(0.42, 0.6) as f32;
-                // Equal-area radius of a petal of that half length.
+                // Radius of a circle with the area of a petal of that half length.
                 let size = length * 0.48;
                 let shape = Shape::leaf(size, random.range(2.6, 3.8) as f32, 0.62, 0.1, 0.0, 1);
                 let (c, s) = (libm::cos(turn) as f32, libm::sin(turn) as f32);

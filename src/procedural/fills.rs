@@ -1,10 +1,10 @@
-//! What an element looks like inside its outline.
+//! Fills: the appearance of an element inside its outline.
 
 use super::noise::{fractal, hash, mix, noise, smoothstep, unit};
 use super::shapes::Hit;
 use crate::sampling::Stream;
 
-/// Linear-light colour, 0..1; sRGB is taken as its square root (gamma 2), as everywhere here.
+/// Linear-light colour, 0..1. Conversion to sRGB is approximated by the square root (gamma 2).
 pub(super) type Light = [f32; 3];
 
 /// A colour from `0xrrggbb`.
@@ -20,25 +20,26 @@ pub(super) fn blend(a: Light, b: Light, t: f32) -> Light {
     [mix(a[0], b[0], t), mix(a[1], b[1], t), mix(a[2], b[2], t)]
 }
 
-/// How the elements of one species are filled. Amounts are 0 (none) to about 1.
+/// Parameters of the fills of one kind of element. Amounts are 0 (none) to about 1.
 #[derive(Clone, Debug)]
 pub(super) struct Style {
-    /// Blotches of a second colour; their wavelength in radii; 1 soft to 6 hard edges.
+    /// Amount of blotches of a second colour, then their wavelength in radii, then their hardness, 1 (soft)
+    /// to 6 (hard).
     pub(super) mottle: f32,
     pub(super) wavelength: f32,
     pub(super) hardness: f32,
-    /// The second colour, as a factor on the first.
+    /// The second colour, as a factor of the first.
     pub(super) second: Light,
-    /// Long streaks in one direction.
+    /// Amount of long streaks in one direction.
     pub(super) streak: f32,
-    /// Pale veins through the stone.
+    /// Amount of pale veins.
     pub(super) veins: f32,
-    /// Dark and pale crystals a pixel or two wide.
+    /// Amount of dark and pale crystals one or two pixels wide.
     pub(super) speckle: f32,
-    /// Brightening (or, below 0, darkening) of a border of `rim_width` radii.
+    /// Brightening (darkening if negative) of a rim, `rim_width` radii wide.
     pub(super) rim: f32,
     pub(super) rim_width: f32,
-    /// Roundness that catches the light, over `dome_width` radii from the border.
+    /// Amount of a domed surface's shading, over `dome_width` radii from the border.
     pub(super) dome: f32,
     pub(super) dome_width: f32,
     /// Number and strength of plane facets on top.
@@ -46,11 +47,11 @@ pub(super) struct Style {
     pub(super) facet_strength: f32,
     /// Midrib and side ribs of a leaf, or grooves between petals.
     pub(super) ribs: f32,
-    /// Brightness change from one end to the other.
+    /// Brightness change from one end of the element to the other.
     pub(super) slope: f32,
-    /// Colour of the middle of a flower and its share of the radius.
+    /// Colour of a flower's centre, and its share of the radius.
     pub(super) heart: Option<(Light, f32)>,
-    /// Spread of brightness and of tint from element to element.
+    /// Variation of brightness and tint between elements.
     pub(super) spread: f32,
     pub(super) tint: f32,
 }
@@ -94,7 +95,7 @@ pub(super) struct Fill {
 }
 
 impl Fill {
-    /// A fill around `colour` for an element of the given radius.
+    /// A random fill around `colour` for an element of the given radius in pixels.
     pub(super) fn new(style: &Style, colour: Light, radius: f32, random: &mut Stream) -> Self {
         let bright = (1.0 + style.spread * random.normal() as f32).clamp(0.3, 1.8);
         let base = colour.map(|c| c * bright * (1.0 + style.tint * random.normal() as f32).max(0.2));
@@ -123,14 +124,14 @@ impl Fill {
         }
     }
 
-    /// Takes light away: an element deep below others.
+    /// Darkens the element, which lies deep below others.
     pub(super) fn darken(&mut self, share: f32) {
         self.base = self.base.map(|c| c * share);
         self.second = self.second.map(|c| c * share);
     }
 
-    /// The colour at a point of the element. `light` points to the light in the element's frame
-    /// and has length 1.
+    /// The colour at a point of the element. `light` is the unit vector to the light in the element's
+    /// frame.
     #[inline]
     pub(super) fn at(&self, p: [f32; 2], hit: &Hit, light: [f32; 3]) -> Light {
         let s = &self.style;
@@ -177,7 +178,7 @@ impl Fill {
             for f in &self.facets {
                 let height = f[2] - f[0] * p[0] - f[1] * p[1];
                 let tilt = (f[0] * light[0] + f[1] * light[1]) / light[2];
-                // Edges between facets are worn over about a pixel.
+                // Edges between facets are blurred over about a pixel.
                 let t = (0.5 + (lowest - height) * 0.6).clamp(0.0, 1.0);
                 lit = mix(lit, tilt, t);
                 lowest = lowest.min(height);
@@ -194,11 +195,11 @@ impl Fill {
         colour.map(|c| c * gain.max(0.05))
     }
 
-    /// Midrib, side ribs and the hollow between petals: below 0 darker, above 0 brighter.
+    /// Brightness change by midrib, side ribs and the hollow between petals.
     #[inline]
     fn ribs(&self, hit: &Hit) -> f32 {
         let [along, across] = hit.place;
-        // In pixels, so that small leaves do not drown in their ribs.
+        // Widths are in pixels; otherwise ribs would fill small leaves.
         let midrib = 1.0 - smoothstep(0.35, 1.2, hit.off_axis);
         let phase = along * 5.0 - hit.off_axis * (4.0 / self.radius);
         let saw = (phase - phase as i32 as f32).abs();

@@ -1,68 +1,75 @@
-//! Where elements go: scattered with occlusion, packed without, or as cells with gaps.
+//! Layouts of elements: scattered with occlusion, packed without overlap, or as cells with gaps.
 
-use super::looks::Look;
 use super::noise::fractal;
 use super::render::{Canvas, Element};
+use super::scenes::Composition;
 use super::shapes::{Shape, centroid, clip, polygon_area};
 use crate::sampling::Stream;
 
 /// Radius of the smallest cell kept: about 30 square pixels.
 const SMALLEST: f32 = 3.1;
 
-/// How elements are laid out.
+/// How elements are arranged.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Layout {
-    /// Anywhere, the later ones below the earlier ones (dead leaves). `cluster` 0 even, 1 in drifts.
+    /// Random positions, later elements below earlier ones (dead leaves). `cluster` 0 is even, 1 clustered.
     Scatter { cluster: f32 },
-    /// Without overlap, `gap` pixels apart, the large ones first, small ones into what is left.
+    /// No overlap, at least `gap` pixels apart: large elements first, small ones in the remaining gaps.
     Packed { gap: f32 },
     /// Cells of a power diagram, shrunk by about `gap` pixels.
     Cells { gap: f32 },
 }
 
-/// Draws elements until they cover the share asked for or no more find a place.
-pub(super) fn place(look: &Look, coverage: f64, canvas: &mut Canvas, random: &mut Stream) {
+/// Draws elements until they cover the requested share, or no further one fits.
+pub(super) fn place(scene: &Composition, coverage: f64, canvas: &mut Canvas, random: &mut Stream) {
     if coverage <= 0.0 {
         return;
     }
-    match look.layout {
-        Layout::Scatter { cluster } => scatter(look, coverage, cluster, 1, canvas, random),
-        Layout::Packed { gap } => packed(look, coverage, gap, canvas, random),
-        Layout::Cells { gap } => cells(look, coverage, gap, canvas, random),
+    match scene.layout {
+        Layout::Scatter { cluster } => scatter(scene, coverage, cluster, 1, canvas, random),
+        Layout::Packed { gap } => packed(scene, coverage, gap, canvas, random),
+        Layout::Cells { gap } => cells(scene, coverage, gap, canvas, random),
     }
 }
 
-fn scatter(look: &Look, coverage: f64, cluster: f32, first: u32, canvas: &mut Canvas, random: &mut Stream) {
+fn scatter(
+    scene: &Composition,
+    coverage: f64,
+    cluster: f32,
+    first: u32,
+    canvas: &mut Canvas,
+    random: &mut Stream,
+) {
     let pixels = (canvas.width * canvas.height) as f64;
-    let attempts = 500 + (12.0 * pixels / f64::from(look.radius[0] * look.radius[0])) as usize;
+    let attempts = 500 + (12.0 * pixels / f64::from(scene.radius[0] * scene.radius[0])) as usize;
     let seed = random.bits() as u32;
-    let wavelength = 4.0 * look.radius[1] + 20.0;
+    let wavelength = 4.0 * scene.radius[1] + 20.0;
     let mut label = first;
     for _ in 0..attempts {
         if canvas.coverage() >= coverage {
             break;
         }
-        let radius = look.draw_radius(random);
+        let radius = scene.draw_radius(random);
         let centre = anywhere(canvas, radius, random);
         let density = 0.5 + fractal(centre[0] / wavelength, centre[1] / wavelength, 2, seed);
         if random.unit() < f64::from(cluster * (1.0 - 1.6 * density)) {
             continue;
         }
-        let mut parts = look.species(random).make(radius, label, random);
-        // Deeper down there is less light.
-        let light = 1.0 - look.depth * (canvas.coverage() / coverage) as f32;
+        let mut parts = scene.draw_kind(random).make(radius, label, random);
+        // Deeper elements receive less light.
+        let light = 1.0 - scene.depth * (canvas.coverage() / coverage) as f32;
         parts.iter_mut().for_each(|part| part.fill.darken(light));
-        draw(look, canvas, parts, centre);
+        draw(scene, canvas, parts, centre);
         label += 1;
     }
 }
 
-fn packed(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut Stream) {
+fn packed(scene: &Composition, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut Stream) {
     let pixels = (canvas.width * canvas.height) as f64;
     let mut wanted = 1.05 * coverage * pixels;
     let mut radii = Vec::new();
     while wanted > 0.0 {
-        let radius = look.draw_radius(random);
+        let radius = scene.draw_radius(random);
         wanted -= std::f64::consts::PI * f64::from(radius * radius);
         radii.push(radius);
     }
@@ -72,27 +79,34 @@ fn packed(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mu
         if canvas.coverage() >= coverage {
             return;
         }
-        label += u32::from(settle(look, radius, label, gap, 24, canvas, random));
+        label += u32::from(settle(scene, radius, label, gap, 24, canvas, random));
     }
-    fill_gaps(look, coverage, gap, label, canvas, random);
+    fill_gaps(scene, coverage, gap, label, canvas, random);
 }
 
-/// Puts small elements into what is left open.
-fn fill_gaps(look: &Look, coverage: f64, gap: f32, first: u32, canvas: &mut Canvas, random: &mut Stream) {
+/// Places small elements in the remaining gaps.
+fn fill_gaps(
+    scene: &Composition,
+    coverage: f64,
+    gap: f32,
+    first: u32,
+    canvas: &mut Canvas,
+    random: &mut Stream,
+) {
     let pixels = (canvas.width * canvas.height) as f64;
     let mut label = first;
-    for _ in 0..(0.6 * pixels / f64::from(look.radius[0] * look.radius[0])) as usize {
+    for _ in 0..(0.6 * pixels / f64::from(scene.radius[0] * scene.radius[0])) as usize {
         if canvas.coverage() >= coverage {
             return;
         }
-        let radius = look.radius[0] * random.range(1.0, 1.8) as f32;
-        label += u32::from(settle(look, radius, label, gap, 6, canvas, random));
+        let radius = scene.radius[0] * random.range(1.0, 1.8) as f32;
+        label += u32::from(settle(scene, radius, label, gap, 6, canvas, random));
     }
 }
 
-/// Tries places for one element of about the given radius, shrinking it now and then.
+/// Tries random places for an element of about the given radius, occasionally shrinking it.
 fn settle(
-    look: &Look,
+    scene: &Composition,
     radius: f32,
     label: u32,
     gap: f32,
@@ -100,10 +114,10 @@ fn settle(
     canvas: &mut Canvas,
     random: &mut Stream,
 ) -> bool {
-    let species = look.species(random);
+    let kind = scene.draw_kind(random);
     let mut radius = radius;
     for round in 0..3 {
-        let parts = species.make(radius, label, random);
+        let parts = kind.make(radius, label, random);
         for _ in 0..tries {
             let centre = anywhere(canvas, radius * 0.7, random);
             if !canvas.is_open(centre) {
@@ -115,20 +129,20 @@ fn settle(
                 canvas.fits(&part, gap)
             });
             if moved {
-                draw(look, canvas, parts, centre);
+                draw(scene, canvas, parts, centre);
                 return true;
             }
         }
-        radius = (radius * 0.75).max(look.radius[0]);
-        if round > 0 && radius <= look.radius[0] {
+        radius = (radius * 0.75).max(scene.radius[0]);
+        if round > 0 && radius <= scene.radius[0] {
             break;
         }
     }
     false
 }
 
-fn cells(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut Stream) {
-    let sites = Sites::throw(look, canvas, random);
+fn cells(scene: &Composition, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut Stream) {
+    let sites = Sites::throw(scene, canvas, random);
     let mut order: Vec<usize> = (0..sites.points.len()).collect();
     random.shuffle(&mut order);
     for (k, &i) in order.iter().enumerate() {
@@ -137,7 +151,7 @@ fn cells(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut
         }
         let gap = (gap * random.range(0.5, 1.6) as f32).min(0.3 * sites.points[i][2]);
         let mut corners = sites.cell(i, 0.5 * gap);
-        // Broken corners: stones are not perfect cells.
+        // Cuts off corners, because stones are not perfect cells.
         for _ in 0..random.below(3) {
             let (angle, offset) = (random.range(0.0, std::f64::consts::TAU), random.range(0.75, 1.2));
             let offset = offset as f32 * sites.points[i][2];
@@ -154,21 +168,21 @@ fn cells(look: &Look, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut
         }
         let rounding = radius * random.range(0.05, 0.35) as f32;
         if let Some(shape) = Shape::polygon(&local, rounding) {
-            let element = look.species(random).fill(shape, radius, k as u32 + 1, random);
+            let element = scene.draw_kind(random).fill(shape, radius, k as u32 + 1, random);
             let at = sites.points[i];
-            draw(look, canvas, vec![element], [at[0] + middle[0], at[1] + middle[1]]);
+            draw(scene, canvas, vec![element], [at[0] + middle[0], at[1] + middle[1]]);
         }
     }
-    // Stones that throw shadows lie on others; flat ones have small ones between them.
+    // Elements that throw shadows lie on top of others; flat ones have small ones between them.
     let first = order.len() as u32 + 1;
-    if look.shadow.is_some() {
-        scatter(look, coverage, 0.0, first, canvas, random);
+    if scene.shadow.is_some() {
+        scatter(scene, coverage, 0.0, first, canvas, random);
     } else {
-        fill_gaps(look, coverage, 0.5 * gap, first, canvas, random);
+        fill_gaps(scene, coverage, 0.5 * gap, first, canvas, random);
     }
 }
 
-/// Points with radii, and a grid to find the near ones.
+/// Points with radii, and a grid for neighbour queries.
 struct Sites {
     points: Vec<[f32; 3]>,
     grid: Vec<Vec<usize>>,
@@ -179,19 +193,19 @@ struct Sites {
 }
 
 impl Sites {
-    /// Throws points, none within the sum of the radii (less a little) of another.
-    fn throw(look: &Look, canvas: &Canvas, random: &mut Stream) -> Self {
-        let reach = 1.05 * look.radius[1];
-        let cell = (2.0 * look.radius[0]).max(4.0);
+    /// Random points, none within the sum of the radii (slightly reduced) of another.
+    fn throw(scene: &Composition, canvas: &Canvas, random: &mut Stream) -> Self {
+        let reach = 1.05 * scene.radius[1];
+        let cell = (2.0 * scene.radius[0]).max(4.0);
         let (width, height) = (canvas.width as f32 + 2.0 * reach, canvas.height as f32 + 2.0 * reach);
         let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
         let grid = vec![Vec::new(); columns * rows];
         let mut sites = Self { points: Vec::new(), grid, cell, columns, rows, reach };
-        let attempts = (4.0 * width * height / (look.radius[0] * look.radius[0])).min(60_000.0) as usize;
+        let attempts = (4.0 * width * height / (scene.radius[0] * scene.radius[0])).min(60_000.0) as usize;
         let (mut failed, mut scale) = (0, 1.0f32);
         for _ in 0..attempts {
-            // Cells lose their gaps: sites below this would leave none.
-            let radius = (look.draw_radius(random) * scale).max(look.radius[0]).max(1.3 * SMALLEST);
+            // Gaps reduce the cells; smaller sites would leave none.
+            let radius = (scene.draw_radius(random) * scale).max(scene.radius[0]).max(1.3 * SMALLEST);
             let p = [
                 random.range(0.0, f64::from(width)) as f32 - reach,
                 random.range(0.0, f64::from(height)) as f32 - reach,
@@ -204,11 +218,11 @@ impl Sites {
             if crowded {
                 failed += 1;
                 if failed % 12 == 0 {
-                    // No place for the large ones any more: what follows is smaller.
-                    scale = (scale * 0.96).max(look.radius[0] / look.radius[1]);
+                    // No room for large sites any more: the following ones are smaller.
+                    scale = (scale * 0.96).max(scene.radius[0] / scene.radius[1]);
                 }
                 if failed > 400
-                    && scale * look.radius[1] <= look.radius[0] * 1.01
+                    && scale * scene.radius[1] <= scene.radius[0] * 1.01
                     && failed > 6 * sites.points.len()
                 {
                     break;
@@ -228,7 +242,7 @@ impl Sites {
         y * self.columns + x
     }
 
-    /// Sites in the buckets within `distance` of a point.
+    /// Sites in the grid cells within `distance` of a point.
     fn near(&self, p: [f32; 2], distance: f32) -> impl Iterator<Item = usize> + '_ {
         let low = self.bucket([p[0] - distance, p[1] - distance]);
         let high = self.bucket([p[0] + distance, p[1] + distance]);
@@ -237,7 +251,7 @@ impl Sites {
             .flat_map(move |y| (x0..=x1).flat_map(move |x| self.grid[y * columns + x].iter().copied()))
     }
 
-    /// Corners of the power cell of a site relative to it, all sides moved in by `inset`.
+    /// Corners of a site's power cell relative to the site, with all sides moved inwards by `inset`.
     fn cell(&self, i: usize, inset: f32) -> Vec<[f32; 2]> {
         let [x, y, r] = self.points[i];
         let far = 2.2 * r + 4.0;
@@ -255,34 +269,34 @@ impl Sites {
     }
 }
 
-/// A point of the canvas widened by `margin`.
+/// A random point of the canvas, widened by `margin`.
 fn anywhere(canvas: &Canvas, margin: f32, random: &mut Stream) -> [f32; 2] {
     let mut along =
         |length: usize| random.range(f64::from(-margin), length as f64 + f64::from(margin)) as f32;
     [along(canvas.width), along(canvas.height)]
 }
 
-fn draw(look: &Look, canvas: &mut Canvas, parts: Vec<Element>, centre: [f32; 2]) {
+fn draw(scene: &Composition, canvas: &mut Canvas, parts: Vec<Element>, centre: [f32; 2]) {
     for mut part in parts {
         part.centre = [part.centre[0] + centre[0], part.centre[1] + centre[1]];
-        canvas.draw(&part, look.shadow.as_ref());
+        canvas.draw(&part, scene.shadow.as_ref());
     }
 }
 
-/// Draws growth without a label below all that is there, `amount` times the canvas' area of it.
-pub(super) fn grow(look: &Look, amount: f64, canvas: &mut Canvas, random: &mut Stream) {
-    if look.growth.is_empty() {
+/// Draws unlabelled vegetation below everything drawn so far, up to `amount` times the canvas' area.
+pub(super) fn grow(scene: &Composition, amount: f64, canvas: &mut Canvas, random: &mut Stream) {
+    if scene.growth.is_empty() {
         return;
     }
-    let area = std::f64::consts::PI * f64::from(look.growth_radius * look.growth_radius);
+    let area = std::f64::consts::PI * f64::from(scene.growth_radius * scene.growth_radius);
     let count = (amount * (canvas.width * canvas.height) as f64 / area) as usize;
     for k in 0..count {
         if canvas.openness() < 0.003 {
             return;
         }
-        let radius = look.growth_radius * random.range(0.6, 1.4) as f32;
+        let radius = scene.growth_radius * random.range(0.6, 1.4) as f32;
         let centre = anywhere(canvas, radius, random);
-        let mut parts = look.growth[random.index(look.growth.len())].make(radius, 0, random);
+        let mut parts = scene.growth[random.index(scene.growth.len())].make(radius, 0, random);
         for part in &mut parts {
             part.fill.darken(1.0 - 0.8 * k as f32 / count as f32);
             part.centre = [part.centre[0] + centre[0], part.centre[1] + centre[1]];

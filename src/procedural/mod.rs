@@ -1,44 +1,44 @@
-//! Procedural texture scenes with exact ground truth: an image, and which pixel belongs to which
+//! Procedural texture scenes with exact background truth: an image, and which pixel belongs to which
 //! element.
 //!
-//! Stone chips, pebbles, leaves, flowers, flakes and blades lie scattered or packed on noisy and
-//! granular grounds. Elements vary inside (mottling, streaks, veins, facets, roundness, ribs,
-//! shadows), and differ from the ground strongly or hardly at all. Small grains and, on lawns,
-//! the grass are ground: they carry no label. The same parameters give the same bytes on every
-//! machine.
+//! Stone chips, pebbles, leaves, flowers, flakes and blades are scattered or packed on noisy and
+//! granular backgrounds. Elements vary internally (mottling, streaks, veins, facets, doming, ribs,
+//! shadows), and their contrast to the background ranges from strong to almost none. Small grains,
+//! and the grass of lawns, count as background: they have no label. The same parameters give the
+//! same bytes on every machine.
 //!
-//! Scenes serve tests, training and the examples. They are seen from straight above under one
-//! light; perspective, specular light and depth of field are not simulated.
+//! Scenes serve as test data, training data and examples. They are seen from straight above under
+//! one light; perspective, specular light and depth of field are not simulated.
 
+mod background;
 mod camera;
+mod elements;
 mod fills;
-mod ground;
 mod layout;
-mod looks;
 mod noise;
 mod render;
+mod scenes;
 mod shapes;
-mod species;
 
 use crate::error::{Result, check};
 use crate::raster::LabelMap;
 use crate::sampling::stream;
 use image::RgbImage;
 
-/// What a scene shows.
+/// The kind of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Coloured stone chips, cut flat, in a smooth binder with crumbs.
+    /// Coloured stone chips, cut flat, in a smooth binder with small crumbs.
     Terrazzo,
-    /// Few flakes and stones on a granular, sandy ground.
+    /// A few flakes and stones on a granular, sandy background.
     Concrete,
     /// Broken stone cast edge to edge, as in worktops and granite.
     Worktop,
-    /// Crushed stones, faceted, over each other or side by side.
+    /// Crushed, faceted stones, overlapping or side by side.
     Gravel,
     /// Round stones on sand.
     Pebbles,
-    /// Stones of the colour of the mud they lie in.
+    /// Stones in mud of the same colour.
     MudStones,
     /// Autumn leaves, simple or lobed, on soil or grass.
     Leaves,
@@ -50,9 +50,9 @@ pub enum Kind {
     Flakes,
     /// Straw, needles, blades of grass.
     Blades,
-    /// Leaves and blades lying over each other down into the dark, a few heads of flowers.
+    /// Leaves and blades in many overlapping layers, with a few flower heads.
     Meadow,
-    /// Forms, fills, colours, grounds and layouts of the others, mixed.
+    /// A mixture of the other kinds' forms, fills, colours, backgrounds and layouts.
     Mixed,
 }
 
@@ -74,7 +74,7 @@ impl Kind {
         Self::Mixed,
     ];
 
-    /// Least and most coverage that suits the kind.
+    /// Usual range of coverage of the kind.
     fn usual_coverage(self) -> [f64; 2] {
         match self {
             Self::Terrazzo => [0.3, 0.7],
@@ -94,25 +94,25 @@ impl Kind {
     }
 }
 
-/// Parameters of a scene. All else (colours, forms, fills, light) follows from kind and seed.
+/// Parameters of a scene. Everything else (colours, forms, fills, light) follows from kind and seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneParams {
     /// Width in pixels, 1 to 16384. Default 512.
     pub width: u32,
     /// Height in pixels, 1 to 16384. Default 512.
     pub height: u32,
-    /// Seed of everything that is random. Default 0.
+    /// Seed of all random choices. Default 0.
     pub seed: u64,
-    /// What the scene shows. Default [`Kind::Terrazzo`].
+    /// Kind of the scene. Default [`Kind::Terrazzo`].
     pub kind: Kind,
-    /// Share of the image that elements shall cover, 0 to 0.95; layouts without overlap may stop
-    /// short of a high one. Default 0.5.
+    /// Share of the image that elements cover, 0 to 0.95. Layouts without overlap may not reach a high
+    /// value. Default 0.5.
     pub coverage: f64,
-    /// How far the elements' colours stand off the ground's: 1 as the palette has it, 0 the mean
-    /// colour of the ground, so that only fill and light tell them apart. Default 1.
+    /// Contrast between the elements' colours and the background's: 1 keeps the palette, 0 gives all
+    /// elements the background's mean colour, so only fill and light distinguish them. Default 1.
     pub contrast: f64,
-    /// Diameter of the largest elements in pixels (of circles of the same area), 8 to 400; the
-    /// smallest measure a half to a sixth of it. Default 48.
+    /// Diameter of the largest elements in pixels (of circles of the same area), 8 to 400. The smallest
+    /// measure a half to a sixth of it. Default 48.
     pub size: f64,
     /// Standard deviation of the lens blur in pixels, 0 to 4. Default 0.5.
     pub blur: f64,
@@ -137,11 +137,11 @@ impl Default for SceneParams {
 }
 
 impl SceneParams {
-    /// A scene of any kind, sparse to packed, weak to strong in contrast, with elements from about
-    /// 30 to several thousand square pixels.
+    /// Random parameters: any kind, sparse to packed, low to high contrast, with elements of about 30 to
+    /// several thousand square pixels. Width and height in pixels.
     pub fn random(seed: u64, width: u32, height: u32) -> Self {
         let random = &mut stream(seed, "procedural/params", 0);
-        // Mixed scenes are the most varied: one in four.
+        // Mixed scenes are the most varied, so one in four is mixed.
         let kind =
             if random.chance(0.25) { Kind::Mixed } else { Kind::ALL[random.index(Kind::ALL.len() - 1)] };
         let [low, high] = kind.usual_coverage();
@@ -173,30 +173,41 @@ impl SceneParams {
     }
 }
 
-/// A scene: the image and its ground truth.
+/// A generated scene: the image and its background truth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exemplar {
     /// The image.
     pub image: RgbImage,
-    /// The visible part of every element, numbered from 1 without gaps; 0 is ground. A part cut
-    /// in two by what lies above keeps one number.
+    /// Label of the element visible at each pixel, numbered from 1 without gaps; 0 is background. An element
+    /// that others cut in two keeps a single number.
     pub instances: LabelMap,
 }
 
-/// Makes a scene.
+/// Generates a scene.
 ///
 /// # Errors
 /// [`crate::Error::Parameter`] if a parameter is out of its range.
+///
+/// # Example
+/// ```
+/// use vtex::procedural::{Kind, SceneParams, generate};
+///
+/// let params = SceneParams { kind: Kind::Pebbles, width: 64, height: 48, size: 16.0, ..Default::default() };
+/// let scene = generate(&params)?;
+/// assert_eq!(scene.image.dimensions(), (64, 48));
+/// assert!(scene.instances.labels.iter().any(|&label| label > 0));
+/// # Ok::<(), vtex::Error>(())
+/// ```
 pub fn generate(params: &SceneParams) -> Result<Exemplar> {
     params.validate()?;
-    let look = looks::Look::of(params);
+    let scene = scenes::Composition::of(params);
     let (width, height) = (params.width as usize, params.height as usize);
-    let mut canvas = render::Canvas::new(width, height, look.light);
+    let mut canvas = render::Canvas::new(width, height, scene.light);
     let random = &mut stream(params.seed, "procedural/elements", 0);
-    layout::grow(&look, look.above, &mut canvas, random);
-    layout::place(&look, params.coverage, &mut canvas, random);
-    layout::grow(&look, look.below, &mut canvas, random);
-    canvas.fill(&look.ground);
+    layout::grow(&scene, scene.above, &mut canvas, random);
+    layout::place(&scene, params.coverage, &mut canvas, random);
+    layout::grow(&scene, scene.below, &mut canvas, random);
+    canvas.fill(&scene.background);
 
     let random = &mut stream(params.seed, "procedural/camera", 0);
     let camera = camera::Camera {

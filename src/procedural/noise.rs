@@ -1,4 +1,4 @@
-//! Hashed noise that costs a few nanoseconds and has the same bits on every platform.
+//! Fast hashed noise, bitwise equal on every platform.
 
 /// 32 well-mixed bits of a lattice point.
 #[inline]
@@ -9,13 +9,13 @@ pub(super) fn hash(x: i32, y: i32, seed: u32) -> u32 {
     h ^ (h >> 15)
 }
 
-/// Bits as a number in 0..1.
+/// 32 bits as a number in 0..1.
 #[inline]
 pub(super) fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// The largest integer not above `v`, and what is left of `v`.
+/// Integer part (floor) and fractional part of `v`.
 #[inline]
 pub(super) fn split(v: f32) -> (i32, f32) {
     let truncated = v as i32;
@@ -61,8 +61,8 @@ pub(super) fn noise(x: f32, y: f32, seed: u32) -> f32 {
     1.5 * mix(top, bottom, v)
 }
 
-/// Fractal sum of [`noise`], each octave half as strong and twice as fine, turned against the
-/// one before so that the lattice does not show. About -1..1.
+/// Fractal sum of [`noise`]. Each octave has half the amplitude and half the wavelength of the previous
+/// one and is rotated against it, which hides the lattice. About -1..1.
 #[inline]
 pub(super) fn fractal(mut x: f32, mut y: f32, octaves: u32, seed: u32) -> f32 {
     let (mut sum, mut weight) = (0.0, 0.6);
@@ -74,7 +74,7 @@ pub(super) fn fractal(mut x: f32, mut y: f32, octaves: u32, seed: u32) -> f32 {
     sum
 }
 
-/// `a` at 0, `b` at 1.
+/// Linear interpolation: `a` at `t` = 0, `b` at `t` = 1.
 #[inline]
 pub(super) fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t

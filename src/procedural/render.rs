@@ -1,28 +1,28 @@
-//! Elements drawn front to back, so that only what is seen is ever shaded.
+//! Rendering of elements from front to back, so that only visible pixels are shaded.
 
+use super::background::Background;
 use super::fills::{Fill, Light};
-use super::ground::Ground;
 use super::noise::smoothstep;
 use super::shapes::Shape;
 use crate::raster::LabelMap;
 
-/// Label of a pixel of which nothing is decided yet.
+/// Label of a pixel that nothing covers yet.
 const OPEN: u32 = u32::MAX;
-/// Below this share of light let through, a pixel counts as finished.
+/// Transparency below which a pixel counts as opaque.
 const OPAQUE: f32 = 1.0 / 256.0;
 
-/// One placed shape. Parts of one element share their label; label 0 is ground.
+/// A placed shape. The parts of one element share their label; label 0 is background.
 #[derive(Clone, Debug)]
 pub(super) struct Element {
     pub(super) shape: Shape,
     pub(super) fill: Fill,
     pub(super) centre: [f32; 2],
-    /// Cosine and sine of its turn.
+    /// Cosine and sine of its rotation.
     pub(super) turn: [f32; 2],
     pub(super) label: u32,
 }
 
-/// The soft shadow that elements throw on what lies below them.
+/// Parameters of the soft shadow that elements cast on lower ones.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shadow {
     pub(super) strength: f32,
@@ -31,14 +31,14 @@ pub(super) struct Shadow {
     pub(super) softness: f32,
 }
 
-/// A picture in the making.
+/// A picture being drawn.
 pub(super) struct Canvas {
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) colours: Vec<Light>,
-    /// Share of each pixel still to be filled by what lies below.
+    /// Remaining transparency of each pixel.
     clear: Vec<f32>,
-    /// Light that shadows leave for what lies below.
+    /// Share of light that shadows leave for lower elements.
     lit: Vec<f32>,
     labels: Vec<u32>,
     labelled: usize,
@@ -47,7 +47,7 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// An empty picture lit from `light` (a unit vector, z towards the camera).
+    /// An empty picture, lit from `light` (a unit vector; z points to the camera).
     pub(super) fn new(width: usize, height: usize, light: [f32; 3]) -> Self {
         let n = width * height;
         Self {
@@ -68,18 +68,18 @@ impl Canvas {
         self.labelled as f64 / self.labels.len() as f64
     }
 
-    /// Share of the pixels of which nothing is decided yet.
+    /// Share of the pixels that nothing covers yet.
     pub(super) fn openness(&self) -> f64 {
         self.open as f64 / self.labels.len() as f64
     }
 
-    /// Whether nothing is decided about the pixel nearest to a point; `true` outside.
+    /// Whether nothing covers the pixel nearest to a point; `true` outside.
     pub(super) fn is_open(&self, p: [f32; 2]) -> bool {
         let inside = p[0] >= 0.0 && p[1] >= 0.0 && p[0] < self.width as f32 && p[1] < self.height as f32;
         !inside || self.labels[p[1] as usize * self.width + p[0] as usize] == OPEN
     }
 
-    /// Whether an element, widened by `gap`, touches nothing drawn so far (checked on a grid).
+    /// Whether an element, widened by `gap`, touches nothing drawn so far (tested on a grid).
     pub(super) fn fits(&self, element: &Element, gap: f32) -> bool {
         let stride = ((element.shape.extent[1] / 5.0) as usize).clamp(1, 6);
         let mut free = true;
@@ -92,7 +92,7 @@ impl Canvas {
         free
     }
 
-    /// Draws an element below all that is there.
+    /// Draws an element below everything drawn so far.
     pub(super) fn draw(&mut self, element: &Element, shadow: Option<&Shadow>) {
         let light = into_frame(element, self.light);
         let (width, height) = (self.width, self.height);
@@ -138,17 +138,17 @@ impl Canvas {
         }
     }
 
-    /// Fills all that is still clear with the ground.
-    pub(super) fn fill(&mut self, ground: &Ground) {
+    /// Fills the remaining transparency with the background.
+    pub(super) fn fill(&mut self, background: &Background) {
         for i in 0..self.clear.len() {
             if self.clear[i] >= OPAQUE {
                 let (x, y) = ((i % self.width) as f32 + 0.5, (i / self.width) as f32 + 0.5);
-                self.add(i, self.clear[i], ground.at(x, y, self.light));
+                self.add(i, self.clear[i], background.at(x, y, self.light));
             }
         }
     }
 
-    /// The instance map: labels numbered anew from 1 without gaps, row by row.
+    /// The instance map: labels renumbered from 1 without gaps, row by row.
     pub(super) fn instances(&self) -> LabelMap {
         let largest = self.labels.iter().filter(|&&l| l != OPEN).max().copied().unwrap_or(0);
         let mut names = vec![0; largest as usize + 1];
@@ -168,14 +168,14 @@ impl Canvas {
     }
 }
 
-/// The light as seen in the frame of a turned element.
+/// The light vector in the frame of a rotated element.
 fn into_frame(element: &Element, light: [f32; 3]) -> [f32; 3] {
     let [c, s] = element.turn;
     [c * light[0] + s * light[1], c * light[1] - s * light[0], light[2]]
 }
 
-/// `f(pixel, point in the element's frame)` for every pixel, or every `stride`-th, of the
-/// element's box, moved to `centre` and widened by `margin`, until `f` answers `false`.
+/// Calls `f(pixel, point in the element's frame)` for every `stride`-th pixel of the element's box,
+/// centred at `centre` and widened by `margin`, until `f` returns `false`.
 #[inline]
 fn for_pixels(
     width: usize,
@@ -194,7 +194,7 @@ fn for_pixels(
     for row in (clamp(cy - tall, height)..clamp(cy + tall + 1.0, height)).step_by(stride) {
         let dy = row as f32 + 0.5 - cy;
         let (mut low, mut high) = (-(ex + ey), ex + ey);
-        // The row's part between two pairs of parallel sides: |k dx + m| <= e.
+        // The part of the row between two pairs of parallel sides: |k dx + m| <= e.
         for (k, m, e) in [(c, s * dy, ex), (-s, c * dy, ey)] {
             if k.abs() > 1e-4 {
                 let (a, b) = ((-e - m) / k, (e - m) / k);

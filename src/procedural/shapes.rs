@@ -1,11 +1,11 @@
-//! Outlines as implicit functions: how deep a point lies inside, and which way is out.
+//! Outlines as implicit functions: signed depth and normal at a point.
 
 use super::noise::{fractal, mix, split};
 use crate::sampling::Stream;
 use std::f32::consts::{PI, TAU};
 use std::sync::OnceLock;
 
-/// Entries of a radial outline around the full turn.
+/// Number of directions in which a radial outline is tabulated.
 const STEPS: usize = 192;
 /// Intervals of a leaf's width profile.
 const PROFILE: usize = 40;
@@ -16,7 +16,7 @@ pub(super) struct Shape {
     outline: Outline,
     /// Half extents of a box around it.
     pub(super) extent: [f32; 2],
-    /// How far noise moves the outline in and out, in pixels, and that noise's wavelength.
+    /// Amplitude in pixels of the noise that displaces the outline, and its wavelength.
     roughness: f32,
     wavelength: f32,
     seed: u32,
@@ -26,25 +26,24 @@ pub(super) struct Shape {
 enum Outline {
     /// Intersection of half planes `x n₀ + y n₁ <= n₂`, corners rounded.
     Convex { sides: Vec<[f32; 3]>, rounding: f32 },
-    /// Radius by direction, in equal steps of the diamond angle, and how far the direction lies
-    /// from the axis of the nearest petal or lobe, 0 on it, 1 at its edge; `spread` is the angle
-    /// from axis to edge.
+    /// Tabulated in equal steps of the diamond angle: the radius, and the angular distance from the axis of
+    /// the nearest petal or lobe, 0 on the axis, 1 at its edge. `spread` is the angle from axis to edge.
     Radial { radii: Vec<[f32; 2]>, spread: f32 },
     /// Two edges about a bent midrib.
     Leaf { half_length: f32, widths: [f32; PROFILE + 1], bend: f32 },
 }
 
-/// What an outline says about a point.
+/// The relation of a point to an outline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hit {
     /// Distance to the border in pixels, positive inside; first-order exact near the border.
     pub(super) depth: f32,
     /// Unit vector towards the outside.
     pub(super) normal: [f32; 2],
-    /// Leaves: place along and across, -1..1. Radial: shares of the radius and of the way from
-    /// the axis of the petal to its edge. Others: 0.
+    /// Leaves: position along and across, -1..1. Radial outlines: shares of the radius and of the angle
+    /// from the petal's axis to its edge. Others: 0.
     pub(super) place: [f32; 2],
-    /// Distance in pixels from the midrib or the axis of the petal.
+    /// Distance in pixels from the midrib or the petal's axis.
     pub(super) off_axis: f32,
 }
 
@@ -120,7 +119,7 @@ impl Shape {
         })
     }
 
-    /// A leaf of five or so pointed lobes around its stalk.
+    /// A leaf of about five pointed lobes around its stalk.
     pub(super) fn lobed(radius: f32, lobes: u32, depth: f32, serration: f32, random: &mut Stream) -> Self {
         let spread = random.range(0.78, 0.95) as f32 * PI;
         let tips: Vec<[f32; 3]> = (0..lobes)
@@ -147,8 +146,8 @@ impl Shape {
         })
     }
 
-    /// A flower of `petals` joined petals; `pointed` 0 round to 1 pointed, `gap` 0 to 1 how deep
-    /// the cuts between them go.
+    /// A flower of `petals` joined petals. `pointed` is 0 (round) to 1 (pointed); `gap` is the depth of
+    /// the cuts between petals, 0 to 1.
     pub(super) fn star(radius: f32, petals: u32, pointed: f32, gap: f32, random: &mut Stream) -> Self {
         let lengths: Vec<f32> = (0..petals).map(|_| random.range(0.8, 1.05) as f32).collect();
         let shift = random.unit() as f32;
@@ -161,8 +160,8 @@ impl Shape {
         })
     }
 
-    /// A leaf or a blade: `ratio` length to width, `fullness` where it is widest (0.5 halfway,
-    /// more: towards the tip), `bend` sideways in shares of the half length.
+    /// A leaf or a blade: `ratio` is length over width, `fullness` the position of the widest place (0.5
+    /// the middle, more: towards the tip), `bend` the sideways bend as a share of the half length.
     pub(super) fn leaf(
         radius: f32,
         ratio: f32,
@@ -171,7 +170,7 @@ impl Shape {
         serration: f32,
         teeth: u32,
     ) -> Self {
-        // Moves the widest place; up to 0.95 the map stays monotone.
+        // Moves the widest place; the map stays monotonic up to 0.95.
         let shift = ((0.5 - fullness) / (fullness * (1.0 - fullness)).max(0.1)).clamp(-0.95, 0.95);
         let mut widths: [f32; PROFILE + 1] = std::array::from_fn(|i| {
             let t = i as f32 / PROFILE as f32;
@@ -198,7 +197,8 @@ impl Shape {
         }
     }
 
-    /// From `f(angle, cosine, sine)`, which gives the radius and the share of the way off the axis.
+    /// A radial outline from `f(angle, cosine, sine)`, which gives the radius and the share of the angle off
+    /// the axis.
     fn radial(radius: f32, spread: f32, f: impl Fn(f32, f32, f32) -> [f32; 2]) -> Self {
         let directions = directions();
         let mut radii: Vec<[f32; 2]> = directions.iter().map(|[angle, c, s]| f(*angle, *c, *s)).collect();
@@ -216,14 +216,14 @@ impl Shape {
         Self { outline: Outline::Radial { radii, spread }, extent, roughness: 0.0, wavelength: 1.0, seed: 0 }
     }
 
-    /// The same outline moved in and out by noise of `amount` pixels and the given wavelength.
+    /// The outline displaced by noise of `amount` pixels with the given wavelength.
     pub(super) fn roughened(mut self, amount: f32, wavelength: f32, seed: u32) -> Self {
         self.extent = self.extent.map(|e| e + amount);
         (self.roughness, self.wavelength, self.seed) = (amount, wavelength.max(1.0), seed);
         self
     }
 
-    /// Where the point lies.
+    /// Evaluates the outline at a point.
     #[inline]
     pub(super) fn at(&self, p: [f32; 2]) -> Hit {
         let mut hit = self.smooth(p);
@@ -234,7 +234,7 @@ impl Shape {
         hit
     }
 
-    /// Where the point lies, but for the roughness of the outline.
+    /// Evaluates the outline at a point, without roughness.
     #[inline]
     pub(super) fn smooth(&self, p: [f32; 2]) -> Hit {
         match &self.outline {

@@ -1,12 +1,12 @@
-//! Looks of leaves, flowers and grass.
+//! Compositions of leaves, flowers and grass.
 
+use super::super::elements::{ElementKind, Form};
 use super::super::fills::{Light, Style};
 use super::super::layout::Layout;
-use super::super::species::{Form, Species};
-use super::{Look, base, grains, palette, pick, range, scheme, shades, soft_shadow, stones};
+use super::{Composition, base, grains, palette, pick, range, scheme, shades, soft_shadow, stones};
 use crate::sampling::Stream;
 
-fn grass(random: &mut Stream, green: Light) -> Vec<Species> {
+fn grass(random: &mut Stream, green: Light) -> Vec<ElementKind> {
     let style = Style {
         mottle: 0.3,
         ribs: 0.25,
@@ -17,13 +17,13 @@ fn grass(random: &mut Stream, green: Light) -> Vec<Species> {
         ..Style::default()
     };
     let greens = shades(green, &[0.55, 0.8, 1.0, 1.35]);
-    let blade = Species {
+    let blade = ElementKind {
         form: Form::Leaf { ratio: range(random, 9.0, 20.0), fullness: 0.35, bend: 0.3, serration: 0.0 },
         palette: greens.clone(),
         style: style.clone(),
         roughness: 0.0,
     };
-    let clover = Species {
+    let clover = ElementKind {
         form: Form::Star { petals: [3, 4], pointed: 0.1, gap: 0.75 },
         palette: greens,
         style: Style { dome: 0.35, ..style },
@@ -52,24 +52,24 @@ fn leaf_style(random: &mut Stream) -> Style {
     }
 }
 
-fn simple_leaves(random: &mut Stream, palette: Vec<Light>, style: Style) -> Species {
+fn simple_leaves(random: &mut Stream, palette: Vec<Light>, style: Style) -> ElementKind {
     let form = Form::Leaf {
         ratio: range(random, 1.4, 2.6),
         fullness: range(random, 0.25, 0.55),
         bend: 0.25,
         serration: range(random, 0.0, 0.15),
     };
-    Species { form, palette, style, roughness: 0.02 }
+    ElementKind { form, palette, style, roughness: 0.02 }
 }
 
-fn lobed_leaves(random: &mut Stream, palette: Vec<Light>, style: Style) -> Species {
+fn lobed_leaves(random: &mut Stream, palette: Vec<Light>, style: Style) -> ElementKind {
     let lobes = if random.chance(0.6) { 5 } else { 7 };
     let form = Form::Lobed { lobes, depth: range(random, 0.42, 0.62), serration: range(random, 0.05, 0.25) };
-    Species { form, palette, style, roughness: 0.02 }
+    ElementKind { form, palette, style, roughness: 0.02 }
 }
 
-pub(super) fn leaves(random: &mut Stream) -> Look {
-    let (ground, colours) = scheme(
+pub(super) fn leaves(random: &mut Stream) -> Composition {
+    let (background, colours) = scheme(
         random,
         &[
             &[0x4a4034, 0xd9772b, 0xc4521f, 0xe8a23c, 0xa63d1c, 0xdf8f45],
@@ -79,30 +79,30 @@ pub(super) fn leaves(random: &mut Stream) -> Look {
         ],
     );
     let layout = Layout::Scatter { cluster: range(random, 0.0, 0.7) };
-    let mut look = base(random, ground, layout);
-    look.exponent = random.range(1.0, 2.0);
-    look.shadow = soft_shadow(random);
-    look.ground.fine = range(random, 0.3, 0.6);
-    look.ground.grains = vec![
-        grains(range(random, 4.0, 8.0), 0.6, shades(ground, &[0.5, 0.8, 1.4, 1.8]), 0.9, 0.5),
-        grains(3.0, 0.6, shades(ground, &[0.6, 1.2]), 0.8, 0.3),
+    let mut scene = base(random, background, layout);
+    scene.exponent = random.range(1.0, 2.0);
+    scene.shadow = soft_shadow(random);
+    scene.background.fine = range(random, 0.3, 0.6);
+    scene.background.grains = vec![
+        grains(range(random, 4.0, 8.0), 0.6, shades(background, &[0.5, 0.8, 1.4, 1.8]), 0.9, 0.5),
+        grains(3.0, 0.6, shades(background, &[0.6, 1.2]), 0.8, 0.3),
     ];
     if random.chance(0.5) {
         let green = pick(random, &palette(&[0x5f8a2c, 0x3f7a33, 0x7c9440, 0x4a6b3a]));
-        look.growth = grass(random, green);
-        look.below = 1.6;
-        look.above = if random.chance(0.5) { 0.03 } else { 0.0 };
+        scene.growth = grass(random, green);
+        scene.below = 1.6;
+        scene.above = if random.chance(0.5) { 0.03 } else { 0.0 };
     }
     let style = leaf_style(random);
-    look.species = vec![
+    scene.kinds = vec![
         (random.range(0.3, 1.0), simple_leaves(random, colours.clone(), style.clone())),
         (if random.chance(0.5) { 0.7 } else { 0.0 }, lobed_leaves(random, colours, style)),
     ];
-    look
+    scene
 }
 
-pub(super) fn litter(random: &mut Stream) -> Look {
-    let (ground, colours) = scheme(
+pub(super) fn litter(random: &mut Stream) -> Composition {
+    let (background, colours) = scheme(
         random,
         &[
             &[0x4a423c, 0x8a775e, 0x6f6148, 0x9b8a6a, 0x7a7f5a, 0xa4906f],
@@ -111,25 +111,25 @@ pub(super) fn litter(random: &mut Stream) -> Look {
         ],
     );
     let layout = Layout::Scatter { cluster: range(random, 0.2, 0.9) };
-    let mut look = base(random, ground, layout);
-    look.ground.fine = range(random, 0.3, 0.6);
-    look.ground.grains = vec![
-        grains(range(random, 4.0, 6.0), 0.6, shades(ground, &[0.6, 0.8, 1.3]), 0.8, 0.4),
+    let mut scene = base(random, background, layout);
+    scene.background.fine = range(random, 0.3, 0.6);
+    scene.background.grains = vec![
+        grains(range(random, 4.0, 6.0), 0.6, shades(background, &[0.6, 0.8, 1.3]), 0.8, 0.4),
         grains(2.5, 0.6, shades(colours[0], &[0.5, 0.8]), 0.6, 0.0),
     ];
-    look.shadow = soft_shadow(random);
+    scene.shadow = soft_shadow(random);
     let style = leaf_style(random);
     let mut crumpled = stones(random, colours.clone(), Style { streak: 0.3, ..style.clone() });
     crumpled.roughness = 0.22;
-    look.species = vec![
+    scene.kinds = vec![
         (1.0, simple_leaves(random, colours.clone(), style.clone())),
         (0.6, lobed_leaves(random, colours, style)),
         (0.7, crumpled),
     ];
-    look
+    scene
 }
 
-pub(super) fn flowers(random: &mut Stream) -> Look {
+pub(super) fn flowers(random: &mut Stream) -> Composition {
     let (green, colours) = scheme(
         random,
         &[
@@ -141,12 +141,12 @@ pub(super) fn flowers(random: &mut Stream) -> Look {
         ],
     );
     let layout = Layout::Scatter { cluster: range(random, 0.0, 0.6) };
-    let mut look = base(random, green.map(|c| c * 0.12), layout);
-    look.exponent = random.range(1.0, 2.0);
-    look.shadow = soft_shadow(random);
-    look.growth = grass(random, green);
-    look.below = 2.2;
-    look.above = if random.chance(0.4) { 0.03 } else { 0.0 };
+    let mut scene = base(random, green.map(|c| c * 0.12), layout);
+    scene.exponent = random.range(1.0, 2.0);
+    scene.shadow = soft_shadow(random);
+    scene.growth = grass(random, green);
+    scene.below = 2.2;
+    scene.above = if random.chance(0.4) { 0.03 } else { 0.0 };
     let heart = pick(random, &palette(&[0xe5b22f, 0xc98a1e, 0xb7c15a, 0x6b3f24]));
     let style = Style {
         mottle: 0.25,
@@ -159,7 +159,7 @@ pub(super) fn flowers(random: &mut Stream) -> Look {
         spread: 0.08,
         ..Style::default()
     };
-    let star = Species {
+    let star = ElementKind {
         form: Form::Star {
             petals: pick(random, &[[5, 5], [5, 8], [10, 16]]),
             pointed: range(random, 0.0, 0.7),
@@ -169,7 +169,7 @@ pub(super) fn flowers(random: &mut Stream) -> Look {
         style: style.clone(),
         roughness: 0.0,
     };
-    let head = Species {
+    let head = ElementKind {
         form: Form::Head { petals: [9, 16] },
         palette: colours,
         style: Style { heart: None, ribs: 0.1, slope: 0.5, ..style },
@@ -177,12 +177,12 @@ pub(super) fn flowers(random: &mut Stream) -> Look {
     };
     let heads = if random.chance(0.45) { 1.0 } else { 0.0 };
     let stars = if heads == 0.0 || random.chance(0.3) { 1.0 } else { 0.0 };
-    look.species = vec![(stars, star), (heads, head)];
-    look
+    scene.kinds = vec![(stars, star), (heads, head)];
+    scene
 }
 
-pub(super) fn blades(random: &mut Stream) -> Look {
-    let (ground, colours) = scheme(
+pub(super) fn blades(random: &mut Stream) -> Composition {
+    let (background, colours) = scheme(
         random,
         &[
             &[0x3a2c1e, 0xcfa96a, 0xb58a4c, 0xe0c48a, 0x8f6c3c],
@@ -191,11 +191,11 @@ pub(super) fn blades(random: &mut Stream) -> Look {
         ],
     );
     let layout = Layout::Scatter { cluster: range(random, 0.0, 0.5) };
-    let mut look = base(random, ground, layout);
-    look.shadow = soft_shadow(random);
-    look.exponent = 1.3;
-    look.ground.fine = 0.5;
-    look.ground.grains = vec![grains(5.0, 0.5, shades(ground, &[0.5, 1.5]), 0.9, 0.4)];
+    let mut scene = base(random, background, layout);
+    scene.shadow = soft_shadow(random);
+    scene.exponent = 1.3;
+    scene.background.fine = 0.5;
+    scene.background.grains = vec![grains(5.0, 0.5, shades(background, &[0.5, 1.5]), 0.9, 0.4)];
     let style = Style {
         mottle: 0.35,
         ribs: range(random, 0.1, 0.3),
@@ -211,11 +211,11 @@ pub(super) fn blades(random: &mut Stream) -> Look {
         bend: range(random, 0.05, 0.35),
         serration: 0.0,
     };
-    look.species = vec![(1.0, Species { form, palette: colours, style, roughness: 0.0 })];
-    look
+    scene.kinds = vec![(1.0, ElementKind { form, palette: colours, style, roughness: 0.0 })];
+    scene
 }
 
-pub(super) fn meadow(random: &mut Stream) -> Look {
+pub(super) fn meadow(random: &mut Stream) -> Composition {
     let (green, colours) = scheme(
         random,
         &[
@@ -224,12 +224,12 @@ pub(super) fn meadow(random: &mut Stream) -> Look {
             &[0x3d5f3a, 0x5f8a60, 0x4a7a4e, 0x7ba27c, 0x8a9a58],
         ],
     );
-    let mut look = base(random, green.map(|c| c * 0.06), Layout::Scatter { cluster: 0.0 });
-    look.exponent = random.range(1.0, 2.0);
-    look.shadow = soft_shadow(random);
-    look.depth = range(random, 0.3, 0.8);
-    look.growth = grass(random, green.map(|c| c * 0.5));
-    look.below = 1.6;
+    let mut scene = base(random, green.map(|c| c * 0.06), Layout::Scatter { cluster: 0.0 });
+    scene.exponent = random.range(1.0, 2.0);
+    scene.shadow = soft_shadow(random);
+    scene.depth = range(random, 0.3, 0.8);
+    scene.growth = grass(random, green.map(|c| c * 0.5));
+    scene.below = 1.6;
     let style = Style {
         mottle: range(random, 0.1, 0.35),
         ribs: range(random, 0.05, 0.3),
@@ -240,26 +240,26 @@ pub(super) fn meadow(random: &mut Stream) -> Look {
         tint: 0.1,
         ..Style::default()
     };
-    let leaflet = Species {
+    let leaflet = ElementKind {
         form: Form::Leaf { ratio: range(random, 1.1, 1.7), fullness: 0.55, bend: 0.1, serration: 0.0 },
         palette: colours.clone(),
         style: style.clone(),
         roughness: 0.01,
     };
-    let blade = Species {
+    let blade = ElementKind {
         form: Form::Leaf { ratio: range(random, 5.0, 14.0), fullness: 0.4, bend: 0.3, serration: 0.0 },
         palette: colours.clone(),
         style: style.clone(),
         roughness: 0.0,
     };
     let pale = pick(random, &[0xf4f1e6, 0xefe0cc, 0xf3d95a, 0xe8a8c0, 0xb79ad8, 0xa8c46a]);
-    let head = Species {
+    let head = ElementKind {
         form: Form::Head { petals: [9, 18] },
         palette: shades(palette(&[pale])[0], &[0.75, 0.9, 1.0]),
         style: Style { slope: 0.5, dome: 0.4, spread: 0.1, ..Style::default() },
         roughness: 0.0,
     };
     let flowers = if random.chance(0.7) { random.range(0.03, 0.25) } else { 0.0 };
-    look.species = vec![(1.0, leaflet), (random.range(0.1, 0.8), blade), (flowers, head)];
-    look
+    scene.kinds = vec![(1.0, leaflet), (random.range(0.1, 0.8), blade), (flowers, head)];
+    scene
 }

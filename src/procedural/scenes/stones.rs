@@ -1,20 +1,20 @@
-//! Looks of stone, concrete and rust.
+//! Compositions of stone, concrete and rust.
 
+use super::super::elements::{ElementKind, Form};
 use super::super::fills::{Light, Style};
 use super::super::layout::Layout;
 use super::super::render::Shadow;
-use super::super::species::{Form, Species};
-use super::{Look, base, grains, range, scheme, shades, soft_shadow, stones};
+use super::{Composition, base, grains, range, scheme, shades, soft_shadow, stones};
 use crate::sampling::Stream;
 
-fn chips(random: &mut Stream, palette: Vec<Light>, style: Style) -> Species {
+fn chips(random: &mut Stream, palette: Vec<Light>, style: Style) -> ElementKind {
     let form =
         Form::Chip { corners: [4, 8], stretch: range(random, 1.05, 1.5), rounding: range(random, 0.03, 0.3) };
-    Species { form, palette, style, roughness: range(random, 0.02, 0.08) }
+    ElementKind { form, palette, style, roughness: range(random, 0.02, 0.08) }
 }
 
-pub(super) fn terrazzo(random: &mut Stream) -> Look {
-    let (ground, colours) = scheme(
+pub(super) fn terrazzo(random: &mut Stream) -> Composition {
+    let (background, colours) = scheme(
         random,
         &[
             &[0xdcc8b2, 0xd99a45, 0x8a3b45, 0x5d7068, 0xb98f6f, 0x3f5753, 0xe8a860],
@@ -29,12 +29,12 @@ pub(super) fn terrazzo(random: &mut Stream) -> Look {
     } else {
         Layout::Packed { gap: range(random, 1.0, 3.0) }
     };
-    let mut look = base(random, ground, layout);
-    look.ground.dust *= 0.5;
+    let mut scene = base(random, background, layout);
+    scene.background.dust *= 0.5;
     let crumbs = range(random, 0.15, 0.6);
-    look.ground.grains = vec![
+    scene.background.grains = vec![
         grains(range(random, 3.5, 6.5), crumbs, colours.clone(), 0.85, 0.0),
-        grains(3.0, 0.5, shades(ground, &[0.6, 0.8, 1.15]), 0.6, 0.0),
+        grains(3.0, 0.5, shades(background, &[0.6, 0.8, 1.15]), 0.6, 0.0),
     ];
     let style = Style {
         mottle: range(random, 0.2, 0.6),
@@ -47,12 +47,12 @@ pub(super) fn terrazzo(random: &mut Stream) -> Look {
         rim_width: 0.15,
         ..Style::default()
     };
-    look.species = vec![(1.0, chips(random, colours, style))];
-    look
+    scene.kinds = vec![(1.0, chips(random, colours, style))];
+    scene
 }
 
-pub(super) fn concrete(random: &mut Stream) -> Look {
-    let (ground, colours) = scheme(
+pub(super) fn concrete(random: &mut Stream) -> Composition {
+    let (background, colours) = scheme(
         random,
         &[
             &[0xb9b8b0, 0x6f7479, 0x8b6a60, 0x9b9a92, 0xd9d4c8, 0x55585c],
@@ -62,11 +62,11 @@ pub(super) fn concrete(random: &mut Stream) -> Look {
         ],
     );
     let layout = Layout::Packed { gap: range(random, 1.0, 4.0) };
-    let mut look = base(random, ground, layout);
-    look.ground.grains = vec![
+    let mut scene = base(random, background, layout);
+    scene.background.grains = vec![
         grains(range(random, 5.0, 8.0), 0.25, colours.clone(), 0.5, 0.1),
-        grains(range(random, 3.0, 4.5), 0.6, shades(ground, &[0.55, 0.75, 0.85, 1.15]), 0.7, 0.15),
-        grains(2.2, 0.6, shades(ground, &[0.6, 0.8, 1.2]), 0.6, 0.0),
+        grains(range(random, 3.0, 4.5), 0.6, shades(background, &[0.55, 0.75, 0.85, 1.15]), 0.7, 0.15),
+        grains(2.2, 0.6, shades(background, &[0.6, 0.8, 1.2]), 0.6, 0.0),
     ];
     let style = Style {
         mottle: range(random, 0.3, 0.7),
@@ -82,13 +82,13 @@ pub(super) fn concrete(random: &mut Stream) -> Look {
     };
     let mut flakes = chips(random, colours.clone(), style.clone());
     flakes.roughness = 0.18;
-    look.species = vec![(3.0, chips(random, colours.clone(), style.clone())), (1.0, flakes)];
-    look.species.push((1.0, stones(random, colours, style)));
-    look
+    scene.kinds = vec![(3.0, chips(random, colours.clone(), style.clone())), (1.0, flakes)];
+    scene.kinds.push((1.0, stones(random, colours, style)));
+    scene
 }
 
-pub(super) fn worktop(random: &mut Stream) -> Look {
-    let (ground, colours) = scheme(
+pub(super) fn worktop(random: &mut Stream) -> Composition {
+    let (background, colours) = scheme(
         random,
         &[
             &[0xddd6cc, 0x5b4f47, 0x93857a, 0xc6bcb1, 0xeee9e1, 0x77695e, 0xb3a698],
@@ -98,8 +98,8 @@ pub(super) fn worktop(random: &mut Stream) -> Look {
         ],
     );
     let layout = Layout::Cells { gap: range(random, 0.6, 2.5) };
-    let mut look = base(random, ground, layout);
-    look.ground.grains = vec![grains(range(random, 2.5, 4.5), 0.5, colours.clone(), 0.6, 0.0)];
+    let mut scene = base(random, background, layout);
+    scene.background.grains = vec![grains(range(random, 2.5, 4.5), 0.5, colours.clone(), 0.6, 0.0)];
     let style = Style {
         mottle: range(random, 0.2, 0.5),
         wavelength: range(random, 0.5, 1.5),
@@ -111,13 +111,13 @@ pub(super) fn worktop(random: &mut Stream) -> Look {
         slope: 0.2,
         ..Style::default()
     };
-    look.species = vec![(1.0, chips(random, colours, style))];
-    look.species[0].1.roughness = range(random, 0.05, 0.14);
-    look
+    scene.kinds = vec![(1.0, chips(random, colours, style))];
+    scene.kinds[0].1.roughness = range(random, 0.05, 0.14);
+    scene
 }
 
-pub(super) fn gravel(random: &mut Stream) -> Look {
-    let (ground, colours) = scheme(
+pub(super) fn gravel(random: &mut Stream) -> Composition {
+    let (background, colours) = scheme(
         random,
         &[
             &[0x2b2b2b, 0x8d8d8d, 0x9e9e9e, 0x7c7c7c, 0xa8a8a8],
@@ -132,10 +132,10 @@ pub(super) fn gravel(random: &mut Stream) -> Look {
     } else {
         Layout::Cells { gap: range(random, 0.5, 2.0) }
     };
-    let mut look = base(random, ground, layout);
-    look.exponent = random.range(1.0, 2.5);
-    look.shadow = soft_shadow(random);
-    look.ground.grains =
+    let mut scene = base(random, background, layout);
+    scene.exponent = random.range(1.0, 2.5);
+    scene.shadow = soft_shadow(random);
+    scene.background.grains =
         vec![grains(range(random, 4.0, 6.0), 0.8, shades(colours[0], &[0.25, 0.45, 0.6]), 0.8, 0.5)];
     let style = Style {
         mottle: range(random, 0.15, 0.4),
@@ -148,12 +148,12 @@ pub(super) fn gravel(random: &mut Stream) -> Look {
         spread: 0.15,
         ..Style::default()
     };
-    look.species = vec![(1.0, chips(random, colours, style))];
-    look
+    scene.kinds = vec![(1.0, chips(random, colours, style))];
+    scene
 }
 
-pub(super) fn pebbles(random: &mut Stream) -> Look {
-    let (ground, colours) = scheme(
+pub(super) fn pebbles(random: &mut Stream) -> Composition {
+    let (background, colours) = scheme(
         random,
         &[
             &[0x6e6152, 0xb9ab98, 0x7d7f80, 0x4b4f52, 0xd8cfc0, 0x96755c, 0xa9b0ad, 0x8b5a48],
@@ -167,11 +167,11 @@ pub(super) fn pebbles(random: &mut Stream) -> Look {
     } else {
         Layout::Packed { gap: range(random, 0.0, 1.5) }
     };
-    let mut look = base(random, ground, layout);
-    look.shadow = soft_shadow(random);
-    look.ground.grains = vec![
-        grains(range(random, 4.0, 7.0), 0.6, shades(ground, &[0.5, 0.7, 0.9, 1.2]), 0.9, 0.5),
-        grains(2.5, 0.7, shades(ground, &[0.6, 0.8, 1.2]), 0.7, 0.3),
+    let mut scene = base(random, background, layout);
+    scene.shadow = soft_shadow(random);
+    scene.background.grains = vec![
+        grains(range(random, 4.0, 7.0), 0.6, shades(background, &[0.5, 0.7, 0.9, 1.2]), 0.9, 0.5),
+        grains(2.5, 0.7, shades(background, &[0.6, 0.8, 1.2]), 0.7, 0.3),
     ];
     let style = Style {
         mottle: range(random, 0.2, 0.5),
@@ -186,13 +186,12 @@ pub(super) fn pebbles(random: &mut Stream) -> Look {
         ..Style::default()
     };
     let banded = Style { streak: 0.45, veins: 0.0, speckle: 0.05, ..style.clone() };
-    look.species =
-        vec![(2.0, stones(random, colours.clone(), style)), (1.0, stones(random, colours, banded))];
-    look
+    scene.kinds = vec![(2.0, stones(random, colours.clone(), style)), (1.0, stones(random, colours, banded))];
+    scene
 }
 
-pub(super) fn mud_stones(random: &mut Stream) -> Look {
-    let (ground, colours) = scheme(
+pub(super) fn mud_stones(random: &mut Stream) -> Composition {
+    let (background, colours) = scheme(
         random,
         &[
             &[0x4a3d1c, 0x6f6032, 0x7d6f3e, 0x5c5130, 0x867a52],
@@ -202,15 +201,15 @@ pub(super) fn mud_stones(random: &mut Stream) -> Look {
         ],
     );
     let layout = Layout::Scatter { cluster: range(random, 0.3, 0.9) };
-    let mut look = base(random, ground, layout);
-    look.ground.broad = 0.6;
-    look.ground.second = ground.map(|c| c * 0.45);
-    look.ground.fine = range(random, 0.4, 0.7);
-    look.ground.grains = vec![
+    let mut scene = base(random, background, layout);
+    scene.background.broad = 0.6;
+    scene.background.second = background.map(|c| c * 0.45);
+    scene.background.fine = range(random, 0.4, 0.7);
+    scene.background.grains = vec![
         grains(range(random, 6.0, 9.0), 0.35, shades(colours[0], &[0.6, 0.9, 1.1]), 0.8, 0.6),
-        grains(range(random, 3.5, 5.0), 0.6, shades(ground, &[0.5, 0.7, 1.1]), 0.8, 0.6),
+        grains(range(random, 3.5, 5.0), 0.6, shades(background, &[0.5, 0.7, 1.1]), 0.8, 0.6),
     ];
-    look.shadow = soft_shadow(random);
+    scene.shadow = soft_shadow(random);
     let style = Style {
         mottle: range(random, 0.4, 0.8),
         wavelength: range(random, 0.3, 0.8),
@@ -223,12 +222,12 @@ pub(super) fn mud_stones(random: &mut Stream) -> Look {
     };
     let mut broken = chips(random, colours.clone(), style.clone());
     broken.form = Form::Chip { corners: [5, 8], stretch: 1.3, rounding: 0.5 };
-    look.species = vec![(2.0, stones(random, colours, style)), (1.0, broken)];
-    look
+    scene.kinds = vec![(2.0, stones(random, colours, style)), (1.0, broken)];
+    scene
 }
 
-pub(super) fn flakes(random: &mut Stream) -> Look {
-    let (ground, colours) = scheme(
+pub(super) fn flakes(random: &mut Stream) -> Composition {
+    let (background, colours) = scheme(
         random,
         &[
             &[0xc9ccce, 0xa85a2a, 0x8c4520, 0xc07a44, 0x7a3b1e],
@@ -238,9 +237,9 @@ pub(super) fn flakes(random: &mut Stream) -> Look {
         ],
     );
     let layout = Layout::Scatter { cluster: range(random, 0.2, 0.9) };
-    let mut look = base(random, ground, layout);
-    look.ground.stretch = range(random, 0.1, 8.0);
-    look.ground.grains =
+    let mut scene = base(random, background, layout);
+    scene.background.stretch = range(random, 0.1, 8.0);
+    scene.background.grains =
         vec![grains(range(random, 3.0, 5.0), range(random, 0.1, 0.4), colours.clone(), 0.6, 0.0)];
     let style = Style {
         mottle: range(random, 0.4, 0.9),
@@ -254,10 +253,10 @@ pub(super) fn flakes(random: &mut Stream) -> Look {
         ..Style::default()
     };
     if random.chance(0.4) {
-        look.shadow = Some(Shadow { strength: 0.35, offset: [0.0; 2], softness: 1.0 });
+        scene.shadow = Some(Shadow { strength: 0.35, offset: [0.0; 2], softness: 1.0 });
     }
     let form = Form::Pebble { wobble: range(random, 0.2, 0.5), stretch: range(random, 1.0, 1.5) };
     let roughness = range(random, 0.15, 0.4);
-    look.species = vec![(1.0, Species { form, palette: colours, style, roughness })];
-    look
+    scene.kinds = vec![(1.0, ElementKind { form, palette: colours, style, roughness })];
+    scene
 }
