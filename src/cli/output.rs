@@ -146,11 +146,7 @@ impl Target {
     ///
     /// # Errors
     /// As [`Place::write`], and those of [`svg::write_animation`].
-    pub(crate) fn write_animation(
-        &self,
-        way: &Interpolation<'_>,
-        animation: &svg::Animation,
-    ) -> Result<Written> {
+    pub(crate) fn write_animation(&self, way: &Interpolation, animation: &svg::Animation) -> Result<Written> {
         let (summary, bytes) =
             self.place.write(|out| self.pack(out, |w| svg::write_animation(way, animation, w)))?;
         Ok(Written { bytes, warnings: summary.warnings, given_up: None })

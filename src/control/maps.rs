@@ -1,4 +1,4 @@
-//! Pictures → control maps: density, and the shares of several libraries.
+//! Pictures → control maps: density, and shares of several libraries.
 
 use super::picture;
 use crate::error::{Error, Result};
@@ -6,14 +6,14 @@ use crate::raster::ControlMap;
 use image::RgbaImage;
 use std::collections::BTreeMap;
 
-/// Most colours of a picture that stands for libraries by its colours.
+/// Largest number of colours in a picture whose colours denote libraries.
 const MOST_COLOURS: usize = 1 << 16;
-/// The least share of a picture that a colour of its own has; what has less, in a picture of too
-/// many colours, is the soft border between two others.
+/// Least share of pixels for a colour to denote a library, in a picture with too many colours. Rarer
+/// colours are blends along soft borders.
 const LEAST_SHARE: f64 = 0.005;
 
-/// Density relative to the exemplar's: black 0, middle grey 1, white 2, linear in the grey value.
-/// Whatever is transparent leaves the density as it is.
+/// Reads a map of density relative to the exemplar's, linear in the grey value: black 0, middle grey
+/// 1, white 2. Transparent pixels mean 1. `name` appears in errors.
 ///
 /// # Errors
 /// [`Error::Decode`], [`Error::TooLarge`].
@@ -26,7 +26,8 @@ pub fn density(bytes: &[u8], name: &str) -> Result<ControlMap> {
     picture::map(grey.width(), grey.height(), value).ok_or_else(|| empty(name, "a density map"))
 }
 
-/// A share from 0, black, to 1, white, linear in the grey value; what is transparent is 0.
+/// Reads a map of values from 0 (black) to 1 (white), linear in the grey value. Transparent pixels
+/// mean 0. `name` appears in errors.
 ///
 /// # Errors
 /// [`Error::Decode`], [`Error::TooLarge`].
@@ -35,14 +36,16 @@ pub fn level(bytes: &[u8], name: &str) -> Result<ControlMap> {
     picture::map(grey.width(), grey.height(), share_of(&grey)).ok_or_else(|| empty(name, "a map"))
 }
 
-/// How much there is of each of `libraries` libraries, from pictures with their names:
+/// Reads one map of shares (0 to 1) for each of `libraries` libraries. `pictures` holds the name and
+/// the content of each picture:
 ///
-/// * as many pictures as libraries: in each, white is all and black nothing of its library; what
-///   is transparent is nothing;
+/// * as many pictures as libraries: each gives one library's share, white 1 and black 0; transparent
+///   pixels mean 0;
 /// * one grey picture for two libraries: black is the first, white the second, grey a mixture;
-///   what is transparent is the first;
-/// * one picture with as many colours as libraries, in the order of its palette, or from dark to
-///   light if it has none; transparent comes first. Soft borders between colours are allowed.
+///   transparent pixels mean the first;
+/// * one picture with one colour per library, in the order of its palette, or from dark to light
+///   if it has none; transparency counts as the first colour. Soft borders between colours are
+///   allowed.
 ///
 /// # Errors
 /// [`Error::Decode`], [`Error::TooLarge`]; [`Error::Control`] if the number of pictures or colours
@@ -126,13 +129,13 @@ fn one_for_all(bytes: &[u8], name: &str, libraries: usize) -> Result<Vec<Control
 const COLOURS: &str = "give a picture with one flat colour for each library, best a PNG, or a --map for each; \
                        for two libraries a grey picture will do";
 
-/// The colour of a pixel, none if it is transparent.
+/// The colour of a pixel; `None` if it is transparent.
 fn colour(pixel: &image::Rgba<u8>) -> Option<[u8; 3]> {
     let [r, g, b, opacity] = pixel.0;
     (opacity >= 128).then_some([r, g, b])
 }
 
-/// How many pixels there are of each colour; counting ends at too many colours.
+/// Number of pixels of each colour. Counting stops when there are too many colours.
 fn count(image: &RgbaImage) -> BTreeMap<Option<[u8; 3]>, u64> {
     let mut found: BTreeMap<_, u64> = BTreeMap::new();
     for pixel in image.pixels() {
@@ -144,7 +147,7 @@ fn count(image: &RgbaImage) -> BTreeMap<Option<[u8; 3]>, u64> {
     found
 }
 
-/// The colours that stand for libraries, in their order.
+/// The colours that denote libraries, in order.
 fn main_colours(
     found: &BTreeMap<Option<[u8; 3]>, u64>,
     libraries: usize,
@@ -173,7 +176,7 @@ fn main_colours(
     Ok(chosen)
 }
 
-/// Which of some colours is nearest; among equals the first.
+/// Index of the nearest of some colours; ties go to the first.
 fn nearest(main: &[Option<[u8; 3]>], colour: Option<[u8; 3]>) -> u8 {
     let distance = |c: &Option<[u8; 3]>| match (*c, colour) {
         (None, None) => 0,
@@ -184,7 +187,7 @@ fn nearest(main: &[Option<[u8; 3]>], colour: Option<[u8; 3]>) -> u8 {
     u8::try_from(index).unwrap_or(u8::MAX)
 }
 
-/// The palette of a PNG that has one.
+/// The palette of a palette PNG.
 fn palette(bytes: &[u8]) -> Option<Vec<[u8; 3]>> {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     let info = decoder.read_header_info().ok()?;
@@ -208,7 +211,7 @@ mod tests {
         let map = density(&encode(wide.into()), "d.png").unwrap();
         assert_eq!([at(&map, 0, 0), at(&map, 2, 0)], [0.0, 2.0]);
         assert!((at(&map, 1, 0) - 1.0).abs() < 1e-4);
-        // Transparent black and white leave the density alone; half transparent does half.
+        // Transparent black and white do not change the density; half transparent do half.
         let pixels = [[0, 0], [255, 0], [255, 51]];
         let clear = image::ImageBuffer::from_fn(3, 1, |x, _| LumaA::<u8>(pixels[x as usize]));
         let map = density(&encode(clear.into()), "d.png").unwrap();
@@ -250,7 +253,7 @@ mod tests {
         })
     }
 
-    /// Which library has all of the three stripes, by stripe.
+    /// The library that fills each of the three stripes.
     fn order(maps: &[ControlMap]) -> [usize; 3] {
         [50, 150, 250].map(|x| maps.iter().position(|m| at(m, x, 20) == 1.0).unwrap())
     }

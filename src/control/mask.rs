@@ -1,25 +1,24 @@
-//! Picture → outline: the smooth border of what is white, or opaque.
+//! Picture → outline: the smooth border of the white or opaque area.
 
 use super::picture;
 use crate::error::{Error, Result};
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap};
 use crate::raster::ControlMap;
 
-/// Small masks with soft borders are enlarged to this side before they are traced, because such
-/// borders say more than which pixels are inside.
+/// Side to which small masks with soft borders are enlarged before tracing. Soft borders carry
+/// sub-pixel positions.
 const FINE_SIDE: u32 = 1024;
-/// Most times that a mask is enlarged.
+/// Largest factor by which a mask is enlarged.
 const MOST_ENLARGED: u32 = 8;
-/// How far the outline may lie from the border, in pixels of the mask: of a soft border, and of one
-/// that runs along pixels.
+/// Fit tolerance of the outline, in pixels of the mask: for soft borders, and for borders along pixels.
 const TOLERANCE: [f64; 2] = [0.2, 0.5];
 
-/// The outline of what is white in a picture, at least half, stretched over a canvas of `width` ×
-/// `height` pixels. In a picture that is transparent anywhere, what is opaque counts instead,
-/// whatever its colour.
+/// The outline of the white area of a picture (grey value at least half), stretched over a canvas of
+/// `width` × `height` pixels. If the picture has transparent pixels, the opaque area is used instead,
+/// whatever its colour. `name` appears in errors.
 ///
 /// # Errors
-/// [`Error::Decode`], [`Error::TooLarge`]; [`Error::Control`] if nothing is inside.
+/// [`Error::Decode`], [`Error::TooLarge`]; [`Error::Control`] if the area is empty.
 pub fn mask(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outline> {
     let grey = picture::grey(&picture::read(bytes, name)?);
     let channel = usize::from(grey.pixels().any(|p| p.0[1] < u16::MAX));
@@ -53,8 +52,8 @@ pub fn mask(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outli
     if outline.area() >= 1.0 { Ok(outline) } else { Err(empty()) }
 }
 
-/// The value at a point of a map enlarged so many times. Bilinear values between pixels wave from
-/// pixel to pixel; averaged over about a pixel they do not.
+/// The value at a point of the map enlarged by `fine`, averaged over about one pixel. Plain bilinear
+/// values oscillate from pixel to pixel.
 fn level(map: &ControlMap, [x, y]: [f64; 2], fine: u32) -> f64 {
     let [columns, rows] = map.size().map(f64::from);
     let fine = f64::from(fine);
@@ -66,7 +65,7 @@ fn level(map: &ControlMap, [x, y]: [f64; 2], fine: u32) -> f64 {
     (at(-h, -h) + at(h, -h) + at(-h, h) + at(h, h)) / 4.0
 }
 
-/// Whether the border between inside and outside passes through pixels that are neither.
+/// Whether the border between inside and outside passes through intermediate values.
 fn is_soft(map: &ControlMap) -> bool {
     let [columns, rows] = map.size();
     let value = |x: u32, y: u32| {
@@ -98,7 +97,7 @@ mod tests {
     use crate::geometry::{Rect, is_simple};
     use image::{DynamicImage, GrayImage, Luma, Rgba, RgbaImage};
 
-    /// How much of each pixel lies in a disc of radius 20 about (32, 32), 0 to 255.
+    /// Coverage of each pixel by a disc of radius 20 about (32, 32), 0 to 255.
     fn disc(x: u32, y: u32) -> u8 {
         let (dx, dy) = (f64::from(x) - 31.5, f64::from(y) - 31.5);
         ((20.5 - libm::sqrt(dx * dx + dy * dy)).clamp(0.0, 1.0) * 255.0) as u8

@@ -1,7 +1,7 @@
-//! Files that steer synthesis and editing: shapes, masks, maps, palettes.
+//! Files that control synthesis and editing: shapes, masks, maps, palettes.
 //!
-//! A shape is fitted to the canvas as a viewer of SVGs would: as large as it goes, in the middle,
-//! not distorted. Pictures are stretched over the canvas, whatever their size.
+//! A shape is fitted to the canvas as SVG viewers do by default: scaled uniformly to the largest
+//! size that fits, and centred. Pictures are stretched over the canvas.
 
 mod maps;
 mod mask;

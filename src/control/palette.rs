@@ -1,13 +1,13 @@
-//! Text → colours: palettes.
+//! Colour palettes from text files.
 
 use crate::error::{Error, Result};
 use crate::raster::colour::Colour;
 
-/// Most colours of a palette.
+/// Largest number of colours in a palette.
 const MOST: usize = 256;
 
-/// The colours of a palette, in their order: those of a GIMP palette (`.gpl`), or whatever looks like
-/// `#aabbcc` or a bare `aabbcc` in any other text. One that comes again counts once.
+/// Reads the colours of a palette in order, without duplicates. A GIMP palette (`.gpl`) is read as
+/// such. In any other text, every `#aabbcc` or bare `aabbcc` is a colour. `name` appears in errors.
 ///
 /// # Errors
 /// [`Error::Control`] if there is none, or more than 256.
@@ -33,7 +33,7 @@ pub fn palette(bytes: &[u8], name: &str) -> Result<Vec<Colour>> {
     }
 }
 
-/// A line of a GIMP palette: three numbers and perhaps a name.
+/// A line of a GIMP palette: three numbers, optionally followed by a name.
 fn triple(line: &str) -> Option<Colour> {
     let mut parts = line.split_whitespace();
     let mut next = || parts.next()?.parse::<u8>().ok();

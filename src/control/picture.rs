@@ -1,37 +1,38 @@
-//! Pictures that are read as numbers: grey values and opacity.
+//! Pictures as scalar data: grey values and opacity.
 
 use crate::error::Result;
 use crate::raster::{self, ControlMap, Limits};
 use image::{DynamicImage, ImageBuffer, LumaA, RgbaImage};
 
-/// Most samples of a control map along either side; larger pictures are averaged down to it.
+/// Largest width and height of a control map; larger pictures are averaged down.
 const MOST_SAMPLES: u32 = 4096;
 
-/// A picture as grey values and opacity, each 0 to 65535, upright.
+/// A picture as grey values and opacity, each 0 to 65535, with the EXIF rotation applied.
 pub(super) type Grey = ImageBuffer<LumaA<u16>, Vec<u16>>;
 
-/// Decodes a picture. Colours become their grey value (Rec. 709 weights of the sRGB components).
+/// Converts a picture to grey values (Rec. 709 weights of the sRGB components).
 pub(super) fn grey(image: &DynamicImage) -> Grey {
     image.to_luma_alpha16()
 }
 
-/// Decodes a picture, upright.
+/// Decodes a picture and applies its EXIF rotation.
 ///
 /// # Errors
-/// No image, damaged, or beyond the limits of [`Limits::default`].
+/// [`Error::Decode`] if the bytes are no image or damaged, [`Error::TooLarge`] beyond the default
+/// [`Limits`].
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<DynamicImage> {
-    // Grey values and opacity of 16 bits, or colour and opacity of 8.
+    // 8 bytes per pixel at most: grey and opacity of 16 bits, or colour and opacity of 8.
     let (mut image, orientation) = raster::decode(bytes, name, &Limits::default(), 4)?;
     image.apply_orientation(orientation);
     Ok(image)
 }
 
-/// Colours and opacity of 8 bits.
+/// Converts a picture to 8-bit colours and opacity.
 pub(super) fn colours(image: &DynamicImage) -> RgbaImage {
     image.to_rgba8()
 }
 
-/// A map of `width` × `height` pixels of the given values, those of large pictures averaged.
+/// A map with the values of `width` × `height` pixels; large pictures are averaged down.
 pub(super) fn map(width: u32, height: u32, value: impl Fn(u32, u32) -> f32) -> Option<ControlMap> {
     let fold = width.max(height).div_ceil(MOST_SAMPLES).max(1);
     let (columns, rows) = (width.div_ceil(fold), height.div_ceil(fold));
@@ -59,7 +60,7 @@ pub(super) fn map(width: u32, height: u32, value: impl Fn(u32, u32) -> f32) -> O
 pub(super) mod testing {
     use crate::raster::ControlMap;
 
-    /// A picture as PNG.
+    /// Encodes a picture as PNG.
     pub(in crate::control) fn encode(image: image::DynamicImage) -> Vec<u8> {
         let mut bytes = std::io::Cursor::new(Vec::new());
         image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();

@@ -1,7 +1,6 @@
-//! SVG → outline: the one shape that a file holds.
+//! SVG → outline: the single shape in a file.
 //!
-//! Works badly with shapes that are not drawn as such: text and bitmaps are not followed, nor are
-//! clip paths and masks.
+//! Works badly with indirectly drawn shapes: text, bitmaps, clip paths and masks are not supported.
 
 use crate::error::{Error, Result};
 use crate::geometry::{Affine, BezPath, Outline, PathEl, Point, is_simple};
@@ -9,16 +8,16 @@ use crate::svg_tree;
 use kurbo::{ParamCurve, Shape};
 use resvg::usvg;
 
-/// Most segments of a shape: more take minutes to check for crossings.
+/// Largest number of segments of a shape. More take minutes to check for crossings.
 const MOST_SEGMENTS: usize = 20_000;
 
-/// The shape of an SVG, fitted to a canvas of `width` × `height` pixels: the SVG's own canvas is
-/// scaled as a whole, as large as it goes, and stands in the middle.
+/// Reads the shape in an SVG, fitted to a canvas of `width` × `height` pixels: the SVG's page is
+/// scaled uniformly to the largest size that fits, and centred. `name` appears in errors.
 ///
 /// # Errors
 /// [`Error::Control`] unless the file holds exactly one visible path, rectangle, circle, ellipse or
-/// polygon, all of whose rings are closed, cross neither themselves nor one another, and enclose
-/// some of the canvas; [`Error::TooLarge`] beyond 20000 segments.
+/// polygon, whose rings are all closed, do not cross themselves or one another, and enclose part of
+/// the canvas; [`Error::TooLarge`] beyond 20000 segments.
 pub fn shape(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outline> {
     let reader = Reader { name, role: "a shape" };
     let Drawn { path, rule, size } = reader.read(bytes)?;
@@ -40,8 +39,9 @@ pub fn shape(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outl
     Ok(outline)
 }
 
-/// The single ring of an SVG as it is drawn, in the SVG's pixels, with its direction and order of
-/// points kept; and width and height of the SVG's page, in pixels.
+/// Reads a cage from an SVG: the single ring as drawn, in the SVG's pixels, with its direction and
+/// its order of points. Also returns the width and height of the SVG's page, in pixels. `name`
+/// appears in errors.
 ///
 /// # Errors
 /// As [`shape`]; also [`Error::Control`] for more than one ring.
@@ -56,22 +56,22 @@ pub fn cage(bytes: &[u8], name: &str) -> Result<(Outline, [u32; 2])> {
     }
 }
 
-/// What a file holds.
+/// The shape in a file.
 struct Drawn {
     path: BezPath,
     rule: Rule,
-    /// Of the SVG's canvas, in its pixels.
+    /// Width and height of the SVG's page, in its pixels.
     size: [f64; 2],
 }
 
-/// What counts as inside.
+/// The fill rule.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Rule {
     NonZero,
     EvenOdd,
 }
 
-/// Reads a file for a purpose that errors name.
+/// Reads a file; `name` and `role` appear in errors.
 struct Reader<'a> {
     name: &'a str,
     role: &'static str,
@@ -122,7 +122,7 @@ impl Reader<'_> {
         }
         let rule = match path.fill().map(usvg::Fill::rule) {
             Some(usvg::FillRule::NonZero) => Rule::NonZero,
-            // Of a shape that is only stroked, every ring is an edge.
+            // In a shape with only a stroke, every ring is an edge.
             Some(usvg::FillRule::EvenOdd) | None => Rule::EvenOdd,
         };
         let size = tree.size();
@@ -130,7 +130,7 @@ impl Reader<'_> {
         Ok(Drawn { path: self.closed(path)?, rule, size })
     }
 
-    /// The path in pixels of the SVG, if all its rings are closed.
+    /// The path in pixels of the SVG. All its rings must be closed.
     fn closed(&self, path: &usvg::Path) -> Result<BezPath> {
         use usvg::tiny_skia_path::PathSegment;
         let t = path.abs_transform();
@@ -159,7 +159,7 @@ impl Reader<'_> {
         Ok(out)
     }
 
-    /// The outline, if it does not cross itself.
+    /// Checks that the path does not cross itself.
     fn outline(&self, path: &BezPath) -> Result<Outline> {
         let outline = Outline::new(path).ok_or_else(|| {
             self.fail("its coordinates are beyond ten million pixels", "scale the drawing down")
@@ -171,12 +171,13 @@ impl Reader<'_> {
     }
 }
 
-/// The rings of a path, each with its elements.
+/// The rings of a path, each as its elements.
 fn rings(path: &BezPath) -> impl Iterator<Item = &[PathEl]> {
     path.elements().chunk_by(|_, next| !matches!(next, PathEl::MoveTo(_)))
 }
 
-/// The rings that part inside from outside, the largest first, holes run against what they lie in.
+/// The rings that separate inside from outside, the largest first. Holes run against the ring around
+/// them.
 fn filled(path: &BezPath, rule: Rule) -> BezPath {
     struct Ring {
         path: BezPath,
@@ -197,7 +198,7 @@ fn filled(path: &BezPath, rule: Rule) -> BezPath {
     };
     let mut kept: Vec<(f64, BezPath)> = Vec::new();
     for ring in &all {
-        // What lies around it is larger.
+        // A ring around this one has a larger area.
         let larger = all.iter().filter(|other| other.area.abs() > ring.area.abs());
         let around = larger.filter(|other| {
             other.path.bounding_box().contains(ring.place) && other.path.contains(ring.place)

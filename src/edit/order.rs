@@ -6,7 +6,7 @@
 //! it grows in steps as points go; a point then always has some ten neighbours, and the whole costs
 //! little more than their number.
 
-use crate::geometry::{NearPoints, Point, shortest_way};
+use crate::geometry::{NearPoints, Point, shortest_offset};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -105,7 +105,7 @@ fn crowding(points: &[Point], periods: [Option<f64>; 2], reach: f64) -> (Vec<usi
     let (mut starts, mut near) = (vec![0], Vec::new());
     for (index, &at) in points.iter().enumerate() {
         cells.each(at, |other| {
-            let square = shortest_way(at, points[other], periods).hypot2();
+            let square = shortest_offset(at, points[other], periods).hypot2();
             if other != index && square < reach * reach {
                 near.push((other as u32, weight(libm::sqrt(square) / reach)));
             }
@@ -138,7 +138,7 @@ mod tests {
     /// Shortest distance of two kept points.
     fn shortest(points: &[Point], kept: &[usize], periods: [Option<f64>; 2]) -> f64 {
         let pairs = kept.iter().enumerate().flat_map(|(n, i)| kept[..n].iter().map(move |j| (*i, *j)));
-        let apart = pairs.map(|(i, j)| libm::sqrt(shortest_way(points[i], points[j], periods).hypot2()));
+        let apart = pairs.map(|(i, j)| libm::sqrt(shortest_offset(points[i], points[j], periods).hypot2()));
         apart.fold(f64::MAX, f64::min)
     }
 

@@ -1,7 +1,7 @@
 //! What every operation holds to.
 
 use super::*;
-use crate::geometry::{Affine, Outline, SecondMoments, parse_path, shortest_way};
+use crate::geometry::{Affine, Outline, SecondMoments, parse_path, shortest_offset};
 use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::scene::{ControlPoint, Field, Instance, LibraryRef, Patch, Texton, Tile};
@@ -418,7 +418,7 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
         };
         let (new, old) = (of(&after, new), of(&scene(), old));
         assert!((new.area / old.area - 1.0).abs() < 0.01);
-        let way = shortest_way(old.centroid, new.centroid, after.periods());
+        let way = shortest_offset(old.centroid, new.centroid, after.periods());
         assert!(way.hypot2() < 0.01, "{way:?}");
         let turn = (new.angle() - old.angle()).rem_euclid(std::f64::consts::PI);
         assert!(turn.min(std::f64::consts::PI - turn) < 0.02);

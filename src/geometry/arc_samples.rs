@@ -1,42 +1,42 @@
-//! Arcs as points: the middles of their cracks, relaxed so that pixel stairs vanish.
+//! Arcs as sampled points: midpoints of pixel edges, smoothed to remove pixel stairs, then refined to
+//! the image's sub-pixel edges.
 //!
-//! Then they move on to the edge, where it is known better than by pixels.
-//!
-//! Points move by Taubin's two-step filter, which does not shrink. Corners of outlines stay where
-//! they are; corners between details are only those of pixels, and are rounded. Where two arcs pass
-//! through a junction, it moves with them. No point moves further than half a pixel, and junctions
-//! stay within the hull of the crack middles around them.
+//! Smoothing is Taubin's two-step filter, which does not shrink. Corners of outlines stay in place.
+//! Corners between details are pixel artefacts and are rounded. A junction moves with the two arcs
+//! that pass through it smoothly, if there are such. No point moves further than half a pixel, and
+//! junctions stay within the hull of the midpoints around them.
 
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap};
 use crate::parallel;
 use kurbo::{Point, Vec2};
 use std::collections::BTreeMap;
 
-/// Rounds of the filter for each cell along a pixel.
+/// Rounds of the filter, per cell along a pixel.
 const ROUNDS: usize = 6;
-/// Steps of the filter (Taubin 1995): shrink, then grow a little more.
+/// Factors of the filter's two steps (Taubin 1995): shrink, then grow slightly more.
 const STEPS: [f64; 2] = [0.5, -0.52];
-/// Furthest way of a point from its crack middle, in pixels of the image.
+/// Largest distance of a smoothed point from its midpoint, in pixels of the image.
 const REACH: f64 = 0.5;
-/// Furthest way from there to the edge in the image, in pixels of the image.
+/// Largest distance from there to the image's edge, in pixels of the image.
 const FURTHEST: f64 = 0.6;
-/// Rounds that even out these ways between neighbours.
+/// Rounds that average these distances between neighbours.
 const EVEN: usize = 4;
 
-/// The points of every arc of a map. Open arcs begin and end at their junctions, in all ways alike.
+/// The points of every arc of a map, in three versions. In all of them, open arcs begin and end at
+/// their junctions' smoothed positions.
 pub(super) struct Samples {
-    /// The middles of cracks.
-    pub(super) rough: Vec<Vec<Point>>,
-    /// Relaxed within the cells around, so that next to nothing crosses.
-    pub(super) calm: Vec<Vec<Point>>,
-    /// Relaxed within the pixels around and moved on to the edges of the image.
-    pub(super) moved: Vec<Vec<Point>>,
+    /// Midpoints of the pixel edges.
+    pub(super) midpoints: Vec<Vec<Point>>,
+    /// Smoothed within one cell, so almost nothing crosses.
+    pub(super) smoothed: Vec<Vec<Point>>,
+    /// Smoothed within one pixel, then refined to the edges of the image.
+    pub(super) refined: Vec<Vec<Point>>,
 }
 
 impl Samples {
-    /// Samples the arcs of a map of `cells` along a pixel of the image. Corners of the arcs for which
-    /// `soft` holds are rounded like the rest. Relaxed points move on to the edge that `edge` finds:
-    /// given a point, a unit normal from left to right and both labels, the distance along the normal.
+    /// Samples the arcs of a map with `cells` cells along a pixel of the image. Corners of arcs for which
+    /// `soft` holds are rounded like the rest. `edge(point, normal, left, right)` gives the distance from
+    /// a point to the image's edge along `normal`, a unit vector from left to right.
     pub(super) fn new(
         map: &PlanarMap,
         junctions: &Junctions,
@@ -44,14 +44,14 @@ impl Samples {
         soft: impl Fn(&Arc) -> bool,
         edge: impl Fn(Point, Vec2, u32, u32) -> f64 + Sync,
     ) -> Self {
-        let mut rough: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
-        let fixed: Vec<Vec<bool>> = (rough.iter().zip(&map.arcs))
+        let mut midpoints: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
+        let fixed: Vec<Vec<bool>> = (midpoints.iter().zip(&map.arcs))
             .map(|(p, arc)| if soft(arc) { vec![false; p.len()] } else { corners(p, arc.closed, cells) })
             .collect();
         let relaxed = |reach: f64| {
-            let mut points = rough.clone();
+            let mut points = midpoints.clone();
             for round in 0..2 * ROUNDS * cells as usize {
-                relax(map, &mut points, &rough, &fixed, junctions, reach, STEPS[round % 2]);
+                relax(map, &mut points, &midpoints, &fixed, junctions, reach, STEPS[round % 2]);
             }
             let inner = |arc: &Arc| arc.closed && !borders_outside(arc);
             for (points, arc) in points.iter_mut().zip(&map.arcs).filter(|(_, arc)| inner(arc)) {
@@ -60,9 +60,9 @@ impl Samples {
             points
         };
         let smooth = relaxed(REACH * cells);
-        let mut calm = if cells > 1.0 { relaxed(REACH) } else { smooth.clone() };
-        // Every way an arc ends where its junction has moved to, so that all that meet there meet.
-        for other in [&mut rough, &mut calm] {
+        let mut smoothed = if cells > 1.0 { relaxed(REACH) } else { smooth.clone() };
+        // All versions of an arc end where its junction has refined to, so that arcs stay joined.
+        for other in [&mut midpoints, &mut smoothed] {
             for ((points, smooth), _) in
                 other.iter_mut().zip(&smooth).zip(&map.arcs).filter(|(_, arc)| !arc.closed)
             {
@@ -71,19 +71,19 @@ impl Samples {
             }
         }
         let indices: Vec<usize> = (0..smooth.len()).collect();
-        let moved = parallel::map(&indices, |&i| {
+        let refined = parallel::map(&indices, |&i| {
             let arc = &map.arcs[i];
             if borders_outside(arc) {
                 return smooth[i].clone();
             }
             to_edge(&smooth[i], arc.closed, cells, |at, normal| edge(at, normal, arc.left, arc.right))
         });
-        Self { rough, calm, moved }
+        Self { midpoints, smoothed, refined }
     }
 }
 
-/// Unit vectors to the right of a curve at its points; at the ends of an open one from the end and
-/// the point beside it.
+/// Unit normals of a curve at its points, to the right. At the end of an open curve, the direction is
+/// that of its last segment.
 fn normals(points: &[Point], closed: bool) -> Vec<Vec2> {
     let normal = |i: usize| {
         let [last, next] = beside(points.len(), closed, i);
@@ -94,13 +94,13 @@ fn normals(points: &[Point], closed: bool) -> Vec<Vec2> {
     (0..points.len()).map(normal).collect()
 }
 
-/// The points before and after one of `n`; at the end of an open curve itself.
+/// Indices of the points before and after point `i` of `n`; `i` itself beyond the end of an open curve.
 fn beside(n: usize, closed: bool, i: usize) -> [usize; 2] {
     if closed { [(i + n - 1) % n, (i + 1) % n] } else { [i.saturating_sub(1), (i + 1).min(n - 1)] }
 }
 
-/// Points moved along their normals by as much as `distance` says, evened out between neighbours;
-/// the ends of an open arc stay.
+/// Moves points along their normals by `distance`, averaged between neighbours. The ends of an open
+/// arc stay.
 fn to_edge(points: &[Point], closed: bool, cells: f64, distance: impl Fn(Point, Vec2) -> f64) -> Vec<Point> {
     let n = points.len();
     let normals = normals(points, closed);
@@ -132,8 +132,8 @@ fn middles(map: &PlanarMap, arc: &Arc) -> Vec<Point> {
     points
 }
 
-/// Points where the curve turns by more than about 50° over five pixels of the image each way: a corner
-/// of the thing, not of a pixel.
+/// Marks points where the curve turns by more than about 50° over five pixels of the image to each
+/// side. Such corners belong to the object, not to a pixel.
 fn corners(points: &[Point], closed: bool, cells: f64) -> Vec<bool> {
     let span = (5.0 * cells) as isize;
     const COSINE: f64 = 0.64;
@@ -159,17 +159,17 @@ fn corners(points: &[Point], closed: bool, cells: f64) -> Vec<bool> {
     found
 }
 
-/// One step of the filter over all arcs and junctions at once.
+/// One step of the filter over all arcs and junctions.
 fn relax(
     map: &PlanarMap,
     points: &mut [Vec<Point>],
-    rough: &[Vec<Point>],
+    midpoints: &[Vec<Point>],
     fixed: &[Vec<bool>],
     junctions: &Junctions,
     reach: f64,
     step: f64,
 ) {
-    // Junctions first, from the points around them as they are.
+    // Junctions first, computed from the unmodified points around them.
     let ends: Vec<Point> = (junctions.list.iter())
         .map(|junction| {
             let here = ahead(points, junction.arms[0], 0);
@@ -181,7 +181,7 @@ fn relax(
             let sum = arms.iter().fold(Vec2::ZERO, |sum, &h| sum + ahead(points, h, 1).to_vec2());
             let mean = (sum / arms.len() as f64).to_point();
             let away = here + (mean - here) * step - junction.at;
-            // Within the diamond of the four crack middles.
+            // Stays within the diamond of the four surrounding midpoints.
             let size = away.x.abs() + away.y.abs();
             junction.at + if size > 0.49 { away * (0.49 / size) } else { away }
         })
@@ -190,16 +190,16 @@ fn relax(
         let p = &mut points[i];
         let n = p.len();
         let first = p[0];
-        // The point before the one at hand, as it was.
+        // The previous point before its modification.
         let mut before = if arc.closed { p[n - 1] } else { p[0] };
         let range = if arc.closed { 0..n } else { 1..n - 1 };
         for k in range {
             let here = p[k];
             let after = if k + 1 < n { p[k + 1] } else { first };
             if !fixed[i][k] {
-                let away = here + (before.midpoint(after) - here) * step - rough[i][k];
+                let away = here + (before.midpoint(after) - here) * step - midpoints[i][k];
                 let length = libm::sqrt(away.hypot2());
-                p[k] = rough[i][k] + if length > reach { away * (reach / length) } else { away };
+                p[k] = midpoints[i][k] + if length > reach { away * (reach / length) } else { away };
             }
             before = here;
         }
@@ -217,15 +217,15 @@ fn lattice(at: [i32; 2]) -> Point {
     Point::new(f64::from(at[0]), f64::from(at[1]))
 }
 
-/// The point `steps` points along a half arc, or its last.
+/// The point `steps` points along a half arc, or its last point.
 fn ahead(points: &[Vec<Point>], h: HalfArc, steps: usize) -> Point {
     let p = &points[h.arc as usize];
     let k = steps.min(p.len() - 1);
     p[if h.reversed { p.len() - 1 - k } else { k }]
 }
 
-/// Small closed curves lose area when their pixel corners are cut: scales about the centre until
-/// the polygon has nearly the area of the pixels again.
+/// Scales a small closed curve about its centre to compensate for the area lost when pixel corners
+/// are cut.
 fn keep_area(points: &mut [Point], lattice: &[[i32; 2]]) {
     const SMALL: usize = 40;
     let n = points.len();
@@ -244,7 +244,7 @@ fn keep_area(points: &mut [Point], lattice: &[[i32; 2]]) {
     if cut < 1e-6 {
         return;
     }
-    // A smooth curve bulges beyond the polygon through its points by about half of what it cut.
+    // A smooth curve through the points encloses about half of the area that the polygon loses.
     let scale = libm::sqrt((pixels + cut) / 2.0 / cut).min(1.25);
     let centre = points.iter().fold(Vec2::ZERO, |s, p| s + p.to_vec2()) / n as f64;
     for p in points {
@@ -252,25 +252,25 @@ fn keep_area(points: &mut [Point], lattice: &[[i32; 2]]) {
     }
 }
 
-/// Where arcs meet.
+/// A lattice point where arcs meet.
 struct Junction {
     /// Its lattice point.
     at: Point,
     /// The half arcs that leave it.
     arms: Vec<HalfArc>,
-    /// The two that pass through it, if two outrank all others.
+    /// The two half arcs that pass through smoothly, if two outrank all others.
     through: Option<[HalfArc; 2]>,
 }
 
 /// All junctions of a map.
 pub(super) struct Junctions {
     list: Vec<Junction>,
-    /// The junctions at the ends of each arc; none for closed ones.
+    /// The junctions at the ends of each arc; `None` for closed arcs.
     ends: Vec<Option<[usize; 2]>>,
 }
 
 impl Junctions {
-    /// Gathers the junctions of a map; `rank(left, right)` says which borders pass through.
+    /// Collects the junctions of a map. The two borders of highest `rank(left, right)` pass through.
     pub(super) fn new(map: &PlanarMap, rank: impl Fn(u32, u32) -> u8) -> Self {
         let mut leaving: BTreeMap<[i32; 2], Vec<(HalfArc, u8)>> = BTreeMap::new();
         for (i, arc) in map.arcs.iter().enumerate().filter(|(_, a)| !a.closed) {
@@ -295,7 +295,7 @@ impl Junctions {
         Self { list, ends }
     }
 
-    /// Unit tangents at both ends of an arc, along the arc, where it passes a junction smoothly.
+    /// Unit tangents at both ends of an arc, along the arc, where it passes through a junction smoothly.
     pub(super) fn tangents(&self, points: &[Vec<Point>], i: usize) -> [Option<Vec2>; 2] {
         let Some(ends) = self.ends[i] else { return [None; 2] };
         [(ends[0], false), (ends[1], true)].map(|(junction, reversed)| {

@@ -1,17 +1,17 @@
-//! Warping the plane by a cage: mean value coordinates (Floater 2003; for any simple polygon, and
-//! for points outside of it, Hormann and Floater 2006).
+//! Warping the plane by a cage, with mean value coordinates (Floater 2003; for arbitrary simple
+//! polygons and points outside, Hormann and Floater 2006).
 //!
-//! Works badly with cages that change much within a small distance: the map is smooth inside and
-//! exact on the cage, but where a cage that is not convex is bent strongly it may fold.
+//! Works badly with cages that change strongly within a short distance. The map is smooth inside and
+//! exact on the cage, but it may fold where a non-convex cage is bent strongly.
 
 use super::{Outline, is_simple};
 use crate::error::{Error, Result};
 use kurbo::{ParamCurve, PathEl, PathSeg, Point, Shape, Vec2};
 
-/// Pieces that a curve of a cage is cut into.
+/// Number of segments that a curve of a cage is cut into.
 const PIECES: usize = 16;
 
-/// A polygon, and what it becomes: a map of the plane onto itself.
+/// A map of the plane onto itself, given by a polygon before and after deformation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cage {
     before: Vec<Point>,
@@ -19,13 +19,12 @@ pub struct Cage {
 }
 
 impl Cage {
-    /// From a cage before and after it is bent, which correspond element by element in the order
-    /// in which they are drawn. An element that is a curve in either is cut into the same number of
-    /// pieces in both.
+    /// The map that takes the cage `before` to the cage `after`. Their elements correspond in drawing
+    /// order. An element that is a curve in either cage is cut into the same number of segments in both.
     ///
     /// # Errors
-    /// [`Error::Cages`] unless both are one simple ring, of the same number of elements, drawn in
-    /// the same direction.
+    /// [`Error::Cages`] unless both cages are a single simple ring, with the same number of elements,
+    /// drawn in the same direction.
     pub fn new(before: &Outline, after: &Outline) -> Result<Self> {
         let names = ["before", "after"];
         for (outline, name) in [before, after].into_iter().zip(names) {
@@ -63,12 +62,12 @@ impl Cage {
         Ok(Self { before: from, after: to })
     }
 
-    /// From a polygon before and after, which correspond point by point; nothing is checked.
+    /// The map that takes one polygon to another, point by point. Nothing is checked.
     pub(crate) fn of_polygons(before: Vec<Point>, after: Vec<Point>) -> Self {
         Self { before, after }
     }
 
-    /// Where a point goes. Points on the cage go with their side, linearly.
+    /// The image of a point. On the cage's sides the map is linear.
     pub fn map(&self, point: Point) -> Point {
         let count = self.before.len();
         let next = |i: usize| if i + 1 == count { 0 } else { i + 1 };
@@ -80,12 +79,12 @@ impl Cage {
         for i in 0..count {
             let ((a, ra), (b, rb)) = (spoke(i), spoke(next(i)));
             let along = ra * rb + a.dot(b);
-            // The side is seen under half a turn: the point lies on it.
+            // The side subtends half a turn: the point lies on it.
             if along <= 1e-12 * ra * rb {
                 let share = if ra > 0.0 { ra / (ra + rb) } else { 0.0 };
                 return self.after[i].lerp(self.after[next(i)], share);
             }
-            // The tangent of half the angle under which the side is seen, which both ends have.
+            // Tangent of half the angle that the side subtends; both its ends use it.
             let tangent = a.cross(b) / along;
             total += tangent / ra + tangent / rb;
             sum += tangent / ra * self.after[i].to_vec2() + tangent / rb * self.after[next(i)].to_vec2();
@@ -131,7 +130,7 @@ mod tests {
                 * Affine::new([scale, 0.0, shear, 1.0, 0.0, 0.0]);
             let cage = Cage::new(&before, &Outline::new(&(map * before.path())).unwrap()).unwrap();
             let point = Point::new(x, y);
-            // Cages stand on a grid; outside, coordinates are negative and add up.
+            // Cages are rounded to a grid; outside, negative coordinates amplify the error.
             prop_assert!(distance(cage.map(point), map * point) < 0.2);
             let still = Cage::new(&before, &before).unwrap();
             prop_assert!(distance(still.map(point), point) < 1e-6);
@@ -153,7 +152,7 @@ mod tests {
             let (i, share) = ((t * sides) as usize, t * sides % 1.0);
             let j = (i + 1) % cage.before.len();
             let on = cage.before[i].lerp(cage.before[j], share);
-            // Linear along each side, and the same from all around.
+            // Linear along each side, and continuous across it.
             let wanted = cage.after[i].lerp(cage.after[j], share);
             prop_assert!(distance(cage.map(on), wanted) < 1e-3);
             for step in [1e-2, 1e-4, 1e-6, 1e-8] {
@@ -170,13 +169,13 @@ mod tests {
         {
             assert!(distance(cage.map(from.into()), to.into()) < 1e-9);
         }
-        // The middle of a square: all corners weigh the same.
+        // At the centre of a square all corners weigh the same.
         assert!(distance(cage.map((5.0, 5.0).into()), (11.25, 6.25).into()) < 1e-9);
     }
 
     #[test]
     fn the_arm_of_a_bent_cage_goes_along() {
-        // The lower arm of an L moves; the far end of the other stays nearly where it is.
+        // The lower arm of an L moves; the far end of the other arm hardly does.
         let bent = "M0 0H80V30H30L60 90H30z";
         let cage = cage(CAGES[0], bent);
         assert!(distance(cage.map((75.0, 15.0).into()), (75.0, 15.0).into()) < 1.0);

@@ -1,10 +1,10 @@
-//! Least-squares fitting of cubic Béziers to sampled curves (Schneider 1990), with corners.
+//! Least-squares fitting of cubic Béziers to sampled curves with corners (Schneider 1990).
 //!
-//! Works badly where samples are few and noisy: an arc of three samples is drawn as it comes.
+//! Works badly for few and noisy samples: an arc of three samples is not smoothed.
 
 use kurbo::{CubicBez, ParamCurve, ParamCurveDeriv, Point, Vec2};
 
-/// A piece of a fitted curve; it begins where the piece before it ends.
+/// A segment of a fitted curve; it starts at the previous segment's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Piece {
     /// A straight line to a point.
@@ -14,7 +14,7 @@ pub(super) enum Piece {
 }
 
 impl Piece {
-    /// Where the piece ends.
+    /// The segment's end.
     pub(super) fn end(&self) -> Point {
         match *self {
             Self::Line(p) | Self::Cubic(_, _, p) => p,
@@ -23,9 +23,9 @@ impl Piece {
 }
 
 /// Fits `points` (at least two) within `tolerance`, in the units of the points. The curve passes
-/// through the first and the last point; `ends` are unit tangents there, both pointing along the
-/// curve, or `None` to estimate them. With `corners`, turns that are sharp over so many points on either
-/// side stay corners.
+/// through the first and the last point. `ends` are unit tangents there, both pointing along the
+/// curve; `None` estimates them. With `corners`, turns that are sharp over that many points to each
+/// side remain corners.
 pub(super) fn fit_open(
     points: &[Point],
     corners: Option<usize>,
@@ -46,15 +46,15 @@ pub(super) fn fit_open(
     out
 }
 
-/// Fits a closed curve through `points` (the last is not a repeat of the first; at least three).
-/// Gives the starting point and the pieces, which end there.
+/// Fits a closed curve through `points` (at least three, the first not repeated at the end). Returns
+/// the starting point and the segments, the last of which ends there.
 pub(super) fn fit_closed(points: &[Point], corners: Option<usize>, tolerance: f64) -> (Point, Vec<Piece>) {
     let n = points.len();
     let corners = corners.map_or(Vec::new(), |reach| self::corners(points, true, reach));
     let first = corners.first().copied().unwrap_or(0);
     let mut turned: Vec<Point> = points[first..].iter().chain(&points[..=first]).copied().collect();
     let tangent = if corners.is_empty() {
-        // No corner: one tangent serves both ends of the seam.
+        // Without a corner, one tangent serves both ends at the seam.
         let reach = (n / 6).clamp(1, 3);
         let chord = turned[reach] - turned[n - reach];
         unit(chord)
@@ -125,7 +125,7 @@ fn corners(points: &[Point], closed: bool, reach: usize) -> Vec<usize> {
     found
 }
 
-/// Unit tangent at the first of `points`, from the samples within about two steps.
+/// Unit tangent at the first of `points`, estimated from the samples within about two steps.
 fn end_tangent(points: &[Point]) -> Option<Vec2> {
     let reach = (points.len() - 1).min(3);
     let mut sum = Vec2::ZERO;
@@ -160,7 +160,7 @@ fn fit_span(points: &[Point], start: Option<Vec2>, end: Option<Vec2>, tolerance:
             out.push(Piece::Cubic(curve.p1, curve.p2, last));
             return;
         }
-        // Far off: moving the parameters will not help.
+        // The error is too large to be fixed by reparametrisation.
         if round == 3 || worst.0 > 16.0 * tolerance * tolerance {
             break;
         }
@@ -173,7 +173,7 @@ fn fit_span(points: &[Point], start: Option<Vec2>, end: Option<Vec2>, tolerance:
     fit_span(&points[split..], centre, end, tolerance, out);
 }
 
-/// Whether all points lie within `tolerance` of the chord, between its ends.
+/// Whether all points lie within `tolerance` of the chord and project between its ends.
 fn straight(points: &[Point], tolerance: f64) -> bool {
     let (a, b) = (points[0], points[points.len() - 1]);
     let chord = b - a;
@@ -231,7 +231,7 @@ fn least_squares(
     let (mut a, mut b) = (third, third);
     if determinant.abs() > 1e-12 {
         let (sa, sb) = ((x0 * c11 - x1 * c01) / determinant, (c00 * x1 - c01 * x0) / determinant);
-        // Handles that are negative or far too long make loops: the heuristic then serves.
+        // Negative or overlong handles make loops; use the heuristic instead.
         let fine = |h: f64| h > 1e-3 * path && h < 1.2 * path;
         if fine(sa) && fine(sb) {
             (a, b) = (sa, sb);
@@ -240,7 +240,7 @@ fn least_squares(
     CubicBez::new(first, first + forward * a, last + backward * b, last)
 }
 
-/// Largest squared distance of a sample to the curve at its parameter, and its index.
+/// Largest squared distance between a sample and the curve at its parameter, and the sample's index.
 fn largest_error(points: &[Point], t: &[f64], curve: &CubicBez) -> (f64, usize) {
     let mut worst = (0.0, points.len() / 2);
     for (i, (&p, &u)) in points.iter().zip(t).enumerate() {
@@ -252,7 +252,7 @@ fn largest_error(points: &[Point], t: &[f64], curve: &CubicBez) -> (f64, usize) 
     worst
 }
 
-/// One Newton step of every parameter towards the nearest point of the curve.
+/// Moves every parameter by one Newton step towards the nearest point of the curve.
 fn reparametrise(points: &[Point], t: &mut [f64], curve: &CubicBez) {
     let d1 = curve.deriv();
     let d2 = d1.deriv();
@@ -264,7 +264,7 @@ fn reparametrise(points: &[Point], t: &mut [f64], curve: &CubicBez) {
             *u = (*u - d.dot(v1) / slope).clamp(0.0, 1.0);
         }
     }
-    // Parameters must not run backwards.
+    // Parameters must be monotonic.
     for i in 1..t.len() {
         t[i] = t[i].max(t[i - 1]);
     }

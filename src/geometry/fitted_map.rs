@@ -1,8 +1,8 @@
-//! A planar map with smooth arcs: the outlines of all its faces, borders shared.
+//! A planar map with smooth arcs: the outlines of all its faces, with shared borders.
 //!
-//! Each arc is sampled at the middles of its cracks, fitted once, and used by both sides, so that
-//! neighbours meet without a gap. Where the outline of a face would cross itself, the arcs that cross
-//! are fitted more tightly, in the end as polylines through the middles of cracks, which cannot cross.
+//! Each arc is sampled and fitted once, and both its sides use the same curve, so neighbours meet
+//! without a gap. If the outline of a face crosses itself, the arcs involved are fitted more tightly,
+//! and finally replaced by polylines through the midpoints of pixel edges, which cannot cross.
 
 use super::arc_samples::{Junctions, Samples};
 use super::fit::{Piece, fit_closed, fit_open};
@@ -14,17 +14,17 @@ use kurbo::{BezPath, Point, Vec2};
 use std::collections::BTreeMap;
 
 /// A planar map whose arcs are smooth curves.
-pub struct FittedMap {
+pub(crate) struct FittedMap {
     map: PlanarMap,
     arcs: Vec<Curve>,
 }
 
-/// How fine a map is and how closely it is followed.
+/// Resolution of a label map, and tolerance of the curves fitted to it.
 #[derive(Clone, Copy, Debug)]
-pub struct Scale {
-    /// Largest distance of a curve to what is traced, in pixels of the image.
+pub(crate) struct Scale {
+    /// Fit tolerance: largest distance of a curve from its samples, in pixels of the image.
     pub tolerance: f64,
-    /// Cells of the map along each side of a pixel. Outlines are in pixels.
+    /// Cells of the map along each side of a pixel, 1 or more. Outlines are in pixels of the image.
     pub cells: f64,
 }
 
@@ -35,17 +35,17 @@ struct Curve {
     pieces: Vec<Piece>,
 }
 
-/// Fits, from loose to exact: shares of the tolerance, and whether through points that moved on to the
-/// edges of the image. What still crosses becomes the polyline through the middles of the cracks.
+/// Successively tighter fits: the share of the tolerance, and whether samples moved to the image's
+/// edges are used. Arcs that still cross become polylines through the midpoints of pixel edges.
 const FITS: [(f64, bool); 3] = [(1.0, true), (0.4, true), (0.4, false)];
-/// Pixels on either side of a corner.
+/// Distance to each side over which a turn counts as a corner, in pixels.
 const CORNER: f64 = 4.0;
 
 impl FittedMap {
-    /// Fits every arc of a planar map within `tolerance` pixels. `group` joins labels: where a
-    /// border between groups meets a border within one, the former passes smoothly. Outlines of
-    /// labels 1 to `count` and of groups 1 to `groups` are checked for crossings.
-    pub fn new(
+    /// Fits every arc of a planar map within `tolerance` pixels. `group` maps labels to groups; where a
+    /// border between groups meets a border within one, the former passes through smoothly. Outlines of
+    /// labels 1 to `count` and of groups 1 to `groups` are free of self-crossings.
+    pub(crate) fn new(
         map: PlanarMap,
         tolerance: f64,
         count: usize,
@@ -56,11 +56,10 @@ impl FittedMap {
         Self::with_edges(map, scale, count, groups, group, |_, _, _, _| 0.0)
     }
 
-    /// As [`FittedMap::new`], of a map that may be finer than the image, and where something knows
-    /// better than its cells where edges are: given a point of a border, a unit normal there from left
-    /// to right, and the labels left and right, `edge` gives the distance of the edge along the
-    /// normal, all in pixels.
-    pub fn with_edges(
+    /// As [`FittedMap::new`], for a map that may be finer than the image, with sub-pixel edges.
+    /// `edge(point, normal, left, right)` gives the distance in pixels from a point of the border to the
+    /// image's edge along `normal`, a unit vector from the label `left` to the label `right`.
+    pub(crate) fn with_edges(
         map: PlanarMap,
         scale: Scale,
         count: usize,
@@ -77,7 +76,7 @@ impl FittedMap {
         let edge = |at: Point, normal, left, right| {
             edge((at.to_vec2() / cells).to_point(), normal, left, right) * cells
         };
-        let Samples { rough, calm, moved } = Samples::new(&map, &junctions, cells, soft, edge);
+        let Samples { midpoints, smoothed, refined } = Samples::new(&map, &junctions, cells, soft, edge);
         let indices: Vec<usize> = (0..map.arcs.len()).collect();
         let fit = |i: usize, level: usize| {
             let arc = &map.arcs[i];
@@ -85,16 +84,16 @@ impl FittedMap {
                 return along_border(map.points_of(arc), cells);
             }
             let Some(&(share, on_edges)) = FITS.get(level) else {
-                return polyline(&rough[i], arc.closed, cells);
+                return polyline(&midpoints[i], arc.closed, cells);
             };
-            let samples = if on_edges { &moved } else { &calm };
+            let samples = if on_edges { &refined } else { &smoothed };
             let ends = junctions.tangents(samples, i);
             let scale = Scale { tolerance: scale.tolerance * share, cells };
             fit_arc(&samples[i], arc.closed, !soft(arc), ends, scale)
         };
         let mut arcs = parallel::map(&indices, |&i| fit(i, 0));
         let mut level = vec![0usize; arcs.len()];
-        // Tighten what crosses itself until nothing does; levels only rise, so this ends.
+        // Tighten crossing arcs until none is left. Levels only rise, so this terminates.
         let mut faces: Vec<Vec<Ring>> = map.rings(count, |l| l);
         faces.extend(map.rings(groups, &group));
         let mut suspects: Vec<usize> = (0..faces.len()).filter(|&f| !faces[f].is_empty()).collect();
@@ -124,16 +123,20 @@ impl FittedMap {
         Self { map, arcs }
     }
 
-    /// The outlines of keys 0 to `count` (0 is empty), where `key` joins labels.
-    pub fn outlines(&self, count: usize, key: impl Fn(u32) -> u32) -> Vec<Outline> {
+    /// The outlines of the faces 0 to `count`, where `key` maps labels to faces. Outline 0 is empty.
+    pub(crate) fn outlines(&self, count: usize, key: impl Fn(u32) -> u32) -> Vec<Outline> {
         let rings = self.map.rings(count, key);
         parallel::map(&rings, |face| outline(path_of(face, |h| (&self.arcs[h.arc as usize], h.reversed))))
     }
 
-    /// The outlines of labels 0 to `count` (0 is empty) for painting one after the other:
-    /// the outline reaches `beneath(own, other)` pixels beneath each neighbour, where that is not 0, so
-    /// that no background shows through the joint.
-    pub fn stacked_outlines(&self, count: usize, beneath: impl Fn(u32, u32) -> f64 + Sync) -> Vec<Outline> {
+    /// The outlines of labels 0 to `count` for painting one over another. Outline 0 is empty. Where
+    /// `underlap(own, other)` is above 0, the outline extends that many pixels underneath the neighbour
+    /// `other`, which hides hairlines of background along the joint.
+    pub(crate) fn stacked_outlines(
+        &self,
+        count: usize,
+        underlap: impl Fn(u32, u32) -> f64 + Sync,
+    ) -> Vec<Outline> {
         let rings = self.map.rings(count, |l| l);
         let labels: Vec<usize> = (0..rings.len()).collect();
         parallel::map(&labels, |&label| {
@@ -142,7 +145,7 @@ impl FittedMap {
             for h in face.iter().flatten() {
                 let arc = &self.map.arcs[h.arc as usize];
                 let other = if h.reversed { arc.right } else { arc.left };
-                let reach = if other == OUTSIDE || other == 0 { 0.0 } else { beneath(label as u32, other) };
+                let reach = if other == OUTSIDE || other == 0 { 0.0 } else { underlap(label as u32, other) };
                 if reach > 0.0 {
                     let side = if h.reversed { 1.0 } else { -1.0 };
                     widened.insert(h.arc, beside(&self.arcs[h.arc as usize], arc.closed, side * reach));
@@ -154,7 +157,7 @@ impl FittedMap {
             }
             let path =
                 path_of(face, |h| (widened.get(&h.arc).unwrap_or(&self.arcs[h.arc as usize]), h.reversed));
-            // Reaching beneath a thin neighbour may cross the far side: then the joint stays bare.
+            // Extending underneath a thin neighbour may cross its far side; then the outline is not extended.
             let wide = outline(path);
             if wide.area() >= bare.area() && is_simple(wide.path()) { wide } else { bare }
         })
@@ -165,7 +168,7 @@ fn outline(path: BezPath) -> Outline {
     Outline::new(&path).unwrap_or_default()
 }
 
-/// The arcs of a face that cross one another.
+/// Indices of the arcs of a face that cross one another.
 fn crossing_arcs(face: &[Ring], arcs: &[Curve]) -> Vec<usize> {
     let path = path_of(face, |h| (&arcs[h.arc as usize], h.reversed));
     let crossing = crossing_elements(&path);
@@ -184,7 +187,7 @@ fn crossing_arcs(face: &[Ring], arcs: &[Curve]) -> Vec<usize> {
     crossing.into_iter().map(|element| arc_of_element[element] as usize).collect()
 }
 
-/// The closed path of a face.
+/// The closed path around a face.
 fn path_of<'a>(face: &[Ring], curve: impl Fn(&HalfArc) -> (&'a Curve, bool)) -> BezPath {
     let mut path = BezPath::new();
     for ring in face {
@@ -219,7 +222,8 @@ fn append_reversed(path: &mut BezPath, c: &Curve) {
     }
 }
 
-/// A point of the map in pixels, on the grid of outlines, so that both sides of an arc round alike.
+/// Converts a point of the map to pixels and rounds it to the outlines' grid. Both sides of an arc
+/// round alike.
 fn grid(p: Point, cells: f64) -> Point {
     Point::new(libm::round(p.x / cells / STEP) * STEP, libm::round(p.y / cells / STEP) * STEP)
 }
@@ -241,7 +245,7 @@ fn fit_arc(points: &[Point], closed: bool, sharp: bool, ends: [Option<Vec2>; 2],
     Curve { start: grid(start, scale.cells), pieces: pieces.collect() }
 }
 
-/// The border of the image, exactly: straight, with its corners.
+/// The exact curve along the image border: straight lines with corners.
 fn along_border(lattice: &[[i32; 2]], cells: f64) -> Curve {
     let point = |p: [i32; 2]| grid(Point::new(f64::from(p[0]), f64::from(p[1])), cells);
     let turns = lattice.windows(3).filter(|w| w[0][0] != w[2][0] && w[0][1] != w[2][1]).map(|w| w[1]);
@@ -254,13 +258,13 @@ fn polyline(points: &[Point], closed: bool, cells: f64) -> Curve {
     Curve { start: grid(points[0], cells), pieces: rest.map(|&p| Piece::Line(grid(p, cells))).collect() }
 }
 
-/// The curve moved sideways by a little (to the right for positive `distance`), the ends of an open one
-/// kept: each joint along the normal there, handles with their joints. A line between fixed ends bows.
+/// Offsets a curve by a small `distance` (positive to the right). The ends of an open curve stay. Each
+/// joint moves along its normal, handles move with their joints. A line between fixed ends bows.
 fn beside(curve: &Curve, closed: bool, distance: f64) -> Curve {
     let joint = |i: usize| if i == 0 { curve.start } else { curve.pieces[i - 1].end() };
     let count = curve.pieces.len();
     let unit = |v: Vec2| v / libm::sqrt(v.hypot2()).max(1e-9);
-    // Directions in which a piece begins and ends; a handle may lie on its joint.
+    // Directions at both ends of a segment; a handle may coincide with its joint.
     let way = |i: usize| match curve.pieces[i] {
         Piece::Cubic(a, b, p) => [joint(i), a, b, p],
         Piece::Line(p) => [joint(i), p, joint(i), p],
@@ -274,8 +278,8 @@ fn beside(curve: &Curve, closed: bool, distance: f64) -> Curve {
         unit(to - rest.into_iter().rev().find(|q| *q != to).unwrap_or(to))
     };
     let fixed = |i: usize| !closed && (i == 0 || i == count);
-    // How far handles at a joint move; halfway between two fixed ends a curve moves by three quarters of
-    // what its handles do.
+    // Displacement of the handles at each joint. Between two fixed ends, a curve moves at its middle by
+    // three quarters of its handles' displacement.
     let moves: Vec<Vec2> = (0..=count)
         .map(|i| {
             let along = match i {
@@ -346,7 +350,7 @@ mod tests {
             cells in 1..4u32,
         ) {
             let group = |l: u32| l.div_ceil(2);
-            // Edges of an image as rough as can be: every point is drawn somewhere else.
+            // Extremely rough image edges: every point is displaced differently.
             let edge = |at: Point, _: Vec2, left: u32, right: u32| {
                 unrest * libm::sin(at.x * 12.9 + at.y * 78.2 + f64::from(left * 7 + right))
             };
@@ -366,12 +370,12 @@ mod tests {
             for outline in &groups {
                 prop_assert!(is_simple(outline.path()));
             }
-            // What is shared cancels: parts add up to the whole to rounding.
+            // Shared borders cancel: parts add up to the whole up to rounding.
             for g in 1..=3u32 {
                 let parts: f64 = (1..=5).filter(|&l| group(l) == g).map(|l| outlines[l as usize].path().area()).sum();
                 prop_assert!((parts - groups[g as usize].path().area()).abs() < 1e-6);
             }
-            // The whole image is tiled: every face beside the image border has its straight edge.
+            // The image is tiled: every face at the image border has a straight edge there.
             let all = fitted.outlines(1, |_| 1);
             prop_assert!((all[1].path().area() * scale.cells * scale.cells - f64::from(w * h)).abs() < 1e-6);
         }

@@ -16,13 +16,13 @@ mod simple;
 mod trace;
 
 pub use cage::Cage;
-pub use fitted_map::{FittedMap, Scale};
+pub(crate) use fitted_map::{FittedMap, Scale};
 pub use kurbo::{Affine, BezPath, PathEl, Point, Rect, Vec2};
 pub use outline::{Outline, STEP};
 pub use path_text::{PathText, parse_path, write_path};
-pub use periodic::{NearPoints, shortest_way, wrapped};
+pub(crate) use periodic::{NearPoints, shortest_offset, wrapped};
 pub(crate) use polygon::edges;
-pub use region::Region;
-pub use second_moments::SecondMoments;
+pub(crate) use region::Region;
+pub(crate) use second_moments::SecondMoments;
 pub use simple::is_simple;
-pub use trace::{Arc, HalfArc, OUTSIDE, PlanarMap, Ring};
+pub(crate) use trace::{OUTSIDE, PlanarMap};

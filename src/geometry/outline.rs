@@ -5,18 +5,19 @@ use kurbo::{Affine, BezPath, PathEl, Point, Rect, Shape};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Outlines are kept on a grid of this step, in pixels, so that text holds them exactly.
+/// Grid step of outlines' coordinates, in pixels. Two decimals in text are exact.
 pub const STEP: f64 = 0.01;
 
-/// Closed rings of lines and cubic Béziers. The first ring of a connected shape runs clockwise on
-/// the screen (x right, y down), its holes run the other way, so both fill rules fill it alike.
-/// Coordinates are multiples of [`STEP`]. In JSON and SVG: path data with relative commands.
+/// A shape: closed rings of lines and cubic Béziers. The outer ring of a connected shape runs
+/// clockwise on the screen (x right, y down) and its holes run the other way, so both fill rules fill
+/// it alike. Coordinates are multiples of [`STEP`] pixels. In JSON it is SVG path data with relative
+/// commands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline(BezPath);
 
 impl Outline {
-    /// From a path of closed rings; quadratic curves become cubic, points move to the grid,
-    /// open ends are closed. `None` if a coordinate is not finite or beyond ±10⁷ pixels.
+    /// Converts a path: quadratic curves become cubic, coordinates are rounded to the grid, and open
+    /// rings are closed. `None` if a coordinate is not finite or beyond ±10⁷ pixels.
     pub fn new(path: &BezPath) -> Option<Self> {
         let snap = |p: Point| {
             let fine = p.x.abs() < 1e7 && p.y.abs() < 1e7; // false for NaN
@@ -29,7 +30,7 @@ impl Outline {
             if open && !draws {
                 out.close_path();
             } else if draws && !open {
-                // What goes on after closing begins where that began.
+                // Elements after a close continue from the ring's start.
                 out.move_to(snap(start)?);
             }
             match *element {
@@ -59,17 +60,17 @@ impl Outline {
         Some(Self(out))
     }
 
-    /// The path.
+    /// The outline as a `kurbo` path.
     pub fn path(&self) -> &BezPath {
         &self.0
     }
 
-    /// Whether there is no ring.
+    /// Whether the outline has no ring.
     pub fn is_empty(&self) -> bool {
         self.0.elements().is_empty()
     }
 
-    /// Area inside, holes left out, in pixels².
+    /// Enclosed area without holes, in pixels².
     pub fn area(&self) -> f64 {
         self.0.area().abs()
     }
@@ -79,7 +80,7 @@ impl Outline {
         self.0.bounding_box()
     }
 
-    /// Bounding box after a move.
+    /// Bounding box of the transformed outline.
     pub fn bounds_after(&self, affine: Affine) -> Rect {
         (affine * &self.0).bounding_box()
     }
@@ -89,7 +90,7 @@ impl Outline {
         self.0.perimeter(1e-2)
     }
 
-    /// Polsby–Popper compactness of the outer shape: 4π · area / perimeter², 1 for a disc.
+    /// Polsby–Popper compactness, 4π · area / perimeter²: 1 for a disc, less otherwise, 0 if empty.
     pub fn compactness(&self) -> f64 {
         let perimeter = self.perimeter();
         if perimeter > 0.0 {
@@ -100,13 +101,13 @@ impl Outline {
     }
 }
 
-/// Where the last element of a path ends.
+/// The end point of a path's last element.
 fn end_of(path: &BezPath) -> Option<Point> {
     path.elements().last().and_then(PathEl::end_point)
 }
 
 impl std::fmt::Display for Outline {
-    /// The path data, exact.
+    /// Writes the path data, without loss.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&write_path(&self.0, path_text::STORED))
     }

@@ -2,18 +2,18 @@
 
 use kurbo::{BezPath, PathEl, Point};
 
-/// How path data is written.
+/// Format of written path data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathText {
     /// Digits after the decimal point, 0 to 6.
     pub precision: u8,
 }
 
-/// As outlines are stored: multiples of [`super::STEP`].
+/// Format of stored outlines: two decimals, the resolution of [`super::STEP`].
 pub(super) const STORED: PathText = PathText { precision: 2 };
 
-/// Path data in its shortest form: relative commands, no redundant separators, rounded to a grid
-/// so that rounding errors never add up along a ring.
+/// Writes path data in its shortest form: relative commands, no redundant separators. Coordinates
+/// are rounded to a grid, so rounding errors never accumulate along a ring.
 pub fn write_path(path: &BezPath, style: PathText) -> String {
     let scale = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6][usize::from(style.precision.min(6))];
     let grid = |p: Point| (libm::round(p.x * scale) as i64, libm::round(p.y * scale) as i64);
@@ -78,11 +78,11 @@ pub fn write_path(path: &BezPath, style: PathText) -> String {
 struct Writer {
     out: String,
     precision: u8,
-    /// The command in force, so that repeats need no letter.
+    /// The current command; repeated commands need no letter.
     command: u8,
     /// Whether the next number may follow without a separator.
     tight: bool,
-    /// Whether the number before has a decimal point, so that another point begins a new one.
+    /// Whether the previous number has a decimal point, so that another point starts a new number.
     dotted: bool,
 }
 
@@ -100,7 +100,7 @@ impl Writer {
         self.number(to.1 - from.1);
     }
 
-    /// A number in units of 10^-precision.
+    /// Writes a number given in units of 10^-precision.
     fn number(&mut self, units: i64) {
         use std::fmt::Write;
         let scale = 10i64.pow(u32::from(self.precision));
@@ -125,11 +125,11 @@ impl Writer {
     }
 }
 
-/// Reads path data of the commands M, L, H, V, C and Z, absolute or relative.
+/// Parses path data with the commands M, L, H, V, C and Z, absolute or relative.
 ///
 /// # Errors
-/// What is wrong and at which byte: another command, a number missing or not finite, data that
-/// does not begin with a moveto.
+/// A message with the byte offset: an unknown command, a missing or non-finite number, or data that
+/// does not start with a moveto.
 pub fn parse_path(text: &str) -> Result<BezPath, String> {
     let mut r = Reader { bytes: text.as_bytes(), at: 0 };
     let mut path = BezPath::new();

@@ -1,43 +1,42 @@
-//! Places where the plane may repeat: wrapped coordinates, shortest ways, and points sorted into cells
-//! to find those near a place.
+//! Coordinates on a plane that may repeat: wrapping, shortest offsets, and a spatial index of points.
 
 use super::{Point, Vec2};
 
-/// A coordinate moved by whole periods to 0 or above, below the period; itself where nothing repeats.
-pub fn wrapped(v: f64, period: Option<f64>) -> f64 {
+/// A coordinate wrapped to `0..period`; unchanged if `period` is `None`.
+pub(crate) fn wrapped(v: f64, period: Option<f64>) -> f64 {
     let Some(period) = period else { return v };
     let v = v.rem_euclid(period);
-    // A small negative number may come out as the period itself.
+    // A small negative number may round up to the period itself.
     if v < period { v } else { 0.0 }
 }
 
-/// The way from a point to the nearest copy of another, given the lengths after which the plane
-/// repeats along x and y.
-pub fn shortest_way(from: Point, to: Point, periods: [Option<f64>; 2]) -> Vec2 {
-    let along = |way: f64, period: Option<f64>| period.map_or(way, |p| way - libm::round(way / p) * p);
+/// Offset from a point to the nearest copy of another. `periods` are the plane's periods along x and
+/// y, `None` where it does not repeat.
+pub(crate) fn shortest_offset(from: Point, to: Point, periods: [Option<f64>; 2]) -> Vec2 {
+    let along = |v: f64, period: Option<f64>| period.map_or(v, |p| v - libm::round(v / p) * p);
     Vec2::new(along(to.x - from.x, periods[0]), along(to.y - from.y, periods[1]))
 }
 
-/// Points sorted into cells.
+/// A spatial index of points: a uniform grid, periodic where the plane is.
 #[derive(Clone, Debug)]
-pub struct NearPoints {
-    /// Sides of a cell and their number, along x and y.
+pub(crate) struct NearPoints {
+    /// Width and height of a cell, and number of columns and rows.
     side: [f64; 2],
     count: [i64; 2],
     origin: [f64; 2],
     periodic: [bool; 2],
-    /// Indices of the points by cell, and where each cell's begin.
+    /// Indices of the points sorted by cell, and where each cell begins.
     order: Vec<u32>,
     starts: Vec<u32>,
 }
 
 impl NearPoints {
-    /// Most cells along an axis.
+    /// Largest number of cells along an axis.
     const MOST: f64 = 2048.0;
 
-    /// Cells such that all points within `reach` of a place lie in the nine around it. `reach` is
-    /// above 0, points are finite.
-    pub fn new(points: &[Point], periods: [Option<f64>; 2], reach: f64) -> Self {
+    /// Indexes finite points for queries within `reach` (above 0, in the units of the points). `periods`
+    /// are the plane's periods along x and y, `None` where it does not repeat.
+    pub(crate) fn new(points: &[Point], periods: [Option<f64>; 2], reach: f64) -> Self {
         let axis = |period: Option<f64>, at: &dyn Fn(&Point) -> f64| {
             let low = points.iter().map(at).fold(f64::INFINITY, f64::min);
             let high = points.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
@@ -69,9 +68,9 @@ impl NearPoints {
         near
     }
 
-    /// Hands over the indices of all points in the cells around a place, each once, always in the same
-    /// order. Some lie further away than the reach.
-    pub fn each(&self, at: Point, mut f: impl FnMut(usize)) {
+    /// Calls `f` with the indices of all points within `reach` of `at`, and of some further away. Each
+    /// is given once, in a deterministic order.
+    pub(crate) fn each(&self, at: Point, mut f: impl FnMut(usize)) {
         let [x, y] = self.cell(at);
         for row in self.around(y, 1) {
             for column in self.around(x, 0) {
@@ -82,7 +81,7 @@ impl NearPoints {
         }
     }
 
-    /// Column and row of a place; of the outermost cells where it lies outside.
+    /// Column and row of a point, clamped to the grid.
     fn cell(&self, p: Point) -> [i64; 2] {
         let along = |v: f64, k: usize| {
             let cell = libm::floor((v - self.origin[k]) / self.side[k]) as i64;
@@ -95,7 +94,7 @@ impl NearPoints {
         (row * self.count[0] + column) as usize
     }
 
-    /// A cell along an axis and those beside it, each once.
+    /// A column or row and its neighbours, each once.
     fn around(&self, cell: i64, axis: usize) -> impl Iterator<Item = i64> {
         let count = self.count[axis];
         let (first, end) = if self.periodic[axis] {
@@ -135,7 +134,7 @@ mod tests {
                 let mut found = Vec::new();
                 near.each(p, |i| found.push(i));
                 let wanted = (0..points.len()).filter(|&i| {
-                    let Vec2 { x, y } = shortest_way(p, points[i], periods);
+                    let Vec2 { x, y } = shortest_offset(p, points[i], periods);
                     libm::hypot(x, y) < reach
                 });
                 prop_assert!(wanted.clone().all(|i| found.contains(&i)));

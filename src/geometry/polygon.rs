@@ -1,23 +1,23 @@
-//! Outlines as polygons, and smooth outlines along polygons.
+//! Conversion of outlines to polygons, and of polygons to smooth outlines.
 
 use super::Outline;
 use super::fit::fit_closed;
 use super::refit::closed;
 use kurbo::{BezPath, PathEl, Point, flatten};
 
-/// Points on either side of a corner.
+/// Points to each side over which a turn counts as a corner.
 const CORNER: usize = 4;
 
 impl Outline {
-    /// Its rings as closed polygons within `tolerance` pixels, the first point not repeated at the
-    /// end. What has fewer than three points is left out.
+    /// Flattens the rings to closed polygons within `tolerance` pixels, the first point not repeated at
+    /// the end. Rings of fewer than three points are dropped.
     pub fn polygons(&self, tolerance: f64) -> Vec<Vec<Point>> {
         polygons(self.path().elements().iter().copied(), tolerance)
     }
 
-    /// Curves along closed polygons, within `tolerance` pixels of their points, which must lie close:
-    /// between points far apart the curve is free. Corners stay. What has fewer than three points is
-    /// left out. `None` if a coordinate is out of range.
+    /// Fits smooth closed curves to polygons, within `tolerance` pixels of their points. Points must be
+    /// dense: between distant points the curve is unconstrained. Corners stay. Polygons of fewer than
+    /// three points are dropped. `None` if a coordinate is out of range.
     pub fn along(polygons: &[Vec<Point>], tolerance: f64) -> Option<Self> {
         let mut path = BezPath::new();
         for polygon in polygons.iter().filter(|p| p.len() >= 3) {
@@ -54,7 +54,7 @@ fn polygons(path: impl IntoIterator<Item = PathEl>, tolerance: f64) -> Vec<Vec<P
     rings
 }
 
-/// The edges of the polygons within `tolerance` that the rings of a path nearly are, ring by ring.
+/// The edges of a path flattened within `tolerance`, ring by ring.
 pub(crate) fn edges(path: impl IntoIterator<Item = PathEl>, tolerance: f64) -> Vec<[Point; 2]> {
     let rings = polygons(path, tolerance);
     rings.iter().flat_map(|r| (0..r.len()).map(|i| [r[i], r[(i + 1) % r.len()]])).collect()
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
     use crate::geometry::parse_path;
 
-    /// A polygon with eight points on every edge.
+    /// The polygon with eight points on every edge.
     fn points_between(polygon: &[Point]) -> Vec<Point> {
         let edges = (0..polygon.len()).map(|i| (polygon[i], polygon[(i + 1) % polygon.len()]));
         edges.flat_map(|(a, b)| (0..8).map(move |k| a.lerp(b, f64::from(k) / 8.0))).collect()

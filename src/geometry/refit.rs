@@ -1,48 +1,49 @@
-//! Outlines drawn again with fewer pieces.
+//! Simplification of outlines: redraws them with fewer segments.
 //!
-//! Each ring is sampled and fitted anew, in several ways: with its corners kept, smooth all round,
-//! and as a polygon. The shortest that crosses nothing and keeps its area is taken.
+//! Each ring is sampled and fitted in several ways: with its corners kept, smooth all round, and as a
+//! polygon. The shortest that does not cross itself and keeps its area is taken.
 //!
-//! Works badly where outlines share borders: each is fitted on its own, so two sides of a border
-//! may part by the tolerance on either side.
+//! Works badly for outlines that share borders: each is fitted on its own, so the two sides of a
+//! border may deviate by the tolerance in opposite directions.
 
 use super::fit::{Piece, fit_closed, fit_open};
 use super::{Outline, PathText, is_simple, write_path};
 use kurbo::{BezPath, ParamCurve, ParamCurveDeriv, PathEl, PathSeg, Point, Shape, Vec2};
 
-/// Distance of samples, in pixels.
+/// Distance between samples, in pixels.
 const SAMPLE: f64 = 0.4;
-/// Most samples of one segment.
+/// Largest number of samples on a segment.
 const MOST_SAMPLES: f64 = 500.0;
-/// Cosine of the turn from which on a joint of segments is a corner: 40°.
+/// Cosine of the smallest turn (40°) at which a joint of segments is a corner.
 const CORNER: f64 = 0.77;
-/// The tolerance is at most this share of the side of a square as large: specks stay what they are.
+/// Upper bound of the tolerance, as a share of the square root of the shape's area. It preserves
+/// specks.
 const SHARE: f64 = 0.15;
-/// By how much the area may change, as a share.
+/// Largest permitted change in area, as a share.
 const AREA: f64 = 0.2;
 
 impl Outline {
-    /// The outline drawn with as little text as a distance of `tolerance` pixels allows, at
-    /// `decimals` digits after the decimal point. Itself where nothing shorter is found.
+    /// Simplifies the outline within `tolerance` pixels for the shortest path data with `decimals` digits
+    /// after the decimal point. Returns it unchanged if no shorter one is found.
     pub fn refitted(&self, tolerance: f64, decimals: u8) -> Self {
         let style = PathText { precision: decimals };
         let length = |path: &BezPath| write_path(path, style).len();
         let area = self.area();
         let rings: Vec<Ring> = rings(self.path()).into_iter().filter_map(|r| Ring::new(&r)).collect();
         let mut tolerance = tolerance.min(SHARE * libm::sqrt(area));
-        // A finer fit where the coarse one is none: thin blades cross themselves when they are bent.
+        // Halve the tolerance if no fit is valid: thin blades cross themselves when bent.
         for _ in 0..3 {
             let mut path = BezPath::new();
             for ring in &rings {
                 let fits = ring.fits(tolerance).into_iter().filter(is_simple);
-                // Ties go to the first, which keeps corners.
+                // Ties go to the first fit, which keeps corners.
                 if let Some(best) = fits.min_by_key(length) {
                     path.extend(best);
                 }
             }
             let kept = (path.area().abs() - area).abs() <= AREA * area;
             let shorter = kept && length(&path) < length(self.path());
-            // Rounding to the grid of outlines may make a path cross itself.
+            // Rounding to the grid may make a path cross itself.
             let outline = shorter.then(|| Self::new(&path)).flatten();
             if let Some(outline) = outline.filter(|o| is_simple(o.path())) {
                 return outline;
@@ -57,7 +58,7 @@ impl Outline {
 fn rings(path: &BezPath) -> Vec<Vec<PathSeg>> {
     let mut rings: Vec<Vec<PathSeg>> = Vec::new();
     let mut segments = path.segments();
-    // A segment for each element but the moves; closing has one only if there is a way to go.
+    // One segment per element except moves; closing adds one only if its length is not 0.
     for element in path.elements() {
         match element {
             PathEl::MoveTo(_) => rings.push(Vec::new()),
@@ -79,16 +80,16 @@ fn rings(path: &BezPath) -> Vec<Vec<PathSeg>> {
     rings
 }
 
-/// A ring as samples.
+/// A sampled ring.
 struct Ring {
-    /// The first is not repeated at the end.
+    /// Samples, the first not repeated at the end.
     points: Vec<Point>,
-    /// Which of them are corners, ascending.
+    /// Indices of the samples that are corners, ascending.
     corners: Vec<usize>,
 }
 
 impl Ring {
-    /// None if there is nothing of it.
+    /// `None` if the ring is degenerate.
     fn new(segments: &[PathSeg]) -> Option<Self> {
         let segments: Vec<&PathSeg> = segments.iter().filter(|s| s.start() != s.end()).collect();
         let n = segments.len();
@@ -105,7 +106,7 @@ impl Ring {
         (points.len() >= 3).then_some(Self { points, corners })
     }
 
-    /// Closed paths within `tolerance` of the ring, those first that are most like it.
+    /// Closed paths within `tolerance` of the ring, the most faithful first.
     fn fits(&self, tolerance: f64) -> Vec<BezPath> {
         let mut fits = vec![self.with_corners(tolerance)];
         if !self.corners.is_empty() {
@@ -131,13 +132,13 @@ impl Ring {
         closed(self.points[first], &pieces)
     }
 
-    /// Straight lines between as few of the samples as will do (Douglas and Peucker 1973).
+    /// Polygon through a subset of the samples (Douglas and Peucker 1973).
     fn polygon(&self, tolerance: f64) -> BezPath {
         let n = self.points.len();
         let first = self.corners.first().copied().unwrap_or(0);
         let turned: Vec<Point> = (0..=n).map(|k| self.points[(first + k) % n]).collect();
         let far = |k: &usize| (turned[*k] - turned[0]).hypot2();
-        // The later of two that are as far.
+        // Of two equally distant samples, the later one.
         let middle = (1..n).max_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(n / 2);
         let mut kept = vec![0];
         let mut spans = vec![(middle, n), (0, middle)];
@@ -151,7 +152,7 @@ impl Ring {
         }
         let mut path = BezPath::new();
         path.move_to(turned[0]);
-        // The last is the first again.
+        // The last sample repeats the first.
         kept[1..kept.len() - 1].iter().for_each(|&k| path.line_to(turned[k]));
         path.close_path();
         path
@@ -164,7 +165,7 @@ pub(super) fn closed(start: Point, pieces: &[Piece]) -> BezPath {
     path.move_to(start);
     for (i, piece) in pieces.iter().enumerate() {
         match *piece {
-            // Closing draws it.
+            // Closing the path draws it.
             Piece::Line(_) if i + 1 == pieces.len() => {}
             Piece::Line(p) => path.line_to(p),
             Piece::Cubic(a, b, p) => path.curve_to(a, b, p),
@@ -174,16 +175,16 @@ pub(super) fn closed(start: Point, pieces: &[Piece]) -> BezPath {
     path
 }
 
-/// Unit direction of a segment at one of its ends; zero where there is none.
+/// Unit direction of a segment at one of its ends; zero if degenerate.
 fn direction(segment: &PathSeg, t: f64) -> Vec2 {
     let cubic = segment.to_cubic();
     let slope = cubic.deriv().eval(t).to_vec2();
-    // A handle of no length: the direction is that of the points beyond it.
+    // With a handle of zero length, the direction is that of the chord.
     let slope = if slope.hypot2() > 1e-12 { slope } else { cubic.p3 - cubic.p0 };
     slope / libm::sqrt(slope.hypot2()).max(1e-12)
 }
 
-/// Length of a segment along its control points, at least as long as the segment.
+/// Length of a segment's control polygon, an upper bound of its arc length.
 fn chords(segment: &PathSeg) -> f64 {
     let length = |v: Vec2| libm::sqrt(v.hypot2());
     match segment {
@@ -211,7 +212,7 @@ mod tests {
         Outline::new(&parse_path(text).unwrap()).unwrap()
     }
 
-    /// Largest distance of samples of one outline to those of another, in pixels.
+    /// Largest distance of one outline's samples from another's, in pixels.
     fn distance(a: &Outline, b: &Outline) -> f64 {
         let samples = |o: &Outline| -> Vec<Point> {
             let all = rings(o.path()).into_iter().flatten();

@@ -1,27 +1,27 @@
-//! Size, place, direction and slenderness of a shape: its moments up to the second.
+//! Area, centroid, orientation and elongation of a shape from its moments up to the second.
 
 use super::Outline;
 use super::polygon::edges;
 use kurbo::{Affine, Point};
 
-/// How far the polygon that is measured may lie from the curve, in pixels.
+/// Largest distance between the curve and the polygon that replaces it, in pixels.
 const TOLERANCE: f64 = 0.05;
 
-/// The moments of the inside of an outline, holes left out.
+/// Moments of an outline's interior, without its holes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SecondMoments {
+pub(crate) struct SecondMoments {
     /// Area, in pixels².
     pub area: f64,
-    /// Centre of gravity.
+    /// Centroid, in pixels.
     pub centroid: Point,
     /// Mean of x², xy and y² about the centroid, in pixels².
     pub covariance: [f64; 3],
 }
 
 impl SecondMoments {
-    /// Of an outline; all zero where it encloses nothing.
-    pub fn new(outline: &Outline) -> Self {
-        // Green's theorem: sums over the edges of a polygon, about a point near it.
+    /// Moments of an outline; all zero if its area is.
+    pub(crate) fn new(outline: &Outline) -> Self {
+        // Green's theorem: sums over polygon edges, relative to a nearby origin.
         let origin = outline.bounds().center();
         let mut sums = [0.0; 6];
         for edge in edges(outline.path().iter(), TOLERANCE) {
@@ -47,8 +47,8 @@ impl SecondMoments {
         Self { area: doubled.abs() / 2.0, centroid: Point::new(origin.x + cx, origin.y + cy), covariance }
     }
 
-    /// Of the moved shape.
-    pub fn moved(&self, affine: Affine) -> Self {
+    /// Moments of the transformed shape.
+    pub(crate) fn moved(&self, affine: Affine) -> Self {
         let [a, b, c, d, ..] = affine.as_coeffs();
         let [xx, xy, yy] = self.covariance;
         Self {
@@ -62,14 +62,14 @@ impl SecondMoments {
         }
     }
 
-    /// Direction of the longer axis, in radians from x towards y, above -π/2 and at most π/2.
-    pub fn angle(&self) -> f64 {
+    /// Direction of the major axis, in radians from x towards y, above -π/2 and at most π/2.
+    pub(crate) fn angle(&self) -> f64 {
         let [xx, xy, yy] = self.covariance;
         libm::atan2(2.0 * xy, xx - yy) / 2.0
     }
 
-    /// How much longer the longer axis is than the other: 1 for a disc or a square.
-    pub fn elongation(&self) -> f64 {
+    /// Ratio of the major to the minor axis: 1 for a disc or a square.
+    pub(crate) fn elongation(&self) -> f64 {
         let [xx, xy, yy] = self.covariance;
         let (half, difference) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
         let root = libm::sqrt(difference * difference + xy * xy);

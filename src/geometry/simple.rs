@@ -1,13 +1,13 @@
-//! Whether the rings of a path cross themselves or one another.
+//! Tests whether a path's rings cross themselves or one another.
 
 use kurbo::{BezPath, PathEl, Point, flatten};
 
-/// Whether no two edges of the flattened path cross properly. Rings may touch at points.
+/// Whether no two edges of the flattened path properly cross. Rings may touch at points.
 pub fn is_simple(path: &BezPath) -> bool {
     crossing(path, |_, _| false)
 }
 
-/// Indices of the elements of a path whose flattened edges cross, each once.
+/// Indices of the elements whose flattened edges cross others, each once.
 pub(super) fn crossing_elements(path: &BezPath) -> Vec<usize> {
     let mut found = Vec::new();
     crossing(path, |a, b| {
@@ -19,11 +19,10 @@ pub(super) fn crossing_elements(path: &BezPath) -> Vec<usize> {
     found
 }
 
-/// Calls `meet` for pairs of elements that cross, as long as it answers true; whether it never
-/// answered false.
+/// Calls `meet` for pairs of crossing elements until it returns `false`. Returns whether it never did.
 fn crossing(path: &BezPath, mut meet: impl FnMut(usize, usize) -> bool) -> bool {
     let edges = edges(path);
-    // Sweep along x: only edges whose intervals overlap are compared.
+    // Sweep along x: only edges whose x intervals overlap are compared.
     for (i, (a, own)) in edges.iter().enumerate() {
         let end = right(a);
         for (b, other) in &edges[i + 1..] {
@@ -74,12 +73,12 @@ fn right(e: &[Point; 2]) -> f64 {
     e[0].x.max(e[1].x)
 }
 
-/// Whether two edges cross at a point inside both.
+/// Whether two edges cross at an interior point of both.
 fn cross(a: &[Point; 2], b: &[Point; 2]) -> bool {
     let side = |e: &[Point; 2], p: Point| (e[1] - e[0]).cross(p - e[0]);
     let (s, t) = (side(a, b[0]), side(a, b[1]));
     let (u, v) = (side(b, a[0]), side(b, a[1]));
-    // A hair's breadth of slack: curves that share an end may touch after rounding.
+    // Tolerance: curves with a common end may touch after rounding.
     let slack = 1e-9;
     (s > slack && t < -slack || s < -slack && t > slack)
         && (u > slack && v < -slack || u < -slack && v > slack)

@@ -1,67 +1,68 @@
-//! Contour tracing: a label map as a planar map of arcs on pixel cracks.
+//! Contour tracing: converts a label map to a planar map of arcs along pixel edges (cracks).
 //!
-//! Every border between two labels is traced once, from junction to junction, and both sides use
-//! it. Faces are 4-connected: pixels of one label that touch at a corner only are kept apart.
+//! Every border between two labels is traced once, from junction to junction, and shared by both
+//! sides. Faces are 4-connected: pixels of one label that touch only at a corner stay separate.
 
 use std::ops::Range;
 
 /// Label of everything outside the map.
-pub const OUTSIDE: u32 = u32::MAX;
+pub(crate) const OUTSIDE: u32 = u32::MAX;
 
-/// A border between two labels along pixel cracks.
+/// A border between two labels along pixel edges.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Arc {
-    /// Label on the left, walking from the first point to the last.
+pub(crate) struct Arc {
+    /// Label on the left in the direction of the points.
     pub left: u32,
     /// Label on the right.
     pub right: u32,
-    /// Lattice points, one step of one pixel apart. First and last are junctions, or equal in a
-    /// closed arc that meets no junction.
+    /// Range of its lattice points, one pixel apart. The first and the last are junctions, or equal in a
+    /// closed arc without junctions.
     pub points: Range<usize>,
     /// Whether the arc is a closed curve without junctions.
     pub closed: bool,
 }
 
-/// A label map as arcs between junctions.
+/// A label map as a planar map: arcs between junctions, which separate the labels. [`FittedMap`]
+/// turns it into smooth outlines.
+///
+/// [`FittedMap`]: super::FittedMap
 #[derive(Clone, Debug)]
-pub struct PlanarMap {
+pub(crate) struct PlanarMap {
     /// Width in pixels.
     pub width: u32,
-    /// Height in pixels.
-    pub height: u32,
     /// The arcs.
     pub arcs: Vec<Arc>,
     /// The lattice points of all arcs.
     pub points: Vec<[i32; 2]>,
 }
 
-/// An arc walked forwards or backwards.
+/// An arc with a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct HalfArc {
+pub(crate) struct HalfArc {
     /// Index of the arc.
     pub arc: u32,
-    /// Walked from its last point to its first.
+    /// Whether it is walked from its last point to its first.
     pub reversed: bool,
 }
 
 /// A closed chain of half arcs that keeps one face on its right.
-pub type Ring = Vec<HalfArc>;
+pub(crate) type Ring = Vec<HalfArc>;
 
 const STEPS: [[i32; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]]; // right, down, left, up
 
 impl PlanarMap {
-    /// Traces a map of `width * height` labels, row by row.
-    pub fn trace(width: u32, height: u32, labels: &[u32]) -> Self {
+    /// Traces a map of `width` × `height` labels, given row by row.
+    pub(crate) fn trace(width: u32, height: u32, labels: &[u32]) -> Self {
         let lattice = Lattice { width: width as usize, height: height as usize, labels };
         let columns = lattice.width + 1;
         let mut walker = Walker {
             lattice: &lattice,
             used: vec![0; columns * (lattice.height + 1)],
-            map: Self { width, height, arcs: Vec::new(), points: Vec::new() },
+            map: Self { width, arcs: Vec::new(), points: Vec::new() },
         };
         let count = columns * (lattice.height + 1);
         let cracks: Vec<u8> = (0..count).map(|v| lattice.cracks(v % columns, v / columns)).collect();
-        // First what starts at junctions, then the closed curves that are left.
+        // First the arcs that start at junctions, then the remaining closed curves.
         for junctions in [true, false] {
             for v in 0..count {
                 let degree = cracks[v].count_ones();
@@ -78,18 +79,18 @@ impl PlanarMap {
     }
 
     /// The lattice points of an arc.
-    pub fn points_of(&self, arc: &Arc) -> &[[i32; 2]] {
+    pub(crate) fn points_of(&self, arc: &Arc) -> &[[i32; 2]] {
         &self.points[arc.points.clone()]
     }
 
-    /// The rings around each key from 1 to `count`, where `key` joins labels to larger faces
-    /// (key 0 and [`OUTSIDE`] have no rings). Rings keep their face on the right, so outer rings run
-    /// clockwise on the screen; the ring of largest area comes first.
-    pub fn rings(&self, count: usize, key: impl Fn(u32) -> u32) -> Vec<Vec<Ring>> {
+    /// The rings around each face from 1 to `count`, where `key` maps labels to faces. Face 0 and
+    /// [`OUTSIDE`] have no rings. Rings keep their face on the right, so outer rings run clockwise on the
+    /// screen. The ring with the largest area comes first.
+    pub(crate) fn rings(&self, count: usize, key: impl Fn(u32) -> u32) -> Vec<Vec<Ring>> {
         let key = |label: u32| if label == OUTSIDE { 0 } else { key(label) };
         let columns = self.width as usize + 1;
         let vertex = |p: [i32; 2]| p[1] as usize * columns + p[0] as usize;
-        // Half arcs that leave a junction, by vertex and direction.
+        // Half arcs that leave each junction, by vertex and direction.
         let mut leaving = std::collections::HashMap::new(); // looked up only, never iterated
         let on_border = |arc: &Arc| key(arc.left) != key(arc.right);
         for (i, arc) in self.arcs.iter().enumerate() {
@@ -135,7 +136,7 @@ impl PlanarMap {
                     let n = p.len();
                     let (end, before) = if at.reversed { (p[0], p[1]) } else { (p[n - 1], p[n - 2]) };
                     let heading = direction(before, end);
-                    // Tightest turn towards the face first, so that corners do not connect.
+                    // Tightest turn towards the face first, so that faces are not connected through corners.
                     let next = [1, 0, 3].iter().find_map(|turn| {
                         let h = *leaving.get(&(vertex(end), (heading + turn) % 4))?;
                         (right_key(h) == face).then_some(h)
@@ -217,7 +218,7 @@ impl Lattice<'_> {
 
 struct Walker<'a> {
     lattice: &'a Lattice<'a>,
-    /// Directions already walked from each lattice point.
+    /// Directions already walked from each lattice point, one bit each.
     used: Vec<u8>,
     map: PlanarMap,
 }

@@ -1,24 +1,24 @@
-//! The cheapest assignment of rows to columns of a sparse table, where a row may stay without one.
+//! Minimum-cost assignment of rows to columns in a sparse cost table. Rows may stay unassigned.
 //!
-//! Shortest augmenting paths with potentials of the columns (Jonker and Volgenant 1987), each found
-//! by Dijkstra's method over the entries that there are. A search ends where it meets a free column,
-//! or where leaving a row without one is as cheap, so it stays local. The result is exact for the
-//! entries given. Costs are whole numbers, so nothing is rounded.
+//! Shortest augmenting paths with column potentials (Jonker and Volgenant 1987); each path is found by
+//! Dijkstra's algorithm over the existing entries. A search ends at a free column, or where leaving
+//! a row unassigned is as cheap, so it stays local. The result is exact for the entries given. Costs
+//! are integers, so there is no rounding.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The entries of a table, row by row.
+/// A sparse cost table, stored row by row.
 #[derive(Default)]
 pub(super) struct Table {
-    /// Entries of row i are those from `starts[i]` to `starts[i + 1]`.
+    /// The entries of row i are `starts[i]..starts[i + 1]`.
     starts: Vec<usize>,
     /// Column and cost, at least 0.
     entries: Vec<(u32, i64)>,
 }
 
 impl Table {
-    /// From the entries of each row.
+    /// Builds the table from the entries of each row.
     pub(super) fn new(rows: Vec<Vec<(u32, i64)>>) -> Self {
         let mut starts = vec![0];
         let mut entries = Vec::with_capacity(rows.iter().map(Vec::len).sum());
@@ -34,21 +34,21 @@ impl Table {
     }
 }
 
-/// What is known of a column.
+/// State of a column.
 #[derive(Clone, Copy)]
 struct Column {
-    /// The row that has it.
+    /// The row assigned to it.
     row: Option<u32>,
-    /// At most 0.
+    /// Dual potential, at most 0.
     potential: i64,
-    /// The search that reached it last, its distance in that search, and the row it was reached from.
+    /// The last search that reached it, its distance in that search, and the row it was reached from.
     seen: u32,
     distance: i64,
     from: u32,
     done: bool,
 }
 
-/// The column of each row, so that the sum of costs is least, a row without column costing `none`.
+/// The column assigned to each row, for the least total cost. An unassigned row costs `none`.
 /// `columns` is the number of columns.
 pub(super) fn assign(table: &Table, columns: usize, none: i64) -> Vec<Option<u32>> {
     let rows = table.starts.len().saturating_sub(1);
@@ -64,20 +64,20 @@ pub(super) fn assign(table: &Table, columns: usize, none: i64) -> Vec<Option<u32
 struct Solver<'a> {
     table: &'a Table,
     columns: Vec<Column>,
-    /// The column of each row, and what it costs.
+    /// The column assigned to each row, with its cost.
     own: Vec<Option<(u32, i64)>>,
     none: i64,
     heap: BinaryHeap<Reverse<(i64, u32)>>,
 }
 
-/// Where a search ends: at a free column, or at a row that goes without.
+/// Where a search ends: at a free column, or at a row that becomes unassigned.
 enum End {
     Column(u32),
     Row(u32),
 }
 
 impl Solver<'_> {
-    /// Gives one more row what is cheapest for all.
+    /// Adds one row to the assignment and keeps the total cost minimal.
     fn augment(&mut self, first: u32) {
         self.heap.clear();
         let search = first + 1;
@@ -99,7 +99,7 @@ impl Solver<'_> {
             };
             let potential = found.potential;
             scanned.push(column);
-            // A row that has a column has its cost.
+            // An assigned row already pays the cost of its column.
             let own = self.own[row as usize].map_or(0, |(_, cost)| cost) - potential;
             if distance + self.none - own < least {
                 (least, end) = (distance + self.none - own, End::Row(row));
@@ -113,7 +113,7 @@ impl Solver<'_> {
         self.take(first, end);
     }
 
-    /// Reaches the columns of a row at `distance`; what its own column costs it is `own`.
+    /// Relaxes the entries of a row reached at `distance`; `own` is the reduced cost of its own column.
     fn scan(&mut self, row: u32, search: u32, distance: i64, own: i64, least: i64) {
         for &(column, cost) in self.table.row(row as usize) {
             let there = &mut self.columns[column as usize];
@@ -126,7 +126,7 @@ impl Solver<'_> {
         }
     }
 
-    /// Moves every row on the way to the end one column on.
+    /// Reassigns the columns along the path from `first` to `end`.
     fn take(&mut self, first: u32, end: End) {
         let mut next = match end {
             End::Row(row) => {
@@ -155,7 +155,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The least sum, by trying everything.
+    /// The least total cost by exhaustive search.
     fn least(rows: &[Vec<(u32, i64)>], taken: &mut Vec<u32>, none: i64) -> i64 {
         let Some((row, rest)) = rows.split_first() else { return 0 };
         let mut best = none + least(rest, taken, none);

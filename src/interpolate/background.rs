@@ -1,26 +1,26 @@
-//! The background on its way: the points of both fields, each between the colours of the two fields
-//! at its place.
+//! Interpolation of background fields: the control points of both, each between the two fields'
+//! colours at its position.
 //!
-//! At either end all points lie on the field of that scene, so the field goes from one to the other
-//! without a jump, and where points of both lie close together their colours agree.
+//! At either end all points lie on the field of that scene, so the field changes continuously. Where
+//! points of both fields are close together, their colours agree.
 
-use super::when::When;
+use super::progression::Progression;
 use crate::geometry::{Affine, Point, Vec2};
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::field::Interpolant;
 use crate::scene::{ControlPoint, Field, Scene, Tile};
 
-/// Two fields.
-pub(super) struct Ground {
+/// Two background fields that change into one another.
+pub(super) struct BlendedField {
     spacing: f64,
     fallback: [Colour; 2],
-    /// Places with the colours of both fields.
+    /// Control points with the colours of both fields.
     points: Vec<(Point, [Colour; 2])>,
 }
 
-impl Ground {
-    /// Of two scenes of one size that repeat along the same axes.
+impl BlendedField {
+    /// The tween between the fields of two scenes of one size that repeat along the same axes.
     pub(super) fn new(scenes: [&Scene; 2]) -> Self {
         let Scene { width, height, tile, .. } = *scenes[0];
         let fields = scenes.map(|s| Interpolant::new(&s.background, width, height, tile));
@@ -32,7 +32,7 @@ impl Ground {
             .collect();
         let fallback = scenes.map(|s| s.background.fallback);
         let mut points = parallel::map(&listed, |(side, p)| {
-            // Beyond the canvas a field may run away.
+            // Beyond the canvas a field may diverge.
             let other = fields[1 - side].at(within(p.x, width, tile.x), within(p.y, height, tile.y));
             let mut colours = [p.colour; 2];
             colours[1 - side] = Colour::from_f64(other);
@@ -40,7 +40,7 @@ impl Ground {
         });
         let spacing = scenes[0].background.spacing.min(scenes[1].background.spacing);
         if points.is_empty() && fallback[0] != fallback[1] {
-            // Two plain grounds: so many points that they mix evenly from one side to the other.
+            // Two fields without control points: a grid of points mixes them evenly.
             let at = |k: u32, size: u32| f64::from(k) * f64::from(size) / 10.0;
             let all = (0..=10).flat_map(|y| (0..=10).map(move |x| (x, y)));
             points.extend(all.map(|(x, y)| (Point::new(at(x, width), at(y, height)), fallback)));
@@ -48,8 +48,8 @@ impl Ground {
         Self { spacing, fallback, points }
     }
 
-    /// The field a share of the way.
-    pub(super) fn at(&self, when: &When) -> Field {
+    /// The field at a time.
+    pub(super) fn at(&self, when: &Progression) -> Field {
         let point = |(p, [from, to]): &(Point, [Colour; 2])| ControlPoint {
             x: p.x,
             y: p.y,
@@ -63,12 +63,12 @@ impl Ground {
     }
 }
 
-/// A scene that repeats along the axes of `kept` only: what repeats along others is listed once for
-/// each copy that reaches the canvas, under the id that it has.
+/// The scene with periodicity only along the axes of `kept`. Instances and control points that repeat
+/// along the other axes are listed once for each copy that reaches the canvas, under the same id.
 pub(super) fn untiled(scene: &Scene, kept: Tile) -> Scene {
     let mut out = scene.clone();
     out.tile = kept;
-    // What repeats along a lost axis alone says which copies are to be listed.
+    // A scene periodic along the lost axes alone finds the copies to be listed.
     let mut lost =
         Scene { tile: Tile { x: scene.tile.x && !kept.x, y: scene.tile.y && !kept.y }, ..out.clone() };
     let bounds: Vec<_> = scene.textons.iter().map(crate::scene::Texton::bounds).collect();

@@ -1,30 +1,30 @@
-//! One outline that turns into another.
+//! Morphing of one ring into another.
 
 use super::ring::{Ring, alignment, count, disc, even, moments, sine_cosine, turned};
 use crate::geometry::{BezPath, Cage, Point, is_simple};
 
-/// Points of the cages that carry what lies inside.
+/// Number of points of the cages that carry details and holes.
 const CAGE: usize = 32;
-/// Shares of the way at which an outline is looked at.
-const LOOKS: [f64; 5] = [0.5, 0.3, 0.7, 0.15, 0.85];
-/// By how much outlines that would cross themselves on the way are rounded, tried one after another.
-const ROUND: [f64; 4] = [0.0, 0.35, 0.7, 1.0];
+/// Times at which a morph is tested for self-crossings.
+const CHECKED_TIMES: [f64; 5] = [0.5, 0.3, 0.7, 0.15, 0.85];
+/// Amounts of rounding that are tried in turn until a morph does not cross itself.
+const ROUNDINGS: [f64; 4] = [0.0, 0.35, 0.7, 1.0];
 
-/// Two rings around the origin whose points correspond.
+/// Morph between two rings around the origin, point by point.
 pub(super) struct Blend {
     from: Ring,
-    /// Turned back by `turn`.
+    /// The second ring, rotated back by `turn`.
     to: Ring,
-    /// The angle by which the one turns on its way to the other.
+    /// Angle by which the first ring turns during the morph, in radians.
     turn: f64,
-    /// How much of a disc it is half-way, 0 to 1.
+    /// Weight of a disc at half-time, 0 to 1.
     round: f64,
 }
 
 impl Blend {
-    /// From two rings with their centroids at the origin, both running clockwise on the screen. They
-    /// are matched by arc length from the start that moves least; where that moves much less they
-    /// turn. What would cross itself on the way becomes rounder there.
+    /// Morph between two rings with their centroids at the origin, both clockwise on the screen. Points
+    /// are matched by arc length, from the start that moves them least. The ring turns if that reduces
+    /// the movement considerably. A morph that would cross itself is rounded towards a disc.
     pub(super) fn new(from: &Ring, to: &Ring) -> Self {
         let n = count(from, to);
         let (from, mut to) = (even(from, n), even(to, n));
@@ -33,21 +33,21 @@ impl Blend {
         let back = sine_cosine(-turn);
         to.iter_mut().for_each(|p| *p = turned(*p, back));
         let mut blend = Self { from, to, turn, round: 0.0 };
-        for round in ROUND {
+        for round in ROUNDINGS {
             blend.round = round;
-            if LOOKS.iter().all(|&t| simple(&blend.at(t))) {
+            if CHECKED_TIMES.iter().all(|&t| simple(&blend.at(t))) {
                 break;
             }
         }
         blend
     }
 
-    /// The angle by which the first has turned when it has become the second.
+    /// Angle by which the ring has turned at the end, in radians.
     pub(super) fn turn(&self) -> f64 {
         self.turn
     }
 
-    /// The ring a share of the way, 0 to 1, around the origin.
+    /// The ring at time `t` (0 to 1), around the origin.
     pub(super) fn at(&self, t: f64) -> Ring {
         let turn = sine_cosine(self.turn * t);
         let pairs = self.from.iter().zip(&self.to);
@@ -60,7 +60,7 @@ impl Blend {
         ring
     }
 
-    /// Maps of the plane that take the insides of the two rings to that of `ring`, made by
+    /// Cages that map the interiors of the first and of the second ring to that of `ring`, the result of
     /// [`Blend::at`].
     pub(super) fn cages(&self, ring: &Ring) -> [Cage; 2] {
         let every = ring.len().div_ceil(CAGE);
@@ -70,7 +70,7 @@ impl Blend {
         [&self.from, &to].map(|before| Cage::of_polygons(some(before), some(ring)))
     }
 
-    /// Ratio of lengths on `ring` to those on either end.
+    /// Ratios of lengths on `ring` to lengths on the first and on the second ring.
     pub(super) fn scales(&self, ring: &Ring) -> [f64; 2] {
         let area = |ring: &Ring| moments(ring).0.abs().max(1e-6);
         let here = area(ring);
@@ -80,7 +80,7 @@ impl Blend {
 
 /// Whether a ring does not cross itself.
 fn simple(ring: &Ring) -> bool {
-    // All of it is seen from the centre: the usual case, and quickly found out.
+    // Usual case, tested quickly: the ring is star-shaped about its centre.
     let (_, centre) = moments(ring);
     let n = ring.len();
     if (0..n).all(|i| (ring[i] - centre).cross(ring[(i + 1) % n] - centre) > 0.0) {

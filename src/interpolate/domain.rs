@@ -1,27 +1,27 @@
-//! The shape that is filled, on its way.
+//! Interpolation of domains.
 
 use super::motion::{Brush, Moving};
 use super::patch::TOLERANCE;
+use super::progression::Progression;
 use super::ring::{Ring, alignment, even, moments, perimeter};
-use super::when::When;
 use crate::geometry::{BezPath, Outline, Point, Rect};
 use crate::scene::{Domain, Edge, Scene};
 
-/// Distance of points along the shape, in pixels, and most points.
+/// Distance between points along the outline, in pixels, and their largest number.
 const STEP: f64 = 3.0;
 const MOST: f64 = 2000.0;
-/// Where a scene fills the canvas, the shape begins as the canvas and so much around it, in pixels:
-/// its corners are cut by less.
+/// Margin around the canvas, in pixels, of the outline that stands for a scene without domain. The
+/// corners that sampling cuts off lie outside the canvas.
 const AROUND: f64 = 8.0;
 
-/// A shape that becomes another.
-pub(super) struct Region {
+/// A domain that changes into another.
+pub(super) struct DomainTween {
     rings: Vec<[Ring; 2]>,
     edges: [Edge; 2],
 }
 
-impl Region {
-    /// Of two scenes of one size; none if both fill the canvas.
+impl DomainTween {
+    /// The tween between the domains of two scenes of one size; `None` if both fill the canvas.
     pub(super) fn new(scenes: [&Scene; 2]) -> Option<Self> {
         if scenes.iter().all(|s| s.domain.is_none()) {
             return None;
@@ -35,7 +35,7 @@ impl Region {
             let mut rings =
                 s.domain.as_ref().map_or_else(|| vec![sheet.clone()], |d| d.outline.polygons(0.1));
             rings.sort_by(|a, b| moments(b).0.abs().total_cmp(&moments(a).0.abs()));
-            // Outer rings and holes of both are matched with their own kind, largest with largest.
+            // Outer rings are matched with outer rings and holes with holes, in order of size.
             let (outer, holes): (Vec<Ring>, Vec<Ring>) = rings.into_iter().partition(|r| moments(r).0 > 0.0);
             [outer, holes]
         });
@@ -45,9 +45,9 @@ impl Region {
         Some(Self { rings, edges })
     }
 
-    /// The shape a share of the way; one beside the canvas if nothing is left of it, because a scene
-    /// without a shape fills the canvas.
-    pub(super) fn at(&self, when: &When) -> Domain {
+    /// The domain at a time. If nothing is left of it, it lies beside the canvas, because a scene without
+    /// domain fills the canvas.
+    pub(super) fn at(&self, when: &Progression) -> Domain {
         let between = |[from, to]: &[Ring; 2]| {
             let point = |(a, b): (&Point, &Point)| a.lerp(*b, when.at(a.midpoint(*b)));
             from.iter().zip(to).map(point).collect::<Ring>()
@@ -59,8 +59,8 @@ impl Region {
     }
 }
 
-impl Region {
-    /// All of its way, and what becomes of primaries at its edge.
+impl DomainTween {
+    /// The whole motion, and what happens to primaries at the edge.
     pub(super) fn motion(&self) -> (Moving, Edge) {
         let rings = self.rings.iter().map(|[from, to]| {
             let half = from.iter().zip(to).map(|(a, b)| a.midpoint(*b)).collect();
@@ -70,7 +70,7 @@ impl Region {
     }
 }
 
-/// A shape beside the canvas.
+/// An outline outside the canvas.
 fn beside() -> Outline {
     let mut path = BezPath::new();
     path.move_to((-2.0, -2.0));
@@ -80,7 +80,7 @@ fn beside() -> Outline {
     Outline::new(&path).unwrap_or_default()
 }
 
-/// Rings that become one another; one without partner has its centre for one.
+/// Pairs of rings; an unmatched ring is paired with its centre.
 fn matched(a: &[Ring], b: &[Ring]) -> Vec<[Ring; 2]> {
     let count = |length: f64| libm::ceil(length / STEP).clamp(12.0, MOST) as usize;
     let alone = |ring: &Ring| {

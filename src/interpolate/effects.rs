@@ -1,9 +1,9 @@
-//! Shadows and lines of textons on their way.
+//! Interpolation of textons' shadows and strokes.
 
 use crate::geometry::Vec2;
 use crate::scene::{Instance, Shadow, Stroke};
 
-/// What is drawn around a texton, its lengths in pixels of the canvas.
+/// Shadow and stroke of a texton, with lengths in canvas pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Effects {
     pub(super) shadow: Option<Shadow>,
@@ -11,7 +11,7 @@ pub(super) struct Effects {
 }
 
 impl Effects {
-    /// Those of an instance, as they are where its texton is not scaled.
+    /// The effects of an instance, converted to canvas pixels.
     pub(super) fn of(instance: &Instance) -> Self {
         let Instance { shadow, stroke, .. } = *instance;
         let scale = libm::sqrt(instance.affine().determinant().abs());
@@ -21,8 +21,8 @@ impl Effects {
         }
     }
 
-    /// Two with what either has: a shadow that is not there is one of no strength, a line one of no
-    /// width.
+    /// Pair with the same effects. A missing shadow becomes one of opacity 0, a missing stroke one of
+    /// width 0.
     pub(super) fn aligned(a: Self, b: Self) -> [Self; 2] {
         let shadow =
             |own: Option<Shadow>, other: Option<Shadow>| own.or(other.map(|s| Shadow { opacity: 0.0, ..s }));
@@ -34,7 +34,7 @@ impl Effects {
         })
     }
 
-    /// What is a share `t` of the way from one to the other; colours are mixed in Oklab.
+    /// The effects at time `t` (0 to 1) between two. Colours are mixed in Oklab.
     pub(super) fn mixed(a: Self, b: Self, t: f64) -> Self {
         let [a, b] = Self::aligned(a, b);
         let between = |a: f64, b: f64| a + (b - a) * t;
@@ -47,11 +47,11 @@ impl Effects {
             .stroke
             .zip(b.stroke)
             .map(|(a, b)| Stroke { width: between(a.width, b.width), colour: a.colour.mixed(b.colour, t) });
-        // Neither can be written if nothing is seen of it.
+        // Neither can be written if it is invisible.
         Self { shadow: shadow.filter(|s| s.opacity >= 0.002), stroke: stroke.filter(|s| s.width >= 0.005) }
     }
 
-    /// Those of a texton that has shrunk to so much of its size: its shadow draws near.
+    /// The effects of a texton scaled by `size` (0 to 1): its shadow moves closer.
     pub(super) fn shrunk(&self, size: f64) -> Self {
         Self {
             shadow: self.shadow.map(|s| near(s, size)).map(|s| Shadow { blur: s.blur * size, ..s }),
@@ -60,12 +60,12 @@ impl Effects {
     }
 }
 
-/// A shadow that lies nearer to its texton; what the texton's scale tells stays.
+/// A shadow moved closer to its texton. Its blur is in the texton's pixels and scales with it.
 pub(super) fn near(shadow: Shadow, size: f64) -> Shadow {
     Shadow { offset: shadow.offset.map(|v| v * size), ..shadow }
 }
 
-/// Where a shadow lies half-way between two.
+/// Offset of a shadow at half-time between two.
 pub(super) fn half_way(a: &Shadow, b: &Shadow) -> Vec2 {
     (a.shift() + b.shift()) / 2.0
 }

@@ -1,105 +1,127 @@
 //! Two scenes → a scene between them: textons move and change into those of the other scene (paper
 //! §4.5, figures 1 and 9).
 //!
-//! Textons are paired by an assignment over place, size, colour and category (`correspond`, `assign`),
-//! primaries with primaries, each with its details, secondaries with secondaries. Outlines of a pair
-//! turn into one another point by point around the moving centre (`blend`); details are carried along
-//! by the outline that holds them while they turn into those of the other (`patch`). Textons without
-//! partner shrink to nothing or grow from nothing where they stand, one after another (`item`). Shadows
-//! and lines around textons change with them (`effects`). The fields of the background are blended
-//! (`ground`), shapes that are filled become one another (`domain`). Where a thing stands in the
-//! painting order moves from its place in one scene to that in the other.
+//! Textons are paired by an assignment over position, size, colour and category (`correspond`,
+//! `assign`): primaries with primaries, including their details, and secondaries with secondaries.
+//! The outlines of a pair are morphed point by point around the moving centre (`blend`). Details
+//! are deformed with the outline that contains them while they change into their partners
+//! (`patch`). Unmatched textons shrink or grow in place, one after another (`tween`). Shadows and
+//! strokes are interpolated (`effects`), and so are background fields (`background`), domains
+//! (`domain`) and positions in the painting order.
 //!
-//! Works badly for outlines that are much branched: those that would cross themselves half-way become
-//! rounder there. Where two textons that overlap change places in the painting order, one pops in
-//! front of the other.
+//! Works badly for strongly branched outlines: those that would cross themselves at half-time become
+//! rounder. Where two overlapping textons swap their painting order, one pops in front of the other.
 
 mod assign;
+mod background;
 mod blend;
 mod correspond;
 mod domain;
 mod effects;
-mod ground;
-mod item;
 mod motion;
 mod paint;
 mod patch;
+mod progression;
 mod ring;
 mod side;
 #[cfg(test)]
 mod tests;
-mod when;
+mod tween;
 
 pub use motion::{Brush, Motion, Moving};
-pub use when::Axis;
+pub use progression::Axis;
 
 use crate::document::Document;
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Vec2, shortest_way};
+use crate::geometry::{Point, Vec2, shortest_offset};
 use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::sampling::stream;
 use crate::scene::{EditRecord, Instance, LibraryRef, Scene, Texton, Tile};
-use correspond::{Correspondence, Plane, Traits, correspond};
-use domain::Region;
+use background::{BlendedField, untiled};
+use correspond::{Correspondence, Plane, Properties, correspond};
+use domain::DomainTween;
 use effects::Effects;
-use ground::{Ground, untiled};
-use item::{Drawn, Item, Layer, What};
+use progression::Progression;
 use side::Side;
-use std::borrow::Cow;
-use when::When;
+use std::sync::Arc;
+use tween::{Content, Drawn, Layer, Tween};
 
-/// Two scenes, and what of one becomes what of the other.
-pub struct Interpolation<'a> {
-    ends: [&'a Scene; 2],
-    /// The scenes with what repeats in only one of them listed copy by copy.
-    scenes: [Cow<'a, Scene>; 2],
-    /// The scenes without what they hold.
+/// An interpolation between two scenes: pairs their textons once, then gives the scene at any time.
+/// It owns both scenes.
+pub struct Interpolation {
+    ends: [Arc<Scene>; 2],
+    /// The scenes, with everything that repeats in only one of them listed copy by copy.
+    scenes: [Arc<Scene>; 2],
+    /// The scenes without textons, instances, control points and domain.
     shells: [Scene; 2],
-    /// Textons by layer.
-    secondary: Vec<Item>,
-    primary: Vec<Item>,
-    ground: Ground,
-    region: Option<Region>,
-    /// Libraries of both, and where in that list those of each are.
+    /// The textons of each layer over time.
+    secondary: Vec<Tween>,
+    primary: Vec<Tween>,
+    background: BlendedField,
+    domain: Option<DomainTween>,
+    /// The libraries of both scenes, and for each scene the indices of its own in this list.
     libraries: Vec<LibraryRef>,
     indices: [Vec<u32>; 2],
 }
 
-/// How many textons of a layer have found a partner.
+/// How many textons of a layer have a partner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Matched {
-    /// Pairs that become one another.
+    /// Number of pairs.
     pub pairs: usize,
-    /// Textons of either scene that shrink to nothing or grow from nothing.
-    pub alone: usize,
+    /// Number of textons of either scene without a partner; they shrink or grow.
+    pub unmatched: usize,
 }
 
-impl<'a> Interpolation<'a> {
-    /// Finds out which texton becomes which. Scenes that repeat along an axis both do so on the way;
-    /// what repeats in one only is there copy by copy.
+impl Interpolation {
+    /// Pairs the textons of two scenes. The result is periodic along the axes along which both scenes
+    /// are. A scene that is periodic along a further axis is represented by the copies that reach the
+    /// canvas.
     ///
     /// # Errors
-    /// [`Error::Sizes`] unless both canvases are of one size; a scene that breaks its invariants;
-    /// [`Error::Interrupted`].
-    pub fn new(from: &'a Scene, to: &'a Scene, progress: &dyn Progress) -> Result<Self> {
+    /// [`Error::Sizes`] if the canvases differ in size; [`Error::Format`] for a scene that breaks its
+    /// invariants; [`Error::Interrupted`].
+    ///
+    /// # Example
+    /// ```
+    /// # fn main() -> vtex::Result<()> {
+    /// # let json = |colour: &str| format!(r##"{{"format": "vtex-scene", "version": 1, "width": 32,
+    /// #     "height": 32, "program": "", "libraries": [], "textons": [], "secondary": [],
+    /// #     "primary": [], "background": {{"spacing": 8, "fallback": "{colour}", "points": []}}}}"##);
+    /// use vtex::{interpolate::Interpolation, scene::Scene};
+    ///
+    /// # let (from, to) = (json("#000000"), json("#ffffff"));
+    /// let from = Scene::from_bytes(from.as_bytes(), "from.scene.json")?;
+    /// let to = Scene::from_bytes(to.as_bytes(), "to.scene.json")?;
+    /// let between = Interpolation::new(from, to.clone(), &())?;
+    /// assert_eq!(between.at(1.0), to);
+    /// assert!(between.at(0.5).validate().is_ok());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn new(
+        from: impl Into<Arc<Scene>>,
+        to: impl Into<Arc<Scene>>,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let ends @ [from, to] = &[from.into(), to.into()];
         let tile = Tile { x: from.tile.x && to.tile.x, y: from.tile.y && to.tile.y };
-        Self::along(from, to, tile, progress)
+        Self::along(ends.clone(), tile, progress)
     }
 
-    /// With both scenes repeating along the axes of `tile` only.
-    fn along(from: &'a Scene, to: &'a Scene, tile: Tile, progress: &dyn Progress) -> Result<Self> {
-        let ends = [from, to];
-        for scene in ends {
+    /// As [`Interpolation::new`], with both scenes periodic only along the axes of `tile`.
+    fn along(ends: [Arc<Scene>; 2], tile: Tile, progress: &dyn Progress) -> Result<Self> {
+        for scene in &ends {
             let format = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
             scene.validate().map_err(format)?;
         }
-        let sizes = ends.map(|s| [s.width, s.height]);
+        let sizes = ends.each_ref().map(|s| [s.width, s.height]);
         if sizes[0] != sizes[1] {
             return Err(Error::Sizes { from: sizes[0], to: sizes[1] });
         }
         let scenes =
-            ends.map(|s| if s.tile == tile { Cow::Borrowed(s) } else { Cow::Owned(untiled(s, tile)) });
+            ends.each_ref().map(|s| if s.tile == tile { Arc::clone(s) } else { Arc::new(untiled(s, tile)) });
         advance(progress, STAGE, 0, 4)?;
         let mut libraries = Vec::new();
         let sides = [0, 1].map(|k| Side::new(&scenes[k], &mut libraries));
@@ -110,36 +132,36 @@ impl<'a> Interpolation<'a> {
         advance(progress, STAGE, 3, 4)?;
         let indices = sides.map(|side| side.libraries);
         let both = [&*scenes[0], &*scenes[1]];
-        let (ground, region) = (Ground::new(both), Region::new(both));
+        let (background, domain) = (BlendedField::new(both), DomainTween::new(both));
         let shells = [0, 1].map(|k| shell(both[k]));
-        Ok(Self { ends, scenes, shells, secondary, primary, ground, region, libraries, indices })
+        Ok(Self { ends, scenes, shells, secondary, primary, background, domain, libraries, indices })
     }
 
-    /// The scene a share `t` of the way, 0 to 1: the first scene at 0, the second at 1. Between them
-    /// seed, parameters and edits are those of the nearer, and a last edit says what it is.
+    /// The scene at time `t`: the first scene at 0 and below, the second at 1 and above. In between, seed,
+    /// parameters and edits are those of the nearer scene, and a last edit records the interpolation.
     pub fn at(&self, t: f64) -> Scene {
         if t < 1.0 && t > 0.0 {
-            self.between(&When::Now(t))
+            self.between(&Progression::Uniform(t))
         } else {
-            self.ends[usize::from(t >= 1.0)].clone()
+            Scene::clone(&self.ends[usize::from(t >= 1.0)])
         }
     }
 
-    /// Pairs among the primaries, and among the secondaries.
+    /// Counts of pairs and unmatched textons among the primaries, and among the secondaries.
     pub fn matched(&self) -> [Matched; 2] {
         [&self.primary, &self.secondary].map(|items| {
             let pairs = items.iter().filter(|item| item.is_pair()).count();
-            Matched { pairs, alone: items.len() - pairs }
+            Matched { pairs, unmatched: items.len() - pairs }
         })
     }
 
-    fn between(&self, when: &When) -> Scene {
+    fn between(&self, when: &Progression) -> Scene {
         let middle =
             Point::new(f64::from(self.shells[0].width) / 2.0, f64::from(self.shells[0].height) / 2.0);
         let mut scene = self.shells[usize::from(when.at(middle) >= 0.5)].clone();
         scene.libraries.clone_from(&self.libraries);
-        scene.background = self.ground.at(when);
-        scene.domain = self.region.as_ref().map(|r| r.at(when));
+        scene.background = self.background.at(when);
+        scene.domain = self.domain.as_ref().map(|r| r.at(when));
         scene.edits.push(self.record(when));
         let mut used = [0, 1].map(|k| vec![None; self.scenes[k].textons.len()]);
         for (layer, items) in [(Layer::Secondary, &self.secondary), (Layer::Primary, &self.primary)] {
@@ -153,32 +175,32 @@ impl<'a> Interpolation<'a> {
         scene
     }
 
-    /// What a scene between the two says of itself.
-    fn record(&self, when: &When) -> EditRecord {
-        let names = self.ends.map(|scene| {
+    /// The edit that records the interpolation in a scene.
+    fn record(&self, when: &Progression) -> EditRecord {
+        let names = self.ends.each_ref().map(|scene| {
             let names: Vec<&str> = scene.libraries.iter().map(|l| l.exemplar.as_str()).collect();
             names.join("+")
         });
         let place = match *when {
-            When::Now(t) => format!("--at {t}"),
-            When::Across(Axis::X, _) => "--across x".into(),
-            When::Across(Axis::Y, _) => "--across y".into(),
+            Progression::Uniform(t) => format!("--at {t}"),
+            Progression::Across(Axis::X, _) => "--across x".into(),
+            Progression::Across(Axis::Y, _) => "--across y".into(),
         };
         EditRecord { operation: format!("interp '{}' '{}' {place}", names[0], names[1]), seed: 0 }
     }
 
-    /// The instances of a layer in painting order; their textons are added to the scene. Ids are
-    /// those of the items, so they are the same at all times.
+    /// The instances of a layer in painting order. Adds their textons to the scene. Ids follow from the
+    /// position in `items`, so they are the same at all times.
     fn drawn(
         &self,
         layer: Layer,
-        items: &[Item],
-        when: &When,
+        items: &[Tween],
+        when: &Progression,
         first: usize,
         scene: &mut Scene,
         used: &mut [Vec<Option<u32>>; 2],
     ) -> Vec<Instance> {
-        let ends = item::Ends {
+        let ends = tween::Ends {
             scenes: [&self.scenes[0], &self.scenes[1]],
             libraries: [&self.indices[0], &self.indices[1]],
         };
@@ -202,7 +224,7 @@ impl<'a> Interpolation<'a> {
         let instance = |(i, drawn): (usize, Drawn)| {
             let id = (first + i) as u32;
             match drawn.what {
-                What::Old { side, instance } => {
+                Content::Existing { side, instance } => {
                     let index = instance.texton as usize;
                     let texton = *used[side][index].get_or_insert_with(|| {
                         let texton = &self.scenes[side].textons[index];
@@ -211,7 +233,7 @@ impl<'a> Interpolation<'a> {
                     });
                     Instance { id, texton, ..instance }
                 }
-                What::New { texton, at, effects } => {
+                Content::New { texton, at, effects } => {
                     let at = home(at);
                     let Effects { shadow, stroke } = effects;
                     let transform = [1.0, 0.0, 0.0, 1.0, at.x, at.y];
@@ -223,54 +245,62 @@ impl<'a> Interpolation<'a> {
     }
 }
 
-/// A scene that is the first at one side of the canvas, left or top, and becomes the second towards
-/// the other. It does not repeat along that axis.
+/// A scene that changes across the canvas: it is the first scene at the left (or upper) side and
+/// becomes the second towards the opposite side. It is not periodic along that axis.
 ///
 /// # Errors
 /// As [`Interpolation::new`].
-pub fn across(from: &Scene, to: &Scene, axis: Axis, progress: &dyn Progress) -> Result<Scene> {
+pub fn across(
+    from: impl Into<Arc<Scene>>,
+    to: impl Into<Arc<Scene>>,
+    axis: Axis,
+    progress: &dyn Progress,
+) -> Result<Scene> {
+    let ends @ [from, to] = &[from.into(), to.into()];
     let tile = Tile {
         x: from.tile.x && to.tile.x && axis != Axis::X,
         y: from.tile.y && to.tile.y && axis != Axis::Y,
     };
     let length = f64::from(if axis == Axis::X { from.width } else { from.height });
-    Ok(Interpolation::along(from, to, tile, progress)?.between(&When::Across(axis, length)))
+    Ok(Interpolation::along(ends.clone(), tile, progress)?.between(&Progression::Across(axis, length)))
 }
 
-/// What [`Progress`] calls the work of [`Interpolation::new`].
+/// Name of the stage of [`Interpolation::new`] in [`Progress`].
 const STAGE: &str = "matching";
 
-/// All textons of a layer on their way.
-fn items(sides: &[Side<'_>; 2], layer: Layer) -> Vec<Item> {
+/// The tweens of all textons of a layer.
+fn items(sides: &[Side<'_>; 2], layer: Layer) -> Vec<Tween> {
     let scene = sides[0].scene;
     let (width, height) = (f64::from(scene.width), f64::from(scene.height));
     let periods = scene.tile.periods([width, height]);
     let plane = Plane { area: width * height, periods };
-    let traits: [Vec<Traits>; 2] =
-        [0, 1].map(|k| parallel::map(layer.of(sides[k].scene), |i| sides[k].traits(i)));
-    let Correspondence { pairs, alone } = correspond(&traits[0], &traits[1], &plane);
+    let properties: [Vec<Properties>; 2] =
+        [0, 1].map(|k| parallel::map(layer.of(sides[k].scene), |i| sides[k].properties(i)));
+    let Correspondence { pairs, unmatched } = correspond(&properties[0], &properties[1], &plane);
     let name = match layer {
         Layer::Secondary => ["interpolate/secondary/first", "interpolate/secondary/second"],
         Layer::Primary => ["interpolate/primary/first", "interpolate/primary/second"],
     };
-    let one =
-        |side: usize, k: u32| Item::one(sides, side, layer, k, &mut stream(0, name[side], u64::from(k)));
+    let one = |side: usize, k: u32| {
+        Tween::unmatched(sides, side, layer, k, &mut stream(0, name[side], u64::from(k)))
+    };
     let paired = parallel::map(&pairs, |&[i, k]| {
-        let way = shortest_way(traits[0][i as usize].at, traits[1][k as usize].at, plane.periods);
+        let offset =
+            shortest_offset(properties[0][i as usize].at, properties[1][k as usize].at, plane.periods);
         let random = &mut stream(0, "interpolate/details", u64::from(i));
-        match Item::both(sides, layer, [i, k], way, random) {
+        match Tween::pair(sides, layer, [i, k], offset, random) {
             Some(item) => vec![item],
             None => vec![one(0, i), one(1, k)],
         }
     });
-    let mut items: Vec<Item> = paired.into_iter().flatten().collect();
+    let mut items: Vec<Tween> = paired.into_iter().flatten().collect();
     for side in 0..2 {
-        items.extend(alone[side].iter().map(|&k| one(side, k)));
+        items.extend(unmatched[side].iter().map(|&k| one(side, k)));
     }
     items
 }
 
-/// A scene without what it holds.
+/// A scene without textons, instances, control points and domain.
 fn shell(scene: &Scene) -> Scene {
     let mut shell = scene.clone();
     (shell.textons, shell.secondary, shell.primary) = (Vec::new(), Vec::new(), Vec::new());
@@ -278,9 +308,9 @@ fn shell(scene: &Scene) -> Scene {
     shell
 }
 
-/// How much of its size something has that is there at one end only and goes or comes within a
-/// window of time.
-fn presence(side: usize, [first, last]: [f64; 2], t: f64) -> f64 {
+/// Scale of an unmatched item at time `t`, 0 to 1. Within its window of time it falls smoothly to 0
+/// (`side` 0) or rises from 0 (`side` 1).
+fn envelope(side: usize, [first, last]: [f64; 2], t: f64) -> f64 {
     let u = ((t - first) / (last - first)).clamp(0.0, 1.0);
     let smooth = u * u * (3.0 - 2.0 * u);
     if side == 0 { 1.0 - smooth } else { smooth }

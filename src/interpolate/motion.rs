@@ -1,80 +1,80 @@
-//! The whole way at once, as few pictures of each texton: what an animation that a viewer plays is
-//! made of.
+//! Interpolations as keyframes: three shapes of each texton, from which a viewer plays an animation.
 
 use super::Interpolation;
-use super::domain::Region;
+use super::domain::DomainTween;
 use super::effects::{Effects, half_way};
-use super::item::{Ends, Item, Layer};
 use super::ring::{Ring, count, even};
+use super::tween::{Ends, Layer, Tween};
 use crate::geometry::{Affine, Outline, Point, Rect, Vec2};
 use crate::raster::colour::Colour;
 use crate::scene::{Edge, Scene};
 
-/// Points of a ring in a motion.
+/// Smallest and largest number of points of a ring.
 const COUNT: (usize, usize) = (6, 32);
-/// So many points of a ring become one.
-const EVERY: usize = 4;
-/// How far polygons may lie from their curves, in pixels.
+/// Reduction of a ring's points, as a divisor.
+const REDUCTION: usize = 4;
+/// Largest distance between a polygon and its curve, in pixels.
 const FLAT: f64 = 0.1;
 
-/// A texton on its way.
+/// The motion of one texton.
 pub struct Motion {
-    /// The same in every scene between the two.
+    /// Id of its instance, the same in every scene in between.
     pub id: u32,
-    /// Its shapes, in painting order.
+    /// Its shapes over time, in painting order.
     pub shapes: Vec<Moving>,
-    /// The shares of the way between which it changes, where that is not all the way: it shrinks to
-    /// nothing or grows from nothing.
+    /// The period in which it changes, as times 0 to 1, for a texton that vanishes or appears. `None`
+    /// means the whole time.
     pub window: Option<[f64; 2]>,
 }
 
-/// A shape that turns into another.
+/// A shape that changes over time.
 pub struct Moving {
-    /// Its rings at the beginning, half-way and at the end, in canvas pixels: as many points each.
+    /// Each ring at the beginning, at half-time and at the end, in canvas pixels, with the same number
+    /// of points.
     pub rings: Vec<[Vec<Point>; 3]>,
-    /// How it is painted.
+    /// Its paint.
     pub brush: Brush,
 }
 
-/// How a shape on its way is painted, at the beginning and at the end.
+/// The paint of a changing shape, at the beginning and at the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Brush {
-    /// In colours; in place of a gradient its mean.
+    /// A fill with these colours. A gradient is replaced by its mean colour.
     Fill([Colour; 2]),
-    /// In black of these opacities, 0 to 1, with a sharp edge.
+    /// A shadow with a sharp edge: black with these opacities, 0 to 1.
     Shadow([f64; 2]),
-    /// A line along the outline, of these widths in pixels.
+    /// A stroke along the outline.
     Line {
-        /// Its colours.
+        /// Colours of the stroke.
         colours: [Colour; 2],
-        /// Its widths.
+        /// Widths of the stroke, in pixels.
         widths: [f64; 2],
     },
 }
 
-impl Interpolation<'_> {
-    /// The secondaries, and the primaries, on their way, in the painting order half-way.
+impl Interpolation {
+    /// The motions of all secondaries, and of all primaries, in the painting order at half-time.
     pub fn motions(&self) -> [Vec<Motion>; 2] {
         let first = self.secondary.len() as u32;
         [(Layer::Secondary, &self.secondary, 0), (Layer::Primary, &self.primary, first)]
             .map(|(layer, items, first)| self.motions_of(layer, items, first))
     }
 
-    /// The shape that is filled, on its way, and what becomes of primaries at its edge; none if both
-    /// scenes fill the canvas.
+    /// The motion of the domain, and what happens to primaries at its edge. `None` if both scenes fill
+    /// the canvas.
     pub fn domain_motion(&self) -> Option<(Moving, Edge)> {
-        self.region.as_ref().map(Region::motion)
+        self.domain.as_ref().map(DomainTween::motion)
     }
 
-    /// The two scenes, with what repeats in only one of them listed copy by copy.
+    /// The two scenes, with everything that repeats in only one of them listed copy by copy.
     pub fn scenes(&self) -> [&Scene; 2] {
         [&self.scenes[0], &self.scenes[1]]
     }
 
-    fn motions_of(&self, layer: Layer, items: &[Item], first: u32) -> Vec<Motion> {
+    fn motions_of(&self, layer: Layer, items: &[Tween], first: u32) -> Vec<Motion> {
         let ends = Ends { scenes: self.scenes(), libraries: [&self.indices[0], &self.indices[1]] };
-        let numbered: Vec<(u32, &Item)> = (first..).zip(items).collect();
-        let motion = |(id, item): &(u32, &Item)| item.motion(&ends, layer, *id);
+        let numbered: Vec<(u32, &Tween)> = (first..).zip(items).collect();
+        let motion = |(id, item): &(u32, &Tween)| item.motion(&ends, layer, *id);
         let motions = crate::parallel::map(&numbered, motion);
         let mut order: Vec<(f64, Motion)> = items.iter().map(|i| i.key(0.5)).zip(motions).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -83,7 +83,7 @@ impl Interpolation<'_> {
 }
 
 impl Moving {
-    /// From its rings around centres at the three times, as many at each.
+    /// A shape from its rings around the centres at the three times, with the same number of rings at each.
     pub(super) fn new(rings: [Vec<Ring>; 3], centres: [Point; 3], colours: [Colour; 2]) -> Self {
         let [a, b, c] = rings;
         let three = a
@@ -94,7 +94,7 @@ impl Moving {
         Self { rings: three.collect(), brush: Brush::Fill(colours) }
     }
 
-    /// From an outline on the canvas that shrinks to a point, or grows from it.
+    /// An outline on the canvas that shrinks to a point or grows from one.
     pub(super) fn resized(
         outline: &Outline,
         affine: Affine,
@@ -112,8 +112,7 @@ impl Moving {
         Self { rings: rings.collect(), brush: Brush::Fill([colour; 2]) }
     }
 
-    /// Shapes of a texton with the shadow beneath them and the line along the first of them that both
-    /// ends have.
+    /// A texton's shapes with its shadow underneath and its stroke along the first shape.
     pub(super) fn with_effects(mut shapes: Vec<Self>, [from, to]: [Effects; 2]) -> Vec<Self> {
         let Some(rings) = shapes.first().map(|shape| shape.rings.clone()) else { return shapes };
         if let Some((a, b)) = from.shadow.zip(to.shadow) {
@@ -130,7 +129,7 @@ impl Moving {
         shapes
     }
 
-    /// A box around all that it passes.
+    /// Bounding box over the whole motion.
     pub fn bounds(&self) -> Rect {
         let margin = match self.brush {
             Brush::Line { widths: [a, b], .. } => a.max(b) / 2.0,
@@ -143,9 +142,9 @@ impl Moving {
     }
 }
 
-/// Some of the points of a ring around a place.
+/// A ring around `centre`, reduced to fewer points.
 fn thin(ring: &Ring, centre: Point) -> Ring {
     let n = ring.len();
-    let m = (n / EVERY).clamp(COUNT.0, COUNT.1);
+    let m = (n / REDUCTION).clamp(COUNT.0, COUNT.1);
     (0..m).map(|i| ring[i * n / m] + centre.to_vec2()).collect()
 }

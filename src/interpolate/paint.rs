@@ -1,10 +1,10 @@
-//! Colours and gradients on the way from one to another.
+//! Interpolation of colours and gradients.
 
 use crate::geometry::Point;
 use crate::raster::colour::Colour;
 use crate::scene::Gradient;
 
-/// What a shape is filled with; the gradient takes the place of the colour.
+/// A shape's fill. A gradient replaces the colour.
 #[derive(Clone, Copy)]
 pub(super) struct Paint {
     pub(super) colour: Colour,
@@ -12,7 +12,7 @@ pub(super) struct Paint {
 }
 
 impl Paint {
-    /// With its gradient taken along by `carry`.
+    /// The paint with its gradient's end points mapped by `carry`.
     pub(super) fn carried(&self, carry: impl Fn(Point) -> Point) -> Self {
         let gradient = self.gradient.map(|g| {
             let [from, to] = [g.from, g.to].map(|[x, y]| carry(Point::new(x, y)));
@@ -21,7 +21,7 @@ impl Paint {
         Self { gradient: gradient.filter(|g| g.fault().is_none()), ..*self }
     }
 
-    /// What is a share `t` of the way to another; colours are mixed in Oklab.
+    /// The paint at time `t` (0 to 1) towards another. Colours are mixed in Oklab.
     pub(super) fn mixed(&self, other: &Self, t: f64) -> Self {
         let colour = self.colour.mixed(other.colour, t);
         let gradient = match (self.gradient, other.gradient) {
@@ -34,15 +34,15 @@ impl Paint {
     }
 }
 
-/// A gradient of one colour where another runs.
+/// A gradient of one colour with the end points of `like`.
 fn flat(like: &Gradient, colour: Colour) -> Gradient {
     Gradient { start: colour, end: colour, ..*like }
 }
 
 fn gradients(a: &Gradient, b: &Gradient, t: f64) -> Gradient {
-    let way = |g: &Gradient| [g.to[0] - g.from[0], g.to[1] - g.from[1]];
-    let (u, v) = (way(a), way(b));
-    // The same the other way round, if the two would cancel out.
+    let direction = |g: &Gradient| [g.to[0] - g.from[0], g.to[1] - g.from[1]];
+    let (u, v) = (direction(a), direction(b));
+    // Reverse the second if both would cancel out.
     let b = if u[0] * v[0] + u[1] * v[1] < 0.0 {
         Gradient { from: b.to, to: b.from, start: b.end, end: b.start }
     } else {

@@ -1,9 +1,9 @@
-//! How far along the way things are, everywhere alike or from one side of the canvas to the other.
+//! The progress of an interpolation: uniform over the canvas, or varying across it.
 
 use crate::geometry::Point;
 
-/// Share of the canvas at either side that shows one scene alone.
-const PURE: f64 = 0.1;
+/// Share of the canvas at either side that shows only one scene.
+const MARGIN: f64 = 0.1;
 
 /// An axis of the canvas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,30 +14,30 @@ pub enum Axis {
     Y,
 }
 
-/// How far along the way things are: 0 at the first scene, 1 at the second.
-pub(super) enum When {
-    /// Everywhere alike.
-    Now(f64),
-    /// From one side to the other of a canvas that is so long along the axis, in pixels.
+/// Progress of an interpolation at each point of the canvas: 0 is the first scene, 1 the second.
+pub(super) enum Progression {
+    /// The same everywhere.
+    Uniform(f64),
+    /// From one side to the other of a canvas of the given length along the axis, in pixels.
     Across(Axis, f64),
 }
 
-impl When {
-    /// At a place.
+impl Progression {
+    /// The progress at a point.
     pub(super) fn at(&self, p: Point) -> f64 {
         match *self {
-            Self::Now(t) => t,
+            Self::Uniform(t) => t,
             Self::Across(axis, length) => {
                 let along = if axis == Axis::X { p.x } else { p.y };
-                ((along / length - PURE) / (1.0 - 2.0 * PURE)).clamp(0.0, 1.0)
+                ((along / length - MARGIN) / (1.0 - 2.0 * MARGIN)).clamp(0.0, 1.0)
             }
         }
     }
 
-    /// Of something that moves from one place to another: where it is as far along its way as its
-    /// place says.
-    pub(super) fn on_way(&self, [from, to]: [Point; 2]) -> f64 {
-        if let Self::Now(t) = *self {
+    /// The progress of an item that moves between two points: it equals the progress at the point where
+    /// the item then is.
+    pub(super) fn between(&self, [from, to]: [Point; 2]) -> f64 {
+        if let Self::Uniform(t) = *self {
             return t;
         }
         if self.at(from) <= 0.0 {
@@ -61,15 +61,15 @@ mod tests {
 
     #[test]
     fn what_moves_is_as_far_as_its_place_says() {
-        let across = When::Across(Axis::X, 100.0);
+        let across = Progression::Across(Axis::X, 100.0);
         assert_eq!((across.at(Point::new(5.0, 0.0)), across.at(Point::new(95.0, 0.0))), (0.0, 1.0));
         for (a, b) in [(30.0, 50.0), (60.0, 20.0), (45.0, 45.0)] {
             let ends = [Point::new(a, 7.0), Point::new(b, 9.0)];
-            let t = across.on_way(ends);
+            let t = across.between(ends);
             assert!((across.at(ends[0].lerp(ends[1], t)) - t).abs() < 1e-4);
         }
-        assert_eq!(across.on_way([Point::new(4.0, 0.0), Point::new(30.0, 0.0)]), 0.0);
-        let down = When::Across(Axis::Y, 100.0);
+        assert_eq!(across.between([Point::new(4.0, 0.0), Point::new(30.0, 0.0)]), 0.0);
+        let down = Progression::Across(Axis::Y, 100.0);
         assert_eq!(down.at(Point::new(99.0, 50.0)), 0.5);
     }
 }

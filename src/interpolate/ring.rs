@@ -1,20 +1,20 @@
-//! Closed polygons: their centres, points at even distances along them, and how two of them match.
+//! Closed polygons: moments, even sampling, and alignment of two polygons.
 
 use crate::geometry::{Affine, Point, Vec2};
 use std::f64::consts::{PI, TAU};
 
-/// Distance of points along a ring, in pixels.
+/// Distance between points along a ring, in pixels.
 const STEP: f64 = 1.2;
-/// Fewest and most points of a ring.
+/// Smallest and largest number of points of a ring.
 const COUNT: (f64, f64) = (10.0, 128.0);
-/// By how much turning is disliked: a share of what it gains, times the square of the angle.
-const TURN: f64 = 0.15;
+/// Penalty of rotation: a share of the movement, times the squared angle.
+const TURN_PENALTY: f64 = 0.15;
 
 /// A closed polygon, the first point not repeated.
 pub(super) type Ring = Vec<Point>;
 
-/// Signed area, positive where it runs clockwise on the screen, and centroid; the mean of its points
-/// where there is no area.
+/// Signed area, positive if clockwise on the screen, and centroid. A ring without area has the mean of
+/// its points as its centroid.
 pub(super) fn moments(ring: &[Point]) -> (f64, Point) {
     let n = ring.len().max(1);
     let mean = (ring.iter().fold(Vec2::ZERO, |sum, p| sum + p.to_vec2()) / n as f64).to_point();
@@ -37,12 +37,12 @@ pub(super) fn length(v: Vec2) -> f64 {
     libm::sqrt(v.hypot2())
 }
 
-/// The rings of a shape after a move, the largest first and running clockwise on the screen; their
-/// direction against one another stays.
-pub(super) fn moved(rings: &[Ring], affine: Affine) -> Vec<Ring> {
+/// The transformed rings of a shape, the largest first and clockwise on the screen. The other rings
+/// keep their direction relative to it.
+pub(super) fn transformed(rings: &[Ring], affine: Affine) -> Vec<Ring> {
     let mut rings: Vec<Ring> = rings.iter().map(|r| r.iter().map(|p| affine * *p).collect()).collect();
     let size = |r: &Ring| moments(r).0.abs();
-    // The first of equals.
+    // Ties go to the first.
     let largest = (0..rings.len()).rev().max_by(|&i, &k| size(&rings[i]).total_cmp(&size(&rings[k])));
     if let Some(largest) = largest {
         rings.swap(0, largest);
@@ -53,13 +53,13 @@ pub(super) fn moved(rings: &[Ring], affine: Affine) -> Vec<Ring> {
     rings
 }
 
-/// Number of points at which two rings are compared.
+/// Number of points for comparing two rings.
 pub(super) fn count(a: &[Point], b: &[Point]) -> usize {
     let longest = perimeter(a).max(perimeter(b));
     libm::ceil(longest / STEP).clamp(COUNT.0, COUNT.1) as usize
 }
 
-/// `n` points at even distances along a ring, from its first point on.
+/// `n` points at equal distances along a ring, starting at its first point.
 pub(super) fn even(ring: &[Point], n: usize) -> Ring {
     let step = perimeter(ring) / n as f64;
     let mut out = Vec::with_capacity(n);
@@ -79,9 +79,8 @@ pub(super) fn even(ring: &[Point], n: usize) -> Ring {
     out
 }
 
-/// How far `to` is to be shifted along itself, and the angle by which `from` is then turned, so that
-/// the points move least; both rings have as many points and lie around the origin. Without `turn`
-/// the angle is 0.
+/// Index shift of `to` and rotation of `from` that minimise the movement of the points. Pair rings
+/// must have the same number of points and be centred at the origin. Without `turn` the angle is 0.
 pub(super) fn alignment(from: &[Point], to: &[Point], turn: bool) -> (usize, f64) {
     let n = from.len();
     let mut best = (f64::NEG_INFINITY, 0, 0.0);
@@ -94,7 +93,7 @@ pub(super) fn alignment(from: &[Point], to: &[Point], turn: bool) -> (usize, f64
         }
         let (value, angle) = if turn {
             let angle = libm::atan2(cross, dot);
-            (libm::sqrt(dot * dot + cross * cross) * (1.0 - TURN * angle * angle), angle)
+            (libm::sqrt(dot * dot + cross * cross) * (1.0 - TURN_PENALTY * angle * angle), angle)
         } else {
             (dot, 0.0)
         };
@@ -105,17 +104,17 @@ pub(super) fn alignment(from: &[Point], to: &[Point], turn: bool) -> (usize, f64
     (best.1, best.2)
 }
 
-/// A turn about the origin.
+/// A point rotated about the origin.
 pub(super) fn turned(p: Point, [sine, cosine]: [f64; 2]) -> Point {
     Point::new(cosine * p.x - sine * p.y, sine * p.x + cosine * p.y)
 }
 
-/// Sine and cosine.
+/// Sine and cosine of an angle.
 pub(super) fn sine_cosine(angle: f64) -> [f64; 2] {
     [libm::sin(angle), libm::cos(angle)]
 }
 
-/// The disc of the same area with a point for each of a ring's, as near to it as may be.
+/// A disc of the ring's area, with one point for each of the ring's, as close to it as possible.
 pub(super) fn disc(ring: &[Point]) -> Ring {
     let n = ring.len();
     let (area, centre) = moments(ring);
@@ -198,7 +197,7 @@ mod tests {
         let far = far.fold(0.0, f64::max);
         // For a smaller turn the points may be a step of the ring apart.
         assert!(shift.abs_diff(7) <= 1 && (angle - 0.7).abs() < 0.12 && far < 1.3, "{shift} {angle} {far}");
-        // What is nearly round is not turned.
+        // Content is nearly round is not turned.
         let (_, angle) = alignment(&ellipse(5.0, 4.0, 40, 0.0), &ellipse(4.0, 5.0, 40, 1.0), true);
         assert!(angle.abs() < 0.2, "{angle}");
     }

@@ -1,27 +1,27 @@
-//! The textons of one of the two scenes, as polygons.
+//! The textons of one of the two scenes as polygons.
 
-use super::correspond::Traits;
+use super::correspond::Properties;
 use super::paint::Paint;
 use super::patch::Detail;
-use super::ring::{Ring, moments, moved};
+use super::ring::{Ring, moments, transformed};
 use crate::geometry::{Affine, Outline, Point};
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::{Gradient, Instance, LibraryRef, Scene, Texton};
 
-/// How far polygons may lie from their curves, in pixels.
+/// Largest distance between a polygon and its curve, in pixels.
 const FLAT: f64 = 0.05;
 
 /// A scene and the shapes of its textons.
 pub(super) struct Side<'a> {
     pub(super) scene: &'a Scene,
-    casts: Vec<Cast>,
-    /// Where each of its libraries stands in the list of both scenes.
+    flat: Vec<FlatTexton>,
+    /// Index of each of its libraries in the combined list.
     pub(super) libraries: Vec<u32>,
 }
 
-/// A texton in its own coordinates.
-struct Cast {
+/// A texton in its own coordinates, flattened to polygons.
+struct FlatTexton {
     rings: Vec<Ring>,
     details: Vec<Vec<Ring>>,
     area: f64,
@@ -30,10 +30,10 @@ struct Cast {
     colour: [f32; 3],
 }
 
-/// A placed texton around its centre.
+/// An instance, relative to its centre.
 pub(super) struct Placed {
     pub(super) centre: Point,
-    /// On the canvas, relative to the centre; the outer one first, and clockwise.
+    /// Rings on the canvas, relative to the centre: the outer ring first, clockwise.
     pub(super) rings: Vec<Ring>,
     pub(super) area: f64,
     pub(super) paint: Paint,
@@ -41,7 +41,7 @@ pub(super) struct Placed {
 }
 
 impl<'a> Side<'a> {
-    /// Flattens the textons of a scene; its libraries are added to `libraries` unless they are there.
+    /// Flattens the textons of a scene. Appends its libraries to `libraries` unless they are listed.
     pub(super) fn new(scene: &'a Scene, libraries: &mut Vec<LibraryRef>) -> Self {
         let index = |reference: &LibraryRef| {
             let found = libraries.iter().position(|l| l == reference);
@@ -51,39 +51,39 @@ impl<'a> Side<'a> {
             }) as u32
         };
         let known = scene.libraries.iter().map(index).collect();
-        Self { scene, casts: parallel::map(&scene.textons, Cast::new), libraries: known }
+        Self { scene, flat: parallel::map(&scene.textons, FlatTexton::new), libraries: known }
     }
 
-    /// What tells an instance from others.
-    pub(super) fn traits(&self, instance: &Instance) -> Traits {
-        let cast = &self.casts[instance.texton as usize];
+    /// The properties of an instance by which it is matched.
+    pub(super) fn properties(&self, instance: &Instance) -> Properties {
+        let flat_texton = &self.flat[instance.texton as usize];
         let texton = &self.scene.textons[instance.texton as usize];
         let affine = instance.affine();
-        Traits {
-            at: affine * cast.centre,
-            size: libm::sqrt((cast.area * affine.determinant()).abs()),
-            colour: instance.colour.map_or(cast.colour, Colour::to_oklab),
+        Properties {
+            at: affine * flat_texton.centre,
+            size: libm::sqrt((flat_texton.area * affine.determinant()).abs()),
+            colour: instance.colour.map_or(flat_texton.colour, Colour::to_oklab),
             category: texton.category.map(|c| (self.libraries[texton.library as usize], c)),
         }
     }
 
     /// The centre of an instance on the canvas.
     pub(super) fn centre(&self, instance: &Instance) -> Point {
-        instance.affine() * self.casts[instance.texton as usize].centre
+        instance.affine() * self.flat[instance.texton as usize].centre
     }
 
-    /// An instance as polygons; none if it has no area.
+    /// An instance as polygons; `None` if it has no area.
     pub(super) fn placed(&self, instance: &Instance) -> Option<Placed> {
-        let cast = &self.casts[instance.texton as usize];
+        let flat_texton = &self.flat[instance.texton as usize];
         let texton = &self.scene.textons[instance.texton as usize];
         let affine = instance.affine();
-        let centre = affine * cast.centre;
+        let centre = affine * flat_texton.centre;
         let affine = affine.then_translate(-centre.to_vec2());
-        let rings = moved(&cast.rings, affine);
+        let rings = transformed(&flat_texton.rings, affine);
         let area = rings.first().map_or(0.0, |r| moments(r).0);
-        let details = cast.details.iter().zip(&texton.details);
+        let details = flat_texton.details.iter().zip(&texton.details);
         let details = details.filter(|(rings, _)| !rings.is_empty()).map(|(rings, patch)| Detail {
-            rings: moved(rings, affine),
+            rings: transformed(rings, affine),
             paint: paint((patch.colour, patch.gradient.as_ref()), affine),
         });
         (area > 1e-3).then(|| Placed {
@@ -111,9 +111,9 @@ fn paint((colour, gradient): (Colour, Option<&Gradient>), affine: Affine) -> Pai
     Paint { colour, gradient: gradient.map(|g| g.moved(affine)) }
 }
 
-impl Cast {
+impl FlatTexton {
     fn new(texton: &Texton) -> Self {
-        let flat = |outline: &Outline| moved(&outline.polygons(FLAT), Affine::IDENTITY);
+        let flat = |outline: &Outline| transformed(&outline.polygons(FLAT), Affine::IDENTITY);
         let rings = flat(&texton.outline);
         let (area, centre) = rings.first().map_or((0.0, Point::ORIGIN), |r| moments(r));
         let details: Vec<Vec<Ring>> = texton.details.iter().map(|d| flat(&d.outline)).collect();
@@ -128,7 +128,7 @@ impl Cast {
             add(patch.colour, weight);
             (rest, all) = (rest - weight, all + weight);
         }
-        // Details overlap a little, and cover the rest or not.
+        // Overlaps of details are ignored: the remaining area is at least 0.
         let rest = rest.max(1e-6);
         add(texton.colour, rest);
         let colour = sum.map(|v| (v / (all + rest)) as f32);

@@ -1,4 +1,4 @@
-//! What holds of every scene between two scenes.
+//! Properties of every scene between two scenes.
 
 use super::*;
 use crate::geometry::{Affine, BezPath, Outline};
@@ -27,7 +27,7 @@ fn colour(random: &mut Stream) -> Colour {
     Colour([0; 3].map(|_| random.below(256) as u8))
 }
 
-/// A scene of so many primaries with details and three times as many secondaries.
+/// A scene with `primaries` primaries with details, and three times as many secondaries.
 fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
     let random = &mut stream(seed, "test/interpolate", 0);
     let mut textons = Vec::new();
@@ -113,7 +113,7 @@ fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
 }
 
 fn between(a: &Scene, b: &Scene, t: f64) -> Scene {
-    Interpolation::new(a, b, &()).unwrap().at(t)
+    Interpolation::new(a.clone(), b.clone(), &()).unwrap().at(t)
 }
 
 fn flat(outline: &Outline) -> Ring {
@@ -131,13 +131,15 @@ fn area(scene: &Scene) -> f64 {
 #[test]
 fn the_ends_are_the_scenes_and_all_between_is_valid() {
     let (a, b) = (scene(1, 20, false), scene(2, 12, false));
-    let way = Interpolation::new(&a, &b, &()).unwrap();
-    assert!(way.at(0.0) == a && way.at(1.0) == b && way.at(-3.0) == a && way.at(f64::NAN) == a);
-    let [primary, secondary] = way.matched();
-    assert_eq!((primary.pairs, primary.alone), (12, 8));
-    assert_eq!(secondary.pairs * 2 + secondary.alone, 3 * 32);
+    let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
+    assert!(
+        between.at(0.0) == a && between.at(1.0) == b && between.at(-3.0) == a && between.at(f64::NAN) == a
+    );
+    let [primary, secondary] = between.matched();
+    assert_eq!((primary.pairs, primary.unmatched), (12, 8));
+    assert_eq!(secondary.pairs * 2 + secondary.unmatched, 3 * 32);
     for k in 1..10 {
-        let scene = way.at(f64::from(k) / 10.0);
+        let scene = between.at(f64::from(k) / 10.0);
         scene.validate().unwrap();
         assert_eq!(scene.libraries.len(), 2);
         assert!(Scene::from_bytes(&scene.to_json(), "between").unwrap() == scene);
@@ -147,15 +149,15 @@ fn the_ends_are_the_scenes_and_all_between_is_valid() {
 #[test]
 fn a_scene_between_looks_like_its_neighbours() {
     let (a, b) = (scene(3, 20, false), scene(4, 20, false));
-    let way = Interpolation::new(&a, &b, &()).unwrap();
-    let areas: Vec<f64> = (0..=20).map(|k| area(&way.at(f64::from(k) / 20.0))).collect();
+    let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
+    let areas: Vec<f64> = (0..=20).map(|k| area(&between.at(f64::from(k) / 20.0))).collect();
     let (low, high) = (areas[0].min(areas[20]), areas[0].max(areas[20]));
     for pair in areas.windows(2) {
         assert!(pair[1] > 0.75 * low && pair[1] < 1.15 * high, "{areas:?}");
         assert!((pair[1] - pair[0]).abs() < 0.12 * high, "{areas:?}");
     }
     // The field begins as that of the first.
-    let near = way.at(1e-9);
+    let near = between.at(1e-9);
     let field = |s: &Scene| Interpolant::new(&s.background, SIZE, SIZE, s.tile);
     let (first, here) = (field(&a), field(&near));
     for p in &b.background.points {
@@ -167,9 +169,9 @@ fn a_scene_between_looks_like_its_neighbours() {
 #[test]
 fn nothing_moves_in_leaps() {
     let (a, b) = (scene(5, 15, false), scene(6, 15, false));
-    let way = Interpolation::new(&a, &b, &()).unwrap();
+    let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
     let places = |t: f64| -> Vec<(u32, Point)> {
-        let scene = way.at(t);
+        let scene = between.at(t);
         let mut all: Vec<_> = scene
             .primary
             .iter()
@@ -193,9 +195,9 @@ fn nothing_moves_in_leaps() {
 #[test]
 fn no_detail_sticks_out_of_its_texton() {
     let (a, b) = (scene(7, 25, false), scene(8, 25, false));
-    let way = Interpolation::new(&a, &b, &()).unwrap();
+    let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
     for t in [0.1, 0.35, 0.5, 0.8] {
-        let scene = way.at(t);
+        let scene = between.at(t);
         let mut seen = 0;
         for i in &scene.primary {
             let texton = &scene.textons[i.texton as usize];
@@ -218,7 +220,7 @@ fn scenes_that_tile_tile_on_the_way() {
     assert!(half.tile.both());
     let on_canvas = |i: &Instance| i.transform[4..].iter().all(|v| (-20.0..140.0).contains(v));
     assert!(half.primary.iter().all(on_canvas));
-    // One that does not: the copies of the other are there one by one.
+    // A scene that is not periodic: the copies of the other are listed one by one.
     let plain = scene(11, 20, false);
     let half = between(&a, &plain, 0.5);
     assert!(!half.tile.any());
@@ -234,10 +236,10 @@ fn scenes_that_tile_tile_on_the_way() {
 #[test]
 fn across_the_canvas_each_side_is_its_own() {
     let (a, b) = (scene(12, 30, true), scene(13, 30, false));
-    let mixed = across(&a, &b, Axis::X, &()).unwrap();
+    let mixed = across(a.clone(), b.clone(), Axis::X, &()).unwrap();
     mixed.validate().unwrap();
     assert!(!mixed.tile.any());
-    // One of the two tiles: a copy of an instance, whole widths or heights away, is there too.
+    // One of the two is periodic: an instance's copies, shifted by whole widths or heights, exist too.
     let same = |a: [f64; 6], b: [f64; 6]| {
         let periods = |k: usize| (a[k] - b[k]) / f64::from(SIZE);
         a[..4] == b[..4] && [4, 5].iter().all(|&k| (periods(k) - libm::rint(periods(k))).abs() < 1e-9)
@@ -293,11 +295,11 @@ fn a_part_of_a_shape_without_partner_shrinks_as_it_is() {
     rect(&mut path, 80.0, 20.0, 30.0, 30.0);
     let two = Domain { outline: Outline::new(&path).unwrap(), edge: Edge::Clip };
     (a.domain, b.domain) = (Some(two), Some(one));
-    let way = Interpolation::new(&a, &b, &()).unwrap();
-    let half = way.at(0.5).domain.unwrap().outline.area();
+    let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
+    let half = between.at(0.5).domain.unwrap().outline.area();
     assert!((half - 6000.0 - 225.0).abs() < 40.0, "{half}");
-    // What moves is told closely enough that curves through its points stay near its sides.
-    for ring in way.domain_motion().unwrap().0.rings {
+    // The points are dense enough that curves through them stay close to the sides.
+    for ring in between.domain_motion().unwrap().0.rings {
         let first = &ring[0];
         let far = (0..first.len()).map(|i| length(first[(i + 1) % first.len()] - first[i]));
         assert!(far.fold(0.0, f64::max) < 4.0);
@@ -312,10 +314,10 @@ fn shadows_and_lines_change_without_a_jump() {
         instance.shadow = Some(Shadow { offset: [6.0, 3.0], opacity: 0.5, blur: 2.0 });
         instance.stroke = Some(Stroke { width: 1.0, colour: Colour([0, 0, 200]) });
     }
-    let way = Interpolation::new(&a, &b, &()).unwrap();
+    let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
     // Width and opacity on the canvas, by id.
     let look = |t: f64| -> std::collections::BTreeMap<u32, [f64; 2]> {
-        let scene = way.at(t);
+        let scene = between.at(t);
         scene.validate().unwrap();
         let of = |i: &Instance| {
             let scale = libm::sqrt(i.affine().determinant().abs());
@@ -323,7 +325,7 @@ fn shadows_and_lines_change_without_a_jump() {
         };
         scene.primary.iter().chain(&scene.secondary).map(|i| (i.id, of(i))).collect()
     };
-    let paired = way.matched()[0].pairs;
+    let paired = between.matched()[0].pairs;
     let mut before = look(0.01);
     for k in 1..100 {
         let here = look(f64::from(k) / 100.0);
@@ -350,12 +352,12 @@ fn plain_grounds_mix_and_a_scene_between_says_what_it_is() {
     let (a, b) = (plain(25, 20), plain(26, 220));
     let ground =
         |scene: &Scene, x: f64| Interpolant::new(&scene.background, SIZE, SIZE, scene.tile).at(x, 60.0)[0];
-    let way = Interpolation::new(&a, &b, &()).unwrap();
-    assert!(ground(&way.at(0.001), 60.0) < 24.0 && ground(&way.at(0.999), 60.0) > 216.0);
-    let mixed = across(&a, &b, Axis::X, &()).unwrap();
+    let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
+    assert!(ground(&between.at(0.001), 60.0) < 24.0 && ground(&between.at(0.999), 60.0) > 216.0);
+    let mixed = across(a.clone(), b.clone(), Axis::X, &()).unwrap();
     assert!(ground(&mixed, 3.0) < 24.0 && ground(&mixed, 117.0) > 216.0);
     assert_eq!(mixed.edits.last().unwrap().operation, "interp '25.png' '26.png' --across x");
-    assert_eq!(way.at(0.25).edits.last().unwrap().operation, "interp '25.png' '26.png' --at 0.25");
+    assert_eq!(between.at(0.25).edits.last().unwrap().operation, "interp '25.png' '26.png' --at 0.25");
 }
 
 #[test]
@@ -380,14 +382,17 @@ fn other_sizes_and_empty_scenes() {
     let a = scene(16, 5, false);
     let mut b = scene(17, 5, false);
     b.width = 60;
-    assert!(matches!(Interpolation::new(&a, &b, &()), Err(Error::Sizes { .. })));
+    assert!(matches!(Interpolation::new(a.clone(), b.clone(), &()), Err(Error::Sizes { .. })));
     let mut empty = scene(18, 0, false);
     empty.background.points.clear();
     let half = between(&a, &empty, 0.5);
     half.validate().unwrap();
     assert!(half.primary.len() <= 5);
     between(&empty, &empty, 0.5).validate().unwrap();
-    assert!(matches!(Interpolation::new(&a, &a, &crate::progress::Stop), Err(Error::Interrupted)));
+    assert!(matches!(
+        Interpolation::new(a.clone(), a.clone(), &crate::progress::Stop),
+        Err(Error::Interrupted)
+    ));
 }
 
 #[cfg(feature = "parallel")]

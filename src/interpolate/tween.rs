@@ -1,32 +1,32 @@
-//! One texton on its way: into another, into nothing, or out of nothing.
+//! Interpolation of one texton: into its partner, or, if unmatched, from or to nothing.
 
 use super::blend::Blend;
 use super::effects::{Effects, near};
+use super::envelope;
 use super::motion::{Motion, Moving};
 use super::paint::Paint;
 use super::patch::{Carry, Part, Patch, TOLERANCE, patches};
-use super::presence;
+use super::progression::Progression;
 use super::ring::{Ring, sine_cosine, turned};
 use super::side::{Placed, Side, same};
-use super::when::When;
 use crate::geometry::{Affine, Outline, Point, Vec2};
 use crate::sampling::Stream;
 use crate::scene::{Instance, Scene, Texton};
 
-/// Share of the time that a texton without partner takes to go or to come.
+/// Duration in which an unmatched texton vanishes or appears, as a share of the whole time.
 const FADE: f64 = 0.35;
 
-/// A texton on its way.
-pub(super) struct Item {
-    /// Place in the painting order at either end, 0 to 1.
+/// A texton that changes over time.
+pub(super) struct Tween {
+    /// Position in the painting order of either scene, 0 to 1.
     keys: [f64; 2],
     kind: Kind,
 }
 
 enum Kind {
-    Both(Box<Both>),
-    /// It is there at one end only: grows from nothing, or shrinks to nothing, where it stands.
-    One {
+    Pair(Box<Pair>),
+    /// An unmatched texton: it vanishes or appears where it is, by scaling.
+    Unmatched {
         side: usize,
         instance: u32,
         centre: Point,
@@ -34,11 +34,11 @@ enum Kind {
     },
 }
 
-/// A texton that becomes another.
-struct Both {
-    /// Indices of the instances in their layer.
+/// A matched pair of textons.
+struct Pair {
+    /// Index of each instance in its layer.
     instances: [u32; 2],
-    /// Whether it stays as it is.
+    /// Whether both are the same, so that nothing changes.
     still: bool,
     centres: [Point; 2],
     blend: Blend,
@@ -47,37 +47,43 @@ struct Both {
     details: Vec<Patch>,
 }
 
-/// What is to be drawn of an item.
+/// A texton at some time.
 pub(super) struct Drawn {
-    /// Place in the painting order.
+    /// Position in the painting order.
     pub(super) key: f64,
-    pub(super) what: What,
+    pub(super) what: Content,
 }
 
-pub(super) enum What {
-    /// An instance of one of the scenes, as it is or scaled about its centre.
-    Old { side: usize, instance: Instance },
-    /// A new texton, placed around the point given.
+pub(super) enum Content {
+    /// An instance of scene `side`, unchanged or scaled about its centre.
+    Existing { side: usize, instance: Instance },
+    /// A new texton, placed with its origin at `at`.
     New { texton: Texton, at: Point, effects: Effects },
 }
 
-impl Item {
-    /// An instance that is there at one end only.
-    pub(super) fn one(sides: &[Side<'_>; 2], side: usize, layer: Layer, k: u32, random: &mut Stream) -> Self {
+impl Tween {
+    /// The tween of an unmatched instance.
+    pub(super) fn unmatched(
+        sides: &[Side<'_>; 2],
+        side: usize,
+        layer: Layer,
+        k: u32,
+        random: &mut Stream,
+    ) -> Self {
         let instances = layer.of(sides[side].scene);
         let first = random.range(0.0, 1.0 - FADE);
         let centre = sides[side].centre(&instances[k as usize]);
-        let kind = Kind::One { side, instance: k, centre, window: [first, first + FADE] };
+        let kind = Kind::Unmatched { side, instance: k, centre, window: [first, first + FADE] };
         Self { keys: [f64::from(k) / instances.len() as f64; 2], kind }
     }
 
-    /// Two instances that become one another; the second is moved by `way` from the first. None if
-    /// either has no area.
-    pub(super) fn both(
+    /// The tween of a pair; `offset` is the offset from the first to the second. `None` if either has no
+    /// area.
+    pub(super) fn pair(
         sides: &[Side<'_>; 2],
         layer: Layer,
         pair: [u32; 2],
-        way: Vec2,
+        offset: Vec2,
         random: &mut Stream,
     ) -> Option<Self> {
         let lists = [0, 1].map(|s| layer.of(sides[s].scene));
@@ -93,26 +99,26 @@ impl Item {
         let holes = [&a, &b].into_iter().enumerate();
         let holes = holes.flat_map(|(s, p)| p.rings[1..].iter().map(move |r| Part::hole(s, r.clone())));
         let still = same(sides, [0, 1].map(|s| &lists[s][pair[s] as usize]));
-        let both = Both {
+        let both = Pair {
             instances: pair,
             still,
-            centres: [a.centre, a.centre + way],
+            centres: [a.centre, a.centre + offset],
             blend,
             holes: holes.collect(),
             paints: [a.paint, b.paint],
             details,
         };
         let keys = [0, 1].map(|s| f64::from(pair[s]) / lists[s].len() as f64);
-        Some(Self { keys, kind: Kind::Both(Box::new(both)) })
+        Some(Self { keys, kind: Kind::Pair(Box::new(both)) })
     }
 
-    /// What is to be drawn of it; none where it is not there.
-    pub(super) fn at(&self, ends: &Ends<'_>, layer: Layer, when: &When) -> Option<Drawn> {
+    /// The texton at a time; `None` while it does not exist.
+    pub(super) fn at(&self, ends: &Ends<'_>, layer: Layer, when: &Progression) -> Option<Drawn> {
         let old = |side: usize, k: u32| layer.of(ends.scenes[side])[k as usize].clone();
         let (t, what) = match &self.kind {
-            Kind::One { side, instance, centre, window } => {
+            Kind::Unmatched { side, instance, centre, window } => {
                 let t = when.at(*centre);
-                let size = presence(*side, *window, t);
+                let size = envelope(*side, *window, t);
                 if size < 0.02 {
                     return None;
                 }
@@ -122,13 +128,13 @@ impl Item {
                     instance.transform = scaled.as_coeffs();
                     instance.shadow = instance.shadow.map(|shadow| near(shadow, size));
                 }
-                (t, What::Old { side: *side, instance })
+                (t, Content::Existing { side: *side, instance })
             }
-            Kind::Both(both) => {
-                let t = when.on_way(both.centres);
+            Kind::Pair(both) => {
+                let t = when.between(both.centres);
                 let what = if both.still || t <= 0.0 || t >= 1.0 {
                     let side = usize::from(t >= 1.0);
-                    What::Old { side, instance: old(side, both.instances[side]) }
+                    Content::Existing { side, instance: old(side, both.instances[side]) }
                 } else {
                     both.at(ends, layer, t)?
                 };
@@ -138,20 +144,20 @@ impl Item {
         Some(Drawn { key: self.key(t), what })
     }
 
-    /// Its place in the painting order.
+    /// Position in the painting order at time `t`.
     pub(super) fn key(&self, t: f64) -> f64 {
         self.keys[0] + (self.keys[1] - self.keys[0]) * t
     }
 
-    /// All of its way.
+    /// The whole motion.
     pub(super) fn motion(&self, ends: &Ends<'_>, layer: Layer, id: u32) -> Motion {
         match &self.kind {
-            Kind::Both(both) => {
+            Kind::Pair(both) => {
                 let of = |side: usize| &layer.of(ends.scenes[side])[both.instances[side] as usize];
                 let effects = Effects::aligned(Effects::of(of(0)), Effects::of(of(1)));
                 Motion { id, shapes: Moving::with_effects(both.shapes(), effects), window: None }
             }
-            Kind::One { side, instance, centre, window } => {
+            Kind::Unmatched { side, instance, centre, window } => {
                 let instance = &layer.of(ends.scenes[*side])[*instance as usize];
                 let texton = &ends.scenes[*side].textons[instance.texton as usize];
                 let (base, _) = texton.base(instance.colour);
@@ -168,20 +174,20 @@ impl Item {
         }
     }
 
-    /// Whether it is one texton becoming another.
+    /// Whether it is a matched pair.
     pub(super) fn is_pair(&self) -> bool {
-        matches!(self.kind, Kind::Both(_))
+        matches!(self.kind, Kind::Pair(_))
     }
 }
 
-impl Both {
-    /// The turns so far, from either end.
+impl Pair {
+    /// Rotation at time `t` relative to the first and to the second end, in radians.
     fn turns(&self, t: f64) -> [f64; 2] {
         let turn = self.blend.turn();
         [turn * t, turn * (t - 1.0)]
     }
 
-    /// Its outline and details, at the beginning, half-way and at the end.
+    /// Outline and details at the beginning, at half-time and at the end.
     fn shapes(&self) -> Vec<Moving> {
         const TIMES: [f64; 3] = [0.0, 0.5, 1.0];
         let hulls = TIMES.map(|t| self.blend.at(t));
@@ -207,7 +213,7 @@ impl Both {
         shapes
     }
 
-    fn at(&self, ends: &Ends<'_>, layer: Layer, t: f64) -> Option<What> {
+    fn at(&self, ends: &Ends<'_>, layer: Layer, t: f64) -> Option<Content> {
         let ring = self.blend.at(t);
         let scales = self.blend.scales(&ring);
         let turns = self.turns(t);
@@ -246,17 +252,17 @@ impl Both {
         };
         let at = self.centres[0].lerp(self.centres[1], t);
         let effects = Effects::mixed(Effects::of(instances[0]), Effects::of(instances[1]), t);
-        Some(What::New { texton, at, effects })
+        Some(Content::New { texton, at, effects })
     }
 }
 
-/// The two scenes, and where their libraries stand among those of both.
+/// The two scenes, and for each the indices of its libraries in the combined list.
 pub(super) struct Ends<'a> {
     pub(super) scenes: [&'a Scene; 2],
     pub(super) libraries: [&'a [u32]; 2],
 }
 
-/// One of the two layers of textons.
+/// One of a scene's two layers of textons.
 #[derive(Clone, Copy)]
 pub(super) enum Layer {
     Secondary,
@@ -264,7 +270,7 @@ pub(super) enum Layer {
 }
 
 impl Layer {
-    /// Its instances, in painting order.
+    /// Its instances in a scene, in painting order.
     pub(super) fn of(self, scene: &Scene) -> &[Instance] {
         match self {
             Self::Secondary => &scene.secondary,

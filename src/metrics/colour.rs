@@ -1,16 +1,17 @@
-//! Distances of colour distributions: earth mover's, channel by channel and in Lab.
+//! Earth mover's distances of colour distributions: per RGB channel, and in CIE Lab.
 
 use super::transport;
 use image::RgbImage;
 
 /// Edge of a bin in Lab, in ΔE.
 const BIN: f64 = 10.0;
-/// Pixels that a Lab histogram is made of, at least, if there are as many.
+/// Approximate number of pixels sampled for a Lab histogram: fewer only if the picture is smaller.
 const PIXELS: usize = 60_000;
-/// Most bins of a Lab histogram: the fullest.
+/// Largest number of bins in a Lab histogram; only the fullest are kept.
 const BINS: usize = 500;
 
-/// Mean over red, green and blue of the earth mover's distance between the histograms, 0 to 255.
+/// Earth mover's distance between the histograms of one channel, averaged over red, green and blue,
+/// 0 to 255.
 pub(super) fn emd_rgb(a: &RgbImage, b: &RgbImage) -> f64 {
     let histograms = |image: &RgbImage| {
         let mut counts = [[0.0f64; 256]; 3];
@@ -29,7 +30,7 @@ pub(super) fn emd_rgb(a: &RgbImage, b: &RgbImage) -> f64 {
     (0..3).map(channel).sum::<f64>() / 3.0
 }
 
-/// Earth mover's distance between histograms in Lab with bins of 10 ΔE, solved exactly, in ΔE.
+/// Earth mover's distance between Lab histograms with bins of 10 ΔE, solved exactly, in ΔE.
 pub(super) fn emd_lab(a: &RgbImage, b: &RgbImage) -> f64 {
     let (a, b) = (lab_histogram(a), lab_histogram(b));
     let distance = |p: &[i32; 3], q: &[i32; 3]| {
@@ -39,7 +40,7 @@ pub(super) fn emd_lab(a: &RgbImage, b: &RgbImage) -> f64 {
     transport::mean_cost(&a, &b, distance)
 }
 
-/// The fullest bins with the pixels in each, in the order of the bins.
+/// The fullest bins with their numbers of pixels, in the order of the bins.
 fn lab_histogram(image: &RgbImage) -> Vec<([i32; 3], u64)> {
     let to_lab = Lab::new();
     let all = image.width() as usize * image.height() as usize;
@@ -57,7 +58,7 @@ fn lab_histogram(image: &RgbImage) -> Vec<([i32; 3], u64)> {
     counted
 }
 
-/// From 8-bit sRGB to CIE Lab, D65 and the 2° observer.
+/// Conversion of 8-bit sRGB to CIE Lab (D65, 2° observer), by table.
 pub(super) struct Lab {
     linear: [f64; 256],
 }
@@ -71,7 +72,7 @@ impl Lab {
         Self { linear: std::array::from_fn(linear) }
     }
 
-    /// L in 0..=100, a and b about -100..=100.
+    /// Lab of a colour: L 0 to 100, a and b roughly -100 to 100.
     pub(super) fn of(&self, rgb: [u8; 3]) -> [f32; 3] {
         let [r, g, b] = rgb.map(|v| self.linear[usize::from(v)]);
         let f = |t: f64| if t > 0.008_856 { libm::cbrt(t) } else { 7.787 * t + 16.0 / 116.0 };

@@ -1,34 +1,36 @@
-//! Fréchet distance of the distributions of dense filter responses: what FID is, with filters made
-//! by hand in place of a network.
+//! Fréchet distance between distributions of dense filter responses: like FID, but with
+//! hand-designed filters in place of a network.
 
 use super::patches::Channels;
 use super::plane::{Plane, dot};
 use crate::parallel;
 use std::f64::consts::FRAC_PI_4;
 
-/// Left out along the border, in pixels.
+/// Width of the strip along the border that is left out, in pixels.
 const BORDER: usize = 8;
-/// Smallest deviation that counts, in hundredths of Lab.
+/// Lower bound of the standard deviations that responses are divided by, in hundredths of Lab.
 const FLOOR: f64 = 0.01;
-/// Added to variances.
+/// Added to variances to keep covariance matrices well conditioned.
 const RIDGE: f64 = 1e-4;
 
-/// Fréchet distance of Gaussians fitted to the responses, in deviations of the first picture's, per
-/// filter. `a` and `b` are Lab in hundredths.
+/// Fréchet distance between Gaussians fitted to the filter responses. Responses are divided by the
+/// standard deviations of the first picture's, and the result by the number of filters. `a` and `b`
+/// are Lab divided by 100.
 pub(super) fn frechet(a: &Channels, b: &Channels) -> f64 {
     let (a, b) = (responses(a), responses(b));
     let units: Vec<f64> = a.iter().map(|p| FLOOR + libm::sqrt(moments(p).1)).collect();
     let (a, b) = (Gaussian::fit(&a, &units), Gaussian::fit(&b, &units));
     let size = units.len();
     let between: f64 = (0..size).map(|i| (a.mean[i] - b.mean[i]) * (a.mean[i] - b.mean[i])).sum();
-    // The trace of √(AB) is that of √(√A B √A), which is symmetric.
+    // tr √(AB) = tr √(√A B √A), whose argument is symmetric.
     let root = a.covariance.square_root();
     let mixed = root.product(&b.covariance).product(&root);
     let trace = a.covariance.trace() + b.covariance.trace() - 2.0 * mixed.square_root().trace();
     (between + trace).max(0.0) / size as f64
 }
 
-/// Colours at three scales; of lightness, gradients, blobs, and strength of edges by direction.
+/// Filter responses at three scales: colours; and of lightness its gradients, blobs, and edge strength
+/// by direction.
 fn responses(lab: &Channels) -> Vec<Plane> {
     let light = &lab[0];
     let mut all = Vec::new();
@@ -69,7 +71,7 @@ struct Gaussian {
 }
 
 impl Gaussian {
-    /// Of responses, each divided by its unit.
+    /// Fits a Gaussian to responses, each divided by its unit.
     fn fit(responses: &[Plane], units: &[f64]) -> Self {
         let mean: Vec<f64> = responses.iter().map(|p| moments(p).0).collect();
         let centred: Vec<Vec<f32>> = responses
@@ -77,7 +79,7 @@ impl Gaussian {
             .zip(mean.iter().zip(units))
             .map(|(p, (m, u))| p.data.iter().map(|v| ((f64::from(*v) - m) / u) as f32).collect())
             .collect();
-        // Sums of short pieces lose nothing to rounding.
+        // Summing in short pieces limits rounding errors.
         let product = |a: &[f32], b: &[f32]| -> f64 {
             a.chunks(1024).zip(b.chunks(1024)).map(|(a, b)| f64::from(dot(a, b))).sum()
         };
@@ -117,8 +119,8 @@ impl Symmetric {
         Self::new(self.size, |i, j| (0..self.size).map(|k| self.at(i, k) * other.at(k, j)).sum())
     }
 
-    /// The square root of a symmetric matrix without negative eigenvalues; such as come from
-    /// rounding count as 0.
+    /// Square root of a symmetric positive semidefinite matrix. Negative eigenvalues from rounding count
+    /// as 0.
     fn square_root(&self) -> Self {
         let (values, vectors) = self.eigen();
         let roots: Vec<f64> = values.iter().map(|v| libm::sqrt(v.max(0.0))).collect();
@@ -127,7 +129,7 @@ impl Symmetric {
         })
     }
 
-    /// Eigenvalues, and eigenvectors in columns, by rotations (Jacobi 1846).
+    /// Eigenvalues, and eigenvectors as columns, by Jacobi rotations (Jacobi 1846).
     fn eigen(&self) -> (Vec<f64>, Self) {
         const SWEEPS: usize = 60;
         let size = self.size;
@@ -151,7 +153,7 @@ impl Symmetric {
         ((0..size).map(|i| a.at(i, i)).collect(), vectors)
     }
 
-    /// Turns the axes `p` and `q` so that the element between them vanishes.
+    /// Rotates axes `p` and `q` so that their off-diagonal element vanishes.
     fn rotate(&mut self, p: usize, q: usize, vectors: &mut Self) {
         let between = self.at(p, q);
         if between == 0.0 {

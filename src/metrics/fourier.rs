@@ -1,4 +1,4 @@
-//! Fourier transform of planes.
+//! Two-dimensional Fourier transform of planes.
 
 use crate::parallel;
 use rustfft::num_complex::Complex;
@@ -12,27 +12,27 @@ pub(super) struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of real values, row by row.
+    /// A spectrum's input: real values, row by row.
     pub(super) fn new(width: usize, height: usize, values: impl Fn(usize, usize) -> f64) -> Self {
         let at = |i: usize| Complex::new(values(i % width, i / width), 0.0);
         Self { width, height, data: (0..width * height).map(at).collect() }
     }
 
-    /// Transformed, not scaled. Columns and rows change places, and back with the second transform.
+    /// The unscaled transform, transposed. A second transform restores the order of columns and rows.
     pub(super) fn transformed(self, direction: FftDirection) -> Self {
         self.rows(direction).transposed().rows(direction)
     }
 
     fn rows(mut self, direction: FftDirection) -> Self {
         let transform = FftPlanner::new().plan_fft(self.width, direction);
-        // Several rows at a time share the memory that the transform needs.
+        // Several rows share one scratch buffer.
         parallel::for_chunks(&mut self.data, self.width * 16, |_, rows| transform.process(rows));
         self
     }
 
     fn transposed(self) -> Self {
         let mut data = vec![Complex::default(); self.data.len()];
-        // In strips, so that what is read and written stays near.
+        // Transposed in strips, which keeps memory accesses local.
         parallel::for_chunks(&mut data, self.height * 16, |strip, columns| {
             for y in 0..self.height {
                 for (k, column) in columns.chunks_exact_mut(self.height).enumerate() {

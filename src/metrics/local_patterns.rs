@@ -1,13 +1,14 @@
-//! Local binary patterns (Ojala and others 2002): which neighbours on a circle are at least as
-//! bright as the pixel.
+//! Local binary patterns (Ojala and others 2002): which points on a circle are at least as bright
+//! as the pixel at its centre.
 
 use super::plane::Plane;
 use crate::parallel;
 
-/// Points on a circle, and its radius in pixels.
+/// For each circle, its number of points and its radius in pixels.
 const CIRCLES: [(usize, f64); 3] = [(8, 1.0), (16, 2.0), (24, 3.0)];
 
-/// χ² distance of the histograms of uniform patterns, mean over three circles and two scales, 0 to 1.
+/// χ² distance between histograms of uniform patterns, averaged over three circles and two scales,
+/// 0 to 1.
 pub(super) fn lbp(a: &Plane, b: &Plane) -> f64 {
     let (a, b) = (histograms(a), histograms(b));
     let distance = |(a, b): (&Vec<f64>, &Vec<f64>)| {
@@ -29,14 +30,14 @@ fn histograms(plane: &Plane) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// A picture in 256 steps of brightness.
+/// A picture quantised to 256 levels of brightness.
 struct Steps {
     width: usize,
     height: usize,
     data: Vec<f64>,
 }
 
-/// A point on a circle beside a pixel, and where the four pixels around it are.
+/// A point on a circle, with its bilinear weights and the offsets of the four pixels around it.
 struct Point {
     at: [f64; 2],
     corners: [(isize, isize); 4],
@@ -54,8 +55,8 @@ impl Steps {
         if inside { self.data[y as usize * self.width + x as usize] } else { 0.0 }
     }
 
-    /// Share of each pattern: of uniform ones, which change at most twice around the circle, those
-    /// with none, one, two and so on up to all points bright; then of all others.
+    /// Shares of each pattern. Uniform patterns, which change at most twice around the circle, have one
+    /// bin for each number of bright points, 0 to all; the last bin holds all other patterns.
     fn histogram(&self, points: usize, radius: f64) -> Vec<f64> {
         let circle: Vec<Point> = (0..points).map(|k| Point::new(k, points, radius)).collect();
         let rows: Vec<usize> = (0..self.height).collect();
@@ -75,7 +76,7 @@ impl Steps {
         let (mut bright, mut changes, mut last) = (0, 0, None);
         for point in circle {
             let [a, b, c, d] = point.corners.map(|(dx, dy)| self.at(x + dx, y + dy));
-            // Rounded as coordinates of the picture are: in flat parts the last digit decides.
+            // Rounded like the pixel's own coordinates: in flat areas the last digit decides.
             let rest =
                 |pixel: isize, offset: f64, floor: isize| (pixel as f64 + offset) - (pixel + floor) as f64;
             let (u, v) = (rest(x, point.at[0], point.corners[0].0), rest(y, point.at[1], point.corners[0].1));
@@ -92,7 +93,7 @@ impl Steps {
 impl Point {
     fn new(k: usize, points: usize, radius: f64) -> Self {
         let angle = 2.0 * std::f64::consts::PI * k as f64 / points as f64;
-        // To five decimals, so that points that are to lie on pixels do.
+        // Five decimals, so that points meant to lie on pixels do.
         let decimals = |v: f64| libm::rint(v * 1e5) / 1e5;
         let (x, y) = (decimals(radius * libm::cos(angle)), decimals(-radius * libm::sin(angle)));
         let [x0, x1, y0, y1] =
@@ -111,7 +112,7 @@ mod tests {
         for (points, radius) in CIRCLES {
             let circle: Vec<Point> = (0..points).map(|k| Point::new(k, points, radius)).collect();
             assert_eq!(flat.pattern(&circle, 10, 10), points);
-            // Beyond the border it is black.
+            // Points beyond the border count as black.
             assert!(flat.pattern(&circle, 0, 10) < points);
         }
     }

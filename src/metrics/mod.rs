@@ -1,11 +1,11 @@
-//! How alike two pictures of textures are, in numbers that need no network.
+//! Measures of the similarity of two pictures of textures; none of them needs a network.
 //!
-//! None of these is a judge by itself: each looks at one thing (colours, frequencies, grain, small
-//! structures, repetition), and two photographs of one texture are never at distance 0. Figures
-//! for comparison are in `benches/metrics.md`.
+//! No single value decides. Each covers one aspect (colours, frequencies, grain, small structures,
+//! repetition), and two photographs of the same texture are never at distance 0. Reference values
+//! are in `benches/metrics.md`.
 //!
-//! When this works badly: textures that differ in scale (say so, see [`scaled`]), and pictures that
-//! show few elements, where chance decides.
+//! Works badly for pictures at different scales (see [`scaled`]), and for pictures with so few
+//! elements that the values are dominated by chance.
 
 mod colour;
 mod filter_bank;
@@ -29,65 +29,80 @@ use plane::Plane;
 use serde::Serialize;
 pub use structure::Spread;
 
-/// Smallest side of a picture, in pixels.
+/// Smallest permitted width and height of a picture, in pixels.
 const SMALLEST: u32 = 32;
-/// Most pixels of a picture.
+/// Largest permitted number of pixels of a picture.
 const MOST_PIXELS: u64 = 1 << 24;
 
-/// How far a result is from an exemplar. Of what is called a distance 0 is the same and more is
-/// worse.
+/// Measures of how far a result is from its exemplar, as [`compare`] returns them. Distances are 0
+/// for identical pictures and grow with the difference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Metrics {
     /// Width and height of the exemplar, in pixels.
     pub exemplar_size: [u32; 2],
     /// Width and height of the result as it was compared, in pixels.
     pub result_size: [u32; 2],
-    /// Side of the windows on which spectra are compared, in pixels.
+    /// Side of the windows whose power spectra are compared, in pixels.
     pub window: usize,
-    /// Earth mover's distance of the histograms of red, green and blue, their mean; 0 to 255.
+    /// Earth mover's distance between 8-bit histograms, averaged over red, green and blue; 0 to 255.
     pub emd_rgb: f64,
-    /// Earth mover's distance of the histograms in CIE Lab, in ΔE.
+    /// Earth mover's distance between histograms in CIE Lab, in ΔE.
     pub emd_lab: f64,
-    /// Distance of the logarithms of power in 14 bands of frequencies, root mean square.
+    /// Root mean square difference of log power over 14 radial frequency bands.
     pub psd_radial: f64,
-    /// The same, in eight directions each.
+    /// Root mean square difference of log power over the same bands, each split into eight directions.
     pub psd_2d: f64,
-    /// χ² distance of local binary patterns, 0 to 1.
+    /// χ² distance between histograms of local binary patterns, 0 to 1.
     pub lbp: f64,
-    /// Sliced Wasserstein distance of patches, mean of the levels, in deviations of the exemplar's.
+    /// Sliced Wasserstein distance between patches, averaged over the pyramid's levels, in standard
+    /// deviations of the exemplar's patches.
     pub swd: f64,
-    /// The same for each level, from the finest.
+    /// [`Metrics::swd`] for each level, the finest first.
     pub swd_levels: Vec<f64>,
-    /// Fréchet distance of filter responses, in deviations of the exemplar's.
+    /// Fréchet distance between filter responses, in standard deviations of the exemplar's responses.
     pub fb_frechet: f64,
-    /// How far the result's patches are from the exemplar's, 1 being as far as the exemplar's own
-    /// from each other; none where a side is below 53 px.
+    /// Mean distance of the result's patches to the nearest patch of the exemplar, relative to that among
+    /// the exemplar's own patches (1 is equal). `None` if a side is below 53 px.
     pub coherence: Option<f64>,
-    /// How far the exemplar's patches are from the result's, likewise.
+    /// Mean distance of the exemplar's patches to the nearest patch of the result, relative to that among
+    /// the exemplar's own patches (1 is equal). `None` if a side is below 53 px.
     pub completeness: Option<f64>,
-    /// Variance of the Laplacian of the exemplar's grey values: less is more blurred.
+    /// Variance of the Laplacian of the exemplar's grey values (0 to 255). Lower is more blurred.
     pub lapvar_exemplar: f64,
-    /// The same of the result.
+    /// Variance of the Laplacian of the result's grey values (0 to 255).
     pub lapvar_result: f64,
-    /// Logarithm of their quotient: below 0 the result is more blurred, above 0 rougher.
+    /// Logarithm of result over exemplar of these variances. Below 0 the result is more blurred, above 0
+    /// noisier.
     pub lapvar_logratio: f64,
-    /// The spread of the means of blocks, by their size: structure larger than a few elements.
+    /// Spread of block means for each block size: contrast of structure larger than a few elements.
     pub structure: Vec<Spread>,
-    /// How strongly the exemplar repeats beyond 12 px: its largest autocorrelation, at most 1.
+    /// Repetition in the exemplar: its largest normalised autocorrelation beyond 12 px, at most 1.
     pub acf_peak_exemplar: f64,
-    /// The same of the result.
+    /// Repetition in the result, measured likewise.
     pub acf_peak_result: f64,
-    /// Structural similarity of the middles of both pictures, pixel on pixel, 0 to 1 (the same).
+    /// Structural similarity (SSIM) of the pictures' common central part, 0 to 1 (identical).
     pub ssim: f64,
-    /// The same at five scales; none where a side is below 176 px.
+    /// Multi-scale structural similarity (MS-SSIM, five scales), 0 to 1. `None` if a side is below 176 px.
     pub ms_ssim: Option<f64>,
 }
 
-/// Compares a result with its exemplar. Both are taken at the same scale and may differ in size.
+/// Compares a result with its exemplar. Both must show the texture at the same scale; their sizes
+/// may differ.
 ///
 /// # Errors
-/// [`Error::Unusable`] of a picture with a side below 32 px, [`Error::TooLarge`] above 2²⁴ pixels,
+/// [`Error::Unusable`] if a side is below 32 px, [`Error::TooLarge`] above 2²⁴ pixels,
 /// [`Error::Interrupted`].
+///
+/// # Example
+/// ```
+/// # use image::{Rgb, RgbImage};
+/// let stripes = |period: u32| RgbImage::from_fn(64, 64, |x, _| Rgb([(x % period * 20) as u8; 3]));
+/// let same = vtex::metrics::compare(&stripes(8), &stripes(8), &())?;
+/// let other = vtex::metrics::compare(&stripes(8), &stripes(5), &())?;
+/// assert_eq!(same.emd_rgb, 0.0);
+/// assert!(other.emd_rgb > 10.0 && other.ssim < same.ssim);
+/// # Ok::<(), vtex::Error>(())
+/// ```
 pub fn compare(exemplar: &RgbImage, result: &RgbImage, progress: &dyn Progress) -> Result<Metrics> {
     const STEPS: u64 = 8;
     for (image, name) in [(exemplar, "exemplar"), (result, "result")] {
@@ -142,11 +157,12 @@ pub fn compare(exemplar: &RgbImage, result: &RgbImage, progress: &dyn Progress) 
     })
 }
 
-/// A picture that shows the texture `scale` times as large as the exemplar, brought to the
-/// exemplar's scale by a Lanczos filter.
+/// Resamples a picture that shows the texture `scale` times as large as the exemplar to the
+/// exemplar's scale, by a Lanczos filter. `scale` is 0.01 to 100.
 ///
 /// # Errors
-/// A scale outside 0.01 to 100; [`Error::TooLarge`] if the result would have more than 2²⁴ pixels.
+/// [`Error::Parameter`] for a scale out of range; [`Error::TooLarge`] if the result would have more
+/// than 2²⁴ pixels.
 pub fn scaled(image: RgbImage, scale: f64) -> Result<RgbImage> {
     check((0.01..=100.0).contains(&scale), "scale", scale, "0.01 to 100")?;
     if scale == 1.0 {

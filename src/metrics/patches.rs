@@ -1,34 +1,33 @@
-//! Distances of small patches drawn at random: sliced Wasserstein at several scales (Karras and
-//! others 2018), and how near each picture's patches have one alike in the other (Simakov and others
-//! 2008).
+//! Distances between random small patches: sliced Wasserstein at several scales (Karras and others
+//! 2018), and nearest neighbours of each picture's patches in the other (Simakov and others 2008).
 //!
-//! Patches and directions are drawn from streams of their own, always the same. Other draws would
-//! give values that differ a little; `benches/metrics.md` says by how much.
+//! Patches and directions come from random streams with a fixed seed. Other draws would give
+//! slightly different values; `benches/metrics.md` says by how much.
 
 use super::plane::{Plane, dot};
 use crate::parallel;
 use crate::sampling::{Stream, stream};
 
-/// Levels of the pyramid.
+/// Levels of the Laplacian pyramid.
 const LEVELS: usize = 4;
-/// Side of a patch of the pyramid, in pixels.
+/// Side of the patches taken from the pyramid, in pixels.
 const SIDE: usize = 7;
-/// Patches of each picture and level.
+/// Number of patches per picture and level.
 const PATCHES: usize = 6000;
-/// Directions onto which patches are projected.
+/// Number of directions onto which patches are projected.
 const DIRECTIONS: u64 = 256;
-/// Side of a patch that is sought in the other picture, in pixels.
+/// Side of the patches compared by nearest neighbours, in pixels.
 const SOUGHT_SIDE: usize = 9;
-/// Patches sought, and patches among which they are.
+/// Number of patches whose nearest neighbour is sought, and number of patches searched.
 const SOUGHT: [usize; 2] = [1200, 5000];
-/// Step by which pictures are made smaller before patches are sought.
+/// Subsampling steps of the two scales at which nearest neighbours are sought.
 const STEPS: [usize; 2] = [2, 4];
 
-/// Three channels of one size.
+/// Three channels of the same size.
 pub(super) type Channels = [Plane; 3];
 
-/// Sliced Wasserstein distance of patches of the Laplacian pyramids, in deviations of the first
-/// picture's, level by level from the finest; as many levels as hold a patch.
+/// Sliced Wasserstein distance between patches of the Laplacian pyramids, in standard deviations of
+/// the first picture's. One value per level, the finest first, for the levels large enough for a patch.
 pub(super) fn swd(a: &Channels, b: &Channels) -> Vec<f64> {
     let (a, b) = (pyramid(a), pyramid(b));
     let levels = a.iter().zip(&b).zip(0..);
@@ -65,7 +64,7 @@ fn at_level(a: &Channels, b: &Channels, level: u64) -> f64 {
     distances.iter().sum::<f64>() / DIRECTIONS as f64
 }
 
-/// What each scale adds to the next coarser one, and the coarsest.
+/// The Laplacian pyramid: each level's difference from the next coarser one, and the coarsest level.
 fn pyramid(channels: &Channels) -> Vec<Channels> {
     let mut levels = Vec::new();
     let mut current = channels.clone();
@@ -82,16 +81,18 @@ fn pyramid(channels: &Channels) -> Vec<Channels> {
     levels
 }
 
-/// How well two pictures are made of each other's patches.
+/// Nearest-neighbour distances between the patches of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Completeness {
-    /// Mean distance of the second's patches to the nearest of the first, in the first's own.
+    /// Mean distance of the second picture's patches to the nearest of the first, relative to that among
+    /// the first picture's own patches.
     pub(super) coherence: f64,
-    /// Mean distance of the first's patches to the nearest of the second, in the first's own.
+    /// Mean distance of the first picture's patches to the nearest of the second, relative to that among
+    /// the first picture's own patches.
     pub(super) completeness: f64,
 }
 
-/// Mean of two scales; none where neither holds enough patches.
+/// Mean over two scales; `None` if neither has enough patches.
 pub(super) fn completeness(a: &Channels, b: &Channels) -> Option<Completeness> {
     let found: Vec<Completeness> = STEPS.iter().filter_map(|step| at_step(a, b, *step)).collect();
     let mean = |value: fn(&Completeness) -> f64| {
@@ -118,12 +119,12 @@ fn at_step(a: &Channels, b: &Channels, step: usize) -> Option<Completeness> {
     })
 }
 
-/// Patches of a picture, each as one row of numbers, channel by channel.
+/// Patches of a picture, each a row of values, channel by channel.
 struct Patches {
     data: Vec<f32>,
-    /// Numbers of a patch.
+    /// Number of values in a patch.
     length: usize,
-    /// Left upper corners.
+    /// Upper left corner of each patch.
     corners: Vec<[usize; 2]>,
 }
 
@@ -144,7 +145,7 @@ impl Patches {
         self.data.chunks_exact(self.length)
     }
 
-    /// Mean and deviation of each channel.
+    /// Mean and standard deviation of each channel.
     fn channels(&self) -> [(f64, f64); 3] {
         [0, 1, 2].map(|c| {
             let part = self.length / 3;
@@ -163,7 +164,8 @@ impl Patches {
         }
     }
 
-    /// Mean distance of each patch to the nearest of others; `apart`: of those that do not lie over it.
+    /// Mean distance of each patch to its nearest among `others`. With `apart`, overlapping patches are
+    /// ignored.
     fn mean_nearest(&self, others: &Self, apart: bool) -> f64 {
         let numbers: Vec<usize> = (0..self.corners.len()).collect();
         let over = |a: &[usize; 2], b: &[usize; 2]| (0..2).all(|k| a[k].abs_diff(b[k]) < SOUGHT_SIDE);
@@ -177,13 +179,13 @@ impl Patches {
             }
             libm::sqrt(f64::from(best))
         });
-        // Where all lie over it there is nothing to say.
+        // A patch that overlaps all others has no nearest neighbour.
         let known = || distances.iter().filter(|d| d.is_finite());
         known().sum::<f64>() / known().count().max(1) as f64
     }
 }
 
-/// Squared distance, or anything above `enough` as soon as it is more.
+/// Squared distance; stops early with a partial sum once it exceeds `enough`.
 fn squared_distance(a: &[f32], b: &[f32], enough: f32) -> f32 {
     const STRIDE: usize = 32;
     let mut sum = 0.0;

@@ -1,4 +1,4 @@
-//! One channel of a picture as 32-bit floats, and the linear filters that measures are made of.
+//! One channel of a picture as 32-bit floats, with the linear filters that the measures use.
 
 use crate::parallel;
 use image::RgbImage;
@@ -12,7 +12,7 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// Of the value at every column and row.
+    /// A plane whose values are `value(x, y)`.
     pub(super) fn from_fn(width: usize, height: usize, value: impl Fn(usize, usize) -> f32 + Sync) -> Self {
         let mut data = vec![0.0; width * height];
         let value = &value;
@@ -51,42 +51,42 @@ impl Plane {
         self.data[y * self.width + x]
     }
 
-    /// Every value by a function.
+    /// Applies a function to every value.
     pub(super) fn map(mut self, f: impl Fn(f32) -> f32) -> Self {
         self.data.iter_mut().for_each(|v| *v = f(*v));
         self
     }
 
-    /// Values of two planes of one size, by a function.
+    /// Combines the values of two planes of the same size.
     pub(super) fn zip(&self, other: &Self, f: impl Fn(f32, f32) -> f32) -> Self {
         let data = self.data.iter().zip(&other.data).map(|(a, b)| f(*a, *b)).collect();
         Self { width: self.width, height: self.height, data }
     }
 
-    /// A rectangle of it.
+    /// The rectangle with its upper left corner at (`x`, `y`).
     pub(super) fn crop(&self, x: usize, y: usize, width: usize, height: usize) -> Self {
         let rows = (y..y + height).flat_map(|y| self.row(y)[x..x + width].iter().copied());
         Self { width, height, data: rows.collect() }
     }
 
-    /// Every `step`-th column and row, from the first.
+    /// Subsamples: every `step`-th column and row, starting at 0.
     pub(super) fn every(&self, step: usize) -> Self {
         let rows = (0..self.height).step_by(step).flat_map(|y| self.row(y).iter().step_by(step).copied());
         let (width, height) = (self.width.div_ceil(step), self.height.div_ceil(step));
         Self { width, height, data: rows.collect() }
     }
 
-    /// Smoothed by a Gaussian of deviation `sigma`; nothing for 0.
+    /// Smooths by a Gaussian of standard deviation `sigma` in pixels; unchanged for 0.
     pub(super) fn smooth(&self, sigma: f64) -> Self {
         if sigma == 0.0 { self.clone() } else { self.derivative(sigma, [0, 0]) }
     }
 
-    /// Derivative of the orders 0 to 2 along x and y of the plane smoothed by a Gaussian.
+    /// Gaussian derivative of orders `x` and `y` (0 to 2) at standard deviation `sigma` in pixels.
     pub(super) fn derivative(&self, sigma: f64, [x, y]: [u8; 2]) -> Self {
         self.correlate(&gaussian(sigma, x), &gaussian(sigma, y))
     }
 
-    /// Weighted sums of the neighbours along both axes; beyond its ends the plane is mirrored.
+    /// Separable correlation with two kernels. The plane is mirrored at its borders.
     pub(super) fn correlate(&self, along_x: &[f32], along_y: &[f32]) -> Self {
         self.vertical(along_y).horizontal(along_x)
     }
@@ -116,7 +116,7 @@ impl Plane {
         out
     }
 
-    /// Brought to another size by linear interpolation, the centres of the corner pixels kept.
+    /// Resizes by linear interpolation; the centres of the corner pixels are kept.
     pub(super) fn resized(&self, width: usize, height: usize) -> Self {
         let places = |from: usize, to: usize| -> Vec<(usize, usize, f64)> {
             let step = if to > 1 { (from - 1) as f64 / (to - 1) as f64 } else { 0.0 };
@@ -135,14 +135,13 @@ impl Plane {
     }
 }
 
-/// Where a sample lies that is sought at `i`: beyond the ends of `0..n` it is mirrored, the samples
-/// at the ends twice.
+/// Index into `0..n` of the sample at `i`, mirrored at the ends with the end samples repeated.
 fn mirrored(i: isize, n: usize) -> usize {
     let i = i.rem_euclid(2 * n as isize) as usize;
     if i < n { i } else { 2 * n - 1 - i }
 }
 
-/// A sampled Gaussian, or its first or second derivative, cut off at four deviations.
+/// A sampled Gaussian, or its first or second derivative, truncated at four standard deviations.
 pub(super) fn gaussian(sigma: f64, order: u8) -> Vec<f32> {
     let radius = (4.0 * sigma + 0.5) as i32;
     let square = sigma * sigma;
@@ -156,7 +155,7 @@ pub(super) fn gaussian(sigma: f64, order: u8) -> Vec<f32> {
     (-radius..=radius).map(|x| (factor(f64::from(x)) * bell(x) / sum) as f32).collect()
 }
 
-/// Scalar product, the same on every machine.
+/// Scalar product, summed in the same order on every machine.
 pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
     let mut lanes = [0.0f32; 8];
     let (left, right) = (a.chunks_exact(8), b.chunks_exact(8));

@@ -1,9 +1,9 @@
-//! How sharp a picture is.
+//! Sharpness: the variance of the Laplacian.
 
 use super::plane::Plane;
 
-/// Variance of the Laplacian (Pech-Pacheco and others 2000) of grey values from 0 to 255; beyond the
-/// border the picture is mirrored.
+/// Variance of the Laplacian (Pech-Pacheco and others 2000) of grey values from 0 to 255. The picture
+/// is mirrored at its borders.
 pub(super) fn lapvar(plane: &Plane) -> f64 {
     let (width, height) = (plane.width, plane.height);
     let (mut sum, mut squares) = (0.0, 0.0);
@@ -29,7 +29,7 @@ mod tests {
     #[test]
     fn smoothing_takes_sharpness_away() {
         let board = Plane::from_fn(30, 20, |x, y| ((x + y) % 2) as f32);
-        // Inside every Laplacian is 4 · 255 one way or the other.
+        // The Laplacian of a checkerboard is ±4 · 255 in its interior.
         assert!((lapvar(&board) / (1020.0 * 1020.0) - 1.0).abs() < 0.2);
         assert!(lapvar(&board.smooth(1.0)) < 0.01 * lapvar(&board));
         assert_eq!(lapvar(&Plane::from_fn(9, 9, |_, _| 0.25)), 0.0);

@@ -1,24 +1,23 @@
-//! Structural similarity, pixel by pixel, at one scale (Wang and others 2004) and at five (Wang,
-//! Simoncelli and Bovik 2003), of luma from 0 to 255.
+//! Structural similarity of luma (0 to 255), pixel by pixel, at one scale (Wang and others 2004) and
+//! at five (Wang, Simoncelli and Bovik 2003).
 //!
-//! When this works badly: two textures that no one could tell apart do not lie pixel on pixel, and
-//! then have values near 0.
+//! Works badly for two textures that look the same but are not aligned: their values are near 0.
 
 use super::plane::{Plane, gaussian};
 
-/// Deviation of the window, in pixels, and its radius.
+/// Standard deviation of the Gaussian window, and its radius, in pixels.
 const WINDOW: (f64, usize) = (1.5, 5);
-/// Exponents of the scales.
+/// Exponents of the five scales.
 const WEIGHTS: [f64; 5] = [0.0448, 0.2856, 0.3001, 0.2363, 0.1333];
 /// Smallest side for five scales, in pixels.
 const SMALLEST: usize = 176;
-/// Constants that keep quotients finite.
+/// Stabilising constants C₁ and C₂ for the range 0 to 255.
 const C: [f64; 2] = [6.5025, 58.5225];
-/// Taken away from luma before it is squared, for the sake of the last digits.
+/// Subtracted from luma before squaring, which limits rounding errors.
 const MIDDLE: f32 = 128.0;
 
-/// SSIM and MS-SSIM, 0 to 1, of the common part in the middle of both pictures; five scales need 176
-/// pixels on each side.
+/// SSIM and MS-SSIM of the common central part of both pictures, 0 to 1. MS-SSIM is `None` if a side
+/// is below 176 px.
 pub(super) fn ssim(a: &Plane, b: &Plane) -> (f64, Option<f64>) {
     let (width, height) = (a.width.min(b.width), a.height.min(b.height));
     let luma = |p: &Plane| {
@@ -41,7 +40,7 @@ pub(super) fn ssim(a: &Plane, b: &Plane) -> (f64, Option<f64>) {
     (one, Some(all))
 }
 
-/// Mean similarity, and that of contrast and structure alone; both counted as 0 where they are below.
+/// Mean similarity, and mean of its contrast–structure term alone; negative means count as 0.
 fn scale(a: &Plane, b: &Plane) -> (f64, f64) {
     let (sigma, radius) = WINDOW;
     let bell = gaussian(sigma, 0);
@@ -50,7 +49,7 @@ fn scale(a: &Plane, b: &Plane) -> (f64, f64) {
     let sum: f32 = window.iter().sum();
     let window: Vec<f32> = window.iter().map(|w| w / sum).collect();
     let mean = |p: &Plane| {
-        // Only where the window lies inside.
+        // Only where the window fits the picture.
         p.correlate(&window, &window).crop(radius, radius, p.width - 2 * radius, p.height - 2 * radius)
     };
     let (a, b) = (a.clone().map(|v| v - MIDDLE), b.clone().map(|v| v - MIDDLE));
@@ -70,10 +69,10 @@ fn scale(a: &Plane, b: &Plane) -> (f64, f64) {
     (whole / count, structure / count)
 }
 
-/// Half as large, by means of four pixels; an odd side has zeros added at both its ends.
+/// Halves a plane by averaging 2 × 2 pixels. An odd side is padded by zeros at both ends.
 fn halved(plane: &Plane) -> Plane {
     let at = |x: usize, y: usize| {
-        // Of the plane with its border.
+        // Coordinates in the padded plane.
         let inside = |v: usize, side: usize| v.checked_sub(side % 2).filter(|v| *v < side);
         inside(x, plane.width).zip(inside(y, plane.height)).map_or(0.0, |(x, y)| plane.at(x, y))
     };

@@ -1,23 +1,23 @@
-//! Power spectra, by frequency and by frequency and direction; and how strongly a picture repeats.
+//! Power spectra by frequency and direction, and repetition by autocorrelation.
 
 use super::fourier::Spectrum;
 use super::plane::Plane;
 use rustfft::FftDirection;
 use std::f64::consts::PI;
 
-/// Bands of frequencies, evenly spaced in the logarithm.
+/// Number of frequency bands, evenly spaced in the logarithm.
 const BANDS: usize = 14;
-/// Directions, over half a turn.
+/// Number of directions over half a turn.
 const DIRECTIONS: usize = 8;
-/// Added before logarithms are taken.
+/// Added to power before its logarithm is taken.
 const FLOOR: f64 = 1e-7;
-/// Side of a window, in pixels: at most and at least.
+/// Largest and smallest side of a window, in pixels.
 const WINDOW: [usize; 2] = [256, 64];
-/// Most windows along a side.
+/// Largest number of windows along a side.
 const WINDOWS: usize = 3;
-/// Deviation of the mean that is taken away before repetition is sought, in pixels.
+/// Standard deviation of the local mean that is subtracted before the autocorrelation, in pixels.
 const LOCAL: f64 = 12.0;
-/// Shortest distance at which repetition counts, in pixels.
+/// Shortest lag that counts as repetition, in pixels.
 const SHORTEST: f64 = 12.0;
 
 /// Side of the windows on which two pictures are compared, in pixels.
@@ -26,7 +26,7 @@ pub(super) fn window(a: &Plane, b: &Plane) -> usize {
     (smallest.min(WINDOW[0]) / 16 * 16).max(WINDOW[1])
 }
 
-/// Root mean squares of the differences of log power: of bands, and of bands by direction.
+/// Root mean square differences of log power: over bands, and over bands split by direction.
 pub(super) fn psd(a: &Plane, b: &Plane, window: usize) -> [f64; 2] {
     let (a, b) = (Power::new(a, window), Power::new(b, window));
     let rms = |a: &[Option<f64>], b: &[Option<f64>]| {
@@ -37,14 +37,14 @@ pub(super) fn psd(a: &Plane, b: &Plane, window: usize) -> [f64; 2] {
     [rms(&a.bands, &b.bands), rms(&a.directed, &b.directed)]
 }
 
-/// Logarithms of mean power; none where there is no frequency.
+/// Logarithms of mean power; `None` for a band that contains no frequency.
 struct Power {
     bands: Vec<Option<f64>>,
     directed: Vec<Option<f64>>,
 }
 
 impl Power {
-    /// Mean over windows of a side `w`.
+    /// Mean over windows of side `w`.
     fn new(plane: &Plane, w: usize) -> Self {
         let bell: Vec<f64> =
             (0..w).map(|i| 0.5 - 0.5 * libm::cos(2.0 * PI * i as f64 / (w - 1) as f64)).collect();
@@ -86,7 +86,7 @@ impl Power {
             let angle = libm::atan2(y, x).rem_euclid(PI);
             for d in 0..DIRECTIONS {
                 let apart = (angle - d as f64 * PI / DIRECTIONS as f64).abs();
-                // One on the border of two directions belongs to both.
+                // A frequency on the border of two directions belongs to both.
                 if apart.min(PI - apart) <= PI / (2 * DIRECTIONS) as f64 + 1e-9 {
                     add(&mut directed[(band - 1) * DIRECTIONS + d]);
                 }
@@ -99,8 +99,8 @@ impl Power {
     }
 }
 
-/// Windows on an even grid, which overlap where the picture is small; a picture smaller than a
-/// window is mirrored.
+/// Windows on an even grid; they overlap if the picture is small. A picture smaller than a window is
+/// mirrored.
 fn windows(plane: &Plane, w: usize) -> Vec<Plane> {
     let mirrored = |i: usize, n: usize| {
         let i = i % (2 * (n - 1));
@@ -121,12 +121,12 @@ fn windows(plane: &Plane, w: usize) -> Vec<Plane> {
     ys.iter().flat_map(|y| xs.iter().map(|x| plane.crop(*x, *y, w, w))).collect()
 }
 
-/// Largest normalised autocorrelation at a distance of more than 12 px, over lags at which at least
-/// a quarter of the picture lies on itself. What repeats exactly has 1.
+/// Largest normalised autocorrelation at lags beyond 12 px for which at least a quarter of the
+/// picture overlaps itself. 1 for an exactly repeating picture.
 pub(super) fn acf_peak(plane: &Plane) -> f64 {
     let (width, height) = (plane.width, plane.height);
     let mean = plane.smooth(LOCAL);
-    // Twice as large, so that it is not wrapped onto itself.
+    // Padding to twice the size avoids wrap-around.
     let padded = Spectrum::new(2 * width, 2 * height, |x, y| {
         if x < width && y < height { f64::from(plane.at(x, y) - mean.at(x, y)) } else { 0.0 }
     });
@@ -166,7 +166,7 @@ mod tests {
         let repeated = Plane::from_fn(160, 150, |x, y| tile.at(x % 40, y % 40));
         assert!(acf_peak(&repeated) > 0.95);
         assert!(acf_peak(&noise(150)) < 0.1);
-        // What is flat repeats nothing, not even what rounding leaves of it.
+        // A flat picture does not repeat, and neither does its rounding noise.
         assert!(acf_peak(&Plane::from_fn(64, 64, |_, _| 0.5)).abs() < 0.1);
     }
 

@@ -1,4 +1,4 @@
-//! Structure larger than a few elements: how much the means of blocks differ.
+//! Structure larger than a few elements: the spread of block means.
 
 use crate::raster::colour::oklab;
 use image::RgbImage;
@@ -6,24 +6,24 @@ use serde::Serialize;
 
 /// Sides of the blocks, in pixels.
 const BLOCKS: [u32; 4] = [16, 32, 64, 128];
-/// Fewest blocks along each side.
+/// Least number of blocks along each side.
 const FEWEST: u32 = 3;
 
-/// The spread of the means of square blocks: what is left of contrast from afar.
+/// Spread of the mean colours of square blocks: the contrast that remains from afar.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
     /// Side of the blocks, in pixels.
     pub block: u32,
-    /// Standard deviation of the exemplar's block means in Oklab, all components together.
+    /// Standard deviation of the exemplar's block means in Oklab, over all components.
     pub exemplar: f64,
-    /// The same of the result.
+    /// Standard deviation of the result's block means in Oklab, over all components.
     pub result: f64,
-    /// The result's over the exemplar's: below 1 the result is too even, above 1 too patchy. None where
-    /// the exemplar has no spread.
+    /// Result over exemplar. Below 1 the result is too even, above 1 too patchy. `None` if the exemplar
+    /// has no spread.
     pub ratio: Option<f64>,
 }
 
-/// The spread at each size of blocks of which both pictures hold three by three.
+/// The spread at each block size for which both pictures hold at least three by three blocks.
 pub(super) fn spreads(exemplar: &RgbImage, result: &RgbImage) -> Vec<Spread> {
     let of = |block: u32| {
         let (exemplar, result) = (spread(exemplar, block)?, spread(result, block)?);

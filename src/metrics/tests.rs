@@ -1,10 +1,10 @@
-//! Measures as another program has them: metrics.py on numpy, scipy, scikit-image, POT and PyIQA.
+//! Measures agree with stored values of metrics.py on numpy, scipy, scikit-image, POT and PyIQA.
 
 use super::*;
 use std::path::Path;
 
-/// Values of one pair of pictures, in the order of [`exact`]; those drawn at random with their
-/// standard deviation over the draws.
+/// Reference values for one pair of pictures, in the order of [`exact`]; random ones with their standard
+/// deviation over the draws.
 struct Case {
     exemplar: (&'static str, [u32; 4]),
     result: (&'static str, [u32; 4]),
@@ -69,7 +69,7 @@ const CASES: [Case; 3] = [
         ],
         patches: [(4.237_706, 0.030_781), (4.112_100, 0.040_049)],
     },
-    // Smaller than a window.
+    // Pictures smaller than a window.
     Case {
         exemplar: ("concrete", [50, 60, 64, 62]),
         result: ("flowers", [7, 9, 70, 80]),
@@ -126,7 +126,7 @@ fn part((name, [x, y, width, height]): (&str, [u32; 4])) -> RgbImage {
     image::imageops::crop_imm(&image, x, y, width, height).to_image()
 }
 
-/// Within a thousandth, of the value where that is below 1.
+/// Whether two values agree within 0.001, relative to the wanted value if that exceeds 1.
 fn close(found: f64, wanted: f64) -> bool {
     (found - wanted).abs() <= 1e-3 * wanted.abs().clamp(1e-3, 1.0)
 }
@@ -147,7 +147,7 @@ fn measures_are_those_of_another_program() {
 
 #[test]
 fn what_is_drawn_at_random_is_near() {
-    // Other draws of the same numbers: five deviations. Of the smallest pair, which takes least time.
+    // Other draws of the same measures: five standard deviations. Uses the smallest pair for speed.
     let case = &CASES[2];
     let (a, b) = (Plane::lab(&part(case.exemplar)), Plane::lab(&part(case.result)));
     for (value, (mean, deviation)) in patches::swd(&a, &b).into_iter().zip(case.levels) {
@@ -166,7 +166,7 @@ fn a_picture_is_at_no_distance_from_itself() {
     let zeros = [m.emd_rgb, m.emd_lab, m.psd_radial, m.psd_2d, m.lbp, m.lapvar_logratio];
     assert_eq!(zeros, [0.0; 6]);
     assert!(m.fb_frechet < 1e-6 && (m.ssim - 1.0).abs() < 1e-9, "{m:?}");
-    // What is left is the chance of drawing other patches.
+    // The remainder is sampling noise.
     assert!(m.swd < 0.1, "{m:?}");
     assert_eq!((m.acf_peak_exemplar, m.coherence), (m.acf_peak_result, None));
 }

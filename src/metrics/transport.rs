@@ -1,24 +1,23 @@
-//! The transport problem, solved exactly: what the cheapest way of making one heap of earth into
-//! another costs.
+//! Exact solution of the transport problem: the least cost of moving one distribution onto another.
 //!
-//! Successive shortest paths with potentials (Edmonds and Karp 1972) in whole numbers of earth, so
-//! that it ends and nothing is lost to rounding. Made for some hundreds of places.
+//! Successive shortest paths with potentials (Edmonds and Karp 1972). Amounts are integers, so the
+//! algorithm terminates and nothing is lost to rounding. Meant for some hundreds of points.
 
-/// Earth at places.
+/// A distribution: points with their amounts.
 type Heaps<T> = [(T, u64)];
 
-/// Mean distance that earth moves from `a` to `b`, each heap counted as a share of its sum; 0 if
-/// one is empty. `distance` is a metric. Sums are below 2³².
+/// Least mean distance over which mass moves from `a` to `b`, both normalised to sum 1; 0 if one is
+/// empty. `distance` must be a metric. Sums must be below 2³².
 pub(super) fn mean_cost<T: PartialEq>(a: &Heaps<T>, b: &Heaps<T>, distance: impl Fn(&T, &T) -> f64) -> f64 {
     let sum = |heaps: &Heaps<T>| heaps.iter().map(|h| h.1).sum::<u64>();
     let (all_a, all_b) = (sum(a), sum(b));
     if all_a == 0 || all_b == 0 {
         return 0.0;
     }
-    // Both are brought to the same sum.
+    // Both are scaled to the same sum.
     let mut supply: Vec<u64> = a.iter().map(|h| h.1 * all_b).collect();
     let mut demand: Vec<u64> = b.iter().map(|h| h.1 * all_a).collect();
-    // What is at its place stays: no way around is shorter.
+    // Mass at a common point stays: by the triangle inequality moving it is never cheaper.
     for (i, p) in a.iter().enumerate() {
         for (j, _) in b.iter().enumerate().filter(|(_, q)| q.0 == p.0) {
             let same = supply[i].min(demand[j]);
@@ -37,7 +36,7 @@ struct Network {
     flow: Vec<Vec<u64>>,
     supply: Vec<u64>,
     demand: Vec<u64>,
-    /// Of sources, then of sinks: no edge that has room costs less than the potentials differ.
+    /// Potentials of sources, then of sinks. Reduced costs of residual edges are never negative.
     potential: Vec<f64>,
 }
 
@@ -48,8 +47,8 @@ impl Network {
         Self { cost, flow, supply, demand, potential }
     }
 
-    /// Sends as much as goes along the cheapest way from what is left over to what is lacking.
-    /// False if nothing is.
+    /// Augments along the cheapest path from remaining supply to remaining demand. `false` if none is
+    /// left.
     fn augment(&mut self) -> bool {
         let (sources, sinks) = (self.supply.len(), self.demand.len());
         let mut distance = vec![f64::INFINITY; sources + sinks];
@@ -67,7 +66,7 @@ impl Network {
                 break v;
             }
             let mut relax = |to: usize, cost: f64| {
-                // Rounding may make a cost a little less than nothing.
+                // Rounding may make a reduced cost slightly negative.
                 let reduced = (cost + self.potential[v] - self.potential[to]).max(0.0);
                 if !settled[to] && distance[v] + reduced < distance[to] {
                     (distance[to], before[to]) = (distance[v] + reduced, v);
@@ -86,7 +85,7 @@ impl Network {
         true
     }
 
-    /// Sends as much as goes along a path.
+    /// Sends as much as possible along a path.
     fn send(&mut self, before: &[usize], end: usize) {
         let sources = self.supply.len();
         let mut path = vec![end];
@@ -120,7 +119,7 @@ mod tests {
 
     #[test]
     fn on_a_line_it_is_the_difference_of_sums() {
-        // There the answer is known: the area between the cumulated distributions.
+        // In one dimension the answer is known: the area between the cumulative distributions.
         let mut random = stream(1, "transport test", 0);
         for _ in 0..20 {
             let mut heaps =

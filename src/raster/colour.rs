@@ -1,15 +1,15 @@
-//! Colours: 8-bit sRGB in files, linear light and Oklab for arithmetic.
+//! Colours: 8-bit sRGB for files; linear light and Oklab for arithmetic.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
-/// An 8-bit sRGB colour. In JSON and SVG: `"#rrggbb"`.
+/// An 8-bit sRGB colour. In JSON and SVG it is written `"#rrggbb"`.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Colour(pub [u8; 3]);
 
 impl Colour {
-    /// From `#rrggbb`; `None` if the text is anything else.
+    /// Parses `#rrggbb`; `None` for any other text.
     pub fn from_hex(text: &str) -> Option<Self> {
         let digits = text.strip_prefix('#')?;
         if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
@@ -19,7 +19,7 @@ impl Colour {
         Some(Self([channel(0)?, channel(2)?, channel(4)?]))
     }
 
-    /// From sRGB components in 0..=255 as floats, rounded and clamped.
+    /// Converts sRGB components in 0..=255, rounded and clamped.
     pub fn from_f64(rgb: [f64; 3]) -> Self {
         Self(rgb.map(|v| libm::round(v).clamp(0.0, 255.0) as u8))
     }
@@ -29,12 +29,12 @@ impl Colour {
         self.0.map(f64::from)
     }
 
-    /// Oklab (L in 0..=1, a and b about -0.4..=0.4; Ottosson 2020).
+    /// Converts to Oklab (Ottosson 2020): L in 0..=1, a and b about -0.4..=0.4.
     pub fn to_oklab(self) -> [f32; 3] {
         oklab(self.0)
     }
 
-    /// The nearest 8-bit sRGB colour of an Oklab colour, components beyond the gamut cut off.
+    /// Converts from Oklab to the nearest 8-bit sRGB colour. Components out of gamut are clamped.
     pub fn from_oklab([lightness, a, b]: [f32; 3]) -> Self {
         let cube = |v: f32| v * v * v;
         let l = cube(lightness + 0.396_337_78 * a + 0.215_803_76 * b);
@@ -48,14 +48,14 @@ impl Colour {
         Self(linear.map(encoded))
     }
 
-    /// The colour a share of the way from this one to another, in Oklab.
+    /// Linear interpolation in Oklab from this colour (`share` 0) to another (`share` 1).
     pub fn mixed(self, other: Self, share: f64) -> Self {
         let (a, b, share) = (self.to_oklab(), other.to_oklab(), share as f32);
         Self::from_oklab(std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share))
     }
 }
 
-/// The 8-bit sRGB component of linear light, cut off at 0 and 1.
+/// Encodes linear light, clamped to 0..=1, as an 8-bit sRGB component.
 pub fn encoded(linear: f32) -> u8 {
     let table = linear_table();
     let above = table.partition_point(|&v| v < linear);
@@ -63,7 +63,7 @@ pub fn encoded(linear: f32) -> u8 {
         0 => 0,
         256 => 255,
         i => {
-            // Between two steps the encoding is as good as straight.
+            // Between two steps the encoding is practically linear.
             let nearer = linear - table[i - 1] < table[i] - linear;
             (if nearer { i - 1 } else { i }) as u8
         }
@@ -111,7 +111,7 @@ impl JsonSchema for Colour {
     }
 }
 
-/// Linear light in 0..=1 of an 8-bit sRGB component (IEC 61966-2-1).
+/// Decodes an 8-bit sRGB component to linear light in 0..=1 (IEC 61966-2-1).
 pub fn linear(component: u8) -> f32 {
     linear_table()[component as usize]
 }
@@ -128,7 +128,7 @@ fn linear_table() -> &'static [f32; 256] {
     })
 }
 
-/// Oklab of an 8-bit sRGB colour (Ottosson 2020).
+/// Converts 8-bit sRGB to Oklab (Ottosson 2020): L in 0..=1, a and b about -0.4..=0.4.
 pub fn oklab(rgb: [u8; 3]) -> [f32; 3] {
     let [r, g, b] = rgb.map(linear);
     let l = libm::cbrtf(0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b);
@@ -141,7 +141,7 @@ pub fn oklab(rgb: [u8; 3]) -> [f32; 3] {
     ]
 }
 
-/// Component-wise median of sRGB colours (8-bit histogram); `None` of an empty sequence.
+/// Component-wise median of 8-bit sRGB colours; `None` for an empty sequence.
 pub fn median(colours: impl IntoIterator<Item = [u8; 3]>) -> Option<Colour> {
     let mut histogram = [[0u32; 256]; 3];
     let mut count = 0u32;

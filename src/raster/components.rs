@@ -12,8 +12,8 @@ pub enum Connectivity {
     Eight,
 }
 
-/// Splits every label into connected pieces. Pixels with label 0 stay 0; pieces are numbered from
-/// 1 in the order of their first pixel, row by row. Also gives each piece's former label
+/// Connected components of a label map. Pixels with label 0 stay 0. Components are numbered from 1
+/// in the order of their first pixel, row by row. Also returns the original label of each component
 /// (index 0 holds 0).
 pub fn components(map: &LabelMap, connectivity: Connectivity) -> (LabelMap, Vec<u32>) {
     let (w, h) = (map.width as usize, map.height as usize);

@@ -1,6 +1,6 @@
-//! Maps of numbers that steer something over a canvas of any size.
+//! Scalar maps that control synthesis over a canvas of any size.
 
-/// A map of numbers, row by row, read as if stretched over a canvas.
+/// A scalar map, row by row, stretched over a canvas of any size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlMap {
     width: u32,
@@ -9,8 +9,8 @@ pub struct ControlMap {
 }
 
 impl ControlMap {
-    /// A map of `width * height` values; `None` if there are not as many, if there are none, or if
-    /// one is not finite.
+    /// A map of `width` × `height` values. `None` if the number of values does not fit, is 0, or a value
+    /// is not finite.
     pub fn new(width: u32, height: u32, values: Vec<f32>) -> Option<Self> {
         let count = width as usize * height as usize;
         let sound = count > 0 && values.len() == count && values.iter().all(|v| v.is_finite());
@@ -22,8 +22,8 @@ impl ControlMap {
         [self.width, self.height]
     }
 
-    /// The value at a point of a canvas of the given size, both in pixels: bilinear between the
-    /// centres of the map's pixels, constant beyond the outermost.
+    /// The value at a point of a canvas of the given size, both in pixels. Bilinear between the centres
+    /// of the map's pixels, constant beyond the outermost.
     pub fn at(&self, point: [f64; 2], canvas: [f64; 2]) -> f64 {
         let axis = |v: f64, size: f64, count: u32| {
             let v = (v / size * f64::from(count) - 0.5).clamp(0.0, f64::from(count - 1));

@@ -1,20 +1,20 @@
-//! Decoding any common image, within limits.
+//! Decoding of common image formats, within limits.
 
 use crate::error::{Error, Result};
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageReader};
 use std::io::Cursor;
 
-/// Largest side of an image, in pixels, unless [`Limits`] say otherwise.
+/// Default limit of an image's width and height, in pixels.
 pub(crate) const LARGEST_SIDE: u32 = 16_384;
 
-/// What is refused before it is decoded.
+/// Limits of images, checked before they are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Largest side, in pixels. Default 16384.
+    /// Largest width and height, in pixels. Default 16384.
     pub side: u32,
-    /// Most memory for the pixels as decoded and as kept, in bytes. Default 3 GiB: room for
-    /// 16384 × 16384 pixels of 16-bit RGB with alpha.
+    /// Most memory for decoded and retained pixels, in bytes. Default 3 GiB, which suffices for
+    /// 16384 × 16384 pixels of 16-bit RGBA.
     pub memory: u64,
 }
 
@@ -24,12 +24,13 @@ impl Default for Limits {
     }
 }
 
-/// Decodes a PNG, JPEG, TIFF, WebP, BMP, GIF or PNM, told apart by content; of an animation the
-/// first frame. Also says how to turn it to be upright. The caller keeps `kept` bytes for each
-/// pixel beside what is decoded, and once more while it turns the image.
+/// Decodes a PNG, JPEG, TIFF, WebP, BMP, GIF or PNM image; the format is detected from the content.
+/// Only the first frame of an animation is used. Also returns the EXIF orientation, not yet applied.
+/// `kept` is the number of bytes per pixel that the caller keeps besides the decoded image, and
+/// again while applying the orientation.
 ///
 /// # Errors
-/// [`Error::Decode`] if it is no image or damaged, [`Error::TooLarge`] beyond `limits`.
+/// [`Error::Decode`] if the bytes are no image or damaged, [`Error::TooLarge`] beyond `limits`.
 pub(crate) fn decode(
     bytes: &[u8],
     name: &str,
@@ -43,8 +44,8 @@ pub(crate) fn decode(
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| fail(e.to_string()))?;
     let Some(format) = reader.format() else { return Err(fail("its format is not known".into())) };
-    // Limits are checked below, where the error can name them; decoders get the memory limit as
-    // well for what they need beside the pixels.
+    // Limits are checked below, where the error can name them. Decoders get the memory limit as well,
+    // for their own buffers.
     let mut inner = image::Limits::no_limits();
     inner.max_alloc = Some(limits.memory);
     reader.limits(inner);
@@ -73,10 +74,10 @@ pub(crate) fn decode(
     Ok((decoded, orientation))
 }
 
-/// Whether the mark of the end follows a JPEG's picture: without it the decoder paints what is
-/// missing grey and reports nothing.
+/// Whether a JPEG's image data is followed by an end marker. Without it the decoder fills the missing
+/// part with grey and reports no error.
 fn jpeg_is_whole(bytes: &[u8]) -> bool {
-    // Segments before the picture, such as a thumbnail, may hold such a mark of their own.
+    // Segments before the image data, such as a thumbnail, may contain end markers of their own.
     let mut rest = bytes.get(2..).unwrap_or_default();
     while let [0xff, kind, after @ ..] = rest {
         match (kind, after) {

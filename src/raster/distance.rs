@@ -1,7 +1,8 @@
 //! Exact Euclidean distance transform (Felzenszwalb and Huttenlocher 2012).
 
-/// Squared distance of every pixel to the nearest pixel for which `is_source` holds, in pixels²;
-/// `f32::INFINITY` everywhere if there is none. Row-major, `width * height` values.
+/// Squared distance from every pixel to the nearest pixel for which `is_source` (given its index)
+/// holds, in pixels². Row-major, `width` × `height` values. All are `f32::INFINITY` if there is no
+/// source.
 pub fn squared_distance(width: usize, height: usize, is_source: impl Fn(usize) -> bool) -> Vec<f32> {
     let mut d: Vec<f32> =
         (0..width * height).map(|i| if is_source(i) { 0.0 } else { f32::INFINITY }).collect();

@@ -1,8 +1,8 @@
-//! A map of labels, one per pixel.
+//! Label maps: one label per pixel.
 
 use super::Mask;
 
-/// A row-major map of labels. What a label means is the user's affair; by custom 0 is "none".
+/// A row-major map of labels. Their meaning is up to the user; by convention 0 means none.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LabelMap {
     /// Width in pixels.
@@ -30,7 +30,7 @@ impl LabelMap {
         self.labels[i] = label;
     }
 
-    /// The label at a pixel, or `None` outside the map.
+    /// The label at a pixel; `None` outside the map.
     pub fn at(&self, x: i64, y: i64) -> Option<u32> {
         let inside = x >= 0 && y >= 0 && x < i64::from(self.width) && y < i64::from(self.height);
         inside.then(|| self.get(x as u32, y as u32))

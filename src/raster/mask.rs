@@ -1,16 +1,16 @@
-//! Sets of pixels as horizontal runs.
+//! Masks: sets of pixels as horizontal runs.
 
 use super::LabelMap;
 
-/// A horizontal run of pixels: `x0..x1` in row `y`. Coordinates may be negative, so that masks
-/// can be shifted past the border of an image.
+/// A horizontal run of pixels: `x0..x1` in row `y`. Coordinates may be negative, so masks can be
+/// shifted beyond the border of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Span {
     /// Row.
     pub y: i32,
     /// First column.
     pub x0: i32,
-    /// One past the last column.
+    /// Last column plus one.
     pub x1: i32,
 }
 
@@ -20,20 +20,20 @@ impl Span {
         (self.x1 - self.x0) as u32
     }
 
-    /// Whether the run holds no pixel (never so within a [`Mask`]).
+    /// Whether the run has no pixel. Runs of a [`Mask`] are never empty.
     pub fn is_empty(&self) -> bool {
         self.x1 <= self.x0
     }
 }
 
-/// A set of pixels: runs sorted by row, then column; no two touch or overlap.
+/// A set of pixels: runs sorted by row, then column, that neither touch nor overlap.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mask {
     spans: Vec<Span>,
 }
 
 impl Mask {
-    /// From runs in any order, which may overlap.
+    /// Builds a mask from runs in any order; they may overlap.
     pub fn from_spans(mut spans: Vec<Span>) -> Self {
         spans.retain(|s| !s.is_empty());
         spans.sort_unstable();
@@ -56,7 +56,7 @@ impl Mask {
         Self { spans }
     }
 
-    /// One mask for each label from 0 to `count - 1`; larger labels are left out.
+    /// One mask for each label from 0 to `count - 1`. Larger labels are ignored.
     pub fn all_of_labels(map: &LabelMap, count: usize) -> Vec<Self> {
         let mut masks = vec![Self::default(); count];
         for y in 0..map.height {
@@ -86,12 +86,12 @@ impl Mask {
         self.spans.iter().map(Span::len).sum()
     }
 
-    /// Whether no pixel is in the set.
+    /// Whether the set is empty.
     pub fn is_empty(&self) -> bool {
         self.spans.is_empty()
     }
 
-    /// Smallest box `(x0, y0, x1, y1)` around the pixels, ends exclusive; `None` if empty.
+    /// Bounding box `(x0, y0, x1, y1)`, ends exclusive; `None` if empty.
     pub fn bounds(&self) -> Option<(i32, i32, i32, i32)> {
         let (first, last) = (self.spans.first()?, self.spans.last()?);
         let x0 = self.spans.iter().map(|s| s.x0).min()?;
@@ -120,8 +120,8 @@ impl Mask {
         }
     }
 
-    /// `f(pixel, step)` of every crack, the side that a pixel of the set shares with one outside:
-    /// the pixel within, and the step, of length 1, across the crack.
+    /// Calls `f(pixel, step)` for every crack, an edge between a pixel of the set and one outside it.
+    /// `pixel` is the one in the set; `step` is the unit step from it across the crack.
     pub fn for_cracks(&self, mut f: impl FnMut([i32; 2], [i32; 2])) {
         for s in &self.spans {
             f([s.x0, s.y], [-1, 0]);
@@ -136,13 +136,13 @@ impl Mask {
         }
     }
 
-    /// The same set moved by whole pixels.
+    /// The mask translated by whole pixels.
     pub fn shifted(&self, dx: i32, dy: i32) -> Self {
         let spans = self.spans.iter().map(|s| Span { y: s.y + dy, x0: s.x0 + dx, x1: s.x1 + dx });
         Self { spans: spans.collect() }
     }
 
-    /// Number of pixels that both sets hold.
+    /// Number of pixels in both sets.
     pub fn overlap(&self, other: &Self) -> u32 {
         let (mut i, mut j, mut count) = (0, 0, 0);
         while let (Some(a), Some(b)) = (self.spans.get(i), other.spans.get(j)) {
@@ -154,7 +154,7 @@ impl Mask {
         count as u32
     }
 
-    /// All pixels, row by row.
+    /// All pixels, row by row, as (x, y).
     pub fn pixels(&self) -> impl Iterator<Item = (i32, i32)> + '_ {
         self.spans.iter().flat_map(|s| (s.x0..s.x1).map(move |x| (x, s.y)))
     }

@@ -1,9 +1,9 @@
-//! Pictures of label maps, for people who look at what a stage did.
+//! Diagnostic pictures of label maps.
 
 use super::LabelMap;
 use image::{Rgb, RgbImage};
 
-/// A colour for a label: 0 is black, the others are spread over the hues and easily told apart.
+/// A colour for a label: black for 0, well distinguishable hues for the others.
 pub fn label_colour(label: u32) -> [u8; 3] {
     if label == 0 {
         return [0; 3];
@@ -24,7 +24,7 @@ pub fn labels(map: &LabelMap) -> RgbImage {
     RgbImage::from_fn(map.width, map.height, |x, y| Rgb(label_colour(map.get(x, y))))
 }
 
-/// An image with the borders of a label map drawn over it.
+/// An image with the borders of a label map drawn on top.
 pub fn outlines(image: &RgbImage, map: &LabelMap) -> RgbImage {
     let mut picture = image.clone();
     for y in 0..map.height.min(image.height()) {

@@ -1,4 +1,4 @@
-//! Named random streams, Poisson disks, weighted draws.
+//! Random streams, Poisson-disk sets and weighted draws.
 
 mod poisson;
 mod stream;

@@ -2,29 +2,29 @@
 
 use super::Stream;
 
-/// Where points may lie.
+/// A rectangular domain of points. Opposite sides may be joined, which makes it a cylinder or torus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
     /// Width, in pixels.
     pub width: f64,
     /// Height, in pixels.
     pub height: f64,
-    /// Whether left and right are joined.
+    /// Whether the left and right sides are joined.
     pub wrap_x: bool,
-    /// Whether top and bottom are joined.
+    /// Whether the top and bottom sides are joined.
     pub wrap_y: bool,
 }
 
 impl Area {
-    /// A plain rectangle.
+    /// A rectangle whose sides are not joined.
     pub fn plane(width: f64, height: f64) -> Self {
         Self { width, height, wrap_x: false, wrap_y: false }
     }
 }
 
-/// A maximal Poisson-disk set: no two points closer than `radius`, no place for another left that
-/// 30 attempts around each point could find. Starts anew wherever a part of the domain was left
-/// empty, so the set never collapses to one corner. Points lie in `0..width` × `0..height`.
+/// A nearly maximal Poisson-disk set: no two points are closer than `radius` pixels, and 30 attempts
+/// around each point found no place for another. Points lie in `0..width` × `0..height`. Sampling
+/// restarts in every part of the domain that growth did not reach.
 pub fn poisson_disk(domain: Area, radius: f64, random: &mut Stream) -> Vec<[f64; 2]> {
     const ATTEMPTS: usize = 30;
     if !(radius > 0.0 && domain.width > 0.0 && domain.height > 0.0) {
@@ -34,7 +34,7 @@ pub fn poisson_disk(domain: Area, radius: f64, random: &mut Stream) -> Vec<[f64;
     let mut active: Vec<u32> = Vec::new();
     let cells = grid.columns * grid.rows;
     for start in 0..cells {
-        // One try in every cell still empty: fills parts that the growth could not reach.
+        // One attempt in every empty cell fills parts that growth did not reach.
         if grid.cell[start] != EMPTY {
             continue;
         }
@@ -66,7 +66,7 @@ pub fn poisson_disk(domain: Area, radius: f64, random: &mut Stream) -> Vec<[f64;
 
 const EMPTY: u32 = u32::MAX;
 
-/// Cells of side at most radius / √2, so each holds at most one point.
+/// Cells with sides of at most radius / √2, so each holds at most one point.
 struct Grid {
     domain: Area,
     radius: f64,
@@ -112,7 +112,7 @@ impl Grid {
     fn admits(&self, p: [f64; 2]) -> bool {
         let d = self.domain;
         let (c, r) = self.column_row(p);
-        // Cells may be narrower than radius / √2, so look as far as the radius reaches.
+        // Cells may be narrower than radius / √2, so the search covers the whole radius.
         let reach_x = libm::ceil(self.radius / (d.width / self.columns as f64)) as i64;
         let reach_y = libm::ceil(self.radius / (d.height / self.rows as f64)) as i64;
         let nearest = |a: f64, b: f64, size: f64, wrap: bool| {
@@ -179,7 +179,7 @@ mod tests {
                     prop_assert!(distance(p, q) >= r * (1.0 - 1e-9));
                 }
             }
-            // Nearly every place is within two radii of a point, most within one.
+            // Nearly every position is within two radii of a point, most within one.
             let mut random = stream(seed, "poisson probe", 0);
             for _ in 0..200 {
                 let probe = [random.range(0.0, w), random.range(0.0, h)];

@@ -1,14 +1,14 @@
-//! A random stream for every stage and item, independent of all others.
+//! Independent random streams for every stage and item.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// A named random stream. Its numbers depend on the seed, the name and the item alone, so stages
-/// and items may be computed in any order and on any thread.
+/// A random stream. Its numbers depend only on the seed, the name and the item, so stages and items
+/// can be computed in any order and on any thread.
 #[derive(Clone, Debug)]
 pub struct Stream(ChaCha8Rng);
 
-/// The stream of `item` in the stage `name` (such as `synth/secondary`) for a seed.
+/// The stream of one `item` in the stage `name` (such as `synth/secondary`) for a seed.
 pub fn stream(seed: u64, name: &str, item: u64) -> Stream {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64; // FNV-1a, 64 bits
     for byte in name.bytes() {
@@ -22,7 +22,7 @@ pub fn stream(seed: u64, name: &str, item: u64) -> Stream {
 }
 
 impl Stream {
-    /// Uniform 64 bits.
+    /// 64 uniform random bits.
     pub fn bits(&mut self) -> u64 {
         self.0.next_u64()
     }
@@ -42,7 +42,7 @@ impl Stream {
         ((u128::from(self.bits()) * u128::from(bound)) >> 64) as u64
     }
 
-    /// A uniform index into a slice of length `len`.
+    /// A uniform index below `len`; 0 if `len` is 0.
     pub fn index(&mut self, len: usize) -> usize {
         self.below(len as u64) as usize
     }
@@ -52,14 +52,14 @@ impl Stream {
         self.unit() < p
     }
 
-    /// Normal with mean 0 and deviation 1 (Box–Muller).
+    /// Normally distributed with mean 0 and standard deviation 1 (Box–Muller).
     pub fn normal(&mut self) -> f64 {
         let radius = libm::sqrt(-2.0 * libm::log(1.0 - self.unit()));
         radius * libm::cos(std::f64::consts::TAU * self.unit())
     }
 
-    /// An index drawn in proportion to `weights`; `None` unless a weight is positive and their
-    /// sum is finite. Negative weights count as 0.
+    /// An index drawn with probability proportional to its weight. Negative weights count as 0. `None`
+    /// unless a weight is positive and their sum is finite.
     pub fn weighted(&mut self, weights: impl IntoIterator<Item = f64> + Clone) -> Option<usize> {
         let total: f64 = weights.clone().into_iter().map(|w| w.max(0.0)).sum();
         if !(total > 0.0 && total.is_finite()) {
@@ -79,7 +79,7 @@ impl Stream {
         last
     }
 
-    /// A random order of a slice (Fisher–Yates).
+    /// Shuffles a slice (Fisher–Yates).
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for i in (1..items.len()).rev() {
             items.swap(i, self.index(i + 1));
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn numbers_are_pinned() {
-        // A change here changes every result for every seed: raise the format version with it.
+        // A change here changes every result of every seed; raise the format version with it.
         let mut s = stream(7, "pinned", 3);
         assert_eq!(
             [s.bits(), s.bits()],

@@ -31,7 +31,7 @@ pub struct ScoredMask {
 
 /// Finds what may be textons in an image: scored masks, which may overlap, contain one another
 /// and have several pieces. What no mask covers is ground.
-pub trait Segmenter {
+pub trait Segmenter: Send + Sync {
     /// Name stored in the library, such as `regions`.
     fn name(&self) -> String;
 

@@ -8,6 +8,7 @@ use crate::cli::stages;
 use crate::cli::summary::{Counts, Summary};
 use std::cmp::Reverse;
 use std::path::Path;
+use std::sync::Arc;
 use vtex::interpolate::{Interpolation, across};
 use vtex::output::file::{Format, Kind};
 use vtex::output::reduce::GivenUp;
@@ -22,7 +23,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
         place.probe()?;
     }
     reporter.stage("reading")?;
-    let scenes = [stages::scene(from)?, stages::scene(to)?];
+    let scenes = [stages::scene(from)?, stages::scene(to)?].map(Arc::new);
     for warning in idle(job) {
         reporter.warn(warning);
     }
@@ -70,17 +71,17 @@ struct Made<'a> {
 fn one<'a>(
     reporter: &Reporter,
     job: &Interpolating,
-    [from, to]: &[Scene; 2],
+    [from, to]: &[Arc<Scene>; 2],
     between: &Between,
     target: &'a Target,
 ) -> anyhow::Result<Made<'a>> {
     let scene = match *between {
         Between::At(t) => {
-            let way = Interpolation::new(from, to, reporter)?;
+            let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
             reporter.stage("moving")?;
             way.at(t)
         }
-        Between::Across(axis) => across(from, to, axis, reporter)?,
+        Between::Across(axis) => across(from.clone(), to.clone(), axis, reporter)?,
     };
     reporter.stage("drawing")?;
     let written = target.write_scene(&scene, job.svg, job.scale.scale)?;
@@ -92,12 +93,12 @@ fn one<'a>(
 fn frames<'a>(
     reporter: &Reporter,
     job: &Interpolating,
-    [from, to]: &[Scene; 2],
+    [from, to]: &[Arc<Scene>; 2],
     folder: &'a Path,
     (kind, force): (Kind, bool),
     pace: &Pace,
 ) -> anyhow::Result<Made<'a>> {
-    let way = Interpolation::new(from, to, reporter)?;
+    let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
     std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
     let drawn = kind.format == Format::Png;
     let ending = if drawn { "png" } else { "svg" };
@@ -131,12 +132,12 @@ fn digits(count: u32) -> usize {
 fn film<'a>(
     reporter: &Reporter,
     job: &Interpolating,
-    [from, to]: &[Scene; 2],
+    [from, to]: &[Arc<Scene>; 2],
     place: &'a Place,
     kind: FilmKind,
     pace: &Pace,
 ) -> anyhow::Result<Made<'a>> {
-    let way = Interpolation::new(from, to, reporter)?;
+    let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
     let film = Film { frames: pace.played(), rate: pace.rate };
     let opaque = from.domain.is_none() && to.domain.is_none();
     let picture = |k: u32| png::render(&frame(reporter, &way, pace, k)?, job.scale.scale);
@@ -157,7 +158,7 @@ fn film<'a>(
 }
 
 /// Frame `k` of those played.
-fn frame(reporter: &Reporter, way: &Interpolation<'_>, pace: &Pace, k: u32) -> vtex::Result<Scene> {
+fn frame(reporter: &Reporter, way: &Interpolation, pace: &Pace, k: u32) -> vtex::Result<Scene> {
     let go_on = reporter.advance("drawing", u64::from(k), u64::from(pace.played()));
     if go_on { Ok(way.at(pace.share(k))) } else { Err(Error::Interrupted) }
 }

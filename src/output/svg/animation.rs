@@ -49,7 +49,7 @@ pub struct Animation {
 ///
 /// # Errors
 /// A parameter out of range; a failing writer, as [`Error::Write`] with the path `-`.
-pub fn write_animation(way: &Interpolation<'_>, options: &Animation, out: impl Write) -> Result<SvgSummary> {
+pub fn write_animation(way: &Interpolation, options: &Animation, out: impl Write) -> Result<SvgSummary> {
     check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
     check((0.01..=1e5).contains(&options.seconds), "seconds", options.seconds, "0.01 to 100000")?;
     let motions = way.motions();
@@ -409,7 +409,7 @@ mod tests {
     #[test]
     fn an_animation_has_everything_once_and_commands_that_correspond() {
         let (a, b) = (testing::scene(200, 200, 1), testing::scene(200, 200, 2));
-        let way = Interpolation::new(&a, &b, &()).unwrap();
+        let way = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
         let options = Animation { seconds: 2.0, back: true, precision: 1 };
         let mut bytes = Vec::new();
         let summary = write_animation(&way, &options, &mut bytes).unwrap();

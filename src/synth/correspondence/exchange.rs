@@ -6,7 +6,7 @@
 
 use super::alike::Alike;
 use super::arrivals::Plan;
-use crate::geometry::{Point, shortest_way};
+use crate::geometry::{Point, shortest_offset};
 use crate::library::Library;
 use crate::raster::Mask;
 use crate::sampling::stream;
@@ -43,7 +43,7 @@ pub(super) fn exchange(
     let point = |at: [i32; 2]| Point::new(f64::from(at[0]), f64::from(at[1]));
     let near = |places: Option<&Vec<[i32; 2]>>, at: [i32; 2], reach: f64| {
         let others = places.into_iter().flatten().filter(|&&p| p != at);
-        others.filter(|p| shortest_way(point(at), point(**p), period).hypot() < reach).count()
+        others.filter(|p| shortest_offset(point(at), point(**p), period).hypot() < reach).count()
     };
     let mut exchanged = 0;
     for (i, element) in elements.iter_mut().enumerate() {

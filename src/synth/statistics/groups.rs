@@ -4,7 +4,7 @@
 //! in a large texture.
 
 use super::{Centre, Layout};
-use crate::geometry::{NearPoints, Point, shortest_way};
+use crate::geometry::{NearPoints, Point, shortest_offset};
 use crate::parallel;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -61,7 +61,7 @@ impl Groups {
         let period = layout.period();
         let near = nearest(&placed.iter().map(|p| p.centre.at).collect::<Vec<_>>(), period, layout.size);
         let tied = |a: &Placed, b: &Placed| {
-            let apart = shortest_way(a.offset, b.offset, period);
+            let apart = shortest_offset(a.offset, b.offset, period);
             a.centre.library == b.centre.library && apart.x.abs() <= SAME && apart.y.abs() <= SAME
         };
         let kept: Vec<bool> = (0..placed.len())
@@ -79,7 +79,7 @@ impl Groups {
         let pairs = copies(&groups, &placed);
         let distance = |pair: &Vec<[u32; 2]>| {
             let [a, b] = pair[0].map(|i| placed[i as usize].offset);
-            shortest_way(a, b, period).hypot()
+            shortest_offset(a, b, period).hypot()
         };
         let count = kept.iter().filter(|k| **k).count();
         Self {
@@ -112,7 +112,7 @@ fn nearest(places: &[[f64; 2]], period: [Option<f64>; 2], size: [f64; 2]) -> Vec
         let mut found: Vec<(f64, u32)> = Vec::new();
         near.each(points[i], |j| {
             if j != i {
-                found.push((shortest_way(points[i], points[j], period).hypot2(), j as u32));
+                found.push((shortest_offset(points[i], points[j], period).hypot2(), j as u32));
             }
         });
         found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
