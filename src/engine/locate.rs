@@ -1,25 +1,25 @@
-//! Where ONNX Runtime's shared library may lie. Only looks at folders; runs and loads nothing.
+//! Search for ONNX Runtime's shared library. Only inspects folders; neither loads nor runs anything.
 
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A place where the library was looked for and is, or was said to be.
+/// A candidate for ONNX Runtime's shared library.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// The file.
+    /// Path of the library.
     pub path: PathBuf,
     /// How it was found, such as `VTEX_ONNXRUNTIME`.
     pub by: &'static str,
-    /// Whether somebody named it, so that no other may take its place.
+    /// Whether the user named it explicitly; then no other library is tried.
     pub named: bool,
 }
 
-/// Libraries in the order in which they are tried: the one given; the variables `VTEX_ONNXRUNTIME`
-/// and `ORT_DYLIB_PATH`; beside the program; the system's folders; Python's package `onnxruntime` in
-/// the active environment, the environments of `PATH`, the user's packages, and those of pyenv.
+/// Candidates in the order in which they are tried: the path given; the variables `VTEX_ONNXRUNTIME`
+/// and `ORT_DYLIB_PATH`; the program's folder; the system's folders; Python's package `onnxruntime`
+/// in the active environment, the environments of `PATH`, the user's packages, and those of pyenv.
 ///
-/// One that is named, by argument or variable, is given alone and whether it exists or not.
+/// A library named by `given` or by a variable is the only candidate, even if it does not exist.
 pub fn locate(given: Option<&Path>) -> Vec<Found> {
     let named = |path: PathBuf, by| vec![Found { path, by, named: true }];
     if let Some(path) = given {
@@ -33,7 +33,7 @@ pub fn locate(given: Option<&Path>) -> Vec<Found> {
     let (mut found, mut seen): (Vec<Found>, Vec<PathBuf>) = (Vec::new(), Vec::new());
     let mut add = |folder: &Path, by| {
         for path in libraries(folder) {
-            // The same file may be reached by several folders, and have several names.
+            // The same file may be reachable through several folders and have several names.
             let file = fs::canonicalize(&path).unwrap_or_else(|_| path.clone());
             if !seen.contains(&file) {
                 seen.push(file);
@@ -54,8 +54,9 @@ pub fn locate(given: Option<&Path>) -> Vec<Found> {
     found
 }
 
-/// Whether a file name is that of the library: `libonnxruntime.so`, `libonnxruntime.so.1.22.0`,
-/// `libonnxruntime.1.22.0.dylib`, `onnxruntime.dll`; not those of its providers.
+/// Whether a file name is that of the library, such as `libonnxruntime.so`,
+/// `libonnxruntime.so.1.22.0`, `libonnxruntime.1.22.0.dylib` or `onnxruntime.dll`. Libraries of its
+/// execution providers do not count.
 fn is_library(name: &str) -> bool {
     if cfg!(windows) {
         return name.eq_ignore_ascii_case("onnxruntime.dll");
@@ -68,14 +69,14 @@ fn is_library(name: &str) -> bool {
     rest.strip_prefix("so").is_some_and(version)
 }
 
-/// Libraries in a folder, the name that sorts last, which is the newest, first.
+/// Libraries in a folder by name in descending order, so the newest comes first.
 fn libraries(folder: &Path) -> Vec<PathBuf> {
     let mut names: Vec<_> = children(folder).filter(|name| is_library(name)).collect();
     names.sort();
     names.iter().rev().map(|name| folder.join(name)).collect()
 }
 
-/// Names of what lies in a folder; none of a folder that is not there.
+/// Names of a folder's entries; empty if the folder does not exist.
 fn children(folder: &Path) -> impl Iterator<Item = String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries.filter_map(|entry| entry.file_name().into_string().ok())
@@ -86,7 +87,7 @@ fn system_folders() -> Vec<PathBuf> {
     for variable in ["LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH"] {
         folders.extend(env::var_os(variable).iter().flat_map(env::split_paths));
     }
-    // An empty part of such a list means the current folder, from which nothing shall be loaded.
+    // An empty entry means the current folder, from which nothing may be loaded.
     folders.retain(|folder| folder.is_absolute());
     let multiarch = match env::consts::ARCH {
         "x86_64" => "/usr/lib/x86_64-linux-gnu",
@@ -100,7 +101,7 @@ fn system_folders() -> Vec<PathBuf> {
     folders
 }
 
-/// Folders that hold Python's packages.
+/// Folders with Python packages.
 fn package_folders() -> Vec<PathBuf> {
     let mut folders = Vec::new();
     for variable in ["VIRTUAL_ENV", "CONDA_PREFIX"] {
@@ -114,7 +115,7 @@ fn package_folders() -> Vec<PathBuf> {
             if !program.is_file() {
                 continue;
             }
-            // As the environment has it, then where a link leads.
+            // The path as in the environment, then the target of the link.
             let prefixes = [Some(program.clone()), fs::canonicalize(&program).ok()];
             for program in prefixes.into_iter().flatten() {
                 let Some(bin) = program.parent() else { continue };
@@ -135,7 +136,7 @@ fn package_folders() -> Vec<PathBuf> {
     folders
 }
 
-/// Package folders under a prefix such as `/usr`, the newest Python first.
+/// Package folders below a prefix such as `/usr`, the newest Python first.
 fn packages_of(prefix: &Path, folders: &mut Vec<PathBuf>) {
     let mut add = |folder: PathBuf| {
         if !folders.contains(&folder) {

@@ -1,8 +1,8 @@
 //! Neural networks: named tensors in, named tensors out. Knows nothing of images.
 //!
-//! Two engines run a network in ONNX: [ONNX Runtime](https://onnxruntime.ai), a shared library that
-//! is used where one is found ([`locate`]), and [rten](https://github.com/robertknight/rten), which
-//! is part of this crate. Both agree to some five digits, not to the bit.
+//! Two engines run ONNX networks: [ONNX Runtime](https://onnxruntime.ai), a shared library that is used
+//! if one is found ([`locate`]), and [rten](https://github.com/robertknight/rten), which is part of
+//! this crate. Their results agree to about five digits, not bitwise.
 
 mod locate;
 mod onnxruntime;
@@ -15,7 +15,7 @@ pub use onnxruntime::{MINIMUM_MINOR, version};
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// The elements of a tensor, the last axis fastest.
+/// The elements of a tensor in row-major order.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
     /// 32-bit floats.
@@ -29,7 +29,7 @@ pub enum Values {
 pub struct Tensor {
     /// Length of each axis.
     pub shape: Vec<usize>,
-    /// As many elements as the shape has places.
+    /// The elements, as many as the product of the axes' lengths.
     pub values: Values,
 }
 
@@ -39,7 +39,7 @@ impl Tensor {
         Self { shape: shape.into(), values: Values::F32(values) }
     }
 
-    /// Its elements as floats, integers rounded to the nearest.
+    /// The elements as floats; integers are rounded to the nearest.
     pub fn floats(&self) -> Vec<f32> {
         match &self.values {
             Values::F32(values) => values.clone(),
@@ -47,7 +47,7 @@ impl Tensor {
         }
     }
 
-    /// Its elements as integers, fractions cut off and what is out of range at the limits.
+    /// The elements as integers, truncated and clamped to the range of `i64`.
     fn integers(&self) -> Vec<i64> {
         match &self.values {
             Values::F32(values) => values.iter().map(|v| *v as i64).collect(),
@@ -55,7 +55,7 @@ impl Tensor {
         }
     }
 
-    /// Whether there is an element for each place of the shape, and at least one.
+    /// Whether the number of elements fits the shape and is not 0.
     fn is_whole(&self) -> bool {
         let places = self.shape.iter().try_fold(1usize, |n, length| n.checked_mul(*length));
         let elements = match &self.values {
@@ -71,7 +71,8 @@ impl Tensor {
 pub struct Port {
     /// Its name in the graph.
     pub name: String,
-    /// Length of each axis, where fixed; `None` if not even the number of axes is known.
+    /// Length of each axis, `None` where the graph does not fix it; `None` if not even the number of axes
+    /// is known.
     pub shape: Option<Vec<Option<usize>>>,
 }
 
@@ -83,29 +84,29 @@ impl std::fmt::Display for Port {
     }
 }
 
-/// A loaded network. Safe to run from several threads at once.
+/// A loaded network. It can be run from several threads at once.
 pub trait Engine: Send + Sync {
-    /// What runs it, such as `rten` or `ONNX Runtime 1.22.0`.
+    /// Name of its engine, such as `rten` or `ONNX Runtime 1.22.0`.
     fn runtime(&self) -> &str;
 
-    /// What it reads, in the order of the graph.
+    /// Its inputs, in the order of the graph.
     fn inputs(&self) -> &[Port];
 
-    /// What it gives, in the order of the graph.
+    /// Its outputs, in the order of the graph.
     fn outputs(&self) -> &[Port];
 
-    /// Runs the network on named inputs; gives the outputs asked for, in that order. Inputs are
-    /// converted to the kind of number that the graph declares.
+    /// Runs the network on named inputs and returns the named outputs in the order requested. Inputs are
+    /// converted to the number type that the graph declares.
     ///
     /// # Errors
     /// [`Error::Network`] if inputs do not fit the graph or the run fails.
     fn run(&self, inputs: &[(&str, &Tensor)], outputs: &[&str]) -> Result<Vec<Tensor>>;
 }
 
-/// Which engine runs a network.
+/// The engine that runs a network.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Runtime {
-    /// ONNX Runtime where it is found and can read the network, else rten.
+    /// ONNX Runtime if it is found and can load the network, otherwise rten.
     #[default]
     Auto,
     /// ONNX Runtime.
@@ -114,38 +115,37 @@ pub enum Runtime {
     Rten,
 }
 
-/// How networks are run.
+/// Options for running networks.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EngineOptions {
-    /// Which engine. Default: automatic.
+    /// The engine. Default: [`Runtime::Auto`].
     pub runtime: Runtime,
-    /// ONNX Runtime's shared library. Default: the first that [`locate`] finds. The first one loaded
-    /// serves as long as the process lives.
+    /// ONNX Runtime's shared library. Default: the first that [`locate`] finds. A process can load only
+    /// one library; the first stays loaded.
     pub library: Option<PathBuf>,
-    /// Threads that rten spreads a run over, at least 1. Default: one for each core. Results do not
-    /// depend on it.
+    /// Number of threads of rten, at least 1. Default: one per core. Results do not depend on it.
     ///
-    /// ONNX Runtime always uses all cores: in it the order of sums, and with it the last digits, depends
-    /// on the number of threads.
+    /// ONNX Runtime always uses all cores, because its order of summation, and with it the last digits of
+    /// its results, depends on the number of threads.
     pub threads: Option<usize>,
 }
 
-/// Where a network comes from.
+/// The source of a network.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
-    /// An ONNX file; weights may lie in a second file beside it.
+    /// An ONNX file. Its weights may be in a second file next to it.
     File(&'a Path),
     /// An ONNX file in memory.
     Bytes {
-        /// What errors call it.
+        /// Name for errors.
         name: &'a str,
-        /// The file.
+        /// The content of the file.
         bytes: &'a [u8],
     },
 }
 
 impl Source<'_> {
-    /// What errors call it.
+    /// Name for errors.
     pub(crate) fn name(&self) -> String {
         match self {
             Self::File(path) => path.display().to_string(),
@@ -154,7 +154,7 @@ impl Source<'_> {
     }
 }
 
-/// What will run networks.
+/// The engine chosen for running networks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
     /// ONNX Runtime.
@@ -166,15 +166,15 @@ pub enum Choice {
     },
     /// rten.
     Rten {
-        /// Why not ONNX Runtime, where that was not plainly asked for.
+        /// Why ONNX Runtime is not used; `None` if rten was requested explicitly.
         because: Option<String>,
     },
 }
 
-/// Settles which engine runs networks, and loads ONNX Runtime if it is that.
+/// Chooses the engine for networks, and loads ONNX Runtime if that is chosen.
 ///
 /// # Errors
-/// [`Error::Network`] if ONNX Runtime is asked for, or a library named, and cannot be loaded.
+/// [`Error::Network`] if ONNX Runtime or a particular library is requested and cannot be loaded.
 pub fn choose(options: &EngineOptions) -> Result<Choice> {
     if options.runtime == Runtime::Rten {
         return Ok(Choice::Rten { because: None });
@@ -184,7 +184,7 @@ pub fn choose(options: &EngineOptions) -> Result<Choice> {
     for found in locate(options.library.as_deref()) {
         match onnxruntime::version(&found.path) {
             Ok(version) => return Ok(Choice::OnnxRuntime { library: found.path, version }),
-            // One that was named must be the one.
+            // An explicitly named library must be used.
             Err(e) if found.named => {
                 if insisting {
                     return Err(e);
@@ -209,10 +209,11 @@ pub fn choose(options: &EngineOptions) -> Result<Choice> {
 /// Loads a network.
 ///
 /// # Errors
-/// [`Error::Network`] if the engine cannot be loaded or cannot read the network; [`Error::Read`].
+/// [`Error::Network`] if the engine cannot be loaded or cannot read the network; [`Error::Read`] if
+/// the file cannot be read.
 pub fn load(source: Source<'_>, options: &EngineOptions) -> Result<Box<dyn Engine>> {
     if let Source::File(path) = source {
-        // Both engines say less clearly what is wrong with a path.
+        // Both engines report problems with a path less clearly.
         std::fs::File::open(path).map_err(|e| Error::read(path, e))?;
     }
     let in_rten =
@@ -221,7 +222,7 @@ pub fn load(source: Source<'_>, options: &EngineOptions) -> Result<Box<dyn Engin
         Choice::Rten { .. } => in_rten()?,
         Choice::OnnxRuntime { library, .. } => match onnxruntime::Network::load(source, &library) {
             Ok(network) => Box::new(network),
-            // A graph of newer operators than an old library knows may still run.
+            // rten may run a graph whose operators are too new for an old ONNX Runtime.
             Err(e) if options.runtime == Runtime::Auto => in_rten().map_err(|_| e)?,
             Err(e) => return Err(e),
         },
@@ -236,7 +237,7 @@ pub fn load(source: Source<'_>, options: &EngineOptions) -> Result<Box<dyn Engin
     Ok(network)
 }
 
-/// Runs what calls an engine. One that panics on a damaged network gives an error all the same.
+/// Calls an engine and converts a panic, as damaged networks may cause, to an error.
 fn guarded<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str);
@@ -249,7 +250,7 @@ fn guarded<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     })
 }
 
-/// The inputs given as places in `ports`, each tensor with as many elements as its shape has places.
+/// Indices in `ports` of the given inputs. Checks that each tensor has as many elements as its shape.
 fn given(name: &str, ports: &[Port], inputs: &[(&str, &Tensor)]) -> Result<Vec<usize>> {
     if let Some((input, _)) = inputs.iter().find(|(_, tensor)| !tensor.is_whole()) {
         return Err(Error::Network {
@@ -261,7 +262,7 @@ fn given(name: &str, ports: &[Port], inputs: &[(&str, &Tensor)]) -> Result<Vec<u
     places(name, ports, &inputs.iter().map(|input| input.0).collect::<Vec<_>>())
 }
 
-/// The outputs asked for as places in `ports`.
+/// Indices in `ports` of the requested outputs.
 fn places(name: &str, ports: &[Port], wanted: &[&str]) -> Result<Vec<usize>> {
     let place = |wanted: &&str| {
         ports.iter().position(|port| port.name == *wanted).ok_or_else(|| Error::Network {

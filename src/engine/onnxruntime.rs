@@ -1,9 +1,8 @@
-//! Networks run by ONNX Runtime, a shared library loaded when first needed.
+//! Networks run by ONNX Runtime, a shared library that is loaded when first needed.
 //!
-//! Each network has a pool of threads of its own, one for each core. Their number is not a choice: a
-//! product of matrices is cut up by it, and its sums are taken in another order, so that the last digits
-//! would depend on it. The library's telemetry is switched off. Only one library can be loaded in a
-//! process.
+//! Each network has its own thread pool with one thread per core. The number of threads is fixed because
+//! it determines how matrix products are split, hence the order of summation and the last digits. The
+//! library's telemetry is switched off. A process can load only one library.
 
 use super::{Engine, Port, Source, Tensor, Values, given, guarded, places};
 use crate::error::{Error, Result};
@@ -15,13 +14,13 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Oldest ONNX Runtime that serves: the second part of 1.17.
+/// Oldest supported version of ONNX Runtime, as its minor number: 17 means 1.17.
 pub const MINIMUM_MINOR: u32 = ort::MINOR_VERSION;
 
-/// How the library is had.
+/// Advice on how to install the library, for errors.
 pub(super) const ADVICE: &str = "'pip install onnxruntime' brings it; name its libonnxruntime.so (.dylib, onnxruntime.dll) with --onnxruntime, or use --engine rten";
 
-/// The library in use.
+/// The loaded library.
 struct Loaded {
     path: PathBuf,
     version: String,
@@ -30,7 +29,7 @@ struct Loaded {
 
 static LOADED: Mutex<Option<Loaded>> = Mutex::new(None);
 
-/// Loads a library, unless it is loaded already, and hands it to `work`.
+/// Calls `work` with the library, which is loaded on the first call.
 fn with_library<T>(path: &Path, work: impl FnOnce(&Loaded) -> Result<T>) -> Result<T> {
     let failure = |reason| Error::Network { name: path.display().to_string(), reason, advice: ADVICE };
     let path = std::fs::canonicalize(path).map_err(|e| failure(format!("cannot be loaded: {e}")))?;
@@ -44,10 +43,10 @@ fn with_library<T>(path: &Path, work: impl FnOnce(&Loaded) -> Result<T>) -> Resu
         None => {
             let start = || {
                 let found = ort::init_from(&path).map_err(|e| failure(format!("cannot be loaded: {e}")))?;
-                // Asking for its interface here, where a panic is caught, shows whether it has one.
+                // Fails, possibly by a caught panic, if the library lacks the expected interface.
                 let build = ort::info();
                 let version = version_in(build).or_else(|| version_of(&path)).unwrap_or_else(|| "1.?".into());
-                // What it would print comes back as an error too.
+                // Messages that it would print are also returned as errors.
                 let silent: LoggerFunction = Arc::new(|_, _, _, _, _| {});
                 let built = found.with_name("vtex").with_telemetry(false).with_logger(silent).build();
                 let environment = built.map_err(|e| failure(format!("cannot be started: {e}")))?;
@@ -62,10 +61,10 @@ fn with_library<T>(path: &Path, work: impl FnOnce(&Loaded) -> Result<T>) -> Resu
     }
 }
 
-/// The version of a library, which is loaded by this.
+/// Loads a library and returns its version.
 ///
 /// # Errors
-/// [`Error::Network`] if it cannot be loaded, or another one is.
+/// [`Error::Network`] if it cannot be loaded, or another one is loaded already.
 pub fn version(library: &Path) -> Result<String> {
     with_library(library, |loaded| Ok(loaded.version.clone()))
 }
@@ -89,7 +88,7 @@ fn version_in(text: &str) -> Option<String> {
 pub(super) struct Network {
     name: String,
     runtime: String,
-    // Sessions can be run from several threads, but the crate lets one in at a time.
+    // ONNX Runtime's sessions are thread-safe, but the crate requires exclusive access.
     session: Mutex<Session>,
     inputs: Vec<Port>,
     kinds: Vec<TensorElementType>,
@@ -97,7 +96,7 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// Reads a network with a library.
+    /// Loads a network with a library.
     ///
     /// # Errors
     /// [`Error::Network`].
@@ -112,10 +111,10 @@ impl Network {
             guarded(&name, || {
                 let mut builder = Session::builder(&loaded.environment).map_err(failure)?;
                 builder = builder.with_deterministic_compute(true).map_err(|e| failure(e.into()))?;
-                // Left to itself it also ties threads to cores, which fails where not all may be used.
+                // By default it also pins threads to cores, which fails if some cores are not available.
                 let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
                 builder = builder.with_intra_threads(cores).map_err(|e| failure(e.into()))?;
-                // Idle threads sleep: between two runs the cores have other work.
+                // Idle threads sleep, because the cores have other work between two runs.
                 builder = builder.with_intra_op_spinning(false).map_err(|e| failure(e.into()))?;
                 let session = match source {
                     Source::File(path) => builder.commit_from_file(path),
@@ -133,7 +132,7 @@ impl Network {
         })
     }
 
-    /// A tensor as the kind of number that an input takes.
+    /// Converts a tensor to the number type that an input takes.
     fn converted(&self, place: usize, tensor: &Tensor) -> Result<SessionInputValue<'static>> {
         let shape = tensor.shape.clone();
         let limited = |low: i64, high: i64| tensor.integers().into_iter().map(move |v| v.clamp(low, high));
@@ -205,7 +204,7 @@ impl Engine for Network {
     }
 }
 
-/// A value as a tensor.
+/// Converts a value to a tensor.
 fn taken(value: &ort::value::DynValue) -> ort::Result<Tensor> {
     let lengths = |shape: &ort::value::Shape| shape.iter().map(|n| *n as usize).collect();
     let ValueType::Tensor { ty, .. } = value.dtype() else {
@@ -228,7 +227,7 @@ fn taken(value: &ort::value::DynValue) -> ort::Result<Tensor> {
     })
 }
 
-/// What the graph says of an input or output.
+/// Describes an input or output of the graph.
 fn port(name: &str, kind: &ValueType) -> Port {
     let shape = match kind {
         ValueType::Tensor { shape, .. } => Some(shape.iter().map(|n| usize::try_from(*n).ok()).collect()),

@@ -1,7 +1,7 @@
 //! Networks run by rten, which is part of this crate.
 //!
-//! rten spreads a run over a pool of threads of its own: by default one for each physical core, as
-//! the variable `RTEN_NUM_THREADS` says, or as many as asked for here.
+//! rten has its own thread pool: by default one thread per physical core, or as many as the variable
+//! `RTEN_NUM_THREADS` or [`EngineOptions::threads`](super::EngineOptions::threads) requests.
 
 use super::{Engine, Port, Source, Tensor, Values, given, guarded, places, structure};
 use crate::error::{Error, Result};
@@ -21,7 +21,7 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// Reads a network.
+    /// Loads a network.
     ///
     /// # Errors
     /// [`Error::Network`], [`Error::Read`].
@@ -42,7 +42,7 @@ impl Network {
                     };
                     let (file, length) = open().map_err(|e| Error::read(path, e))?;
                     structure::check(file, length).map_err(failure)?;
-                    // By its path only if the name says what it is; weights beside it are then found.
+                    // By path only for `.onnx` files, so that weights in a second file are found.
                     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("onnx")) {
                         Model::load_file(path)
                     } else {
@@ -62,7 +62,7 @@ impl Network {
         Ok(Self { name, model, inputs, outputs, pool })
     }
 
-    /// A tensor as the kind of number that an input takes.
+    /// Converts a tensor to the number type that an input takes.
     fn converted(&self, id: NodeId, tensor: &Tensor) -> Result<Value> {
         let kind = self.model.node_info(id).and_then(|node| node.dtype());
         let shape = &tensor.shape[..];
@@ -122,7 +122,7 @@ impl Engine for Network {
 }
 
 impl Network {
-    /// A value as a tensor.
+    /// Converts a value to a tensor.
     fn taken(&self, value: Value) -> Result<Tensor> {
         Ok(match value {
             Value::FloatTensor(t) => Tensor { shape: t.shape().to_vec(), values: Values::F32(t.into_data()) },
@@ -135,7 +135,7 @@ impl Network {
     }
 }
 
-/// What the graph says of an input or output.
+/// Describes an input or output of the graph.
 fn port(model: &Model, id: NodeId) -> Port {
     let node = model.node_info(id);
     let shape = node.as_ref().and_then(|node| node.shape()).map(|axes| {

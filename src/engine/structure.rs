@@ -1,11 +1,11 @@
-//! Whether a file is built as an ONNX file is, down to its last number.
+//! Checks the structure of ONNX files before rten reads them.
 //!
-//! rten 0.27 never comes back from a number of ten bytes or more, as damaged files hold them, so each
-//! file is walked through before rten reads it. Weights are stepped over, which makes this quick.
+//! rten 0.27 hangs on varints of ten bytes or more, as they occur in damaged files. The check walks
+//! through the whole file but skips weights, so it is fast.
 
 use std::io::{BufRead, Seek};
 
-/// The messages that an ONNX file consists of (onnx.proto of ONNX 1.19), as far as they are read.
+/// The messages of an ONNX file (onnx.proto of ONNX 1.19) that are inspected.
 #[derive(Clone, Copy)]
 enum Message {
     Model,
@@ -23,12 +23,12 @@ enum Message {
     Plain,
 }
 
-/// What a field with a length holds.
+/// Content of a length-delimited field.
 enum Content {
     Message(Message),
-    /// Numbers of varying length, packed.
+    /// Packed varints.
     Numbers,
-    /// Text, weights, or what is not read.
+    /// Text, weights, or anything not inspected.
     Bytes,
 }
 
@@ -57,20 +57,20 @@ impl Message {
     }
 }
 
-/// Graphs within graphs, at most.
+/// Largest nesting depth of graphs.
 const DEEPEST: u32 = 100;
 
-/// Walks through a file of so many bytes.
+/// Walks through a file of `length` bytes.
 ///
 /// # Errors
-/// What is wrong with it, and at which byte.
+/// A description of the first fault, with its byte offset.
 pub(super) fn check(file: impl BufRead + Seek, length: u64) -> Result<(), String> {
     Walk { file, at: 0 }.message(Message::Model, length, 0)
 }
 
 struct Walk<R> {
     file: R,
-    /// Bytes read and stepped over.
+    /// Number of bytes read and skipped.
     at: u64,
 }
 
@@ -105,7 +105,7 @@ impl<R: BufRead + Seek> Walk<R> {
         Ok(())
     }
 
-    /// A number of varying length, at most ten bytes.
+    /// A varint of at most ten bytes.
     fn number(&mut self, end: u64) -> Result<u64, String> {
         let mut number = 0u64;
         for k in 0..10 {
@@ -150,7 +150,7 @@ mod tests {
         for name in ["product", "sam_decoder", "efficient_both"] {
             let bytes = std::fs::read(network(name)).unwrap();
             checked(&bytes).unwrap();
-            // A few cuts fall between two parts of the whole.
+            // Some prefixes of the file are valid files.
             let passing = (1..bytes.len()).filter(|n| checked(&bytes[..*n]).is_ok()).count();
             assert!(passing < 10, "{passing} beginnings of {name} pass");
         }
@@ -169,7 +169,7 @@ mod tests {
         ] {
             assert!(checked(bytes).is_err(), "{bytes:x?}");
         }
-        // The longest number there is.
+        // The longest valid varint.
         checked(&[0x08, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01]).unwrap();
     }
 }

@@ -3,7 +3,7 @@
 use super::{Choice, EngineOptions, Runtime, choose};
 use std::path::PathBuf;
 
-/// rten, and ONNX Runtime where it is found; says so where it is not.
+/// rten, and ONNX Runtime if it is found; prints a note if it is not.
 pub(crate) fn engines() -> Vec<EngineOptions> {
     let with = |runtime| EngineOptions { runtime, ..EngineOptions::default() };
     let mut engines = vec![with(Runtime::Rten)];

@@ -1,9 +1,9 @@
-//! Both engines on small networks, and on what is none.
+//! Both engines on small networks and on invalid files.
 
 use super::testing::{engines, network};
 use super::*;
 
-/// A matrix product that both engines spread over threads, and its exact result: sums of small integers.
+/// A matrix product that both engines split among threads, and its exact result: sums of small integers.
 fn product(columns: usize) -> (Tensor, Tensor, Vec<f32>) {
     let number = |i: usize| ((i * 7919) % 17) as f32 - 8.0;
     let a: Vec<f32> = (0..200 * 300).map(number).collect();
@@ -39,7 +39,7 @@ fn a_product_is_right_from_file_and_memory_with_any_threads() {
 
 #[test]
 fn the_bits_of_a_result_do_not_depend_on_threads() {
-    // Thirds do not add up exactly, so the order of a sum shows.
+    // Thirds do not add up exactly, so the order of summation shows.
     let third = |t: Tensor| Tensor { values: Values::F32(t.floats().iter().map(|v| v / 3.0).collect()), ..t };
     let (a, b, _) = product(333);
     let (a, b) = (third(a), third(b));
@@ -79,7 +79,7 @@ fn what_does_not_fit_the_graph_is_an_error() {
         for (given, wanted) in &wrong {
             let names: Vec<&str> = given.iter().map(|g| g.0).collect();
             let outcome = engine.run(given, wanted);
-            // A vector times a matrix is a product too, where an engine lets it pass.
+            // Some engines accept a vector times a matrix as a product.
             let lenient = given.first().is_some_and(|g| g.1 == &flat) && outcome.is_ok();
             let named = matches!(outcome, Err(Error::Network { .. }));
             assert!(named || lenient, "{:?}: {names:?} {wanted:?}: {outcome:?}", options.runtime);

@@ -1,4 +1,4 @@
-//! Finding, among many masks, those nearly like a given one.
+//! Search for masks similar to a given one.
 
 use crate::raster::Mask;
 use std::collections::BTreeMap;
@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 /// Box `(x0, y0, x1, y1)`, ends exclusive.
 pub(super) type Bounds = (i32, i32, i32, i32);
 
-/// Indices of boxes by size and place: masks that share more than half of what they cover lie in
+/// Spatial index of bounding boxes by size class and position. Masks with an IoU above one half lie in
 /// neighbouring squares.
 #[derive(Default)]
 pub(super) struct Alike {
@@ -18,18 +18,18 @@ impl Alike {
         ((b.2 - b.0).max(b.3 - b.1).max(8) as u32 / 8).ilog2()
     }
 
-    /// The square that the middle of a box lies in, of the squares of a size class.
+    /// The square of a size class's grid that contains the centre of a box.
     fn square(b: Bounds, class: u32) -> (u32, i32, i32) {
         let side = 8 << class;
         (class, (b.0 + b.2).div_euclid(2 * side), (b.1 + b.3).div_euclid(2 * side))
     }
 
-    /// Remembers a box under an index.
+    /// Adds a box under an index.
     pub(super) fn add(&mut self, bounds: Bounds, index: usize) {
         self.squares.entry(Self::square(bounds, Self::class(bounds))).or_default().push(index);
     }
 
-    /// Indices of the boxes that may belong to masks alike, in their order.
+    /// Indices of boxes whose masks may be similar, ascending.
     pub(super) fn near(&self, bounds: Bounds) -> Vec<usize> {
         let own = Self::class(bounds);
         let mut indices = Vec::new();
@@ -46,7 +46,7 @@ impl Alike {
     }
 }
 
-/// A mask with its box and area.
+/// A mask with its bounding box and area.
 #[derive(Clone, Debug)]
 pub(super) struct Measured {
     pub(super) mask: Mask,
@@ -55,12 +55,12 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// `None` of an empty mask.
+    /// Measures a mask; `None` if it is empty.
     pub(super) fn new(mask: Mask) -> Option<Self> {
         Some(Self { bounds: mask.bounds()?, area: mask.area(), mask })
     }
 
-    /// Intersection over union; 0 if one is more than twice as large as the other.
+    /// Intersection over union; 0 if one area is more than twice the other.
     pub(super) fn iou(&self, other: &Self) -> f32 {
         let (a, b) = (self.bounds, other.bounds);
         let apart = a.0 >= b.2 || b.0 >= a.2 || a.1 >= b.3 || b.1 >= a.3;

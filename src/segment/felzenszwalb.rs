@@ -1,11 +1,11 @@
-//! Graph-based segmentation (Felzenszwalb and Huttenlocher 2004), of an image or inside a mask.
+//! Graph-based segmentation (Felzenszwalb and Huttenlocher 2004) of an image or of a mask's interior.
 //!
-//! Neighbours are the four pixels that share an edge, so regions are 4-connected and their
-//! outlines never touch themselves at a corner. Scale and minimum size mean what they mean in
+//! Neighbours are the four pixels that share an edge, so regions are 4-connected and their outlines
+//! never touch themselves at a corner. Scale and minimum size have the same meaning as in
 //! scikit-image: weights are Euclidean distances of 8-bit RGB colours after smoothing.
 //!
-//! Works badly where elements vary more inside than they differ from what surrounds them: it
-//! knows nothing of shape.
+//! Works badly where elements vary more internally than they differ from their surroundings, because
+//! it does not consider shape.
 
 use super::{ScoredMask, Segmenter};
 use crate::disjoint_sets::DisjointSets;
@@ -16,7 +16,7 @@ use image::RgbImage;
 
 /// An image smoothed by a Gaussian.
 #[derive(Clone, Debug)]
-pub struct Smoothed {
+pub(crate) struct Smoothed {
     width: usize,
     height: usize,
     /// sRGB components, 0 to 255, row by row.
@@ -24,8 +24,8 @@ pub struct Smoothed {
 }
 
 impl Smoothed {
-    /// Smooths the sRGB components of an image; `sigma` in pixels, 0 for none. Borders reflect.
-    pub fn new(image: &RgbImage, sigma: f64) -> Self {
+    /// Smooths the sRGB components of an image. `sigma` in pixels, 0 for none. Borders are mirrored.
+    pub(crate) fn new(image: &RgbImage, sigma: f64) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
         let pixels = image.pixels().map(|p| p.0.map(f32::from)).collect();
         let mut smoothed = Self { width, height, pixels };
@@ -37,7 +37,7 @@ impl Smoothed {
     }
 }
 
-/// One half of a normalised Gaussian, centre first, cut at four deviations.
+/// One half of a normalised Gaussian kernel, centre first, truncated at four standard deviations.
 pub(super) fn gaussian(sigma: f64) -> Vec<f32> {
     let radius = libm::round(4.0 * sigma.max(0.0)) as usize;
     let weight = |i: usize| if i == 0 { 1.0 } else { libm::exp(-0.5 * (i * i) as f64 / (sigma * sigma)) };
@@ -45,7 +45,7 @@ pub(super) fn gaussian(sigma: f64) -> Vec<f32> {
     (0..=radius).map(|i| (weight(i) / total) as f32).collect()
 }
 
-/// Separable convolution with a symmetric kernel, borders reflected about the pixel edges.
+/// Separable convolution with a symmetric kernel. Borders are mirrored at the pixel edges.
 pub(super) fn convolve<const N: usize>(
     pixels: &[[f32; N]],
     width: usize,
@@ -93,10 +93,10 @@ pub(super) fn convolve<const N: usize>(
     out
 }
 
-/// Regions of the whole image, numbered from 1 in the order of their first pixel. `scale` of at
-/// least 0: larger means larger regions. Regions of fewer than `minimum` pixels are joined to
-/// the neighbour most like them.
-pub fn felzenszwalb(image: &Smoothed, scale: f64, minimum: u32) -> LabelMap {
+/// Segments a whole image. Regions are numbered from 1 in the order of their first pixel. `scale` (at
+/// least 0) controls the size of regions: a larger scale gives larger regions. Regions of fewer than
+/// `minimum` pixels are joined to the most similar neighbour.
+pub(crate) fn felzenszwalb(image: &Smoothed, scale: f64, minimum: u32) -> LabelMap {
     let (w, h) = (image.width, image.height);
     let mut edges = Vec::with_capacity(2 * w * h);
     for i in 0..w * h {
@@ -117,10 +117,10 @@ pub fn felzenszwalb(image: &Smoothed, scale: f64, minimum: u32) -> LabelMap {
     LabelMap { width: w as u32, height: h as u32, labels }
 }
 
-/// Regions inside a mask: 4-connected pieces that tile it exactly, in the order of their first
-/// pixel. Only a 4-connected part of the mask itself can be smaller than `minimum` pixels. Parts
-/// of the mask outside the image are left out.
-pub fn details(image: &Smoothed, mask: &Mask, scale: f64, minimum: u32) -> Vec<Mask> {
+/// Segments the interior of a mask into 4-connected regions that tile it, in the order of their first
+/// pixel. A region can be smaller than `minimum` pixels only if it is a whole connected component of
+/// the mask. Parts of the mask outside the image are ignored.
+pub(crate) fn details(image: &Smoothed, mask: &Mask, scale: f64, minimum: u32) -> Vec<Mask> {
     let (w, h) = (image.width as i32, image.height as i32);
     let inside = |s: &&Span| s.y >= 0 && s.y < h && s.x1 > 0 && s.x0 < w;
     let spans: Vec<Span> = (mask.spans().iter().filter(inside))
@@ -165,7 +165,7 @@ pub fn details(image: &Smoothed, mask: &Mask, scale: f64, minimum: u32) -> Vec<M
     pieces.into_iter().map(Mask::from_spans).collect()
 }
 
-/// A sortable edge: the weight's bits (floats of one sign sort like integers), then its number.
+/// A sort key for an edge: the weight's bits (floats of one sign sort like integers), then its number.
 fn edge(pixels: &[[f32; 3]], i: usize, j: usize, number: usize) -> u64 {
     let (a, b) = (pixels[i], pixels[j]);
     let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -177,7 +177,7 @@ fn edge(pixels: &[[f32; 3]], i: usize, j: usize, number: usize) -> u64 {
 struct Forest {
     sets: DisjointSets,
     size: Vec<u32>,
-    /// Largest weight of the minimum spanning tree plus scale / size.
+    /// Largest weight in each set's minimum spanning tree, plus scale / size.
     limit: Vec<f32>,
 }
 
@@ -214,20 +214,21 @@ impl Forest {
         }
     }
 
-    /// The number of each pixel's set, from 1 in the order of their first pixel.
+    /// The set of each pixel, numbered from 1 in the order of first pixels.
     fn number(&mut self) -> Vec<u32> {
         self.sets.indices().0.into_iter().map(|index| index + 1).collect()
     }
 }
 
-/// Plain Felzenszwalb as a segmenter: every region that is neither ground nor a speck is a mask.
+/// Segmenter by Felzenszwalb's method. Each region is a mask, except background and specks. The
+/// simplest segmenter; [`Regions`](super::Regions) finds elements more reliably.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Felzenszwalb {
-    /// Larger means larger regions. 0 to 100 000, default 200.
+    /// Scale of the segmentation: a larger scale gives larger regions. 0 to 100 000, default 200.
     pub scale: f64,
-    /// Smoothing beforehand, in pixels. 0 to 10, default 0.3.
+    /// Standard deviation of the smoothing, in pixels. 0 to 10, default 0.3.
     pub sigma: f64,
-    /// Smallest region, in pixels. 1 to 1 000 000, default 20.
+    /// Area of the smallest region, in pixels. 1 to 1 000 000, default 20.
     pub minimum: u32,
 }
 
@@ -254,8 +255,8 @@ impl Segmenter for Felzenszwalb {
         "felzenszwalb".into()
     }
 
-    /// Regions that touch opposite borders, or fill more than a tenth of the image, are ground.
-    /// The score is the share of its bounding box that a region fills.
+    /// Regions that touch opposite borders, or cover more than a tenth of the image, are background.
+    /// A region's score is the share of its bounding box that it covers.
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
         self.validate()?;
         advance(progress, "segmentation", 0, 3)?;

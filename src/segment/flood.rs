@@ -1,15 +1,15 @@
-//! Flood fill of the pixels that no mask covers: regions of one colour.
+//! Flood fill of the uncovered pixels into regions of uniform colour.
 
 use crate::raster::LabelMap;
 use image::RgbImage;
 
-/// 4-connected regions of the pixels for which `inside(index)` does not hold (index: row by row).
-/// A region holds what can be reached from its seed, its first pixel in reading order, over
-/// pixels of no other region whose colour differs from the *seed's* by at most `tolerance`: the
-/// Euclidean distance of 8-bit sRGB colours as a share of its range, 255 · √3 (0 to 1).
+/// 4-connected regions of the pixels for which `inside(index)` is false (indices row by row). A region
+/// grows from its seed, its first pixel in reading order, over free pixels whose colour differs from
+/// the *seed's* by at most `tolerance`: the Euclidean distance of 8-bit sRGB colours divided by the
+/// largest possible one, 255 · √3 (0 to 1).
 ///
 /// Regions of all sizes are numbered from 1 in the order of their seeds; pixels inside are 0.
-pub fn flood(image: &RgbImage, inside: &dyn Fn(usize) -> bool, tolerance: f64) -> LabelMap {
+pub(crate) fn flood(image: &RgbImage, inside: &dyn Fn(usize) -> bool, tolerance: f64) -> LabelMap {
     let (width, height) = image.dimensions();
     let (w, count) = (width as usize, width as usize * height as usize);
     let bytes = image.as_raw();
@@ -17,7 +17,7 @@ pub fn flood(image: &RgbImage, inside: &dyn Fn(usize) -> bool, tolerance: f64) -
     let limit = 3.0 * 255.0 * 255.0 * tolerance.max(0.0) * tolerance.max(0.0);
     let within = |a: [i32; 3], b: [i32; 3]| {
         let square: i32 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
-        // Room for the rounding of a tolerance such as 0.1.
+        // Allows for the rounding of a tolerance such as 0.1.
         f64::from(square) <= limit + 1e-6
     };
     let mut map = LabelMap::filled(width, height, 0);

@@ -1,7 +1,7 @@
-//! Masks in files: label PNGs and vtex's own run-length JSON.
+//! Files of masks: label PNGs, and run-length JSON.
 //!
-//! A label PNG holds one mask for each grey value or palette index but 0, which is ground. The
-//! JSON (`"format": "vtex-masks"`) also holds scores, and masks that overlap.
+//! A label PNG holds one mask for each grey value or palette index except 0, which is background. The
+//! JSON (`"format": "vtex-masks"`) also holds scores and overlapping masks.
 
 use super::{ScoredMask, Segmenter};
 use crate::document::{self, Document};
@@ -20,7 +20,7 @@ const LABEL_PNG: &str = "label PNG";
 const LARGEST_SIDE: u32 = 1 << 14;
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Masks found in an image, which may overlap; what none covers is ground.
+/// Masks found in an image. They may overlap. Uncovered pixels are background.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Masks")]
@@ -33,20 +33,20 @@ struct MasksDocument {
     width: u32,
     /// Height of the image, in pixels.
     height: u32,
-    /// What made the masks, such as `regions`.
+    /// Name of the segmenter that made the masks, such as `regions`.
     segmenter: String,
     /// The masks.
     masks: Vec<StoredMask>,
 }
 
-/// A set of pixels with a confidence.
+/// A mask with a confidence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Mask")]
 struct StoredMask {
     /// Confidence, 0 to 1.
     score: f32,
-    /// The pixels: row, first column, one past the last column.
+    /// The pixels as horizontal runs: row, first column, last column plus one.
     runs: Vec<[u32; 3]>,
 }
 
@@ -73,7 +73,7 @@ impl Document for MasksDocument {
     }
 }
 
-/// Masks read from a file, given back as a segmenter.
+/// A segmenter that returns masks read from a file.
 #[derive(Clone, Debug)]
 pub struct MasksFile {
     name: String,
@@ -82,7 +82,7 @@ pub struct MasksFile {
 
 #[derive(Clone, Debug)]
 enum Content {
-    /// Decoded only when the image's size is known to match.
+    /// Decoded by `segment`, when the image's size is known.
     Png(Vec<u8>),
     Document(MasksDocument),
 }
@@ -93,21 +93,22 @@ impl MasksFile {
         schema_for!(MasksDocument)
     }
 
-    /// Reads a label PNG or run-length JSON (plain or gzip), told apart by content. A PNG is
-    /// decoded by [`Segmenter::segment`].
+    /// Reads a label PNG or run-length JSON (plain or gzip); the format is detected from the content. A
+    /// PNG is decoded only by [`Segmenter::segment`].
     ///
     /// # Errors
-    /// Unreadable file, or one that is neither, of another version, or with runs out of range.
+    /// [`Error::Read`] for an unreadable file; [`Error::Format`] for a file of another format or version,
+    /// or with runs out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|e| Error::read(path, e))?;
         let file = path.file_name().unwrap_or(path.as_os_str());
         Self::from_bytes(bytes, &file.to_string_lossy())
     }
 
-    /// As [`MasksFile::read`], from bytes; `name` appears in errors.
+    /// As [`MasksFile::read`], from bytes. `name` appears in errors.
     ///
     /// # Errors
-    /// As [`MasksFile::read`], without the file.
+    /// [`Error::Format`] for bytes of another format or version, or with runs out of range.
     pub fn from_bytes(bytes: Vec<u8>, name: &str) -> Result<Self> {
         let content = if bytes.starts_with(PNG_SIGNATURE) {
             Content::Png(bytes)
@@ -124,8 +125,8 @@ impl Segmenter for MasksFile {
     }
 
     /// # Errors
-    /// [`Error::Masks`] if the sizes differ; [`Error::Format`] if a PNG is damaged or is not a
-    /// grey or palette image.
+    /// [`Error::Masks`] if the sizes differ; [`Error::Format`] if a PNG is damaged or is not a grey or
+    /// palette image.
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
         advance(progress, "segmentation", 0, 1)?;
         let size = image.dimensions();
@@ -194,13 +195,13 @@ fn read_png(bytes: &[u8], name: &str, size: (u32, u32)) -> Result<LabelMap> {
     Ok(LabelMap { width: frame.width, height: frame.height, labels })
 }
 
-/// The content of a file of masks; the extension of `path` chooses the format. `.png`: labels
-/// 1, 2 … in the order of the masks, 8-bit grey, or 16-bit above 255 masks; smaller masks lie over
-/// larger ones. `.json`, `.json.gz`: run-length JSON, lossless. The same bytes for the same masks.
+/// Encodes masks of an image. The extension of `path` selects the format. `.png`: labels 1, 2, … in
+/// the order of the masks, as 8-bit grey, or 16-bit above 255 masks; smaller masks are painted over
+/// larger ones. `.json`, `.json.gz`: run-length JSON, lossless. The same masks give the same bytes.
 ///
 /// # Errors
-/// [`Error::Format`] for another extension or more masks than a PNG can tell apart (65535), and
-/// [`Error::Masks`] for a mask that leaves the image, or a score that is not 0 to 1.
+/// [`Error::Format`] for another extension or more than 65535 masks in a PNG; [`Error::Masks`] for a
+/// mask that extends beyond the image, or a score outside 0 to 1.
 pub fn masks_to_bytes(
     path: &Path,
     segmenter: &str,
@@ -266,7 +267,7 @@ fn write_png(document: &MasksDocument) -> std::result::Result<Vec<u8>, String> {
     } else {
         labels.iter().map(|&l| l as u8).collect()
     };
-    // By this text the file is known as vtex's own, until an editor saves it.
+    // Identifies the file as vtex's own, until an editor rewrites it.
     encoder.add_text_chunk("Software".into(), crate::PROGRAM.into()).map_err(|e| e.to_string())?;
     let write = |encoder: png::Encoder<'_, _>| {
         let mut writer = encoder.write_header()?;

@@ -1,4 +1,4 @@
-//! Image → masks: what may be a texton. Knows nothing of textons.
+//! Image → masks: candidates for textons. Knows nothing of textons.
 
 mod alike;
 mod felzenszwalb;
@@ -9,8 +9,9 @@ pub mod prompt;
 pub mod regions;
 pub mod texton;
 
-pub use felzenszwalb::{Felzenszwalb, Smoothed, details, felzenszwalb};
-pub use flood::flood;
+pub use felzenszwalb::Felzenszwalb;
+pub(crate) use felzenszwalb::{Smoothed, details};
+pub(crate) use flood::flood;
 pub use masks_file::{MasksFile, masks_to_bytes};
 pub use perceptron::Perceptron;
 pub use regions::Regions;
@@ -23,21 +24,22 @@ use image::RgbImage;
 /// A set of pixels that may be a texton, with a confidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScoredMask {
-    /// The pixels, within the image.
+    /// The pixels, all within the image.
     pub mask: Mask,
-    /// Confidence, 0 to 1; only the order matters.
+    /// Confidence, 0 to 1. Only the order of scores matters.
     pub score: f32,
 }
 
-/// Finds what may be textons in an image: scored masks, which may overlap, contain one another
-/// and have several pieces. What no mask covers is ground.
+/// A method that finds candidates for textons in an image. Its masks may overlap, contain one another
+/// and consist of several pieces. Uncovered pixels are background. One segmenter can serve several
+/// threads.
 pub trait Segmenter: Send + Sync {
-    /// Name stored in the library, such as `regions`.
+    /// Name that is stored in the library, such as `regions`.
     fn name(&self) -> String;
 
-    /// The masks of an image.
+    /// Finds the masks of an image.
     ///
     /// # Errors
-    /// [`crate::Error::Interrupted`], and what the method itself can meet.
+    /// [`crate::Error::Interrupted`] if `progress` says stop, and errors of the method itself.
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>>;
 }

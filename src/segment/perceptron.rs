@@ -1,25 +1,25 @@
-//! A small network: one hidden layer over a few numbers.
+//! A small neural network with one hidden layer.
 
-/// One hidden layer of rectified units and a logistic output: how likely, 0 to 1. `F` features,
-/// `H` units.
+/// A perceptron with `F` features, one hidden layer of `H` rectified units and a logistic output. It
+/// scores candidates for textons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Perceptron<const F: usize, const H: usize> {
     /// Mean of each feature over the training set.
     pub mean: [f32; F],
-    /// One over the deviation of each feature.
+    /// Inverse of each feature's standard deviation over the training set.
     pub scale: [f32; F],
     /// Weights of the hidden units.
     pub hidden: [[f32; F]; H],
     /// Offsets of the hidden units.
     pub hidden_offset: [f32; H],
-    /// Weights of the output.
+    /// Weights of the output unit.
     pub output: [f32; H],
-    /// Offset of the output.
+    /// Offset of the output unit.
     pub output_offset: f32,
 }
 
 impl<const F: usize, const H: usize> Perceptron<F, H> {
-    /// The answer to these features.
+    /// The output for the given features, a probability from 0 to 1.
     pub fn score(&self, features: &[f32; F]) -> f32 {
         let x: [f32; F] =
             std::array::from_fn(|k| ((features[k] - self.mean[k]) * self.scale[k]).clamp(-4.0, 4.0));

@@ -1,4 +1,4 @@
-//! "Segment everything": prompts on a grid, coarse to fine, and the masks worth keeping.
+//! "Segment everything": prompts a network on grids from coarse to fine, and filters the masks.
 
 use super::proposal::Proposal;
 use super::{Embedded, PromptMask, Prompter};
@@ -12,28 +12,28 @@ use image::RgbImage;
 /// Parameters of a [`Generator`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeneratorParams {
-    /// Distance of the finest grid of prompts in pixels, 1 to 256. Default 5 (the paper's 10 000
-    /// on 500 × 500).
+    /// Distance between prompts of the finest grid, in pixels. 1 to 256, default 5 (the paper's 10 000
+    /// prompts for 500 × 500 pixels).
     pub spacing: f32,
-    /// Number of grids, each twice as fine as the one before, 1 to 6. With more than one, a
-    /// point is skipped where a confident mask of a coarser grid lies. Default 3.
+    /// Number of grids, each twice as fine as the previous one. Points covered by a confident mask of a
+    /// coarser grid are skipped. 1 to 6, default 3.
     pub levels: u32,
-    /// Sizes at which the network is shown the image, in shares of its own, 0.1 to 8. Default 1.
+    /// Scales at which the image is shown to the network. Each 0.1 to 8, default 1.
     pub scales: Vec<f32>,
-    /// Side in pixels above which a scaled image is also shown in crops, 64 to 16384. Default 1024.
+    /// Side in pixels above which a scaled image is shown in crops. 64 to 16384, default 1024.
     pub crop: u32,
-    /// Least predicted intersection over union of a mask, 0 to 1. Default 0.88, SAM's own.
+    /// Least predicted IoU of a mask. 0 to 1, default 0.88 (SAM's own).
     pub predicted_iou: f32,
-    /// Least share of a mask that stays when the threshold is raised, of what is there when it
-    /// is lowered, 0 to 1. Default 0.9.
+    /// Least stability of a mask: the IoU of the masks at a raised and at a lowered threshold. 0 to 1,
+    /// default 0.9.
     pub stability: f32,
-    /// Product of the two above which a mask counts as confident, 0 to 1. Default 0.85.
+    /// Least product of predicted IoU and stability of a confident mask. 0 to 1, default 0.85.
     pub confident: f32,
-    /// Smallest mask in pixels, 1 or more. Default 12.
+    /// Area of the smallest mask, in pixels. 1 or more, default 12.
     pub smallest: f32,
-    /// Largest mask as a share of the image, 0 to 1. Default 0.25.
+    /// Area of the largest mask, as a share of the image. 0 to 1, default 0.25.
     pub largest: f32,
-    /// Intersection over union from which two masks are one, 0.5 to 1. Default 0.8.
+    /// IoU above which two masks are duplicates. 0.5 to 1, default 0.8.
     pub duplicate: f32,
 }
 
@@ -72,18 +72,18 @@ impl GeneratorParams {
     }
 }
 
-/// A mask found, with what tells how good it may be.
+/// A mask found by a [`Generator`], with measures of its quality.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The pixels: one piece.
+    /// The pixels, in one piece.
     pub mask: Mask,
-    /// Intersection over union with the truth as the network predicts it, 0 to 1.
+    /// IoU with the true mask as predicted by the network, 0 to 1.
     pub predicted_iou: f32,
-    /// Share of the mask that stays when the threshold is raised, 0 to 1.
+    /// IoU of the masks at a raised and at a lowered threshold, 0 to 1.
     pub stability: f32,
-    /// How many prompts gave this mask or one nearly like it.
+    /// Number of prompts that gave this mask or a duplicate of it.
     pub votes: u32,
-    /// Which of [`GeneratorParams::scales`] it was found at.
+    /// Index in [`GeneratorParams::scales`] of the scale at which it was found.
     pub scale: usize,
 }
 
@@ -93,29 +93,29 @@ impl Found {
     }
 }
 
-/// What a run of a [`Generator`] cost.
+/// Cost of a run of a [`Generator`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// Points of the finest grids.
+    /// Number of points of the finest grids.
     pub grid: u64,
-    /// Points the network was asked for.
+    /// Number of points that the network was prompted with.
     pub prompts: u64,
 }
 
-/// Finds every mask that a promptable network gives on a grid of points.
+/// Finds all masks that a promptable network gives on a grid of points.
 pub struct Generator {
     prompter: Box<dyn Prompter>,
     params: GeneratorParams,
 }
 
-/// A part of the image as the network is shown it.
+/// A part of the image as it is shown to the network.
 pub(in crate::segment) struct View {
     /// Left and upper border of the part, and its size, in pixels of the image.
     x: u32,
     y: u32,
     width: u32,
     height: u32,
-    /// What it is enlarged by.
+    /// Factor by which it is enlarged.
     scale: f32,
     index: usize,
 }
@@ -126,7 +126,7 @@ impl View {
         Self { x: 0, y: 0, width, height, scale, index }
     }
 
-    /// The part cut out and enlarged.
+    /// The part, cut out and enlarged.
     pub(in crate::segment) fn image(&self, image: &RgbImage) -> RgbImage {
         let cut = image::imageops::crop_imm(image, self.x, self.y, self.width, self.height).to_image();
         if self.scale == 1.0 {
@@ -162,8 +162,8 @@ impl Generator {
         Ok(Self { prompter, params })
     }
 
-    /// All masks that pass the thresholds, none nearly like another of the same scale, the best
-    /// (predicted intersection over union times stability) first; and what that cost.
+    /// All masks that pass the thresholds, without duplicates at the same scale, sorted by predicted IoU ×
+    /// stability in descending order. Also returns the cost.
     ///
     /// # Errors
     /// [`crate::Error::Interrupted`] and [`crate::Error::Network`].
@@ -181,7 +181,7 @@ impl Generator {
         Ok((found, cost))
     }
 
-    /// Adds the masks of another view: of two alike at one scale the better stays.
+    /// Merges the masks of another view. Of two duplicates at one scale the better one stays.
     fn join(&self, found: &mut Vec<Found>, here: Vec<Found>) {
         let measure = |f: &Found| Measured::new(f.mask.clone());
         let measured: Vec<Option<Measured>> = found.iter().map(measure).collect();
@@ -227,7 +227,7 @@ impl Generator {
     }
 }
 
-/// Starts and lengths of pieces of at most `side` that cover a length, overlapping by a quarter.
+/// Start and length of pieces of at most `side` that cover `length`, overlapping by a quarter.
 fn cuts(length: u32, side: u32) -> Vec<(u32, u32)> {
     if length <= side {
         return vec![(0, length)];
@@ -284,7 +284,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Asks for masks in batches and keeps the best of those alike.
+    /// Prompts the network in batches and keeps the best of duplicates.
     fn ask(
         &mut self,
         embedded: &dyn Embedded,
@@ -329,7 +329,7 @@ impl Search<'_> {
         let proposal = Proposal::new(point, mask)?;
         let View { width, height, scale, .. } = *self.view;
         let area = proposal.pixels() / (scale * scale);
-        // A predicted value that is no number passes no threshold.
+        // A NaN fails the threshold.
         let good = mask.predicted_iou >= self.params.predicted_iou
             && proposal.stability >= self.params.stability
             && area >= self.params.smallest
@@ -337,7 +337,7 @@ impl Search<'_> {
         good.then_some(proposal)
     }
 
-    /// The pixels of a proposal in the view, not in the scaled image.
+    /// The pixels of a proposal in the view, at the image's scale.
     fn mask(&self, proposal: &Proposal) -> Mask {
         let mut logits = proposal.logits.clone();
         let by = 1.0 / self.view.scale;
@@ -346,7 +346,7 @@ impl Search<'_> {
         logits.rasterise(self.view.width, self.view.height)
     }
 
-    /// What is kept, in pixels of the whole image. What a crop cuts off is left to its neighbours.
+    /// The masks kept, in pixels of the whole image. Masks cut off by a crop are left to adjacent crops.
     fn finish(self, width: u32, height: u32) -> Vec<Found> {
         let View { x, y, width: w, height: h, index, .. } = *self.view;
         let mut found = Vec::new();

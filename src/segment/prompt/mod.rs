@@ -1,4 +1,4 @@
-//! Promptable segmenters: a point in, masks of what it lies on out.
+//! Promptable segmenters: they return masks of the object at a given point.
 
 mod generator;
 mod proposal;
@@ -11,55 +11,56 @@ pub use sam::Sam;
 use crate::error::Result;
 use image::RgbImage;
 
-/// A network that, shown an image once, gives masks for points in it.
+/// A promptable network. It embeds an image once and then gives masks for points in it.
 pub trait Prompter: Send + Sync {
-    /// Name stored in the library, such as `texton`.
+    /// Name that is stored in the library, such as `texton`.
     fn name(&self) -> String;
 
-    /// Shows it an image.
+    /// Embeds an image.
     ///
     /// # Errors
     /// [`crate::Error::Network`] if the network fails.
     fn embed<'a>(&'a self, image: &RgbImage) -> Result<Box<dyn Embedded + 'a>>;
 }
 
-/// An image as a [`Prompter`] sees it.
+/// An image embedded by a [`Prompter`].
 pub trait Embedded: Send + Sync {
-    /// How well the best mask at each point would do, 0 to 1, where that costs next to nothing.
+    /// Predicted IoU of the best mask at each point, 0 to 1, without decoding it. `None` if the network
+    /// cannot give it cheaply. `points` in pixels of the image.
     fn promise(&self, points: &[[f32; 2]]) -> Option<Vec<f32>>;
 
-    /// How many points are best asked for at once.
+    /// Number of points per call of [`Embedded::masks`] at which it is most efficient.
     fn batch(&self) -> usize;
 
-    /// The masks at each point, x and y in pixels of the image: one to four a point.
+    /// One to four masks for each point. `points` are x and y in pixels of the image.
     ///
     /// # Errors
     /// [`crate::Error::Network`] if the network fails.
     fn masks(&self, points: &[[f32; 2]]) -> Result<Vec<Vec<PromptMask>>>;
 }
 
-/// A mask as logits on a grid of its own: it holds where they are above 0.
+/// A mask given by a prompt, as logits: positive values are inside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PromptMask {
-    /// Intersection over union with the truth as the network predicts it, 0 to 1.
+    /// IoU with the true mask as predicted by the network, 0 to 1.
     pub predicted_iou: f32,
-    /// Values in rows.
+    /// The logits.
     pub logits: Logits,
 }
 
-/// Logits on a grid: the value in column i and row j belongs to the point
-/// `origin + step · (i + ½, j + ½)` of the image. Outside the grid the mask does not reach.
+/// Logits on a grid. The value in column i and row j belongs to the point
+/// `origin + step · (i + ½, j + ½)` of the image. The mask does not extend beyond the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Logits {
-    /// Corner of the first cell in pixels of the image.
+    /// Corner of the first cell, in pixels of the image.
     pub origin: [f32; 2],
-    /// Size of a cell in pixels of the image.
+    /// Size of a cell, in pixels of the image.
     pub step: [f32; 2],
     /// Number of columns.
     pub width: usize,
     /// Number of rows.
     pub height: usize,
-    /// The values in rows, `width · height` of them.
+    /// The values, row by row.
     pub values: Vec<f32>,
 }
 

@@ -1,30 +1,30 @@
-//! From the logits of a prompt to a mask: threshold, the piece under the point, stability, pixels.
+//! Converts the logits of a prompt to a mask: threshold, connected piece, stability, pixels.
 
 use super::{Logits, PromptMask};
 use crate::raster::{Connectivity, Mask, Span, components_of_mask};
 use crate::segment::alike::Measured;
 
-/// Logits that lie this far on either side of 0 decide how stable a mask is.
+/// Offsets ±1 of the threshold at which the stability of a mask is measured.
 const STABILITY_OFFSET: f32 = 1.0;
-/// What stands where logits belong to another piece.
+/// Logit that replaces those of other pieces.
 const FAR: f32 = -8.0;
 
-/// A mask that a network gave for a point, in the cells of its logits.
+/// A mask given by a prompt, in the cells of its logits.
 #[derive(Clone, Debug)]
 pub(super) struct Proposal {
-    /// The cells, counted from the corner of the image.
+    /// The cells, in a grid that starts at the corner of the image.
     pub(super) cells: Measured,
     /// The logits around the cells.
     pub(super) logits: Logits,
     pub(super) predicted_iou: f32,
-    /// Cells that a higher threshold would keep among those that a lower one would, 0 to 1.
+    /// Stability: area at the raised threshold over area at the lowered threshold, 0 to 1.
     pub(super) stability: f32,
-    /// How many prompts gave this mask or one nearly like it.
+    /// Number of prompts that gave this mask or a duplicate of it.
     pub(super) votes: u32,
 }
 
 impl Proposal {
-    /// The piece of a prompt's mask that holds the point; `None` if none does.
+    /// The piece of a prompt's mask that contains the point; `None` if there is none.
     pub(super) fn new(point: [f32; 2], mask: &PromptMask) -> Option<Self> {
         let l = &mask.logits;
         let (w, h) = (l.width, l.height);
@@ -106,8 +106,8 @@ impl Proposal {
 }
 
 impl Logits {
-    /// The pixels of an image of that size whose centres lie where the logits, interpolated
-    /// between cells, are above 0: the largest piece of them.
+    /// The pixels of an image of the given size whose centres have positive interpolated logits. Only the
+    /// largest connected piece is kept.
     pub(super) fn rasterise(&self, width: u32, height: u32) -> Mask {
         let end = |axis: usize, n: usize, most: u32| {
             (libm::ceilf(self.origin[axis] + self.step[axis] * n as f32).max(0.0) as u32).min(most)
@@ -123,11 +123,11 @@ impl Logits {
             }
         }
         let pieces = components_of_mask(&Mask::from_spans(spans), Connectivity::Four);
-        // The first of the largest.
+        // Ties go to the first.
         pieces.into_iter().rev().max_by_key(Mask::area).unwrap_or_default()
     }
 
-    /// The value at a point of the image, linear between the centres of cells.
+    /// The logit at a point of the image, bilinear between the centres of cells.
     fn at(&self, point: [f32; 2]) -> f32 {
         let along = |axis: usize, n: usize| {
             let t = ((point[axis] - self.origin[axis]) / self.step[axis] - 0.5).clamp(0.0, (n - 1) as f32);
@@ -141,7 +141,7 @@ impl Logits {
     }
 }
 
-/// The logits of a box and two cells around it; those of other pieces are far below 0.
+/// The logits of a box and two cells around it. Those of other pieces are set far below 0.
 fn cut_out(l: &Logits, inside: &[bool], [x0, y0, x1, y1]: [usize; 4]) -> Logits {
     let (left, top) = (x0.saturating_sub(2), y0.saturating_sub(2));
     let (right, bottom) = ((x1 + 2).min(l.width), (y1 + 2).min(l.height));

@@ -1,9 +1,9 @@
-//! The mask generator on networks whose answers are known.
+//! The mask generator, with networks whose answers are known.
 
 use super::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Knows all discs `[x, y, radius]` of an image and answers a point with the one it lies on, on a
+/// A network that knows all discs `[x, y, radius]` of an image and returns the one at a point, on a
 /// grid of cells of 2 px.
 struct Oracle {
     discs: Vec<[f32; 3]>,
@@ -109,14 +109,14 @@ fn coarse_to_fine_finds_the_same_for_a_fraction_of_the_prompts() {
     let (coarse, cost) = find(oracle(false), params(3));
     assert_eq!((full.prompts, full.grid), (66 * 53, 66 * 53));
     assert_eq!(coarse.len(), all.len());
-    // What is no disc is never explained: only discs are saved.
+    // Only points on discs are skipped; the others are never explained by a mask.
     assert!(cost.prompts < full.prompts && cost.grid == full.grid);
     let (told, cheap) = find(oracle(true), params(3));
     assert_eq!(told.len(), all.len());
     assert!(cheap.prompts * 10 < full.prompts, "{} of {}", cheap.prompts, full.prompts);
 }
 
-/// Takes any bright square of an image for a thing.
+/// A network that returns the bright square at a point.
 struct Bright;
 
 struct Lit(RgbImage);
@@ -156,7 +156,7 @@ fn what_whole_and_crops_both_show_is_found_once() {
     let (found, cost) = generator.find(&image, &()).unwrap();
     assert_eq!(found.len(), 12);
     assert!(found.iter().all(|f| f.mask.area() == 144 && f.scale == 0));
-    // The crops were asked, too: they overlap, so there are more points than the whole has.
+    // The crops were prompted, too. They overlap, so they have more points than the whole.
     assert!(cost.grid > 2 * 53 * 40);
 }
 

@@ -1,4 +1,4 @@
-//! What a node of the tree looks like, in numbers.
+//! Features of a node of the merge tree.
 
 use super::merge_tree::{BINS, Node, Tree};
 use super::oversegmentation::Field;
@@ -6,7 +6,7 @@ use super::oversegmentation::Field;
 /// Number of features.
 pub const FEATURES: usize = 31;
 
-/// What is measured once for an image.
+/// Measurements of the whole image, shared by all nodes.
 pub(super) struct Context {
     width: usize,
     height: usize,
@@ -14,13 +14,13 @@ pub(super) struct Context {
     mean: [f32; 3],
     deviation: [f32; 3],
     gradient: f32,
-    /// Sums of the colours, and of the squares of L, above and left of each pixel corner.
+    /// Integral image of the colours and of L², at pixel corners.
     integral: Vec<[f64; 4]>,
-    /// Share of the pixels in each cell of colour.
+    /// Share of the image's pixels in each cell of colour space.
     palette: Vec<f32>,
 }
 
-/// Cells of the palette: L by 5, a and b by 8 from -64.
+/// Number of colour cells: L in steps of 5, a and b in steps of 8 from -64.
 const CELLS: [usize; 3] = [21, 17, 17];
 
 fn cell(colour: [f32; 3]) -> [usize; 3] {
@@ -59,7 +59,7 @@ impl Context {
         let deviation =
             std::array::from_fn(|k| libm::sqrt((squares[k] / count - mean[k] * mean[k]).max(0.0)) as f32);
         let gradient = field.gradient.iter().map(|&g| f64::from(g)).sum::<f64>() / count;
-        // Neighbouring cells count half, so that the grid matters less.
+        // Neighbouring cells count half, which reduces the influence of the grid's position.
         let mut palette = vec![0.0; counts.len()];
         for l in 0..CELLS[0] {
             for a in 0..CELLS[1] {
@@ -91,7 +91,7 @@ impl Context {
         }
     }
 
-    /// Sums of colour, squares of L, and area in a box; ends exclusive.
+    /// Sums of colour and L², and the area, of a box with exclusive ends.
     fn sums([x0, y0, x1, y1]: [usize; 4], integral: &[[f64; 4]], width: usize) -> [f64; 5] {
         let at = |x: usize, y: usize| integral[y * (width + 1) + x];
         let (a, b, c, d) = (at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1));
@@ -99,7 +99,7 @@ impl Context {
         std::array::from_fn(|k| if k < 4 { d[k] - b[k] - c[k] + a[k] } else { area })
     }
 
-    /// The features of node `i` of a tree. Logarithms for what spans orders of magnitude.
+    /// The features of node `i` of a tree. Quantities that span orders of magnitude are logarithms.
     pub(super) fn features(&self, tree: &Tree, i: usize) -> [f32; FEATURES] {
         let node = &tree.nodes[i];
         let (s, rim) = (&node.sums, &node.rim);
@@ -110,7 +110,7 @@ impl Context {
         let perimeter = rim.length + border;
         let around = rim.length.max(1.0);
 
-        // Second moments of place; a pixel is a square, not a point.
+        // Second moments of position; a pixel counts as a square.
         let [x, y] = [s.place[0] / n, s.place[1] / n];
         let xx = s.place[2] / n - x * x + 1.0 / 12.0;
         let yy = s.place[3] / n - y * y + 1.0 / 12.0;
@@ -119,7 +119,7 @@ impl Context {
         let half = libm::sqrt(((xx - yy) * (xx - yy) / 4.0 + xy * xy).max(0.0));
         let (long, short) = ((xx + yy) / 2.0 + half, ((xx + yy) / 2.0 - half).max(1e-3));
 
-        // What is left of the deviation of L when a slope of light is taken away.
+        // Standard deviation of L after removing a linear slope of light.
         let variance: [f64; 3] = std::array::from_fn(|c| {
             (s.colour_square[c] / n - f64::from(mean[c]) * f64::from(mean[c])).max(0.0)
         });
@@ -128,7 +128,7 @@ impl Context {
         let explained = (lx * lx * yy - 2.0 * lx * ly * xy + ly * ly * xx) / determinant;
         let residual = (variance[0] - explained).max(0.0);
 
-        // The surroundings: a box half as large again on each side, less the node.
+        // The surroundings: a box enlarged by half its size on each side, without the node.
         let [x0, y0, x1, y1] = s.bounds.map(|v| v as usize);
         let margin = (libm::sqrt(n) * 0.5) as usize + 3;
         let wide = [

@@ -1,4 +1,4 @@
-//! The tree of merged regions: which basins join, in which order, and what is known of each.
+//! The merge tree: the order in which basins are merged, and the measurements of each node.
 
 use super::oversegmentation::Field;
 use crate::error::Result;
@@ -7,14 +7,14 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// Bins of the histogram of gradients along a rim; each is twice the one before, from 0.25.
+/// Bins of the histogram of gradients along a rim. Each is twice as wide as the previous one, from 0.25.
 pub(super) const BINS: usize = 8;
-/// Regions up to this size, in pixels, are cheaper to merge the smaller they are …
+/// Area in pixels below which regions are cheaper to merge …
 const SMALL: f32 = 400.0;
-/// … by this power of their share of that size.
+/// … by the ratio of their area to it, raised to this power.
 const SMALL_POWER: f32 = 0.35;
 
-/// Sums over the pixels of a region. Sums of two regions add up to those of their union.
+/// Sums over the pixels of a region. They add up under union.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
     pub(super) area: f32,
@@ -23,7 +23,7 @@ pub(super) struct Sums {
     pub(super) gradient: f64,
     /// x, y, xx, yy, xy.
     pub(super) place: [f64; 5],
-    /// Lightness times x and y.
+    /// Sums of lightness · x and lightness · y.
     pub(super) shade: [f64; 2],
     /// First and last column and row.
     pub(super) bounds: [u32; 4],
@@ -67,15 +67,15 @@ pub(super) struct Rim {
     pub(super) length: f32,
     pub(super) gradient: f32,
     pub(super) histogram: [f32; BINS],
-    /// Colours two pixels out minus two pixels in, and the lengths of these steps.
+    /// Sum of colour steps (two pixels outside minus two pixels inside), and of their lengths.
     pub(super) step: [f32; 3],
     pub(super) step_length: f32,
-    /// Pixel edges with a step of less than 2.
+    /// Number of pixel edges with a step below 2.
     pub(super) faint: f32,
 }
 
 impl Rim {
-    /// Adds `factor` times another; `sign` turns its steps about.
+    /// Adds `factor` times another rim. `sign` -1 reverses its steps.
     fn add(&mut self, o: &Self, factor: f32, sign: f32) {
         self.length += factor * o.length;
         self.gradient += factor * o.gradient;
@@ -95,11 +95,11 @@ impl Rim {
 pub(super) struct Node {
     pub(super) sums: Sums,
     pub(super) rim: Rim,
-    /// `None` of a basin.
+    /// `None` for a basin.
     pub(super) children: Option<[u32; 2]>,
-    /// `None` of a root.
+    /// `None` for a root.
     pub(super) parent: Option<u32>,
-    /// Weight of the merge that made it, at least those of its children; 0 of a basin.
+    /// Weight of the merge that made it, not below its children's; 0 for a basin.
     pub(super) weight: f32,
 }
 
@@ -111,15 +111,15 @@ struct Border {
     alive: bool,
 }
 
-/// Nodes in the order they were made: basins first, children before parents.
+/// The nodes in order of creation: basins first, children before parents.
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
 }
 
-/// Which border lies between two regions, by [`key`]. Only looked up, never iterated over.
+/// Index of the border between two regions, by [`key`]. Never iterated over.
 type Index = HashMap<u64, u32, BuildHasherDefault<PairHasher>>;
 
-/// Multiplicative hashing: the keys are pairs of indices, and no enemy chooses them.
+/// Multiplicative hashing. Keys are pairs of indices, so it needs no protection against attacks.
 #[derive(Default)]
 struct PairHasher(u64);
 
@@ -212,7 +212,7 @@ fn key(a: u32, b: u32) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
 
-/// Weight of a merge: how much two regions differ, less if one is small.
+/// Weight of a merge: the difference between two regions, reduced if one is small.
 fn weight(a: &Sums, b: &Sums, rim: &Rim, border: f32) -> f32 {
     let (p, q) = (a.mean(), b.mean());
     let d = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
@@ -225,8 +225,8 @@ fn weight(a: &Sums, b: &Sums, rim: &Rim, border: f32) -> f32 {
 }
 
 impl Tree {
-    /// Merges neighbours, least weight first (ties: the older border), until none are left. `share`
-    /// is that of the step across the border in a merge's weight; the rest is the difference of means.
+    /// Merges neighbours, least weight first (ties: the older border), until none are left. `share` is the
+    /// weight of the step across the border; the rest is that of the difference of means.
     pub(super) fn new(
         field: &Field,
         labels: &[u32],
@@ -250,7 +250,7 @@ impl Tree {
                 nodes[end as usize].rim.add(&border.rim, 1.0, sign);
             }
         }
-        // The node that each region, named by one of its basins, has become.
+        // The current node of each region. A region is identified by one of its basins.
         let mut current: Vec<u32> = (0..count as u32).collect();
         let now = |nodes: &[Node], current: &[u32], border: &Border| {
             let [a, b] = border.ends.map(|end| &nodes[current[end as usize] as usize].sums);
@@ -287,7 +287,7 @@ impl Tree {
             }
             nodes.push(node);
             borders[e as usize].alive = false;
-            // The region with fewer borders takes the other's name.
+            // The region with more borders keeps its identifier.
             let (gone, kept) =
                 if around[a as usize].len() < around[b as usize].len() { (a, b) } else { (b, a) };
             current[kept as usize] = made as u32;

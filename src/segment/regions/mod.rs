@@ -1,12 +1,12 @@
-//! The built-in segmenter: a tree of merged regions, and the nodes of it that look like textons.
+//! The built-in segmenter: a tree of merged regions, whose texton-like nodes are selected.
 //!
-//! Basins of the colour gradient are merged by how much they differ and by the strength of the
-//! border between them. Each node of the tree is measured (size, form, contrast to what surrounds
-//! it, strength and consistency of its rim, homogeneity up to shading, lifetime in the tree), a
-//! small network fitted to procedural scenes scores it, and the disjoint set worth most is taken.
-//! What is in no node taken is ground. One setting serves all images.
+//! Basins of the colour gradient are merged in the order of their difference and of the strength of
+//! the border between them. Each node of the tree is measured: size, shape, contrast to its
+//! surroundings, strength and consistency of its rim, homogeneity up to shading, lifetime in the tree.
+//! A small network fitted to procedural scenes scores it, and the disjoint set of nodes with the
+//! largest total worth is selected. The rest is background. There are no parameters.
 //!
-//! Works badly where elements have no border of their own: grass, fur, crumpled leaves on leaves.
+//! Works badly for elements without borders of their own: grass, fur, crumpled leaves on leaves.
 
 mod features;
 mod merge_tree;
@@ -28,28 +28,29 @@ use image::RgbImage;
 use merge_tree::Tree;
 use oversegmentation::Field;
 
-/// Smallest mask, in pixels. What is smaller has no form to judge.
+/// Area of the smallest mask, in pixels. Smaller ones have no shape to judge.
 const SMALLEST: f32 = 16.0;
-/// Largest mask, as a share of the image.
+/// Area of the largest mask, as a share of the image.
 const LARGEST: f32 = 0.2;
 
-/// Smoothing (pixels) and share of the border in a merge's weight, for each tree.
+/// For each tree, its smoothing (pixels) and the share of the border in a merge's weight.
 const LAYERS: [(f64, f32); 3] = [(0.5, 0.9), (1.0, 0.5), (2.0, 0.7)];
-/// A mask may lose this share of its pixels to masks worth more.
+/// Largest share of its pixels that a mask may lose to masks of higher worth.
 const MOST_LOST: f32 = 0.1;
-/// How often what is left is searched again.
+/// Number of searches; each covers the pixels that the previous ones left.
 const ROUNDS: usize = 3;
 
-/// The hierarchical segmenter. Its masks are disjoint and 4-connected.
+/// The built-in segmenter by region merging. It needs no neural network file. Its masks are disjoint
+/// and 4-connected.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Regions;
 
-/// A node that might be a texton: for fitting [`Network`].
+/// A node that may be a texton, as training data for [`Network`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
     /// Its pixels.
     pub mask: Mask,
-    /// What the network is told of it.
+    /// The network's input.
     pub features: [f32; FEATURES],
 }
 
@@ -75,7 +76,7 @@ impl Layer {
         map(&LAYERS, |&(sigma, share)| Self::new(image, sigma, share, progress)).into_iter().collect()
     }
 
-    /// Whether a node may be a texton at all: what touches opposite borders is ground.
+    /// Whether a node may be a texton. Nodes that touch opposite borders are background.
     fn eligible(&self, image: &RgbImage, i: usize) -> bool {
         let sums = &self.tree.nodes[i].sums;
         let [left, top, right, bottom] = sums.border;
@@ -89,7 +90,7 @@ impl Layer {
         (0..self.tree.nodes.len()).map(|i| self.eligible(image, i).then(|| score(i))).collect()
     }
 
-    /// Forgets the scores of nodes that have lost too much to what is taken.
+    /// Removes the scores of nodes that lost too many pixels to selected masks.
     fn block(&self, taken: &LabelMap, scores: &mut [Option<f32>]) {
         let mut lost = vec![0u32; scores.len()];
         for (&label, &t) in self.labels.iter().zip(&taken.labels) {
@@ -105,7 +106,7 @@ impl Layer {
         }
     }
 
-    /// The masks of some disjoint nodes.
+    /// The masks of disjoint nodes.
     fn masks(&self, image: &RgbImage, chosen: &[usize]) -> Vec<Mask> {
         let nodes = &self.tree.nodes;
         let mut number = vec![0u32; nodes.len()];
@@ -129,7 +130,7 @@ impl Layer {
         Mask::all_of_labels(&map, count)
     }
 
-    /// The mask of a node, from those of the leaves.
+    /// The mask of a node, composed of its leaves'.
     fn mask(&self, basins: &[Mask], node: usize) -> Mask {
         let (mut spans, mut open) = (Vec::new(), vec![node]);
         while let Some(k) = open.pop() {
@@ -157,8 +158,8 @@ impl Layer {
     }
 }
 
-/// The nodes of all trees that score at least `least` (0 to 1), which contain one another, with
-/// their scores.
+/// Nodes of all trees that score at least `least` (0 to 1), with their scores. They may contain one
+/// another.
 ///
 /// # Errors
 /// [`crate::Error::Interrupted`].
@@ -170,7 +171,7 @@ pub(super) fn nodes(image: &RgbImage, least: f32, progress: &dyn Progress) -> Re
     Ok(map(&layers, |layer| layer.best(image, least)).concat())
 }
 
-/// All nodes of the trees that may be textons; they contain one another.
+/// All nodes of the trees that may be textons. They may contain one another.
 ///
 /// # Errors
 /// [`crate::Error::Interrupted`].
@@ -217,7 +218,7 @@ impl Segmenter for Regions {
                 }
             }
         }
-        // What a mask worth more cut off is dropped.
+        // Fragments cut off by masks of higher worth are dropped.
         let (pieces, owners) = components(&taken, Connectivity::Four);
         let masks = Mask::all_of_labels(&pieces, owners.len());
         let mut best: Vec<Option<Mask>> = vec![None; taken_scores.len()];
@@ -278,7 +279,7 @@ mod tests {
 
     #[test]
     fn discs_are_found_whole() {
-        // Discs of three sizes on a slope of light, a little noise on all.
+        // Discs of four sizes under a gradient of light, with a little noise.
         let discs = [(40.0, 40.0, 22.0), (110.0, 50.0, 12.0), (60.0, 110.0, 16.0), (120.0, 115.0, 8.0)];
         let inside = |x: u32, y: u32, (cx, cy, r): (f64, f64, f64)| {
             let (dx, dy) = (f64::from(x) + 0.5 - cx, f64::from(y) + 0.5 - cy);

@@ -1,23 +1,23 @@
-//! An image in Oklab, its gradient, and the basins of the gradient.
+//! An image in Oklab, its gradient, and the gradient's basins.
 
 use crate::raster::colour::oklab;
 use crate::segment::felzenszwalb::{convolve, gaussian};
 use image::RgbImage;
 
-/// What regions are made of.
+/// A smoothed image and its gradient.
 pub(super) struct Field {
     pub(super) width: usize,
     pub(super) height: usize,
-    /// Smoothing before all else, in pixels.
+    /// Standard deviation of the initial smoothing, in pixels.
     pub(super) sigma: f64,
-    /// Smoothed Oklab, L times 100, a and b times 200, so that a step of 1 can just be seen.
+    /// Smoothed Oklab, L times 100, a and b times 200, so that a step of 1 is just noticeable.
     pub(super) colours: Vec<[f32; 3]>,
-    /// Length of the colour gradient, per pixel.
+    /// Magnitude of the colour gradient, per pixel.
     pub(super) gradient: Vec<f32>,
 }
 
 impl Field {
-    /// `sigma`: smoothing beforehand, in pixels.
+    /// Smooths an image by `sigma` pixels and computes its gradient.
     pub(super) fn new(image: &RgbImage, sigma: f64) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
         let raw: Vec<[f32; 3]> = (image.pixels())
@@ -46,9 +46,9 @@ impl Field {
         Self { width, height, sigma, colours, gradient }
     }
 
-    /// The basins of the gradient: each pixel runs to the lowest of its four neighbours until
-    /// there is none lower (ties: the lower index). Basins are 4-connected and numbered from 0 in
-    /// the order of their first pixel; also their number.
+    /// The basins of the gradient and their number. Each pixel drains to the lowest of its four neighbours
+    /// (ties: the lower index) until none is lower. Basins are 4-connected and numbered from 0 in the
+    /// order of their first pixel.
     pub(super) fn basins(&self) -> (Vec<u32>, usize) {
         let (w, count) = (self.width, self.width * self.height);
         let mut next: Vec<u32> = Vec::with_capacity(count);

@@ -1,5 +1,5 @@
-//! Which nodes are textons: a small network scores each, dynamic programming picks the disjoint
-//! set worth most.
+//! Selection of textons among the nodes: a small network scores each, and dynamic programming finds
+//! the disjoint set with the largest total worth.
 
 use super::features::FEATURES;
 use super::merge_tree::Tree;
@@ -8,23 +8,24 @@ use crate::segment::Perceptron;
 /// Units of the hidden layer.
 pub const HIDDEN: usize = 32;
 
-/// How well a node would fit a texton, 0 to 1.
+/// The network that scores nodes: a perceptron whose output is the expected fit of a node to a texton,
+/// 0 to 1.
 pub type Network = Perceptron<FEATURES, HIDDEN>;
 
-/// Scores at which a node is ground: of nodes of `SIZES[0]` pixels and less, and of `SIZES[1]`
-/// and more. Large textons are few and make the picture: better one too many.
+/// Score below which a node is background: for areas up to `SIZES[0]` pixels, and from `SIZES[1]`
+/// pixels. Large textons are few and prominent, so their threshold is lower.
 const LEAST: [f32; 2] = [0.32, 0.18];
 const SIZES: [f32; 2] = [50.0, 1000.0];
 
-/// What a node of an area in pixels and a score is worth; negative of ground.
+/// Worth of a node of the given area (pixels) and score; negative for background.
 pub(in crate::segment) fn worth(area: f32, score: f32) -> f32 {
     let place = libm::logf(area / SIZES[0]) / libm::logf(SIZES[1] / SIZES[0]);
     let least = LEAST[0] + (LEAST[1] - LEAST[0]) * place.clamp(0.0, 1.0);
     (score - least) * area.sqrt()
 }
 
-/// The disjoint nodes worth most in all, in the order of the tree. Nodes with a score of `None`
-/// are never taken.
+/// The disjoint nodes with the largest total worth, in the order of the tree. Nodes whose score is
+/// `None` are never selected.
 pub(super) fn best_cut(tree: &Tree, scores: &[Option<f32>]) -> Vec<usize> {
     let mut best = vec![0.0f32; tree.nodes.len()];
     let mut take = vec![false; tree.nodes.len()];

@@ -1,4 +1,4 @@
-//! What a mask looks like to the texton network and in the image, in numbers.
+//! Features of a candidate mask, from the texton network and from the image.
 
 use super::network::Embedding;
 use crate::raster::{Mask, colour::oklab};
@@ -6,48 +6,47 @@ use image::RgbImage;
 
 /// Number of features.
 pub const FEATURES: usize = 32;
-/// Which of them are the network's prediction for the mask, its stability, and the score of the region
-/// tree.
+/// Indices of the predicted IoU, the stability, and the region tree's score.
 pub(super) const PREDICTED: usize = 23;
 pub(super) const STABILITY: usize = 24;
 pub(super) const REGION: usize = 27;
-/// Share of a rim that may be weaker than its quantile.
+/// Quantile of the steps along a rim that serves as the rim's strength.
 const QUANTILE: f64 = 0.3;
 
-/// What the search for masks knows of one.
+/// Measures of a mask from the search that found it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Origin {
-    /// Intersection over union as the network predicts it; 0 for a node of the region tree.
+    /// IoU predicted by the network; 0 for a node of the region tree.
     pub(super) predicted_iou: f32,
-    /// See [`crate::segment::prompt::Found`].
+    /// Stability; see [`crate::segment::prompt::Found`].
     pub(super) stability: f32,
     pub(super) votes: u32,
-    /// Score of the node of the region tree that is most alike, times how alike it is.
+    /// Score of the most similar node of the region tree, times its IoU.
     pub(super) region: f32,
-    /// Largest intersection over union with a mask found at another size of the image.
+    /// Largest IoU with a mask found at another scale.
     pub(super) agreement: f32,
-    /// The same with a node of the region tree, or of a node with a mask of the network.
+    /// For a mask of the network, the largest IoU with a node of the region tree, and vice versa.
     pub(super) cross: f32,
 }
 
-/// What is measured once for an image.
+/// Measurements of the whole image, shared by all masks.
 pub(super) struct Context {
     width: i32,
     height: i32,
     colours: Vec<[f32; 3]>,
     fine: Maps,
     coarse: Maps,
-    /// Means over the image of the two maps.
+    /// Means of the two probability maps over the image.
     texton: f32,
     border: f32,
 }
 
-/// The network's view of the image at one size.
+/// The network's maps of the image at one scale.
 struct Maps {
-    /// Cells to a pixel.
+    /// Cells per pixel.
     scale: f32,
     embedding: Embedding,
-    /// Probabilities, in rows of cells.
+    /// Probabilities, row by row.
     texton: Vec<f32>,
     border: Vec<f32>,
 }
@@ -67,7 +66,7 @@ impl Maps {
 }
 
 impl Context {
-    /// From the network's embeddings of the image at two sizes, given as shares of its own.
+    /// From the network's embeddings of the image at two scales.
     pub(super) fn new(image: &RgbImage, [fine, coarse]: [(Embedding, f32); 2]) -> Self {
         let fine = Maps::new(fine.0, fine.1);
         let mean = |v: &[f32]| (v.iter().map(|&v| f64::from(v)).sum::<f64>() / v.len().max(1) as f64) as f32;
@@ -82,7 +81,7 @@ impl Context {
         }
     }
 
-    /// The features of a mask that is not empty.
+    /// The features of a non-empty mask.
     pub(super) fn features(&self, mask: &Mask, origin: &Origin) -> [f32; FEATURES] {
         let inside = self.inside(mask);
         let rim = self.rim(mask);
@@ -233,7 +232,7 @@ fn quantile(values: &mut [f32]) -> f32 {
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(at, f32::total_cmp).1 }
 }
 
-/// Sums over the pixels of a mask. Pairs: at the fine and at the coarse size.
+/// Sums over a mask's pixels. Pairs are values at the fine and at the coarse scale.
 struct Inside {
     area: f32,
     elongation: f32,
@@ -249,7 +248,7 @@ struct Inside {
 /// Means along the rim of a mask.
 struct Rim {
     cracks: f32,
-    /// Cracks on the image's border.
+    /// Number of cracks on the image's border.
     outside: f32,
     texton: [f32; 2],
     border: [f32; 2],

@@ -1,12 +1,13 @@
-//! The texton segmenter: a promptable network of our own and the region tree, judged together.
+//! The texton segmenter: candidates from a promptable network and from the region tree, scored
+//! together.
 //!
-//! The network (`models/texton`) is shown the image at several sizes and asked on a grid of
-//! points; the nodes of the region tree that look like textons join its masks. Each candidate is
-//! measured in the image and in what the network knows of every pixel, a small perceptron fitted
-//! to procedural scenes scores it, and the disjoint set worth most is taken.
+//! The network (`models/texton`) is shown the image at several scales and prompted on a grid of
+//! points. Its masks and the texton-like nodes of the region tree are the candidates. Each is measured
+//! in the image and in the network's maps. A small perceptron fitted to procedural scenes scores it,
+//! and disjoint candidates of the highest worth are selected greedily.
 //!
-//! Both networks were made from generated scenes alone. Works less well on what scenes do not
-//! show: crumpled litter, fur, grass.
+//! Both networks were trained only on generated scenes. Works less well on subjects that these do not
+//! cover: crumpled litter, fur, grass.
 
 mod features;
 mod network;
@@ -29,25 +30,25 @@ use image::RgbImage;
 
 /// Units of the hidden layer of the [`Judge`].
 pub const HIDDEN: usize = 32;
-/// How well a candidate would fit a texton, 0 to 1.
+/// The network that scores candidates: a perceptron whose output is the expected fit of a candidate to
+/// a texton, 0 to 1.
 pub type Judge = Perceptron<FEATURES, HIDDEN>;
 
-/// The image is enlarged by at most this, and to at most so many pixels.
+/// Largest factor by which the image is enlarged, and largest number of pixels afterwards.
 const ENLARGE: f32 = 2.0;
 const PIXELS: f32 = 1.3e6;
-/// Sizes at which masks are sought, each half the one before.
+/// Number of scales at which masks are sought, each half the previous one.
 const SIZES: usize = 3;
-/// Least score of a node of the region tree that is judged.
+/// Least score of the region tree's nodes that become candidates.
 const LEAST_NODE: f32 = 0.2;
-/// Nodes alike to this are one.
+/// IoU above which nodes are merged.
 const SAME: f32 = 0.9;
-/// What the region tree's own score of a node counts at least: where a photograph shows what no
-/// scene does, the network sees nothing.
+/// Lower bound of a candidate's score, as a share of the region tree's own score. It helps in
+/// photographs unlike any generated scene, where the network fails.
 const REGIONS: f32 = 0.55;
-/// What the network's own estimate of a mask counts beside the judge's, for the same reason: the judge
-/// knows scenes alone.
+/// Weight of the network's own estimate beside the judge's. The judge has seen only generated scenes.
 const OWN: f32 = 0.15;
-/// A mask may lose this share of its pixels to masks worth more.
+/// Largest share of its pixels that a mask may lose to masks of higher worth.
 const MOST_LOST: f32 = 0.25;
 
 /// The texton segmenter. Its masks are disjoint and 4-connected.
@@ -56,17 +57,17 @@ pub struct Texton {
     search: GeneratorParams,
 }
 
-/// A mask that may be a texton, and what the [`Judge`] is told of it.
+/// A mask that may be a texton, with the input of the [`Judge`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
     /// Its pixels.
     pub mask: Mask,
-    /// In the order of `features.rs`.
+    /// Its features, in the order of `features.rs`.
     pub features: [f32; FEATURES],
 }
 
 impl Texton {
-    /// With the network that is part of this crate.
+    /// Creates the segmenter with the built-in network.
     ///
     /// # Errors
     /// [`crate::Error::Network`] if the engine cannot be loaded.
@@ -81,7 +82,7 @@ impl Texton {
         Ok(Self { network, search })
     }
 
-    /// All masks that may be textons; they contain one another.
+    /// All masks that may be textons. They may contain one another.
     ///
     /// # Errors
     /// [`crate::Error::Interrupted`] and [`crate::Error::Network`].
@@ -136,22 +137,22 @@ impl Texton {
     }
 }
 
-/// A mask before it is measured.
+/// A candidate before it is measured.
 struct Offer {
     mask: Measured,
-    /// At which size of the image the network gave it; `None` of a node of the region tree.
+    /// Index of the scale at which the network gave it; `None` for a node of the region tree.
     size: Option<usize>,
     origin: Origin,
 }
 
-/// How well a candidate would fit a texton, 0 to 1: what the [`Judge`] says, and those who found it.
+/// Final score of a candidate, 0 to 1: the [`Judge`]'s, combined with those of its sources.
 fn score(judged: f32, features: &[f32; FEATURES]) -> f32 {
     let own = features[PREDICTED] * features[STABILITY].max(0.0).sqrt();
     let score = if own > 0.0 { judged + (own - judged) * OWN } else { judged };
     score.max(REGIONS * features[REGION])
 }
 
-/// The better of those nearly alike.
+/// Nodes without near duplicates; the better one stays.
 fn distinct(mut nodes: Vec<ScoredMask>) -> Vec<(Measured, f32)> {
     nodes.sort_by(|a, b| b.score.total_cmp(&a.score));
     let (mut kept, mut index): (Vec<(Measured, f32)>, _) = (Vec::new(), Alike::default());

@@ -1,4 +1,4 @@
-//! The texton network behind [`Prompter`]: see `models/texton` for what it is and how it was made.
+//! The built-in texton network as a [`Prompter`]. `models/texton` describes it and its training.
 
 use crate::engine::{self, Engine, EngineOptions, Source, Tensor, Values};
 use crate::error::{Error, Result};
@@ -6,40 +6,40 @@ use crate::parallel::map;
 use crate::segment::prompt::{Embedded, Logits, PromptMask, Prompter};
 use image::RgbImage;
 
-/// The encoder, written by `models/texton/export.py`.
+/// The encoder, exported by `models/texton/export.py`.
 const ENCODER: &[u8] = include_bytes!("../../../models/texton/encoder.onnx");
-/// Pixels of the image a cell of the embedding covers, along each axis.
+/// Side of an embedding's cell, in pixels of the image.
 pub(super) const CELL: usize = 2;
-/// The encoder wants sides that are multiples of this.
+/// The encoder requires sides that are multiples of this.
 const ALIGN: usize = 16;
-/// Channels of the embedding, as `models/texton/network.py` numbers them.
+/// Number of channels of the embedding, in the order of `models/texton/network.py`.
 const CHANNELS: usize = 32;
 const CENTRE: usize = 16;
 const HEADS: usize = 3;
 const HEAD: usize = 18;
 const TEXTON: usize = 30;
 const BORDER: usize = 31;
-/// Pixels to a unit of the predicted centres.
+/// Unit of predicted centres, in pixels.
 pub(super) const UNIT: f32 = 16.0;
-/// Longest side that is encoded in one piece, and what neighbouring pieces share, in pixels.
+/// Longest side encoded in one piece, and the overlap of adjacent pieces, in pixels.
 const TILE: usize = 1536;
 const OVERLAP: usize = 256;
-/// Cells with logits below this are far from a mask's border.
+/// Cells with logits below minus this are far from a mask's border.
 const MARGIN: f32 = 2.0;
-/// What stands for the logits of cells not looked at.
+/// Logit of cells that are not evaluated.
 const FAR: f32 = -8.0;
-/// A mask that reaches more cells than this, and than a quarter of all, is none.
+/// Largest mask, in cells, unless a quarter of all cells is more. Larger masks are rejected.
 const MOST_CELLS: usize = 1 << 14;
-/// Weight of the texton logit in that of a mask, as trained.
+/// Weight of the texton logit in a mask's logit, as trained.
 const TEXTON_WEIGHT: f32 = 1.6555;
 
-/// The texton network.
+/// The built-in texton network, a promptable network for textures.
 pub struct TextonNetwork {
     encoder: Box<dyn Engine>,
 }
 
 impl TextonNetwork {
-    /// The network that is part of this crate.
+    /// Loads the network that is part of this crate.
     ///
     /// # Errors
     /// [`Error::Network`] if the engine cannot be loaded.
@@ -48,7 +48,7 @@ impl TextonNetwork {
         Ok(Self { encoder: engine::load(source, options)? })
     }
 
-    /// Shows it an image.
+    /// Embeds an image.
     ///
     /// # Errors
     /// [`Error::Network`] if the network fails.
@@ -56,7 +56,7 @@ impl TextonNetwork {
         Ok(View { embedding: self.encode(image)? })
     }
 
-    /// The embedding of an image: in pieces if it is large, so that memory stays bounded.
+    /// The embedding of an image. Large images are encoded in pieces, which bounds memory.
     ///
     /// # Errors
     /// [`Error::Network`] if the network fails.
@@ -78,7 +78,7 @@ impl TextonNetwork {
         let last = [image.width(), image.height()].map(|n| (n as usize).saturating_sub(1));
         for y in 0..h {
             for x in 0..w {
-                // Beyond its border the image is mirrored.
+                // The image is mirrored at its border.
                 let at = |v: usize, last: usize| if v <= last { v } else { (2 * last).saturating_sub(v) };
                 let pixel = image.get_pixel(at(x0 + x, last[0]) as u32, at(y0 + y, last[1]) as u32);
                 for c in 0..3 {
@@ -92,7 +92,7 @@ impl TextonNetwork {
     }
 }
 
-/// The values of an output that must be floats of a shape.
+/// The values of an output, which must be floats of the given shape.
 fn floats(tensor: Option<Tensor>, shape: &[usize]) -> Result<Vec<f32>> {
     match tensor {
         Some(Tensor { shape: found, values: Values::F32(values) }) if found == shape => Ok(values),
@@ -104,7 +104,7 @@ fn floats(tensor: Option<Tensor>, shape: &[usize]) -> Result<Vec<f32>> {
     }
 }
 
-/// Starts and lengths of the pieces of a length, all multiples of [`ALIGN`].
+/// Start and length of each piece of a side; all are multiples of [`ALIGN`].
 fn pieces(length: usize) -> Vec<(usize, usize)> {
     if length <= TILE {
         return vec![(0, length)];
@@ -114,7 +114,7 @@ fn pieces(length: usize) -> Vec<(usize, usize)> {
     (0..count).map(|k| ((length - side) * k / (count - 1) / ALIGN * ALIGN, side)).collect()
 }
 
-/// What the network knows of each cell of an image.
+/// The encoder's output for an image: channels for each cell.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Embedding {
     /// Number of columns of cells.
@@ -126,9 +126,9 @@ pub(super) struct Embedding {
 }
 
 impl Embedding {
-    /// Channels of the appearance.
+    /// Range of the channels of appearance.
     pub(super) const LOOK: std::ops::Range<usize> = 0..CENTRE;
-    /// Channels of the predicted centre, in units of [`UNIT`] pixels.
+    /// Range of the channels of the predicted centre, in units of [`UNIT`] pixels.
     pub(super) const PLACE: std::ops::Range<usize> = CENTRE..CENTRE + 2;
 
     /// The channels of a cell.
@@ -136,17 +136,17 @@ impl Embedding {
         &self.cells[i]
     }
 
-    /// Logits of texton against ground, in rows of cells.
+    /// Logits of texton against background, row by row.
     pub(super) fn texton(&self) -> impl Iterator<Item = f32> + '_ {
         self.cells.iter().map(|c| c[TEXTON])
     }
 
-    /// Logits of a border, in rows of cells.
+    /// Logits of borders, row by row.
     pub(super) fn border(&self) -> impl Iterator<Item = f32> + '_ {
         self.cells.iter().map(|c| c[BORDER])
     }
 
-    /// Largest logit of the intersection over union among the heads.
+    /// Largest logit of the predicted IoU over the heads.
     pub(super) fn quality(&self, i: usize) -> f32 {
         (0..HEADS).map(|k| self.cells[i][HEAD + 4 * k + 3]).fold(f32::NEG_INFINITY, f32::max)
     }
@@ -156,12 +156,12 @@ impl Embedding {
         [at(point[0], self.width), at(point[1], self.height)]
     }
 
-    /// Pastes a piece, its channels one after another, that begins at a cell; the inner half of
-    /// each overlap is its own.
+    /// Inserts a piece (channel by channel) whose first cell is given. In an overlap, each piece supplies
+    /// its inner half.
     fn paste(&mut self, piece: &[f32], [x0, y0]: [usize; 2], [w, h]: [usize; 2]) {
         let margin = OVERLAP / CELL / 2;
         let from = |start: usize| if start == 0 { 0 } else { margin };
-        // Predicted centres count from the corner of the piece.
+        // Predicted centres are relative to the corner of the piece.
         let shift = [x0, y0].map(|v| (v * CELL) as f32 / UNIT);
         for y in from(y0)..h.min(self.height - y0) {
             for x in from(x0)..w.min(self.width - x0) {
@@ -174,17 +174,17 @@ impl Embedding {
     }
 }
 
-/// An image that the network has seen.
+/// An embedded image.
 pub(super) struct View {
     pub(super) embedding: Embedding,
 }
 
-/// The decoder at one prompt. `models/texton/decoder.onnx` is the same for whole windows; here
-/// only the cells that a mask can reach are looked at.
+/// The decoder at one prompt. It computes the same as `models/texton/decoder.onnx`, but only for the
+/// cells that a mask can reach.
 struct Prompt<'a> {
     embedding: &'a Embedding,
     at: &'a [f32; CHANNELS],
-    /// Falls with distance in appearance and in centre, and offset, of each head.
+    /// For each head: decrease with the distance in appearance, decrease with that of centres, and offset.
     heads: [[f32; 3]; HEADS],
 }
 
@@ -194,7 +194,7 @@ impl<'a> Prompt<'a> {
         let softplus = |v: f32| if v > 20.0 { v } else { libm::log1pf(libm::expf(v)) };
         let heads = std::array::from_fn(|k| {
             let h = &at[HEAD + 4 * k..];
-            // The heads start apart, from tight to loose.
+            // The heads' initial offsets range from tight to loose.
             [softplus(h[0]), softplus(h[1] + 1.0), h[2] + 3.0 + k as f32 - (HEADS - 1) as f32 / 2.0]
         });
         Self { embedding, at, heads }
@@ -217,8 +217,8 @@ impl<'a> Prompt<'a> {
 }
 
 impl View {
-    /// The masks at a cell: all cells around it that the loosest head comes near to, and their
-    /// neighbours. `None` if there is no end of them.
+    /// The masks at a cell, evaluated over all cells connected to it that the loosest head reaches, and
+    /// their neighbours. `None` if it exceeds [`MOST_CELLS`].
     fn decode(&self, [x, y]: [usize; 2], seen: &mut [u32], turn: u32) -> Option<Vec<PromptMask>> {
         let e = &self.embedding;
         let prompt = Prompt::new(e, y * e.width + x);

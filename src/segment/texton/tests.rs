@@ -1,4 +1,4 @@
-//! The texton network in its engine, and the segmenter on scenes and odd images.
+//! The texton network in its engine, and the segmenter on generated scenes and unusual images.
 
 use super::*;
 use crate::engine::{self, Runtime, Source, Tensor};
@@ -14,7 +14,7 @@ fn scene(side: u32, seed: u64, kind: Kind) -> crate::procedural::Exemplar {
     generate(&SceneParams { width: side, height: side, seed, kind, ..SceneParams::default() }).unwrap()
 }
 
-/// The decoder in Rust gives what the exported graph gives.
+/// The decoder in Rust agrees with the exported graph.
 #[test]
 fn decoding_agrees_with_the_graph() {
     let network = TextonNetwork::built_in(&rten()).unwrap();
@@ -43,7 +43,7 @@ fn decoding_agrees_with_the_graph() {
                         l.values[y * l.width + x],
                         logits[head * w * h + (corner[1] + y) * w + corner[0] + x],
                     );
-                    // Cells far from the mask are not looked at.
+                    // Cells far from the mask are not evaluated.
                     if here > -7.9 {
                         assert!((here - there).abs() < 2e-3 * (1.0 + there.abs()), "{here} {there}");
                         compared += 1;
@@ -55,7 +55,7 @@ fn decoding_agrees_with_the_graph() {
     assert!(compared > 200, "{compared} cells");
 }
 
-/// What a large image shows does not depend on the pieces it is encoded in.
+/// The embedding of a large image does not depend on the pieces in which it is encoded.
 #[test]
 fn pieces_join_without_a_seam() {
     let network = TextonNetwork::built_in(&rten()).unwrap();
@@ -70,7 +70,7 @@ fn pieces_join_without_a_seam() {
         for x in 130..230 {
             let (a, b) = (part.cell(y * part.width + x), whole.cell(y * whole.width + x + 320));
             apart += (a[30] - b[30]).abs();
-            // Predicted centres count from the corner of the image, in units of 16 px.
+            // Predicted centres are measured from the corner of the image, in units of 16 px.
             assert!((a[16] + 40.0 - b[16]).abs() < 1.0, "{} {}", a[16], b[16]);
             n += 1.0;
         }
@@ -129,7 +129,7 @@ fn work_can_be_interrupted() {
     assert!(matches!(answer, Err(crate::Error::Interrupted)));
 }
 
-/// The features that the segmenter looks at itself are those of who found the mask.
+/// The features that the segmenter reads itself are those of the candidate's source.
 #[test]
 fn nodes_have_a_score_and_masks_a_prediction() {
     let image = scene(128, 5, Kind::Terrazzo).image;

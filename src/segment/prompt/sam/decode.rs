@@ -1,8 +1,7 @@
-//! Points to masks: the prompts as the decoder of an export wants them, and what it answers.
+//! Prompts → masks: the inputs of an export's decoder, and the interpretation of its outputs.
 //!
-//! All these networks take points with 0 at the centre of the first pixel and give three masks for a
-//! point, for part, whole and what lies between; some give before them one that is meant for several
-//! points, which is left out.
+//! All these networks measure points from the centre of the first pixel. For each point they give
+//! three masks, from part to whole. Some put a mask for several points before them, which is skipped.
 
 use super::super::PromptMask;
 use super::Shown;
@@ -11,14 +10,13 @@ use crate::engine::{Engine, Tensor};
 use crate::error::{Error, Result};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Points asked for in one run where the export allows any number: more take more memory than they
-/// save time.
+/// Points per run if the export allows any number. More of them take more memory than they save time.
 const BATCH: usize = 16;
 
-/// Whether several points can be asked for in one run. An axis that is free in the graph was not
-/// always meant to be used, so the first answer for several is compared with one for a single point.
+/// Whether several points can be decoded in one run. Some graphs accept several points but give wrong
+/// masks, so the first answer for several is compared with that for a single point.
 pub(super) struct Together {
-    /// Points of a run, if fixed.
+    /// Number of points per run, if the graph fixes it.
     fixed: Option<usize>,
     state: AtomicU8,
 }
@@ -28,12 +26,12 @@ const WORKS: u8 = 1;
 const FAILS: u8 = 2;
 
 impl Together {
-    /// For a graph that takes so many points, or any number.
+    /// For a graph with a fixed number of points per run, or any number.
     pub(super) fn new(fixed: Option<usize>) -> Self {
         Self { fixed, state: AtomicU8::new(UNTRIED) }
     }
 
-    /// Points of one run.
+    /// Number of points per run.
     pub(super) fn batch(&self) -> usize {
         match self.fixed {
             Some(n) => n,
@@ -73,13 +71,13 @@ impl Shown<'_> {
     /// The masks at the points of one run.
     fn run(&self, points: &[[f32; 2]]) -> Result<Vec<Vec<PromptMask>>> {
         let (sam, decoder) = (self.sam, &self.sam.decoder);
-        // A fixed number is filled up with the last point.
+        // A fixed number is padded with the last point.
         let count = decoder.prompts.unwrap_or(points.len());
         let filled = || points.iter().chain(points.last().into_iter().cycle()).take(count);
         let network: &dyn Engine = sam.decoding.as_deref().unwrap_or(sam.encoding.as_ref());
 
         let size = self.frame.size();
-        // The size that masks are scaled to in the graph, and that EfficientSAM counts points in.
+        // The size to which the graph scales masks, and in whose pixels EfficientSAM measures points.
         let asked = match (decoder.of_image, decoder.family, &decoder.image_size) {
             (true, ..) => self.frame.image().map(|n| n as usize),
             (_, Family::Efficient, None) => size,
@@ -127,7 +125,7 @@ impl Shown<'_> {
         Ok(masks)
     }
 
-    /// Masks by prompt, out of all masks and all scores of a run.
+    /// Masks by prompt, from all masks and scores of a run.
     fn masks(&self, answers: &[Tensor], count: usize) -> Result<Vec<Vec<PromptMask>>> {
         let odd = |masks: &Tensor, scores: &Tensor| Error::Network {
             name: "sam".into(),
@@ -152,7 +150,7 @@ impl Shown<'_> {
         }
         let skipped = usize::from(each == 4);
         let one = |index: usize| PromptMask {
-            // An infinity or what is no number is no promise.
+            // An infinite or NaN score counts as 0.
             predicted_iou: if ious[index].is_finite() { ious[index].clamp(0.0, 1.0) } else { 0.0 },
             logits: self.frame.logits(
                 &logits[index * width * height..][..width * height],
@@ -166,7 +164,7 @@ impl Shown<'_> {
     }
 }
 
-/// Whether two answers are the same but for rounding.
+/// Whether two answers are equal up to rounding.
 fn alike(a: &[PromptMask], b: &[PromptMask]) -> bool {
     a.len() == b.len()
         && a.iter().zip(b).all(|(a, b)| {

@@ -1,5 +1,5 @@
-//! What the common exports of Segment Anything to ONNX look like, and which one a graph is: told by
-//! the names and shapes of its inputs and outputs, never by its file name.
+//! Signatures of the common ONNX exports of Segment Anything. An export is recognised by the names and
+//! shapes of its inputs and outputs, never by its file name.
 //!
 //! | export | image encoder | prompt decoder |
 //! |---|---|---|
@@ -9,13 +9,14 @@
 //! | EfficientSAM in one file | | `batched_images` in place of `image_embeddings` |
 //! | SAM 2: samexporter | image → `image_embed`, `high_res_feats_0`, `high_res_feats_1` | all three, the rest as SAM → `masks`, `iou_predictions` |
 //!
-//! The encoder of SAM has many forms. Height × width × 3 means bytes as floats, normalised and padded
-//! within the graph. 1 × 3 × height × width means normalised and padded outside, unless both sides are
-//! free: the network itself takes one size only, so the graph must pad, and then it normalises too.
+//! Encoders of SAM differ in their preprocessing. An input of height × width × 3 takes 8-bit values as
+//! floats; the graph normalises and pads them. An input of 1 × 3 × height × width takes normalised,
+//! padded values, unless both sides are free. Then the graph itself must pad, because the network
+//! takes only one size, and it also normalises.
 
 use crate::engine::Port;
 
-/// A family of exports whose encoders and decoders go together.
+/// A family of exports whose encoders and decoders fit together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Family {
     Sam,
@@ -25,7 +26,7 @@ pub(super) enum Family {
 }
 
 impl Family {
-    /// For people.
+    /// Name for messages.
     pub(super) fn title(self) -> &'static str {
         match self {
             Self::Sam => "SAM",
@@ -47,10 +48,10 @@ pub(super) enum Layout {
     BatchedRows,
 }
 
-/// What stands for a pixel.
+/// The values that represent a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pixels {
-    /// Less the mean of ImageNet's pixels, over their deviation.
+    /// Minus the mean and divided by the standard deviation of ImageNet's pixels.
     Normalised,
     /// 0 to 255.
     Bytes,
@@ -58,18 +59,18 @@ pub(super) enum Pixels {
     Unit,
 }
 
-/// How an image comes to the size of the network.
+/// How an image is fitted to the network's size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fit {
-    /// Scaled as a whole, the rest at the right or below filled with the mean colour.
+    /// Scaled uniformly; the rest at the right or below is filled with the mean colour.
     Padded,
-    /// Scaled as a whole; the graph fills the rest.
+    /// Scaled uniformly; the graph fills the rest.
     Whole,
     /// Stretched to the full size.
     Stretched,
 }
 
-/// How an encoder wants its image, and what it gives.
+/// Inputs and outputs of an encoder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Encoder {
     pub(super) family: Family,
@@ -78,50 +79,50 @@ pub(super) struct Encoder {
     pub(super) layout: Layout,
     pub(super) pixels: Pixels,
     pub(super) fit: Fit,
-    /// Width and height of what is handed over, if `fit` is not [`Fit::Whole`].
+    /// Width and height of its input image. Unused if `fit` is [`Fit::Whole`].
     pub(super) size: [usize; 2],
-    /// Name of each output that the decoder needs, here and there.
+    /// Names of each output that the decoder needs: in the encoder, and in the decoder.
     pub(super) features: Vec<(String, String)>,
 }
 
-/// How a decoder wants its prompts, and what it gives.
+/// Inputs and outputs of a decoder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Decoder {
     pub(super) family: Family,
     pub(super) points: String,
     pub(super) labels: String,
-    /// Whether points and labels have an axis for images before that for prompts.
+    /// Whether points and labels have an image axis before the prompt axis.
     pub(super) nested: bool,
-    /// Prompts of one run, if their number is fixed.
+    /// Number of prompts per run, if the graph fixes it.
     pub(super) prompts: Option<usize>,
-    /// Points of one prompt: those beyond the first are padding.
+    /// Number of points per prompt; those after the first are padding.
     pub(super) points_each: usize,
-    /// Names of inputs that only a decoder of SAM or SAM 2 has, with the size of a mask for the first.
+    /// Names of inputs that only decoders of SAM and SAM 2 have; the first with the size of a mask.
     pub(super) mask_input: Option<(String, [usize; 2])>,
     pub(super) has_mask: Option<String>,
     pub(super) image_size: Option<String>,
     pub(super) masks: String,
     pub(super) scores: String,
-    /// Whether masks cover the image, not the network's square.
+    /// Whether masks cover the image rather than the network's square.
     pub(super) of_image: bool,
 }
 
-/// What a graph is.
+/// The role of a graph.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     Encoder(Encoder),
     Decoder(Decoder),
-    /// Both in one graph: the encoder's input is among the decoder's.
+    /// Both in one graph: the encoder's input is one of the decoder's.
     Both(Encoder, Decoder),
 }
 
-/// Side of the square that all these networks see, where the graph does not say.
+/// Side of the network's square, if the graph does not fix it.
 const SIDE: usize = 1024;
 
-/// Side of the masks that they give before these are scaled up.
+/// Side of the masks before the graph scales them up.
 pub(super) const MASK_SIDE: usize = 256;
 
-/// Which part of which export a graph is; none if it is none known.
+/// Recognises a graph by its inputs and outputs; `None` if no signature matches.
 pub(super) fn recognise(inputs: &[Port], outputs: &[Port]) -> Option<Part> {
     let decoder = decoder(inputs, outputs);
     let encoder = encoder(inputs, outputs, decoder.is_some());
@@ -141,7 +142,7 @@ fn has_all(ports: &[Port], names: &[&str]) -> bool {
     names.iter().all(|name| port(ports, name).is_some())
 }
 
-/// Length of an axis, if the graph fixes it.
+/// Length of an axis; `None` if the graph does not fix it.
 fn length(port: &Port, axis: usize) -> Option<usize> {
     (*port.shape.as_ref()?.get(axis)?).filter(|n| *n > 0)
 }
@@ -182,7 +183,7 @@ fn encoder(inputs: &[Port], outputs: &[Port], decodes: bool) -> Option<Encoder> 
     if image.name == "pixel_values" && has_all(outputs, &optimum) {
         return planes(Family::Optimum, Pixels::Normalised, Fit::Padded, same(&optimum));
     }
-    // An embedding of 64 × 64 cells; not what finds masks in one go.
+    // An embedding has 64 × 64 cells; this excludes networks that output masks directly.
     let embedding = port(outputs, "image_embeddings").or(match outputs {
         [only] if length(only, 1) == Some(256) && only.shape.as_ref().is_some_and(|s| s.len() == 4) => {
             Some(only)
@@ -206,14 +207,14 @@ fn encoder(inputs: &[Port], outputs: &[Port], decodes: bool) -> Option<Encoder> 
     })
 }
 
-/// Order of the axes of an image, and its width and height where fixed.
+/// Order of an image's axes, and its width and height where fixed.
 fn layout(image: &Port) -> Option<(Layout, [Option<usize>; 2])> {
     let shape = image.shape.as_ref()?;
     match shape[..] {
         [_, Some(3), height, width] => Some((Layout::Planes, [width, height])),
         [_, height, width, Some(3)] => Some((Layout::BatchedRows, [width, height])),
         [height, width, Some(3)] => Some((Layout::Rows, [width, height])),
-        // A graph that does not even fix the number of colours.
+        // A graph that does not even fix the number of channels.
         [_, None, height, width] => Some((Layout::Planes, [width, height])),
         _ => None,
     }
@@ -250,7 +251,7 @@ fn decoder(inputs: &[Port], outputs: &[Port]) -> Option<Decoder> {
     port(outputs, masks)?;
     port(outputs, scores)?;
     let axis = usize::from(nested);
-    // Meta's decoder is to be given a point of padding when there is no box; the others add it.
+    // Meta's decoder needs a padding point if there is no box; the others add it themselves.
     let usual = if family == Family::Sam { 2 } else { 1 };
     let named = |name: &str| port(inputs, name).map(|p| p.name.clone());
     let mask_input = port(inputs, "mask_input").map(|p| {
@@ -273,7 +274,7 @@ fn decoder(inputs: &[Port], outputs: &[Port]) -> Option<Decoder> {
     })
 }
 
-/// The signatures known, a line each, for the error about one that is not.
+/// The known signatures, one per line, for the error about an unknown one.
 pub(super) const KNOWN: &str = "\
   SAM encoder: one image [1×3×1024×1024] or [?×?×3] -> image_embeddings
   SAM decoder: image_embeddings, point_coords, point_labels, mask_input, has_mask_input, orig_im_size -> low_res_masks or masks, iou_predictions
@@ -284,7 +285,7 @@ pub(super) const KNOWN: &str = "\
   SAM 2 encoder: one image [1×3×1024×1024] -> image_embed, high_res_feats_0, high_res_feats_1
   SAM 2 decoder: image_embed, high_res_feats_0, high_res_feats_1, point_coords, point_labels, mask_input, has_mask_input -> masks, iou_predictions";
 
-/// A graph's inputs and outputs in a line.
+/// A graph's inputs and outputs, in one line.
 pub(super) fn signature(inputs: &[Port], outputs: &[Port]) -> String {
     let list = |ports: &[Port]| ports.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
     format!("{} -> {}", list(inputs), list(outputs))
@@ -333,7 +334,7 @@ mod tests {
             // A classifier, and a detector.
             (vec![("image", image)], vec![("logits", &[1, 1000][..])]),
             (vec![("image", image)], vec![("boxes", &[1, 0, 4]), ("scores", &[1, 0])]),
-            // A decoder that wants more than points, and one that gives no scores.
+            // A decoder that needs more than points, and one that gives no scores.
             (
                 vec![
                     ("image_embeddings", &[1, 256, 64, 64][..]),

@@ -1,4 +1,4 @@
-//! An image as a network sees it, and the way back: pixels in, logits out.
+//! Conversion between the pixels of an image and those of a network.
 
 use super::super::Logits;
 use super::export::{Encoder, Fit, Layout, Pixels};
@@ -6,23 +6,23 @@ use crate::engine::Tensor;
 use image::RgbImage;
 use image::imageops::{FilterType, resize};
 
-/// Mean and deviation of ImageNet's pixels, by which all these networks were trained.
+/// Mean and standard deviation of ImageNet's pixels, with which all these networks were trained.
 const MEAN: [f32; 3] = [123.675, 116.28, 103.53];
 const DEVIATION: [f32; 3] = [58.395, 57.12, 57.375];
 
-/// Where an image lies in the square that a network sees.
+/// The position of an image in a network's square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     /// Width and height of the image.
     image: [u32; 2],
-    /// Width and height of all that the network sees, in its pixels.
+    /// Width and height of the network's input, in its pixels.
     size: [usize; 2],
-    /// Width and height of the image there; it begins at the upper left corner.
+    /// Width and height of the image in the network's input, from the upper left corner.
     used: [usize; 2],
 }
 
 impl Frame {
-    /// Where an encoder wants an image, which has at least one pixel.
+    /// The position that an encoder requires for an image of at least one pixel.
     pub(super) fn new(encoder: &Encoder, image: [u32; 2]) -> Self {
         let [width, height] = encoder.size;
         if encoder.fit == Fit::Stretched {
@@ -31,23 +31,24 @@ impl Frame {
         let scales = [width as f64 / f64::from(image[0]), height as f64 / f64::from(image[1])];
         let scale = scales[0].min(scales[1]);
         let used = [0, 1].map(|k| ((f64::from(image[k]) * scale + 0.5) as usize).clamp(1, encoder.size[k]));
-        // What a graph is handed as rows it fills up to a square by itself.
+        // Graphs that take height × width × 3 pad to a square themselves.
         let square = [width.max(height); 2];
         let size = if encoder.layout == Layout::Planes { encoder.size } else { square };
         Self { image, size, used }
     }
 
-    /// Pixels of the network for each pixel of the image, along an axis.
+    /// Pixels of the network per pixel of the image, along an axis.
     fn scale(&self, axis: usize) -> f32 {
         self.used[axis] as f32 / self.image[axis] as f32
     }
 
-    /// A point of the image in pixels of the network; in both, 0 is the border of the first pixel.
+    /// Converts a point from pixels of the image to pixels of the network. In both, 0 is the outer edge of
+    /// the first pixel.
     pub(super) fn point(&self, point: [f32; 2]) -> [f32; 2] {
         [0, 1].map(|k| point[k] * self.scale(k))
     }
 
-    /// Width and height of all that the network sees.
+    /// Width and height of the network's input, in its pixels.
     pub(super) fn size(&self) -> [usize; 2] {
         self.size
     }
@@ -57,8 +58,8 @@ impl Frame {
         self.image
     }
 
-    /// Logits in the image's pixels, without what lies beyond it. They cover the image if `of_image`,
-    /// else all that the network sees.
+    /// Logits with coordinates in the image's pixels, cropped to the image. The values cover the image if
+    /// `of_image`, otherwise the network's whole input.
     pub(super) fn logits(&self, values: &[f32], width: usize, height: usize, of_image: bool) -> Logits {
         let cells = [width, height];
         let step = [0, 1].map(|k| match of_image {
@@ -74,10 +75,10 @@ impl Frame {
         Logits { origin: [0.0; 2], step, width: kept[0], height: kept[1], values }
     }
 
-    /// The image as an encoder wants it.
+    /// The image as the encoder's input tensor.
     pub(super) fn tensor(&self, encoder: &Encoder, image: &RgbImage) -> Tensor {
         let [used_width, used_height] = self.used;
-        // Averages where it shrinks, as the networks' own preparation does.
+        // The triangle filter averages when it shrinks, like the networks' own preprocessing.
         let scaled = resize(image, used_width as u32, used_height as u32, FilterType::Triangle);
         let [width, height] = if encoder.fit == Fit::Whole { self.used } else { encoder.size };
         let value = |channel: usize, byte: u8| match encoder.pixels {

@@ -1,5 +1,5 @@
-//! Segment Anything in ONNX, in every common export ([`export`]): an image encoder and a prompt
-//! decoder, as two files or one.
+//! Segment Anything in ONNX, in all common exports ([`export`]): an image encoder and a prompt
+//! decoder, in two files or one.
 
 mod decode;
 mod export;
@@ -15,33 +15,33 @@ use image::RgbImage;
 
 /// Segment Anything: SAM, MobileSAM, EfficientSAM or SAM 2.
 ///
-/// The image is scaled to the square that the network sees, 1024 px in most: elements of an image
-/// larger than that come out coarser, and masks are a quarter as fine as that square.
+/// The image is scaled to the network's square, 1024 px for most. Larger images therefore lose detail.
+/// Masks have a quarter of the square's resolution.
 pub struct Sam {
     encoder: Encoder,
     decoder: Decoder,
     encoding: Box<dyn Engine>,
-    /// None if the encoder's graph decodes too.
+    /// `None` if the encoder's graph also decodes.
     decoding: Option<Box<dyn Engine>>,
     together: Together,
 }
 
-/// What a file is to Segment Anything.
+/// The role of a file of Segment Anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Image in, embedding out.
+    /// Takes an image and gives its embedding.
     Encoder,
-    /// Embedding and points in, masks out.
+    /// Takes an embedding and points and gives masks.
     Decoder,
-    /// Image and points in, masks out.
+    /// Takes an image and points and gives masks.
     Both,
 }
 
-/// Which part of which export a network is, such as `(Role::Encoder, "SAM 2")`.
+/// Recognises the part and the export of a network, such as `(Role::Encoder, "SAM 2")`. `name` appears
+/// in errors.
 ///
 /// # Errors
-/// [`Error::Network`] with its signature beside those known, if it is none of them. `name` is what the
-/// error calls it.
+/// [`Error::Network`] if it is no known export; the message lists its signature and the known ones.
 pub fn recognise(network: &dyn Engine, name: &str) -> Result<(Role, &'static str)> {
     Ok(match part(network, name)? {
         Part::Encoder(encoder) => (Role::Encoder, encoder.family.title()),
@@ -63,10 +63,10 @@ fn part(network: &dyn Engine, name: &str) -> Result<Part> {
 }
 
 impl Sam {
-    /// Loads a pair of files, in either order, or one that holds both parts.
+    /// Loads the two files of an export in any order, or a single file with both parts.
     ///
     /// # Errors
-    /// [`Error::Network`] if a file is not known or the two do not go together; those of
+    /// [`Error::Network`] if a file is not recognised or the two do not fit together; errors of
     /// [`engine::load`].
     pub fn open(files: &[Source<'_>], options: &EngineOptions) -> Result<Self> {
         let (mut encoder, mut decoder) = (None, None);
@@ -117,12 +117,12 @@ impl Sam {
         Ok(Self { encoder, decoder, encoding, decoding, together })
     }
 
-    /// What it is, such as `SAM 2`.
+    /// The export, such as `SAM 2`.
     pub fn kind(&self) -> &'static str {
         self.decoder.family.title()
     }
 
-    /// What it is and what runs it, such as `SAM 2, run by rten`.
+    /// The export and its engine, such as `SAM 2, run by rten`.
     pub fn title(&self) -> String {
         format!("{}, run by {}", self.kind(), self.encoding.runtime())
     }
@@ -142,7 +142,7 @@ impl Prompter for Sam {
         let frame = Frame::new(&self.encoder, size);
         let shown = frame.tensor(&self.encoder, image);
         let features = if self.decoding.is_none() {
-            // One graph does all at once: it is shown the image with every prompt.
+            // A single graph takes the image again with every prompt.
             vec![(self.encoder.input.clone(), shown)]
         } else {
             let wanted: Vec<&str> = self.encoder.features.iter().map(|(from, _)| from.as_str()).collect();
@@ -153,11 +153,11 @@ impl Prompter for Sam {
     }
 }
 
-/// An image that was shown.
+/// An embedded image.
 struct Shown<'a> {
     sam: &'a Sam,
     frame: Frame,
-    /// Inputs of the decoder that stay the same for all points.
+    /// Inputs of the decoder that are the same for all points.
     features: Vec<(String, Tensor)>,
 }
 

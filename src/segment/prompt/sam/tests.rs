@@ -1,4 +1,4 @@
-//! Every export, as graphs of the same signature whose masks are known: see
+//! Every supported export, with graphs of the same signature whose masks are known; see
 //! `models/sam/make_test_networks.py`.
 
 use super::super::{Logits, Prompter};
@@ -6,7 +6,7 @@ use super::*;
 use crate::engine::testing::{engines, network};
 use image::Rgb;
 
-/// Red at the left of `middle`, blue at the right.
+/// Red left of `middle`, blue right of it.
 fn picture(width: u32, height: u32, middle: u32) -> RgbImage {
     RgbImage::from_fn(width, height, |x, _| if x < middle { Rgb([255, 0, 0]) } else { Rgb([0, 0, 255]) })
 }
@@ -21,7 +21,7 @@ fn open(files: &[&str], options: &EngineOptions) -> Result<Sam> {
     Sam::open(&sources, options)
 }
 
-/// Checks the masks of one point: `scales` is the network's pixels for each of the image.
+/// Checks the masks at one point. `scales` are the network's pixels per pixel of the image.
 fn check(
     masks: &[PromptMask],
     point: [f32; 2],
@@ -40,7 +40,7 @@ fn check(
         assert_eq!(mask.predicted_iou, *score, "{what}");
         let Logits { origin, step, width, height, values } = &mask.logits;
         assert_eq!(values.len(), width * height, "{what}");
-        // The grid covers the image and reaches less than a cell beyond it.
+        // The grid covers the image and extends less than a cell beyond it.
         for (k, cells) in [width, height].into_iter().enumerate() {
             let end = origin[k] + step[k] * *cells as f32;
             assert!(origin[k] == 0.0 && end > size[k] as f32 - 0.01, "{what}: {end} of {size:?}");
@@ -50,7 +50,7 @@ fn check(
         for j in 0..*height {
             for i in 0..*width {
                 let at = [origin[0] + step[0] * (i as f32 + 0.5), origin[1] + step[1] * (j as f32 + 0.5)];
-                // Where red and blue meet, and where the image ends, a cell of the embedding is mixed.
+                // Cells at the border of red and blue, and at the end of the image, are mixed.
                 let blurred = 24.0 / scales[0] + 1.0;
                 if (at[0] - middle as f32).abs() < blurred
                     || at[0] > size[0] as f32 - blurred
@@ -62,7 +62,7 @@ fn check(
                 let square = away[0] * away[0] + away[1] * away[1];
                 let disc = radius * radius - square;
                 let colour = 100.0 * if at[0] < middle as f32 { RED } else { BLUE };
-                // Interpolation rounds off where one takes over from the other, and at the very border.
+                // Interpolation rounds corners where masks meet, and at the image's border.
                 let edge = at[0] * scales[0] < 4.0 || at[1] * scales[1] < 4.0;
                 if slack > 1.0 && (edge || (disc - colour).abs() < 8.0 * 2.0 * square.sqrt()) {
                     continue;
@@ -99,10 +99,10 @@ fn masks_of_every_export_are_those_computed_by_hand() {
     for (i, options) in engines().iter().enumerate() {
         for (j, (files, stretched, slack)) in PAIRS.into_iter().enumerate() {
             let sam = open(files, options).unwrap();
-            // Wide for one engine, tall for the other.
+            // One image is wide, the other tall.
             let (size, middle) = [([90, 60], 50), ([60, 150], 30)][(i + j) % 2];
             let what = format!("{files:?} {size:?} by {:?}", options.runtime);
-            // The longer side becomes 1024, the other one the nearest whole number.
+            // The longer side becomes 1024; the other is rounded.
             let longest = size[0].max(size[1]) as f32;
             let seen =
                 |k: usize| if stretched { 1024.0 } else { (size[k] as f32 * 1024.0 / longest).round() };
@@ -126,7 +126,7 @@ fn points_are_asked_for_together_only_where_that_works() {
             (["optimum_encoder", "optimum_decoder"], [16, 16]),
             (["efficient_encoder", "efficient_decoder"], [16, 16]),
             (["sam2_encoder", "sam2_decoder"], [16, 16]),
-            // The axis is free, but all points get the masks of the first.
+            // The axis is free, but every point gets the masks of the first.
             (["sam2_encoder", "sam2_decoder_alone"], [16, 1]),
         ] {
             let sam = open(&files, &options).unwrap();
