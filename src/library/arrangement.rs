@@ -1,13 +1,13 @@
-//! The exemplar's own arrangement: which primary stands where, run-length coded.
+//! The arrangement: a run-length coded map of the primaries in the exemplar.
 
 use crate::raster::LabelMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A map of primaries over the exemplar, row by row.
+/// The map of primaries over the exemplar, row by row.
 ///
-/// Descriptors are not stored one by one: each is a window of this map around its texton, with the
-/// textons that stick out of the window added, so they are read from here when they are needed.
+/// Descriptors are not stored individually. Each is a window of this map around its texton, extended
+/// by the textons that reach out of it, and is derived from the map when needed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Arrangement {
@@ -15,13 +15,13 @@ pub struct Arrangement {
     pub width: u32,
     /// Height, in pixels.
     pub height: u32,
-    /// `label length label length …` over all rows in turn; label 0 is ground, label k is
-    /// primary k - 1. Lengths add up to `width * height`.
+    /// `label, length, label, length, …` over all rows in turn. Label 0 is background, label k is primary
+    /// k - 1. Lengths add up to `width * height`.
     pub runs: Vec<u32>,
 }
 
 impl Arrangement {
-    /// From a label map in which label k is primary k - 1.
+    /// Encodes a label map in which label k is primary k - 1 and 0 is background.
     pub fn from_labels(map: &LabelMap) -> Self {
         let mut runs = Vec::new();
         for run in map.labels.chunk_by(|a, b| a == b) {
@@ -30,7 +30,7 @@ impl Arrangement {
         Self { width: map.width, height: map.height, runs }
     }
 
-    /// As a label map, which must have been validated (see [`Arrangement::check`]).
+    /// Decodes the label map. The arrangement must be valid (see [`Arrangement::check`]).
     pub fn to_labels(&self) -> LabelMap {
         let mut labels = Vec::with_capacity(self.width as usize * self.height as usize);
         for run in self.runs.chunks_exact(2) {
@@ -40,10 +40,10 @@ impl Arrangement {
         LabelMap { width: self.width, height: self.height, labels }
     }
 
-    /// Whether the runs cover the map exactly and name no label above `largest`.
+    /// Checks that the runs cover the map exactly and contain no label above `largest`.
     ///
     /// # Errors
-    /// What is wrong.
+    /// A description of the first fault.
     pub fn check(&self, largest: u32) -> Result<(), String> {
         let pairs = self.runs.chunks_exact(2);
         if !pairs.remainder().is_empty() {

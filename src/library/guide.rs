@@ -1,5 +1,5 @@
-//! The exemplar's colours on a coarse grid: what synthesis follows where structure is larger than a
-//! few textons.
+//! The guide: the exemplar's colours on a coarse grid. Synthesis follows it to preserve structure
+//! larger than a few textons.
 
 use crate::raster::{Limits, decode};
 use base64::Engine as _;
@@ -11,34 +11,35 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Mean colours of the exemplar over square cells.
 ///
-/// What stands in a cell is not stored: the arrangement says it pixel by pixel.
+/// The elements in a cell are not stored; the arrangement has them pixel by pixel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Guide {
-    /// Side of a cell, in exemplar pixels. Cells at the right and lower border may be cut.
+    /// Side of a cell, in exemplar pixels. Cells at the right and lower border may be cut off.
     pub cell: u32,
-    /// The mean colour (of linear light) of every cell, as a PNG in base64.
+    /// Mean colour of each cell, averaged in linear light.
     pub picture: Picture,
 }
 
-/// A picture that JSON holds as a PNG in base64.
+/// A picture. In JSON it is a PNG in base64.
 #[derive(Clone, PartialEq)]
 pub struct Picture(pub RgbImage);
 
 impl Guide {
-    /// Side of the cells for an exemplar: fine enough for a joint between textons, coarse enough that
-    /// large photographs, whose textons are larger too, take no longer to follow.
+    /// Side of the cells for an exemplar of the given size in pixels: 2, or more for large exemplars, to
+    /// bound the cost of synthesis. Joints between textons need small cells, but large photographs
+    /// have larger textons.
     pub fn cell_for(width: u32, height: u32) -> u32 {
-        /// Cells, above which they are made larger.
+        /// Number of cells above which they are enlarged.
         const MOST_CELLS: u64 = 400 * 400;
         let cells = |cell: u32| u64::from(width.div_ceil(cell)) * u64::from(height.div_ceil(cell));
         if cells(2) <= MOST_CELLS { 2 } else { 4 }
     }
 
-    /// Checks that it fits an exemplar.
+    /// Checks that the guide fits an exemplar of the given size.
     ///
     /// # Errors
-    /// What is wrong.
+    /// A description of the first fault.
     pub(super) fn check(&self, width: u32, height: u32) -> Result<(), String> {
         if !(1..=64).contains(&self.cell) {
             return Err(format!("guide.cell = {} is not within 1 to 64", self.cell));

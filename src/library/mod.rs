@@ -1,4 +1,4 @@
-//! The texton library: all that analysis knows of an exemplar (`*.lib.json`).
+//! The texton library: the result of analysing an exemplar (`*.lib.json`).
 
 mod arrangement;
 mod guide;
@@ -28,8 +28,8 @@ pub struct TextonId(pub u32);
 #[serde(transparent)]
 pub struct CategoryId(pub u16);
 
-/// All that analysis knows of one exemplar. Coordinates are exemplar pixels, x right, y down,
-/// pixel centres at .5; colours are 8-bit sRGB.
+/// The result of analysing one exemplar. Coordinates are exemplar pixels, x right, y down, pixel
+/// centres at .5; colours are 8-bit sRGB.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Library {
@@ -37,7 +37,7 @@ pub struct Library {
     pub format: String,
     /// Version of the format; this is 1.
     pub version: u32,
-    /// Where the library comes from.
+    /// The exemplar, and how it was analysed.
     pub source: Source,
     /// Large distinct textons, in painting order.
     pub primaries: Vec<Primary>,
@@ -47,19 +47,19 @@ pub struct Library {
     pub categories: Vec<Category>,
     /// Share of the exemplar covered by primaries, 0 to 1.
     pub coverage: f64,
-    /// The smooth ground.
+    /// Colours of the background between the textons.
     pub background: Background,
-    /// Which primary stands where in the exemplar: descriptors are windows of this map.
+    /// Map of the primaries in the exemplar. Descriptors are windows of this map.
     pub arrangement: Arrangement,
-    /// Half the side of a descriptor's window, in pixels (DESIGN: 2.25 mean neighbour distances).
+    /// Half the side of a descriptor's window, in pixels. By default 2.25 mean neighbour distances.
     pub descriptor_half: u32,
-    /// The exemplar's colours on a coarse grid, which placement by correspondences follows. Absent
-    /// from libraries of older versions, whose textons are placed by descriptors.
+    /// The exemplar's colours on a coarse grid, which placement by correspondences follows. `None` in
+    /// libraries of older versions; their textons are placed by descriptors.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub guide: Option<Guide>,
 }
 
-/// Where a library comes from.
+/// The origin of a library.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
@@ -71,13 +71,13 @@ pub struct Source {
     pub height: u32,
     /// SHA-256 of the exemplar's file, in hexadecimal.
     pub sha256: String,
-    /// What made the masks, such as `regions`.
+    /// Name of the segmenter that made the masks, such as `regions`.
     pub segmenter: String,
-    /// The parameters, resolved.
+    /// Parameters of the analysis, with all defaults filled in.
     pub parameters: AnalyzeParams,
-    /// Name and version of the program.
+    /// Name and version of the program that made the library.
     pub program: String,
-    /// What the user was warned of.
+    /// Warnings of the analysis, one sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
@@ -86,41 +86,42 @@ pub struct Source {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Primary {
-    /// Its index.
+    /// Index in [`Library::primaries`].
     pub id: TextonId,
-    /// Its outline, where it stands in the exemplar.
+    /// Outline at its position in the exemplar.
     pub outline: Outline,
     /// Median colour of its pixels.
     pub colour: Colour,
-    /// Colour painted beneath the details: that of the largest detail, which is not repeated.
+    /// Fill colour underneath the details: that of the largest detail, which is not listed itself.
     pub base: Colour,
-    /// Painted in place of the base colour.
+    /// Gradient that replaces the base colour.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient: Option<Gradient>,
-    /// Its category.
+    /// Category of similar primaries.
     pub category: CategoryId,
-    /// Number of pixels.
+    /// Area, in pixels.
     pub area: u32,
-    /// Mean of its pixel centres.
+    /// Centroid, in pixels.
     pub centroid: [f64; 2],
-    /// Polsby–Popper compactness of its smooth outline, 0 to 1.
+    /// Polsby–Popper compactness of the outline, 4π · area / perimeter², 0 to 1.
     pub compactness: f64,
-    /// Cut by the border of the exemplar: part of the arrangement, never placed anew.
+    /// Whether it is cut off by the border of the exemplar. Such a texton belongs to the arrangement but
+    /// is never placed.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub clipped: bool,
-    /// What is painted on it, in painting order. What is painted later covers the joints.
+    /// Patches painted on the primary, in painting order. Each extends a little underneath later ones.
     pub details: Vec<Detail>,
 }
 
-/// A patch on a primary.
+/// A detail of a primary: a filled shape on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Detail {
-    /// Its outline, where it stands in the exemplar.
+    /// Outline at its position in the exemplar.
     pub outline: Outline,
-    /// Its colour; with a gradient, its median colour.
+    /// Fill colour; if there is a gradient, the median colour.
     pub colour: Colour,
-    /// Painted in place of the colour.
+    /// Gradient that replaces the colour.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient: Option<Gradient>,
 }
@@ -131,7 +132,7 @@ pub struct Detail {
 pub struct Secondaries {
     /// Typical distance between neighbours, in pixels; 0 if there are fewer than three.
     pub spacing: f64,
-    /// The textons.
+    /// The secondary textons.
     pub textons: Vec<Secondary>,
 }
 
@@ -139,23 +140,23 @@ pub struct Secondaries {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Secondary {
-    /// Its outline, where it stands in the exemplar.
+    /// Outline at its position in the exemplar.
     pub outline: Outline,
     /// Median colour of its pixels.
     pub colour: Colour,
     /// Colour minus the background field at the centroid, per sRGB component, -255 to 255.
     pub difference: [i16; 3],
-    /// Number of pixels.
+    /// Area, in pixels.
     pub area: u32,
-    /// Mean of its pixel centres.
+    /// Centroid, in pixels.
     pub centroid: [f64; 2],
 }
 
-/// A cluster of primaries that look alike.
+/// A cluster of similar primaries.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Category {
-    /// Mean of its members' features: red, green, blue (0 to 255), area (px), compactness.
+    /// Mean of its members' features: red, green, blue (0 to 255), area (pixels), compactness (0 to 1).
     pub centre: [f64; 5],
     /// Number of members.
     pub members: u32,
@@ -163,41 +164,42 @@ pub struct Category {
     pub coverage: f64,
 }
 
-/// The ground beneath all textons.
+/// The background palette: colours sampled between the textons.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Background {
-    /// Distance between sites, in pixels.
+    /// Least distance between sites, in pixels.
     pub spacing: f64,
-    /// Colour where nothing better is known.
+    /// Colour of the background if there are no sites.
     pub fallback: Colour,
-    /// The palette, each colour where it was taken.
+    /// Sampled colours with their positions.
     pub sites: Vec<ControlPoint>,
 }
 
 impl Library {
-    /// The name in [`Library::format`].
+    /// Value of [`Library::format`].
     pub const FORMAT: &'static str = "vtex-library";
-    /// The version in [`Library::version`].
+    /// Value of [`Library::version`].
     pub const VERSION: u32 = 1;
 
-    /// Reads and validates a library; `.gz` is unpacked by content.
+    /// Reads and validates a library. Gzip is detected by content.
     ///
     /// # Errors
-    /// Unreadable file, not JSON, another format or version, or a broken invariant.
+    /// [`crate::Error::Read`] for an unreadable file; [`crate::Error::Format`] for anything but a valid
+    /// library of this version.
     pub fn read(path: &Path) -> Result<Self> {
         document::read(path)
     }
 
-    /// Reads and validates a library from bytes; `name` appears in errors.
+    /// Reads and validates a library from bytes, plain or gzip. `name` appears in errors.
     ///
     /// # Errors
-    /// As [`Library::read`], without the file.
+    /// [`crate::Error::Format`] for anything but a valid library of this version.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self> {
         document::from_bytes(bytes, name)
     }
 
-    /// The library as JSON, ending in a newline.
+    /// Serialises the library as JSON, ending in a newline.
     pub fn to_json(&self) -> Vec<u8> {
         document::to_json(self)
     }

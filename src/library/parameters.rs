@@ -4,61 +4,61 @@ use crate::error::{Result, check};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Parameters of analysis. Lengths in exemplar pixels.
+/// Parameters of analysis. Lengths are in exemplar pixels, areas in square pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AnalyzeParams {
-    /// Seed of the random streams. Default 0.
+    /// Seed of all random choices. Default 0.
     pub seed: u64,
-    /// Smallest primary, in pixels. 1 to 1 000 000, default 5.
+    /// Area of the smallest primary. 1 to 1 000 000, default 5.
     pub minimum_area: u32,
-    /// Scale of the detail segmentation: larger means fewer details. 0 to 10 000, default 10.
+    /// Scale of the detail segmentation: a larger scale gives fewer details. 0 to 10 000, default 10.
     pub detail_scale: f64,
-    /// Smoothing before the detail segmentation. 0 to 10, default 0.7.
+    /// Standard deviation of the smoothing before the detail segmentation. 0 to 10, default 0.7.
     pub detail_sigma: f64,
-    /// Smallest detail, in pixels. 1 to 10 000, default 3.
+    /// Area of the smallest detail. 1 to 10 000, default 3.
     pub detail_minimum: u32,
-    /// Largest RGB distance to the seed of a secondary, as a share of the range. 0 to 1, default 0.055
-    /// (the paper's program uses 0.1, and loses the finest grain).
+    /// Largest RGB distance of a secondary's pixels to its seed, as a share of the range. 0 to 1, default
+    /// 0.055. The paper's program uses 0.1, which loses the finest grain.
     pub secondary_tolerance: f64,
-    /// Smallest secondary, in pixels. 1 to 10 000, default 3.
+    /// Area of the smallest secondary. 1 to 10 000, default 3.
     pub secondary_minimum: u32,
-    /// Largest secondary, in pixels. 1 to 100 000, default 300.
+    /// Area of the largest secondary. 1 to 100 000, default 300.
     pub secondary_maximum: u32,
-    /// Number of categories. 1 to 1000, default 15.
+    /// Largest number of categories of primaries. 1 to 1000, default 15.
     pub categories: u32,
-    /// Half size of descriptors, in mean distances between neighbours. 0.5 to 10, default 2.25.
+    /// Half the side of descriptors, in mean distances between neighbours. 0.5 to 10, default 2.25.
     pub descriptor_reach: f64,
     /// Distance between background sites. 4 to 1000, default 25.
     pub background_spacing: f64,
-    /// Strip around textons that is not background. 0 to 100, default 5.
+    /// Width of the strip around textons that is excluded from the background. 0 to 100, default 5.
     pub background_margin: f64,
-    /// Largest distance of a fitted outline to the traced one; what error a byte is worth grows with
-    /// it. 0.05 to 5, default 0.5.
+    /// Fit tolerance: the largest distance between a fitted outline and the traced border. A larger one
+    /// also allows more colour error per byte. 0.05 to 5, default 0.5.
     pub fidelity: f64,
-    /// What details and primaries are filled with. Default gradients.
+    /// Fills of details and primaries. Default gradients.
     pub shading: Shading,
-    /// Most colours of primaries, details and secondaries, which are then flat; 0 for as many as
-    /// there are. 0 to 4096, default 0.
+    /// Largest number of colours of primaries, details and secondaries, which then have flat fills. 0
+    /// (the default) for no limit, up to 4096.
     pub colors: u32,
-    /// Most primaries, details and secondaries together; what is seen least is joined or left out.
-    /// 0 for as many as there are. 0 to 10 000 000, default 0.
+    /// Largest number of primaries, details and secondaries together. The least visible ones are joined
+    /// or left out. 0 (the default) for no limit, up to 10 000 000.
     pub max_paths: u32,
-    /// Cells along each side of a pixel on which details and secondaries are told apart and outlines
-    /// traced. 0 to 4, default 0: 2 up to 2.5 million pixels, 1 above.
+    /// Cells along each side of a pixel, for separating details and secondaries and for tracing. 1 to 4,
+    /// or 0 (the default) for 2 up to 2.5 million pixels and 1 above.
     pub cells: u32,
-    /// The exemplar tiles: opposite borders are neighbours. Default false.
+    /// Whether the exemplar tiles, that is, its opposite borders join. Default false.
     pub wrap: bool,
 }
 
-/// What details and primaries are filled with.
+/// Fills of details and primaries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shading {
-    /// One colour each.
+    /// A single colour each.
     Flat,
-    /// A linear gradient wherever one explains the photograph better, byte for byte, than more
-    /// pieces of one colour.
+    /// A linear gradient wherever it fits the photograph better than flat pieces of the same number of
+    /// bytes.
     #[default]
     Gradient,
 }

@@ -1,4 +1,4 @@
-//! The invariants of a library.
+//! Validation of libraries.
 
 use super::Library;
 

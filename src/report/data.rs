@@ -1,4 +1,4 @@
-//! What the page's script is told, as JSON: figures and names; pictures come apart from it.
+//! The page's data for its script, as JSON: figures and names, without pictures.
 
 use super::Named;
 use super::distributions::{self, Distribution};
@@ -11,10 +11,10 @@ use crate::scene::{ControlPoint, Edge, EditRecord, Scene, SynthParams, Tile};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// All that is told.
+/// All data of the page.
 #[derive(Serialize)]
 pub(super) struct Data<'a> {
-    /// The program that wrote the page.
+    /// Name and version of the program that wrote the page.
     pub(super) program: &'static str,
     pub(super) groups: Vec<GroupData<'a>>,
     pub(super) scene: Option<SceneData<'a>>,
@@ -26,17 +26,17 @@ pub(super) struct GroupData<'a> {
     /// Name and SHA-256 of the photograph.
     file: &'a str,
     sha256: &'a str,
-    /// Id of the photograph on the page, or why it is not there.
+    /// Id of the photograph on the page, or why it is missing.
     pub(super) photo: Option<String>,
     pub(super) photo_missing: Option<String>,
-    /// Id of the picture that holds its textons one by one.
+    /// Id of the picture that shows its textons one by one.
     pub(super) picture: Option<String>,
     library: Option<LibraryData<'a>>,
     /// Whether the scene was made from it.
     in_scene: bool,
     categories: Vec<CategoryData>,
     textons: Vec<TextonData>,
-    /// Ids of the primaries of each category in the result, where its numbers alone do not tell.
+    /// Ids of the instances in each category, where the category's number alone is ambiguous.
     instances: BTreeMap<u16, Vec<u32>>,
     distributions: Vec<Distribution>,
 }
@@ -49,7 +49,7 @@ struct LibraryData<'a> {
     width: u32,
     height: u32,
     warnings: &'a [String],
-    /// As text: a script's numbers are not exact beyond 2⁵³.
+    /// As text: numbers in scripts are not exact beyond 2⁵³.
     seed: String,
     parameters: &'a AnalyzeParams,
     defaults: AnalyzeParams,
@@ -80,12 +80,12 @@ pub(super) struct SceneData<'a> {
     width: u32,
     height: u32,
     tile: Tile,
-    /// What becomes of primaries at the edge, if it fills a shape.
+    /// Treatment of primaries at the edge; `None` without a domain.
     domain: Option<Edge>,
     seed: Option<String>,
     parameters: Option<&'a SynthParams>,
     defaults: SynthParams,
-    /// What was done to it after synthesis, one after another.
+    /// Operations applied after synthesis, in order.
     edits: Vec<EditData<'a>>,
     exemplars: Vec<&'a str>,
     coverage: f64,
@@ -95,15 +95,15 @@ pub(super) struct SceneData<'a> {
     background: BackgroundData,
 }
 
-/// An operation that the result has gone through.
+/// An operation that was applied to the result.
 #[derive(Serialize)]
 struct EditData<'a> {
     operation: &'a str,
-    /// As text, as all seeds.
+    /// As text, like all seeds.
     seed: String,
 }
 
-/// A category, in exemplar and result. Shares are of the picture, 0 to 1.
+/// A category in the exemplar and in the result. Shares are of the picture's area, 0 to 1.
 #[derive(Default, Serialize)]
 struct CategoryData {
     id: u16,
@@ -111,7 +111,7 @@ struct CategoryData {
     colour: Colour,
     /// Mean area of its members, in pixels.
     area: f64,
-    /// Members, and those that the border does not cut.
+    /// Number of its members that the border does not cut.
     members: Option<usize>,
     whole: Option<usize>,
     wanted: Option<f64>,
@@ -124,16 +124,16 @@ struct CategoryData {
 struct TextonData {
     /// Its index in its library.
     source: u32,
-    /// Its id in the picture that holds it.
+    /// Its id in the picture that shows it.
     id: u32,
     category: u16,
     area: f64,
     clipped: bool,
-    /// How often it was placed.
+    /// Number of its instances in the result.
     placed: usize,
-    /// Box around it in that picture: x, y, width, height.
+    /// Bounding box in that picture: x, y, width, height.
     bounds: [f64; 4],
-    /// Mean of its pixel centres in the exemplar.
+    /// Centroid in the exemplar.
     centre: Option<[f64; 2]>,
 }
 
@@ -175,14 +175,14 @@ impl<'a> GroupData<'a> {
     }
 }
 
-/// Source and category of a primary of a scene, if it comes from the exemplar of the group.
+/// Index and category of a scene's primary, if it comes from the exemplar of the group.
 fn own(group: &Group<'_>, scene: Option<&Scene>, texton: u32) -> Option<(u32, u16)> {
     let texton = &scene?.textons[texton as usize];
     group.references.contains(&texton.library).then_some((texton.source, texton.category?))
 }
 
 fn of_library(library: &Library, placed: impl Fn(u32) -> usize) -> Vec<TextonData> {
-    // A reconstruction counts secondaries first.
+    // In a reconstruction, secondaries come first.
     let first = library.secondaries.textons.len() as u32;
     let texton = |(i, p): (usize, &crate::library::Primary)| TextonData {
         source: i as u32,
@@ -211,7 +211,7 @@ fn of_scene(group: &Group<'_>, scene: &Scene, placed: impl Fn(u32) -> usize) -> 
             centre: None,
         }
     };
-    // Of the parts of a primary, one stands for all; the whole one if there is one.
+    // One fragment represents all fragments of a primary, unless the whole primary is there.
     let mut shown: BTreeMap<u32, usize> = BTreeMap::new();
     for i in group.textons(scene) {
         let rank = |i: usize| (!scene.textons[i].fragment, scene.textons[i].outline.area());
@@ -229,7 +229,7 @@ fn sides(r: Rect) -> [f64; 4] {
     [r.x0, r.y0, r.width(), r.height()].map(|v| libm::round(v * 10.0) / 10.0)
 }
 
-/// Every category that library or scene knows, in order.
+/// All categories of the library and of the scene, in order.
 fn categories(group: &Group<'_>, scene: Option<&Scene>, textons: &[TextonData]) -> Vec<CategoryData> {
     let mut found: BTreeMap<u16, CategoryData> = BTreeMap::new();
     for (i, category) in group.library.iter().flat_map(|l| l.content.categories.iter().enumerate()) {

@@ -1,4 +1,4 @@
-//! How sizes and distances are distributed, in the exemplar and in the result.
+//! Distributions of sizes and distances in the exemplar and in the result.
 
 use super::groups::Group;
 use super::neighbours::nearest;
@@ -7,36 +7,36 @@ use crate::scene::{Instance, Scene};
 use crate::synth::statistics::{Correlation, Layout, largest_categories, neighbour_distance};
 use serde::Serialize;
 
-/// Most bins of a histogram.
+/// Largest number of bins in a histogram.
 const BINS: usize = 24;
-/// Smallest value on a logarithmic axis; areas of outlines are hardly below it.
+/// Smallest value on a logarithmic axis. Areas of outlines are hardly ever below it.
 const LEAST: f64 = 0.01;
-/// Most categories of which pairs are shown, where no library names them.
+/// Largest number of categories whose pairs are shown.
 const CATEGORIES: usize = 5;
 
-/// A distribution in bins, of the exemplar, of the result, or of both.
+/// A binned distribution of the exemplar, of the result, or of both.
 #[derive(Debug, PartialEq, Serialize)]
 pub(super) struct Distribution {
-    /// What is distributed.
+    /// Title of the diagram.
     title: String,
-    /// The categories it is about: two if of pairs of categories, else none.
+    /// The two categories of a pair correlation; `None` for other distributions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) categories: Option<[u16; 2]>,
-    /// The quantity along x, with its unit.
+    /// Label of the x axis, with its unit.
     x: &'static str,
-    /// The quantity along y, with its unit.
+    /// Label of the y axis, with its unit.
     y: &'static str,
     /// Whether x is logarithmic.
     logarithmic: bool,
-    /// The value of y that means nothing special.
+    /// The value of y that chance would give, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     neutral: Option<f64>,
-    /// Borders of the bins along x, one more than bins.
+    /// Borders of the bins along x, one more than there are bins.
     pub(super) edges: Vec<f64>,
-    /// The exemplar's value in each bin; none where it cannot be known.
+    /// The exemplar's value in each bin; `None` where it is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) exemplar: Option<Vec<Option<f64>>>,
-    /// The result's.
+    /// The result's value in each bin; `None` where it is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) result: Option<Vec<Option<f64>>>,
 }
@@ -44,7 +44,7 @@ pub(super) struct Distribution {
 /// Values with their weights.
 type Sample = Vec<(f64, f64)>;
 
-/// All distributions of a group that have something to show.
+/// All distributions of a group that are not empty.
 pub(super) fn all(group: &Group<'_>, scene: Option<&Scene>) -> Vec<Distribution> {
     let library = group.library.map(|l| &l.content);
     let scene = scene.filter(|_| !group.references.is_empty());
@@ -90,7 +90,7 @@ fn areas(scene: &Scene, references: &[u32], primary: bool) -> Sample {
     instances.iter().map(area).filter(|a| *a > 0.0).map(|a| (a, 1.0)).collect()
 }
 
-/// Shares of two samples in common bins; none if both are empty.
+/// Histograms of two samples with common bins; `None` if both are empty.
 fn histogram(
     title: &str,
     x: &'static str,
@@ -107,7 +107,7 @@ fn histogram(
     let mut sorted: Vec<f64> = samples.iter().flatten().flatten().map(|s| s.0).collect();
     sorted.sort_by(f64::total_cmp);
     let (first, last) = (*sorted.first()?, *sorted.last()?);
-    // A few that are far off must not press all others together.
+    // A few outliers must not compress the rest.
     let last = if logarithmic { last } else { last.min(1.5 * sorted[(sorted.len() - 1) * 99 / 100]) };
     let first = if logarithmic { first } else { 0.0 };
     let step = step((last - first) / BINS as f64, logarithmic);
@@ -140,7 +140,7 @@ fn histogram(
     })
 }
 
-/// A round width of bins, at least as wide as asked for.
+/// A rounded bin width, not below `least`.
 fn step(least: f64, logarithmic: bool) -> f64 {
     if logarithmic {
         // Half and whole octaves.
@@ -151,11 +151,11 @@ fn step(least: f64, logarithmic: bool) -> f64 {
     [1.0, 2.0, 2.5, 5.0, 10.0].map(|f| f * power).into_iter().find(|s| *s >= least).unwrap_or(10.0 * power)
 }
 
-/// Pair correlation of all primaries, then within and between the largest categories.
+/// Pair correlations: of all primaries, then within and between the largest categories.
 fn pairs(library: Option<&Library>, layouts: &[Option<Layout>; 2]) -> Vec<Distribution> {
     let unit = match (library, &layouts[1]) {
         (Some(library), _) => neighbour_distance(library),
-        // As far apart as if they stood on a square lattice.
+        // Distance of neighbours on a square lattice of the same density.
         (None, Some(layout)) => {
             let area = layout.size[0] * layout.size[1];
             libm::sqrt(area / layout.centres.len().max(1) as f64).max(1.0)
@@ -177,7 +177,7 @@ fn pairs(library: Option<&Library>, layouts: &[Option<Layout>; 2]) -> Vec<Distri
     found
 }
 
-/// The categories that stand most often, at most five.
+/// The most frequent categories, at most five.
 fn frequent(layout: Option<&Layout>) -> Vec<u16> {
     let mut counts = std::collections::BTreeMap::new();
     for centre in layout.iter().flat_map(|l| &l.centres) {
@@ -221,7 +221,7 @@ fn curves(layouts: &[Option<Layout>; 2], categories: &[u16], unit: f64) -> Vec<D
     found
 }
 
-/// Rounded to what can be seen.
+/// Rounded to visible precision.
 fn rounded(v: f64) -> f64 {
     libm::round(v * 1e3) / 1e3
 }

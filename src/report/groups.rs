@@ -1,22 +1,21 @@
-//! Which library explains which part of a scene.
+//! Groups: for each exemplar, its library and the part of the scene made from it.
 
 use super::{Named, Subject};
 use crate::library::Library;
 use crate::scene::{Field, Instance, LibraryRef, Scene};
 use crate::synth;
 
-/// One exemplar: the library made from it, and the part of the scene made from that; at least one
-/// of the two.
+/// One exemplar with its library, the part of the scene made from it, or both.
 pub(super) struct Group<'a> {
     /// The photograph.
     pub(super) exemplar: LibraryRef,
-    /// The library, if it is at hand.
+    /// The library, if the report has it.
     pub(super) library: Option<&'a Named<Library>>,
-    /// Its indices in [`Scene::libraries`], none if the scene was not made from it.
+    /// Its indices in [`Scene::libraries`]; empty if the scene was not made from it.
     pub(super) references: Vec<u32>,
 }
 
-/// The photographs that libraries and a scene name, each once.
+/// The exemplars that libraries and scene refer to, without duplicates.
 pub fn exemplars(libraries: &[Named<Library>], scene: Option<&Named<Scene>>) -> Vec<LibraryRef> {
     let of_scene = scene.iter().flat_map(|s| s.content.libraries.iter().cloned());
     let mut found: Vec<LibraryRef> = Vec::new();
@@ -33,7 +32,7 @@ fn reference(library: &Library) -> LibraryRef {
 }
 
 impl<'a> Group<'a> {
-    /// One for each library, then one for each photograph of the scene whose library is not at hand.
+    /// One group for each library, then one for each exemplar of the scene without a library.
     pub(super) fn all(subject: &Subject<'a>) -> Vec<Self> {
         let of_library = |l: &'a Named<Library>| Self {
             exemplar: reference(&l.content),
@@ -59,7 +58,7 @@ impl<'a> Group<'a> {
         groups
     }
 
-    /// The indices in [`Scene::textons`] of its primaries.
+    /// Indices in [`Scene::textons`] of the primaries made from this exemplar.
     pub(super) fn textons(&self, scene: &Scene) -> Vec<usize> {
         let own = |i: &usize| {
             let texton = &scene.textons[*i];
@@ -68,8 +67,8 @@ impl<'a> Group<'a> {
         (0..scene.textons.len()).filter(own).collect()
     }
 
-    /// The scene whose primaries are shown one by one: the library drawn back as its exemplar, else a
-    /// catalogue in which every primary of the scene stands once, at the origin, with its index as id.
+    /// A scene that shows the primaries one by one: the reconstruction of the library, or without a
+    /// library, all primaries of the scene at the origin, with their indices as ids.
     pub(super) fn drawn(&self, scene: Option<&Scene>) -> Option<Scene> {
         if let Some(library) = self.library {
             return Some(synth::reconstruct(&library.content));
@@ -86,8 +85,8 @@ impl<'a> Group<'a> {
     }
 }
 
-/// Whether the textons that a scene says it has from a photograph are those of this library. There may
-/// be several libraries of one photograph, made with different parameters.
+/// Whether the textons that a scene has from an exemplar are those of this library. Several libraries
+/// may be made from one photograph with different parameters.
 fn explains(library: &Library, scene: &Scene, reference: u32) -> bool {
     scene.textons.iter().filter(|t| t.library == reference).all(|t| match t.category {
         Some(category) => library.primaries.get(t.source as usize).is_some_and(|p| p.category.0 == category),

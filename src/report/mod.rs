@@ -1,13 +1,13 @@
-//! Library and scene → one HTML page, for people who would rather look.
+//! Library and scene → one HTML page for inspection in a browser.
 //!
-//! The page asks no server for anything: pictures, data, style and script are part of it, and its
-//! own policy forbids all requests. Pictures are the SVGs of [`crate::output::svg`], packed; the
-//! page unpacks them and shows each layer as an image of its own, which moves smoothly, is switched at
-//! once, and whose ids meet nobody else's. What is computed is computed here
-//! ([`distributions`]); the script in `page/` only shows it.
+//! The page is self-contained: it includes all pictures, data, styles and scripts, and its content
+//! security policy forbids all requests. Pictures are compressed SVGs of [`crate::output::svg`]. The
+//! page decompresses them and shows each layer as a separate image, which pans smoothly, is toggled
+//! instantly, and has no clashing ids. All figures are computed here ([`distributions`]); the
+//! script in `page/` only displays them.
 //!
-//! When this works badly: canvases of several thousand pixels make pages of tens of megabytes,
-//! which browsers draw slowly.
+//! Works badly for canvases of several thousand pixels: the page has tens of megabytes, and browsers
+//! draw it slowly.
 
 mod data;
 mod distributions;
@@ -30,31 +30,31 @@ use page::{Embedded, Page};
 use std::io::Write;
 use std::path::Path;
 
-/// What came from a file, with the file's name.
+/// The content of a file, with the file's name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named<T> {
-    /// The name, as people know it.
+    /// File name, as shown to the user.
     pub name: String,
-    /// What the file holds.
+    /// The parsed content.
     pub content: T,
 }
 
-/// What a page is about: libraries, a scene, or both.
+/// The subject of a page: libraries, a scene, or both.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
-    /// The libraries, as they were read.
+    /// The libraries.
     pub libraries: &'a [Named<Library>],
-    /// The scene, as it was read. It is compared with those of the libraries that it was made from.
+    /// The scene. It is compared with the libraries that it was made from.
     pub scene: Option<&'a Named<Scene>>,
-    /// Files that may be the photographs; those are shown whose SHA-256 says that they are.
+    /// Candidate photographs. Those whose SHA-256 matches an exemplar are shown.
     pub photos: &'a [Photo],
 }
 
-/// Writes the page. Same subject: the same bytes. Returns what the user should know.
+/// Writes the page. The same subject gives the same bytes. Returns warnings, one sentence each.
 ///
 /// # Errors
-/// A library or scene that breaks its invariants; a failing writer, as [`Error::Write`] with the
-/// path `-`.
+/// [`Error::Format`] for a library or scene that breaks its invariants; [`Error::Write`] with the path
+/// `-` if the writer fails.
 pub fn write(subject: &Subject<'_>, mut out: impl Write) -> Result<Vec<String>> {
     subject.libraries.iter().try_for_each(check)?;
     subject.scene.map_or(Ok(()), check)?;
@@ -92,13 +92,13 @@ pub fn write(subject: &Subject<'_>, mut out: impl Write) -> Result<Vec<String>> 
     Ok(photo::strangers(&groups, subject.photos))
 }
 
-/// Refuses what anyone may have made in memory, so that no index leads nowhere.
+/// Validates a document that may have been built in memory.
 fn check<T: Document>(named: &Named<T>) -> Result<()> {
     let unsound = |reason| Error::Format { name: named.name.clone(), format: T::FORMAT, reason };
     named.content.validate().map_err(unsound)
 }
 
-/// A scene as a packed SVG.
+/// A scene as a compressed SVG.
 fn picture(id: String, scene: &Scene) -> Result<Embedded<'static>> {
     let mut packed = gzip(Vec::new());
     svg::write(scene, &SvgOptions::default(), &mut packed)?;
@@ -106,7 +106,7 @@ fn picture(id: String, scene: &Scene) -> Result<Embedded<'static>> {
     Ok(Embedded { id, media_type: "image/svg+xml", gzip: true, bytes: bytes.into() })
 }
 
-/// What the page is called: after the photographs.
+/// The title of the page, from the names of the photographs.
 fn title(subject: &Subject<'_>, groups: &[Group<'_>]) -> String {
     let names: Vec<&str> = groups.iter().map(|g| g.exemplar.exemplar.as_str()).collect();
     match (subject.scene.is_some(), names.is_empty()) {

@@ -1,14 +1,14 @@
-//! Distances from primaries to their nearest neighbours.
+//! Nearest-neighbour distances of primaries, corrected for the border.
 //!
-//! Of a centre nearer to the border than to any other centre, the nearest neighbour may lie outside.
-//! Such centres are left out, and the others weighted by how rarely their like is left out: by the
-//! inverse of the area in which such a distance is seen (Hanisch 1984).
+//! If a centre is nearer to the border than to any other centre, its nearest neighbour may lie outside.
+//! Such centres are left out. The others are weighted by the inverse of the area in which their
+//! distance can be observed (Hanisch 1984).
 
 use crate::geometry::wrapped;
 use crate::synth::statistics::Layout;
 
-/// The distance of each centre to the nearest other, centre to centre in pixels, with its weight;
-/// centres whose nearest neighbour may be unknown are left out.
+/// The distance from each centre to the nearest other, in pixels, with its weight. Centres whose
+/// nearest neighbour may lie outside are left out.
 pub(super) fn nearest(layout: &Layout) -> Vec<(f64, f64)> {
     let [width, height] = layout.size;
     let periods = layout.tile.periods(layout.size);
@@ -35,7 +35,7 @@ pub(super) fn nearest(layout: &Layout) -> Vec<(f64, f64)> {
     found
 }
 
-/// The centres and their copies around the rectangle, with their indices, sorted by x.
+/// The centres with their periodic copies, and their indices, sorted by x.
 fn images(centres: &[[f64; 2]], periods: [Option<f64>; 2]) -> Vec<(f64, f64, usize)> {
     let shifts = |period: Option<f64>| period.map_or(vec![0.0], |p| vec![-p, 0.0, p]);
     let mut images = Vec::new();
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn the_border_does_not_change_the_mean() {
-        // Of a random scatter of density d the mean is 1 / (2 √d).
+        // A random scatter of density d has the mean distance 1 / (2 √d).
         let mut random = stream(2, "report/neighbours test", 0);
         let (mut sum, mut weights) = (0.0, 0.0);
         for _ in 0..60 {

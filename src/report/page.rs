@@ -1,6 +1,6 @@
-//! The page put together: a frame, a style sheet, a script, data, and packed pictures.
+//! The page's HTML: a frame, a style sheet, a script, data, and compressed pictures.
 //!
-//! What is written is HTML and well-formed XML alike, so that it can be checked.
+//! The output is both HTML and well-formed XML, so it can be validated.
 
 use crate::output::file::PAGE_BEGINNING;
 use base64::Engine;
@@ -10,7 +10,7 @@ use std::io::{self, Write};
 
 const FRAME: &str = include_str!("page/frame.html");
 const STYLE: &str = include_str!("page/style.css");
-/// The parts of the script, in the order in which they use each other.
+/// The parts of the script, in order of dependency.
 const SCRIPT: [&str; 9] = [
     include_str!("page/base.js"),
     include_str!("page/pictures.js"),
@@ -27,27 +27,27 @@ const SCRIPT: [&str; 9] = [
 pub(super) struct Embedded<'a> {
     /// Its id on the page.
     pub(super) id: String,
-    /// What it holds, once unpacked.
+    /// Media type of its uncompressed content.
     pub(super) media_type: &'static str,
-    /// Whether it is packed.
+    /// Whether it is compressed.
     pub(super) gzip: bool,
     pub(super) bytes: Cow<'a, [u8]>,
 }
 
-/// All that makes a page.
+/// The contents of a page.
 pub(super) struct Page<'a> {
     pub(super) title: String,
-    /// What the script is told.
+    /// Data for the script.
     pub(super) json: String,
     pub(super) files: Vec<Embedded<'a>>,
 }
 
 impl Page<'_> {
-    /// Writes it.
+    /// Writes the page.
     pub(super) fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let program = crate::PROGRAM.strip_prefix("vtex ").unwrap_or_default();
         writeln!(out, "{PAGE_BEGINNING}{program} -->")?;
-        // The frame alone is searched for marks, never what takes their place.
+        // Only the frame is searched for placeholders, never the text inserted.
         let mut parts = FRAME.split("{{");
         out.write_all(parts.next().unwrap_or_default().as_bytes())?;
         for part in parts {
@@ -76,7 +76,7 @@ impl Page<'_> {
     }
 }
 
-/// Text as content of an element: escaped, without what neither HTML nor XML can hold.
+/// Text as element content: escaped, without characters that HTML or XML forbid.
 fn text(text: &str) -> String {
     let mut escaped = String::new();
     for c in text.chars() {
@@ -91,8 +91,8 @@ fn text(text: &str) -> String {
     escaped
 }
 
-/// JSON as content of a `<script>`: the same JSON without anything that could end the element or
-/// begin markup. Such characters stand in strings only, where `\u` means them too.
+/// JSON as content of a `<script>`: characters that could end the element or begin markup are
+/// escaped by `\u`. They occur only in strings.
 fn script_data(json: &str) -> String {
     let mut escaped = String::with_capacity(json.len());
     for c in json.chars() {

@@ -1,4 +1,4 @@
-//! The photographs: found by their SHA-256, in a form that browsers show.
+//! Photographs on the page: matched by SHA-256, in a format that browsers show.
 
 use super::groups::Group;
 use crate::analyze::{Exemplar, Limits};
@@ -7,10 +7,10 @@ use image::ImageFormat;
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 
-/// Most bytes of a photograph on a page.
+/// Largest size of a photograph on a page, in bytes.
 const MOST: usize = 20_000_000;
 
-/// A file that may be the photograph of a library.
+/// A file that may be the photograph of an exemplar.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Photo {
     name: String,
@@ -20,8 +20,8 @@ pub struct Photo {
 }
 
 impl Photo {
-    /// A file's name without its folder, and its bytes; `given` if the user named it as a photograph,
-    /// and not found because its name is that of one.
+    /// A candidate photograph. `name` is its file name without the folder. `given` says that the user named
+    /// it explicitly; otherwise it was found by its name.
     pub fn new(name: impl Into<String>, bytes: Vec<u8>, given: bool) -> Self {
         let sha256 = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
         Self { name: name.into(), bytes, given, sha256 }
@@ -31,7 +31,7 @@ impl Photo {
 /// The photograph's media type and bytes.
 ///
 /// # Errors
-/// Why it cannot be shown, in a sentence for people.
+/// Why it cannot be shown, in one sentence for the user.
 pub(super) fn of<'a>(
     wanted: &LibraryRef,
     photos: &'a [Photo],
@@ -63,7 +63,7 @@ pub(super) fn of<'a>(
     Ok((media_type, bytes))
 }
 
-/// A photograph as it is if browsers show its format, else as a PNG.
+/// The photograph unchanged if browsers show its format, otherwise converted to PNG.
 fn shown(photo: &Photo) -> Option<(&'static str, Cow<'_, [u8]>)> {
     let as_it_is = |media_type| Some((media_type, Cow::Borrowed(&photo.bytes[..])));
     match image::guess_format(&photo.bytes).ok()? {
@@ -80,7 +80,7 @@ fn shown(photo: &Photo) -> Option<(&'static str, Cow<'_, [u8]>)> {
     }
 }
 
-/// What to tell of files that were given as photographs and are none.
+/// Warnings about files named as photographs that match no exemplar.
 pub(super) fn strangers(groups: &[Group<'_>], photos: &[Photo]) -> Vec<String> {
     let known = |p: &Photo| groups.iter().any(|g| g.exemplar.sha256 == p.sha256);
     let strange = photos.iter().filter(|p| p.given && !known(p));

@@ -1,4 +1,4 @@
-//! What is drawn around a placed texton: the shadow beneath it and the line along its outline.
+//! Effects of a placed texton: a shadow underneath it and a stroke along its outline.
 
 use super::Instance;
 use crate::geometry::{Rect, Vec2};
@@ -6,17 +6,17 @@ use crate::raster::colour::Colour;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A black shadow of a texton's outline. It is painted right beneath its texton, so it falls on all
-/// that is painted before and on nothing that is painted later.
+/// A black shadow of a texton's outline. It is painted immediately before its texton, so it darkens
+/// only what is painted earlier.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Shadow {
-    /// How far it lies from the texton along x and y, in pixels of the canvas.
+    /// Offset from the texton along x and y, in pixels of the canvas.
     pub offset: [f64; 2],
-    /// How dark it is where it is darkest, 0 to 1.
+    /// Largest opacity, 0 to 1.
     pub opacity: f64,
-    /// Width of its soft edge, half inside and half outside, in the texton's own pixels; 0 is sharp,
-    /// 200 the most.
+    /// Width of the soft edge, half inside and half outside, in the texton's own pixels. 0 (sharp) to
+    /// 200.
     pub blur: f64,
 }
 
@@ -24,19 +24,19 @@ pub struct Shadow {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stroke {
-    /// Its width, half inside and half outside, in the texton's own pixels.
+    /// Width of the line, half inside and half outside, in the texton's own pixels.
     pub width: f64,
-    /// Its colour.
+    /// Colour of the line.
     pub colour: Colour,
 }
 
 impl Stroke {
-    /// The widest line, in pixels.
+    /// Largest permitted width, in pixels.
     pub const WIDEST: f64 = 1e4;
 }
 
 impl Shadow {
-    /// The widest soft edge, in pixels.
+    /// Largest permitted blur, in pixels.
     pub const WIDEST: f64 = 200.0;
 
     /// The offset as a vector.
@@ -52,8 +52,8 @@ impl Shadow {
 }
 
 impl Instance {
-    /// Bounding box on the canvas of all that is painted of it, given that of its texton in the
-    /// texton's own coordinates.
+    /// Bounding box on the canvas of the instance with its shadow and stroke. `texton` is the texton's
+    /// bounding box in its own coordinates.
     pub fn reach(&self, texton: Rect) -> Rect {
         let affine = self.affine();
         let around = |margin: f64| affine.transform_rect_bbox(texton.inflate(margin, margin));
@@ -64,7 +64,7 @@ impl Instance {
         all
     }
 
-    /// Why its shadow or line cannot be painted; nothing if they can.
+    /// Why the shadow or stroke is invalid; `None` if both are valid.
     pub(super) fn fault(&self) -> Option<&'static str> {
         if self.shadow.is_some_and(|s| !s.is_sound()) {
             return Some("shadow");

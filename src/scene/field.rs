@@ -1,22 +1,22 @@
 //! The background field: radial basis functions through coloured points.
 //!
-//! The field is the interpolant Σ cᵢ √(|x - xᵢ|² + s²) + c₀. The paper (§3.2.3) has s = 0, which
-//! makes each point the tip of a cone: a dot of a few pixels where its colour differs much from
-//! those around, and more than gradients can follow. A small s rounds the tips off.
+//! The field is the interpolant Σ cᵢ √(|x - xᵢ|² + s²) + c₀. In the paper (§3.2.3) s = 0, which makes
+//! each point the tip of a cone. A tip shows as a dot of a few pixels if its colour differs much from
+//! its surroundings, and gradients cannot reproduce it. A small s rounds the tips.
 //!
-//! Solving it for all points at once costs the cube of their number, so it is solved in overlapping
-//! square patches of some fifty points and the patches are blended by smooth weights that add up to
-//! one (partition of unity). Every patch passes through all points that it weighs in on, so the
-//! blend does too, and cost and memory grow with the number of points alone.
+//! Solving for all points at once takes time cubic in their number. Instead, overlapping square
+//! patches of about fifty points are solved and blended by smooth weights that add up to one
+//! (partition of unity). Every patch interpolates all points where its weight is above 0, so the
+//! blend does too. Time and memory grow linearly with the number of points.
 //!
-//! Components are 8-bit sRGB values as floats (0 to 255), because that is the space in which SVG
-//! gradients interpolate: what is evaluated here is what is painted.
+//! Components are 8-bit sRGB values as floats (0 to 255). SVG gradients interpolate in the same
+//! space, so writers reproduce the field exactly.
 //!
-//! Along an axis that tiles the field is periodic: a whole number of cells fills the period, patches
-//! at the seam take in points from beyond it, and a place is first moved into the period.
+//! Along an axis that tiles, the field is periodic: a whole number of cells fills the period, patches
+//! at the seam include points from beyond it, and coordinates are wrapped before evaluation.
 //!
-//! When this works badly: where points are some ten times denser than on average, a patch keeps
-//! only a part of them and the field no longer passes through each.
+//! Works badly where points are some ten times denser than on average: a patch then uses only some of
+//! them, and the field no longer passes through each.
 
 mod dense;
 mod grid;
@@ -29,18 +29,18 @@ use crate::parallel;
 use grid::{Grid, cells};
 use std::sync::OnceLock;
 
-/// Up to this many points one patch holds the whole field.
+/// Number of points up to which one patch holds the whole field.
 const WHOLE: usize = 64;
-/// Most points solved for in a patch.
+/// Largest number of points solved for in a patch.
 const LARGEST_PATCH: usize = 144;
-/// A patch of fewer points takes in some from further away.
+/// Number of points below which a patch includes points from further away.
 const SMALLEST_PATCH: usize = 8;
-/// How far the tips are rounded off (s), as a share of the distance between control points.
+/// Rounding of the tips (s), as a share of the distance between control points.
 const ROUND: f64 = 0.2;
-/// Points nearer to each other than this, in pixels, become one.
+/// Distance below which points are merged, in pixels.
 const MERGE: f64 = 1.0 / 64.0;
 
-/// A field made ready for evaluation.
+/// A field prepared for evaluation.
 pub struct Interpolant {
     points: Vec<Site>,
     fallback: [f64; 3],
@@ -49,11 +49,11 @@ pub struct Interpolant {
     /// s², in square pixels.
     round: f64,
     grid: Grid,
-    /// Points of each cell, sorted by cell; `starts[c]..starts[c + 1]` are those of cell c.
+    /// Indices of the points sorted by cell; those of cell c are `starts[c]..starts[c + 1]`.
     order: Vec<u32>,
     starts: Vec<u32>,
-    /// One patch around each corner of the cells, made when first needed. Opposite borders that
-    /// join share theirs.
+    /// One patch around each corner of the cells, computed when first needed. Joined opposite borders
+    /// share theirs.
     patches: Vec<OnceLock<Patch>>,
 }
 
@@ -65,10 +65,10 @@ struct Site {
     colour: [f64; 3],
 }
 
-/// A point and the periods along x and y by which it is moved.
+/// A point, and the number of periods along x and y by which it is shifted.
 type Moved = (u32, i32, i32);
 
-/// The interpolant of a few points.
+/// The interpolant of the points around a corner.
 struct Patch {
     /// x, y and the coefficients of the three components.
     terms: Vec<[f64; 5]>,
@@ -81,7 +81,7 @@ impl Patch {
     fn new(sites: &[Site], round: f64) -> Self {
         let mean = |k: usize| sites.iter().map(|s| s.colour[k]).sum::<f64>() / sites.len() as f64;
         let mean = [mean(0), mean(1), mean(2)];
-        // Unknowns: one coefficient per point and the constant, which makes them add up to zero.
+        // Unknowns: one coefficient per point, and the constant, whose equation makes them add up to zero.
         let n = sites.len() + 1;
         let mut matrix = vec![0.0; n * n];
         let mut right = vec![[0.0; 3]; n];
@@ -113,8 +113,8 @@ impl Patch {
 }
 
 impl Interpolant {
-    /// Prepares a field for a canvas of the given size, in pixels. Along the axes of `tile` the
-    /// field is periodic: the same bits at x and at x + `width`, where that sum is exact.
+    /// Prepares a field for a canvas of the given size in pixels. Along the axes of `tile` the field is
+    /// periodic: it is bitwise equal at x and x + `width`, if that sum is exact.
     pub fn new(field: &Field, width: u32, height: u32, tile: Tile) -> Self {
         let points = merged(field, width, height, tile);
         let spacing = if field.spacing > 0.0 { field.spacing.min(1e6) } else { 0.0 };
@@ -155,7 +155,7 @@ impl Interpolant {
         let g = &self.grid;
         let (x, y) = (g.x.canonical(x), g.y.canonical(y));
         let ((column, u), (row, v)) = (g.x.cell(x), g.y.cell(y));
-        // Smooth steps: weights and their slopes are continuous from cell to cell.
+        // Smoothstep weights: they and their slopes are continuous across cells.
         let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
         let (u, v) = (smooth(u), smooth(v));
         let mut sum = [0.0; 3];
@@ -173,7 +173,7 @@ impl Interpolant {
         clamp(sum)
     }
 
-    /// The field at `columns` × `rows` points, row by row: point (i, j) is
+    /// The field at `columns` × `rows` points, row by row. Point (i, j) lies at
     /// (`x0 + i * step`, `y0 + j * step`).
     pub fn grid(&self, x0: f64, y0: f64, step: f64, columns: usize, rows: usize) -> Vec<[f32; 3]> {
         let mut out = vec![[0.0; 3]; columns * rows];
@@ -189,7 +189,7 @@ impl Interpolant {
     fn patch(&self, column: usize, row: usize) -> &Patch {
         let (gx, gy) = (&self.grid.x, &self.grid.y);
         self.patches[row * gx.corners() + column].get_or_init(|| {
-            // The four cells at the corner, or more where points are few.
+            // The points of the four cells at the corner, and of more where points are few.
             let mut chosen = Vec::new();
             for reach in [1, 2, 4] {
                 chosen = self.near(column, row, reach);
@@ -198,7 +198,7 @@ impl Interpolant {
                 }
             }
             if chosen.len() < SMALLEST_PATCH {
-                // A desert: a coarse selection of all points shows where the field goes.
+                // No points nearby: a coarse selection of all points gives the trend.
                 chosen.extend(thinned(&self.order, SMALLEST_PATCH * 4).map(|i| {
                     let p = &self.points[i as usize];
                     (i, gx.nearest(column, p.x), gy.nearest(row, p.y))
@@ -233,14 +233,14 @@ impl Interpolant {
     }
 }
 
-/// At most `most` of the items, evenly from all of them.
+/// At most `most` of the items, evenly spaced.
 fn thinned<T: Copy>(items: &[T], most: usize) -> impl Iterator<Item = T> {
     let count = items.len().min(most);
     (0..count).map(move |k| items[k * items.len() / count])
 }
 
-/// The points in order of place, those at one place made one of their mean colour. Along the axes
-/// of `tile` all are moved onto the canvas.
+/// The points sorted by position, with coincident ones merged into their mean colour. Along the axes
+/// of `tile`, points are wrapped onto the canvas.
 fn merged(field: &Field, width: u32, height: u32, tile: Tile) -> Vec<Site> {
     let wrap = |v: f64, size: u32, repeats: bool| wrapped(v, repeats.then_some(f64::from(size.max(1))));
     let key = |v: f64| libm::floor(v / MERGE) as i64;

@@ -1,18 +1,18 @@
-//! Colours that change along a line.
+//! Linear gradients.
 
 use crate::geometry::{Affine, Point};
 use crate::raster::colour::Colour;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A colour that changes linearly, in sRGB components as viewers of SVG do: `start` up to the point
-/// `from`, `end` from the point `to` on, between them along lines at right angles to the way.
+/// A linear gradient in sRGB components, as in SVG: `start` up to the point `from`, `end` beyond the
+/// point `to`, linear in between, constant perpendicular to the line from `from` to `to`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Gradient {
-    /// Where the change begins, in the coordinates of the outline it fills.
+    /// Point where the change begins, in the coordinates of the outline that it fills.
     pub from: [f64; 2],
-    /// Where it ends.
+    /// Point where the change ends.
     pub to: [f64; 2],
     /// The colour at `from`.
     pub start: Colour,
@@ -21,7 +21,7 @@ pub struct Gradient {
 }
 
 impl Gradient {
-    /// The gradient of a moved shape. Exact for moves that keep angles.
+    /// The gradient of a transformed shape. Exact for transforms that preserve angles.
     pub fn moved(&self, affine: Affine) -> Self {
         let point = |[x, y]: [f64; 2]| {
             let p = affine * Point::new(x, y);
@@ -30,7 +30,7 @@ impl Gradient {
         Self { from: point(self.from), to: point(self.to), ..*self }
     }
 
-    /// Why it cannot be painted; nothing if it can.
+    /// Why the gradient is invalid; `None` if it is valid.
     pub(crate) fn fault(&self) -> Option<String> {
         let [from, to] = [self.from, self.to];
         let far = [from, to].iter().flatten().any(|v| v.is_nan() || v.abs() >= 1e7);

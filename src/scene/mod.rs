@@ -1,4 +1,5 @@
-//! The scene: one synthesised texture, placed textons over a background field (`*.scene.json`).
+//! The scene: one synthesised texture, that is, placed textons over a background field
+//! (`*.scene.json`).
 
 mod effects;
 pub mod field;
@@ -20,8 +21,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// One texture: a background field, secondary textons over it, primaries on top. Coordinates are
-/// canvas pixels, x right, y down. A scene needs no library: it holds the textons that it uses.
+/// One texture: a background field, secondary textons over it, primary textons on top. Coordinates
+/// are canvas pixels, x right, y down. A scene contains the textons that it uses, so it needs no
+/// library.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -33,62 +35,63 @@ pub struct Scene {
     pub width: u32,
     /// Height of the canvas, in pixels.
     pub height: u32,
-    /// Along which axes the scene repeats without a seam. Along these every instance, control point
-    /// and domain is listed once and means all its copies, moved by whole widths or heights of the
+    /// The axes along which the scene repeats seamlessly. Along these, every instance, control point and
+    /// domain is listed once and stands for all its copies, shifted by whole widths or heights of the
     /// canvas (see [`Scene::copies`]).
     pub tile: Tile,
-    /// The parameters of synthesis, seed included; none for a reconstruction.
+    /// The parameters of synthesis, including the seed; `None` for a reconstruction.
     pub parameters: Option<SynthParams>,
-    /// Name and version of the program.
+    /// Name and version of the program that made the scene.
     pub program: String,
     /// The libraries that the textons come from.
     pub libraries: Vec<LibraryRef>,
-    /// The textons used, each once.
+    /// The textons that instances refer to.
     pub textons: Vec<Texton>,
     /// Secondary textons, in painting order.
     pub secondary: Vec<Instance>,
     /// Primary textons, in painting order, each with its own details.
     pub primary: Vec<Instance>,
-    /// The background.
+    /// The background field.
     pub background: Field,
-    /// The shape that the texture fills, where that is not the whole canvas.
+    /// The shape that the texture fills; `None` for the whole canvas.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub domain: Option<Domain>,
-    /// What was done to it after synthesis, in order.
+    /// Operations applied after synthesis, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub edits: Vec<EditRecord>,
 }
 
-/// An operation that a scene has gone through.
+/// An operation that was applied to a scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EditRecord {
-    /// The operation as it was written, such as `tint #ff0000 --amount 0.5`.
+    /// The operation as text, such as `tint #ff0000 --amount 0.5`.
     pub operation: String,
     /// The seed of its random choices.
     pub seed: u64,
 }
 
-/// The shape that a texture fills.
+/// A shape that the texture is limited to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Domain {
-    /// Its outline, on the canvas. Background and secondaries are cut along it.
+    /// Outline of the shape, on the canvas. Background and secondaries are clipped to it.
     pub outline: Outline,
-    /// What becomes of primaries at its edge.
+    /// Treatment of primaries at its edge.
     pub edge: Edge,
 }
 
-/// What becomes of primary textons at the edge of a domain.
+/// Treatment of primary textons at the edge of a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Edge {
-    /// Those whose centre lies inside are kept whole and may stick out; no other is shown.
+    /// Primaries whose centre lies inside are kept whole and may extend beyond the edge; others are
+    /// removed.
     Keep,
-    /// They are cut along the edge, as at the border of the canvas.
+    /// Primaries are clipped at the edge, as at the border of the canvas.
     #[default]
     Clip,
-    /// None crosses the edge.
+    /// No primary crosses the edge.
     Avoid,
 }
 
@@ -102,49 +105,49 @@ pub struct LibraryRef {
     pub sha256: String,
 }
 
-/// The shape of a texton, around its own origin (its centroid in the exemplar, in whole pixels,
-/// is moved to (0, 0)).
+/// The shape of a texton, in its own coordinates: the exemplar's, shifted so that its centroid,
+/// rounded to whole pixels, is at (0, 0).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Texton {
     /// Index of its library in [`Scene::libraries`].
     pub library: u32,
-    /// Its index among the library's primaries or secondaries.
+    /// Index among the library's primaries or secondaries.
     pub source: u32,
-    /// Category, for primaries.
+    /// Category in the library, for primaries.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub category: Option<u16>,
-    /// Only a part of the library's texton.
+    /// Whether it is only a part of the library's texton.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fragment: bool,
     /// Its outline.
     pub outline: Outline,
-    /// Colour painted inside the outline, beneath the details.
+    /// Fill colour of the outline; details are painted on top.
     pub colour: Colour,
-    /// Painted in place of the colour, unless an instance has one of its own.
+    /// Gradient that replaces the colour, unless an instance has a colour of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient: Option<Gradient>,
-    /// What is painted on it, in painting order.
+    /// Patches painted on the texton, in painting order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub details: Vec<Patch>,
 }
 
-/// A patch on a texton.
+/// A detail of a texton: a filled shape on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Patch {
     /// Its outline, in the coordinates of the texton.
     pub outline: Outline,
-    /// Its colour; with a gradient, its mean colour.
+    /// Fill colour; if there is a gradient, its mean colour.
     pub colour: Colour,
-    /// Painted in place of the colour.
+    /// Gradient that replaces the colour.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient: Option<Gradient>,
 }
 
 impl Texton {
-    /// What its outline is painted with, in an instance with a colour of its own or none: a colour,
-    /// and the gradient that takes its place.
+    /// The fill of the outline for an instance with the colour `own`, if it has one: a colour, and the
+    /// gradient that replaces it, if any.
     pub fn base(&self, own: Option<Colour>) -> (Colour, Option<&Gradient>) {
         match own {
             Some(colour) => (colour, None),
@@ -158,30 +161,30 @@ impl Texton {
     }
 }
 
-/// A texton placed on the canvas; where the scene tiles, listed once for all its copies.
+/// A texton placed on the canvas. In a scene that tiles it stands for all its copies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Instance {
-    /// Identity that operations on the scene keep; unique within the scene.
+    /// Identifier, unique within the scene; operations keep it.
     pub id: u32,
     /// Index in [`Scene::textons`].
     pub texton: u32,
     /// Coefficients a b c d e f of the affine map from texton to canvas: x' = ax + cy + e,
     /// y' = bx + dy + f.
     pub transform: [f64; 6],
-    /// Colour of its own, in place of the texton's (for textons without details).
+    /// Colour that replaces the texton's. Only for textons without details.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colour: Option<Colour>,
-    /// The shadow beneath it.
+    /// Shadow underneath the texton.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shadow: Option<Shadow>,
-    /// The line along its outline.
+    /// Stroke along the outline.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stroke: Option<Stroke>,
 }
 
 impl Instance {
-    /// A texton where its coordinates are those of the canvas, with nothing of its own.
+    /// An instance with the identity transform, without colour, shadow and stroke.
     pub fn new(id: u32, texton: u32) -> Self {
         let transform = Affine::IDENTITY.as_coeffs();
         Self { id, texton, transform, colour: None, shadow: None, stroke: None }
@@ -193,53 +196,55 @@ impl Instance {
     }
 }
 
-/// The background: a smooth field through coloured points (see [`field`]).
+/// The background: a smooth colour field through control points (see [`field`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Field {
-    /// Typical distance between the points, in pixels.
+    /// Typical distance between control points, in pixels.
     pub spacing: f64,
-    /// Colour of the field if there is no point.
+    /// Colour of the field if it has no control points.
     pub fallback: Colour,
-    /// The points; some may lie outside the canvas. In a scene that tiles each means all its copies.
+    /// The control points; some may lie outside the canvas. In a scene that tiles, each stands for all its
+    /// copies.
     pub points: Vec<ControlPoint>,
 }
 
-/// A point of the background with its colour.
+/// A control point of the background field.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControlPoint {
-    /// Pixels from the left.
+    /// Distance from the left border, in pixels.
     pub x: f64,
-    /// Pixels from the top.
+    /// Distance from the top border, in pixels.
     pub y: f64,
-    /// The field's colour there.
+    /// Colour of the field at this point.
     pub colour: Colour,
 }
 
 impl Scene {
-    /// The name in [`Scene::format`].
+    /// Value of [`Scene::format`].
     pub const FORMAT: &'static str = "vtex-scene";
-    /// The version in [`Scene::version`].
+    /// Value of [`Scene::version`].
     pub const VERSION: u32 = 1;
 
-    /// Reads and validates a scene; `.gz` is unpacked by content.
+    /// Reads and validates a scene. Gzip is detected by content.
     ///
     /// # Errors
-    /// Unreadable file, not JSON, another format or version, or a broken invariant.
+    /// [`crate::Error::Read`] for an unreadable file; [`crate::Error::Format`] for anything but a valid
+    /// scene of this version.
     pub fn read(path: &Path) -> Result<Self> {
         document::read(path)
     }
 
-    /// Reads and validates a scene from bytes; `name` appears in errors.
+    /// Reads and validates a scene from bytes, plain or gzip. `name` appears in errors.
     ///
     /// # Errors
-    /// As [`Scene::read`], without the file.
+    /// [`crate::Error::Format`] for anything but a valid scene of this version.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self> {
         document::from_bytes(bytes, name)
     }
 
-    /// The scene as JSON, ending in a newline.
+    /// Serialises the scene as JSON, ending in a newline.
     pub fn to_json(&self) -> Vec<u8> {
         document::to_json(self)
     }

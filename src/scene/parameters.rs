@@ -13,29 +13,29 @@ pub struct SynthParams {
     pub width: u32,
     /// Height of the canvas. 1 to 100 000, default 1000.
     pub height: u32,
-    /// Seed of the random streams. Default 0.
+    /// Seed of all random choices. Default 0.
     pub seed: u64,
-    /// How primaries are placed. Default auto; a scene says which it was.
+    /// How primaries are placed. Default `auto`. A scene stores the method used.
     pub method: Method,
-    /// Candidates tried for each place. 1 to 1000, default 20.
+    /// Number of candidates tried for each placement. 1 to 1000, default 20.
     pub candidates: u32,
-    /// Moves by one cell that may improve a placement. 0 to 100, default 5.
+    /// Number of moves by one cell that may improve a placement. 0 to 100, default 5.
     pub moves: u32,
-    /// Weights of the score.
+    /// Weights of the candidates' score.
     pub weights: Weights,
-    /// Distance between background points; by default the library's.
+    /// Distance between background points. Default: that of the library.
     pub background_spacing: Option<f64>,
-    /// Along which axes the texture repeats without a seam. Default neither.
+    /// Axes along which the texture repeats seamlessly. Default none.
     pub tile: Tile,
-    /// Largest angle by which a texton is turned, in degrees, either way. 0 to 180, default 0.
+    /// Largest rotation of a texton in either direction, in degrees. 0 to 180, default 0.
     pub rotate: f64,
-    /// Whether half of the textons are mirrored. Default false.
+    /// Whether half of the textons, chosen at random, are mirrored. Default false.
     pub mirror: bool,
-    /// Largest change of a texton's size, in per cent, either way. 0 to 50, default 0.
+    /// Largest change of a texton's size in either direction, in per cent. 0 to 50, default 0.
     pub scale_jitter: f64,
-    /// What becomes of textons at the edge of a domain. Default clip.
+    /// Treatment of primaries at the edge of a domain. Default `clip`.
     pub edge: Edge,
-    /// Parts of the method left out, to see what they do. Default none.
+    /// Parts of the method that are left out, for experiments. Default none.
     pub ablate: Vec<Ablation>,
 }
 
@@ -43,15 +43,14 @@ pub struct SynthParams {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// By correspondences if every library has a guide and nothing is asked for that only descriptors
-    /// know: weights of their score, or parts of their method left out. Else by descriptors.
+    /// `correspondence` if every library has a guide and no option is set that only `descriptor`
+    /// supports (weights of the score, parts of its method left out); otherwise `descriptor`.
     #[default]
     Auto,
-    /// Elements are carried along a field that says from where in the exemplar each place comes, so
-    /// that structure larger than a few elements is kept.
+    /// Elements are copied along a field that maps each place of the result to a place of the
+    /// exemplar. It preserves structure larger than a few elements.
     Correspondence,
-    /// Elements are drawn one by one to answer what the descriptors of those around ask for (paper
-    /// §3.2.1).
+    /// Elements are drawn one by one to match the descriptors of their neighbours (paper §3.2.1).
     Descriptor,
 }
 
@@ -61,28 +60,28 @@ pub enum Method {
 pub enum Ablation {
     /// No secondary textons (paper, table 3).
     Secondary,
-    /// Any overlap with a placed texton refuses a candidate (paper, table 3).
+    /// Candidates that overlap a placed texton at all are rejected (paper, table 3).
     Overlap,
-    /// Coverage is not corrected, neither way (paper, table 3).
+    /// Coverage is not corrected (paper, table 3).
     Density,
-    /// A texton is as likely after use as before (paper, table 3).
+    /// The probability of a texton does not fall after it is used (paper, table 3).
     Decay,
-    /// No moves that better a placement.
+    /// Placements are not improved by moves.
     Improve,
-    /// No textons are added where requests ran out.
+    /// No textons are added where placement leaves gaps.
     Growth,
-    /// Textons too many are taken away at random, not those that overlap most and fit worst.
+    /// Surplus textons are removed at random instead of by overlap and fit.
     Removal,
-    /// Copies of a texton may stand side by side.
+    /// Copies of a texton may be placed next to each other.
     Copies,
-    /// Placement begins at one place only.
+    /// Placement starts at a single place.
     Seeds,
-    /// Secondaries are scattered one by one, not by neighbourhoods of the exemplar.
+    /// Secondaries are scattered one by one instead of by neighbourhoods of the exemplar.
     Neighbourhoods,
 }
 
 impl Ablation {
-    /// All of them.
+    /// All parts, in the order of declaration.
     pub const ALL: [Self; 10] = [
         Self::Secondary,
         Self::Overlap,
@@ -97,19 +96,19 @@ impl Ablation {
     ];
 }
 
-/// Weights of the five areas of the score (paper §3.2.1). Each -10 to 10.
+/// Weights of the five areas in a candidate's score (paper §3.2.1). Each -10 to 10.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Weights {
-    /// Requested region covered. Default 0.5.
+    /// Covered area of the requested region. Default 0.5.
     pub target: f64,
-    /// Requested region left uncovered. Default -0.4.
+    /// Uncovered area of the requested region. Default -0.4.
     pub uncovered: f64,
-    /// Cells covered that should be empty. Default -0.2.
+    /// Covered area that should be empty. Default -0.2.
     pub empty: f64,
-    /// Cells covered that should hold another category. Default -0.5.
+    /// Covered area that should hold another category. Default -0.5.
     pub mismatched: f64,
-    /// Cells covered of another region of the same category. Default -0.5.
+    /// Covered area of another region of the same category. Default -0.5.
     pub same_overlap: f64,
 }
 
@@ -141,7 +140,7 @@ impl Default for SynthParams {
 }
 
 impl SynthParams {
-    /// Largest side of a canvas, in pixels.
+    /// Largest permitted width and height of a canvas, in pixels.
     pub const LARGEST_SIDE: u32 = 100_000;
 
     /// Checks every range.

@@ -1,29 +1,29 @@
-//! Scenes that repeat: the copies of what stands in them.
+//! Tiling scenes, and the copies of their contents.
 //!
-//! Opposite edges of a tiling scene join: along x for [`Tile::x`], along y for [`Tile::y`]. An
-//! instance is listed once, at a canonical place (its origin on the canvas or near it), and means
-//! all its copies, moved by whole widths and heights of the canvas. Control points of the
-//! background and the outline of a domain likewise. Whoever draws a scene asks [`Scene::copies`]
-//! which of the copies reach the canvas, and draws them right after the original, so that two
-//! overlapping textons overlap alike at every edge.
+//! Opposite edges of a tiling scene are joined: left and right for [`Tile::x`], top and bottom for
+//! [`Tile::y`]. An instance is listed once, with its origin on or near the canvas, and stands for
+//! all its copies, shifted by whole widths and heights of the canvas. The same holds for control
+//! points of the background and for the outline of a domain. Code that draws a scene asks
+//! [`Scene::copies`] which copies reach the canvas and draws them directly after the original, so
+//! two overlapping textons overlap alike at every edge.
 
 use super::Scene;
 use crate::geometry::{Rect, Vec2};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Along which axes a scene repeats.
+/// The axes along which a scene repeats.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tile {
-    /// Left joins right.
+    /// The left edge joins the right edge.
     pub x: bool,
-    /// Top joins bottom.
+    /// The top edge joins the bottom edge.
     pub y: bool,
 }
 
-/// Most copies side by side: shapes broader than so many canvases are hardly seen to repeat, and a
-/// hostile file must not ask for trillions.
+/// Largest number of copies along an axis. Broader shapes are hardly recognised as repeating, and a
+/// hostile file must not request trillions.
 const MOST_COPIES: f64 = 64.0;
 
 impl Tile {
@@ -37,23 +37,22 @@ impl Tile {
         self.x && self.y
     }
 
-    /// The lengths after which a canvas of the given width and height repeats along x and y; none
-    /// along an axis where it does not.
+    /// Period along each axis of a canvas of the given width and height; `None` along an axis that does
+    /// not repeat.
     pub fn periods<T>(self, [width, height]: [T; 2]) -> [Option<T>; 2] {
         [self.x.then_some(width), self.y.then_some(height)]
     }
 }
 
 impl Scene {
-    /// The lengths, in pixels, after which the scene repeats along x and y; none along an axis where it
-    /// does not.
+    /// Period along each axis, in pixels; `None` along an axis that does not repeat.
     pub fn periods(&self) -> [Option<f64>; 2] {
         self.tile.periods([f64::from(self.width), f64::from(self.height)])
     }
 
-    /// Shifts, in pixels, at which something with the given bounds is to be drawn: zero first, for
-    /// the original, wherever it is; then those at which a copy reaches into the canvas, by row
-    /// and column. Nothing but zero in a scene that does not tile; at most 64 copies along an axis.
+    /// Shifts, in pixels, at which something with the given bounds is drawn. The first is zero, for the
+    /// original, wherever it is; the others are those of the copies that reach the canvas, by row and
+    /// column. A scene that does not tile has only the first. At most 64 copies along an axis.
     pub fn copies(&self, bounds: Rect) -> impl Iterator<Item = Vec2> + use<> {
         let axis = |repeats: bool, low: f64, high: f64, size: u32| {
             let size = f64::from(size);
@@ -112,7 +111,7 @@ mod tests {
         assert_eq!(copies(true, false, corner), [[0.0, 0.0], [-100.0, 0.0]]);
         assert_eq!(copies(false, true, corner), [[0.0, 0.0], [0.0, -60.0]]);
         assert_eq!(copies(true, true, corner), [[0.0, 0.0], [-100.0, -60.0], [0.0, -60.0], [-100.0, 0.0]]);
-        // Listed beyond the canvas: the original comes first all the same.
+        // The original comes first even if it is listed beyond the canvas.
         assert_eq!(copies(true, false, [210.0, 0.0, 230.0, 9.0]), [[0.0, 0.0], [-200.0, 0.0]]);
     }
 

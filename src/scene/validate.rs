@@ -1,4 +1,4 @@
-//! The invariants of a scene.
+//! Validation of scenes.
 
 use super::{Scene, SynthParams};
 

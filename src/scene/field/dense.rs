@@ -1,8 +1,8 @@
 //! Dense linear systems of a few hundred unknowns.
 
-/// Solves `matrix · x = right` for three right sides at once by elimination with partial pivoting.
-/// `matrix` is row-major, `right.len()` squared; it is used up and `right` becomes `x`.
-/// False if the matrix is singular: then `right` holds nothing of use.
+/// Solves `matrix · x = right` for three right-hand sides at once, by elimination with partial
+/// pivoting. `matrix` is row-major with `right.len()` squared elements and is overwritten; `right`
+/// becomes `x`. Returns `false` for a singular matrix; `right` is then meaningless.
 pub(super) fn solve(matrix: &mut [f64], right: &mut [[f64; 3]]) -> bool {
     let n = right.len();
     let largest = matrix.iter().fold(0.0f64, |m, v| m.max(v.abs()));

@@ -1,11 +1,11 @@
-//! The cells into which the canvas of a field is divided, and how they join at a seam.
+//! The cells that partition a field's canvas, periodic where it tiles.
 
 use super::{Site, Tile};
 use crate::geometry::wrapped;
 
-/// Points per cell aimed at; a patch covers four cells.
+/// Intended number of points per cell. A patch covers four cells.
 const PER_CELL: f64 = 12.0;
-/// Cells over the domain, square but for rounding.
+/// Cells over the domain, approximately square.
 pub(super) struct Grid {
     pub(super) x: Axis,
     pub(super) y: Axis,
@@ -19,17 +19,17 @@ pub(super) struct Axis {
     /// Length of a cell.
     pub(super) side: f64,
     pub(super) count: usize,
-    /// The length after which everything comes again.
+    /// The period along this axis; `None` if it does not tile.
     period: Option<f64>,
 }
 
 impl Axis {
-    /// A coordinate moved into the period, if there is one.
+    /// A coordinate wrapped into the period, if there is one.
     pub(super) fn canonical(&self, v: f64) -> f64 {
         wrapped(v, self.period)
     }
 
-    /// The cell of a coordinate and the place within it, 0 to 1; what lies outside belongs to the
+    /// The cell of a coordinate, and the position within it, 0 to 1. Coordinates outside belong to the
     /// outermost cells.
     pub(super) fn cell(&self, v: f64) -> (usize, f64) {
         let v = ((v - self.start) / self.side).clamp(0.0, self.count as f64);
@@ -42,7 +42,7 @@ impl Axis {
         if self.period.is_some() { self.count } else { self.count + 1 }
     }
 
-    /// A corner's patch, and how far from the corner that patch lies.
+    /// The index of a corner's patch, and the offset of that patch's corner from this one.
     pub(super) fn corner(&self, corner: usize) -> (usize, f64) {
         match self.period {
             Some(period) if corner == self.count => (0, period),
@@ -50,7 +50,7 @@ impl Axis {
         }
     }
 
-    /// Runs of cells within `reach` of a corner, each with the shift that brings them there.
+    /// Ranges of cells within `reach` of a corner, each with the shift (in periods) that moves them there.
     pub(super) fn near(&self, corner: usize, reach: usize) -> Vec<(std::ops::Range<usize>, i32)> {
         if self.period.is_none() {
             return vec![(corner.saturating_sub(reach)..(corner + reach).min(self.count), 0)];
@@ -67,20 +67,20 @@ impl Axis {
         runs
     }
 
-    /// The shift that brings a coordinate nearest to a corner.
+    /// The shift (in periods) that moves a coordinate nearest to a corner.
     pub(super) fn nearest(&self, corner: usize, v: f64) -> i32 {
         let at = self.start + corner as f64 * self.side;
         self.period.map_or(0, |period| libm::round((at - v) / period) as i32)
     }
 
-    /// A coordinate moved by a number of periods.
+    /// A coordinate shifted by a number of periods.
     pub(super) fn shifted(&self, v: f64, turns: i32) -> f64 {
         self.period.map_or(v, |period| v + f64::from(turns) * period)
     }
 }
 
-/// Cells over the canvas and the points not far from it, each with [`PER_CELL`] points on average.
-/// Along the axes of `tile` a whole number of cells fills the canvas.
+/// Cells over the canvas and nearby points, with [`PER_CELL`] points each on average. Along the axes
+/// of `tile` a whole number of cells fills the canvas.
 pub(super) fn cells(points: &[Site], spacing: f64, width: u32, height: u32, tile: Tile) -> Grid {
     let margin = 4.0 * spacing;
     let extent = |coordinate: &dyn Fn(&Site) -> f64, size: u32, repeats: bool| {

@@ -1,4 +1,4 @@
-//! What every background field holds to.
+//! Properties of background fields.
 
 use super::*;
 use crate::raster::colour::Colour;
@@ -31,10 +31,10 @@ fn passes_through_every_point() {
 #[test]
 fn its_slope_is_continuous_in_every_point() {
     let mut f = field(300.0, 300.0, 20.0, 5);
-    // Far from black and white, where values are cut off.
+    // Stays away from 0 and 255, where values are clamped.
     f.points.iter_mut().for_each(|p| p.colour.0 = p.colour.0.map(|v| 64 + v / 2));
     let i = Interpolant::new(&f, 300, 300, PLANE);
-    // A cone's slope changes by as much however near one looks.
+    // The slope of a cone changes equally at every scale.
     let bend = |p: &ControlPoint, d: f64| {
         let [before, here, after] = [-d, 0.0, d].map(|d| i.at(p.x + d, p.y)[0]);
         (after - 2.0 * here + before).abs() / d
@@ -113,7 +113,7 @@ fn few_and_hostile_points() {
     }
 }
 
-/// A field of points that keep their distance across the seams too.
+/// A field whose points keep their distance across the seams too.
 fn tiled(width: f64, height: f64, spacing: f64, tile: Tile) -> Field {
     let mut random = stream(7, "field test", 0);
     let area = Area { width, height, wrap_x: tile.x, wrap_y: tile.y };
@@ -159,7 +159,7 @@ fn smooth_across_the_seam() {
     }
 }
 
-/// Wherever the seam lies, the field is nearly the same.
+/// The position of the seam hardly changes the field.
 #[test]
 fn the_seam_can_be_anywhere() {
     let tile = TILES[2];
