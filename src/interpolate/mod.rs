@@ -84,21 +84,15 @@ impl Interpolation {
     /// invariants; [`Error::Interrupted`].
     ///
     /// # Example
-    /// ```
-    /// # fn main() -> vtex::Result<()> {
-    /// # let json = |colour: &str| format!(r##"{{"format": "vtex-scene", "version": 1, "width": 32,
-    /// #     "height": 32, "program": "", "libraries": [], "textons": [], "secondary": [],
-    /// #     "primary": [], "background": {{"spacing": 8, "fallback": "{colour}", "points": []}}}}"##);
+    /// ```no_run
+    /// use std::path::Path;
     /// use vtex::{interpolate::Interpolation, scene::Scene};
     ///
-    /// # let (from, to) = (json("#000000"), json("#ffffff"));
-    /// let from = Scene::from_bytes(from.as_bytes(), "from.scene.json")?;
-    /// let to = Scene::from_bytes(to.as_bytes(), "to.scene.json")?;
-    /// let between = Interpolation::new(from, to.clone(), &())?;
-    /// assert_eq!(between.at(1.0), to);
-    /// assert!(between.at(0.5).validate().is_ok());
-    /// # Ok(())
-    /// # }
+    /// let from = Scene::read(Path::new("spring.scene.json"))?;
+    /// let to = Scene::read(Path::new("autumn.scene.json"))?;
+    /// let between = Interpolation::new(from, to, &())?;
+    /// let frames: Vec<Scene> = (0..=24).map(|k| between.at(f64::from(k) / 24.0)).collect();
+    /// # Ok::<(), vtex::Error>(())
     /// ```
     pub fn new(
         from: impl Into<Arc<Scene>>,

@@ -350,12 +350,12 @@ fn plain_grounds_mix_and_a_scene_between_says_what_it_is() {
         plain
     };
     let (a, b) = (plain(25, 20), plain(26, 220));
-    let ground =
+    let background =
         |scene: &Scene, x: f64| Interpolant::new(&scene.background, SIZE, SIZE, scene.tile).at(x, 60.0)[0];
     let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
-    assert!(ground(&between.at(0.001), 60.0) < 24.0 && ground(&between.at(0.999), 60.0) > 216.0);
+    assert!(background(&between.at(0.001), 60.0) < 24.0 && background(&between.at(0.999), 60.0) > 216.0);
     let mixed = across(a.clone(), b.clone(), Axis::X, &()).unwrap();
-    assert!(ground(&mixed, 3.0) < 24.0 && ground(&mixed, 117.0) > 216.0);
+    assert!(background(&mixed, 3.0) < 24.0 && background(&mixed, 117.0) > 216.0);
     assert_eq!(mixed.edits.last().unwrap().operation, "interp '25.png' '26.png' --across x");
     assert_eq!(between.at(0.25).edits.last().unwrap().operation, "interp '25.png' '26.png' --at 0.25");
 }
@@ -405,4 +405,12 @@ fn the_number_of_threads_changes_nothing() {
     };
     let one = on(1);
     assert!(one == on(3) && one == on(1));
+}
+
+#[test]
+fn an_interpolation_owns_its_scenes() {
+    let made = || Interpolation::new(scene(3, 12, false), scene(4, 12, false), &()).unwrap();
+    let (here, there) = (made(), made());
+    let middle = std::thread::spawn(move || there.at(0.5)).join().unwrap();
+    assert_eq!(middle, here.at(0.5));
 }

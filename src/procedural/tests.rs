@@ -7,7 +7,7 @@ fn scene(kind: Kind, seed: u64) -> SceneParams {
     SceneParams { kind, ..SceneParams::random(seed, 160, 120) }
 }
 
-/// Brightness values of the pixels of each instance, index 0 the ground.
+/// Brightness values of the pixels of each instance, index 0 the background.
 fn values(scene: &Exemplar) -> Vec<Vec<f64>> {
     let count = scene.instances.areas().len();
     let mut values = vec![Vec::new(); count];
@@ -71,11 +71,11 @@ fn elements_vary_inside_beyond_the_sensor_noise() {
     }
 }
 
-/// Mean distance of the elements' brightness from the ground's.
-fn distance_from_ground(params: &SceneParams) -> f64 {
+/// Mean distance of the elements' brightness from the background's.
+fn distance_from_background(params: &SceneParams) -> f64 {
     let values = values(&generate(params).unwrap());
-    let (ground, _) = mean_and_deviation(&values[0]);
-    let far = values[1..].iter().map(|v| (mean_and_deviation(v).0 - ground).abs());
+    let (background, _) = mean_and_deviation(&values[0]);
+    let far = values[1..].iter().map(|v| (mean_and_deviation(v).0 - background).abs());
     far.sum::<f64>() / (values.len() - 1) as f64
 }
 
@@ -83,8 +83,8 @@ fn distance_from_ground(params: &SceneParams) -> f64 {
 fn contrast_brings_elements_off_the_ground() {
     for kind in [Kind::Terrazzo, Kind::Concrete, Kind::Flakes] {
         let params = SceneParams { coverage: 0.3, contrast: 1.0, ..scene(kind, 2) };
-        let strong = distance_from_ground(&params);
-        let weak = distance_from_ground(&SceneParams { contrast: 0.15, ..params });
+        let strong = distance_from_background(&params);
+        let weak = distance_from_background(&SceneParams { contrast: 0.15, ..params });
         assert!(weak < 0.7 * strong && weak < 25.0, "{kind:?}: {weak} against {strong}");
     }
 }

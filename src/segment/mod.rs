@@ -1,12 +1,12 @@
 //! Image → masks: candidates for textons. Knows nothing of textons.
 
-mod alike;
 mod felzenszwalb;
 mod flood;
 mod masks_file;
 mod perceptron;
 pub mod prompt;
 pub mod regions;
+mod similar;
 pub mod texton;
 
 pub use felzenszwalb::Felzenszwalb;
@@ -42,4 +42,18 @@ pub trait Segmenter: Send + Sync {
     /// # Errors
     /// [`crate::Error::Interrupted`] if `progress` says stop, and errors of the method itself.
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>>;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_segmenter_serves_several_threads() {
+        let shared: Arc<dyn Segmenter> = Arc::new(Regions);
+        let other = Arc::clone(&shared);
+        let name = std::thread::spawn(move || other.name()).join().unwrap();
+        assert_eq!(name, shared.name());
+    }
 }

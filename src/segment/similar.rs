@@ -9,11 +9,11 @@ pub(super) type Bounds = (i32, i32, i32, i32);
 /// Spatial index of bounding boxes by size class and position. Masks with an IoU above one half lie in
 /// neighbouring squares.
 #[derive(Default)]
-pub(super) struct Alike {
+pub(super) struct SimilarMasks {
     squares: BTreeMap<(u32, i32, i32), Vec<usize>>,
 }
 
-impl Alike {
+impl SimilarMasks {
     fn class(b: Bounds) -> u32 {
         ((b.2 - b.0).max(b.3 - b.1).max(8) as u32 / 8).ilog2()
     }
@@ -91,7 +91,7 @@ mod tests {
         ) {
             let a = rectangle(x, y, w, h);
             let b = rectangle(x + dx, y + dy, (w + dw).max(1), (h + dh).max(1));
-            let mut index = Alike::default();
+            let mut index = SimilarMasks::default();
             index.add(a.bounds, 7);
             if a.iou(&b) > 0.5 {
                 prop_assert_eq!(index.near(b.bounds), [7]);

@@ -33,7 +33,7 @@ fn found(truth: &[ScoredMask], map: &LabelMap) -> f64 {
 
 #[test]
 fn stray_masks_do_not_swallow_true_ones() {
-    let (mut sum, mut scenes, mut covered, mut ground_area) = (0.0, 0.0, 0, 0);
+    let (mut sum, mut scenes, mut covered, mut background_area) = (0.0, 0.0, 0, 0);
     for seed in 0..60 {
         let scene = generate(&SceneParams::random(900 + seed, 160, 160)).unwrap();
         let truth = truth(&scene.instances);
@@ -44,8 +44,8 @@ fn stray_masks_do_not_swallow_true_ones() {
         let mut masks = truth.clone();
         // A segmenter that tries every point also finds the background with and without the objects,
         // patches of background with objects, clumps, halves, and slightly enlarged objects.
-        let ground = Mask::from_labels(&scene.instances, |l| l == 0);
-        masks.push(ScoredMask { mask: ground.clone(), score: 0.95 });
+        let background = Mask::from_labels(&scene.instances, |l| l == 0);
+        masks.push(ScoredMask { mask: background.clone(), score: 0.95 });
         masks.push(ScoredMask { mask: block(0, 0, 160, 160), score: 0.95 });
         masks.push(ScoredMask { mask: block(20, 20, 140, 140), score: 0.95 });
         for _ in 0..4 {
@@ -62,16 +62,16 @@ fn stray_masks_do_not_swallow_true_ones() {
             masks.push(ScoredMask { mask: Mask::from_spans(grown.collect()), score: 0.7 });
         }
         let map = select(&scene.image, &masks, 5);
-        let on_ground = ground.pixels().filter(|&(x, y)| map.get(x as u32, y as u32) != 0).count();
-        covered += on_ground;
-        ground_area += ground.area();
+        let on_background = background.pixels().filter(|&(x, y)| map.get(x as u32, y as u32) != 0).count();
+        covered += on_background;
+        background_area += background.area();
         sum += found(&truth, &map);
         scenes += 1.0;
     }
     assert!(scenes >= 40.0);
-    let (recall, ground) = (sum / scenes, covered as f64 / f64::from(ground_area));
+    let (recall, background) = (sum / scenes, covered as f64 / f64::from(background_area));
     assert!(recall >= 0.93, "true textons kept: {recall}");
-    assert!(ground <= 0.12, "ground taken for textons: {ground}");
+    assert!(background <= 0.12, "background taken for textons: {background}");
 }
 
 #[test]

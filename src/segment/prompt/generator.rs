@@ -5,7 +5,7 @@ use super::{Embedded, PromptMask, Prompter};
 use crate::error::{Result, check};
 use crate::progress::{Progress, advance};
 use crate::raster::{LabelMap, Mask};
-use crate::segment::alike::{Alike, Measured};
+use crate::segment::similar::{Measured, SimilarMasks};
 use crate::segment::{ScoredMask, Segmenter};
 use image::RgbImage;
 
@@ -185,7 +185,7 @@ impl Generator {
     fn join(&self, found: &mut Vec<Found>, here: Vec<Found>) {
         let measure = |f: &Found| Measured::new(f.mask.clone());
         let measured: Vec<Option<Measured>> = found.iter().map(measure).collect();
-        let mut index = Alike::default();
+        let mut index = SimilarMasks::default();
         for (k, m) in measured.iter().enumerate() {
             m.iter().for_each(|m| index.add(m.bounds, k));
         }
@@ -268,9 +268,9 @@ impl Search<'_> {
                     }
                 }
             }
-            if let Some(promise) = embedded.promise(&points) {
-                let mut promise = promise.into_iter();
-                points.retain(|_| promise.next().is_some_and(|p| p >= self.params.predicted_iou));
+            if let Some(expected_iou) = embedded.expected_iou(&points) {
+                let mut expected_iou = expected_iou.into_iter();
+                points.retain(|_| expected_iou.next().is_some_and(|p| p >= self.params.predicted_iou));
             }
             cost.prompts += points.len() as u64;
             self.ask(embedded, &points, level, progress)?;
@@ -310,7 +310,7 @@ impl Search<'_> {
             done += batch.len() as u64;
         }
         proposals.sort_by(|a, b| b.score().total_cmp(&a.score()));
-        let mut index = Alike::default();
+        let mut index = SimilarMasks::default();
         for proposal in proposals {
             let near = index.near(proposal.cells.bounds);
             let same = |&k: &usize| self.kept[k].cells.iou(&proposal.cells) >= self.params.duplicate;

@@ -27,7 +27,7 @@ pub trait Prompter: Send + Sync {
 pub trait Embedded: Send + Sync {
     /// Predicted IoU of the best mask at each point, 0 to 1, without decoding it. `None` if the network
     /// cannot give it cheaply. `points` in pixels of the image.
-    fn promise(&self, points: &[[f32; 2]]) -> Option<Vec<f32>>;
+    fn expected_iou(&self, points: &[[f32; 2]]) -> Option<Vec<f32>>;
 
     /// Number of points per call of [`Embedded::masks`] at which it is most efficient.
     fn batch(&self) -> usize;

@@ -2,7 +2,7 @@
 
 use super::{Logits, PromptMask};
 use crate::raster::{Connectivity, Mask, Span, components_of_mask};
-use crate::segment::alike::Measured;
+use crate::segment::similar::Measured;
 
 /// Offsets ±1 of the threshold at which the stability of a mask is measured.
 const STABILITY_OFFSET: f32 = 1.0;

@@ -39,9 +39,9 @@ impl Seen<'_> {
 }
 
 impl Embedded for Seen<'_> {
-    fn promise(&self, points: &[[f32; 2]]) -> Option<Vec<f32>> {
-        let promise = |&p: &[f32; 2]| if self.disc(p).is_some() { 0.95 } else { 0.1 };
-        self.oracle.promises.then(|| points.iter().map(promise).collect())
+    fn expected_iou(&self, points: &[[f32; 2]]) -> Option<Vec<f32>> {
+        let expected_iou = |&p: &[f32; 2]| if self.disc(p).is_some() { 0.95 } else { 0.1 };
+        self.oracle.promises.then(|| points.iter().map(expected_iou).collect())
     }
 
     fn batch(&self) -> usize {
@@ -111,8 +111,8 @@ fn coarse_to_fine_finds_the_same_for_a_fraction_of_the_prompts() {
     assert_eq!(coarse.len(), all.len());
     // Only points on discs are skipped; the others are never explained by a mask.
     assert!(cost.prompts < full.prompts && cost.grid == full.grid);
-    let (told, cheap) = find(oracle(true), params(3));
-    assert_eq!(told.len(), all.len());
+    let (skipping, cheap) = find(oracle(true), params(3));
+    assert_eq!(skipping.len(), all.len());
     assert!(cheap.prompts * 10 < full.prompts, "{} of {}", cheap.prompts, full.prompts);
 }
 
@@ -132,7 +132,7 @@ impl Prompter for Bright {
 }
 
 impl Embedded for Lit {
-    fn promise(&self, _: &[[f32; 2]]) -> Option<Vec<f32>> {
+    fn expected_iou(&self, _: &[[f32; 2]]) -> Option<Vec<f32>> {
         None
     }
 

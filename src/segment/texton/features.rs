@@ -126,7 +126,7 @@ impl Context {
     }
 
     fn inside(&self, mask: &Mask) -> Inside {
-        const DIMENSIONS: usize = Embedding::PLACE.end;
+        const DIMENSIONS: usize = Embedding::CENTRE_RANGE.end;
         let mut sums = [0.0f64; DIMENSIONS];
         let mut squares = [0.0f64; DIMENSIONS];
         let (mut colour, mut colour_square) = ([0.0f64; 3], 0.0f64);
@@ -169,7 +169,7 @@ impl Context {
         let (long, short) = ((xx + yy) / 2.0 + root, ((xx + yy) / 2.0 - root).max(0.0));
         // Predicted centres are in units of pixels of the enlarged image.
         let unit = super::network::UNIT / (self.fine.scale * super::network::CELL as f32);
-        let place = Embedding::PLACE.start;
+        let place = Embedding::CENTRE_RANGE.start;
         let centre = [sums[place] / n * f64::from(unit), sums[place + 1] / n * f64::from(unit)];
         let away =
             (centre[0] - mean[0]) * (centre[0] - mean[0]) + (centre[1] - mean[1]) * (centre[1] - mean[1]);
@@ -179,8 +179,8 @@ impl Context {
             elongation: libm::sqrt((short + 0.08) / (long + 0.08)) as f32,
             texton: texton.map(|v| (v / n) as f32),
             border: border.map(|v| if inner > 0.0 { (v / inner) as f32 } else { 0.5 }),
-            appearance: spread(Embedding::LOOK),
-            centre_spread: spread(Embedding::PLACE) * unit * unit,
+            appearance: spread(Embedding::APPEARANCE),
+            centre_spread: spread(Embedding::CENTRE_RANGE) * unit * unit,
             centre_offset: libm::sqrt(away) as f32,
             colour: libm::sqrt((colour_square - colour_mean).max(0.0) / n) as f32,
             quality: (quality / n) as f32,
@@ -206,7 +206,7 @@ impl Context {
             texton[0] += f64::from(self.fine.texton[self.fine.cell(fx, fy)]);
             texton[1] += f64::from(self.coarse.texton[self.coarse.cell(fx, fy)]);
             let (a, b) = (self.fine.cell(within.0, within.1), self.fine.cell(fx, fy));
-            let [a, b] = [a, b].map(|i| &self.fine.embedding.cell(i)[Embedding::LOOK]);
+            let [a, b] = [a, b].map(|i| &self.fine.embedding.cell(i)[Embedding::APPEARANCE]);
             appearance += a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum::<f64>();
             let colour = |(x, y): (i32, i32)| self.colours[(y * self.width + x) as usize];
             let d2: f32 = colour(within).iter().zip(colour((fx, fy))).map(|(a, b)| (a - b) * (a - b)).sum();

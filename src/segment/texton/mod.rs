@@ -16,9 +16,9 @@ mod weights;
 pub use features::FEATURES;
 pub use network::TextonNetwork;
 
-use super::alike::{Alike, Measured};
 use super::prompt::{Cost, Embedded, Found, GeneratorParams, View};
 use super::regions::{nodes, worth};
+use super::similar::{Measured, SimilarMasks};
 use super::{Perceptron, ScoredMask, Segmenter};
 use crate::engine::EngineOptions;
 use crate::error::Result;
@@ -40,14 +40,14 @@ const PIXELS: f32 = 1.3e6;
 /// Number of scales at which masks are sought, each half the previous one.
 const SIZES: usize = 3;
 /// Least score of the region tree's nodes that become candidates.
-const LEAST_NODE: f32 = 0.2;
+const LEAST_NODE_SCORE: f32 = 0.2;
 /// IoU above which nodes are merged.
-const SAME: f32 = 0.9;
+const SAME_IOU: f32 = 0.9;
 /// Lower bound of a candidate's score, as a share of the region tree's own score. It helps in
 /// photographs unlike any generated scene, where the network fails.
-const REGIONS: f32 = 0.55;
+const REGION_SHARE: f32 = 0.55;
 /// Weight of the network's own estimate beside the judge's. The judge has seen only generated scenes.
-const OWN: f32 = 0.15;
+const OWN_WEIGHT: f32 = 0.15;
 /// Largest share of its pixels that a mask may lose to masks of higher worth.
 const MOST_LOST: f32 = 0.25;
 
@@ -103,17 +103,17 @@ impl Texton {
                 view.search(&seen as &dyn Embedded, size, &self.search, progress, &mut Cost::default())?;
             for Found { mask, predicted_iou, stability, votes, .. } in found {
                 let origin = Origin { predicted_iou, stability, votes, ..Origin::default() };
-                offers.extend(Measured::new(mask).map(|mask| Offer { mask, size: Some(index), origin }));
+                offers.extend(Measured::new(mask).map(|mask| Unmeasured { mask, size: Some(index), origin }));
             }
             embeddings.push((seen.embedding, scale));
         }
         embeddings.truncate(2);
-        let regions = distinct(nodes(image, LEAST_NODE, progress)?);
+        let regions = distinct(nodes(image, LEAST_NODE_SCORE, progress)?);
         advance(progress, "judging masks", 0, 0)?;
         for (mask, region) in regions {
-            offers.push(Offer { mask, size: None, origin: Origin { region, ..Origin::default() } });
+            offers.push(Unmeasured { mask, size: None, origin: Origin { region, ..Origin::default() } });
         }
-        let mut index = Alike::default();
+        let mut index = SimilarMasks::default();
         offers.iter().enumerate().for_each(|(k, offer)| index.add(offer.mask.bounds, k));
         let Ok(embeddings) = <[_; 2]>::try_from(embeddings) else { return Ok(Vec::new()) };
         let context = Context::new(image, embeddings);
@@ -138,7 +138,7 @@ impl Texton {
 }
 
 /// A candidate before it is measured.
-struct Offer {
+struct Unmeasured {
     mask: Measured,
     /// Index of the scale at which the network gave it; `None` for a node of the region tree.
     size: Option<usize>,
@@ -148,17 +148,17 @@ struct Offer {
 /// Final score of a candidate, 0 to 1: the [`Judge`]'s, combined with those of its sources.
 fn score(judged: f32, features: &[f32; FEATURES]) -> f32 {
     let own = features[PREDICTED] * features[STABILITY].max(0.0).sqrt();
-    let score = if own > 0.0 { judged + (own - judged) * OWN } else { judged };
-    score.max(REGIONS * features[REGION])
+    let score = if own > 0.0 { judged + (own - judged) * OWN_WEIGHT } else { judged };
+    score.max(REGION_SHARE * features[REGION])
 }
 
 /// Nodes without near duplicates; the better one stays.
 fn distinct(mut nodes: Vec<ScoredMask>) -> Vec<(Measured, f32)> {
     nodes.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let (mut kept, mut index): (Vec<(Measured, f32)>, _) = (Vec::new(), Alike::default());
+    let (mut kept, mut index): (Vec<(Measured, f32)>, _) = (Vec::new(), SimilarMasks::default());
     for node in nodes {
         let Some(mask) = Measured::new(node.mask) else { continue };
-        if !index.near(mask.bounds).into_iter().any(|k| kept[k].0.iou(&mask) >= SAME) {
+        if !index.near(mask.bounds).into_iter().any(|k| kept[k].0.iou(&mask) >= SAME_IOU) {
             index.add(mask.bounds, kept.len());
             kept.push((mask, node.score));
         }

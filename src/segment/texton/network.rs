@@ -127,9 +127,9 @@ pub(super) struct Embedding {
 
 impl Embedding {
     /// Range of the channels of appearance.
-    pub(super) const LOOK: std::ops::Range<usize> = 0..CENTRE;
+    pub(super) const APPEARANCE: std::ops::Range<usize> = 0..CENTRE;
     /// Range of the channels of the predicted centre, in units of [`UNIT`] pixels.
-    pub(super) const PLACE: std::ops::Range<usize> = CENTRE..CENTRE + 2;
+    pub(super) const CENTRE_RANGE: std::ops::Range<usize> = CENTRE..CENTRE + 2;
 
     /// The channels of a cell.
     pub(super) fn cell(&self, i: usize) -> &[f32; CHANNELS] {
@@ -210,7 +210,7 @@ impl<'a> Prompt<'a> {
         let apart = |range: std::ops::Range<usize>| -> f32 {
             e[range.clone()].iter().zip(&self.at[range]).map(|(a, b)| (a - b) * (a - b)).sum()
         };
-        let (look, place) = (apart(Embedding::LOOK), apart(Embedding::PLACE));
+        let (look, place) = (apart(Embedding::APPEARANCE), apart(Embedding::CENTRE_RANGE));
         let texton = TEXTON_WEIGHT * libm::tanhf(e[TEXTON] / 3.0);
         self.heads.map(|[a, s, b]| b - a * look - s * place + texton)
     }
@@ -273,12 +273,12 @@ impl View {
 }
 
 impl Embedded for View {
-    fn promise(&self, points: &[[f32; 2]]) -> Option<Vec<f32>> {
-        let promise = |&p: &[f32; 2]| {
+    fn expected_iou(&self, points: &[[f32; 2]]) -> Option<Vec<f32>> {
+        let expected_iou = |&p: &[f32; 2]| {
             let [x, y] = self.embedding.at(p);
             1.0 / (1.0 + libm::expf(-self.embedding.quality(y * self.embedding.width + x)))
         };
-        Some(points.iter().map(promise).collect())
+        Some(points.iter().map(expected_iou).collect())
     }
 
     fn batch(&self) -> usize {

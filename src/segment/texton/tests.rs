@@ -137,8 +137,8 @@ fn nodes_have_a_score_and_masks_a_prediction() {
     for Candidate { features, .. } in Texton::new(&rten()).unwrap().candidates(&image, &()).unwrap() {
         let [predicted, stability, region] = [PREDICTED, STABILITY, REGION].map(|k| features[k]);
         if predicted == 0.0 {
-            assert!(stability == 0.0 && (LEAST_NODE..=1.0).contains(&region), "{stability} {region}");
-            assert!(score(0.0, &features) == REGIONS * region);
+            assert!(stability == 0.0 && (LEAST_NODE_SCORE..=1.0).contains(&region), "{stability} {region}");
+            assert!(score(0.0, &features) == REGION_SHARE * region);
             nodes += 1;
         } else {
             assert!((0.3..=1.0).contains(&predicted) && (0.3..=1.0).contains(&stability));

@@ -15,7 +15,7 @@ const BATCH: usize = 16;
 
 /// Whether several points can be decoded in one run. Some graphs accept several points but give wrong
 /// masks, so the first answer for several is compared with that for a single point.
-pub(super) struct Together {
+pub(super) struct Batching {
     /// Number of points per run, if the graph fixes it.
     fixed: Option<usize>,
     state: AtomicU8,
@@ -25,7 +25,7 @@ const UNTRIED: u8 = 0;
 const WORKS: u8 = 1;
 const FAILS: u8 = 2;
 
-impl Together {
+impl Batching {
     /// For a graph with a fixed number of points per run, or any number.
     pub(super) fn new(fixed: Option<usize>) -> Self {
         Self { fixed, state: AtomicU8::new(UNTRIED) }

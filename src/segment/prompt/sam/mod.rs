@@ -8,7 +8,7 @@ mod frame;
 use super::{Embedded, PromptMask, Prompter};
 use crate::engine::{self, Engine, EngineOptions, Source, Tensor};
 use crate::error::{Error, Result};
-use decode::Together;
+use decode::Batching;
 use export::{Decoder, Encoder, Part};
 use frame::Frame;
 use image::RgbImage;
@@ -23,7 +23,7 @@ pub struct Sam {
     encoding: Box<dyn Engine>,
     /// `None` if the encoder's graph also decodes.
     decoding: Option<Box<dyn Engine>>,
-    together: Together,
+    together: Batching,
 }
 
 /// The role of a file of Segment Anything.
@@ -113,7 +113,7 @@ impl Sam {
         if encoder.family != decoder.family {
             return Err(wrong(format!("the files do not go together: {}", titles.join(", "))));
         }
-        let together = Together::new(decoder.prompts);
+        let together = Batching::new(decoder.prompts);
         Ok(Self { encoder, decoder, encoding, decoding, together })
     }
 
@@ -162,7 +162,7 @@ struct Shown<'a> {
 }
 
 impl Embedded for Shown<'_> {
-    fn promise(&self, _: &[[f32; 2]]) -> Option<Vec<f32>> {
+    fn expected_iou(&self, _: &[[f32; 2]]) -> Option<Vec<f32>> {
         None
     }
 
