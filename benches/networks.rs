@@ -1,4 +1,4 @@
-//! Seconds and memory of Segment Anything's networks, with each engine; results are in `networks.md`.
+//! Time and memory of Segment Anything's networks with each engine; results are in `networks.md`.
 //!
 //! `cargo bench --bench networks -- ENCODER.onnx [DECODER.onnx]`, once for each engine named by
 //! `VTEX_ENGINE` (`rten` or `onnxruntime`, else automatic), since peak memory is that of the process.
@@ -41,13 +41,13 @@ fn main() -> vtex::Result<()> {
     let start = Instant::now();
     drop(sam.embed(&image)?);
     seconds("image", start, 1);
-    // Settles whether points are asked for together.
+    // Makes the decoder decide whether it can take several points per run.
     let mut all = embedded.masks(&points[..2])?;
     let start = Instant::now();
     all.extend(embedded.masks(&points)?);
     seconds(&format!("point, {} at a time", embedded.batch()), start, points.len());
     let logits = all.iter().flatten().flat_map(|mask| &mask.logits.values);
-    // The same number for the same bits, to compare runs with other numbers of threads.
+    // A checksum of the bits, to compare runs with different numbers of threads.
     let sum = logits.fold(0u64, |sum, value| sum.rotate_left(7) ^ u64::from(value.to_bits()));
     let first = &all[0][0].logits;
     println!("{} masks of {} x {}, bits {sum:016x}", all[0].len(), first.width, first.height);

@@ -1,13 +1,13 @@
-//! Guards what placement costs, by ratios that hold on any machine: a pixel of a large canvas against
-//! one of a small canvas, placement that is steered against placement that is not, and placement
-//! against a fixed piece of work of its kind. Exit code 1 if a ratio is above its limit.
+//! Checks the cost of placement by ratios that hold on any machine: per pixel on a large canvas against
+//! a small one, controlled against plain placement, and placement against a fixed workload of similar
+//! character. Exits with code 1 if a ratio exceeds its limit.
 //!
 //! ```text
 //! cargo bench --bench placement
 //! ```
 //!
-//! CPU seconds of target map, placement and correction of density, on one thread: the least of
-//! several rounds in which all settings take turns.
+//! Measures the CPU seconds of target map, placement and density correction on one thread: the minimum
+//! over several rounds in which all settings take turns.
 
 #[expect(dead_code, reason = "other benchmarks print more columns")]
 mod support;
@@ -25,11 +25,11 @@ use vtex::synth::{self, Controls};
 
 const ROUNDS: usize = 5;
 
-/// What a run of placement is given beside the canvas.
+/// Changes of the parameters and controls of a run.
 type Setting = fn(&mut SynthParams, &mut Controls);
 
-/// Side in pixels, number of libraries, setting, name, and the limit: of the time by pixel, in that
-/// of the first. Limits are some 1.4 times what was measured when they were set.
+/// Side in pixels, number of libraries, setting, name, and the limit of the time per pixel relative to
+/// the first row. Limits are about 1.4 times the values measured when they were set.
 const SETTINGS: [(u32, usize, Setting, &str, f64); 7] = [
     (700, 1, |_, _| (), "plain, 700 × 700", 1.0),
     (2800, 1, |_, _| (), "plain, 2800 × 2800", 1.6),
@@ -46,7 +46,7 @@ const SETTINGS: [(u32, usize, Setting, &str, f64); 7] = [
     (700, 1, |p, _| (p.rotate, p.scale_jitter) = (180.0, 20.0), "turned and scaled textons", 10.0),
 ];
 
-/// Limit of placement on the small plain canvas, in the time of the yardstick.
+/// Limit of the time of placement on the small plain canvas, relative to the yardstick.
 const YARDSTICK: f64 = 1.0;
 
 fn main() -> ExitCode {
@@ -123,12 +123,12 @@ fn library(name: &str) -> Outcome<Library> {
     Ok(analyze(&exemplar, &Regions, &AnalyzeParams::default(), &())?)
 }
 
-/// A map that goes from left to right.
+/// A map that varies from left to right.
 fn map(values: &[f32]) -> Option<ControlMap> {
     ControlMap::new(values.len() as u32, 1, values.to_vec())
 }
 
-/// What placement does most, without its thought: short runs of cells read and written all over a
+/// A workload with the memory accesses of placement: short runs of cells read and written all over a
 /// map of bytes.
 fn yardstick() -> u64 {
     const SIDE: usize = 700;

@@ -1,7 +1,7 @@
-//! What each stage costs: CPU seconds, peak memory and bytes, on the exemplars of the repository
-//! and on photographs. See `benches/README.md`.
+//! CPU seconds, peak memory and file sizes of each stage, on the exemplars of the repository and on
+//! photographs. See `benches/README.md`.
 //!
-//! Every measurement runs in a child process of this program, so that peaks of memory are separate.
+//! Every measurement runs in a child process of this program, so that memory peaks are separate.
 
 mod support;
 
@@ -75,8 +75,8 @@ fn report(arguments: &[String]) -> Outcome {
     Ok(())
 }
 
-/// PNG and JPEG files of a folder whose size in pixels is wanted, by name; none if there is no such
-/// folder.
+/// PNG and JPEG files of a folder whose size in pixels is wanted, by name. Empty if the folder does not
+/// exist.
 fn pictures_in(folder: &str, wanted: impl Fn((u32, u32)) -> bool) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut found: Vec<PathBuf> = entries
@@ -146,7 +146,7 @@ fn measure_synthesis(library: &Path, side: u32) -> Outcome<Value> {
     }))
 }
 
-/// A segmenter whose steps count as one stage.
+/// A segmenter whose progress steps count as one stage.
 struct Silent(Texton);
 
 impl Segmenter for Silent {
@@ -159,7 +159,7 @@ impl Segmenter for Silent {
     }
 }
 
-/// Counts bytes and forgets them.
+/// A writer that only counts bytes.
 struct Count(u64);
 
 impl Write for Count {
@@ -173,7 +173,7 @@ impl Write for Count {
     }
 }
 
-/// Bytes of what `content` writes, packed.
+/// Size in bytes of the compressed output of `content`.
 fn packed(content: impl FnOnce(&mut dyn Write) -> Outcome) -> Outcome<u64> {
     let mut out = file::gzip(Count(0));
     content(&mut out)?;

@@ -16,8 +16,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let photo = arguments.next().unwrap_or("examples/exemplars/terrazzo.png".into());
     let out = arguments.next().unwrap_or(std::env::temp_dir().join("terrazzo.svg"));
 
-    // Photograph → library. `Texton` is the program's default segmenter, its network run by the
-    // engine that is part of the crate; `()` is a `Progress` that is silent and never stops the work.
+    // Photograph → library. `Texton` is the program's default segmenter; its network runs in the engine
+    // that is part of the crate. `()` is a `Progress` that reports nothing and never stops the work.
     let exemplar = Exemplar::open(&photo, &Limits::default())?;
     let segmenter = Texton::new(&EngineOptions { runtime: Runtime::Rten, ..EngineOptions::default() })?;
     let library = analyze(&exemplar, &segmenter, &AnalyzeParams::default(), &())?;
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let params = SynthParams { width: 900, height: 600, seed: 7, ..SynthParams::default() };
     let scene = synthesize(&library, &params, &())?;
 
-    // Scene → file. `write_file` leaves the old file alone until the new one is complete.
+    // Scene → file. `write_file` keeps the old file until the new one is complete.
     let options = svg::SvgOptions::default();
     let summary = file::write_file(&out, false, |to| svg::write(&scene, &options, to))?;
     println!("{}: {} elements, {} kB", out.display(), summary.elements, summary.bytes / 1000);

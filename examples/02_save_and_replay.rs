@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let photo = std::env::args_os().nth(1).map(PathBuf::from);
     let photo = photo.unwrap_or("examples/exemplars/pebbles.png".into());
 
-    // Analysis is done once; its library is all that is needed from then on.
+    // Analysis is done once; later steps need only its library.
     let exemplar = Exemplar::open(&photo, &Limits::default())?;
     let library = analyze(&exemplar, &Regions, &AnalyzeParams::default(), &())?;
     let saved = library.to_json();

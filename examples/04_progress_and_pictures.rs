@@ -1,4 +1,4 @@
-//! 4. Progress: stages as they go by, a time limit, and a picture of every stage.
+//! 4. Progress: the names of stages, a time limit, and a picture of every stage.
 //!
 //! `cargo run --release --example 04_progress_and_pictures [PHOTO [FOLDER]]`
 
@@ -13,7 +13,7 @@ use vtex::scene::SynthParams;
 use vtex::segment::Regions;
 use vtex::synth::synthesize;
 
-/// Prints each stage once, keeps its pictures, and gives up after some time.
+/// Prints each stage once, saves its pictures, and stops after a time limit.
 struct Watch {
     folder: PathBuf,
     stop_at: Instant,

@@ -1,13 +1,13 @@
-//! How well the background of an SVG follows its field, and what it weighs: the construction that
-//! vtex writes beside three others, as a table in Markdown for given libraries.
+//! Accuracy and size of SVG backgrounds: the construction that vtex writes is compared with three
+//! others, as a table in Markdown for given libraries.
 //!
 //! ```text
 //! cargo run --release --example background_study -- [--side N] [--files DIR] [--kept] LIBRARY...
 //! ```
 //!
-//! Errors are distances of pixels drawn by resvg from the field evaluated in their centres, in
-//! 8-bit steps, at 1x on all pixels and at 4x on every ninth. `--files` keeps the SVGs and their
-//! pictures at 1x, `--kept` leaves out the others. Canvases above 2000 pixels are drawn at 1x alone.
+//! Errors are differences, in 8-bit steps, between pixels drawn by resvg and the field at their centres:
+//! at 1x for all pixels, at 4x for every ninth. `--files` keeps the SVGs and their pictures at 1x;
+//! `--kept` measures only vtex's construction. Canvases above 2000 pixels are drawn only at 1x.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -93,18 +93,18 @@ fn study(path: &Path, side: u32, files: Option<&Path>, kept: bool) -> Outcome {
     Ok(())
 }
 
-/// What vtex writes.
+/// The construction that vtex writes.
 fn written(scene: &Scene) -> Outcome<Vec<u8>> {
     let mut bytes = Vec::new();
     svg::write(scene, &SvgOptions::default(), &mut bytes)?;
     Ok(bytes)
 }
 
-/// Distances of a picture from the field.
+/// Differences between a picture and the field.
 struct Distance {
     mean: f64,
     largest: f64,
-    /// Share of pixels further than 4 off.
+    /// Share of pixels that differ by more than 4.
     far: f64,
 }
 
@@ -139,8 +139,8 @@ fn hex(colour: [f32; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// A bilinear grid of equal cells of 8 pixels: rows of gradients under one mask, as vtex writes
-/// them, but with every stop.
+/// A bilinear grid of equal cells of 8 pixels: rows of gradients under one mask, as vtex writes them,
+/// but with all stops.
 fn even_grid(field: &Interpolant, side: u32) -> Vec<u8> {
     const CELL: u32 = 8;
     let count = side.div_ceil(CELL);
@@ -179,7 +179,7 @@ fn even_grid(field: &Interpolant, side: u32) -> Vec<u8> {
     (out + "</svg>\n").into_bytes()
 }
 
-/// Cells of 8 pixels of one colour each, made smooth by a filter.
+/// Cells of 8 pixels with one colour each, smoothed by a filter.
 fn blurred_cells(field: &Interpolant, side: u32) -> Vec<u8> {
     const CELL: i64 = 8;
     /// Cells beyond each border, for the filter.
@@ -204,7 +204,7 @@ fn blurred_cells(field: &Interpolant, side: u32) -> Vec<u8> {
     (out + "</g>\n</svg>\n").into_bytes()
 }
 
-/// For each component its level sets, stacked, three steps apart; the components are added.
+/// Stacked level sets for each component, three steps apart; the components are added.
 fn iso_bands(field: &Interpolant, side: u32) -> Vec<u8> {
     const STEP: u8 = 3;
     const CELL: f64 = 5.0;
@@ -235,9 +235,9 @@ fn iso_bands(field: &Interpolant, side: u32) -> Vec<u8> {
     (out + "</g>\n</svg>\n").into_bytes()
 }
 
-/// Where a grid of values lies above a level, as path data (marching squares).
+/// The area in which a grid of values exceeds a level, as path data (marching squares).
 fn level_set(values: &[f64], count: usize, cell: f64, level: f64) -> String {
-    // Where the boundary leaves an edge of the grid, it enters another.
+    // The boundary enters each edge of the grid that it leaves another one by.
     let mut next: BTreeMap<(usize, bool), (usize, bool)> = BTreeMap::new();
     for k in 0..count * (count - 1) {
         if k % count == count - 1 {
@@ -247,7 +247,7 @@ fn level_set(values: &[f64], count: usize, cell: f64, level: f64) -> String {
         let edges = [(k, false), (k + 1, true), (k + count, false), (k, true)];
         let above = corners.map(|i| values[i] >= level);
         for entry in 0..4 {
-            // In where the next corner is above, out at the next edge where that ends.
+            // It enters where the next corner is above the level, and leaves at the next edge where that ends.
             if above[entry] || !above[(entry + 1) % 4] {
                 continue;
             }

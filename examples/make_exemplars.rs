@@ -1,5 +1,5 @@
-//! Makes the exemplars of `examples/exemplars`, random scenes with their ground truth, or a figure
-//! of speed.
+//! Makes the exemplars of `examples/exemplars`, or random scenes with their ground truth, or measures
+//! the speed.
 
 use std::error::Error;
 use std::io::Write as _;

@@ -1,13 +1,13 @@
-//! How well primaries are placed, and at what cost: tables in Markdown for given libraries, and a
-//! picture of each setting.
+//! Quality and cost of placement: tables in Markdown for given libraries, and a picture of each
+//! setting.
 //!
 //! ```text
 //! cargo run --release --example placement_study -- [--seeds N] [--pictures DIR] [--only TABLE] LIBRARY...
 //! ```
 //!
-//! Tables: `speed`, `coverage`, `correlation`, `ablation`. Figures are means over the seeds on
-//! canvases of 500 × 500 pixels; pair correlations are of all seeds together. Where weights named
-//! `tuned` stand beside a library (`vtex tune`), they are compared too.
+//! Tables: `speed`, `coverage`, `correlation`, `ablation`. Figures are means over the seeds on canvases
+//! of 500 × 500 pixels; pair correlations combine all seeds. If weights named `tuned` are stored next
+//! to a library (`vtex tune`), they are compared too.
 
 #[path = "../benches/support/mod.rs"]
 mod support;
@@ -30,11 +30,11 @@ Usage: placement_study [--seeds N] [--pictures DIR] [--only speed|coverage|corre
 
 /// Sides of the canvases whose cost is measured, in pixels.
 const SIDES: [u32; 4] = [500, 1000, 4000, 8000];
-/// Numbers of threads with which it is.
+/// Numbers of threads for which it is measured.
 const THREADS: [u32; 2] = [1, 2];
 /// Side of the canvases on which placement is judged, in pixels.
 const SIDE: u32 = 500;
-/// What the paper's program does not do: the rest is closest to it.
+/// Parts of the method that the paper's program lacks.
 const REFERENCE_LIKE: [Ablation; 5] =
     [Ablation::Growth, Ablation::Removal, Ablation::Copies, Ablation::Seeds, Ablation::Neighbourhoods];
 
@@ -65,7 +65,7 @@ struct Exemplar {
     correlation: Correlation,
 }
 
-/// What is to be done.
+/// Options of a study.
 struct Study {
     seeds: u64,
     pictures: Option<PathBuf>,
@@ -300,7 +300,7 @@ impl Exemplar {
         Correlation::new(layout, 0, &self.categories, self.unit)
     }
 
-    /// How far the left and right half are apart together with the upper and lower one.
+    /// Differences between the left and the right half, and between the upper and the lower half.
     fn halves(&self) -> Option<Difference> {
         let layout = Layout::of_library(&self.library);
         let [w, h] = layout.size;
@@ -315,8 +315,8 @@ impl Exemplar {
         Some(Difference { rms: mean(0), noise: mean(1) })
     }
 
-    /// How far default scenes are from the exemplar once they have been spoilt: what the measure
-    /// says of something bad.
+    /// Difference of default scenes from the exemplar after a deliberate deterioration, as a reference for
+    /// bad results.
     fn spoilt(&self, seeds: u64, spoil: fn(&mut Layout, &mut Stream)) -> Outcome<Option<Difference>> {
         let mut curves = Vec::new();
         for seed in 1..=seeds {
@@ -358,24 +358,24 @@ impl Exemplar {
     }
 }
 
-/// Every place keeps a primary, but any of them.
+/// Keeps all positions and permutes the primaries.
 fn shuffle(layout: &mut Layout, random: &mut Stream) {
     let mut places: Vec<[f64; 2]> = layout.centres.iter().map(|c| c.at).collect();
     random.shuffle(&mut places);
     layout.centres.iter_mut().zip(places).for_each(|(c, at)| c.at = at);
 }
 
-/// All primaries anywhere.
+/// Moves all primaries to random positions.
 fn scatter(layout: &mut Layout, random: &mut Stream) {
     let size = layout.size;
     layout.centres.iter_mut().for_each(|c| c.at = size.map(|side| random.range(0.0, side)));
 }
 
-/// Mean figures of several scenes; shares are 0 to 1, lengths pixels.
+/// Figures averaged over scenes; shares are 0 to 1, lengths in pixels.
 #[derive(Default)]
 struct Figures {
     coverage: f64,
-    /// Coverage missing or too much by category, as a share of what is wanted.
+    /// Missing or excess coverage, summed over categories, as a share of the wanted coverage.
     off: f64,
     hidden: f64,
     buried: f64,
@@ -408,7 +408,7 @@ impl Figures {
     }
 }
 
-/// Synthesises one canvas, and prints what it costs as JSON.
+/// Synthesises one canvas and prints its cost as JSON.
 fn measure(arguments: &[String]) -> Outcome {
     let [library, side] = arguments else { return Err("unknown measurement".into()) };
     let library = Library::read(library.as_ref())?;
@@ -452,7 +452,7 @@ fn head(titles: &[&str]) -> String {
     row(titles.iter().map(|t| (*t).into())) + &format!("|---{}|\n", "|--:".repeat(titles.len() - 1))
 }
 
-/// Per cent of a share.
+/// A share in per cent.
 fn cent(share: f64) -> String {
     format!("{:.1}", 100.0 * share)
 }

@@ -61,7 +61,7 @@ fn draw(scene: &Scene, scale: f64) -> Outcome<RgbImage> {
     Ok(RgbImage::from_raw(picture.width(), picture.height(), rgb).ok_or("too few pixels")?)
 }
 
-/// A part of the photograph, five times enlarged, beside the same part drawn from its library.
+/// A part of the photograph, enlarged five times, beside the same part of its reconstruction.
 fn zoom(path: &Path) -> Outcome {
     let (x, y, width, height, scale) = (125, 166, 64, 64, 5);
     let photo = open("flowers")?;
@@ -72,7 +72,7 @@ fn zoom(path: &Path) -> Outcome {
     save(&row(&[pixels, vectors.to_image()]), path)
 }
 
-/// Keeps the pictures that the stages offer.
+/// Collects the pictures of the stages.
 struct Keep(Mutex<Vec<(String, RgbImage)>>);
 
 impl Progress for Keep {
@@ -111,7 +111,7 @@ fn row(parts: &[RgbImage]) -> RgbImage {
     row
 }
 
-/// Saves in 32 tones per channel, which halves the file.
+/// Saves with 32 levels per channel, which halves the file.
 fn save(picture: &RgbImage, path: &Path) -> Outcome {
     let mut picture = picture.clone();
     picture.iter_mut().for_each(|v| *v = *v / 8 * 8 + *v / 32);

@@ -1,18 +1,17 @@
-//! How well segmenters find the elements of procedural scenes and of photographs labelled by hand,
-//! and what they find in any photograph.
+//! Scores of segmenters on procedural scenes and on photographs labelled by hand, and pictures of their
+//! masks on any photograph.
 //!
 //! `cargo run --release --example segment_scores -- [--scenes 200] [--first 9000000] [--side 256]`
 //! `cargo run --release --example segment_scores -- --labels PHOTO_DIR`
 //! `cargo run --release --example segment_scores -- --photos DIR --out DIR`
 //! `cargo run --release --example segment_scores -- --grid PHOTO_DIR`
 //!
-//! Prints the share of true elements with at least 30 visible pixels that a mask matches
-//! (intersection over union of at least 0.7), and the share of masks that match none. Segmenters:
-//! `texton`; the masks of its network alone, better ones over worse; `regions`; plain Felzenszwalb
-//! at its single best setting, searched on other scenes by the F-score of the two. With
-//! `--labels`, the same on the crops of `tests/labels`; with `--photos`, outlines are drawn over
-//! every picture of a folder instead. With `--grid`, the share of the masks of a full grid of
-//! prompts that the search from coarse to fine finds too, and the share of the prompts it needs.
+//! Prints recall, the share of true elements of at least 30 visible pixels that a mask matches (IoU of
+//! at least 0.7), and the share of masks that match none. Segmenters: `texton`; the masks of its network
+//! alone, better ones over worse; `regions`; plain Felzenszwalb with the fixed parameters of the best
+//! F-score on other scenes. `--labels` does the same on the crops of `tests/labels`. `--photos` draws
+//! outlines over every picture of a folder instead. `--grid` prints the share of masks of a full grid
+//! of prompts that the coarse-to-fine search finds too, and the share of prompts that it needs.
 
 use std::path::{Path, PathBuf};
 use vtex::engine::EngineOptions;
@@ -26,10 +25,10 @@ type Failure = Box<dyn std::error::Error>;
 
 const LEAST_AREA: u32 = 30;
 const MATCH: f64 = 0.7;
-/// The search for Felzenszwalb's setting uses seeds from here.
+/// First seed of the scenes on which Felzenszwalb's parameters are chosen.
 const SEARCH_SEED: u64 = 8_000_000;
 const SEARCH_SCENES: u64 = 40;
-/// Label of pixels that belong to what may or may not be an element.
+/// Label of pixels that may or may not belong to an element.
 const UNSURE: u32 = u32::MAX;
 
 fn main() -> Result<(), Failure> {
@@ -223,7 +222,7 @@ fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(paths)
 }
 
-/// The instances of a crop; the later lie on top.
+/// The instances of a crop; later ones lie on top.
 fn truth(labels: &serde_json::Value, crop: &[i32]) -> Result<LabelMap, Failure> {
     let [x0, y0, w, h] = *crop else { return Err("a crop has four numbers".into()) };
     let mut map = LabelMap::filled(w as u32, h as u32, 0);
@@ -258,7 +257,7 @@ fn inside(corners: &[[f64; 2]], p: [f64; 2]) -> bool {
     odd
 }
 
-/// The part of a mask in a crop, counted from the crop's corner.
+/// The part of a mask inside a crop, relative to the crop's corner.
 fn clip(mask: &Mask, crop: &[i32]) -> Mask {
     let spans = mask.spans().iter().filter(|s| s.y >= crop[1] && s.y < crop[1] + crop[3]).map(|s| Span {
         y: s.y - crop[1],
@@ -268,7 +267,7 @@ fn clip(mask: &Mask, crop: &[i32]) -> Mask {
     Mask::from_spans(spans.collect())
 }
 
-/// Areas by label, without those unsure.
+/// Areas by label, excluding unsure pixels.
 trait Known {
     fn areas_known(&self) -> Vec<u32>;
 }
@@ -283,7 +282,7 @@ impl Known for LabelMap {
     }
 }
 
-/// Smallest areas of the size classes reported.
+/// Smallest area of each size class reported.
 const SIZES: [u32; 5] = [30, 100, 300, 1000, 3000];
 
 #[derive(Clone, Default)]
@@ -324,8 +323,8 @@ impl Tally {
     }
 }
 
-/// Masks that match an element too small to count, or lie mostly on what is unsure, are neither
-/// right nor wrong, and so are masks too small themselves.
+/// Counts matches. Masks that are too small, match an element too small to count, or lie mostly on
+/// unsure pixels count neither as right nor as wrong.
 fn tally(truth: &LabelMap, masks: &[ScoredMask]) -> Tally {
     let areas = truth.areas_known();
     let mut found = vec![false; areas.len()];
@@ -361,7 +360,7 @@ fn tally(truth: &LabelMap, masks: &[ScoredMask]) -> Tally {
     tally
 }
 
-/// The setting of plain Felzenszwalb with the best F-score on scenes of its own.
+/// The parameters of plain Felzenszwalb with the best F-score on separate scenes.
 fn search(side: u32) -> Result<Felzenszwalb, Failure> {
     let scenes: Vec<Exemplar> = (SEARCH_SEED..SEARCH_SEED + SEARCH_SCENES)
         .map(|seed| generate(&SceneParams::random(seed, side, side)))

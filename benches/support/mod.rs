@@ -1,4 +1,4 @@
-//! Measuring in processes of their own, and tables: shared by the benchmark and the study.
+//! Measurements in child processes, and tables; shared by the benchmarks and the placement study.
 
 use serde_json::Value;
 use std::error::Error;
@@ -12,7 +12,7 @@ pub(crate) const MEASURE: &str = "--measure";
 
 pub(crate) type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
-/// Runs one measurement in a process of its own, on all cores or so many threads.
+/// Runs one measurement in a child process, on `threads` threads or on all cores.
 pub(crate) fn child(arguments: &[&OsStr], threads: Option<u32>) -> Outcome<Value> {
     let mut command = Command::new(std::env::current_exe()?);
     command.arg(MEASURE).args(arguments);
@@ -47,7 +47,7 @@ impl Watch {
         }
     }
 
-    /// Stages in order, each once.
+    /// The stages in order, without duplicates.
     pub(crate) fn stop(self) -> Vec<Stage> {
         self.next("");
         let (times, _) = self.0.into_inner().expect("no measurement panics");
@@ -69,7 +69,7 @@ pub(crate) struct Stage {
     pub(crate) seconds: f64,
 }
 
-/// Seconds of all stages before one.
+/// Seconds of all stages before the stage `before`.
 pub(crate) fn sum(stages: &[Stage], before: &str) -> f64 {
     stages.iter().take_while(|s| s.stage != before).map(|s| s.seconds).sum()
 }
@@ -94,7 +94,7 @@ pub(crate) fn cpu_seconds() -> f64 {
     }
 }
 
-/// Largest memory of this process so far, in bytes; none where the system does not tell.
+/// Peak memory of this process so far, in bytes; `None` if the system does not report it.
 pub(crate) fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

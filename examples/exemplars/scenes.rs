@@ -24,7 +24,7 @@ pub(crate) fn finished() -> Vec<(&'static str, SceneParams)> {
     ]
 }
 
-/// The picture of a scene in 64 tones per channel: the eye sees no difference, and the PNG is a
+/// The picture of a scene with 64 levels per channel. The difference is invisible, and the PNG is a
 /// third smaller.
 pub(crate) fn picture(params: &SceneParams) -> vtex::Result<RgbImage> {
     let mut image = generate(params)?.image;

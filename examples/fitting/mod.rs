@@ -1,7 +1,7 @@
-//! Fitting of the small networks that judge masks.
+//! Fitting of the small networks that score masks.
 //!
-//! Every candidate of every scene is a sample; its target grows from 0 to 1 as its intersection
-//! over union with the best true element grows from 0.4 to 0.9.
+//! Every candidate of every scene is a sample. Its target grows from 0 to 1 as its IoU with the best
+//! true element grows from 0.4 to 0.9.
 
 use std::fmt::Write;
 use vtex::procedural::{Exemplar, SceneParams, generate};
@@ -11,18 +11,18 @@ use vtex::segment::Perceptron;
 
 /// Sides of the scenes in turn: the larger ones hold larger elements.
 const SIDES: [u32; 3] = [256, 256, 400];
-/// Share of the plainly wrong candidates that are kept, with more weight.
+/// Share of the clearly wrong candidates that are kept; their weight is raised accordingly.
 const KEPT: f64 = 0.3;
 /// Elements with fewer visible pixels are neither found nor missed.
 const LEAST_AREA: u32 = 30;
 
 const BATCH: usize = 256;
 const RATE: f64 = 3e-3;
-/// Deviation of the noise added to the scaled features on every visit, because photographs differ
-/// from scenes.
+/// Standard deviation of the noise added to scaled features on every visit. It makes up for the
+/// difference between photographs and scenes.
 const NOISE: f64 = 0.25;
 
-/// What a mask looks like, how good it is (0 to 1) and how much it matters.
+/// Features of a mask, its target (0 to 1) and its weight.
 #[derive(Clone, Copy)]
 pub(crate) struct Sample<const F: usize> {
     pub(crate) features: [f32; F],
@@ -30,7 +30,7 @@ pub(crate) struct Sample<const F: usize> {
     pub(crate) weight: f32,
 }
 
-/// The samples of `scenes` scenes from a seed on, with the candidates that `candidates` finds.
+/// Samples of `scenes` scenes, starting at a seed, with the candidates that `candidates` finds.
 pub(crate) fn samples<const F: usize>(
     first: u64,
     scenes: u64,
@@ -61,7 +61,7 @@ pub(crate) fn samples<const F: usize>(
     all
 }
 
-/// What cameras and files do to three pictures of four.
+/// Simulates the effects of cameras and file formats on three of four pictures.
 fn disturb(picture: &mut image::RgbImage, seed: u64) {
     use image::imageops::{blur, colorops, unsharpen};
     let random = &mut stream(seed, "fit/disturb", 0);
@@ -80,7 +80,7 @@ fn disturb(picture: &mut image::RgbImage, seed: u64) {
     }
 }
 
-/// The samples of one scene, how many elements some candidate matches, and how many there are.
+/// The samples of one scene, the number of elements that a candidate matches, and that of all elements.
 fn of_scene<const F: usize>(
     seed: u64,
     scene: &Exemplar,
@@ -120,7 +120,7 @@ fn of_scene<const F: usize>(
     (samples, found, areas[1..].iter().filter(|&&a| a >= LEAST_AREA).count())
 }
 
-/// Adam on the weighted cross entropy, the step shrinking to nothing.
+/// Adam on the weighted cross entropy, with a step size that decays to 0.
 pub(crate) fn fit<const F: usize, const H: usize>(
     samples: &mut [Sample<F>],
     passes: usize,
@@ -160,7 +160,7 @@ pub(crate) fn fit<const F: usize, const H: usize>(
     network
 }
 
-/// Features scaled to mean 0 and deviation 1, small random weights.
+/// A network that scales features to mean 0 and standard deviation 1, with small random weights.
 fn start<const F: usize, const H: usize>(samples: &[Sample<F>]) -> Perceptron<F, H> {
     let random: &mut Stream = &mut stream(0, "fit/start", 0);
     let n = samples.len().max(1) as f64;
@@ -182,7 +182,7 @@ fn start<const F: usize, const H: usize>(samples: &[Sample<F>]) -> Perceptron<F,
     }
 }
 
-/// Every fitted number, in the order of the slopes.
+/// Visits every fitted number, in the order of the gradient.
 fn visit<const F: usize, const H: usize>(network: &mut Perceptron<F, H>, mut change: impl FnMut(&mut f32)) {
     network.hidden.iter_mut().flatten().for_each(&mut change);
     network.hidden_offset.iter_mut().for_each(&mut change);
@@ -190,7 +190,7 @@ fn visit<const F: usize, const H: usize>(network: &mut Perceptron<F, H>, mut cha
     change(&mut network.output_offset);
 }
 
-/// Adds the slope of a sample's loss, and gives the loss.
+/// Adds the gradient of a sample's loss and returns the loss.
 fn add_slope<const F: usize, const H: usize>(
     network: &Perceptron<F, H>,
     sample: &Sample<F>,
@@ -199,7 +199,7 @@ fn add_slope<const F: usize, const H: usize>(
 ) -> f64 {
     let x: [f32; F] = std::array::from_fn(|k| {
         let scaled = (sample.features[k] - network.mean[k]) * network.scale[k];
-        // Uniform of the deviation wanted: quicker than normal, and as good here.
+        // Uniform noise of the wanted standard deviation: faster than normal noise, and as good here.
         (scaled + (NOISE * 3.464 * (random.unit() - 0.5)) as f32).clamp(-4.0, 4.0)
     });
     let units: [f32; H] = std::array::from_fn(|h| {
