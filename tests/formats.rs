@@ -23,7 +23,7 @@ fn scene() -> &'static Scene {
     SCENE.get_or_init(|| {
         let tile = Tile { x: true, y: true };
         let params = SynthParams { width: 260, height: 200, seed: 4, tile, ..SynthParams::default() };
-        synthesize(&support::library(), &params, &()).unwrap()
+        synthesize(&support::library("pebbles"), &params, &()).unwrap()
     })
 }
 

@@ -16,7 +16,7 @@ const HEIGHT: u32 = 200;
 /// Of the middle of a self-made exemplar.
 fn library() -> &'static Library {
     static LIBRARY: OnceLock<Library> = OnceLock::new();
-    LIBRARY.get_or_init(support::library)
+    LIBRARY.get_or_init(|| support::library("pebbles"))
 }
 
 fn texture(tile: Tile) -> Scene {

@@ -22,8 +22,9 @@ use vtex::engine::{EngineOptions, Runtime};
 use vtex::library::AnalyzeParams;
 use vtex::output::file::{Format, Kind};
 use vtex::scene::SynthParams;
-use vtex::synth::tune::{TuneParams, TunedWeights};
-use vtex::synth::{Controls, WarpParams};
+use vtex::synth::Controls;
+use vtex::tune::{TuneParams, TunedWeights};
+use vtex::warp::WarpParams;
 
 /// What is to be done.
 pub(crate) enum Options {

@@ -16,7 +16,8 @@ use vtex::scene::{Scene, SynthParams};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
 use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
-use vtex::synth::{Bend, Controls, Report};
+use vtex::synth::{Controls, Report};
+use vtex::warp::Bend;
 use vtex::{Error, Progress, Result};
 
 /// Photograph → library; saves the masks if asked.

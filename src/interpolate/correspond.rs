@@ -8,8 +8,7 @@
 //! so that crowds do not fill the memory: an approximation that costs nothing where textons are spread
 //! evenly (`benches/editing.md`).
 
-use super::assign::{Table, assign};
-use crate::geometry::{NearPoints, Point, shortest_way};
+use crate::geometry::{NearPoints, Point, Table, assign, shortest_way};
 use crate::parallel;
 
 /// Up to so many textons all partners are looked at.

@@ -14,7 +14,6 @@
 //! rounder there. Where two textons that overlap change places in the painting order, one pops in
 //! front of the other.
 
-mod assign;
 mod blend;
 mod correspond;
 mod domain;

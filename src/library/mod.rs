@@ -3,6 +3,8 @@
 mod arrangement;
 mod guide;
 mod parameters;
+#[cfg(test)]
+pub(crate) mod testing;
 mod validate;
 
 pub use arrangement::Arrangement;
@@ -112,6 +114,13 @@ pub struct Primary {
     pub details: Vec<Detail>,
 }
 
+impl Primary {
+    /// The point that stands for it: its centroid in whole pixels.
+    pub(crate) fn origin(&self) -> [i32; 2] {
+        self.centroid.map(|v| libm::round(v) as i32)
+    }
+}
+
 /// A patch on a primary.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -149,6 +158,13 @@ pub struct Secondary {
     pub area: u32,
     /// Mean of its pixel centres.
     pub centroid: [f64; 2],
+}
+
+impl Secondary {
+    /// The point that stands for it: its centroid in whole pixels.
+    pub(crate) fn origin(&self) -> [i32; 2] {
+        self.centroid.map(|v| libm::round(v) as i32)
+    }
 }
 
 /// A cluster of primaries that look alike.

@@ -1,6 +1,7 @@
 //! Distances of colour distributions: earth mover's, channel by channel and in Lab.
 
 use super::transport;
+use crate::raster::colour::linear_table;
 use image::RgbImage;
 
 /// Edge of a bin in Lab, in ΔE.
@@ -59,16 +60,12 @@ fn lab_histogram(image: &RgbImage) -> Vec<([i32; 3], u64)> {
 
 /// From 8-bit sRGB to CIE Lab, D65 and the 2° observer.
 pub(super) struct Lab {
-    linear: [f64; 256],
+    linear: &'static [f64; 256],
 }
 
 impl Lab {
     pub(super) fn new() -> Self {
-        let linear = |i: usize| {
-            let v = i as f64 / 255.0;
-            if v > 0.040_45 { libm::pow((v + 0.055) / 1.055, 2.4) } else { v / 12.92 }
-        };
-        Self { linear: std::array::from_fn(linear) }
+        Self { linear: linear_table() }
     }
 
     /// L in 0..=100, a and b about -100..=100.

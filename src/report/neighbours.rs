@@ -5,7 +5,7 @@
 //! inverse of the area in which such a distance is seen (Hanisch 1984).
 
 use crate::geometry::wrapped;
-use crate::synth::statistics::Layout;
+use crate::statistics::Layout;
 
 /// The distance of each centre to the nearest other, centre to centre in pixels, with its weight;
 /// centres whose nearest neighbour may be unknown are left out.
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
     use crate::sampling::stream;
     use crate::scene::Tile;
-    use crate::synth::statistics::Centre;
+    use crate::statistics::Centre;
 
     fn layout(points: &[[f64; 2]], size: f64, tile: bool) -> Layout {
         let centre = |at: &[f64; 2]| Centre { library: 0, source: 0, category: 0, at: *at };

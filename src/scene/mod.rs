@@ -4,6 +4,7 @@ mod effects;
 pub mod field;
 mod gradient;
 mod parameters;
+pub(crate) mod pixels;
 mod tile;
 mod validate;
 

@@ -7,6 +7,7 @@ mod masks_file;
 mod perceptron;
 pub mod prompt;
 pub mod regions;
+#[cfg(feature = "onnx")]
 pub mod texton;
 
 pub use felzenszwalb::{Felzenszwalb, Smoothed, details, felzenszwalb};

@@ -9,7 +9,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use vtex::Error;
 use vtex::library::Library;
-use vtex::synth::tune::{Terms, TunedWeights, tune};
+use vtex::tune::{Terms, TunedWeights, tune};
 
 /// The summary in JSON.
 #[derive(Serialize)]

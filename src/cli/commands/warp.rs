@@ -18,6 +18,6 @@ pub(super) fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> an
     if let How::Cage(cages) = how {
         inputs.extend(cages.iter().map(Input::name));
     }
-    let (result, report) = vtex::synth::warp(&before, known, &bend, *parameters, reporter)?;
+    let (result, report) = vtex::warp::warp(&before, known, &bend, *parameters, reporter)?;
     Made { command: "warp", inputs, scene: result, report }.write(common, reporter, *svg, target, None)
 }

@@ -9,7 +9,7 @@ use crate::cli::table::table;
 use serde::Serialize;
 use vtex::library::Library;
 use vtex::scene::Scene;
-use vtex::synth::statistics::{
+use vtex::statistics::{
     Correlation, Difference, Groups, Layout, Repetition, largest_categories, neighbour_distance,
 };
 
