@@ -139,15 +139,13 @@ pub enum Error {
         /// What to try, as of [`Error::hint`].
         advice: &'static str,
     },
-    /// An operation on a scene cannot be understood or done.
-    #[error("cannot do '{operation}': {reason}")]
+    /// An operation on a scene cannot be done.
+    #[error("cannot do '{operation}': {fault}")]
     Edit {
-        /// The operation as it was written.
+        /// The operation as text.
         operation: String,
         /// What is wrong with it.
-        reason: String,
-        /// What to try, as of [`Error::hint`].
-        advice: String,
+        fault: EditFault,
     },
     /// Nothing that can be given up makes a file small enough.
     #[error("no SVG of the scene fits in {most} bytes: the smallest has {smallest}")]
@@ -157,6 +155,44 @@ pub enum Error {
         /// The bytes of the smallest.
         smallest: u64,
     },
+}
+
+/// What is wrong with an operation on a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EditFault {
+    /// A number lies outside its range.
+    #[error("{name} = {value} is out of range: {low} to {high}{}{unit}", if unit.is_empty() { "" } else { " " })]
+    Range {
+        /// The parameter, named as in `vtex edit`.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// The least allowed.
+        low: f64,
+        /// The most allowed.
+        high: f64,
+        /// What it is measured in; empty for plain numbers.
+        unit: &'static str,
+    },
+    /// Thinning is told neither a share nor a smallest area.
+    #[error("nothing says how much to keep")]
+    NothingKept,
+    /// Jitter changes neither place nor angle nor size.
+    #[error("nothing says what to change")]
+    NothingChanged,
+    /// Only colours of the background can be changed.
+    #[error("it cannot be done to the background")]
+    NotForBackground,
+    /// A condition on something that points of the background do not have.
+    #[error("the background has no categories, areas and the like")]
+    BackgroundCondition,
+    /// The content of a file that the operation names is not given.
+    #[error("the content of '{0}' is not given")]
+    NoFile(String),
+    /// The scene that comes of it breaks the invariants of scenes.
+    #[error("it leads too far: {0}")]
+    TooFar(String),
 }
 
 impl Error {
@@ -215,7 +251,6 @@ impl Error {
             Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
             Self::Control { advice, .. } => (*advice).into(),
             Self::Network { advice, .. } if !advice.is_empty() => (*advice).into(),
-            Self::Edit { advice, .. } if !advice.is_empty() => advice.clone(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
             Self::Sizes { .. } => {
                 "make both with the same --size, or stretch one with 'vtex warp --scale'".into()
@@ -239,35 +274,6 @@ pub(crate) fn check(
     if ok { Ok(()) } else { Err(Error::Parameter { name, value: value.to_string(), allowed }) }
 }
 
-/// Which of some words was probably meant: the one that takes the fewest changes of letters, the first of
-/// several. Empty only if there are none.
-pub fn nearest<'a>(text: &str, names: &[&'a str]) -> &'a str {
-    // Hostile texts are long; their ends do not matter.
-    let text: String = text.chars().take(40).collect();
-    names.iter().copied().min_by_key(|name| letters_to_change(&text, name)).unwrap_or_default()
-}
-
-/// Number of letters to add, remove, replace or swap with the next to make one word the other (Damerau
-/// 1964, Levenshtein 1966).
-fn letters_to_change(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).collect()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let above = &rows[i - 1];
-            let replaced = above[j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut least = replaced.min(above[j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                least = least.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(least);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
-}
-
 /// The first characters of a hostile string, for an error message.
 pub(crate) fn clip(text: &str) -> String {
     clip_to(text, 24)
@@ -276,19 +282,4 @@ pub(crate) fn clip(text: &str) -> String {
 /// As [`clip`], with a number of characters.
 pub(crate) fn clip_to(text: &str, characters: usize) -> String {
     text.chars().take(characters).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn changes_of_letters_are_counted() {
-        for (a, b, wanted) in
-            [("", "abc", 3), ("kitten", "sitting", 3), ("a", "a", 0), ("tnit", "tint", 1), ("ab", "", 2)]
-        {
-            assert_eq!((letters_to_change(a, b), letters_to_change(b, a)), (wanted, wanted), "{a} {b}");
-        }
-        assert_eq!((nearest("rotat", &["move", "rotate", "rotato"]), nearest("x", &[])), ("rotate", ""));
-    }
 }

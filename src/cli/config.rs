@@ -8,6 +8,7 @@ use super::arguments::{
     AnalyzeFlags, Global, RenderFlags, SegmenterName, SvgFlags, SynthBackgroundFlags, SynthFlags,
 };
 use super::failure::Failure;
+use super::nearest::nearest;
 use super::values::{Axes, Bytes, FiveWeights, Name, Seed, Size, WeightsFrom};
 use clap::Args;
 use serde::de::DeserializeOwned;
@@ -16,7 +17,6 @@ use std::fmt::Write;
 use std::path::Path;
 use toml::{Table, Value};
 use vtex::Error;
-use vtex::error::nearest;
 use vtex::library::AnalyzeParams;
 use vtex::output::svg::SvgOptions;
 use vtex::scene::{Scene, SynthParams};

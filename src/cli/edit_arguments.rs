@@ -4,10 +4,10 @@ use super::arguments::{ForceArgs, SvgFlags};
 use super::config::SvgParameters;
 use super::failure::Failure;
 use super::input::Input;
+use super::operations::{self, Asked};
 use super::output::Target;
 use clap::Args;
 use std::path::PathBuf;
-use vtex::edit::Request;
 
 /// Change a scene: thin, tint, turn, replace its elements, put shadows under them, and more
 #[derive(Args)]
@@ -49,7 +49,7 @@ pub(crate) enum Editing {
     List,
     Edit {
         scene: Input,
-        requests: Vec<Request>,
+        operations: Vec<Asked>,
         seed: Option<u64>,
         svg: SvgParameters,
         target: Target,
@@ -57,10 +57,11 @@ pub(crate) enum Editing {
 }
 
 /// The operations, each checked.
-pub(crate) fn requests(operations: &[String]) -> anyhow::Result<Vec<Request>> {
-    if operations.is_empty() {
+pub(crate) fn operations(texts: &[String]) -> anyhow::Result<Vec<Asked>> {
+    if texts.is_empty() {
         let failure = Failure::usage("nothing says what to do to the scene");
         return Err(failure.hint("give operations with --op; 'vtex edit --list' explains them").into());
     }
-    Ok(operations.iter().map(|text| Request::parse(text)).collect::<vtex::Result<_>>()?)
+    let read = |name: &str| Input::File(PathBuf::from(name)).read();
+    texts.iter().map(|text| operations::parse(text, read)).collect()
 }

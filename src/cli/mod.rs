@@ -15,6 +15,8 @@ mod interp_arguments;
 pub(crate) mod interrupt;
 mod metrics_arguments;
 mod models;
+mod nearest;
+mod operations;
 mod options;
 pub(crate) mod output;
 mod progress;

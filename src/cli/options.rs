@@ -376,11 +376,11 @@ fn editing(a: EditArgs, seed: Option<Seed>, svg: SvgParameters) -> anyhow::Resul
         return Ok(Editing::List);
     }
     let scene = required(a.scene)?;
-    let requests = edit_arguments::requests(&a.op)?;
+    let operations = edit_arguments::operations(&a.op)?;
     let output = a.output.clone();
     let target = target(a.output, &a.force, &scene, format::OF_SCENE, Format::Svg)?;
     check_files(&[("the scene", &scene)], &[("-o", output.as_deref())])?;
-    Ok(Editing::Edit { scene, requests, seed: seed.map(|s| s.0), svg, target })
+    Ok(Editing::Edit { scene, operations, seed: seed.map(|s| s.0), svg, target })
 }
 
 impl Synthesis {

@@ -1,69 +1,87 @@
-//! Operations as plain data, files read and every value within its range.
+//! Operations on scenes as plain data: what is done to which elements. Scenes record them, and
+//! `edit` does them.
 
-use crate::geometry::Region;
-use crate::library::Library;
-use crate::raster::ControlMap;
 use crate::raster::colour::Colour;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// Something done to a selection of a scene's textons.
-#[derive(Clone, Debug, PartialEq)]
+/// Something done to a selection of a scene's textons. Files are named, not held.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Operation {
-    /// As it was written; this is what the scene records.
-    pub text: String,
-    /// Where the textons stand that it is for.
-    pub layers: Layers,
-    /// What they fulfil, all of these.
-    pub conditions: Vec<Condition>,
-    /// What is done to them.
+    /// What is done.
     pub action: Action,
+    /// The layers whose textons are selected. Default: all but the background.
+    #[serde(default, skip_serializing_if = "Layers::is_all")]
+    pub layers: Layers,
+    /// Conditions that a texton must all fulfil to be selected. Default: none.
+    #[serde(default, rename = "where", skip_serializing_if = "Vec::is_empty")]
+    pub conditions: Vec<Condition>,
+}
+
+impl From<Action> for Operation {
+    /// The action, done to all primaries and secondaries.
+    fn from(action: Action) -> Self {
+        Self { action, layers: Layers::default(), conditions: Vec::new() }
+    }
 }
 
 /// Layers of a scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Layers {
     /// Primaries only.
     Primary,
     /// Secondaries only.
     Secondary,
-    /// The points of the background only; for colours.
-    Background,
     /// Primaries and secondaries.
     #[default]
     All,
+    /// The points of the background only; for colours.
+    Background,
+}
+
+impl Layers {
+    fn is_all(&self) -> bool {
+        *self == Self::All
+    }
 }
 
 /// What is done. Lengths in pixels of the canvas, angles in degrees, clockwise on the screen, shares
-/// 0 to 1; the ranges are those of [`super::catalogue`].
-#[derive(Clone, Debug, PartialEq)]
+/// 0 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Action {
     /// Fewer textons: a share of each layer is kept, or those that are large enough.
     Thin {
-        /// Share kept.
+        /// Share kept. 0 to 1.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         keep: Option<f64>,
         /// Which go first.
         order: ThinOrder,
-        /// Smaller textons go, and smaller details of those that stay, in pixels².
+        /// Smaller textons go, and smaller details of those that stay, in pixels²; from 0.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         minimum_area: Option<f64>,
     },
     /// Each texton is kept with the probability that the map has where it stands.
     Density {
-        /// Probabilities, 0 to 1, stretched over the canvas.
-        map: ControlMap,
+        /// File of a grey picture, black 0 to white 1, stretched over the canvas.
+        map: String,
     },
     /// Longer axes are turned towards a direction.
     Orient {
         /// The direction.
         direction: Direction,
-        /// Share of the way.
+        /// Share of the way. 0 to 1.
         strength: f64,
     },
     /// Colours are mixed with one, in Oklab.
     Tint {
         /// The colour.
         colour: Colour,
-        /// Its share.
+        /// Its share. 0 to 1.
         amount: f64,
-        /// Share of the textons that are tinted.
+        /// Share of the textons that are tinted. 0 to 1.
         share: f64,
     },
     /// Colours like one are moved to another, those less like it less far, in Oklab.
@@ -72,81 +90,87 @@ pub enum Action {
         from: Colour,
         /// What it becomes.
         to: Colour,
-        /// Oklab distance up to which colours are moved.
+        /// Oklab distance up to which colours are moved. 0.01 to 2.
         reach: f64,
     },
     /// Categories get new mean colours; what is lighter or darker within them stays so.
     Palette {
         /// The new colours.
         colours: Vec<Colour>,
+        /// The file that they were read from, if any.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        file: Option<String>,
     },
     /// A shadow under each texton.
     Shadow {
-        /// Where it falls.
+        /// Where it falls. -360 to 360.
         angle: f64,
-        /// How far.
+        /// How far. 0 to 1000.
         length: f64,
-        /// How dark.
+        /// How dark. 0 to 1; 0 takes shadows away.
         opacity: f64,
-        /// Width of its soft edge.
+        /// Width of its soft edge. 0 to 200.
         blur: f64,
     },
     /// Details are dropped; each texton has one colour, the mean.
     Flatten,
     /// Outlines are drawn again with fewer points, and details too small to be seen then go.
     Simplify {
-        /// How far an outline may move.
+        /// How far an outline may move. 0.01 to 100.
         tolerance: f64,
     },
     /// A line along each outline.
     Outline {
-        /// Its width.
+        /// Its width. 0 to 1000; 0 takes lines away.
         width: f64,
         /// Its colour.
         colour: Colour,
     },
     /// Each texton becomes the one of a library that fits best.
     Replace {
-        /// The library.
-        library: Box<Library>,
+        /// File of the library.
+        library: String,
     },
-    /// Textons are moved along x and y.
+    /// Textons are moved.
     Move {
-        /// By so much.
-        by: [f64; 2],
+        /// To the right. -10⁶ to 10⁶.
+        x: f64,
+        /// Down. -10⁶ to 10⁶.
+        y: f64,
     },
     /// Textons grow about their own centres.
     Scale {
-        /// The factor.
+        /// The factor. 0.01 to 100.
         factor: f64,
     },
     /// Textons turn about their own centres.
     Rotate {
-        /// The angle.
+        /// The angle. -360 to 360.
         angle: f64,
     },
     /// Textons are moved, turned and scaled at random, each on its own.
     Jitter {
-        /// Largest distance.
+        /// Largest distance. 0 to 10⁶.
         distance: f64,
-        /// Largest angle either way.
+        /// Largest angle either way. 0 to 180.
         angle: f64,
-        /// Largest change of size either way, in per cent.
+        /// Largest change of size either way, in per cent. 0 to 90.
         scale: f64,
     },
     /// Textons are taken away.
     Delete,
-    /// Textons whose centre lies on the wrong side of an outline are taken away.
+    /// Textons whose centre lies on the wrong side of a shape are taken away.
     Mask {
-        /// Inside of the outline, on the canvas.
-        region: Region,
+        /// File of the shape: an SVG with one path, fitted to the canvas, or a picture, white inside.
+        shape: String,
         /// Whether those inside are kept, else those outside.
         inside: bool,
     },
 }
 
 /// Which textons go first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum ThinOrder {
     /// The smallest.
     Area,
@@ -158,16 +182,18 @@ pub enum ThinOrder {
 }
 
 /// A direction for longer axes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Direction {
-    /// Everywhere the same, in degrees.
+    /// Everywhere the same, in degrees. -360 to 360.
     Angle(f64),
-    /// By place: 0 is 0°, 1 is 180°, stretched over the canvas.
-    Map(ControlMap),
+    /// By place: file of a grey picture, black 0° to white 180°, stretched over the canvas.
+    Map(String),
 }
 
 /// What a texton must fulfil to be selected.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Condition {
     /// One of some numbers is its own, or none is.
     Among {
@@ -187,17 +213,18 @@ pub enum Condition {
         /// The limit.
         limit: f64,
     },
-    /// Its centre lies in a region, or does not.
+    /// Its centre lies in a shape, or does not.
     Place {
-        /// The region, on the canvas.
-        region: Region,
+        /// File of the shape, as that of [`Action::Mask`].
+        shape: String,
         /// Whether it is to lie inside.
         inside: bool,
     },
 }
 
 /// What tells textons apart by number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Identity {
     /// Category; secondaries have none.
     Category,
@@ -208,7 +235,8 @@ pub enum Identity {
 }
 
 /// What is measured of a texton where it stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// Area, in pixels².
     Area,
@@ -221,7 +249,8 @@ pub enum Quantity {
 }
 
 /// How a quantity is compared with a limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Comparison {
     /// Smaller.
     Less,
@@ -235,7 +264,7 @@ pub enum Comparison {
 
 impl Comparison {
     /// Whether it holds.
-    pub(super) fn holds(self, value: f64, limit: f64) -> bool {
+    pub(crate) fn holds(self, value: f64, limit: f64) -> bool {
         match self {
             Self::Less => value < limit,
             Self::AtMost => value <= limit,
