@@ -1,6 +1,6 @@
 //! What the user is told when something goes wrong, and the exit code that goes with it.
 
-use super::Exit;
+use super::exit::Exit;
 use anstyle::{AnsiColor, Style};
 use std::io::ErrorKind;
 use vtex::Error;

@@ -1,8 +1,8 @@
 //! What the user sees while work goes on: bars, warnings, pictures of the stages.
 
+use super::common::Common;
 use super::failure::label;
 use super::interrupt;
-use super::options::Common;
 use super::output::{Place, say};
 use anstyle::AnsiColor;
 use image::RgbImage;

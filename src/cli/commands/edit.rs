@@ -1,26 +1,102 @@
 //! `vtex edit`: scene → scene, operation by operation.
 
-use crate::cli::config::SvgParameters;
-use crate::cli::edit_arguments::Editing;
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
+use crate::cli::config::Given;
+use crate::cli::failure::Failure;
+use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::operations::{self, Asked};
-use crate::cli::options::Common;
+use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::svg::{SvgFlags, SvgParameters};
 use crate::cli::output::{Place, Target, print, say};
 use crate::cli::progress::Reporter;
-use crate::cli::stages;
+use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
+use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 use vtex::Progress;
 use vtex::edit::{self, Files, Operation, Outcome};
+use vtex::output::file::Format;
 
-pub(super) fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Result<()> {
-    match editing {
-        Editing::List => print(operations::list().as_bytes()),
-        Editing::Edit { scene, operations, seed, svg, target } => {
-            edit_scene(common, reporter, scene, operations, *seed, *svg, target)
-        }
+/// Change a scene: thin, tint, turn, replace its elements, put shadows under them, and more
+#[derive(Args)]
+#[command(
+    override_usage = "vtex edit [OPTIONS] <SCENE> --op <OPERATION>...",
+    after_help = "\
+Examples:
+  vtex edit out.scene.json -o thin.svg --op 'thin 0.5 --layer secondary'
+  vtex edit out.scene.json -o red.scene.json --op 'tint #ff0000 --amount 0.4' --op 'shadow --length 6'
+  vtex edit --list
+
+Operations are done in the order given; the scene keeps a record of them. Random choices follow the
+scene's seed, unless --seed gives another."
+)]
+pub(crate) struct EditArgs {
+    /// The scene, plain or gzip; - reads stdin
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: Option<PathBuf>,
+    /// An operation with its own flags, in quotes; may be given again and again. --list explains all
+    #[arg(long, value_name = "OPERATION", allow_hyphen_values = true)]
+    pub(crate) op: Vec<String>,
+    /// Explain all operations and do nothing else
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout
+    /// [default: ./SCENE.svg]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+}
+
+/// What is done to which scene, and where the result goes.
+struct Editing {
+    scene: Input,
+    operations: Vec<Asked>,
+    seed: Option<u64>,
+    svg: SvgParameters,
+    target: Target,
+}
+
+impl Arguments for EditArgs {
+    fn give(&self, given: &mut Given) {
+        given.add("svg", &self.svg);
     }
+
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        if self.list {
+            return Ok(Box::new(|_, _| print(operations::list().as_bytes())));
+        }
+        let editing = Editing::new(*self, resolved)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &editing)))
+    }
+}
+
+impl Editing {
+    fn new(a: EditArgs, resolved: Resolved) -> anyhow::Result<Self> {
+        let scene = required(a.scene)?;
+        let operations = asked(&a.op)?;
+        let output = a.output.clone();
+        let target = target(a.output, &a.force, &scene, format::OF_SCENE, Format::Svg)?;
+        check_files(&[("the scene", &scene)], &[("-o", output.as_deref())])?;
+        let seed = resolved.parameters.seed.map(|s| s.0);
+        Ok(Self { scene, operations, seed, svg: resolved.parameters.svg, target })
+    }
+}
+
+/// The operations, each checked.
+fn asked(texts: &[String]) -> anyhow::Result<Vec<Asked>> {
+    if texts.is_empty() {
+        let failure = Failure::usage("nothing says what to do to the scene");
+        return Err(failure.hint("give operations with --op; 'vtex edit --list' explains them").into());
+    }
+    let read = |name: &str| Input::File(PathBuf::from(name)).read();
+    texts.iter().map(|text| operations::parse(text, read)).collect()
 }
 
 /// The summary in JSON.
@@ -39,31 +115,24 @@ struct Done<'a> {
     outcome: Outcome,
 }
 
-fn edit_scene(
-    common: &Common,
-    reporter: &Reporter,
-    input: &Input,
-    asked: &[Asked],
-    seed: Option<u64>,
-    svg: SvgParameters,
-    target: &Target,
-) -> anyhow::Result<()> {
+fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Result<()> {
+    let Editing { scene: input, operations: asked, seed, svg, target } = editing;
     target.place.probe()?;
     reporter.stage("reading")?;
-    let scene = stages::scene(input)?;
+    let scene = reading::scene(input)?;
     let canvas = [scene.width, scene.height];
     let read = |name: &str| Input::File(PathBuf::from(name)).read();
     let operations: Vec<Operation> = asked.iter().map(|a| a.operation.clone()).collect();
     let files = Files::read(&operations, canvas, read)?;
     reporter.stage("editing")?;
-    let (scene, outcomes) = edit::apply(scene, &operations, &files, seed)?;
+    let (scene, outcomes) = edit::apply(scene, &operations, &files, *seed)?;
     let done = asked.iter().zip(outcomes);
     let done: Vec<Done<'_>> = done.map(|(a, outcome)| Done { operation: &a.text, outcome }).collect();
     for Done { operation, .. } in done.iter().filter(|d| d.outcome.matched == 0) {
         reporter.warn(&format!("'{operation}' matches nothing: the scene stays as it was"));
     }
     reporter.stage("writing")?;
-    let written = target.write_scene(&scene, svg, 1.0)?;
+    let written = target.write_scene(&scene, *svg, 1.0)?;
     let summary = Summary {
         seed: scene.edits.last().map(|e| e.seed),
         size: canvas,

@@ -1,7 +1,7 @@
 //! All operations explained, for people.
 
-use super::Line;
 use super::fault::{usage, value_name};
+use super::line::Line;
 use clap::{Arg, CommandFactory};
 use std::fmt::Write;
 

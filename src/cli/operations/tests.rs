@@ -1,8 +1,11 @@
 //! Texts of operations are understood, or refused with what would be right.
 
-use super::*;
+use super::fault;
+use super::line::{Line, parse};
 use clap::CommandFactory;
-use vtex::edit::{Action, Comparison, Direction, Identity, Quantity, ThinOrder};
+use vtex::edit::{
+    Action, Comparison, Condition, Direction, Identity, Layers, Operation, Quantity, ThinOrder,
+};
 use vtex::raster::colour::Colour;
 
 fn palette(_: &str) -> vtex::Result<Vec<u8>> {
@@ -15,7 +18,7 @@ fn operation(text: &str) -> Operation {
 
 fn fault(text: &str) -> [String; 2] {
     let (message, hint, exit) = crate::cli::failure::explain(&parse(text, palette).unwrap_err());
-    assert_eq!(exit, crate::cli::Exit::Usage);
+    assert_eq!(exit, crate::cli::exit::Exit::Usage);
     [message, hint.unwrap_or_default()]
 }
 

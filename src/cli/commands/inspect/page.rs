@@ -1,15 +1,50 @@
 //! `vtex inspect -o report.html`: libraries and a scene → a page to look at.
 
+use crate::cli::common::Common;
 use crate::cli::failure::Failure;
+use crate::cli::format;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::{Common, PageOptions};
+use crate::cli::options::files::{ForceArgs, check_files};
 use crate::cli::output::{Place, Written};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{Counts, Summary};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use vtex::library::Library;
 use vtex::report::{self, Named, Photo, Subject};
 use vtex::scene::Scene;
+
+/// What a page shows beside libraries and scene, and where it goes.
+pub(super) struct PageOptions {
+    exemplars: Vec<Input>,
+    place: Place,
+}
+
+impl PageOptions {
+    /// None if no page is asked for.
+    pub(super) fn new(
+        files: &[Input],
+        output: Option<PathBuf>,
+        exemplars: Vec<PathBuf>,
+        force: &ForceArgs,
+    ) -> Result<Option<Self>, Failure> {
+        let Some(output) = output else {
+            if files.len() > 1 {
+                return Err(Failure::usage("several files are shown on a page only")
+                    .hint("name the page, as in -o report.html, or give one file at a time"));
+            }
+            return Ok(None);
+        };
+        let exemplars: Vec<Input> = exemplars.into_iter().map(Input::new).collect();
+        let read = files.iter().map(|file| ("the input", file));
+        let read: Vec<_> = read.chain(exemplars.iter().map(|file| ("--exemplar", file))).collect();
+        check_files(&read, &[("-o", Some(&output))])?;
+        if output.as_os_str() == "-" {
+            return Ok(Some(Self { exemplars, place: Place::Stdout }));
+        }
+        format::check_page_name(&output)?;
+        Ok(Some(Self { exemplars, place: Place::File { path: output, force: force.force } }))
+    }
+}
 
 pub(super) fn run(
     common: &Common,

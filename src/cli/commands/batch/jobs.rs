@@ -1,11 +1,11 @@
 //! The list of jobs: files, folders or a file of jobs, each with its name and parameters.
 
-use crate::cli::arguments::SegmenterName;
-use crate::cli::batch_arguments::Extension;
+use super::values::Extension;
 use crate::cli::config::{Given, Layer, Parameters};
 use crate::cli::failure::Failure;
 use crate::cli::format::stem;
-use crate::cli::options::MasksFrom;
+use crate::cli::options::analyze::SegmenterName;
+use crate::cli::options::masks::MasksFrom;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};

@@ -1,10 +1,10 @@
-//! `vtex interp`: two scenes → frames, an animation, or a scene between them.
+//! Frames, an animation, or a scene between two.
 
-use crate::cli::interp_arguments::{Between, FilmKind, Interpolating, Pace, Wanted};
-use crate::cli::options::Common;
+use super::arguments::{FilmKind, Interpolating, Pace, Wanted};
+use crate::cli::common::Common;
 use crate::cli::output::{Place, Target, Written};
 use crate::cli::progress::Reporter;
-use crate::cli::stages;
+use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
 use std::cmp::Reverse;
 use std::path::Path;
@@ -13,7 +13,7 @@ use vtex::output::file::{Format, Kind};
 use vtex::output::reduce::GivenUp;
 use vtex::output::svg::Animation;
 use vtex::output::{film::Film, png};
-use vtex::scene::Scene;
+use vtex::scene::{self, Scene};
 use vtex::{Error, Progress};
 
 pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> anyhow::Result<()> {
@@ -22,12 +22,12 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
         place.probe()?;
     }
     reporter.stage("reading")?;
-    let scenes = [stages::scene(from)?, stages::scene(to)?];
+    let scenes = [reading::scene(from)?, reading::scene(to)?];
     for warning in idle(job) {
         reporter.warn(warning);
     }
     let made = match wanted {
-        Wanted::Scene(between, target) => one(reporter, job, &scenes, between, target)?,
+        Wanted::Scene(between, target) => one(reporter, job, &scenes, *between, target)?,
         Wanted::Frames { folder, kind, force, pace } => {
             frames(reporter, job, &scenes, folder, (*kind, *force), pace)?
         }
@@ -71,16 +71,16 @@ fn one<'a>(
     reporter: &Reporter,
     job: &Interpolating,
     [from, to]: &[Scene; 2],
-    between: &Between,
+    between: scene::Place,
     target: &'a Target,
 ) -> anyhow::Result<Made<'a>> {
-    let scene = match *between {
-        Between::At(t) => {
+    let scene = match between {
+        scene::Place::At(t) => {
             let way = Interpolation::new(from, to, reporter)?;
             reporter.stage("moving")?;
             way.at(t)
         }
-        Between::Across(axis) => across(from, to, axis, reporter)?,
+        scene::Place::Across(axis) => across(from, to, axis, reporter)?,
     };
     reporter.stage("drawing")?;
     let written = target.write_scene(&scene, job.svg, job.scale.scale)?;

@@ -1,18 +1,19 @@
-//! `vtex interp` on the command line: its options, and what they ask for.
+//! The arguments of `vtex interp`, and what they ask for.
 
-use super::arguments::{ForceArgs, RenderFlags, SvgFlags};
-use super::config::{RenderParameters, SvgParameters};
-use super::failure::Failure;
-use super::format;
-use super::input::Input;
-use super::options::{check_files, required, target};
-use super::output::{Place, Target};
-use super::values::named;
+use crate::cli::config::Parameters;
+use crate::cli::failure::Failure;
+use crate::cli::format;
+use crate::cli::input::Input;
+use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::render::{RenderFlags, RenderParameters};
+use crate::cli::options::svg::{SvgFlags, SvgParameters};
+use crate::cli::output::{Place, Target};
+use crate::cli::values::named;
 use clap::Args;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use vtex::interpolate::Axis;
 use vtex::output::file::{Format, Kind};
+use vtex::scene::{self, Axis};
 
 /// One scene into another: frames, an animation, or one scene between them
 #[derive(Args)]
@@ -32,57 +33,49 @@ elsewhere."
 pub(crate) struct InterpArgs {
     /// The scene to begin with, plain or gzip; - reads stdin
     #[arg(value_name = "FROM", required = true)]
-    pub(crate) from: Option<PathBuf>,
+    pub(super) from: Option<PathBuf>,
     /// The scene to end with, plain or gzip; - reads stdin
     #[arg(value_name = "TO", required = true)]
-    pub(crate) to: Option<PathBuf>,
+    pub(super) to: Option<PathBuf>,
     /// Result, by extension an animation .svg, .svgz, .gif, .png or .apng, or a folder for frames;
     /// with --at or --across .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// Pictures, first and last included [2 to 10000, default: 30]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(2..=10000))]
-    pub(crate) frames: Option<u32>,
+    pub(super) frames: Option<u32>,
     /// Pictures in a second of an animation [0.1 to 100, default: 15]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = rate)]
-    pub(crate) fps: Option<f64>,
+    pub(super) fps: Option<f64>,
     /// Play there and back, so that the animation has no jump
     #[arg(long)]
-    pub(crate) back: bool,
+    pub(super) back: bool,
     /// Frames in a folder are [svg or png, default: svg]
     #[arg(long, value_name = "FORMAT", value_parser = named::<FrameFormat>)]
-    pub(crate) format: Option<FrameFormat>,
+    pub(super) format: Option<FrameFormat>,
     /// One scene only, so far along the way [0 to 1]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
     #[arg(conflicts_with_all = ["across", "frames", "fps", "back", "format"])]
-    pub(crate) at: Option<f64>,
+    pub(super) at: Option<f64>,
     /// One scene only, that turns into the other from left to right or from top to bottom [x or y]
-    #[arg(long, value_name = "AXIS", value_parser = named::<Direction>)]
+    #[arg(long, value_name = "AXIS", value_parser = named::<Axis>)]
     #[arg(conflicts_with_all = ["frames", "fps", "back", "format"])]
-    pub(crate) across: Option<Direction>,
+    pub(super) across: Option<Axis>,
     #[command(flatten)]
-    pub(crate) force: ForceArgs,
+    pub(super) force: ForceArgs,
     #[command(flatten)]
-    pub(crate) render: RenderFlags,
+    pub(super) render: RenderFlags,
     #[command(flatten)]
-    pub(crate) svg: SvgFlags,
+    pub(super) svg: SvgFlags,
 }
 
 /// What frames in a folder are.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum FrameFormat {
+pub(super) enum FrameFormat {
     Svg,
     Png,
-}
-
-/// An axis, named.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Direction {
-    X,
-    Y,
 }
 
 fn rate(text: &str) -> Result<f64, String> {
@@ -96,33 +89,27 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 /// Which scenes, and what of them is wanted.
-pub(crate) struct Interpolating {
-    pub(crate) from: Input,
-    pub(crate) to: Input,
-    pub(crate) wanted: Wanted,
-    pub(crate) scale: RenderParameters,
-    pub(crate) svg: SvgParameters,
+pub(super) struct Interpolating {
+    pub(super) from: Input,
+    pub(super) to: Input,
+    pub(super) wanted: Wanted,
+    pub(super) scale: RenderParameters,
+    pub(super) svg: SvgParameters,
 }
 
 /// What is wanted of the way from one scene to the other.
-pub(crate) enum Wanted {
+pub(super) enum Wanted {
     /// One scene.
-    Scene(Between, Target),
+    Scene(scene::Place, Target),
     /// Files of their own, named by their number.
     Frames { folder: PathBuf, kind: Kind, force: bool, pace: Pace },
     /// One file that plays.
     Film { place: Place, kind: FilmKind, pace: Pace },
 }
 
-/// Where one scene stands between the two.
-pub(crate) enum Between {
-    At(f64),
-    Across(Axis),
-}
-
 /// What a film is written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum FilmKind {
+pub(super) enum FilmKind {
     Svg { gzip: bool },
     Gif,
     Png,
@@ -130,21 +117,21 @@ pub(crate) enum FilmKind {
 
 /// How many frames there are and how they are played.
 #[derive(Clone, Copy)]
-pub(crate) struct Pace {
+pub(super) struct Pace {
     /// From the first scene to the second, both included.
-    pub(crate) frames: u32,
-    pub(crate) rate: f64,
-    pub(crate) back: bool,
+    pub(super) frames: u32,
+    pub(super) rate: f64,
+    pub(super) back: bool,
 }
 
 impl Pace {
     /// Frames that are played, those on the way back included; the first comes once.
-    pub(crate) fn played(&self) -> u32 {
+    pub(super) fn played(&self) -> u32 {
         if self.back { 2 * self.frames - 2 } else { self.frames }
     }
 
     /// How far along the way frame `k` of those played is.
-    pub(crate) fn share(&self, k: u32) -> f64 {
+    pub(super) fn share(&self, k: u32) -> f64 {
         let last = self.frames - 1;
         f64::from(if k > last { 2 * last - k } else { k }) / f64::from(last)
     }
@@ -152,17 +139,13 @@ impl Pace {
 
 impl Interpolating {
     /// Checks what was asked for.
-    pub(crate) fn new(a: InterpArgs, scale: RenderParameters, svg: SvgParameters) -> Result<Self, Failure> {
+    pub(super) fn new(a: InterpArgs, parameters: &Parameters) -> Result<Self, Failure> {
         let (from, to) = (required(a.from)?, required(a.to)?);
         check_files(
             &[("the first scene", &from), ("the second scene", &to)],
             &[("-o", a.output.as_deref())],
         )?;
-        let axis = a.across.map(|d| match d {
-            Direction::X => Axis::X,
-            Direction::Y => Axis::Y,
-        });
-        let between = a.at.map(Between::At).or(axis.map(Between::Across));
+        let between = a.at.map(scene::Place::At).or(a.across.map(scene::Place::Across));
         let wanted = if let Some(between) = between {
             Wanted::Scene(between, target(a.output, &a.force, &from, format::OF_SCENE, Format::Svg)?)
         } else {
@@ -173,7 +156,7 @@ impl Interpolating {
             };
             play(path, a.format, a.force.force, pace)?
         };
-        Ok(Self { from, to, wanted, scale, svg })
+        Ok(Self { from, to, wanted, scale: parameters.render, svg: parameters.svg })
     }
 }
 

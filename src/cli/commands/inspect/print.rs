@@ -1,8 +1,8 @@
-//! `vtex inspect`: what a library or a scene holds.
+//! What a library or a scene holds, printed.
 
+use crate::cli::common::Common;
 use crate::cli::failure::label;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::Common;
 use crate::cli::output;
 use crate::cli::summary::{Counts, bytes as show_bytes};
 use anstyle::{AnsiColor, RgbColor, Style};

@@ -1,6 +1,6 @@
 //! What was done, a line of JSON for each job, so that a batch can go on where it ended.
 
-use crate::cli::batch_arguments::Shard;
+use super::values::Shard;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;

@@ -1,17 +1,15 @@
-//! Many jobs: which there are, what was done of them, and what is still to be done.
+//! All jobs of a batch, checked as far as they can be without reading the inputs.
 
-mod jobs;
-mod record;
-
-pub(crate) use jobs::{BatchJob, Source};
-pub(crate) use record::{Record, Records, Status, Written, key, sum};
-
-use super::batch_arguments::{BatchArgs, Shard};
-use super::config::{Given, Layer};
-use super::failure::Failure;
-use super::input::Input;
-use super::options::{SamFrom, Steering, engine, masks_from};
-use super::values::Seed;
+use super::arguments::BatchArgs;
+use super::jobs::{self, BatchJob};
+use super::values::Shard;
+use crate::cli::command::Resolved;
+use crate::cli::failure::Failure;
+use crate::cli::input::Input;
+use crate::cli::options::control::Steering;
+use crate::cli::options::engine::engine;
+use crate::cli::options::masks::{SamFrom, masks_from};
+use crate::cli::values::Seed;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use vtex::engine::EngineOptions;
@@ -34,26 +32,23 @@ impl Batch {
     ///
     /// # Errors
     /// Usage errors, and what cannot be read of folders.
-    pub(crate) fn new(
-        arguments: BatchArgs,
-        source: Source,
-        config: Option<&Layer>,
-        given: &Given,
-        seed: Seed,
-        threads: Option<u16>,
-    ) -> anyhow::Result<Self> {
+    pub(crate) fn new(arguments: BatchArgs, resolved: &Resolved) -> anyhow::Result<Self> {
+        let Resolved { parameters, seed, config, given, .. } = resolved;
+        let Some(source) = arguments.source else {
+            return Err(Failure::usage("no input is given").into());
+        };
         let Some(out_dir) = arguments.out_dir else {
             return Err(Failure::usage("--out-dir is missing").into());
         };
         let sam = SamFrom::new(arguments.sam);
-        let jobs = jobs::list(source, config, given, arguments.format.as_deref(), |segmenter| {
+        let jobs = jobs::list(source, config.as_ref(), given, arguments.format.as_deref(), |segmenter| {
             masks_from(None, segmenter, sam.clone())
         })?;
         let steering = Steering::new(arguments.control, Vec::new());
         apart(&jobs, &steering, &out_dir)?;
-        let engine = engine(arguments.engine, threads);
+        let engine = engine(arguments.engine, parameters.threads);
         let (shard, force) = (arguments.shard.unwrap_or(Shard::WHOLE), arguments.force);
-        Ok(Self { jobs, out_dir, shard, force, engine, steering, seed })
+        Ok(Self { jobs, out_dir, shard, force, engine, steering, seed: *seed })
     }
 }
 

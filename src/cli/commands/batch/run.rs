@@ -1,19 +1,22 @@
-//! `vtex batch`: many photographs or libraries → textures.
+//! All jobs done, each whatever came of the others.
 
-use crate::cli::Exit;
-use crate::cli::arguments::SegmenterName;
-use crate::cli::batch::{Batch, BatchJob, Record, Records, Status, Written, key, sum};
-use crate::cli::config::SvgParameters;
-use crate::cli::failure::{Failure, explain, label};
+use super::jobs::BatchJob;
+use super::plan::Batch;
+use super::record::{Record, Records, Status, Written, key, sum};
+use super::tell::{Total, tell, thousandths};
+use super::values::Extension;
+use crate::cli::analysis::{Analysis, analyze, finds_masks};
+use crate::cli::common::Common;
+use crate::cli::exit::Exit;
+use crate::cli::failure::{Failure, explain};
 use crate::cli::input::{Input, Kind};
 use crate::cli::interrupt;
-use crate::cli::options::{Analysis, Common, read_weights};
-use crate::cli::output::{Place, Target, print, say};
+use crate::cli::options::analyze::SegmenterName;
+use crate::cli::options::svg::SvgParameters;
+use crate::cli::output::{Place, Target, say};
 use crate::cli::progress::Reporter;
-use crate::cli::stages;
-use crate::cli::summary::bytes as show_bytes;
-use crate::cli::table::table;
-use anstyle::AnsiColor;
+use crate::cli::reading;
+use crate::cli::weights::read_weights;
 use serde::Serialize;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -22,21 +25,8 @@ use std::time::Instant;
 use vtex::library::{AnalyzeParams, Library};
 use vtex::output::file::Format;
 use vtex::scene::{Scene, SynthParams};
-use vtex::synth::Report;
+use vtex::synth::{Report, synthesize_with};
 use vtex::{Error, Progress};
-
-/// All jobs together, the last line of `--json`.
-#[derive(Serialize)]
-struct Total {
-    program: &'static str,
-    command: &'static str,
-    shard: String,
-    jobs: usize,
-    done: usize,
-    skipped: usize,
-    failed: usize,
-    seconds: f64,
-}
 
 /// All that results depend on, besides this program's version.
 #[derive(Serialize)]
@@ -64,7 +54,7 @@ impl Finders {
         if let Some(known) = self.0.borrow().get(&name) {
             return Ok(known.clone());
         }
-        let found = stages::finds_masks(&job.masks, &batch.engine)?;
+        let found = finds_masks(&job.masks, &batch.engine)?;
         self.0.borrow_mut().insert(name, found.clone());
         Ok(found)
     }
@@ -258,7 +248,7 @@ impl<'a> Run<'a> {
     }
 
     fn targets(&self) -> Vec<Target> {
-        let target = |(file, format): (String, crate::cli::batch_arguments::Extension)| Target {
+        let target = |(file, format): (String, Extension)| Target {
             place: Place::File { path: self.batch.out_dir.join(file), force: self.batch.force },
             kind: format.kind(),
         };
@@ -268,10 +258,10 @@ impl<'a> Run<'a> {
     fn make(&self, reporter: &Reporter, is_library: bool) -> anyhow::Result<Made> {
         // What is wrong with them shows before the long work.
         self.targets().iter().try_for_each(|target| target.place.probe())?;
-        let controls = stages::controls(&self.batch.steering, &self.synth, 1)?;
+        let controls = reading::controls(&self.batch.steering, &self.synth, 1)?;
         let mut libraries = if is_library {
             reporter.stage("reading")?;
-            stages::libraries(std::slice::from_ref(&self.input))?
+            reading::libraries(std::slice::from_ref(&self.input))?
         } else {
             let analysis = Analysis {
                 photo: self.input.clone(),
@@ -280,9 +270,9 @@ impl<'a> Run<'a> {
                 save_masks: None,
                 parameters: self.analyze.clone(),
             };
-            vec![stages::analyze(&self.common, &analysis, reporter)?]
+            vec![analyze(&self.common, &analysis, reporter)?]
         };
-        let (scene, report) = stages::synthesize(&libraries, &self.synth, &controls, reporter)?;
+        let (scene, report) = synthesize_with(&libraries, &self.synth, &controls, reporter)?;
         Ok(Made { library: libraries.remove(0), scene, report })
     }
 }
@@ -298,70 +288,6 @@ impl Made {
         };
         Ok(written.warnings)
     }
-}
-
-/// Tells how a job ended.
-fn tell(common: &Common, record: &Record) -> anyhow::Result<()> {
-    if common.json {
-        return print(format!("{}\n", serde_json::to_string(record)?).as_bytes());
-    }
-    if let Some(error) = &record.error {
-        let (red, cyan) = (label(AnsiColor::Red), label(AnsiColor::Cyan));
-        say(&format!("{red}error:{red:#} {}: {error}", record.job));
-        if let Some(hint) = &record.hint {
-            say(&format!("{cyan}hint:{cyan:#} {hint}"));
-        }
-    }
-    Ok(())
-}
-
-impl Total {
-    /// Tells how all ended: a line of JSON, or a table.
-    fn tell(&self, common: &Common, records: &[Record]) -> anyhow::Result<()> {
-        if common.json {
-            return print(format!("{}\n", serde_json::to_string(self)?).as_bytes());
-        }
-        if common.quiet {
-            return Ok(());
-        }
-        let head = ["job", "seconds", "size", "primaries", "coverage", "wanted", "bytes", ""];
-        let mut rows = vec![head.map(str::to_owned).to_vec()];
-        rows.extend(records.iter().map(row));
-        say(&format!("\n{}", table(&rows)));
-        let Self { done, skipped, failed, .. } = self;
-        let left = self.jobs - done - skipped - failed;
-        let left = if left > 0 { format!(", {left} not begun or not ended") } else { String::new() };
-        say(&format!(
-            "{done} done, {skipped} skipped (done before), {failed} failed{left} in {:.1} s",
-            self.seconds
-        ));
-        Ok(())
-    }
-}
-
-/// A row of the table.
-fn row(record: &Record) -> Vec<String> {
-    let share = |k: usize| record.coverage.map_or(String::new(), |c| format!("{:.3}", c[k]));
-    let bytes: u64 = record.outputs.iter().map(|w| w.bytes).sum();
-    let status = match record.status {
-        Status::Done => "done",
-        Status::Skipped => "skipped",
-        Status::Failed => "failed",
-    };
-    vec![
-        record.job.clone(),
-        format!("{:.2}", record.seconds),
-        record.size.map_or(String::new(), |[w, h]| format!("{w} x {h}")),
-        record.primaries.map_or(String::new(), |n| n.to_string()),
-        share(1),
-        share(0),
-        if bytes > 0 { show_bytes(bytes) } else { String::new() },
-        status.to_owned(),
-    ]
-}
-
-fn thousandths(seconds: f64) -> f64 {
-    (seconds * 1e3).round() / 1e3
 }
 
 #[cfg(test)]

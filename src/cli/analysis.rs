@@ -1,26 +1,74 @@
-//! The library's stages as the commands call them.
+//! Photograph → library, with what finds its masks.
 
+use super::common::Common;
+use super::config::Parameters;
 use super::failure::Failure;
+use super::format;
 use super::input::{Input, Kind};
 use super::models::{Store, sums_of_network};
-use super::options::{Analysis, Common, DomainFrom, How, MasksFrom, SamFrom, Steering};
+use super::options::engine::engine;
+use super::options::files::{ForceArgs, apart};
+use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
 use super::output::{Place, say};
 use super::progress::Reporter;
 use super::values::Name;
 use image::RgbImage;
+use std::path::Path;
 use vtex::analyze::{Exemplar, Limits};
-use vtex::control;
 use vtex::engine::{Choice, EngineOptions, Runtime, Source, choose};
-use vtex::library::Library;
-use vtex::scene::{Scene, SynthParams};
+use vtex::library::{AnalyzeParams, Library};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
 use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
-use vtex::synth::{Bend, Controls, Report};
-use vtex::{Error, Progress, Result};
+use vtex::{Error, Progress};
+
+/// How a photograph is analyzed.
+pub(crate) struct Analysis {
+    pub(crate) photo: Input,
+    pub(crate) masks: MasksFrom,
+    pub(crate) engine: EngineOptions,
+    pub(crate) save_masks: Option<Place>,
+    pub(crate) parameters: AnalyzeParams,
+}
+
+impl Analysis {
+    /// Fails now if the masks could not be saved later.
+    ///
+    /// # Errors
+    /// As [`Place::probe`].
+    pub(crate) fn probe(&self) -> vtex::Result<()> {
+        self.save_masks.as_ref().map_or(Ok(()), Place::probe)
+    }
+
+    /// Checks what was asked for; `output` is where the result goes.
+    pub(crate) fn new(
+        photo: Input,
+        masks: MasksArgs,
+        force: &ForceArgs,
+        output: Option<&Path>,
+        parameters: &Parameters,
+    ) -> Result<Self, Failure> {
+        if let Some(path) = &masks.save_masks {
+            format::check_masks_name(path)?;
+        }
+        let photo_path = match &photo {
+            Input::File(path) => Some(path.as_path()),
+            _ => None,
+        };
+        let read = [("the photograph", photo_path), ("--masks", masks.masks.as_deref())];
+        let written = [("-o", output), ("--save-masks", masks.save_masks.as_deref())];
+        apart(&[read[0], written[0], written[1]])?;
+        apart(&[read[1], written[0]])?;
+        let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
+        let sam = SamFrom::new(masks.sam);
+        let from = masks_from(masks.masks, parameters.segmenter, sam)?;
+        let engine = engine(masks.engine, parameters.threads);
+        Ok(Self { photo, masks: from, engine, save_masks, parameters: parameters.analyze.clone() })
+    }
+}
 
 /// Photograph → library; saves the masks if asked.
-pub(super) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
+pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
     reporter.stage("reading")?;
     let bytes = analysis.photo.read()?;
     Kind::expect(&bytes, &analysis.photo, &[Kind::Image, Kind::Unknown])?;
@@ -73,7 +121,7 @@ fn sam_from(masks: &MasksFrom) -> Option<SamFrom> {
 
 /// All that masks depend on but the photograph and its parameters, as text: what finds them, sums of
 /// files, the engine.
-pub(super) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow::Result<String> {
+pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow::Result<String> {
     let engine = |engine: &EngineOptions| {
         Ok::<_, Error>(match choose(engine)? {
             Choice::OnnxRuntime { version, .. } => format!("ONNX Runtime {version}"),
@@ -85,7 +133,7 @@ pub(super) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow:
             let sums = match &from {
                 SamFrom::Files(files) => {
                     let sums: Vec<Vec<String>> =
-                        files.iter().map(|path| sums_of_network(path)).collect::<Result<_>>()?;
+                        files.iter().map(|path| sums_of_network(path)).collect::<vtex::Result<_>>()?;
                     sums.concat()
                 }
                 SamFrom::Model(name) => {
@@ -141,7 +189,7 @@ fn model_name(store: &Store, name: Option<&Name>) -> anyhow::Result<String> {
 }
 
 /// Why ONNX Runtime does not run networks though it may, for people.
-pub(super) fn why_not(engine: &EngineOptions) -> String {
+fn why_not(engine: &EngineOptions) -> String {
     match choose(engine) {
         Ok(Choice::Rten { because: Some(reason) }) => format!(" ({reason})"),
         _ => String::new(),
@@ -159,7 +207,7 @@ impl Segmenter for Saving<'_> {
         self.segmenter.name()
     }
 
-    fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
+    fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> vtex::Result<Vec<ScoredMask>> {
         let masks = self.segmenter.segment(image, progress)?;
         if let Some(place) = self.place {
             let (width, height) = image.dimensions();
@@ -168,95 +216,4 @@ impl Segmenter for Saving<'_> {
         }
         Ok(masks)
     }
-}
-
-/// Reads the files that steer the synthesis of so many libraries.
-pub(super) fn controls(
-    steering: &Steering,
-    parameters: &SynthParams,
-    libraries: usize,
-) -> anyhow::Result<Controls> {
-    let canvas = [parameters.width, parameters.height];
-    let read = |file: &Input, wanted, hint: &str| -> anyhow::Result<(String, Vec<u8>)> {
-        let bytes = file.read()?;
-        Kind::expect(&bytes, file, &[wanted, Kind::Unknown]).map_err(|failure| failure.hint(hint))?;
-        Ok((file.name(), bytes))
-    };
-    let a_picture = "a map is a picture, such as a PNG";
-    let domain = match &steering.domain {
-        None => None,
-        Some(DomainFrom::Shape(file)) => {
-            let (name, bytes) = read(file, Kind::Svg, "a shape is an SVG; a picture is given with --mask")?;
-            Some(control::shape(&bytes, &name, canvas)?)
-        }
-        Some(DomainFrom::Mask(file)) => {
-            let (name, bytes) =
-                read(file, Kind::Image, "a mask is a picture; an SVG is given with --domain")?;
-            Some(control::mask(&bytes, &name, canvas)?)
-        }
-    };
-    let density = match &steering.density {
-        None => None,
-        Some(file) => {
-            let (name, bytes) = read(file, Kind::Image, a_picture)?;
-            Some(control::density(&bytes, &name)?)
-        }
-    };
-    let maps = steering.maps.iter().map(|file| read(file, Kind::Image, a_picture));
-    let maps = maps.collect::<anyhow::Result<Vec<_>>>()?;
-    let maps: Vec<(&str, &[u8])> = maps.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
-    let shares = if maps.is_empty() { Vec::new() } else { control::shares(&maps, libraries)? };
-    Ok(Controls { domain, density, shares })
-}
-
-/// Libraries → scene, and how close it came to what was wanted.
-pub(super) fn synthesize(
-    libraries: &[Library],
-    parameters: &SynthParams,
-    controls: &Controls,
-    reporter: &Reporter,
-) -> Result<(Scene, Report)> {
-    vtex::synth::synthesize_with(libraries, parameters, controls, reporter)
-}
-
-/// Reads a scene.
-pub(super) fn scene(input: &Input) -> anyhow::Result<Scene> {
-    let bytes = input.read()?;
-    Kind::expect(&bytes, input, &[Kind::Scene, Kind::Unknown])
-        .map_err(|failure| failure.hint("make a scene with 'vtex synth photo.lib.json -o out.scene.json'"))?;
-    Ok(Scene::from_bytes(&bytes, &input.name())?)
-}
-
-/// Reads libraries.
-pub(super) fn libraries(inputs: &[Input]) -> anyhow::Result<Vec<Library>> {
-    let read = |input: &Input| {
-        let bytes = input.read()?;
-        // What is nothing known may still be a damaged library, and reading it says where.
-        Kind::expect(&bytes, input, &[Kind::Library, Kind::Unknown])?;
-        Ok(Library::from_bytes(&bytes, &input.name())?)
-    };
-    inputs.iter().map(read).collect()
-}
-
-/// Scene → the way that it is bent.
-pub(super) fn bend(scene: &Scene, how: &How) -> anyhow::Result<Bend> {
-    let read = |file: &Input| {
-        let bytes = file.read()?;
-        Kind::expect(&bytes, file, &[Kind::Svg, Kind::Unknown])
-            .map_err(|failure| failure.hint("a cage is drawn as an SVG with one closed path"))?;
-        anyhow::Ok(control::cage(&bytes, &file.name())?)
-    };
-    Ok(match how {
-        How::Scale(factors) => Bend::scale(scene, *factors)?,
-        How::Cage([before, after]) => {
-            let (before, _) = read(before)?;
-            let (after, canvas) = read(after)?;
-            Bend::cage(before, after, canvas)?
-        }
-    })
-}
-
-/// Library → the exemplar as a scene.
-pub(super) fn reconstruct(library: &Library) -> Scene {
-    vtex::synth::reconstruct(library)
 }
