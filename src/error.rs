@@ -42,7 +42,7 @@ pub enum Error {
     /// The image is larger than the limits allow.
     #[error("'{name}' is too large: {found}, the limit is {limit}")]
     TooLarge {
-        /// File name or the flag concerned.
+        /// File name or the parameter concerned.
         name: String,
         /// What was found, with its unit.
         found: String,
@@ -82,7 +82,7 @@ pub enum Error {
     /// A parameter lies outside its range.
     #[error("{name} = {value} is out of range: {allowed}")]
     Parameter {
-        /// The parameter, named as its flag is.
+        /// The parameter, with hyphens between words.
         name: &'static str,
         /// The value given.
         value: String,
@@ -138,6 +138,24 @@ pub enum Error {
         reason: String,
         /// What to try, as of [`Error::hint`].
         advice: &'static str,
+    },
+    /// ONNX Runtime's shared library cannot be found, loaded or used.
+    #[error("network '{name}': {reason}")]
+    Runtime {
+        /// The library, or the network that needs it.
+        name: String,
+        /// Why not.
+        reason: String,
+    },
+    /// An engine cannot run a network that it has loaded.
+    #[error("network '{name}': {reason}")]
+    Engine {
+        /// File or name of the network.
+        name: String,
+        /// The engine, such as `rten`; empty where it is not known.
+        engine: &'static str,
+        /// Why not.
+        reason: String,
     },
     /// An operation on a scene cannot be done.
     #[error("cannot do '{operation}': {fault}")]
@@ -206,7 +224,8 @@ impl Error {
         Self::Write { path: path.to_owned(), source }
     }
 
-    /// What the user may try, in one sentence without a full stop.
+    /// What may be tried, in one sentence without a full stop. It names no commands and no options: those
+    /// are the program's.
     pub fn hint(&self) -> Option<String> {
         use std::io::ErrorKind;
         Some(match self {
@@ -217,9 +236,7 @@ impl Error {
             },
             Self::Write { path, source } => match source.kind() {
                 ErrorKind::NotFound => "the folder does not exist; create it first".into(),
-                ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
-                    "choose another place with -o".into()
-                }
+                ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose another place".into(),
                 ErrorKind::StorageFull if path == Path::new("-") => "standard output is full".into(),
                 ErrorKind::StorageFull => {
                     "the disk is full; nothing was left behind, any old file is as it was".into()
@@ -229,36 +246,24 @@ impl Error {
                 }
                 _ => return None,
             },
-            Self::Exists { .. } => "give another name with -o, or --force to replace it".into(),
             Self::Decode { .. } => {
                 "PNG, JPEG, TIFF, WebP, BMP, GIF and PNM are read; is the file complete?".into()
             }
-            Self::TooLarge { name, .. } if name == "size" => "ask for a smaller --size".into(),
+            Self::TooLarge { name, .. } if name == "size" => "ask for a smaller canvas".into(),
             Self::TooLarge { .. } => "scale it down first, or crop a part of it".into(),
             Self::Unusable { .. } => {
                 "use a photograph of at least 32 x 32 pixels that shows the texture from above".into()
             }
-            Self::Format { format: "vtex-library", .. } => {
-                "make a library with 'vtex analyze photo.jpg'".into()
-            }
-            Self::Format { format: "vtex-scene", .. } => {
-                "make a scene with 'vtex synth photo.lib.json -o out.scene.json'".into()
-            }
-            Self::Format { format: "vtex-weights", .. } => {
-                "search weights with 'vtex tune photo.lib.json'".into()
-            }
             Self::Version { .. } => "write the file again with this version of vtex".into(),
             Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
             Self::Control { advice, .. } => (*advice).into(),
+            Self::Runtime { .. } => "'pip install onnxruntime' brings it".into(),
+            Self::Engine { .. } => "is the file complete? Another engine may run it".into(),
             Self::Network { advice, .. } if !advice.is_empty() => (*advice).into(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
-            Self::Sizes { .. } => {
-                "make both with the same --size, or stretch one with 'vtex warp --scale'".into()
-            }
-            Self::Seams => "make the texture with --tile, for both axes".into(),
-            Self::MaxBytes { smallest, .. } => {
-                format!("give --max-bytes {smallest} or more, write .svgz, or make the texture smaller")
-            }
+            Self::Sizes { .. } => "make both of the same size, or stretch one".into(),
+            Self::Seams => "synthesise it so that it repeats along both".into(),
+            Self::MaxBytes { .. } => "allow more bytes, or make the texture smaller".into(),
             _ => return None,
         })
     }

@@ -10,6 +10,7 @@ mod config;
 pub(crate) mod exit;
 pub(crate) mod failure;
 mod format;
+mod hints;
 mod input;
 pub(crate) mod interrupt;
 mod models;

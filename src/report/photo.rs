@@ -45,8 +45,8 @@ pub(super) fn of<'a>(
                 other.name
             ),
             None => format!(
-                "The photograph {name} is not shown: there is no such file beside what is \
-                 inspected. Name it with --exemplar."
+                "The photograph {name} is not shown: it was not given, and there is no such file beside \
+                 what is inspected."
             ),
         });
     };

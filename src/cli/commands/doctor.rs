@@ -10,7 +10,7 @@ use anstyle::Style;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
-use vtex::engine::{Choice, EngineOptions, MINIMUM_MINOR, choose, locate};
+use vtex::engine::{Choice, EngineOptions, GIVEN, MINIMUM_MINOR, choose, locate};
 
 /// Say what networks run on, which models there are, and what is missing
 #[derive(Args)]
@@ -67,7 +67,10 @@ fn run(common: &Common, options: &EngineOptions) -> anyhow::Result<()> {
 
 fn examine(options: &EngineOptions) -> Report {
     let found = locate(options.library.as_deref());
-    let libraries = found.into_iter().map(|f| Candidate { path: f.path, by: f.by }).collect();
+    let libraries = found
+        .into_iter()
+        .map(|f| Candidate { path: f.path, by: if f.by == GIVEN { "--onnxruntime" } else { f.by } })
+        .collect();
     let mut missing = Vec::new();
     let how = format!(
         "'pip install onnxruntime' brings ONNX Runtime, a few times faster than rten; version 1.{MINIMUM_MINOR} or newer serves; name its library with --onnxruntime if it is not found"
