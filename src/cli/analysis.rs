@@ -4,6 +4,7 @@ use super::common::Common;
 use super::config::Parameters;
 use super::failure::Failure;
 use super::format;
+use super::hints;
 use super::input::{Input, Kind};
 use super::models::{Store, sums_of_network};
 use super::options::engine::engine;
@@ -80,7 +81,11 @@ pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
     drop(bytes);
     let segmenter = segmenter(common, analysis, reporter)?;
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
-    Ok(vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?)
+    let library = vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?;
+    if let Some(hint) = hints::of_library(&library) {
+        reporter.hint(hint);
+    }
+    Ok(library)
 }
 
 /// Loads what finds masks.

@@ -3,6 +3,22 @@
 use std::io::ErrorKind;
 use vtex::Error;
 use vtex::error::EditFault;
+use vtex::library::Library;
+
+/// What a page says of a photograph that was not found.
+pub(crate) const PHOTO: &str = "Name it with --exemplar.";
+
+/// What may help where analysis found other elements than were wanted.
+pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
+    let (primaries, most) = (library.primaries.len(), library.source.parameters.max_paths as usize);
+    if primaries == 0 {
+        Some("--segmenter finds elements in other ways, --masks takes them from a file")
+    } else if most > 0 && primaries > most {
+        Some("a larger --minimum-area leaves fewer primary textons")
+    } else {
+        None
+    }
+}
 
 /// One sentence without a full stop: one that names commands and options, else the library's own.
 pub(crate) fn hint(error: &Error) -> Option<String> {

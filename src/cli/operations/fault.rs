@@ -123,12 +123,23 @@ pub(super) fn of_parser(error: &clap::Error, verb: &Command) -> Fault {
 /// What the library finds wrong with an operation.
 pub(super) fn of_operation(fault: &EditFault, verb: &Command) -> Fault {
     let advice = match fault {
-        EditFault::Range { name: wrong, .. } => {
+        EditFault::Range { name: wrong, value, .. } => {
             let is_it = |a: &&Arg| a.get_long() == Some(*wrong) || value_name(a).eq_ignore_ascii_case(wrong);
-            let argument = verb.get_arguments().find(is_it);
-            argument.map(|a| format!("{} takes {}", name(a), range(a))).unwrap_or_default()
+            if let Some(argument) = verb.get_arguments().find(is_it) {
+                let (name, range) = (name(argument), range(argument));
+                return Fault::new(
+                    format!("{name} = {value} is out of range: {range}"),
+                    format!("{name} takes {range}"),
+                );
+            }
+            String::new()
         }
-        EditFault::NotForBackground => "the background is for tint, recolor, palette".into(),
+        EditFault::NotForBackground => {
+            return Fault::new(
+                format!("'{}' cannot be done to the background", verb.get_name()),
+                "the background is for tint, recolor, palette",
+            );
+        }
         EditFault::BackgroundCondition => "its points are told apart by x, y, inside and outside".into(),
         _ => example(verb),
     };

@@ -3,6 +3,7 @@
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::format;
+use crate::cli::hints;
 use crate::cli::input::{Input, Kind};
 use crate::cli::options::files::{ForceArgs, check_files};
 use crate::cli::output::{Place, Written};
@@ -57,7 +58,8 @@ pub(super) fn run(
     let (libraries, scene) = read(inputs)?;
     let photos = photos(inputs, &page.exemplars, &libraries, scene.as_ref())?;
     reporter.stage("writing")?;
-    let subject = Subject { libraries: &libraries, scene: scene.as_ref(), photos: &photos };
+    let subject =
+        Subject { libraries: &libraries, scene: scene.as_ref(), photos: &photos, ask: hints::PHOTO };
     let (warnings, bytes) = page.place.write(|out| report::write(&subject, out))?;
     let written = Written { bytes, warnings, given_up: None };
     let first = libraries.first().map(|l| &l.content);
