@@ -1,7 +1,7 @@
 //! Where results go: files put in place as a whole, or standard output.
 
-use super::config::SvgParameters;
 use super::interrupt;
+use super::options::svg::SvgParameters;
 use super::values::Bytes;
 use std::fs;
 use std::io::{self, Write};

@@ -1,6 +1,6 @@
 //! What was done, in JSON for programs and in a line or two for people.
 
-use super::options::Common;
+use super::common::Common;
 use super::output::{Written, print, say};
 use super::progress::Reporter;
 use serde::ser::SerializeMap;

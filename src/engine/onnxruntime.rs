@@ -18,9 +18,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Oldest ONNX Runtime that serves: the second part of 1.17.
 pub const MINIMUM_MINOR: u32 = ort::MINOR_VERSION;
 
-/// How the library is had.
-pub(super) const ADVICE: &str = "'pip install onnxruntime' brings it; name its libonnxruntime.so (.dylib, onnxruntime.dll) with --onnxruntime, or use --engine rten";
-
 /// The library in use.
 struct Loaded {
     path: PathBuf,
@@ -32,7 +29,7 @@ static LOADED: Mutex<Option<Loaded>> = Mutex::new(None);
 
 /// Loads a library, unless it is loaded already, and hands it to `work`.
 fn with_library<T>(path: &Path, work: impl FnOnce(&Loaded) -> Result<T>) -> Result<T> {
-    let failure = |reason| Error::Network { name: path.display().to_string(), reason, advice: ADVICE };
+    let failure = |reason| Error::Runtime { name: path.display().to_string(), reason };
     let path = std::fs::canonicalize(path).map_err(|e| failure(format!("cannot be loaded: {e}")))?;
     let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
     match &*loaded {
@@ -65,7 +62,7 @@ fn with_library<T>(path: &Path, work: impl FnOnce(&Loaded) -> Result<T>) -> Resu
 /// The version of a library, which is loaded by this.
 ///
 /// # Errors
-/// [`Error::Network`] if it cannot be loaded, or another one is.
+/// [`Error::Runtime`] if it cannot be loaded, or another one is.
 pub fn version(library: &Path) -> Result<String> {
     with_library(library, |loaded| Ok(loaded.version.clone()))
 }
@@ -163,11 +160,7 @@ impl Network {
     }
 
     fn failure(&self, reason: String) -> Error {
-        Error::Network {
-            name: self.name.clone(),
-            reason,
-            advice: "use an export with 32-bit inputs and outputs, or try --engine rten",
-        }
+        Error::Engine { name: self.name.clone(), engine: "ONNX Runtime", reason }
     }
 }
 

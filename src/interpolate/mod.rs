@@ -29,8 +29,8 @@ mod side;
 mod tests;
 mod when;
 
+pub use crate::scene::Axis;
 pub use motion::{Brush, Motion, Moving};
-pub use when::Axis;
 
 use crate::document::Document;
 use crate::error::{Error, Result};
@@ -38,7 +38,7 @@ use crate::geometry::{Point, Vec2, shortest_way};
 use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::sampling::stream;
-use crate::scene::{EditRecord, Instance, LibraryRef, Scene, Texton, Tile};
+use crate::scene::{Between, EditRecord, Instance, LibraryRef, Place, Recorded, Scene, Texton, Tile};
 use correspond::{Correspondence, Plane, Traits, correspond};
 use domain::Region;
 use effects::Effects;
@@ -154,16 +154,12 @@ impl<'a> Interpolation<'a> {
 
     /// What a scene between the two says of itself.
     fn record(&self, when: &When) -> EditRecord {
-        let names = self.ends.map(|scene| {
-            let names: Vec<&str> = scene.libraries.iter().map(|l| l.exemplar.as_str()).collect();
-            names.join("+")
-        });
+        let [from, to] = self.ends.map(|scene| scene.libraries.iter().map(|l| l.exemplar.clone()).collect());
         let place = match *when {
-            When::Now(t) => format!("--at {t}"),
-            When::Across(Axis::X, _) => "--across x".into(),
-            When::Across(Axis::Y, _) => "--across y".into(),
+            When::Now(t) => Place::At(t),
+            When::Across(axis, _) => Place::Across(axis),
         };
-        EditRecord { operation: format!("interp '{}' '{}' {place}", names[0], names[1]), seed: 0 }
+        EditRecord { operation: Recorded::Interpolation(Between { from, to, place }), seed: 0 }
     }
 
     /// The instances of a layer in painting order; their textons are added to the scene. Ids are

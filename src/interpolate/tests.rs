@@ -354,8 +354,9 @@ fn plain_grounds_mix_and_a_scene_between_says_what_it_is() {
     assert!(ground(&way.at(0.001), 60.0) < 24.0 && ground(&way.at(0.999), 60.0) > 216.0);
     let mixed = across(&a, &b, Axis::X, &()).unwrap();
     assert!(ground(&mixed, 3.0) < 24.0 && ground(&mixed, 117.0) > 216.0);
-    assert_eq!(mixed.edits.last().unwrap().operation, "interp '25.png' '26.png' --across x");
-    assert_eq!(way.at(0.25).edits.last().unwrap().operation, "interp '25.png' '26.png' --at 0.25");
+    let told = |scene: &Scene| scene.edits.last().unwrap().operation.to_string();
+    assert_eq!(told(&mixed), "interpolation from=25.png to=26.png across=x");
+    assert_eq!(told(&way.at(0.25)), "interpolation from=25.png to=26.png at=0.25");
 }
 
 #[test]

@@ -1,18 +1,10 @@
 //! How far along the way things are, everywhere alike or from one side of the canvas to the other.
 
 use crate::geometry::Point;
+use crate::scene::Axis;
 
 /// Share of the canvas at either side that shows one scene alone.
 const PURE: f64 = 0.1;
-
-/// An axis of the canvas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// From left to right.
-    X,
-    /// From top to bottom.
-    Y,
-}
 
 /// How far along the way things are: 0 at the first scene, 1 at the second.
 pub(super) enum When {

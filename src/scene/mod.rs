@@ -1,15 +1,21 @@
 //! The scene: one synthesised texture, placed textons over a background field (`*.scene.json`).
 
+mod edits;
 mod effects;
 pub mod field;
 mod gradient;
+mod operation;
 mod parameters;
 pub(crate) mod pixels;
 mod tile;
 mod validate;
 
+pub use edits::{Axis, Between, EditRecord, Place, Recorded};
 pub use effects::{Shadow, Stroke};
 pub use gradient::Gradient;
+pub use operation::{
+    Action, Comparison, Condition, Direction, Identity, Layers, Operation, Quantity, ThinOrder,
+};
 pub use parameters::{Ablation, Method, SynthParams, Weights};
 pub use tile::Tile;
 
@@ -58,16 +64,6 @@ pub struct Scene {
     /// What was done to it after synthesis, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub edits: Vec<EditRecord>,
-}
-
-/// An operation that a scene has gone through.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EditRecord {
-    /// The operation as it was written, such as `tint #ff0000 --amount 0.5`.
-    pub operation: String,
-    /// The seed of its random choices.
-    pub seed: u64,
 }
 
 /// The shape that a texture fills.

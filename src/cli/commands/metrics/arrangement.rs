@@ -1,9 +1,9 @@
 //! A library and a scene made from it: what its elements cover, how they keep together or apart, how
 //! often they come back.
 
-use super::{digits, tell};
+use super::show::{digits, tell};
+use crate::cli::common::Common;
 use crate::cli::failure::Failure;
-use crate::cli::options::Common;
 use crate::cli::progress::Reporter;
 use crate::cli::table::table;
 use serde::Serialize;
