@@ -11,6 +11,7 @@
 mod disjoint_sets;
 mod document;
 pub mod error;
+pub mod gzip;
 mod parallel;
 mod progress;
 mod svg_tree;

@@ -119,7 +119,7 @@ fn all_formats_agree() {
         }
         // Enlarged, as poppler draws edges by its own rule: it fills every sixteenth of a pixel that a
         // shape touches, and then makes thin what is partly filled.
-        if let Some(page) = by_poppler(scene, 72 * 4) {
+        if let Some(page) = by_poppler(scene, 96 * 4) {
             let found = mean(&on_white(&png::render(scene, 4.0).unwrap()), &page);
             assert!(found <= 1.5, "pdf: {found}");
         }

@@ -2,7 +2,6 @@
 
 use super::failure::Failure;
 use super::interrupt;
-use flate2::read::GzDecoder;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use vtex::{Error, Result};
@@ -67,13 +66,7 @@ pub(crate) enum Kind {
 impl Kind {
     /// Recognises content, plain or gzip, by its first bytes.
     pub(crate) fn of(bytes: &[u8]) -> Self {
-        let mut head = Vec::new();
-        if bytes.starts_with(&[0x1f, 0x8b]) {
-            // Damaged data shows up again, with its reason, when all of it is read.
-            let _ = GzDecoder::new(bytes).take(HEAD).read_to_end(&mut head);
-        } else {
-            head.extend_from_slice(&bytes[..bytes.len().min(HEAD as usize)]);
-        }
+        let head = vtex::gzip::beginning(bytes, HEAD);
         if image::guess_format(&head).is_ok() {
             return Self::Image;
         }
@@ -124,7 +117,7 @@ impl Kind {
 }
 
 /// How much of a file is looked at; vtex writes the name of the format first.
-const HEAD: u64 = 4096;
+const HEAD: usize = 4096;
 
 #[cfg(test)]
 mod tests {

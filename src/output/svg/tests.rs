@@ -30,6 +30,9 @@ fn check_document(text: &str, summary: &SvgSummary) {
     assert_eq!(summary.bytes, text.len() as u64);
     assert_eq!(summary.elements, document.descendants().filter(Node::is_element).count() as u64);
     assert_eq!(summary.warnings, Vec::<String>::new());
+    // Inkscape ignores coordinates that come from elsewhere.
+    let gradients = named(&document, "linearGradient");
+    assert!(gradients.iter().all(|n| n.attributes().all(|a| a.name() != "href")), "gradients are complete");
     let known: BTreeSet<&str> = ids.into_iter().collect();
     let links = document.descendants().filter_map(|n| n.attribute(("http://www.w3.org/1999/xlink", "href")));
     let paints = document.descendants().flat_map(|n| ["fill", "mask", "clip-path"].map(|a| n.attribute(a)));
