@@ -2,12 +2,22 @@
 
 use super::failure::Failure;
 use super::interrupt;
+use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use vtex::{Error, Result};
 
 /// Most bytes read from a file or from standard input.
 const LARGEST: u64 = 2 << 30;
+
+/// The files that this process has read as inputs, links resolved.
+static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Whether a file has been read as an input, whatever the path that named it.
+pub(crate) fn was_read(path: &Path) -> bool {
+    path.canonicalize().is_ok_and(|path| READ.lock().unwrap_or_else(PoisonError::into_inner).contains(&path))
+}
 
 /// Where input comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,6 +55,11 @@ impl Input {
             }
         });
         read.map_err(|e| Error::read(self.path(), e))?;
+        if let Self::File(path) = self
+            && let Ok(path) = path.canonicalize()
+        {
+            READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
+        }
         if bytes.len() as u64 > LARGEST {
             let (found, limit) = ("more than 2 GiB".into(), "2 GiB".into());
             return Err(Error::TooLarge { name: self.name(), found, limit });

@@ -6,7 +6,7 @@ use crate::cli::config::Given;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::files::{ForceArgs, required, target};
+use crate::cli::options::files::{ForceArgs, check_files, required, target};
 use crate::cli::options::pattern::{PatternArgs, pattern};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
@@ -67,6 +67,7 @@ impl Arguments for RenderArgs {
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
         let Self { file, output, force, pattern: beside, .. } = *self;
         let file = required(file)?;
+        check_files(&[("the input", &file)], &[("-o", output.as_deref()), ("--pattern", beside.pattern.as_deref())])?;
         let target = target(output, &force, &file, format::OF_SCENE, Format::Png)?;
         let pattern = pattern(beside, &force, &target)?;
         let (scale, svg) = (resolved.parameters.render, resolved.parameters.svg);

@@ -62,12 +62,25 @@ pub(crate) fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Pat
     Ok(())
 }
 
+/// A path that is the same however a file is spelled: links resolved, also those of a file's folder
+/// where the file is yet to be written.
+pub(crate) fn plain(path: &Path) -> PathBuf {
+    if let Ok(path) = path.canonicalize() {
+        return path;
+    }
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (folder.canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
+}
+
 /// Refuses that one file is to hold two things: the later would destroy the earlier, `--force` or not.
 pub(crate) fn apart(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
     for (i, (name, path)) in files.iter().enumerate() {
         for (other, second) in &files[i + 1..] {
             if let (Some(a), Some(b)) = (path, second)
-                && a == b
+                && plain(a) == plain(b)
             {
                 let message = format!("{name} and {other} name the same file, '{}'", a.display());
                 return Err(Failure::usage(message).hint("give one of them another name"));

@@ -8,6 +8,7 @@ use crate::cli::failure::Failure;
 use crate::cli::input::Input;
 use crate::cli::options::control::Steering;
 use crate::cli::options::engine::engine;
+use crate::cli::options::files::plain;
 use crate::cli::options::masks::{SamFrom, masks_from};
 use crate::cli::values::Seed;
 use std::collections::BTreeSet;
@@ -54,8 +55,6 @@ impl Batch {
 
 /// Refuses that a file is read and written, and that standard input is read for every job.
 fn apart(jobs: &[BatchJob], steering: &Steering, out_dir: &Path) -> Result<(), Failure> {
-    // However a path is spelled.
-    let plain = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let folder = plain(out_dir);
     let results: BTreeSet<PathBuf> =
         jobs.iter().flat_map(BatchJob::files).map(|file| folder.join(file)).collect();
