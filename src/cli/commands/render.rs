@@ -51,7 +51,7 @@ pub(super) fn run(
     let (written, size) = match &scene {
         Some(scene) => (target.write_scene(scene, *svg, scale)?, parameters.size_of(scene, drawn)),
         None if drawn => {
-            let picture = raster_svg::render_svg(&bytes, scale, &name)?;
+            let picture = raster_svg::render_svg(&bytes, scale, &name, reporter)?;
             let (_, bytes) = target.place.write(|out| png::encode(&picture, None, out))?;
             (Written { bytes, ..Written::default() }, [picture.width(), picture.height()])
         }

@@ -169,7 +169,7 @@ fn shared_and_expanded_look_alike() {
     let scene = testing::scene(400, 300, 4);
     let fine = SvgOptions { precision: 2, expand: false };
     let [shared, expanded] = [fine, SvgOptions { expand: true, ..fine }]
-        .map(|options| render_svg(text(&scene, &options).0.as_bytes(), 1.0, "test").unwrap());
+        .map(|options| render_svg(text(&scene, &options).0.as_bytes(), 1.0, "test", &()).unwrap());
     let pairs = shared.data().iter().zip(expanded.data());
     let sum: u64 = pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
     let mean = sum as f64 / shared.data().len() as f64;
