@@ -80,6 +80,12 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
     Ok(canvas.picture)
 }
 
+/// Elements of an SVG once every `<use>` is followed.
+#[cfg(test)]
+pub(super) fn weight(text: &str) -> u64 {
+    Pieces::new(text, &svg_tree::document(text).unwrap()).weight()
+}
+
 /// What of a document is not drawn, in words.
 fn left_out(document: &Document<'_>, name: &str) -> Option<String> {
     let count = |what: &str| document.descendants().filter(|n| n.tag_name().name() == what).count();

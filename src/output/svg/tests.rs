@@ -29,6 +29,7 @@ fn check_document(text: &str, summary: &SvgSummary) {
     assert!(named(&document, "image").is_empty());
     assert_eq!(summary.bytes, text.len() as u64);
     assert_eq!(summary.elements, document.descendants().filter(Node::is_element).count() as u64);
+    assert_eq!(summary.drawn, crate::output::raster_svg::weight(text));
     assert_eq!(summary.warnings, Vec::<String>::new());
     // Inkscape ignores coordinates that come from elsewhere.
     let gradients = named(&document, "linearGradient");
@@ -151,6 +152,22 @@ fn each_texton_used_twice_is_defined_once() {
     assert!(["use", "symbol"].iter().all(|name| named(&document, name).is_empty()));
     assert!(document.descendants().all(|n| !n.has_attribute("transform")));
     assert_eq!(summary.shared_textons, 0);
+}
+
+#[test]
+fn limits_of_viewers_are_told_with_what_helps() {
+    let told = |elements, references| too_much(Drawn { elements, references }).unwrap_or_default();
+    assert_eq!(told(999_999, 499_999), "");
+    assert!(told(1_000_000, 0).contains("resvg stops at 1000000") && !told(1_000_000, 0).contains("librsvg"));
+    assert!(
+        told(900_000, 500_000).contains("librsvg stops at 500000")
+            && told(900_000, 500_000).contains("--expand")
+    );
+    let both = told(2_000_000, 600_000);
+    assert!(
+        both.contains("2000000 elements") && both.contains("librsvg") && !both.contains("--expand"),
+        "{both}"
+    );
 }
 
 #[test]
