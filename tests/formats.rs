@@ -107,7 +107,7 @@ fn dressed() -> Scene {
 fn all_formats_agree() {
     for scene in [scene(), &shaped(Edge::Clip), &shaped(Edge::Keep), &dressed()] {
         let picture = on_white(&png::render(scene, 1.0).unwrap());
-        let drawn = |bytes: &[u8]| on_white(&raster_svg::render_svg(bytes, 1.0, "test").unwrap());
+        let drawn = |bytes: &[u8]| on_white(&raster_svg::render_svg(bytes, 1.0, "test", &()).unwrap());
         let plain = svg_of(scene, &SvgOptions::default());
         let mut packed = file::gzip(Vec::new());
         std::io::Write::write_all(&mut packed, &plain).unwrap();
@@ -129,7 +129,7 @@ fn all_formats_agree() {
 #[test]
 fn pictures_agree_at_twice_the_size() {
     let picture = on_white(&png::render(scene(), 2.0).unwrap());
-    let drawn = raster_svg::render_svg(&svg_of(scene(), &SvgOptions::default()), 2.0, "test").unwrap();
+    let drawn = raster_svg::render_svg(&svg_of(scene(), &SvgOptions::default()), 2.0, "test", &()).unwrap();
     let found = mean(&picture, &on_white(&drawn));
     assert!(found <= 1.0, "{found}");
 }
@@ -147,7 +147,7 @@ fn a_reduced_scene_still_looks_the_same() {
         let reduced = reduce::to_fit(scene(), &SvgOptions::default(), most, measure).unwrap();
         let bytes = svg_of(&reduced.scene, &reduced.options);
         assert!(bytes.len() as u64 <= most);
-        let drawn = raster_svg::render_svg(&bytes, 1.0, "test").unwrap();
+        let drawn = raster_svg::render_svg(&bytes, 1.0, "test", &()).unwrap();
         let found = mean(&picture, &on_white(&drawn));
         assert!(found <= limit && found >= last, "{share}: {found}");
         last = found;

@@ -75,7 +75,7 @@ fn three_by_three_tiles_have_no_seam() {
         let by = Vec2::new(half(x, WIDTH), half(y, HEIGHT));
         let other = moved(scene.clone(), by);
         let direct = [&scene, &other].map(|s| png::render(s, 1.0).unwrap());
-        let by_svg = [&scene, &other].map(|s| raster_svg::render_svg(&svg_of(s), 1.0, "tile").unwrap());
+        let by_svg = [&scene, &other].map(|s| raster_svg::render_svg(&svg_of(s), 1.0, "tile", &()).unwrap());
         for [tile, whole] in [direct, by_svg] {
             let (mean, most) = difference(&tile, &whole, by);
             assert!(mean < 0.7 && most <= 60, "{x} {y}: mean {mean}, largest {most}");

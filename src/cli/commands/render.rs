@@ -109,7 +109,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
     let (written, size) = match &scene {
         Some(scene) => (target.write_scene(scene, *svg, scale)?, parameters.size_of(scene, drawn)),
         None if drawn => {
-            let picture = raster_svg::render_svg(&bytes, scale, &name)?;
+            let picture = raster_svg::render_svg(&bytes, scale, &name, reporter)?;
             let (_, bytes) = target.place.write(|out| png::encode(&picture, None, out))?;
             (Written { bytes, ..Written::default() }, [picture.width(), picture.height()])
         }

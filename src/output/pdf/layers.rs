@@ -2,7 +2,9 @@
 //!
 //! krilla writes no optional content, so its file is opened again: the page's content stream marks each
 //! form XObject that it draws, the page's resources name the groups, the catalog lists them, and the
-//! table of objects is written anew. Nothing else changes.
+//! table of objects is written anew. Where everything on the page is drawn under one change of
+//! coordinates, that is made once and for all: Inkscape 1.2 takes the change within `q` and `Q` for one
+//! that gradients in forms ignore. Nothing else changes.
 
 use flate2::read::ZlibDecoder;
 use std::collections::BTreeMap;
@@ -30,7 +32,7 @@ pub(super) fn named(file: &[u8], names: &[&str]) -> Option<Vec<u8>> {
     let mut changed = BTreeMap::from([
         (catalog, insert(objects.text(catalog)?, "/Type /Catalog", &properties)?),
         (page, insert(objects.text(page)?, "/Resources <<", &format!("/Properties <<{resources}>>"))?),
-        (content, stream(content, &marked(&content_of(objects.bytes(content)?)?, names.len())?)),
+        (content, stream(content, &marked(&hoisted(content_of(objects.bytes(content)?)?), names.len())?)),
     ]);
     for (k, name) in names.iter().enumerate() {
         changed.insert(first + k, format!("{} 0 obj\n<</Type /OCG /Name ({name})>>\nendobj\n\n", first + k));
@@ -116,6 +118,25 @@ fn content_of(object: &[u8]) -> Option<String> {
     let mut text = String::new();
     ZlibDecoder::new(&object[at + BEGINNING.len()..]).read_to_string(&mut text).ok()?;
     Some(text)
+}
+
+/// The content with the change of coordinates that all its parts begin with made before them.
+fn hoisted(content: String) -> String {
+    let Some(change) = content.lines().nth(1).filter(|line| line.ends_with(" cm")) else { return content };
+    let mut out = format!("{change}\n");
+    let (mut depth, mut begins) = (0, false);
+    for line in content.lines() {
+        if begins && line != change || depth == 0 && !["q", ""].contains(&line) {
+            return content;
+        }
+        if !begins {
+            out += line;
+            out.push('\n');
+        }
+        begins = depth == 0 && line == "q";
+        depth += i32::from(line == "q") - i32::from(line == "Q");
+    }
+    out
 }
 
 /// The content with a mark around each of the `count` objects that it draws.

@@ -6,7 +6,7 @@
 //! longer than that, or if it has a gradient; other textons are written where they stand.
 //!
 //! Gradients are drawn in forms of their own because Inkscape 1.2 places a gradient wrongly where the
-//! same content stream has changed the coordinates before.
+//! same content stream has changed the coordinates before (see also `layers.rs`).
 //!
 //! Works badly beyond [`LARGEST_PAGE`]: viewers then need a page that is scaled down, and its
 //! numbers are rounded to more than a hundredth of a pixel.

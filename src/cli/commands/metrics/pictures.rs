@@ -58,7 +58,7 @@ fn draw(content: &Content, name: &str, reporter: &Reporter) -> anyhow::Result<Rg
             decoded.warnings.iter().for_each(|w| reporter.warn(&w.replace("the photograph", name)));
             return Ok(decoded.image);
         }
-        Content::Svg(bytes) => raster_svg::render_svg(bytes, 1.0, name)?,
+        Content::Svg(bytes) => raster_svg::render_svg(bytes, 1.0, name, reporter)?,
         Content::Scene(scene) => png::render(scene, 1.0)?,
         Content::Library(library) => png::render(&vtex::synth::reconstruct(library), 1.0)?,
     };
