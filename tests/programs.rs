@@ -122,7 +122,7 @@ fn text(scene: &Scene) -> String {
 /// A scene wide enough that its background has several columns.
 fn scene(seed: u64, tile: Tile) -> Scene {
     let params = SynthParams { width: 560, height: 200, seed, tile, ..SynthParams::default() };
-    synthesize(&support::library(), &params, &()).unwrap()
+    synthesize(&support::library("pebbles"), &params, &()).unwrap()
 }
 
 fn shaped(mut scene: Scene) -> Scene {

@@ -67,7 +67,10 @@ impl Arguments for RenderArgs {
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
         let Self { file, output, force, pattern: beside, .. } = *self;
         let file = required(file)?;
-        check_files(&[("the input", &file)], &[("-o", output.as_deref()), ("--pattern", beside.pattern.as_deref())])?;
+        check_files(
+            &[("the input", &file)],
+            &[("-o", output.as_deref()), ("--pattern", beside.pattern.as_deref())],
+        )?;
         let target = target(output, &force, &file, format::OF_SCENE, Format::Png)?;
         let pattern = pattern(beside, &force, &target)?;
         let (scale, svg) = (resolved.parameters.render, resolved.parameters.svg);
