@@ -64,13 +64,13 @@ fn study(path: &Path, side: u32, files: Option<&Path>, kept: bool) -> Outcome {
         let bytes = write()?;
         let writing = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let picture = render_svg(&bytes, 1.0, construction)?;
+        let picture = render_svg(&bytes, 1.0, construction, &())?;
         let drawing = start.elapsed().as_secs_f64();
         let one = Distance::of(&field, &picture, 1.0, if side > 2000 { 7 } else { 1 });
         let four = if side > 2000 {
             String::from("– | –")
         } else {
-            let four = Distance::of(&field, &render_svg(&bytes, 4.0, construction)?, 4.0, 3);
+            let four = Distance::of(&field, &render_svg(&bytes, 4.0, construction, &())?, 4.0, 3);
             format!("{:.2} | {:.1}", four.mean, four.largest)
         };
         let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());

@@ -21,9 +21,9 @@ use vtex::library::Library;
 use vtex::output::{png, svg};
 use vtex::sampling::{Stream, stream};
 use vtex::scene::{Ablation, Method, Scene, SynthParams};
-use vtex::synth::statistics::{Correlation, Difference, Layout, largest_categories, neighbour_distance};
-use vtex::synth::tune::TunedWeights;
+use vtex::statistics::{Correlation, Difference, Layout, largest_categories, neighbour_distance};
 use vtex::synth::{self, Controls, Report};
+use vtex::tune::TunedWeights;
 
 const USAGE: &str = "\
 Usage: placement_study [--seeds N] [--pictures DIR] [--only speed|coverage|correlation|ablation] LIBRARY...";

@@ -1,13 +1,9 @@
 //! Versioned JSON documents, plain or gzip: what libraries and scenes share.
 
 use crate::error::{Error, Result, clip};
-use flate2::read::GzDecoder;
+use crate::gzip;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use std::io::Read;
 use std::path::Path;
-
-/// Largest document read, unpacked, in bytes.
-const LARGEST: u64 = 2 << 30;
 
 /// A JSON document with a format name, a version and invariants.
 pub(crate) trait Document: Serialize + DeserializeOwned {
@@ -32,23 +28,7 @@ pub(crate) fn read<T: Document>(path: &Path) -> Result<T> {
 /// Reads and validates a document from bytes, plain or gzip.
 pub(crate) fn from_bytes<T: Document>(bytes: &[u8], name: &str) -> Result<T> {
     let fail = |reason: String| Error::Format { name: name.into(), format: T::FORMAT, reason };
-    let unpacked;
-    let json = if bytes.starts_with(&[0x1f, 0x8b]) {
-        let mut buffer = Vec::new();
-        let read = GzDecoder::new(bytes).take(LARGEST + 1).read_to_end(&mut buffer);
-        read.map_err(|e| fail(format!("damaged gzip data: {e}")))?;
-        if buffer.len() as u64 > LARGEST {
-            return Err(Error::TooLarge {
-                name: name.into(),
-                found: "more than 2 GiB unpacked".into(),
-                limit: "2 GiB".into(),
-            });
-        }
-        unpacked = buffer;
-        &unpacked[..]
-    } else {
-        bytes
-    };
+    let json = &*gzip::unpack(bytes).map_err(fail)?;
     // Name and version first, so that another format is told apart from a damaged file.
     #[derive(Deserialize)]
     struct Header {

@@ -42,7 +42,7 @@ pub enum Error {
     /// The image is larger than the limits allow.
     #[error("'{name}' is too large: {found}, the limit is {limit}")]
     TooLarge {
-        /// File name or the flag concerned.
+        /// File name or the parameter concerned.
         name: String,
         /// What was found, with its unit.
         found: String,
@@ -82,7 +82,7 @@ pub enum Error {
     /// A parameter lies outside its range.
     #[error("{name} = {value} is out of range: {allowed}")]
     Parameter {
-        /// The parameter, named as its flag is.
+        /// The parameter, with hyphens between words.
         name: &'static str,
         /// The value given.
         value: String,
@@ -139,15 +139,31 @@ pub enum Error {
         /// What to try, as of [`Error::hint`].
         advice: &'static str,
     },
-    /// An operation on a scene cannot be understood or done.
-    #[error("cannot do '{operation}': {reason}")]
+    /// ONNX Runtime's shared library cannot be found, loaded or used.
+    #[error("network '{name}': {reason}")]
+    Runtime {
+        /// The library, or the network that needs it.
+        name: String,
+        /// Why not.
+        reason: String,
+    },
+    /// An engine cannot run a network that it has loaded.
+    #[error("network '{name}': {reason}")]
+    Engine {
+        /// File or name of the network.
+        name: String,
+        /// The engine, such as `rten`; empty where it is not known.
+        engine: &'static str,
+        /// Why not.
+        reason: String,
+    },
+    /// An operation on a scene cannot be done.
+    #[error("cannot do '{operation}': {fault}")]
     Edit {
-        /// The operation as it was written.
+        /// The operation as text.
         operation: String,
         /// What is wrong with it.
-        reason: String,
-        /// What to try, as of [`Error::hint`].
-        advice: String,
+        fault: EditFault,
     },
     /// Nothing that can be given up makes a file small enough.
     #[error("no SVG of the scene fits in {most} bytes: the smallest has {smallest}")]
@@ -157,6 +173,44 @@ pub enum Error {
         /// The bytes of the smallest.
         smallest: u64,
     },
+}
+
+/// What is wrong with an operation on a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EditFault {
+    /// A number lies outside its range.
+    #[error("{name} = {value} is out of range: {low} to {high}{}{unit}", if unit.is_empty() { "" } else { " " })]
+    Range {
+        /// The parameter, named as in `vtex edit`.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// The least allowed.
+        low: f64,
+        /// The most allowed.
+        high: f64,
+        /// What it is measured in; empty for plain numbers.
+        unit: &'static str,
+    },
+    /// Thinning is told neither a share nor a smallest area.
+    #[error("nothing says how much to keep")]
+    NothingKept,
+    /// Jitter changes neither place nor angle nor size.
+    #[error("nothing says what to change")]
+    NothingChanged,
+    /// Only colours of the background can be changed.
+    #[error("it cannot be done to the background")]
+    NotForBackground,
+    /// A condition on something that points of the background do not have.
+    #[error("the background has no categories, areas and the like")]
+    BackgroundCondition,
+    /// The content of a file that the operation names is not given.
+    #[error("the content of '{0}' is not given")]
+    NoFile(String),
+    /// The scene that comes of it breaks the invariants of scenes.
+    #[error("it leads too far: {0}")]
+    TooFar(String),
 }
 
 impl Error {
@@ -170,7 +224,8 @@ impl Error {
         Self::Write { path: path.to_owned(), source }
     }
 
-    /// What the user may try, in one sentence without a full stop.
+    /// What may be tried, in one sentence without a full stop. It names no commands and no options: those
+    /// are the program's.
     pub fn hint(&self) -> Option<String> {
         use std::io::ErrorKind;
         Some(match self {
@@ -181,9 +236,7 @@ impl Error {
             },
             Self::Write { path, source } => match source.kind() {
                 ErrorKind::NotFound => "the folder does not exist; create it first".into(),
-                ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
-                    "choose another place with -o".into()
-                }
+                ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose another place".into(),
                 ErrorKind::StorageFull if path == Path::new("-") => "standard output is full".into(),
                 ErrorKind::StorageFull => {
                     "the disk is full; nothing was left behind, any old file is as it was".into()
@@ -193,37 +246,24 @@ impl Error {
                 }
                 _ => return None,
             },
-            Self::Exists { .. } => "give another name with -o, or --force to replace it".into(),
             Self::Decode { .. } => {
                 "PNG, JPEG, TIFF, WebP, BMP, GIF and PNM are read; is the file complete?".into()
             }
-            Self::TooLarge { name, .. } if name == "size" => "ask for a smaller --size".into(),
+            Self::TooLarge { name, .. } if name == "size" => "ask for a smaller canvas".into(),
             Self::TooLarge { .. } => "scale it down first, or crop a part of it".into(),
             Self::Unusable { .. } => {
                 "use a photograph of at least 32 x 32 pixels that shows the texture from above".into()
             }
-            Self::Format { format: "vtex-library", .. } => {
-                "make a library with 'vtex analyze photo.jpg'".into()
-            }
-            Self::Format { format: "vtex-scene", .. } => {
-                "make a scene with 'vtex synth photo.lib.json -o out.scene.json'".into()
-            }
-            Self::Format { format: "vtex-weights", .. } => {
-                "search weights with 'vtex tune photo.lib.json'".into()
-            }
             Self::Version { .. } => "write the file again with this version of vtex".into(),
             Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
             Self::Control { advice, .. } => (*advice).into(),
+            Self::Runtime { .. } => "'pip install onnxruntime' brings it".into(),
+            Self::Engine { .. } => "is the file complete? Another engine may run it".into(),
             Self::Network { advice, .. } if !advice.is_empty() => (*advice).into(),
-            Self::Edit { advice, .. } if !advice.is_empty() => advice.clone(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
-            Self::Sizes { .. } => {
-                "make both with the same --size, or stretch one with 'vtex warp --scale'".into()
-            }
-            Self::Seams => "make the texture with --tile, for both axes".into(),
-            Self::MaxBytes { smallest, .. } => {
-                format!("give --max-bytes {smallest} or more, write .svgz, or make the texture smaller")
-            }
+            Self::Sizes { .. } => "make both of the same size, or stretch one".into(),
+            Self::Seams => "synthesise it so that it repeats along both".into(),
+            Self::MaxBytes { .. } => "allow more bytes, or make the texture smaller".into(),
             _ => return None,
         })
     }
@@ -239,35 +279,6 @@ pub(crate) fn check(
     if ok { Ok(()) } else { Err(Error::Parameter { name, value: value.to_string(), allowed }) }
 }
 
-/// Which of some words was probably meant: the one that takes the fewest changes of letters, the first of
-/// several. Empty only if there are none.
-pub fn nearest<'a>(text: &str, names: &[&'a str]) -> &'a str {
-    // Hostile texts are long; their ends do not matter.
-    let text: String = text.chars().take(40).collect();
-    names.iter().copied().min_by_key(|name| letters_to_change(&text, name)).unwrap_or_default()
-}
-
-/// Number of letters to add, remove, replace or swap with the next to make one word the other (Damerau
-/// 1964, Levenshtein 1966).
-fn letters_to_change(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).collect()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let above = &rows[i - 1];
-            let replaced = above[j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut least = replaced.min(above[j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                least = least.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(least);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
-}
-
 /// The first characters of a hostile string, for an error message.
 pub(crate) fn clip(text: &str) -> String {
     clip_to(text, 24)
@@ -276,19 +287,4 @@ pub(crate) fn clip(text: &str) -> String {
 /// As [`clip`], with a number of characters.
 pub(crate) fn clip_to(text: &str, characters: usize) -> String {
     text.chars().take(characters).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn changes_of_letters_are_counted() {
-        for (a, b, wanted) in
-            [("", "abc", 3), ("kitten", "sitting", 3), ("a", "a", 0), ("tnit", "tint", 1), ("ab", "", 2)]
-        {
-            assert_eq!((letters_to_change(a, b), letters_to_change(b, a)), (wanted, wanted), "{a} {b}");
-        }
-        assert_eq!((nearest("rotat", &["move", "rotate", "rotato"]), nearest("x", &[])), ("rotate", ""));
-    }
 }

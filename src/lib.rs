@@ -41,14 +41,18 @@
 mod disjoint_sets;
 mod document;
 pub mod error;
+pub mod gzip;
 mod parallel;
 mod progress;
 mod svg_tree;
+mod symmetric;
 
 pub mod analyze;
+mod arrange;
 pub mod control;
 mod correspondence;
 pub mod edit;
+#[cfg(feature = "onnx")]
 pub mod engine;
 pub mod geometry;
 pub mod interpolate;
@@ -61,7 +65,10 @@ pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod segment;
+pub mod statistics;
 pub mod synth;
+pub mod tune;
+pub mod warp;
 
 pub use error::{Error, Result};
 pub use progress::Progress;

@@ -5,7 +5,11 @@
 mod cli;
 
 use clap::FromArgMatches;
-use cli::{Cli, Exit, Options, arguments, failure, interrupt, raw_arguments};
+use cli::arguments::{self, Cli};
+use cli::exit::Exit;
+use cli::progress::Reporter;
+use cli::resolve::Options;
+use cli::{failure, interrupt, raw_arguments};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -34,7 +38,13 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Options::Job(common, job) => {
             interrupt::watch();
             cli::use_threads(common.threads)?;
-            cli::commands::run(&common, &job)
+            let reporter = Reporter::new(&common)?;
+            let outcome = job(&common, &reporter);
+            // Work is also stopped when a picture of a stage cannot be written: that is then the reason.
+            match reporter.failure() {
+                Some(reason) => Err(reason.into()),
+                None => outcome,
+            }
         }
     }
 }

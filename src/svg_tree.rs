@@ -3,23 +3,50 @@
 //! Nothing outside the file is ever loaded: linked pictures are left out. Text and embedded raster
 //! images are not read.
 
-use flate2::read::GzDecoder;
-use resvg::usvg;
-use std::borrow::Cow;
-use std::io::Read;
-
 use crate::error::{Error, Result};
+use crate::gzip;
+use resvg::usvg::{self, roxmltree};
 
 /// Largest SVG read, unpacked, in bytes.
-const LARGEST_TEXT: u64 = 1 << 30;
+const LARGEST_TEXT: usize = 1 << 30;
 
 /// Parses an SVG or SVGZ; `name` appears in errors.
 ///
 /// # Errors
-/// What `fail` makes of the reason, if it cannot be parsed; [`Error::TooLarge`] beyond 1 GiB of
-/// text.
+/// As [`text`], [`document`] and [`tree`].
 pub(crate) fn parse(bytes: &[u8], name: &str, fail: impl Fn(String) -> Error) -> Result<usvg::Tree> {
-    let text = unpack(bytes, name, &fail)?;
+    let text = text(bytes, name, &fail)?;
+    document(&text).and_then(|document| tree(&document)).map_err(fail)
+}
+
+/// The text of an SVG or SVGZ.
+///
+/// # Errors
+/// What `fail` makes of the reason, if it is damaged or not UTF-8; [`Error::TooLarge`] beyond 1 GiB.
+pub(crate) fn text(bytes: &[u8], name: &str, fail: impl Fn(String) -> Error) -> Result<String> {
+    let bytes = gzip::unpack(bytes).map_err(&fail)?;
+    if bytes.len() > LARGEST_TEXT {
+        let (found, limit) = ("more than 1 GiB of SVG text".into(), "1 GiB".into());
+        return Err(Error::TooLarge { name: name.into(), found, limit });
+    }
+    let text = String::from_utf8(bytes.into_owned()).map_err(|_| fail("it is not UTF-8 text".into()))?;
+    Ok(text.strip_prefix('\u{feff}').map(Into::into).unwrap_or(text))
+}
+
+/// The XML of a text.
+///
+/// # Errors
+/// Where it is not well formed.
+pub(crate) fn document(text: &str) -> Result<roxmltree::Document<'_>, String> {
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    roxmltree::Document::parse_with_options(text, options).map_err(|e| e.to_string())
+}
+
+/// The shapes of a document, every `<use>` followed.
+///
+/// # Errors
+/// Why it is not an SVG.
+pub(crate) fn tree(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, String> {
     let options = usvg::Options {
         image_href_resolver: usvg::ImageHrefResolver {
             resolve_data: Box::new(|_, _, _| None),
@@ -27,29 +54,5 @@ pub(crate) fn parse(bytes: &[u8], name: &str, fail: impl Fn(String) -> Error) ->
         },
         ..usvg::Options::default()
     };
-    usvg::Tree::from_data(&text, &options).map_err(|e| fail(e.to_string()))
-}
-
-/// The text itself, unpacked if it is gzip.
-pub(crate) fn unpack<'a>(
-    bytes: &'a [u8],
-    name: &str,
-    fail: impl Fn(String) -> Error,
-) -> Result<Cow<'a, [u8]>> {
-    let mut unpacked = Vec::new();
-    let is_gzip = bytes.starts_with(&[0x1f, 0x8b]);
-    if is_gzip {
-        GzDecoder::new(bytes)
-            .take(LARGEST_TEXT + 1)
-            .read_to_end(&mut unpacked)
-            .map_err(|e| fail(format!("damaged gzip data: {e}")))?;
-    }
-    if bytes.len().max(unpacked.len()) as u64 > LARGEST_TEXT {
-        return Err(Error::TooLarge {
-            name: name.into(),
-            found: "more than 1 GiB of SVG text".into(),
-            limit: "1 GiB".into(),
-        });
-    }
-    Ok(if is_gzip { unpacked.into() } else { bytes.into() })
+    usvg::Tree::from_xmltree(document, &options).map_err(|e| e.to_string())
 }

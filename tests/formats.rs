@@ -23,7 +23,7 @@ fn scene() -> &'static Scene {
     SCENE.get_or_init(|| {
         let tile = Tile { x: true, y: true };
         let params = SynthParams { width: 260, height: 200, seed: 4, tile, ..SynthParams::default() };
-        synthesize(&support::library(), &params, &()).unwrap()
+        synthesize(&support::library("pebbles"), &params, &()).unwrap()
     })
 }
 
@@ -107,7 +107,7 @@ fn dressed() -> Scene {
 fn all_formats_agree() {
     for scene in [scene(), &shaped(Edge::Clip), &shaped(Edge::Keep), &dressed()] {
         let picture = on_white(&png::render(scene, 1.0).unwrap());
-        let drawn = |bytes: &[u8]| on_white(&raster_svg::render_svg(bytes, 1.0, "test").unwrap());
+        let drawn = |bytes: &[u8]| on_white(&raster_svg::render_svg(bytes, 1.0, "test", &()).unwrap());
         let plain = svg_of(scene, &SvgOptions::default());
         let mut packed = file::gzip(Vec::new());
         std::io::Write::write_all(&mut packed, &plain).unwrap();
@@ -119,7 +119,7 @@ fn all_formats_agree() {
         }
         // Enlarged, as poppler draws edges by its own rule: it fills every sixteenth of a pixel that a
         // shape touches, and then makes thin what is partly filled.
-        if let Some(page) = by_poppler(scene, 72 * 4) {
+        if let Some(page) = by_poppler(scene, 96 * 4) {
             let found = mean(&on_white(&png::render(scene, 4.0).unwrap()), &page);
             assert!(found <= 1.5, "pdf: {found}");
         }
@@ -129,7 +129,7 @@ fn all_formats_agree() {
 #[test]
 fn pictures_agree_at_twice_the_size() {
     let picture = on_white(&png::render(scene(), 2.0).unwrap());
-    let drawn = raster_svg::render_svg(&svg_of(scene(), &SvgOptions::default()), 2.0, "test").unwrap();
+    let drawn = raster_svg::render_svg(&svg_of(scene(), &SvgOptions::default()), 2.0, "test", &()).unwrap();
     let found = mean(&picture, &on_white(&drawn));
     assert!(found <= 1.0, "{found}");
 }
@@ -147,7 +147,7 @@ fn a_reduced_scene_still_looks_the_same() {
         let reduced = reduce::to_fit(scene(), &SvgOptions::default(), most, measure).unwrap();
         let bytes = svg_of(&reduced.scene, &reduced.options);
         assert!(bytes.len() as u64 <= most);
-        let drawn = raster_svg::render_svg(&bytes, 1.0, "test").unwrap();
+        let drawn = raster_svg::render_svg(&bytes, 1.0, "test", &()).unwrap();
         let found = mean(&picture, &on_white(&drawn));
         assert!(found <= limit && found >= last, "{share}: {found}");
         last = found;

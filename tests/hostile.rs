@@ -260,7 +260,7 @@ proptest! {
         use_photo(&bytes);
         use_picture(&bytes);
         use_shape(&bytes);
-        let _ = render_svg(&bytes, 1.0, "random");
+        let _ = render_svg(&bytes, 1.0, "random", &());
         if let Some(outline) = parse_path(&text).ok().and_then(|path| Outline::new(&path)) {
             let written = write_path(outline.path(), PathText { precision: 2 });
             prop_assert_eq!(Outline::new(&parse_path(&written).unwrap()), Some(outline), "{}", written);
@@ -273,7 +273,7 @@ proptest! {
 
     #[test]
     fn damaged_svg_is_survived(list in damage()) {
-        let _ = render_svg(&damaged(&FILES.svg, &list), 1.0, "damaged");
+        let _ = render_svg(&damaged(&FILES.svg, &list), 1.0, "damaged", &());
     }
 }
 

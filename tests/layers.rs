@@ -135,3 +135,89 @@ fn an_upward_import_is_seen() {
     let found: Vec<String> = imports(text, "crate::").into_iter().collect();
     assert_eq!(found, ["b", "d", "f", "g", "{"]);
 }
+
+/// The module of a file beneath a folder, such as `["commands", "edit"]`.
+fn module_path(folder: &Path, file: &Path) -> Vec<String> {
+    let below = file.strip_prefix(folder).unwrap().with_extension("");
+    let parts = below.components().map(|c| c.as_os_str().to_string_lossy().into_owned());
+    parts.filter(|part| part != "mod").collect()
+}
+
+/// The modules that the code of module `own` of `cli` names, by `crate::cli::` or `super::`; its own
+/// children by their names alone.
+fn neighbours(text: &str, own: &[String], all: &BTreeSet<Vec<String>>) -> BTreeSet<Vec<String>> {
+    let code: Vec<&str> = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+    let code = code.join("\n");
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let mut found = BTreeSet::new();
+    let mut add = |base: &[String], path: &str| {
+        let rest = path.split("::").map(|part| part.trim().to_owned());
+        let full: Vec<String> = base.iter().cloned().chain(rest).collect();
+        let known = (0..=full.len()).rev().map(|n| full[..n].to_vec()).find(|path| all.contains(path));
+        found.extend(known.filter(|path| path != own));
+    };
+    for (at, _) in code.match_indices("::") {
+        // Only where a path begins.
+        let start = code[..at].rfind(|c: char| !is_name(c)).map_or(0, |i| i + 1);
+        if code[..start].ends_with("::") {
+            continue;
+        }
+        let mut path = &code[start..];
+        let mut base = own.to_vec();
+        if let Some(rest) = path.strip_prefix("crate::cli::") {
+            (base, path) = (Vec::new(), rest);
+        } else {
+            while let Some(rest) = path.strip_prefix("super::") {
+                base.pop();
+                path = rest;
+            }
+        }
+        let end = path.find(|c: char| !is_name(c) && c != ':').unwrap_or(path.len());
+        match path[end..].strip_prefix('{').and_then(|group| group.split_once('}')) {
+            Some((group, _)) => {
+                group.split(',').for_each(|one| add(&base, &format!("{}{one}", &path[..end])))
+            }
+            None => add(&base, &path[..end]),
+        }
+    }
+    found
+}
+
+#[test]
+fn files_of_the_command_line_do_not_import_one_another_in_a_circle() {
+    let folder = root().join("src/cli");
+    let mut files = Vec::new();
+    sources(&folder, &mut files);
+    let all: BTreeSet<Vec<String>> = files.iter().map(|file| module_path(&folder, file)).collect();
+    let mut left: Vec<(Vec<String>, BTreeSet<Vec<String>>)> = Vec::new();
+    for file in &files {
+        let text = std::fs::read_to_string(file).unwrap();
+        let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+        let own = module_path(&folder, file);
+        let imports = neighbours(code, &own, &all);
+        left.push((own, imports));
+    }
+    assert!(left.iter().filter(|(_, imports)| !imports.is_empty()).count() > 50);
+    // Whatever imports nothing that is left cannot be part of a circle.
+    loop {
+        let names: BTreeSet<Vec<String>> = left.iter().map(|(own, _)| own.clone()).collect();
+        let before = left.len();
+        left.retain(|(_, imports)| imports.iter().any(|i| names.contains(i)));
+        if left.len() == before {
+            break;
+        }
+    }
+    let names: Vec<String> = left.iter().map(|(own, _)| own.join("/")).collect();
+    assert!(names.is_empty(), "these files import one another in a circle, or lead into one: {names:?}");
+}
+
+#[test]
+fn a_circle_of_files_is_seen() {
+    let path = |text: &str| text.split('/').map(str::to_owned).collect::<Vec<_>>();
+    let all: BTreeSet<Vec<String>> = ["a", "a/b", "a/c", "d"].map(path).into_iter().collect();
+    let text =
+        "use super::c::{X, Y};\nuse crate::cli::d::Z;\n// super::super::q\nlet a = super::super::a::f();";
+    let found: Vec<String> = neighbours(text, &path("a/b"), &all).into_iter().map(|p| p.join("/")).collect();
+    assert_eq!(found, ["a", "a/c", "d"]);
+    assert_eq!(neighbours("use b::T;", &path("a"), &all).len(), 1);
+}

@@ -8,8 +8,8 @@ use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 use vtex::library::Library;
 use vtex::scene::{Scene, SynthParams};
 use vtex::segment::{MasksFile, Regions, Segmenter, masks_to_bytes};
-use vtex::synth::tune::{TuneParams, TunedWeights, tune};
 use vtex::synth::{reconstruct, synthesize};
+use vtex::tune::{TuneParams, TunedWeights, tune};
 
 /// File name, schema, and the value of the field `format`.
 fn schemas() -> [(&'static str, Schema, &'static str); 4] {

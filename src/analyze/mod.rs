@@ -238,7 +238,7 @@ fn warn_about(primaries: &[crate::library::Primary], warnings: &mut Vec<String>)
     if primaries.is_empty() {
         warnings.push(
             "no primary texton was found: the result holds background and secondaries only \
-             (try another --segmenter, --masks FILE, or a photograph with distinct elements)"
+             (try another segmenter, masks of your own, or a photograph with distinct elements)"
                 .into(),
         );
     } else if placed == 0 {

@@ -33,7 +33,7 @@ pub(super) fn simplify(
         if details.len() > most {
             warnings.push(format!(
                 "there are {} primary textons, more than the {most} paths asked for: each is drawn as one \
-                 (raise --minimum-area)",
+                 (raise the minimum area)",
                 details.len()
             ));
         }

@@ -1,25 +1,26 @@
 //! Parameters from three places: defaults, then the file of `--config`, then the command line.
 //!
 //! The keys of the file are the long names of the options, in sections, so there is one definition
-//! of both: the structs in [`super::arguments`]. A section and the options of the command line are
+//! of both: the structs in [`super::options`]. A section and the options of the command line are
 //! laid over the defaults as tables, and the result becomes a parameter struct of the library.
 
-use super::arguments::{
-    AnalyzeFlags, Global, RenderFlags, SegmenterName, SvgFlags, SynthBackgroundFlags, SynthFlags,
-};
 use super::failure::Failure;
-use super::values::{Axes, Bytes, FiveWeights, Name, Seed, Size, WeightsFrom};
+use super::nearest::nearest;
+use super::options::analyze::{AnalyzeFlags, SegmenterName};
+use super::options::global::Global;
+use super::options::render::{RenderFlags, RenderParameters};
+use super::options::svg::{SvgFlags, SvgParameters};
+use super::options::synth::{SynthBackgroundFlags, SynthFlags};
+use super::values::{Axes, FiveWeights, Name, Seed, Size, WeightsFrom};
 use clap::Args;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::Path;
 use toml::{Table, Value};
 use vtex::Error;
-use vtex::error::nearest;
 use vtex::library::AnalyzeParams;
-use vtex::output::svg::SvgOptions;
-use vtex::scene::{Scene, SynthParams};
+use vtex::scene::SynthParams;
 
 /// Every parameter, resolved.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,48 +34,6 @@ pub(crate) struct Parameters {
     pub(crate) weights: Option<Name>,
     pub(crate) svg: SvgParameters,
     pub(crate) render: RenderParameters,
-}
-
-/// How an SVG is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct SvgParameters {
-    /// Decimals of numbers. 0 to 6.
-    pub(crate) precision: u8,
-    /// Whether textons are written in full wherever they stand.
-    pub(crate) expand: bool,
-    /// Most bytes of the file, if there is a limit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) max_bytes: Option<Bytes>,
-}
-
-impl From<SvgParameters> for SvgOptions {
-    fn from(SvgParameters { precision, expand, .. }: SvgParameters) -> Self {
-        Self { precision, expand }
-    }
-}
-
-/// How a picture is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub(crate) struct RenderParameters {
-    /// Pixels for each pixel of the canvas. 0.01 to 100.
-    pub(crate) scale: f64,
-}
-
-impl RenderParameters {
-    /// Size of what is made of a scene, in pixels: of its picture, or of its canvas where that has
-    /// no resolution.
-    pub(crate) fn size_of(&self, scene: &Scene, drawn: bool) -> [u32; 2] {
-        let scale = if drawn { self.scale } else { 1.0 };
-        [scene.width, scene.height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
-    }
-
-    /// What to tell of a scale that was asked for where nothing is `drawn`.
-    pub(crate) fn warning(&self, drawn: bool) -> Option<&'static str> {
-        let idle = !drawn && self.scale != 1.0;
-        idle.then_some("--scale has no effect here: only pictures made of pixels have a resolution")
-    }
 }
 
 /// What the command line gives, a table for each section.

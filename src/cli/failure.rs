@@ -1,6 +1,7 @@
 //! What the user is told when something goes wrong, and the exit code that goes with it.
 
-use super::Exit;
+use super::exit::Exit;
+use super::hints::hint;
 use anstyle::{AnsiColor, Style};
 use std::io::ErrorKind;
 use vtex::Error;
@@ -47,9 +48,9 @@ pub(crate) fn show_usage(error: &clap::Error) -> Exit {
 /// What is said of an error, what the user may try, and how to exit.
 pub(crate) fn explain(error: &anyhow::Error) -> (String, Option<String>, Exit) {
     match error.downcast_ref::<Error>() {
-        Some(e @ Error::Interrupted) => (e.to_string(), e.hint(), Exit::Interrupted),
-        Some(e @ (Error::Parameter { .. } | Error::Edit { .. })) => (e.to_string(), e.hint(), Exit::Usage),
-        Some(e) => (e.to_string(), e.hint(), Exit::Failed),
+        Some(e @ Error::Interrupted) => (e.to_string(), hint(e), Exit::Interrupted),
+        Some(e @ (Error::Parameter { .. } | Error::Edit { .. })) => (e.to_string(), hint(e), Exit::Usage),
+        Some(e) => (e.to_string(), hint(e), Exit::Failed),
         None => match error.downcast_ref::<Failure>() {
             Some(f) => (f.message.clone(), f.hint.clone(), f.exit),
             None => (format!("{error:#}"), None, Exit::Failed),

@@ -2,13 +2,22 @@
 
 use super::failure::Failure;
 use super::interrupt;
-use flate2::read::GzDecoder;
+use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use vtex::{Error, Result};
 
 /// Most bytes read from a file or from standard input.
 const LARGEST: u64 = 2 << 30;
+
+/// The files that this process has read as inputs, links resolved.
+static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Whether a file has been read as an input, whatever the path that named it.
+pub(crate) fn was_read(path: &Path) -> bool {
+    path.canonicalize().is_ok_and(|path| READ.lock().unwrap_or_else(PoisonError::into_inner).contains(&path))
+}
 
 /// Where input comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,6 +55,11 @@ impl Input {
             }
         });
         read.map_err(|e| Error::read(self.path(), e))?;
+        if let Self::File(path) = self
+            && let Ok(path) = path.canonicalize()
+        {
+            READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
+        }
         if bytes.len() as u64 > LARGEST {
             let (found, limit) = ("more than 2 GiB".into(), "2 GiB".into());
             return Err(Error::TooLarge { name: self.name(), found, limit });
@@ -67,13 +81,7 @@ pub(crate) enum Kind {
 impl Kind {
     /// Recognises content, plain or gzip, by its first bytes.
     pub(crate) fn of(bytes: &[u8]) -> Self {
-        let mut head = Vec::new();
-        if bytes.starts_with(&[0x1f, 0x8b]) {
-            // Damaged data shows up again, with its reason, when all of it is read.
-            let _ = GzDecoder::new(bytes).take(HEAD).read_to_end(&mut head);
-        } else {
-            head.extend_from_slice(&bytes[..bytes.len().min(HEAD as usize)]);
-        }
+        let head = vtex::gzip::beginning(bytes, HEAD);
         if image::guess_format(&head).is_ok() {
             return Self::Image;
         }
@@ -124,7 +132,7 @@ impl Kind {
 }
 
 /// How much of a file is looked at; vtex writes the name of the format first.
-const HEAD: u64 = 4096;
+const HEAD: usize = 4096;
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,6 @@
 //! Ctrl-C: the first asks the work to stop, the second ends the program at once.
 
-use super::Exit;
+use super::exit::Exit;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static ASKED: AtomicBool = AtomicBool::new(false);

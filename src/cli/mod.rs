@@ -1,32 +1,32 @@
-//! The command line: what is asked ([`arguments`]) becomes validated [`Options`], a command in
-//! [`commands`] does it, and its end is an [`Exit`] code. No algorithms here.
+//! The command line: [`arguments`] are checked and become a job ([`resolve`]), a command in [`commands`]
+//! does it, and its end is an exit code. No algorithms here.
 
+mod analysis;
 pub(crate) mod arguments;
-mod batch;
-mod batch_arguments;
-pub(crate) mod commands;
+mod command;
+mod commands;
+mod common;
 mod config;
-mod edit_arguments;
-mod exit;
+pub(crate) mod exit;
 pub(crate) mod failure;
 mod format;
+mod hints;
 mod input;
-mod interp_arguments;
 pub(crate) mod interrupt;
-mod metrics_arguments;
 mod models;
+mod nearest;
+mod operations;
 mod options;
 pub(crate) mod output;
-mod progress;
+pub(crate) mod progress;
 pub(crate) mod raw_arguments;
-mod stages;
+mod reading;
+pub(crate) mod resolve;
 mod summary;
+mod synthesis;
 mod table;
 mod values;
-
-pub(crate) use arguments::Cli;
-pub(crate) use exit::Exit;
-pub(crate) use options::Options;
+mod weights;
 
 /// Sets the number of threads that work is spread over; by default all cores.
 pub(crate) fn use_threads(threads: Option<u16>) -> anyhow::Result<()> {

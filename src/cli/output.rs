@@ -1,7 +1,8 @@
 //! Where results go: files put in place as a whole, or standard output.
 
-use super::config::SvgParameters;
+use super::input::was_read;
 use super::interrupt;
+use super::options::svg::SvgParameters;
 use super::values::Bytes;
 use std::fs;
 use std::io::{self, Write};
@@ -75,6 +76,11 @@ impl Place {
     /// # Errors
     /// Those of `content` and of [`write_file`]; [`Error::Interrupted`].
     pub(crate) fn write<T>(&self, content: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<(T, u64)> {
+        if let Self::File { path, .. } = self
+            && was_read(path)
+        {
+            return Err(Error::write(path, io::Error::other("this command has read it as an input")));
+        }
         let outcome = match self {
             Self::Stdout => interrupt::waiting(|| {
                 let mut out = Counting::new(io::BufWriter::new(io::stdout().lock()));

@@ -1,8 +1,8 @@
 //! What the user sees while work goes on: bars, warnings, pictures of the stages.
 
+use super::common::Common;
 use super::failure::label;
 use super::interrupt;
-use super::options::Common;
 use super::output::{Place, say};
 use anstyle::AnsiColor;
 use image::RgbImage;
@@ -78,6 +78,18 @@ impl Reporter {
         (std::mem::take(&mut state.seconds), std::mem::take(&mut state.warnings))
     }
 
+    /// Says what may be tried.
+    pub(crate) fn hint(&self, message: &str) {
+        self.talk("hint", AnsiColor::Cyan, message);
+    }
+
+    fn talk(&self, kind: &str, colour: AnsiColor, message: &str) {
+        if self.talks {
+            let style = label(colour);
+            self.bar.suspend(|| say(&format!("{style}{kind}:{style:#} {message}")));
+        }
+    }
+
     /// The first picture of a stage that could not be written.
     pub(crate) fn failure(&self) -> Option<Error> {
         self.state().failure.take()
@@ -139,10 +151,7 @@ impl Progress for Reporter {
             return;
         }
         state.warnings.push(message.to_owned());
-        if self.talks {
-            let yellow = label(AnsiColor::Yellow);
-            self.bar.suspend(|| say(&format!("{yellow}warning:{yellow:#} {message}")));
-        }
+        self.talk("warning", AnsiColor::Yellow, message);
     }
 
     fn picture(&self, name: &str, draw: &dyn Fn() -> RgbImage) {

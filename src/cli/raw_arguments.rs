@@ -1,6 +1,6 @@
 //! What is sought in the command line before it is parsed.
 
-use super::arguments::When;
+use super::options::global::When;
 use super::values::Axes;
 use clap::ValueEnum;
 use std::ffi::OsString;

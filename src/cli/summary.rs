@@ -1,6 +1,6 @@
 //! What was done, in JSON for programs and in a line or two for people.
 
-use super::options::Common;
+use super::common::Common;
 use super::output::{Written, print, say};
 use super::progress::Reporter;
 use serde::ser::SerializeMap;
@@ -11,7 +11,7 @@ use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::reduce::GivenUp;
 use vtex::scene::{Method, Scene};
-use vtex::synth::statistics::{Overlap, Repetition};
+use vtex::statistics::{Overlap, Repetition};
 use vtex::synth::{CategoryReport, Structure};
 
 /// The summary of a command.
@@ -329,7 +329,7 @@ mod tests {
             Repetition { textons: 40, placeable: 44, largest_share: 0.031, near: 0.1, copies: None };
         let told = placement(&overlap, &repetition);
         assert_eq!(told, "1.2 % of primaries hidden, 40 of 44 used, one at most 3.1 %");
-        repetition.copies = Some(vtex::synth::statistics::Copies {
+        repetition.copies = Some(vtex::statistics::Copies {
             shortest: 20.4,
             shortest_neighbours: 1.0,
             median: 60.5,

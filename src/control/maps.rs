@@ -126,7 +126,7 @@ fn one_for_all(bytes: &[u8], name: &str, libraries: usize) -> Result<Vec<Control
     (0..libraries).map(|library| share(library).ok_or_else(none)).collect()
 }
 
-const COLOURS: &str = "give a picture with one flat colour for each library, best a PNG, or a --map for each; \
+const COLOURS: &str = "give a picture with one flat colour for each library, best a PNG, or a map for each; \
                        for two libraries a grey picture will do";
 
 /// The colour of a pixel; `None` if it is transparent.

@@ -1,19 +1,14 @@
 //! Scene → scene: what can be done to a texture after it was made (paper §4.5).
 //!
-//! An operation is written as a line of text, such as `tint #ff0000 --amount 0.5 --layer primary`.
-//! [`Request::parse`] checks the text, [`Request::load`] reads the files that it names by a function
-//! that the caller gives, and [`apply`] does the resulting [`Operation`]s one after the other. The
-//! operations are data; [`catalogue`] says which there are and what they take.
+//! An [`Operation`] is plain data, as scenes record it: an action, and which textons it is for. Files
+//! that it names are in [`Files`]. [`apply`] does operations one after the other.
 //!
 //! A texton that several instances share is copied when only some of them change.
 
-mod catalogue;
 mod colours;
-mod conditions;
 mod dress;
-mod operation;
+mod files;
 mod order;
-mod parse;
 mod place;
 mod replace;
 mod selection;
@@ -21,25 +16,24 @@ mod selection;
 mod tests;
 mod textons;
 mod thin;
+mod validate;
 
-pub use catalogue::{Entry, Kind, Need, Parameter, catalogue, common_parameters};
-pub use operation::{
+pub use crate::scene::{
     Action, Comparison, Condition, Direction, Identity, Layers, Operation, Quantity, ThinOrder,
 };
-pub use parse::Request;
+pub use files::Files;
+pub use validate::validate;
 
 use crate::document::Document;
-use crate::error::{Error, Result};
+use crate::error::{EditFault, Error, Result};
 use crate::sampling::{Stream, stream};
-use crate::scene::{EditRecord, Scene};
+use crate::scene::{EditRecord, Recorded, Scene};
 use selection::Chosen;
 use serde::Serialize;
 
 /// What an operation came to.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Outcome {
-    /// The operation as it was written.
-    pub operation: String,
     /// Textons, or points of the background, that it was for: those selected; of `recolor` those that
     /// have a colour like the one sought, of `replace` those for which the library has another.
     pub matched: usize,
@@ -63,45 +57,60 @@ impl Draw {
 
 /// Does operations one after the other and records them in the scene. Random choices follow `seed`,
 /// by default the scene's own, 0 for a reconstruction; a chain done in one go or one by one gives the
-/// same scene.
+/// same scene. `files` holds what the operations name ([`Files::read`]).
 ///
 /// # Errors
 /// [`Error::Format`] for a scene that breaks its invariants, [`Error::Edit`] for an operation that
-/// leads out of their range.
-pub fn apply(mut scene: Scene, operations: &[Operation], seed: Option<u64>) -> Result<(Scene, Vec<Outcome>)> {
+/// cannot be done or leads out of their range.
+pub fn apply(
+    mut scene: Scene,
+    operations: &[Operation],
+    files: &Files,
+    seed: Option<u64>,
+) -> Result<(Scene, Vec<Outcome>)> {
     let unsound = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
     scene.validate().map_err(unsound)?;
     let seed = seed.or(scene.parameters.as_ref().map(|p| p.seed)).unwrap_or(0);
     let mut outcomes = Vec::with_capacity(operations.len());
     for operation in operations {
-        let chosen = Chosen::new(&scene, operation);
+        let fail = |fault| Error::Edit { operation: operation.to_string(), fault };
+        validate(operation).map_err(fail)?;
+        let chosen = Chosen::new(&scene, operation, files).map_err(fail)?;
         let before = scene.primary.len() + scene.secondary.len();
         let draw = Draw { seed, step: scene.edits.len() as u64 };
-        let matched = act(&mut scene, &chosen, &operation.action, &draw);
+        let matched = act(&mut scene, &chosen, &operation.action, files, &draw).map_err(fail)?;
         textons::drop_unused(&mut scene);
         let removed = before - scene.primary.len() - scene.secondary.len();
-        scene.edits.push(EditRecord { operation: operation.text.clone(), seed });
-        scene.validate().map_err(|reason| Error::Edit {
-            operation: operation.text.clone(),
-            reason: format!("it leads too far: {reason}"),
-            advice: "give smaller numbers".into(),
-        })?;
-        outcomes.push(Outcome { operation: operation.text.clone(), matched, removed });
+        scene.edits.push(EditRecord { operation: Recorded::Edit(operation.clone()), seed });
+        scene.validate().map_err(|reason| fail(EditFault::TooFar(reason)))?;
+        outcomes.push(Outcome { matched, removed });
     }
     Ok((scene, outcomes))
 }
 
 /// Does an operation; how many it was for.
-fn act(scene: &mut Scene, chosen: &Chosen, action: &Action, draw: &Draw) -> usize {
+fn act(
+    scene: &mut Scene,
+    chosen: &Chosen,
+    action: &Action,
+    files: &Files,
+    draw: &Draw,
+) -> Result<usize, EditFault> {
     match action {
         Action::Thin { keep, order, minimum_area } => {
             thin::thin(scene, chosen, *keep, *order, *minimum_area, draw);
         }
-        Action::Density { map } => thin::by_map(scene, chosen, map, draw),
-        Action::Mask { region, inside } => thin::by_region(scene, chosen, region, *inside),
+        Action::Density { map } => thin::by_map(scene, chosen, files.map(map)?, draw),
+        Action::Mask { shape, inside } => thin::by_region(scene, chosen, files.shape(shape)?, *inside),
         Action::Delete => thin::retain(scene, chosen, |_, _| false),
-        Action::Orient { direction, strength } => place::orient(scene, chosen, direction, *strength),
-        Action::Move { by } => place::shift(scene, chosen, *by),
+        Action::Orient { direction, strength } => {
+            let towards = match direction {
+                Direction::Angle(degrees) => place::Towards::Angle(degrees.to_radians()),
+                Direction::Map(map) => place::Towards::Map(files.map(map)?),
+            };
+            place::orient(scene, chosen, &towards, *strength);
+        }
+        Action::Move { x, y } => place::shift(scene, chosen, [*x, *y]),
         Action::Scale { factor } => place::scale(scene, chosen, *factor),
         Action::Rotate { angle } => place::rotate(scene, chosen, *angle),
         Action::Jitter { distance, angle, scale } => {
@@ -110,15 +119,17 @@ fn act(scene: &mut Scene, chosen: &Chosen, action: &Action, draw: &Draw) -> usiz
         Action::Tint { colour, amount, share } => {
             colours::tint(scene, chosen, *colour, *amount, *share, draw);
         }
-        Action::Recolor { from, to, reach } => return colours::recolor(scene, chosen, *from, *to, *reach),
-        Action::Palette { colours } => colours::palette(scene, chosen, colours),
+        Action::Recolor { from, to, reach } => {
+            return Ok(colours::recolor(scene, chosen, *from, *to, *reach));
+        }
+        Action::Palette { colours, .. } => colours::palette(scene, chosen, colours),
         Action::Shadow { angle, length, opacity, blur } => {
             dress::shadow(scene, chosen, *angle, *length, *opacity, *blur);
         }
         Action::Outline { width, colour } => dress::outline(scene, chosen, *width, *colour),
         Action::Flatten => dress::flatten(scene, chosen),
         Action::Simplify { tolerance } => dress::simplify(scene, chosen, *tolerance),
-        Action::Replace { library } => return replace::replace(scene, chosen, library),
+        Action::Replace { library } => return Ok(replace::replace(scene, chosen, files.library(library)?)),
     }
-    chosen.count()
+    Ok(chosen.count())
 }

@@ -1,14 +1,22 @@
 //! Textons moved, turned and scaled, each about its own centre.
 
 use super::Draw;
-use super::operation::Direction;
 use super::selection::{Chosen, place};
 use super::textons::{measured, selected_mut};
 use crate::geometry::{Affine, wrapped};
+use crate::raster::ControlMap;
 use crate::scene::{Instance, Scene};
 
 /// Textons less elongated than this have no longer axis to speak of.
 const ROUND: f64 = 1.05;
+
+/// Where longer axes are turned.
+pub(super) enum Towards<'a> {
+    /// Everywhere the same, in radians.
+    Angle(f64),
+    /// By place: 0 to 1 is half a turn.
+    Map(&'a ControlMap),
+}
 
 /// Changes the linear part of an instance's map by `about` and moves it by `by`.
 fn put(instance: &mut Instance, about: Affine, by: [f64; 2], periods: [Option<f64>; 2]) {
@@ -60,15 +68,15 @@ pub(super) fn jitter(scene: &mut Scene, chosen: &Chosen, distance: f64, angle: f
 }
 
 /// Turns longer axes a share of the way to a direction, the shorter way round.
-pub(super) fn orient(scene: &mut Scene, chosen: &Chosen, direction: &Direction, strength: f64) {
+pub(super) fn orient(scene: &mut Scene, chosen: &Chosen, towards: &Towards<'_>, strength: f64) {
     let moments = measured(scene);
     let canvas = [f64::from(scene.width), f64::from(scene.height)];
     let turns: Vec<f64> = super::textons::selected(scene, chosen)
         .map(|instance| {
             let now = moments[instance.texton as usize].moved(instance.affine());
-            let wanted = match direction {
-                Direction::Angle(degrees) => degrees.to_radians(),
-                Direction::Map(map) => {
+            let wanted = match towards {
+                Towards::Angle(angle) => *angle,
+                Towards::Map(map) => {
                     let at = place(scene, instance);
                     map.at([at.x, at.y], canvas) * std::f64::consts::PI
                 }

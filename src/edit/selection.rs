@@ -1,9 +1,13 @@
 //! Which textons of a scene, and which points of its background, an operation is for.
 
-use super::operation::{Condition, Identity, Layers, Operation, Quantity};
+use super::Files;
 use super::textons::measured;
-use crate::geometry::{Point, SecondMoments, wrapped};
-use crate::scene::{Instance, Scene};
+use crate::error::EditFault;
+use crate::geometry::{Point, Region, SecondMoments, wrapped};
+use crate::scene::{Condition, Identity, Instance, Layers, Operation, Quantity, Scene};
+
+/// A condition and the shape that it names.
+type Test<'a> = (&'a Condition, Option<&'a Region>);
 
 /// Whether each texton and each point of the background is selected, by their places in the scene.
 pub(super) struct Chosen {
@@ -15,30 +19,37 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    pub(super) fn new(scene: &Scene, operation: &Operation) -> Self {
+    pub(super) fn new(scene: &Scene, operation: &Operation, files: &Files) -> Result<Self, EditFault> {
         let layers = operation.layers;
-        let conditions = &operation.conditions;
-        let measures = |c: &Condition| {
+        let conditions = operation.conditions.iter().map(|condition| {
+            let shape = match condition {
+                Condition::Place { shape, .. } => Some(files.shape(shape)?),
+                Condition::Among { .. } | Condition::Compare { .. } => None,
+            };
+            Ok((condition, shape))
+        });
+        let conditions = conditions.collect::<Result<Vec<Test<'_>>, EditFault>>()?;
+        let measures = |(c, _): &Test<'_>| {
             matches!(c, Condition::Compare { quantity: Quantity::Area | Quantity::Elongation, .. })
         };
         let moments = if conditions.iter().any(measures) { measured(scene) } else { Vec::new() };
         let among = |instances: &[Instance], asked: bool| {
-            let fits = |i: &Instance| conditions.iter().all(|c| holds(c, scene, i, &moments));
+            let fits = |i: &Instance| conditions.iter().all(|c| holds(*c, scene, i, &moments));
             instances.iter().map(|i| asked && fits(i)).collect()
         };
         let of_background = layers == Layers::Background;
         let points = scene.background.points.iter();
-        Self {
+        Ok(Self {
             secondary: among(&scene.secondary, matches!(layers, Layers::Secondary | Layers::All)),
             primary: among(&scene.primary, matches!(layers, Layers::Primary | Layers::All)),
             background: points
                 .map(|p| {
                     let at = on_canvas(scene, Point::new(p.x, p.y));
-                    of_background && conditions.iter().all(|c| holds_of_point(c, at))
+                    of_background && conditions.iter().all(|c| holds_of_point(*c, at))
                 })
                 .collect(),
             fallback: of_background && conditions.is_empty(),
-        }
+        })
     }
 
     /// Those of them for which the place of a secondary, a primary or a point of the background fulfils
@@ -79,7 +90,12 @@ fn on_canvas(scene: &Scene, p: Point) -> Point {
     Point::new(wrapped(p.x, width), wrapped(p.y, height))
 }
 
-fn holds(condition: &Condition, scene: &Scene, instance: &Instance, moments: &[SecondMoments]) -> bool {
+fn holds(
+    (condition, shape): Test<'_>,
+    scene: &Scene,
+    instance: &Instance,
+    moments: &[SecondMoments],
+) -> bool {
     let texton = &scene.textons[instance.texton as usize];
     let moments = || moments[instance.texton as usize].moved(instance.affine());
     match condition {
@@ -100,16 +116,18 @@ fn holds(condition: &Condition, scene: &Scene, instance: &Instance, moments: &[S
             };
             comparison.holds(value, *limit)
         }
-        Condition::Place { region, inside } => region.contains(place(scene, instance)) == *inside,
+        Condition::Place { inside, .. } => {
+            shape.is_some_and(|shape| shape.contains(place(scene, instance)) == *inside)
+        }
     }
 }
 
 /// A point of the background has a place and nothing else.
-fn holds_of_point(condition: &Condition, at: Point) -> bool {
+fn holds_of_point((condition, shape): Test<'_>, at: Point) -> bool {
     match condition {
         Condition::Compare { quantity: Quantity::X, comparison, limit } => comparison.holds(at.x, *limit),
         Condition::Compare { quantity: Quantity::Y, comparison, limit } => comparison.holds(at.y, *limit),
-        Condition::Place { region, inside } => region.contains(at) == *inside,
+        Condition::Place { inside, .. } => shape.is_some_and(|shape| shape.contains(at) == *inside),
         Condition::Among { .. } | Condition::Compare { .. } => false,
     }
 }

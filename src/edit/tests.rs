@@ -82,142 +82,171 @@ fn file(name: &str) -> Result<Vec<u8>> {
     })
 }
 
-fn operation(text: &str) -> Operation {
-    Request::parse(text).unwrap().load([400, 300], file).unwrap()
+fn on(layers: Layers, action: Action) -> Operation {
+    Operation { layers, ..action.into() }
 }
 
-fn edited(scene: &Scene, operations: &[&str]) -> (Scene, Vec<Outcome>) {
-    let operations: Vec<Operation> = operations.iter().map(|t| operation(t)).collect();
-    apply(scene.clone(), &operations, Some(5)).unwrap()
+fn those(conditions: &[Condition], action: Action) -> Operation {
+    Operation { conditions: conditions.to_vec(), ..action.into() }
 }
 
-fn one(text: &str) -> Scene {
-    edited(&scene(), &[text]).0
+fn among(identity: Identity, numbers: &[u32], wanted: bool) -> Condition {
+    Condition::Among { identity, numbers: numbers.to_vec(), wanted }
 }
 
-fn fault(text: &str) -> [String; 2] {
-    let error = Request::parse(text).unwrap_err();
-    assert!(matches!(error, Error::Edit { .. }));
-    [error.to_string(), error.hint().unwrap_or_default()]
+fn compare(quantity: Quantity, comparison: Comparison, limit: f64) -> Condition {
+    Condition::Compare { quantity, comparison, limit }
+}
+
+fn within(shape: &str, inside: bool) -> Condition {
+    Condition::Place { shape: shape.into(), inside }
+}
+
+fn thin(keep: f64, order: ThinOrder) -> Action {
+    Action::Thin { keep: Some(keep), order, minimum_area: None }
+}
+
+fn tint(colour: [u8; 3], amount: f64, share: f64) -> Action {
+    Action::Tint { colour: Colour(colour), amount, share }
+}
+
+fn recolor(from: [u8; 3], to: [u8; 3], reach: f64) -> Action {
+    Action::Recolor { from: Colour(from), to: Colour(to), reach }
+}
+
+fn two_colours() -> Action {
+    Action::Palette { colours: vec![Colour([255, 224, 160]), Colour([32, 48, 64])], file: None }
+}
+
+fn shadow(angle: f64, length: f64, opacity: f64, blur: f64) -> Action {
+    Action::Shadow { angle, length, opacity, blur }
+}
+
+fn edited(scene: &Scene, operations: &[Operation]) -> (Scene, Vec<Outcome>) {
+    let files = Files::read(operations, [400, 300], file).unwrap();
+    apply(scene.clone(), operations, &files, Some(5)).unwrap()
+}
+
+fn one(operation: impl Into<Operation>) -> Scene {
+    edited(&scene(), &[operation.into()]).0
 }
 
 #[test]
-fn every_example_of_the_catalogue_can_be_parsed() {
-    for entry in catalogue() {
-        assert!(entry.example.starts_with(entry.name));
-        Request::parse(entry.example).unwrap();
-        for parameter in entry.parameters.iter().chain(common_parameters()) {
-            assert!(!parameter.does.is_empty() && !parameter.range().is_empty());
-        }
-    }
-}
-
-#[test]
-fn faults_are_told_with_what_would_be_right() {
-    for (text, message, hint) in [
-        ("", "it is empty", "thin, density"),
-        ("tnit #fff", "there is no operation 'tnit'", "did you mean 'tint'? the operations are thin,"),
-        ("tint", "COLOUR is missing (#rrggbb)", "tint COLOUR [--amount NUMBER]"),
-        ("tint red", "COLOUR = red is no colour", "#rrggbb"),
-        ("tint #fff --amout 1", "'tint' has no flag '--amout'", "did you mean '--amount'?"),
-        ("tint #fff --amount", "--amount needs a value", "0 to 1"),
-        ("tint #fff --amount 1.5", "--amount = 1.5 is out of range: 0 to 1, default: 0.5", "0 to 1"),
-        ("tint #fff --amount NaN", "out of range", "0 to 1"),
-        ("tint #fff #000", "'#000' is one word too many", "tint COLOUR"),
-        ("thin", "nothing says how much to keep", "such as: thin 0.5"),
-        ("thin 2", "KEEP = 2 is out of range: 0 to 1", "0 to 1"),
-        ("thin 0.5 --order bluenoise", "is none of blue-noise, random, area", "did you mean 'blue-noise'?"),
-        ("thin 0.5 --layer secondry", "--layer = secondry", "did you mean 'secondary'?"),
-        ("thin 0.5 --layer background", "cannot be done to the background", "tint, recolor, palette"),
-        ("jitter --move 0", "nothing says what to change", "jitter --move 4"),
-        ("delete --where colour=3", "'colour' is nothing that textons have", "did you mean"),
-        ("delete --where area=3", "'area' is not compared by '='", "area>200"),
-        ("delete --where area>x", "'x' is no number", "area>200"),
-        ("delete --where category=1.5", "is no whole number", "category=3"),
-        ("delete --where inside=", "names no file", "inside=FILE"),
-        ("delete --where category", "is no condition", "category=3"),
-        ("tint #fff --amount 0.2 --amount=0.3", "--amount is given twice", "once"),
-        ("thin --min-area 9 --order area", "--order says which go first", "such as: thin 0.5"),
-        ("tint #fff --layer background --where x<9,area>3", "has no categories", "told apart by x"),
-        ("delete --where 'area>3", "a quote ' is not closed", "close it"),
+fn what_cannot_be_done_is_a_fault() {
+    use crate::scene::Shadow;
+    let range = |name, value, [low, high]: [f64; 2], unit| EditFault::Range { name, value, low, high, unit };
+    let background = |action| on(Layers::Background, action);
+    let nothing = Action::Thin { keep: None, order: ThinOrder::Area, minimum_area: None };
+    let still = Action::Jitter { distance: 0.0, angle: 0.0, scale: 0.0 };
+    let large = compare(Quantity::Area, Comparison::More, 3.0);
+    for (operation, fault) in [
+        (thin(2.0, ThinOrder::Area).into(), range("keep", 2.0, [0.0, 1.0], "")),
+        (Action::Scale { factor: 0.0 }.into(), range("factor", 0.0, [0.01, 100.0], "")),
+        (shadow(0.0, 1.0, 1.0, 201.0).into(), range("blur", 201.0, [0.0, Shadow::WIDEST], "px")),
+        (nothing.into(), EditFault::NothingKept),
+        (still.into(), EditFault::NothingChanged),
+        (background(Action::Flatten), EditFault::NotForBackground),
+        (
+            Operation { conditions: vec![large], ..background(tint([0; 3], 0.5, 1.0)) },
+            EditFault::BackgroundCondition,
+        ),
+        (Action::Density { map: "x.png".into() }.into(), EditFault::NoFile("x.png".into())),
+        (those(&[within("x.svg", true)], Action::Delete), EditFault::NoFile("x.svg".into())),
     ] {
-        let [found, advice] = fault(text);
-        assert!(found.contains(message), "{text}: {found}");
-        assert!(advice.contains(hint), "{text}: {advice}");
+        let error = apply(scene(), &[operation], &Files::default(), None).unwrap_err();
+        assert!(matches!(&error, Error::Edit { fault: found, .. } if *found == fault), "{error}");
     }
+    let nan = validate(&Action::Rotate { angle: f64::NAN }.into());
+    assert!(matches!(nan, Err(EditFault::Range { .. })));
 }
 
 #[test]
 fn files_are_read_by_name_and_their_errors_passed_on() {
-    let missing = Request::parse("mask nowhere.svg").unwrap().load([9, 9], file).unwrap_err();
+    let read = |action: Action| Files::read(&[action.into()], [9, 9], file).unwrap_err();
+    let missing = read(Action::Mask { shape: "nowhere.svg".into(), inside: true });
     assert!(matches!(missing, Error::Read { .. }));
-    let wrong = Request::parse("replace two.txt").unwrap().load([9, 9], file).unwrap_err();
+    let wrong = read(Action::Replace { library: "two.txt".into() });
     assert!(matches!(wrong, Error::Format { .. }));
 }
 
 #[test]
 fn chains_are_recorded_and_may_be_done_one_by_one() {
-    let chain = ["thin 0.6 --order random", "jitter --move 9", "thin 0.5", "tint #f00 --share 0.5"];
+    let chain: [Operation; 4] = [
+        thin(0.6, ThinOrder::Random).into(),
+        Action::Jitter { distance: 9.0, angle: 0.0, scale: 0.0 }.into(),
+        thin(0.5, ThinOrder::BlueNoise).into(),
+        tint([255, 0, 0], 0.5, 0.5).into(),
+    ];
     let (all, outcomes) = edited(&scene(), &chain);
-    assert_eq!(all.edits.iter().map(|e| e.operation.as_str()).collect::<Vec<_>>(), chain);
+    let records = chain.clone().map(Recorded::Edit);
+    assert_eq!(all.edits.iter().map(|e| e.operation.clone()).collect::<Vec<_>>(), records);
     assert_eq!((outcomes[0].matched, outcomes[0].removed), (300, 120));
-    let step = chain.iter().fold(scene(), |scene, text| edited(&scene, &[text]).0);
+    let step = chain.iter().fold(scene(), |scene, done| edited(&scene, std::slice::from_ref(done)).0);
     assert_eq!(all.to_json(), step.to_json());
     assert_eq!(Scene::from_bytes(&all.to_json(), "x").unwrap(), all);
-    let other = apply(scene(), &[operation(chain[0])], Some(6)).unwrap().0;
-    assert_ne!(other.primary, one(chain[0]).primary);
+    let other = apply(scene(), &chain[..1], &Files::default(), Some(6)).unwrap().0;
+    assert_ne!(other.primary, one(chain[0].clone()).primary);
     // The same operation again draws anew.
-    assert_eq!(edited(&scene(), &[chain[0], chain[0]]).0.primary.len(), 22);
+    assert_eq!(edited(&scene(), &[chain[0].clone(), chain[0].clone()]).0.primary.len(), 22);
 }
 
 #[test]
 fn conditions_and_layers_select() {
-    let matched = |text: &str| edited(&scene(), &[&format!("move 1 1 {text}")]).1[0].matched;
-    assert_eq!(matched(""), 300);
-    assert_eq!([matched("--layer primary"), matched("--layer secondary")], [60, 240]);
-    assert_eq!([matched("--where category=3"), matched("--where 'category=3|7'")], [40, 60]);
-    assert_eq!(matched("--where category!=3"), 260);
-    assert_eq!([matched("--where area>100"), matched("--where area<=7")], [60, 240]);
-    assert_eq!(matched("--where elongation>=3"), 60);
-    assert_eq!([matched("--where 'id=7, category=3'"), matched("--where id=70,category=3")], [1, 0]);
-    assert_eq!(matched("--where library=0") - matched("--where library=1"), 300);
-    let (left, right) = (matched("--where x<200"), matched("--where x>=200"));
+    use Comparison::{AtLeast, AtMost, Less, More};
+    let shift = || Action::Move { x: 1.0, y: 1.0 };
+    let layer = |layers| edited(&scene(), &[on(layers, shift())]).1[0].matched;
+    let matched = |conditions: &[Condition]| edited(&scene(), &[those(conditions, shift())]).1[0].matched;
+    let category = |numbers: &[u32], wanted| matched(&[among(Identity::Category, numbers, wanted)]);
+    let measured = |quantity, comparison, limit| matched(&[compare(quantity, comparison, limit)]);
+    assert_eq!(matched(&[]), 300);
+    assert_eq!([layer(Layers::Primary), layer(Layers::Secondary)], [60, 240]);
+    assert_eq!([category(&[3], true), category(&[3, 7], true)], [40, 60]);
+    assert_eq!(category(&[3], false), 260);
+    assert_eq!([measured(Quantity::Area, More, 100.0), measured(Quantity::Area, AtMost, 7.0)], [60, 240]);
+    assert_eq!(measured(Quantity::Elongation, AtLeast, 3.0), 60);
+    let both = |id| matched(&[among(Identity::Id, &[id], true), among(Identity::Category, &[3], true)]);
+    assert_eq!([both(7), both(70)], [1, 0]);
+    let library = |number| matched(&[among(Identity::Library, &[number], true)]);
+    assert_eq!([library(0), library(1)], [300, 0]);
+    let (left, right) = (measured(Quantity::X, Less, 200.0), measured(Quantity::X, AtLeast, 200.0));
     assert!(left > 100 && right > 100 && left + right == 300);
-    let inside = matched("--where inside=left.png");
-    assert!(inside.abs_diff(left) <= 6 && inside + matched("--where outside=left.png") == 300);
-    let disc = matched("--where inside=disc.svg") as f64 / 300.0;
+    let inside = matched(&[within("left.png", true)]);
+    assert!(inside.abs_diff(left) <= 6 && inside + matched(&[within("left.png", false)]) == 300);
+    let disc = matched(&[within("disc.svg", true)]) as f64 / 300.0;
     assert!((disc - 0.26).abs() < 0.1, "{disc}");
 }
 
 #[test]
 fn thinning_keeps_shares_and_the_large_ones() {
-    for order in ["area", "random", "blue-noise"] {
-        let thin = one(&format!("thin 0.25 --order {order}"));
-        assert_eq!((thin.primary.len(), thin.secondary.len()), (15, 60), "{order}");
-        let rest = one(&format!("thin 0 --order {order} --layer secondary"));
+    for order in [ThinOrder::Area, ThinOrder::Random, ThinOrder::BlueNoise] {
+        let few = one(thin(0.25, order));
+        assert_eq!((few.primary.len(), few.secondary.len()), (15, 60), "{order:?}");
+        let rest = one(on(Layers::Secondary, thin(0.0, order)));
         assert_eq!((rest.primary.len(), rest.secondary.len(), rest.textons.len()), (60, 0, 2));
     }
     // Those kept at random with a smaller share are among those kept with a larger.
-    let ids = |share: &str| {
-        one(&format!("thin {share} --order random")).secondary.iter().map(|i| i.id).collect::<Vec<_>>()
-    };
-    let (few, many) = (ids("0.2"), ids("0.7"));
+    let ids =
+        |share: f64| one(thin(share, ThinOrder::Random)).secondary.iter().map(|i| i.id).collect::<Vec<_>>();
+    let (few, many) = (ids(0.2), ids(0.7));
     assert!(few.iter().all(|id| many.contains(id)));
-    let large = one("thin --min-area 30");
+    let large = one(Action::Thin { keep: None, order: ThinOrder::Area, minimum_area: Some(30.0) });
     assert_eq!((large.primary.len(), large.secondary.len()), (60, 0));
     assert!(large.textons.iter().all(|t| t.details.is_empty()), "details of 24 px are small too");
-    assert_eq!(one("delete --where category=7").primary.len(), 40);
+    assert_eq!(one(those(&[among(Identity::Category, &[7], true)], Action::Delete)).primary.len(), 40);
 }
 
 #[test]
 fn maps_and_shapes_thin_by_place() {
     let mean_x =
         |s: &Scene| s.secondary.iter().map(|i| i.transform[4]).sum::<f64>() / s.secondary.len() as f64;
-    let (faded, whole) = (one("density fade.png"), scene());
+    let (faded, whole) = (one(Action::Density { map: "fade.png".into() }), scene());
     assert!(faded.secondary.len() > 80 && faded.secondary.len() < 160);
     assert!(mean_x(&faded) > mean_x(&whole) + 30.0);
-    let kept = |text: &str| one(text).primary.iter().map(|i| i.id).collect::<Vec<_>>();
-    let (inside, outside) = (kept("mask disc.svg"), kept("mask disc.svg --keep outside"));
+    let kept = |inside| {
+        let masked = one(Action::Mask { shape: "disc.svg".into(), inside });
+        masked.primary.iter().map(|i| i.id).collect::<Vec<_>>()
+    };
+    let (inside, outside) = (kept(true), kept(false));
     assert!(!inside.is_empty() && inside.len() + outside.len() == 60);
     assert!(inside.iter().all(|id| !outside.contains(id)));
 }
@@ -231,12 +260,14 @@ fn orienting_turns_longer_axes_the_shorter_way() {
         s.primary.iter().map(|i| of(i).to_degrees().rem_euclid(180.0)).collect()
     };
     let off = |a: f64, b: f64| (a - b).rem_euclid(180.0).min((b - a).rem_euclid(180.0));
-    assert!(angles(&one("orient 30")).iter().all(|a| off(*a, 30.0) < 0.1));
-    let half = one("orient 30 --strength 0.5");
+    let orient = |strength| one(Action::Orient { direction: Direction::Angle(30.0), strength });
+    assert!(angles(&orient(1.0)).iter().all(|a| off(*a, 30.0) < 0.1));
+    let half = orient(0.5);
     for (before, after) in angles(&scene()).iter().zip(angles(&half)) {
         assert!((off(after, 30.0) - off(*before, 30.0) / 2.0).abs() < 0.1);
     }
-    let field = one("orient fade.png --layer primary");
+    let by_map = Action::Orient { direction: Direction::Map("fade.png".into()), strength: 1.0 };
+    let field = one(on(Layers::Primary, by_map));
     for (instance, angle) in field.primary.iter().zip(angles(&field)) {
         let x = instance.transform[4];
         if (20.0..380.0).contains(&x) {
@@ -247,8 +278,14 @@ fn orienting_turns_longer_axes_the_shorter_way() {
 
 #[test]
 fn places_stay_on_a_canvas_that_repeats() {
-    for text in ["move 350 -290.5", "jitter --move 30 --rotate 40 --scale 20", "scale 2", "rotate 77"] {
-        let after = one(text);
+    for action in [
+        Action::Move { x: 350.0, y: -290.5 },
+        Action::Jitter { distance: 30.0, angle: 40.0, scale: 20.0 },
+        Action::Scale { factor: 2.0 },
+        Action::Rotate { angle: 77.0 },
+    ] {
+        let text = action.to_string();
+        let after = one(action);
         assert_ne!(after.primary, scene().primary, "{text}");
         for (a, b) in after.primary.iter().zip(&scene().primary) {
             let [.., x, y] = a.transform;
@@ -256,13 +293,13 @@ fn places_stay_on_a_canvas_that_repeats() {
             assert_eq!(a.id, b.id);
         }
     }
-    let twice = one("scale 2").primary[0].affine().determinant();
+    let twice = one(Action::Scale { factor: 2.0 }).primary[0].affine().determinant();
     assert!((twice - 4.0).abs() < 1e-3);
 }
 
 #[test]
 fn colours_change_for_those_selected_and_no_others() {
-    let red = one("tint #ff0000 --amount 1 --where category=3");
+    let red = one(those(&[among(Identity::Category, &[3], true)], tint([255, 0, 0], 1.0, 1.0)));
     for (instance, before) in red.primary.iter().zip(&scene().primary) {
         let texton = &red.textons[instance.texton as usize];
         let tinted = before.texton == 0;
@@ -271,9 +308,9 @@ fn colours_change_for_those_selected_and_no_others() {
     }
     assert_eq!(red.secondary, scene().secondary);
     // A texton of which some are tinted is there twice.
-    let some = one("tint #ff0000 --share 0.5 --layer primary");
+    let some = one(on(Layers::Primary, tint([255, 0, 0], 0.5, 0.5)));
     assert_eq!(some.textons.len(), 5);
-    let ground = one("tint #000 --amount 0.5 --layer background");
+    let ground = one(on(Layers::Background, tint([0; 3], 0.5, 1.0)));
     assert!(
         ground.background.points.iter().all(|p| p.colour.0[0] < 90) && ground.background.fallback.0[0] < 90
     );
@@ -282,28 +319,28 @@ fn colours_change_for_those_selected_and_no_others() {
 
 #[test]
 fn recolouring_keeps_shading_and_leaves_what_is_unlike() {
-    let blue = one("recolor --from #b43c32 --to #3c50b4 --reach 0.15");
+    let blue = one(recolor([180, 60, 50], [60, 80, 180], 0.15));
     let [red, other] = [&blue.textons[0], &blue.textons[1]];
     assert_eq!(red.colour, Colour::from_hex("#3c50b4").unwrap());
     assert_eq!(red.details[0].colour, Colour([240; 3]), "the light detail is unlike");
     assert_eq!(other.colour, Colour([40, 60, 150]));
     // What has no such colour does not count, and nothing happens to it.
-    let (same, outcomes) = edited(&scene(), &["recolor --from #00ff00 --to #000000 --reach 0.1"]);
+    let (same, outcomes) = edited(&scene(), &[recolor([0, 255, 0], [0; 3], 0.1).into()]);
     assert_eq!((outcomes[0].matched, same.textons), (0, scene().textons));
-    let red = edited(&scene(), &["recolor --from #b43c32 --to #000000 --reach 0.05"]).1[0].matched;
+    let red = edited(&scene(), &[recolor([180, 60, 50], [0; 3], 0.05).into()]).1[0].matched;
     assert_eq!(red, 40);
 }
 
 #[test]
 fn a_background_without_points_has_a_colour_too() {
     let bare = Scene { background: Field { points: Vec::new(), ..scene().background }, ..scene() };
-    let (after, outcomes) = edited(&bare, &["tint #000000 --amount 1 --layer background"]);
+    let (after, outcomes) = edited(&bare, &[on(Layers::Background, tint([0; 3], 1.0, 1.0))]);
     assert_eq!((outcomes[0].matched, after.background.fallback), (1, Colour([0; 3])));
 }
 
 #[test]
 fn palettes_give_the_dark_category_the_dark_colour() {
-    let after = one("palette two.txt");
+    let after = one(two_colours());
     let mean = |s: &Scene, i: usize| colours::mean(&s.textons[i]).to_oklab();
     let near = |lab: [f32; 3], hex: &str| {
         let wanted = Colour::from_hex(hex).unwrap().to_oklab();
@@ -319,7 +356,7 @@ fn palettes_give_the_dark_category_the_dark_colour() {
 
 #[test]
 fn without_categories_a_palette_follows_lightness() {
-    let after = edited(&scene(), &["delete --layer primary", "palette two.txt"]).0;
+    let after = edited(&scene(), &[on(Layers::Primary, Action::Delete), two_colours().into()]).0;
     let lightness = |i: &Instance| i.colour.unwrap().to_oklab()[0];
     let (mut before, mut now): (Vec<f32>, Vec<f32>) =
         (scene().secondary.iter().map(lightness).collect(), after.secondary.iter().map(lightness).collect());
@@ -331,23 +368,24 @@ fn without_categories_a_palette_follows_lightness() {
 
 #[test]
 fn shadows_and_lines_have_the_size_asked_for_on_the_canvas() {
-    let dressed =
-        edited(&scene(), &["scale 2", "shadow --angle 90 --length 8 --blur 6", "outline 3 #102030"]).0;
+    let line = |width| Action::Outline { width, colour: Colour([16, 32, 48]) };
+    let twice = Action::Scale { factor: 2.0 };
+    let dressed = edited(&scene(), &[twice.into(), shadow(90.0, 8.0, 0.4, 6.0).into(), line(3.0).into()]).0;
     let all = || dressed.primary.iter().chain(&dressed.secondary);
     assert!(all().all(|i| i.shadow.unwrap().offset == [0.0, 8.0]));
     assert!(all().all(|i| i.shadow.unwrap().blur == 3.0 && i.stroke.unwrap().width == 1.5));
-    let none = edited(&dressed, &["shadow --opacity 0 --layer primary", "outline 0 #fff"]).0;
+    let none = edited(&dressed, &[on(Layers::Primary, shadow(45.0, 5.0, 0.0, 5.0)), line(0.0).into()]).0;
     assert!(none.primary.iter().all(|i| i.shadow.is_none()) && none.secondary[0].shadow.is_some());
     assert!(none.primary.iter().chain(&none.secondary).all(|i| i.stroke.is_none()));
 }
 
 #[test]
 fn flat_and_simple_textons_are_less() {
-    let flat = one("flatten --layer primary");
+    let flat = one(on(Layers::Primary, Action::Flatten));
     assert!(flat.textons.iter().all(|t| t.details.is_empty()));
     let (before, after) = (colours::mean(&scene().textons[0]), flat.textons[0].colour);
     assert_eq!(before, after);
-    let simple = one("simplify 6");
+    let simple = one(Action::Simplify { tolerance: 6.0 });
     assert!(simple.textons.iter().all(|t| t.details.is_empty()));
     let few = |s: &Scene| s.textons.iter().map(|t| t.outline.to_string().len()).sum::<usize>();
     assert!(few(&simple) <= few(&scene()));
@@ -355,16 +393,23 @@ fn flat_and_simple_textons_are_less() {
 
 #[test]
 fn too_far_is_an_error_and_nothing_to_do_is_none() {
-    let far: Vec<Operation> = vec![operation("move 1e6 0"); 12];
+    let far: Vec<Operation> = vec![Action::Move { x: 1e6, y: 0.0 }.into(); 12];
     let plain = Scene { tile: Tile::default(), ..scene() };
-    let error = apply(plain.clone(), &far, None).unwrap_err().to_string();
+    let error = apply(plain.clone(), &far, &Files::default(), None).unwrap_err().to_string();
     assert!(error.contains("it leads too far"), "{error}");
-    let (same, outcomes) = edited(&plain, &["delete --where category=99"]);
+    let (same, outcomes) =
+        edited(&plain, &[those(&[among(Identity::Category, &[99], true)], Action::Delete)]);
     assert_eq!((outcomes[0].matched, outcomes[0].removed), (0, 0));
     assert_eq!(same.primary, plain.primary);
     let empty = Scene { primary: Vec::new(), secondary: Vec::new(), textons: Vec::new(), ..plain };
-    for text in ["thin 0.5", "palette two.txt", "orient 3", "tint #fff --layer background", "simplify 1"] {
-        assert_eq!(edited(&empty, &[text]).0.primary.len(), 0, "{text}");
+    for operation in [
+        thin(0.5, ThinOrder::BlueNoise).into(),
+        two_colours().into(),
+        Action::Orient { direction: Direction::Angle(3.0), strength: 1.0 }.into(),
+        on(Layers::Background, tint([255; 3], 0.5, 1.0)),
+        Action::Simplify { tolerance: 1.0 }.into(),
+    ] {
+        assert_eq!(edited(&empty, &[operation]).0.primary.len(), 0);
     }
 }
 
@@ -390,14 +435,10 @@ fn library() -> Library {
 fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
     let library = library();
     assert!(library.primaries.iter().filter(|p| !p.clipped).count() > 12);
-    let replace = Operation {
-        text: "replace ovals.lib.json".into(),
-        layers: Layers::Primary,
-        conditions: Vec::new(),
-        action: Action::Replace { library: Box::new(library) },
-    };
-    let dress = operation("outline 2 #000 --layer primary");
-    let after = apply(scene(), &[dress, replace.clone()], None).unwrap().0;
+    let replace = on(Layers::Primary, Action::Replace { library: "ovals".into() });
+    let files = |library| Files { libraries: [("ovals".into(), library)].into(), ..Files::default() };
+    let dress = on(Layers::Primary, Action::Outline { width: 2.0, colour: Colour([0; 3]) });
+    let after = apply(scene(), &[dress, replace.clone()], &files(library.clone()), None).unwrap().0;
     assert_eq!((after.libraries.len(), after.secondary.len()), (2, 240));
     // Lines stay as wide as they were, whatever the size that the new textons have in their library.
     for instance in &after.primary {
@@ -407,10 +448,8 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
         assert!((0.0..400.0).contains(&x) && (0.0..300.0).contains(&y), "{x} {y}");
     }
     // A library without primaries has none to give.
-    let Action::Replace { library } = &replace.action else { unreachable!() };
-    let bare = Library { primaries: Vec::new(), ..*library.clone() };
-    let replace = Operation { action: Action::Replace { library: Box::new(bare) }, ..replace };
-    let (same, outcomes) = apply(scene(), &[replace], None).unwrap();
+    let bare = Library { primaries: Vec::new(), ..library };
+    let (same, outcomes) = apply(scene(), &[replace], &files(bare), None).unwrap();
     assert_eq!((outcomes[0].matched, same.primary), (0, scene().primary));
     for (new, old) in after.primary.iter().zip(&scene().primary) {
         let of = |s: &Scene, i: &Instance| {
@@ -427,15 +466,4 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
     }
     let used = after.textons.iter().filter(|t| t.library == 1);
     assert!(used.count() >= 1);
-}
-
-proptest::proptest! {
-    #[test]
-    fn any_text_is_an_operation_or_a_fault(text in "\\PC*|(tint|thin|move|jitter) [a-z0-9#.=<>|,' -]{0,60}") {
-        if let Ok(request) = Request::parse(&text) {
-            // What was understood once is understood again, and loading it ends.
-            proptest::prop_assert_eq!(Request::parse(text.trim()).unwrap(), request.clone());
-            let _ = request.load([400, 300], file);
-        }
-    }
 }

@@ -1,12 +1,11 @@
 //! Fewer textons: a share, the large ones, those that a map or a shape leaves.
 
-use super::operation::ThinOrder;
 use super::selection::{Chosen, place};
 use super::textons::{change, measured, size};
 use super::{Draw, order};
 use crate::geometry::{Point, Region};
 use crate::raster::ControlMap;
-use crate::scene::{Instance, Scene, Texton};
+use crate::scene::{Instance, Scene, Texton, ThinOrder};
 
 /// Keeps the instances for which `keep` holds, and all that are not selected. It gets the scene as
 /// it was.

@@ -4,6 +4,9 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// [`Found::by`] of a library whose path the caller gave.
+pub const GIVEN: &str = "the path given";
+
 /// A candidate for ONNX Runtime's shared library.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
@@ -23,7 +26,7 @@ pub struct Found {
 pub fn locate(given: Option<&Path>) -> Vec<Found> {
     let named = |path: PathBuf, by| vec![Found { path, by, named: true }];
     if let Some(path) = given {
-        return named(path.to_owned(), "--onnxruntime");
+        return named(path.to_owned(), GIVEN);
     }
     for variable in ["VTEX_ONNXRUNTIME", "ORT_DYLIB_PATH"] {
         if let Some(path) = env::var_os(variable).filter(|v| !v.is_empty()) {
@@ -169,7 +172,7 @@ mod tests {
     fn one_that_is_given_is_the_only_one() {
         let path = Path::new("somewhere/none.so");
         let found = locate(Some(path));
-        assert_eq!(found, [Found { path: path.to_owned(), by: "--onnxruntime", named: true }]);
+        assert_eq!(found, [Found { path: path.to_owned(), by: GIVEN, named: true }]);
     }
 
     #[cfg(target_os = "linux")]

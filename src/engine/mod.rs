@@ -9,7 +9,7 @@ mod onnxruntime;
 mod rten;
 mod structure;
 
-pub use locate::{Found, locate};
+pub use locate::{Found, GIVEN, locate};
 pub use onnxruntime::{MINIMUM_MINOR, version};
 
 use crate::error::{Error, Result};
@@ -197,10 +197,9 @@ pub fn choose(options: &EngineOptions) -> Result<Choice> {
     match failure {
         Some(e) if insisting => Err(e),
         Some(e) => Ok(Choice::Rten { because: Some(e.to_string()) }),
-        None if insisting => Err(Error::Network {
+        None if insisting => Err(Error::Runtime {
             name: "ONNX Runtime".into(),
             reason: "its shared library was not found".into(),
-            advice: onnxruntime::ADVICE,
         }),
         None => Ok(Choice::Rten { because: Some("ONNX Runtime was not found".into()) }),
     }
@@ -242,11 +241,8 @@ fn guarded<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str);
         let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
-        Err(Error::Network {
-            name: name.to_owned(),
-            reason: format!("the engine gave up: {said}"),
-            advice: "is the file complete? Try the other --engine",
-        })
+        let reason = format!("the engine gave up: {said}");
+        Err(Error::Engine { name: name.to_owned(), engine: "", reason })
     })
 }
 

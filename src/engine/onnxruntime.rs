@@ -17,9 +17,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Oldest supported version of ONNX Runtime, as its minor number: 17 means 1.17.
 pub const MINIMUM_MINOR: u32 = ort::MINOR_VERSION;
 
-/// Advice on how to install the library, for errors.
-pub(super) const ADVICE: &str = "'pip install onnxruntime' brings it; name its libonnxruntime.so (.dylib, onnxruntime.dll) with --onnxruntime, or use --engine rten";
-
 /// The loaded library.
 struct Loaded {
     path: PathBuf,
@@ -31,7 +28,7 @@ static LOADED: Mutex<Option<Loaded>> = Mutex::new(None);
 
 /// Calls `work` with the library, which is loaded on the first call.
 fn with_library<T>(path: &Path, work: impl FnOnce(&Loaded) -> Result<T>) -> Result<T> {
-    let failure = |reason| Error::Network { name: path.display().to_string(), reason, advice: ADVICE };
+    let failure = |reason| Error::Runtime { name: path.display().to_string(), reason };
     let path = std::fs::canonicalize(path).map_err(|e| failure(format!("cannot be loaded: {e}")))?;
     let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
     match &*loaded {
@@ -64,7 +61,7 @@ fn with_library<T>(path: &Path, work: impl FnOnce(&Loaded) -> Result<T>) -> Resu
 /// Loads a library and returns its version.
 ///
 /// # Errors
-/// [`Error::Network`] if it cannot be loaded, or another one is loaded already.
+/// [`Error::Runtime`] if it cannot be loaded, or another one is loaded already.
 pub fn version(library: &Path) -> Result<String> {
     with_library(library, |loaded| Ok(loaded.version.clone()))
 }
@@ -162,11 +159,7 @@ impl Network {
     }
 
     fn failure(&self, reason: String) -> Error {
-        Error::Network {
-            name: self.name.clone(),
-            reason,
-            advice: "use an export with 32-bit inputs and outputs, or try --engine rten",
-        }
+        Error::Engine { name: self.name.clone(), engine: "ONNX Runtime", reason }
     }
 }
 

@@ -86,7 +86,7 @@ impl Network {
     }
 
     fn failure(&self, reason: String) -> Error {
-        Error::Network { name: self.name.clone(), reason, advice: "try --engine onnxruntime" }
+        Error::Engine { name: self.name.clone(), engine: "rten", reason }
     }
 }
 

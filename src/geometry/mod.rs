@@ -2,6 +2,7 @@
 //! Knows nothing of images, libraries or scenes. Points and paths are those of `kurbo`.
 
 mod arc_samples;
+mod assign;
 mod cage;
 mod fit;
 mod fitted_map;
@@ -15,6 +16,7 @@ mod second_moments;
 mod simple;
 mod trace;
 
+pub(crate) use assign::{Table, assign};
 pub use cage::Cage;
 pub(crate) use fitted_map::{FittedMap, Scale};
 pub use kurbo::{Affine, BezPath, PathEl, Point, Rect, Vec2};

@@ -38,6 +38,31 @@ impl Region {
         ((share * self.rows.len() as f64).max(0.0) as usize).min(self.rows.len() - 1)
     }
 
+    /// Intervals of the horizontal line at `y` that lie in the interior, from left to right.
+    pub fn intervals(&self, y: f64) -> Vec<[f64; 2]> {
+        if y < self.bounds.y0 || y > self.bounds.y1 {
+            return Vec::new();
+        }
+        let crosses = |[a, b]: &&[Point; 2]| (a.y <= y) != (b.y <= y);
+        let crossing = |[a, b]: &[Point; 2]| {
+            (a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x), if b.y > a.y { 1 } else { -1 })
+        };
+        let mut crossings: Vec<(f64, i32)> =
+            self.rows[self.row(y)].iter().filter(crosses).map(crossing).collect();
+        crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut winding, mut start, mut found) = (0, 0.0, Vec::new());
+        for (x, direction) in crossings {
+            if winding == 0 {
+                start = x;
+            }
+            winding += direction;
+            if winding == 0 {
+                found.push([start, x]);
+            }
+        }
+        found
+    }
+
     /// Whether a point lies in the interior.
     pub fn contains(&self, point: Point) -> bool {
         if !self.bounds.contains(point) {
@@ -84,6 +109,8 @@ mod tests {
                     [(*d, 0.0), (0.0, *d)].iter().any(|d| (outline.path().winding(p + *d) != 0) != wanted)
                 });
                 assert!(near || region.contains(p) == wanted, "{text}: {p:?}");
+                let within = region.intervals(p.y).iter().any(|[a, b]| (*a..*b).contains(&p.x));
+                assert!(near || within == wanted, "{text}: {p:?} by intervals");
             }
             assert!(text.is_empty() || inside > 20);
         }

@@ -7,8 +7,7 @@
 //! partners of each are considered, which bounds memory. For evenly spread textons this
 //! approximation costs nothing (`benches/editing.md`).
 
-use super::assign::{Table, assign};
-use crate::geometry::{NearPoints, Point, shortest_offset};
+use crate::geometry::{NearPoints, Point, Table, assign, shortest_offset};
 use crate::parallel;
 
 /// Number of textons up to which all partners are considered.

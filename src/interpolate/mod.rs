@@ -12,7 +12,6 @@
 //! Works badly for strongly branched outlines: those that would cross themselves at half-time become
 //! rounder. Where two overlapping textons swap their painting order, one pops in front of the other.
 
-mod assign;
 mod background;
 mod blend;
 mod correspond;
@@ -28,8 +27,8 @@ mod side;
 mod tests;
 mod tween;
 
+pub use crate::scene::Axis;
 pub use motion::{Brush, Motion, Moving};
-pub use progression::Axis;
 
 use crate::document::Document;
 use crate::error::{Error, Result};
@@ -37,7 +36,7 @@ use crate::geometry::{Point, Vec2, shortest_offset};
 use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::sampling::stream;
-use crate::scene::{EditRecord, Instance, LibraryRef, Scene, Texton, Tile};
+use crate::scene::{Between, EditRecord, Instance, LibraryRef, Place, Recorded, Scene, Texton, Tile};
 use background::{BlendedField, untiled};
 use correspond::{Correspondence, Plane, Properties, correspond};
 use domain::DomainTween;
@@ -171,16 +170,13 @@ impl Interpolation {
 
     /// The edit that records the interpolation in a scene.
     fn record(&self, when: &Progression) -> EditRecord {
-        let names = self.ends.each_ref().map(|scene| {
-            let names: Vec<&str> = scene.libraries.iter().map(|l| l.exemplar.as_str()).collect();
-            names.join("+")
-        });
+        let [from, to] =
+            self.ends.each_ref().map(|scene| scene.libraries.iter().map(|l| l.exemplar.clone()).collect());
         let place = match *when {
-            Progression::Uniform(t) => format!("--at {t}"),
-            Progression::Across(Axis::X, _) => "--across x".into(),
-            Progression::Across(Axis::Y, _) => "--across y".into(),
+            Progression::Uniform(t) => Place::At(t),
+            Progression::Across(axis, _) => Place::Across(axis),
         };
-        EditRecord { operation: format!("interp '{}' '{}' {place}", names[0], names[1]), seed: 0 }
+        EditRecord { operation: Recorded::Interpolation(Between { from, to, place }), seed: 0 }
     }
 
     /// The instances of a layer in painting order. Adds their textons to the scene. Ids follow from the

@@ -1,18 +1,10 @@
 //! The progress of an interpolation: uniform over the canvas, or varying across it.
 
 use crate::geometry::Point;
+use crate::scene::Axis;
 
 /// Share of the canvas at either side that shows only one scene.
 const MARGIN: f64 = 0.1;
-
-/// An axis of the canvas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// From left to right.
-    X,
-    /// From top to bottom.
-    Y,
-}
 
 /// Progress of an interpolation at each point of the canvas: 0 is the first scene, 1 the second.
 pub(super) enum Progression {

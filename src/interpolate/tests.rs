@@ -356,8 +356,9 @@ fn plain_grounds_mix_and_a_scene_between_says_what_it_is() {
     assert!(background(&between.at(0.001), 60.0) < 24.0 && background(&between.at(0.999), 60.0) > 216.0);
     let mixed = across(a.clone(), b.clone(), Axis::X, &()).unwrap();
     assert!(background(&mixed, 3.0) < 24.0 && background(&mixed, 117.0) > 216.0);
-    assert_eq!(mixed.edits.last().unwrap().operation, "interp '25.png' '26.png' --across x");
-    assert_eq!(between.at(0.25).edits.last().unwrap().operation, "interp '25.png' '26.png' --at 0.25");
+    let recorded = |scene: &Scene| scene.edits.last().unwrap().operation.to_string();
+    assert_eq!(recorded(&mixed), "interpolation from=25.png to=26.png across=x");
+    assert_eq!(recorded(&between.at(0.25)), "interpolation from=25.png to=26.png at=0.25");
 }
 
 #[test]

@@ -1,14 +1,17 @@
 //! The arrangement: a run-length coded map of the primaries in the exemplar.
 
+use super::LARGEST_SIDE;
 use crate::raster::LabelMap;
 use schemars::JsonSchema;
+use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// The map of primaries over the exemplar, row by row.
 ///
 /// Descriptors are not stored individually. Each is a window of this map around its texton, extended
 /// by the textons that reach out of it, and is derived from the map when needed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Arrangement {
     /// Width, in pixels.
@@ -18,6 +21,84 @@ pub struct Arrangement {
     /// `label, length, label, length, …` over all rows in turn. Label 0 is background, label k is primary
     /// k - 1. Lengths add up to `width * height`.
     pub runs: Vec<u32>,
+}
+
+/// Reads field by field, so that a short file cannot unfold to more runs than the map has room for.
+impl<'de> Deserialize<'de> for Arrangement {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(Fields)
+    }
+}
+
+struct Fields;
+
+impl<'de> Visitor<'de> for Fields {
+    type Value = Arrangement;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an arrangement: width, height and runs")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut fields: A) -> Result<Arrangement, A::Error> {
+        let (mut width, mut height, mut runs): (Option<u32>, Option<u32>, _) = (None, None, None);
+        while let Some(name) = fields.next_key::<String>()? {
+            match &*name {
+                "width" if width.is_none() => width = Some(fields.next_value()?),
+                "height" if height.is_none() => height = Some(fields.next_value()?),
+                "runs" if runs.is_none() => {
+                    // A size that comes later is as large as it can be.
+                    let [w, h] =
+                        [width, height].map(|v| v.unwrap_or(LARGEST_SIDE).min(LARGEST_SIDE) as usize);
+                    runs = Some(fields.next_value_seed(Runs { most: 2 * w * h })?);
+                }
+                "width" | "height" | "runs" => {
+                    return Err(A::Error::custom(format!("duplicate field `{name}`")));
+                }
+                other => return Err(A::Error::unknown_field(other, &["width", "height", "runs"])),
+            }
+        }
+        let missing = A::Error::missing_field;
+        Ok(Arrangement {
+            width: width.ok_or_else(|| missing("width"))?,
+            height: height.ok_or_else(|| missing("height"))?,
+            runs: runs.ok_or_else(|| missing("runs"))?,
+        })
+    }
+}
+
+/// Runs of at most so many numbers: two a pixel.
+struct Runs {
+    most: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for Runs {
+    type Value = Vec<u32>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Vec<u32>, D::Error> {
+        deserializer.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Runs {
+    type Value = Vec<u32>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a list of labels and lengths")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Vec<u32>, A::Error> {
+        let mut runs = Vec::new();
+        while let Some(entry) = entries.next_element()? {
+            if runs.len() == self.most {
+                return Err(A::Error::custom(format!(
+                    "arrangement.runs has more than {} entries, two for each pixel",
+                    self.most
+                )));
+            }
+            runs.push(entry);
+        }
+        Ok(runs)
+    }
 }
 
 impl Arrangement {
@@ -61,5 +142,37 @@ impl Arrangement {
             return Err(format!("arrangement.runs covers {total} pixels, not {wanted}"));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Arrangement, String> {
+        serde_json::from_str(text).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn fields_come_in_any_order_and_once() {
+        let wanted = Arrangement { width: 3, height: 1, runs: vec![0, 3] };
+        assert_eq!(read(&serde_json::to_string(&wanted).unwrap()), Ok(wanted.clone()));
+        assert_eq!(read(r#"{"runs":[0,3],"height":1,"width":3}"#), Ok(wanted));
+        for (text, message) in [
+            (r#"{"runs":[0,3],"height":1}"#, "missing field `width`"),
+            (r#"{"runs":[],"height":1,"height":1}"#, "duplicate field `height`"),
+            (r#"{"runs":[],"depth":1}"#, "unknown field `depth`"),
+            (r#"{"runs":[-1]}"#, "expected u32"),
+            ("[1]", "an arrangement"),
+        ] {
+            assert!(read(text).unwrap_err().contains(message), "{text}: {:?}", read(text));
+        }
+    }
+
+    #[test]
+    fn runs_are_bounded_by_the_size() {
+        let text = format!(r#"{{"width":4,"height":2,"runs":[{}0]}}"#, "0,".repeat(16));
+        assert!(read(&text).unwrap_err().contains("more than 16 entries"));
+        assert!(read(&text.replace("[0,", "[")).is_ok());
     }
 }

@@ -3,6 +3,8 @@
 mod arrangement;
 mod guide;
 mod parameters;
+#[cfg(test)]
+pub(crate) mod testing;
 mod validate;
 
 pub use arrangement::Arrangement;
@@ -17,6 +19,9 @@ use crate::scene::{ControlPoint, Gradient};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+
+/// Largest side of an exemplar, in pixels.
+const LARGEST_SIDE: u32 = 16_384;
 
 /// Index of a primary texton in [`Library::primaries`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
@@ -113,6 +118,13 @@ pub struct Primary {
     pub details: Vec<Detail>,
 }
 
+impl Primary {
+    /// The point that stands for it: its centroid in whole pixels.
+    pub(crate) fn origin(&self) -> [i32; 2] {
+        self.centroid.map(|v| libm::round(v) as i32)
+    }
+}
+
 /// A detail of a primary: a filled shape on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -150,6 +162,13 @@ pub struct Secondary {
     pub area: u32,
     /// Centroid, in pixels.
     pub centroid: [f64; 2],
+}
+
+impl Secondary {
+    /// The point that stands for it: its centroid in whole pixels.
+    pub(crate) fn origin(&self) -> [i32; 2] {
+        self.centroid.map(|v| libm::round(v) as i32)
+    }
 }
 
 /// A cluster of similar primaries.

@@ -1,9 +1,6 @@
 //! Validation of libraries.
 
-use super::Library;
-
-/// Largest side of an exemplar, in pixels.
-const LARGEST_SIDE: u32 = 16_384;
+use super::{LARGEST_SIDE, Library};
 
 /// Checks every reference, range and total of a library.
 pub(super) fn validate(l: &Library) -> Result<(), String> {

@@ -1,6 +1,7 @@
 //! Earth mover's distances of colour distributions: per RGB channel, and in CIE Lab.
 
 use super::transport;
+use crate::raster::colour::linear_table;
 use image::RgbImage;
 
 /// Edge of a bin in Lab, in ΔE.
@@ -60,16 +61,12 @@ fn lab_histogram(image: &RgbImage) -> Vec<([i32; 3], u64)> {
 
 /// Conversion of 8-bit sRGB to CIE Lab (D65, 2° observer), by table.
 pub(super) struct Lab {
-    linear: [f64; 256],
+    linear: &'static [f64; 256],
 }
 
 impl Lab {
     pub(super) fn new() -> Self {
-        let linear = |i: usize| {
-            let v = i as f64 / 255.0;
-            if v > 0.040_45 { libm::pow((v + 0.055) / 1.055, 2.4) } else { v / 12.92 }
-        };
-        Self { linear: std::array::from_fn(linear) }
+        Self { linear: linear_table() }
     }
 
     /// Lab of a colour: L 0 to 100, a and b roughly -100 to 100.

@@ -1,7 +1,7 @@
 //! Files by kind, and writing them so that nothing is ever lost or left half done.
 
 use crate::error::{Error, Result};
-use flate2::read::GzDecoder;
+use crate::gzip;
 use flate2::write::GzEncoder;
 use flate2::{Compression, GzBuilder};
 use std::fs::{self, File};
@@ -123,10 +123,10 @@ pub fn write_file<T>(
 /// a GIF whose comment does, or a PDF whose information does. A file that another program saved since
 /// does not count.
 fn is_ours(path: &Path) -> Result<bool> {
-    const ENOUGH: u64 = 4096;
+    const ENOUGH: usize = 4096;
     let mut start = Vec::new();
     let file = File::open(path).map_err(|e| Error::read(path, e))?;
-    (&file).take(ENOUGH).read_to_end(&mut start).map_err(|e| Error::read(path, e))?;
+    (&file).take(ENOUGH as u64).read_to_end(&mut start).map_err(|e| Error::read(path, e))?;
     if start.starts_with(b"%PDF-") {
         let mut whole = start;
         (&file).read_to_end(&mut whole).map_err(|e| Error::read(path, e))?;
@@ -135,12 +135,8 @@ fn is_ours(path: &Path) -> Result<bool> {
     if start.starts_with(b"GIF89a") {
         return Ok(is_gif(&start));
     }
-    if start.starts_with(&[0x1f, 0x8b]) {
-        let mut unpacked = Vec::new();
-        // The data end in the middle, which is an error; what came before it is what counts.
-        let _ = GzDecoder::new(&start[..]).take(ENOUGH).read_to_end(&mut unpacked);
-        start = unpacked;
-    }
+    // The data may end in the middle; what comes before is what counts.
+    let start = gzip::beginning(&start, ENOUGH);
     let begins = |how: &str| start.starts_with(how.as_bytes());
     Ok(begins(super::svg::BEGINNING) || begins(PAGE_BEGINNING) || is_document(&start) || is_png(&start))
 }

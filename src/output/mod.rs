@@ -9,6 +9,7 @@ mod background;
 mod coverage;
 pub mod file;
 pub mod film;
+#[cfg(feature = "pdf")]
 pub mod pdf;
 pub mod png;
 pub mod raster_svg;

@@ -344,7 +344,7 @@ mod tests {
     fn by_svg(scene: &Scene, options: SvgOptions, scale: f64) -> Pixmap {
         let mut bytes = Vec::new();
         svg::write(scene, &options, &mut bytes).unwrap();
-        render_svg(&bytes, scale, "test").unwrap()
+        render_svg(&bytes, scale, "test", &()).unwrap()
     }
 
     #[test]

@@ -64,25 +64,25 @@ impl ElementKind {
             }
             Form::Head { .. } => return Vec::new(),
         };
-        vec![self.element(shape, radius, colour, [0.0, 0.0], random.range(0.0, TAU), label, random)]
+        vec![self.element(shape, radius, colour, random.range(0.0, TAU), label, random)]
     }
 
     /// An element with an outline given by the layout.
     pub(super) fn fill(&self, shape: Shape, radius: f32, label: u32, random: &mut Stream) -> Element {
         let colour = self.colour(random);
-        self.element(shape, radius, colour, [0.0, 0.0], 0.0, label, random)
+        self.element(shape, radius, colour, 0.0, label, random)
     }
 
     fn colour(&self, random: &mut Stream) -> Light {
         self.palette.get(random.index(self.palette.len())).copied().unwrap_or([0.2; 3])
     }
 
+    /// An element around the origin.
     fn element(
         &self,
         shape: Shape,
         radius: f32,
         colour: Light,
-        centre: [f32; 2],
         turn: f64,
         label: u32,
         random: &mut Stream,
@@ -94,6 +94,7 @@ impl ElementKind {
         } else {
             shape
         };
+        let centre = [0.0, 0.0];
         Element { shape, fill, centre, turn: [libm::cos(turn) as f32, libm::sin(turn) as f32], label }
     }
 
@@ -123,7 +124,7 @@ impl ElementKind {
                 let centre =
                     [lean[0] * (1.0 - ring as f32) + c * reach, s * reach + lean[1] * (1.0 - ring as f32)];
                 let tone = colour.map(|v| v * (1.15 - 0.45 * (1.0 - ring as f32)));
-                parts.push(self.element(shape, size, tone, centre, turn, label, random));
+                parts.push(Element { centre, ..self.element(shape, size, tone, turn, label, random) });
             }
         }
         parts

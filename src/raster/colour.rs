@@ -58,13 +58,13 @@ impl Colour {
 /// Encodes linear light, clamped to 0..=1, as an 8-bit sRGB component.
 pub fn encoded(linear: f32) -> u8 {
     let table = linear_table();
-    let above = table.partition_point(|&v| v < linear);
+    let above = table.partition_point(|&v| (v as f32) < linear);
     match above {
         0 => 0,
         256 => 255,
         i => {
             // Between two steps the encoding is practically linear.
-            let nearer = linear - table[i - 1] < table[i] - linear;
+            let nearer = linear - (table[i - 1] as f32) < (table[i] as f32) - linear;
             (if nearer { i - 1 } else { i }) as u8
         }
     }
@@ -113,17 +113,17 @@ impl JsonSchema for Colour {
 
 /// Decodes an 8-bit sRGB component to linear light in 0..=1 (IEC 61966-2-1).
 pub fn linear(component: u8) -> f32 {
-    linear_table()[component as usize]
+    linear_table()[component as usize] as f32
 }
 
-fn linear_table() -> &'static [f32; 256] {
+/// Linear light of all 8-bit sRGB components.
+pub(crate) fn linear_table() -> &'static [f64; 256] {
     use std::sync::OnceLock;
-    static TABLE: OnceLock<[f32; 256]> = OnceLock::new();
+    static TABLE: OnceLock<[f64; 256]> = OnceLock::new();
     TABLE.get_or_init(|| {
         std::array::from_fn(|i| {
             let v = i as f64 / 255.0;
-            let l = if v <= 0.040_45 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) };
-            l as f32
+            if v <= 0.040_45 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) }
         })
     })
 }

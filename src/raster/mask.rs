@@ -142,6 +142,18 @@ impl Mask {
         Self { spans: spans.collect() }
     }
 
+    /// The mask relative to an origin; on a torus of the given size, every pixel where it is nearest to
+    /// the origin.
+    pub(crate) fn around(&self, origin: [i32; 2], torus: Option<[i32; 2]>) -> Self {
+        let Some([w, h]) = torus else { return self.shifted(-origin[0], -origin[1]) };
+        let near = |v: i32, size: i32| (v + size / 2).rem_euclid(size) - size / 2;
+        let pixel = |(x, y): (i32, i32)| {
+            let x = near(x - origin[0], w);
+            Span { y: near(y - origin[1], h), x0: x, x1: x + 1 }
+        };
+        Self::from_spans(self.pixels().map(pixel).collect())
+    }
+
     /// Number of pixels in both sets.
     pub fn overlap(&self, other: &Self) -> u32 {
         let (mut i, mut j, mut count) = (0, 0, 0);

@@ -86,7 +86,7 @@ pub(super) struct SceneData<'a> {
     parameters: Option<&'a SynthParams>,
     defaults: SynthParams,
     /// Operations applied after synthesis, in order.
-    edits: Vec<EditData<'a>>,
+    edits: Vec<EditData>,
     exemplars: Vec<&'a str>,
     coverage: f64,
     primaries: usize,
@@ -97,8 +97,8 @@ pub(super) struct SceneData<'a> {
 
 /// An operation that was applied to the result.
 #[derive(Serialize)]
-struct EditData<'a> {
-    operation: &'a str,
+struct EditData {
+    operation: String,
     /// As text, like all seeds.
     seed: String,
 }
@@ -320,9 +320,9 @@ impl BackgroundData {
     }
 }
 
-impl<'a> EditData<'a> {
-    fn new(record: &'a EditRecord) -> Self {
-        Self { operation: &record.operation, seed: record.seed.to_string() }
+impl EditData {
+    fn new(record: &EditRecord) -> Self {
+        Self { operation: record.operation.to_string(), seed: record.seed.to_string() }
     }
 }
 

@@ -4,7 +4,7 @@ use super::groups::Group;
 use super::neighbours::nearest;
 use crate::library::Library;
 use crate::scene::{Instance, Scene};
-use crate::synth::statistics::{Correlation, Layout, largest_categories, neighbour_distance};
+use crate::statistics::{Correlation, Layout, largest_categories, neighbour_distance};
 use serde::Serialize;
 
 /// Largest number of bins in a histogram.
@@ -192,7 +192,7 @@ fn curves(layouts: &[Option<Layout>; 2], categories: &[u16], unit: f64) -> Vec<D
     let [exemplar, result] =
         layouts.each_ref().map(|l| l.as_ref().map(|l| Correlation::new(l, 0, categories, unit).curves));
     let count = exemplar.as_ref().or(result.as_ref()).map_or(0, Vec::len);
-    let values = |curves: &Option<Vec<crate::synth::statistics::Curve>>, i: usize| {
+    let values = |curves: &Option<Vec<crate::statistics::Curve>>, i: usize| {
         let known = curves.as_ref()?[i].values();
         Some(known.into_iter().map(|g| g.map(rounded)).collect::<Vec<_>>())
     };

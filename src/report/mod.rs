@@ -48,6 +48,9 @@ pub struct Subject<'a> {
     pub scene: Option<&'a Named<Scene>>,
     /// Candidate photographs. Those whose SHA-256 matches an exemplar are shown.
     pub photos: &'a [Photo],
+    /// A sentence that the page adds where a photograph was not given, such as how to give it; may be
+    /// empty.
+    pub ask: &'a str,
 }
 
 /// Writes the page. The same subject gives the same bytes. Returns warnings, one sentence each.
@@ -63,7 +66,7 @@ pub fn write(subject: &Subject<'_>, mut out: impl Write) -> Result<Vec<String>> 
     let mut described = Vec::new();
     for (number, group) in groups.iter().enumerate() {
         let mut about = data::GroupData::new(group, subject.scene.map(|s| &s.content));
-        match photo::of(&group.exemplar, subject.photos) {
+        match photo::of(&group.exemplar, subject.photos, subject.ask) {
             Ok((media_type, bytes)) => {
                 let id = format!("photo-{number}");
                 files.push(Embedded { id: id.clone(), media_type, gzip: false, bytes });

@@ -5,7 +5,7 @@
 //! distance can be observed (Hanisch 1984).
 
 use crate::geometry::wrapped;
-use crate::synth::statistics::Layout;
+use crate::statistics::Layout;
 
 /// The distance from each centre to the nearest other, in pixels, with its weight. Centres whose
 /// nearest neighbour may lie outside are left out.
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
     use crate::sampling::stream;
     use crate::scene::Tile;
-    use crate::synth::statistics::Centre;
+    use crate::statistics::Centre;
 
     fn layout(points: &[[f64; 2]], size: f64, tile: bool) -> Layout {
         let centre = |at: &[f64; 2]| Centre { library: 0, source: 0, category: 0, at: *at };

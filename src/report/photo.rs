@@ -35,6 +35,7 @@ impl Photo {
 pub(super) fn of<'a>(
     wanted: &LibraryRef,
     photos: &'a [Photo],
+    ask: &str,
 ) -> Result<(&'static str, Cow<'a, [u8]>), String> {
     let name = &wanted.exemplar;
     let Some(photo) = photos.iter().find(|p| p.sha256 == wanted.sha256) else {
@@ -44,10 +45,13 @@ pub(super) fn of<'a>(
                  that the library was made from.",
                 other.name
             ),
-            None => format!(
-                "The photograph {name} is not shown: there is no such file beside what is \
-                 inspected. Name it with --exemplar."
-            ),
+            None => {
+                let gap = if ask.is_empty() { "" } else { " " };
+                format!(
+                    "The photograph {name} is not shown: there is no such file beside what is \
+                     inspected.{gap}{ask}"
+                )
+            }
         });
     };
     let (media_type, bytes) = shown(photo).ok_or_else(|| {

@@ -2,6 +2,8 @@
 
 mod poisson;
 mod stream;
+mod sums;
 
 pub use poisson::{Area, poisson_disk};
 pub use stream::{Stream, stream};
+pub(crate) use sums::Sums;

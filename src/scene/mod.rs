@@ -1,15 +1,22 @@
 //! The scene: one synthesised texture, that is, placed textons over a background field
 //! (`*.scene.json`).
 
+mod edits;
 mod effects;
 pub mod field;
 mod gradient;
+mod operation;
 mod parameters;
+pub(crate) mod pixels;
 mod tile;
 mod validate;
 
+pub use edits::{Axis, Between, EditRecord, Place, Recorded};
 pub use effects::{Shadow, Stroke};
 pub use gradient::Gradient;
+pub use operation::{
+    Action, Comparison, Condition, Direction, Identity, Layers, Operation, Quantity, ThinOrder,
+};
 pub use parameters::{Ablation, Method, SynthParams, Weights};
 pub use tile::Tile;
 
@@ -59,16 +66,6 @@ pub struct Scene {
     /// Operations applied after synthesis, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub edits: Vec<EditRecord>,
-}
-
-/// An operation that was applied to a scene.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EditRecord {
-    /// The operation as text, such as `tint #ff0000 --amount 0.5`.
-    pub operation: String,
-    /// The seed of its random choices.
-    pub seed: u64,
 }
 
 /// A shape that the texture is limited to.

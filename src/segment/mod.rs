@@ -7,6 +7,7 @@ mod perceptron;
 pub mod prompt;
 pub mod regions;
 mod similar;
+#[cfg(feature = "onnx")]
 pub mod texton;
 
 pub use felzenszwalb::Felzenszwalb;

@@ -1,8 +1,9 @@
 //! The background field's control points (paper §3.2.3).
 
-use super::correspondence::Correspondence;
-use super::ground::Ground;
-use super::target::TargetMap;
+use super::backdrop::Backdrop;
+use crate::arrange::correspondence::Correspondence;
+use crate::arrange::occupancy::Occupancy;
+use crate::arrange::region::Region;
 use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
@@ -17,13 +18,12 @@ const FINER: f64 = 0.75;
 
 /// Poisson-disk points over the canvas and a margin, each in a colour of the palette. Where libraries
 /// share the canvas, in colours of their palettes mixed by their shares.
-pub(super) fn field(
+pub(crate) fn field(
     libraries: &[Library],
-    map: &TargetMap<'_>,
+    map: &Occupancy<'_>,
     correspondence: Option<&Correspondence>,
     params: &SynthParams,
 ) -> Field {
-    let ground = &map.ground;
     let spacings = libraries.iter().map(|l| l.background.spacing);
     let usual = spacings.fold(f64::INFINITY, f64::min) * if correspondence.is_some() { FINER } else { 1.0 };
     let spacing = params.background_spacing.unwrap_or(usual);
@@ -31,7 +31,10 @@ pub(super) fn field(
     if libraries.iter().all(|l| l.background.sites.is_empty()) {
         return field;
     }
-    let backdrops = correspondence.map(|c| (c, c.backdrops(libraries)));
+    let backdrops = correspondence.map(|c| {
+        let of = libraries.iter().zip(c.labels()).map(|(library, labels)| Backdrop::new(library, labels));
+        (c, of.collect::<Vec<_>>())
+    });
     let mut random = stream(params.seed, "synth/background", 0);
     let margin = |wrap: bool| if wrap { 0.0 } else { MARGIN * spacing };
     let margin = [margin(params.tile.x), margin(params.tile.y)];
@@ -45,8 +48,11 @@ pub(super) fn field(
         // A hundredth of a pixel is enough, and shorter to write.
         let [x, y] = [0, 1].map(|k| libm::round((p[k] - margin[k]) * 100.0) / 100.0);
         let colour = match &backdrops {
-            Some((correspondence, backdrops)) => correspondence.background(map.model(), backdrops, [x, y]),
-            None => colour(libraries, ground, [x, y], &mut random),
+            Some((correspondence, backdrops)) => {
+                let (library, place) = correspondence.origin(map.model(), [x, y]);
+                Colour::from_f64(backdrops[library].at(place))
+            }
+            None => colour(libraries, &map.region, [x, y], &mut random),
         };
         field.points.push(ControlPoint { x, y, colour });
     }
@@ -54,9 +60,9 @@ pub(super) fn field(
 }
 
 /// A colour of the palette, or of several mixed by the shares of their libraries at a point.
-pub(super) fn colour(
+pub(crate) fn colour(
     libraries: &[Library],
-    ground: &Ground<'_>,
+    region: &Region<'_>,
     point: [f64; 2],
     random: &mut Stream,
 ) -> Colour {
@@ -68,7 +74,7 @@ pub(super) fn colour(
         return drawn(library, random);
     }
     let mut mixed = [0.0; 3];
-    for (library, share) in libraries.iter().zip(ground.shares(point)) {
+    for (library, share) in libraries.iter().zip(region.shares(point)) {
         let colour = drawn(library, random).to_f64();
         (0..3).for_each(|k| mixed[k] += share * colour[k]);
     }

@@ -1,23 +1,23 @@
 //! Scenes put together from placed textons; the exemplar's own arrangement as a scene.
 
-use super::controls::Controls;
 use super::secondaries;
-use super::target::TargetMap;
-use super::variation::Variation;
 use crate::PROGRAM;
+use crate::arrange::Arrangement;
+use crate::arrange::controls::Controls;
+use crate::arrange::variation::Variation;
 use crate::geometry::{Affine, Outline};
-use crate::library::{Library, Primary};
+use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::scene::{Domain, Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
 use std::collections::BTreeMap;
 
-/// The scene of a filled map. Textons are listed in the order in which they first appear.
-pub(super) fn scene(
+/// The scene of an arrangement. Textons are listed in the order in which they first appear.
+pub(crate) fn scene(
     libraries: &[Library],
     params: &SynthParams,
     controls: &Controls,
-    map: &TargetMap<'_>,
-    placed: &[secondaries::Placed],
+    arrangement: &Arrangement<'_>,
+    secondaries: &[secondaries::Placed],
     background: Field,
 ) -> Scene {
     let references = libraries.iter().map(reference).collect();
@@ -27,41 +27,28 @@ pub(super) fn scene(
     scene.domain = controls.domain.clone().map(|outline| Domain { outline, edge: params.edge });
     let mut textons: Vec<Textons<'_>> =
         libraries.iter().enumerate().map(|(k, l)| Textons::new(k as u32, l)).collect();
-    for p in placed {
+    let model = arrangement.cells.model();
+    for p in secondaries {
         let texton = textons[p.library].secondary(&mut scene, p.secondary);
-        let variation = &map.model().variations[usize::from(p.variation)];
+        let variation = &model.variations[usize::from(p.variation)];
         push(&mut scene, Layer::Secondary, texton, p.at, variation, Some(p.colour));
     }
-    let none = Variation::default();
-    for id in map.painting_order() {
-        let p = map.placed[id as usize];
-        if is_seen(map, id) {
-            let primary = map.model().primary(p.form);
-            let at = [0, 1].map(|k| p.at[k] - map.grid.margin[k]);
-            let (texton, variation) = match primary.fragment {
-                // A fragment is varied already.
-                Some(fragment) => {
-                    scene.textons.push(map.model().fragments[fragment as usize].clone());
-                    (scene.textons.len() as u32 - 1, &none)
-                }
-                None => {
-                    let texton = textons[primary.library].primary(&mut scene, primary.index);
-                    (texton, map.model().variation(p.form))
-                }
-            };
-            push(&mut scene, Layer::Primary, texton, at, variation, None);
-        }
+    for p in &arrangement.placed {
+        let element = &model[p.element];
+        let (texton, variation) = match element.fragment {
+            // A fragment is varied already.
+            Some(fragment) => {
+                scene.textons.push(model.fragments[fragment as usize].clone());
+                (scene.textons.len() as u32 - 1, &Variation::default())
+            }
+            None => {
+                let texton = textons[element.library].primary(&mut scene, element.index);
+                (texton, &model.variations[usize::from(p.variation)])
+            }
+        };
+        push(&mut scene, Layer::Primary, texton, p.at, variation, None);
     }
     scene
-}
-
-/// Whether anything can be seen of a placed texton where the map is to be filled.
-pub(super) fn is_seen(map: &TargetMap<'_>, id: u32) -> bool {
-    let p = map.placed[id as usize];
-    let spans = map.model().shape(p.form).mask.spans().iter();
-    let canvas = spans.flat_map(|&s| map.grid.parts(s, p.at)).flat_map(|part| part.canvas);
-    let mut filled = canvas.filter(|&i| map.ground.zone(i).is_some());
-    filled.any(|i| map.owner[i] == id)
 }
 
 /// The exemplar's own arrangement: what the library knows of the photograph, drawn back. Primaries
@@ -76,11 +63,11 @@ pub fn reconstruct(library: &Library) -> Scene {
     let none = Variation::default();
     for (i, s) in library.secondaries.textons.iter().enumerate() {
         let texton = textons.secondary(&mut scene, i as u32);
-        push(&mut scene, Layer::Secondary, texton, secondaries::origin(s), &none, Some(s.colour));
+        push(&mut scene, Layer::Secondary, texton, s.origin(), &none, Some(s.colour));
     }
     for (i, p) in library.primaries.iter().enumerate() {
         let texton = textons.primary(&mut scene, i as u32);
-        push(&mut scene, Layer::Primary, texton, origin(p), &none, None);
+        push(&mut scene, Layer::Primary, texton, p.origin(), &none, None);
     }
     scene
 }
@@ -131,7 +118,7 @@ fn push(
 }
 
 /// A texton at a place of the canvas.
-pub(super) fn instance(
+pub(crate) fn instance(
     id: u32,
     texton: u32,
     at: [i32; 2],
@@ -145,7 +132,7 @@ pub(super) fn instance(
 }
 
 /// Which of a library's textons a scene holds already, and where.
-pub(super) struct Textons<'a> {
+pub(crate) struct Textons<'a> {
     /// Which library of the scene.
     number: u32,
     library: &'a Library,
@@ -164,7 +151,7 @@ impl<'a> Textons<'a> {
     }
 
     /// Those that a scene holds already.
-    pub(super) fn known(number: u32, library: &'a Library, scene: &Scene) -> Self {
+    pub(crate) fn known(number: u32, library: &'a Library, scene: &Scene) -> Self {
         let mut textons = Self::new(number, library);
         for (i, t) in scene.textons.iter().enumerate().filter(|(_, t)| t.library == number && !t.fragment) {
             let (list, primary) = match t.category {
@@ -182,7 +169,7 @@ impl<'a> Textons<'a> {
     }
 
     /// The number of a primary in the scene, which then holds it.
-    pub(super) fn primary(&mut self, scene: &mut Scene, index: u32) -> u32 {
+    pub(crate) fn primary(&mut self, scene: &mut Scene, index: u32) -> u32 {
         *self.primaries[index as usize].get_or_insert_with(|| {
             scene.textons.push(primary_texton(self.number, self.library, index));
             scene.textons.len() as u32 - 1
@@ -190,7 +177,7 @@ impl<'a> Textons<'a> {
     }
 
     /// The number of a secondary in the scene, which then holds it or one of the same shape.
-    pub(super) fn secondary(&mut self, scene: &mut Scene, index: u32) -> u32 {
+    pub(crate) fn secondary(&mut self, scene: &mut Scene, index: u32) -> u32 {
         *self.secondaries[index as usize].get_or_insert_with(|| {
             let texton = secondary_texton(self.number, self.library, index);
             *self.alike.entry(texton.outline.to_string()).or_insert_with(|| {
@@ -204,8 +191,8 @@ impl<'a> Textons<'a> {
 /// A primary of the library that has the given number in a scene.
 pub(crate) fn primary_texton(number: u32, library: &Library, index: u32) -> Texton {
     let p = &library.primaries[index as usize];
-    let moved = |outline: &Outline| translated(outline, origin(p));
-    let [x, y] = origin(p).map(f64::from);
+    let moved = |outline: &Outline| translated(outline, p.origin());
+    let [x, y] = p.origin().map(f64::from);
     let shift = Affine::translate((-x, -y));
     let patch = |d: &crate::library::Detail| Patch {
         outline: moved(&d.outline),
@@ -232,20 +219,15 @@ pub(crate) fn secondary_texton(number: u32, library: &Library, index: u32) -> Te
         source: index,
         category: None,
         fragment: false,
-        outline: translated(&s.outline, secondaries::origin(s)),
+        outline: translated(&s.outline, s.origin()),
         colour: s.colour,
         gradient: None,
         details: Vec::new(),
     }
 }
 
-/// Origin of a primary: its centroid in whole pixels.
-pub(super) fn origin(primary: &Primary) -> [i32; 2] {
-    primary.centroid.map(|v| libm::round(v) as i32)
-}
-
 /// An outline moved so that `origin` comes to (0, 0).
-pub(super) fn translated(outline: &Outline, origin: [i32; 2]) -> Outline {
+pub(crate) fn translated(outline: &Outline, origin: [i32; 2]) -> Outline {
     let shift = Affine::translate((-f64::from(origin[0]), -f64::from(origin[1])));
     // Fails only beyond any exemplar's size; then the texton stays where it was.
     Outline::new(&(shift * outline.path())).unwrap_or_else(|| outline.clone())

@@ -1,54 +1,32 @@
-//! Library → scene: correspondences or target map, density, secondaries, background.
-//!
-//! Primaries are carried from the exemplar along a field of correspondences (`correspondence`), or
-//! placed on a target map by their descriptors until nothing is asked for any more (`primaries`); then
-//! coverage is corrected in both directions (`density`). Secondaries fill the ground between them, and
-//! a field of colours through scattered points lies beneath all.
+//! Library → scene, in this order: correspondence field, arrangement and density
+//! ([`arrange`](crate::arrange)), background, secondaries, composition.
 //!
 //! When this works badly: exemplars with long curves, which islands cut; and exemplars with so few
 //! whole textons that copies are seen.
 
-mod background;
-mod bands;
-mod choice;
-mod clearance;
-mod compose;
-mod controls;
-mod correspondence;
-mod density;
-mod grid;
-mod ground;
-mod model;
+mod backdrop;
+pub(crate) mod background;
+pub(crate) mod compose;
 mod neighbourhoods;
-mod picture;
-mod pixels;
-mod primaries;
-mod report;
-mod secondaries;
-pub mod statistics;
-mod sums;
-mod target;
-#[cfg(test)]
-mod testing;
+pub(crate) mod report;
+pub(crate) mod secondaries;
 #[cfg(test)]
 mod tests;
-pub mod tune;
-mod variation;
-mod warp;
 
+pub use crate::arrange::controls::Controls;
+pub use crate::arrange::correspondence::Structure;
 pub use compose::reconstruct;
 pub(crate) use compose::{primary_texton, reference, secondary_texton};
-pub use controls::Controls;
-pub use correspondence::Structure;
 pub use report::{CategoryReport, Report};
-pub use warp::{Bend, WarpParams, warp};
 
+use crate::arrange::correspondence::no_guide;
+use crate::arrange::model::Model;
+use crate::arrange::{Task, arrange};
 use crate::error::{Error, Result};
 use crate::library::Library;
 use crate::progress::{Progress, advance};
 use crate::scene::field::Interpolant;
 use crate::scene::{Ablation, Method, Scene, SynthParams, Weights};
-use correspondence::Correspondence;
 
 /// Largest canvas, in pixels.
 const LARGEST_CANVAS: u64 = 400_000_000;
@@ -85,36 +63,21 @@ pub fn synthesize_with(
 
     let method = method(libraries, params)?;
     let params = &SynthParams { method, ..params.clone() };
-    let mut model = model::Model::new(libraries, params);
-    let grid = target::TargetMap::grid(&model, params.width, params.height, params.tile);
-    let ground = ground::Ground::new(&grid, controls, params);
-    let correspondence = match method {
-        Method::Correspondence => Correspondence::new(libraries, &model, &grid, &ground, params, progress)?,
-        _ => None,
-    };
-    let carried = match &correspondence {
-        Some(c) => Some(c.carry(libraries, &mut model, &grid, &ground, params, progress)?),
-        None => None,
-    };
-    let mut map = target::TargetMap::new(&model, ground, grid);
-    let mut choice = choice::Choice::new(&model, !params.without(Ablation::Decay));
-    if let Some(carried) = &carried {
-        carried.stand(&mut map, &mut choice);
-    }
-    let placement = primaries::place(&mut map, &mut choice, params, progress)?;
-    let correction = density::correct(&mut map, &mut choice, params, progress)?;
-    progress.picture("placed", &|| picture::placed(&map));
+    let mut model = Model::new(libraries, params);
+    let task = Task { libraries, controls, params, method, fixed: Vec::new() };
+    let arrangement = arrange(&mut model, &task, progress)?;
 
     advance(progress, "ground", 0, 2)?;
-    let field = background::field(libraries, &map, correspondence.as_ref(), params);
+    let correspondence = arrangement.correspondence.as_ref();
+    let field = background::field(libraries, &arrangement.cells, correspondence, params);
     let interpolant = Interpolant::new(&field, params.width, params.height, params.tile);
     advance(progress, "ground", 1, 2)?;
-    let secondaries = secondaries::place(libraries, &map, &interpolant, correspondence.as_ref(), params);
+    let secondaries = secondaries::place(libraries, &arrangement.cells, &interpolant, correspondence, params);
     advance(progress, "ground", 2, 2)?;
 
-    let scene = compose::scene(libraries, params, controls, &map, &secondaries, field);
-    let report = report::Report::new(libraries, &map, &scene, placement, correction);
-    Ok((scene, report::Report { structure: carried.map(|c| c.structure), ..report }))
+    let scene = compose::scene(libraries, params, controls, &arrangement, &secondaries, field);
+    let report = Report::new(libraries, &arrangement, &scene);
+    Ok((scene, report))
 }
 
 /// The method that places primaries, if it is left open.
@@ -129,39 +92,31 @@ fn method(libraries: &[Library], params: &SynthParams) -> Result<Method> {
     match params.method {
         Method::Auto if guided && plain => Ok(Method::Correspondence),
         Method::Auto => Ok(Method::Descriptor),
-        Method::Correspondence if !guided => Err(Error::Parameter {
-            name: "method",
-            value: "correspondence".into(),
-            allowed: "for libraries with a guide, which those of older versions lack (analyse the photograph again)",
-        }),
+        Method::Correspondence if !guided => Err(no_guide()),
         method => Ok(method),
     }
 }
 
-/// The primaries of a scene alone, as placement and density leave them, and the share of the canvas
-/// that each category covered before density was corrected.
-fn primaries_alone(
+/// The primaries of a scene alone, and the share of the canvas that each category covered before
+/// density was corrected.
+pub(crate) fn primaries_alone(
     libraries: &[Library],
     params: &SynthParams,
     progress: &dyn Progress,
 ) -> Result<(Scene, Vec<f64>)> {
     let controls = Controls::default();
-    let model = model::Model::new(libraries, params);
-    let grid = target::TargetMap::grid(&model, params.width, params.height, params.tile);
-    let ground = ground::Ground::new(&grid, &controls, params);
-    let mut map = target::TargetMap::new(&model, ground, grid);
-    let mut choice = choice::Choice::new(&model, !params.without(Ablation::Decay));
-    primaries::place(&mut map, &mut choice, params, progress)?;
+    let mut model = Model::new(libraries, params);
+    let method = Method::Descriptor;
+    let task = Task { libraries, controls: &controls, params, method, fixed: Vec::new() };
+    let arrangement = arrange(&mut model, &task, progress)?;
     let canvas = f64::from(params.width) * f64::from(params.height);
-    let categories = 0..model.members.len();
-    let covered = categories.map(|c| map.covered_by(c) as f64 / canvas).collect();
-    density::correct(&mut map, &mut choice, params, progress)?;
+    let covered = arrangement.covered_before.iter().map(|&cells| cells as f64 / canvas).collect();
     let field = crate::scene::Field { spacing: 1.0, fallback: Default::default(), points: Vec::new() };
-    Ok((compose::scene(libraries, params, &controls, &map, &[], field), covered))
+    Ok((compose::scene(libraries, params, &controls, &arrangement, &[], field), covered))
 }
 
 /// An error if the canvas is too large.
-fn check_canvas(params: &SynthParams) -> Result<()> {
+pub(crate) fn check_canvas(params: &SynthParams) -> Result<()> {
     let canvas = u64::from(params.width) * u64::from(params.height);
     if canvas <= LARGEST_CANVAS {
         return Ok(());

@@ -1,11 +1,10 @@
 //! How close a synthesised scene came to its exemplar, in figures.
 
-use super::correspondence::Structure;
-use super::statistics::{Overlap, Repetition};
-use super::target::TargetMap;
-use super::{density, primaries};
+use crate::arrange::Arrangement;
+use crate::arrange::correspondence::Structure;
 use crate::library::Library;
 use crate::scene::{Method, Scene};
+use crate::statistics::{Overlap, Repetition};
 use serde::Serialize;
 
 /// Coverage wanted and got, and what was done for it. Shares are of the canvas, 0 to 1.
@@ -54,17 +53,12 @@ pub struct CategoryReport {
 }
 
 impl Report {
-    pub(super) fn new(
-        libraries: &[Library],
-        map: &TargetMap<'_>,
-        scene: &Scene,
-        placement: primaries::Counts,
-        correction: density::Counts,
-    ) -> Self {
+    pub(crate) fn new(libraries: &[Library], arrangement: &Arrangement<'_>, scene: &Scene) -> Self {
+        let Arrangement { cells: map, descriptors, correction, .. } = arrangement;
         let canvas = f64::from(scene.width) * f64::from(scene.height);
-        let wanted = map.ground.wanted(map.model());
+        let wanted = map.region.wanted(map.model());
         let wanted = |c: usize| wanted.iter().map(|zone| zone[c]).sum::<f64>() / canvas;
-        let plain = libraries.len() == 1 && map.ground.is_plain();
+        let plain = libraries.len() == 1 && map.region.is_plain();
         let category = |(c, category): (usize, &crate::library::Category)| CategoryReport {
             // What cannot be placed is wanted too, where nothing but the exemplar says what is.
             wanted: if plain { category.coverage } else { wanted(c) },
@@ -81,12 +75,12 @@ impl Report {
             textons: scene.textons.iter().filter(|t| t.category.is_some()).count(),
             secondaries: scene.secondary.len(),
             control_points: scene.background.points.len(),
-            attempts: placement.attempts,
-            refused: placement.refused,
+            attempts: descriptors.attempts,
+            refused: descriptors.refused,
             removed: correction.removed,
             added: correction.added,
             method: scene.parameters.as_ref().map_or(Method::Descriptor, |p| p.method),
-            structure: None,
+            structure: arrangement.structure,
             overlap: Overlap::of_scene(scene, libraries),
             repetition: Repetition::of_scene(scene, libraries),
         }

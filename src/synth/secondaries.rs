@@ -7,25 +7,25 @@
 //! primaries lie most as they lie in the cell. So secondaries keep their distances, and those that
 //! sit beside primaries do so again. Where too few came of it, single ones follow in the gaps.
 //!
-//! Works badly where secondaries form structures larger than a cell: those are cut.
+//! Works badly where secondaries variant structures larger than a cell: those are cut.
 
-use super::correspondence::Correspondence;
-use super::grid::Grid;
-use super::neighbourhoods::{Exemplar, Sites};
-use super::target::TargetMap;
-use super::variation::Variation;
+use super::neighbourhoods::Exemplar;
+use crate::arrange::correspondence::{Arrived, Correspondence};
+use crate::arrange::occupancy::Occupancy;
+use crate::arrange::sites::{Sites, scattered};
+use crate::arrange::variation::Variation;
 use crate::geometry::Point;
 use crate::library::{Library, Secondary};
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::sampling::{Area, Stream, poisson_disk, stream};
+use crate::sampling::{Stream, stream};
 use crate::scene::field::Interpolant;
 use crate::scene::{Ablation, SynthParams};
 
 /// Points per area of a Poisson-disk set of radius 1, as [`poisson_disk`] makes them (measured).
 const POISSON_DENSITY: f64 = 0.616;
 /// Radius of the cells, in radii of the set that would hold single secondaries.
-pub(super) const CELL: f64 = 3.0;
+pub(crate) const CELL: f64 = 3.0;
 /// Places of the exemplar compared for each cell.
 const CANDIDATES: usize = 8;
 /// A secondary is left out unless at least this share of its outline's points can be seen.
@@ -35,17 +35,17 @@ const COLOUR_STEP: f64 = 5.0;
 
 /// A secondary texton on the canvas.
 #[derive(Clone, Copy)]
-pub(super) struct Placed {
+pub(crate) struct Placed {
     /// Which library.
-    pub(super) library: usize,
+    pub(crate) library: usize,
     /// Index among the library's secondaries.
-    pub(super) secondary: u32,
+    pub(crate) secondary: u32,
     /// Place of its origin, in whole pixels.
-    pub(super) at: [i32; 2],
+    pub(crate) at: [i32; 2],
     /// Which of the model's variations.
-    pub(super) variation: u16,
+    pub(crate) variation: u16,
     /// Its colour.
-    pub(super) colour: Colour,
+    pub(crate) colour: Colour,
 }
 
 /// A secondary of one library and its place, before it has a colour.
@@ -59,9 +59,9 @@ struct Place {
 /// Secondaries in the colour of the ground beneath them plus their own difference; as many per area
 /// of ground as in the exemplar, or as the map of densities says. Those that primaries hide are left
 /// out.
-pub(super) fn place(
+pub(crate) fn place(
     libraries: &[Library],
-    map: &TargetMap<'_>,
+    map: &Occupancy<'_>,
     field: &Interpolant,
     correspondence: Option<&Correspondence>,
     params: &SynthParams,
@@ -69,16 +69,16 @@ pub(super) fn place(
     if params.without(Ablation::Secondary) {
         return Vec::new();
     }
-    let came = correspondence.map_or_else(Vec::new, |c| carried(libraries, map, c, params.seed));
-    if map.settled && map.ground.serves_all() {
+    let came = correspondence.map_or_else(Vec::new, |c| arrived(libraries, map, c, params.seed));
+    if map.region.all_carried() {
         return came;
     }
-    let lands = Lands::new(libraries, map, params.seed);
+    let parts = Parts::new(libraries, map, params.seed);
     let mut placed = Vec::new();
     for (number, library) in libraries.iter().enumerate() {
         let Some(radius) = radius(library) else { continue };
         let task = Task { number, library, map, radius, params };
-        placed.extend(task.places(&lands).into_iter().map(|place| task.placed(place)));
+        placed.extend(task.places(&parts).into_iter().map(|place| task.placed(place)));
     }
     let mut placed = painted(libraries, placed, field);
     placed.extend(came);
@@ -88,9 +88,9 @@ pub(super) fn place(
 
 /// Secondaries that came along a field of correspondences, in the colours that they have in the
 /// exemplar: the ground beneath them came along too.
-fn carried(
+fn arrived(
     libraries: &[Library],
-    map: &TargetMap<'_>,
+    map: &Occupancy<'_>,
     correspondence: &Correspondence,
     seed: u64,
 ) -> Vec<Placed> {
@@ -98,10 +98,15 @@ fn carried(
     let mut random = stream(seed, "correspondence/secondaries", 0);
     for (number, library) in libraries.iter().enumerate() {
         let samples: Vec<Vec<[f64; 2]>> = library.secondaries.textons.iter().map(samples).collect();
-        let mut came = correspondence.secondaries(library, number, map.model());
-        if !map.ground.is_plain() {
+        let mut came: Vec<Placed> = (correspondence.secondaries(library, number, map.model()).into_iter())
+            .map(|Arrived { secondary, at, variation }| {
+                let colour = coarse(library.secondaries.textons[secondary as usize].colour.to_f64());
+                Placed { library: number, secondary, at, variation, colour }
+            })
+            .collect();
+        if !map.region.is_plain() {
             came.retain(|p| {
-                let level = map.ground.density(p.at.map(f64::from));
+                let level = map.region.density(p.at.map(f64::from));
                 is_served(map, p.at) && (level >= 1.0 || random.chance(level))
             });
         }
@@ -110,22 +115,21 @@ fn carried(
             visible(map, &samples[p.secondary as usize], &place) >= LEAST_VISIBLE
         };
         let seen = parallel::map(&came, seen).into_iter();
-        let own = |p: Placed| Placed { colour: coarse(p.colour.to_f64()), ..p };
-        placed.extend(came.into_iter().zip(seen).filter(|c| c.1).map(|c| own(c.0)));
+        placed.extend(came.into_iter().zip(seen).filter(|c| c.1).map(|c| c.0));
     }
     placed.sort_by_key(Placed::painting_key);
     placed
 }
 
 /// Whether what stands at a place of the canvas came along a field of correspondences.
-fn is_served(map: &TargetMap<'_>, at: [i32; 2]) -> bool {
+fn is_served(map: &Occupancy<'_>, at: [i32; 2]) -> bool {
     let at = [0, 1].map(|k| at[k] + map.grid.margin[k]);
-    map.settled && map.grid.canvas_cell(at).is_some_and(|i| map.ground.serves_cell(i))
+    map.grid.canvas_cell(at).is_some_and(|i| map.region.cell_is_carried(i))
 }
 
 /// In the colour of the ground beneath them plus their own difference, within the tones of their
 /// exemplar: dark flecks of pale ground would be darker on dark ground than anything seen.
-pub(super) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interpolant) -> Vec<Placed> {
+pub(crate) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interpolant) -> Vec<Placed> {
     let tones: Vec<[[f64; 2]; 3]> = libraries.iter().map(tones).collect();
     parallel::map(&placed, |p| {
         let difference = libraries[p.library].secondaries.textons[p.secondary as usize].difference;
@@ -156,7 +160,7 @@ impl Placed {
     /// What sorts secondaries for painting: equal fills side by side, for smaller files; secondaries
     /// hardly overlap, so which of them is painted first matters little. The order of the fills is
     /// mixed, so that no tone is always on top.
-    pub(super) fn painting_key(&self) -> impl Ord + use<> {
+    pub(crate) fn painting_key(&self) -> impl Ord + use<> {
         let [r, g, b] = self.colour.0.map(u32::from);
         let colour = (r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1);
         (colour, self.at[1], self.at[0], self.library, self.secondary)
@@ -164,21 +168,21 @@ impl Placed {
 }
 
 /// Which library's secondaries stand where.
-struct Lands {
+struct Parts {
     /// Sites and the library of each; none for a single library.
     sites: Option<(Sites, Vec<usize>)>,
 }
 
-impl Lands {
+impl Parts {
     /// Cells about as large as a neighbourhood, each given to a library by its share there.
-    fn new(libraries: &[Library], map: &TargetMap<'_>, seed: u64) -> Self {
+    fn new(libraries: &[Library], map: &Occupancy<'_>, seed: u64) -> Self {
         let reach = libraries.iter().filter_map(radius).fold(f64::INFINITY, f64::min) * CELL;
         if libraries.len() < 2 || !reach.is_finite() {
             return Self { sites: None };
         }
         let mut random = stream(seed, "synth/secondaries/lands", 0);
         let sites = scattered(&map.grid, reach, reach, &mut random);
-        let library = |p: &[i32; 2]| map.ground.draw_library(p.map(f64::from), &mut random);
+        let library = |p: &[i32; 2]| map.region.draw_library(p.map(f64::from), &mut random);
         let of = sites.centres().to_vec().iter().map(library).collect();
         Self { sites: Some((sites, of)) }
     }
@@ -188,26 +192,11 @@ impl Lands {
     }
 }
 
-/// Sites of a Poisson-disk set over the canvas and, beyond borders, `outside` pixels more.
-pub(super) fn scattered(grid: &Grid, radius: f64, outside: f64, random: &mut Stream) -> Sites {
-    let (canvas, tile) = (grid.canvas(), grid.tile);
-    let margin = [tile.x, tile.y].map(|wrap| if wrap { 0.0 } else { outside });
-    let area = Area {
-        width: canvas[0] + 2.0 * margin[0],
-        height: canvas[1] + 2.0 * margin[1],
-        wrap_x: tile.x,
-        wrap_y: tile.y,
-    };
-    let centres = poisson_disk(area, radius, random).into_iter();
-    let centres = centres.map(|p| [0, 1].map(|k| libm::floor(p[k] - margin[k]) as i32)).collect();
-    Sites::new(centres, radius, canvas, tile)
-}
-
 /// The secondaries of one library.
 struct Task<'t, 'a> {
     number: usize,
     library: &'t Library,
-    map: &'t TargetMap<'a>,
+    map: &'t Occupancy<'a>,
     /// Radius of the Poisson-disk set that holds as many as there are, in pixels.
     radius: f64,
     params: &'t SynthParams,
@@ -219,11 +208,11 @@ impl Task<'_, '_> {
         Placed { library: self.number, secondary, at, variation, colour: Colour([0; 3]) }
     }
 
-    fn places(&self, lands: &Lands) -> Vec<Place> {
+    fn places(&self, parts: &Parts) -> Vec<Place> {
         let samples: Vec<Vec<[f64; 2]>> = self.library.secondaries.textons.iter().map(samples).collect();
         let fits = |p: &Place| {
             !is_served(self.map, p.at)
-                && lands.belongs(p.at, self.number)
+                && parts.belongs(p.at, self.number)
                 && visible(self.map, &samples[p.secondary as usize], p) >= LEAST_VISIBLE
         };
         let mut places = Vec::new();
@@ -277,7 +266,7 @@ impl Task<'_, '_> {
             let [dx, dy] = varied.there(offset);
             let at = [here[0] + dx, here[1] + dy];
             if in_cell(at) {
-                let density = map.ground.density(at.map(f64::from));
+                let density = map.region.density(at.map(f64::from));
                 if density >= 1.0 || random.chance(density) {
                     found.push(Place { secondary, at: self.canonical(at), variation });
                 }
@@ -299,10 +288,10 @@ impl Task<'_, '_> {
         let (map, radius) = (self.map, self.radius);
         let categories = map.model().sources[self.number].categories.clone();
         let ground = |zone: usize| {
-            let covered: u64 = map.covered[zone][categories.clone()].iter().sum();
-            map.ground.level(zone) * (map.ground.area(zone, self.number) - covered as f64).max(0.0)
+            let covered = map.covered_in(zone, categories.clone());
+            map.region.level(zone) * (map.region.area(zone, self.number) - covered as f64).max(0.0)
         };
-        let zones = (0..map.ground.zone_count()).filter(|&z| !(map.settled && map.ground.serves(z)));
+        let zones = (0..map.region.zone_count()).filter(|&z| !map.region.is_carried(z));
         let wanted = POISSON_DENSITY * zones.clone().map(ground).sum::<f64>() / (radius * radius);
         let missing = wanted - places.len() as f64;
         if missing < 1.0 {
@@ -310,15 +299,15 @@ impl Task<'_, '_> {
         }
         // Where more is wanted than in the exemplar, single ones stand closer.
         let closer = |density: f64| radius / libm::sqrt(density.max(1.0));
-        let used = zones.filter(|&z| map.ground.area(z, self.number) > 0.0);
-        let densest = used.map(|z| map.ground.level(z)).fold(1.0, f64::max);
+        let used = zones.filter(|&z| map.region.area(z, self.number) > 0.0);
+        let densest = used.map(|z| map.region.level(z)).fold(1.0, f64::max);
         let (canvas, tile) = (map.grid.canvas(), map.grid.tile);
         let sites = Sites::new(places.iter().map(|p| p.at).collect(), radius, canvas, tile);
         let item = (self.number as u64) << 40;
         let mut random = stream(self.params.seed, "synth/secondaries/gaps", item);
         let mut gaps = scattered(&map.grid, closer(densest), 0.0, &mut random).centres().to_vec();
         gaps.retain(|&at| {
-            let density = map.ground.density(at.map(f64::from));
+            let density = map.region.density(at.map(f64::from));
             !sites.any_within(at, closer(density)) && (density >= 1.0 || random.chance(density))
         });
         random.shuffle(&mut gaps);
@@ -334,7 +323,7 @@ impl Task<'_, '_> {
 }
 
 /// Secondaries of one library for the gaps of an arrangement that stands already.
-pub(super) struct Finder<'t, 'a> {
+pub(crate) struct Finder<'t, 'a> {
     task: Task<'t, 'a>,
     exemplar: Exemplar,
     samples: Vec<Vec<[f64; 2]>>,
@@ -342,10 +331,10 @@ pub(super) struct Finder<'t, 'a> {
 
 impl<'t, 'a> Finder<'t, 'a> {
     /// For a library by its number; none if it has no secondaries.
-    pub(super) fn new(
+    pub(crate) fn new(
         number: usize,
         library: &'t Library,
-        map: &'t TargetMap<'a>,
+        map: &'t Occupancy<'a>,
         params: &'t SynthParams,
     ) -> Option<Self> {
         let radius = radius(library)?;
@@ -355,12 +344,12 @@ impl<'t, 'a> Finder<'t, 'a> {
     }
 
     /// Radius of the Poisson-disk set that holds as many as there are, in pixels.
-    pub(super) fn radius(&self) -> f64 {
+    pub(crate) fn radius(&self) -> f64 {
         self.task.radius
     }
 
     /// Whether enough of a secondary of the library can be seen.
-    pub(super) fn fits(&self, p: &Placed) -> bool {
+    pub(crate) fn fits(&self, p: &Placed) -> bool {
         self.sees(&Place { secondary: p.secondary, at: p.at, variation: p.variation })
     }
 
@@ -369,7 +358,7 @@ impl<'t, 'a> Finder<'t, 'a> {
     }
 
     /// A neighbourhood of the exemplar that suits a place, as far as it lies in its cell.
-    pub(super) fn neighbourhood(
+    pub(crate) fn neighbourhood(
         &self,
         here: [i32; 2],
         in_cell: impl Fn([i32; 2]) -> bool,
@@ -380,12 +369,12 @@ impl<'t, 'a> Finder<'t, 'a> {
         places.into_iter().map(|place| self.task.placed(place)).collect()
     }
 
-    /// Single secondaries in the gaps between what stands, on the library's own land.
-    pub(super) fn singles(&self, standing: Vec<[i32; 2]>) -> Vec<Placed> {
+    /// Single secondaries in the gaps between what stands, where the library has the larger part.
+    pub(crate) fn singles(&self, standing: Vec<[i32; 2]>) -> Vec<Placed> {
         let mut places: Vec<Place> =
             standing.into_iter().map(|at| Place { secondary: 0, at, variation: 0 }).collect();
         let count = places.len();
-        let ground = &self.task.map.ground;
+        let ground = &self.task.map.region;
         let own =
             |at: [i32; 2]| !ground.is_shared() || ground.shares(at.map(f64::from))[self.task.number] > 0.5;
         self.task.fill_gaps(&mut places, |place| own(place.at) && self.sees(place));
@@ -415,15 +404,10 @@ fn radius(library: &Library) -> Option<f64> {
     (count > 0.0 && ground > 0.0).then(|| libm::sqrt(POISSON_DENSITY * ground / count).max(1.0))
 }
 
-/// Origin of a secondary: its centroid in whole pixels.
-pub(super) fn origin(secondary: &Secondary) -> [i32; 2] {
-    secondary.centroid.map(|v| libm::round(v) as i32)
-}
-
 /// Points within a secondary, relative to its origin: its centre, and the points of its outline
 /// drawn a little towards it.
 fn samples(secondary: &Secondary) -> Vec<[f64; 2]> {
-    let origin = origin(secondary).map(f64::from);
+    let origin = secondary.origin().map(f64::from);
     let [cx, cy] = secondary.centroid;
     let inner = |p: Point| [cx + (p.x - cx) * 0.7 - origin[0], cy + (p.y - cy) * 0.7 - origin[1]];
     let ends = secondary.outline.path().elements().iter().filter_map(|e| e.end_point());
@@ -431,7 +415,7 @@ fn samples(secondary: &Secondary) -> Vec<[f64; 2]> {
 }
 
 /// Share of the points that lie where is to be filled and that no primary covers.
-fn visible(map: &TargetMap<'_>, samples: &[[f64; 2]], place: &Place) -> f64 {
+fn visible(map: &Occupancy<'_>, samples: &[[f64; 2]], place: &Place) -> f64 {
     let variation = &map.model().variations[usize::from(place.variation)];
     let free = |p: &&[f64; 2]| {
         let p = variation.of_point(**p);
@@ -444,6 +428,7 @@ fn visible(map: &TargetMap<'_>, samples: &[[f64; 2]], place: &Place) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::{Area, poisson_disk};
 
     #[test]
     fn density_of_poisson_sets_is_as_stated() {
@@ -463,7 +448,7 @@ mod tests {
             area: 4,
             centroid: [0.0; 2],
         };
-        let mut library = crate::synth::testing::library(&crate::raster::LabelMap::filled(8, 8, 0));
+        let mut library = crate::library::testing::library(&crate::raster::LabelMap::filled(8, 8, 0));
         library.secondaries.textons.clear();
         assert_eq!(tones(&library), [[0.0, 255.0]; 3]);
         library.secondaries.textons = (0..=200).map(textons).collect();

@@ -1,13 +1,11 @@
 //! Properties of whole synthesised scenes.
 
-use super::testing::{library, mosaic};
-use super::{
-    Controls, Report, bands, choice, ground, model, primaries, reconstruct, synthesize, synthesize_with,
-    target,
-};
+use super::{Controls, Report, reconstruct, synthesize, synthesize_with};
+use crate::arrange::model::{ElementId, Model};
 use crate::document::Document;
 use crate::error::Error;
 use crate::library::Library;
+use crate::library::testing::{library, mosaic};
 use crate::raster::LabelMap;
 use crate::scene::{Scene, SynthParams, Tile};
 
@@ -21,10 +19,10 @@ fn run(library: &Library, params: &SynthParams) -> (Scene, Report) {
 
 /// The placed textons of a scene painted on a map of instance indices, from 1.
 fn painted(library: &Library, scene: &Scene) -> LabelMap {
-    let model = model::Model::new(std::slice::from_ref(library), &SynthParams::default());
+    let model = Model::new(std::slice::from_ref(library), &SynthParams::default());
     let mut map = LabelMap::filled(scene.width, scene.height, 0);
     for (i, instance) in scene.primary.iter().enumerate() {
-        let shape = model.shape(scene.textons[instance.texton as usize].source);
+        let shape = model.plain(ElementId(scene.textons[instance.texton as usize].source));
         let moved = shape.mask.shifted(instance.transform[4] as i32, instance.transform[5] as i32);
         for (x, y) in moved.pixels() {
             if map.at(i64::from(x), i64::from(y)).is_some() {
@@ -124,10 +122,10 @@ fn little_is_hidden() {
         let (scene, _) = run(&library, &params(400, 400, 7));
         let map = painted(&library, &scene);
         let areas = map.areas();
-        let model = model::Model::new(std::slice::from_ref(&library), &SynthParams::default());
+        let model = Model::new(std::slice::from_ref(&library), &SynthParams::default());
         let (mut visible, mut whole) = (0u32, 0u32);
         for (i, instance) in scene.primary.iter().enumerate() {
-            let shape = model.shape(scene.textons[instance.texton as usize].source);
+            let shape = model.plain(ElementId(scene.textons[instance.texton as usize].source));
             let [x, y] = [instance.transform[4] as i32, instance.transform[5] as i32];
             let b = shape.bounds;
             if x + b[0] >= 0 && y + b[1] >= 0 && x + b[2] <= 400 && y + b[3] <= 400 {
@@ -270,96 +268,11 @@ fn reconstruction_is_the_exemplar() {
     }
 }
 
-#[test]
-fn a_texton_taken_away_leaves_no_trace() {
-    // The map after placing and removing equals, cell by cell, one on which the texton never stood.
-    let library = library(&mosaic(120, 15.0, 0.9, 15));
-    let controls = Controls::default();
-    for tile in [Tile::default(), Tile { x: true, y: true }] {
-        let p = SynthParams { tile, ..params(90, 90, 15) };
-        let model = model::Model::new(std::slice::from_ref(&library), &p);
-        let grid = target::TargetMap::grid(&model, 90, 90, tile);
-        let make = || ground::Ground::new(&grid, &controls, &p);
-        let placeable: Vec<u32> = model.members.iter().flatten().copied().collect();
-        let mut random = crate::sampling::stream(15, "removal test", 0);
-        let mut map = target::TargetMap::new(&model, make(), grid.clone());
-        let mut ids = Vec::new();
-        for _ in 0..60 {
-            let primary = placeable[random.index(placeable.len())];
-            let at = [grid.width, grid.height].map(|size| random.index(size as usize) as i32);
-            ids.push(map.stand(primary, at, 0.0));
-        }
-        random.shuffle(&mut ids);
-        for &id in &ids[..30] {
-            map.remove(id);
-        }
-        let mut plain = target::TargetMap::new(&model, make(), grid.clone());
-        let mut kept = ids[30..].to_vec();
-        kept.sort_unstable();
-        for &id in &kept {
-            plain.stand(map.placed[id as usize].form, map.placed[id as usize].at, 0.0);
-        }
-        assert_eq!(map.covered, plain.covered);
-        for i in 0..map.owner.len() {
-            let name = |owner: u32| kept.iter().position(|&id| id == owner);
-            let wanted = (plain.owner[i] != target::NOBODY).then_some(plain.owner[i] as usize);
-            assert_eq!(name(map.owner[i]), wanted);
-        }
-        for (k, &id) in kept.iter().enumerate() {
-            assert_eq!(map.placed[id as usize].visible, plain.placed[k].visible);
-        }
-    }
-}
-
-#[test]
-fn bands_put_together_make_one_sound_map() {
-    let library = library(&mosaic(150, 13.0, 0.8, 16));
-    let controls = Controls::default();
-    for tile in [Tile::default(), Tile { x: false, y: true }] {
-        let p = SynthParams { tile, ..params(160, 900, 16) };
-        let model = model::Model::new(std::slice::from_ref(&library), &p);
-        let grid = target::TargetMap::grid(&model, p.width, p.height, tile);
-        assert!(bands::Bands::new(&model, &grid).is_some(), "the map is large enough for bands");
-        let make = || ground::Ground::new(&grid, &controls, &p);
-        let mut map = target::TargetMap::new(&model, make(), grid.clone());
-        let mut choice = choice::Choice::new(&model, true);
-        primaries::place(&mut map, &mut choice, &p, &()).unwrap();
-        // As if all had been placed one after the other.
-        let mut plain = target::TargetMap::new(&model, make(), grid.clone());
-        for placed in &map.placed {
-            plain.stand(placed.form, placed.at, 0.0);
-        }
-        assert!(map.placed.len() > 300);
-        assert_eq!(map.covered, plain.covered);
-        for i in 0..map.owner.len() {
-            assert_eq!(map.taken(i), plain.taken(i));
-            assert!(!map.taken(i) || map.owner[i] == plain.owner[i]);
-            let asked = !matches!(map.state[i], model::EMPTY | model::UNDEFINED) && !map.taken(i);
-            assert!(!asked || !map.inside(grid.place(i)), "a request was forgotten");
-        }
-        for (a, b) in map.placed.iter().zip(&plain.placed) {
-            assert_eq!((a.visible, a.cells), (b.visible, b.cells));
-            assert_eq!(map.nearest_copy(a.form, a.at, 40), Some(0.0));
-        }
-        // No row is emptier than others: bands meet without a gap.
-        let share = |y: i32| {
-            let row = grid.index(0, y)..grid.index(0, y) + grid.width as usize;
-            row.filter(|&i| map.taken(i)).count() as f64 / f64::from(grid.width)
-        };
-        let rows: Vec<f64> = (20..grid.height - 20).map(share).collect();
-        let mean = rows.iter().sum::<f64>() / rows.len() as f64;
-        for strip in rows.chunks_exact(20) {
-            let strip = strip.iter().sum::<f64>() / 20.0;
-            assert!(strip > 0.75 * mean && strip < 1.25 * mean, "{strip} {mean}");
-        }
-    }
-}
-
 /// Correspondences.
 mod carried {
-    use super::super::testing::guided;
     use super::*;
     use crate::geometry::{Outline, parse_path};
+    use crate::library::testing::guided;
     use crate::raster::ControlMap;
     use crate::scene::{Edge, Method};
 

@@ -225,3 +225,34 @@ fn scenes_are_warped() {
     folder.run(&format!("{again} -t 4 -o d.svg")).succeeds();
     assert_eq!(folder.read("c.svg"), folder.read("d.svg"));
 }
+
+#[test]
+fn an_input_is_never_replaced_however_it_is_spelled() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json --size 40 --seed 1 -o a.scene.json").succeeds();
+    folder.run("synth photo.lib.json --size 40 --seed 1 -o c.svg").succeeds();
+    folder.write("grey.png", folder.read("photo.png"));
+    std::fs::create_dir(folder.path("sub")).unwrap();
+    let mut spellings = vec!["./", "sub/../"];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(folder.path("."), folder.path("link")).unwrap();
+        spellings.push("link/");
+    }
+    for spelling in spellings {
+        for (arguments, input, code) in [
+            ("texture photo.png --force", "photo.png", 2),
+            ("synth photo.lib.json --size 40 --density grey.png --force", "grey.png", 2),
+            ("synth photo.lib.json --size 40 --config c.svg --force", "c.svg", 1),
+            ("edit a.scene.json --op flatten", "a.scene.json", 2),
+            ("render a.scene.json", "a.scene.json", 2),
+            ("render a.scene.json --force", "a.scene.json", 2),
+        ] {
+            let before = folder.read(input);
+            folder
+                .run(&format!("{arguments} -o {spelling}{input}"))
+                .fails(code, if code == 2 { "name the same file" } else { "has read it as an input" });
+            assert_eq!(folder.read(input), before, "{arguments}");
+        }
+    }
+}

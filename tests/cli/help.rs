@@ -30,6 +30,7 @@ fn help_of_every_command() {
         let help = printed(&format!("{command} --help"));
         assert!(help.contains("Examples:\n  vtex "), "{command} has no example");
         assert_eq!(help, printed(&format!("{command} -h")), "{command}");
+        assert_eq!(help, printed(&format!("help {command}")), "{command}");
         insta::assert_snapshot!(command, help);
     }
     insta::assert_snapshot!("edit-list", printed("edit --list"));

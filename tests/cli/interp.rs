@@ -1,6 +1,7 @@
 //! `vtex interp`: what is written, and what is said of options that change nothing.
 
 use super::support::Folder;
+use serde_json::json;
 
 /// A folder with two small scenes.
 fn scenes() -> Folder {
@@ -67,6 +68,8 @@ fn a_scene_between_says_how_it_was_made() {
     let folder = scenes();
     folder.run("interp a.scene.json b.scene.json -o half.scene.json --at 0.5").succeeds();
     let scene: serde_json::Value = serde_json::from_slice(&folder.read("half.scene.json")).unwrap();
-    assert_eq!(scene["edits"][0]["operation"], "interp 'photo.png' 'photo.png' --at 0.5");
-    folder.run("inspect half.scene.json").succeeds();
+    let between = json!({ "from": ["photo.png"], "to": ["photo.png"], "place": { "at": 0.5 } });
+    assert_eq!(scene["edits"][0]["operation"]["interpolation"], between);
+    let told = folder.run("inspect half.scene.json").succeeds();
+    assert!(told.text().contains("interpolation from=photo.png to=photo.png at=0.5"), "{}", told.text());
 }

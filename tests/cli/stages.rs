@@ -24,6 +24,7 @@ fn a_photograph_without_textons_still_gives_a_ground() {
     folder.write("none.masks.png", encode(&image::GrayImage::new(80, 80).into(), ImageFormat::Png));
     let run = folder.run("texture slope.png --masks none.masks.png -o a.svg --size 70").succeeds();
     assert!(run.stderr.contains("warning: no primary texton was found"), "{}", run.stderr);
+    assert!(run.stderr.contains("hint: --segmenter finds elements in other ways"), "{}", run.stderr);
     let svg = String::from_utf8(folder.read("a.svg")).unwrap();
     assert!(svg.contains("id=\"background\""));
     let library = folder.run("analyze slope.png --masks none.masks.png --json").succeeds().json();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use vtex::geometry::{BezPath, Outline};
 use vtex::raster::colour::Colour;
-use vtex::scene::{Domain, Edge, EditRecord, Scene, Shadow, Stroke};
+use vtex::scene::{Domain, Edge, EditRecord, Recorded, Scene, Shadow, Stroke};
 
 /// Clicks through the page and leaves what it saw in an element `outcome`.
 const CLICKS: &str = include_str!("clicks.js");
@@ -59,7 +59,7 @@ fn edit(scene: &mut Scene) {
         instance.shadow = Some(Shadow { offset: [3.0, 3.0], opacity: 0.5, blur: 3.0 });
         instance.stroke = Some(Stroke { width: 4.0, colour: Colour([200, 30, 30]) });
     }
-    scene.edits = vec![EditRecord { operation: "shadow --length 3".into(), seed: 1 }];
+    scene.edits = vec![EditRecord { operation: Recorded::Text("shadow --length 3".into()), seed: 1 }];
 }
 
 #[test]

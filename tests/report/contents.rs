@@ -161,7 +161,7 @@ fn each_alone_makes_a_page_of_what_is_known() {
     assert_eq!(alone.ids(), ["textons-0"]);
     let group = &alone.data["groups"][0];
     assert_eq!((&alone.data["scene"], &group["in_scene"]), (&Value::Null, &false.into()));
-    assert!(group["photo_missing"].as_str().unwrap().contains("--exemplar"));
+    assert!(group["photo_missing"].as_str().unwrap().ends_with("Ask the owner."));
     assert!(group["distributions"][0].get("result").is_none());
     assert!(group["categories"][0]["got"].is_null());
     check_textons(&alone, group);
@@ -294,11 +294,11 @@ fn what_is_unsound_is_refused() {
     let made = made();
     let mut scene = made.scene.clone();
     scene.content.primary[0].texton = 1_000_000;
-    let subject = Subject { libraries: &[], scene: Some(&scene), photos: &[] };
+    let subject = Subject { libraries: &[], scene: Some(&scene), photos: &[], ask: "" };
     assert!(matches!(vtex::report::write(&subject, std::io::sink()), Err(vtex::Error::Format { .. })));
     let mut library = made.libraries[0].clone();
     library.content.arrangement.runs.clear();
-    let subject = Subject { libraries: &[library], scene: None, photos: &[] };
+    let subject = Subject { libraries: &[library], scene: None, photos: &[], ask: "" };
     assert!(matches!(vtex::report::write(&subject, std::io::sink()), Err(vtex::Error::Format { .. })));
 }
 

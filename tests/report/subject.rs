@@ -54,6 +54,7 @@ pub(crate) fn page(
     photos: &[Photo],
 ) -> (String, Vec<String>) {
     let mut bytes = Vec::new();
-    let warnings = report::write(&Subject { libraries, scene, photos }, &mut bytes).unwrap();
+    let warnings =
+        report::write(&Subject { libraries, scene, photos, ask: "Ask the owner." }, &mut bytes).unwrap();
     (String::from_utf8(bytes).unwrap(), warnings)
 }

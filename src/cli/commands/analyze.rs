@@ -1,23 +1,66 @@
 //! `vtex analyze`: photograph → library.
 
-use crate::cli::options::{Analysis, Common};
+use crate::cli::analysis::{Analysis, analyze};
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
+use crate::cli::config::Given;
+use crate::cli::format;
+use crate::cli::options::analyze::AnalyzeFlags;
+use crate::cli::options::files::{ForceArgs, required, target};
+use crate::cli::options::masks::MasksArgs;
 use crate::cli::output::{Place, Target, say};
 use crate::cli::progress::Reporter;
-use crate::cli::stages;
 use crate::cli::summary::{Counts, Coverage, Summary};
+use clap::Args;
+use std::path::PathBuf;
+use vtex::output::file::Format;
 
-pub(super) fn run(
-    common: &Common,
-    reporter: &Reporter,
-    analysis: &Analysis,
-    target: &Target,
-) -> anyhow::Result<()> {
+/// Photograph to texton library
+#[derive(Args)]
+#[command(
+    override_usage = "vtex analyze [OPTIONS] <PHOTO>",
+    after_help = "\
+Examples:
+  vtex analyze photo.jpg
+  vtex analyze photo.jpg -o photo.lib.json.gz --save-masks photo.masks.png
+  vtex analyze photo.jpg --masks corrected.png --debug-dir stages"
+)]
+pub(crate) struct AnalyzeArgs {
+    /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
+    #[arg(value_name = "PHOTO", required = true)]
+    pub(crate) photo: Option<PathBuf>,
+    /// Result, .lib.json or .lib.json.gz; - writes JSON to stdout [default: ./PHOTO.lib.json]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) masks: MasksArgs,
+    #[command(flatten)]
+    pub(crate) analyze: AnalyzeFlags,
+}
+
+impl Arguments for AnalyzeArgs {
+    fn give(&self, given: &mut Given) {
+        given.add("analyze", &self.analyze);
+    }
+
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        let Self { photo, output, force, masks, .. } = *self;
+        let photo = required(photo)?;
+        let target = target(output.clone(), &force, &photo, format::OF_LIBRARY, Format::Library)?;
+        let analysis = Analysis::new(photo, masks, &force, output.as_deref(), &resolved.parameters)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &analysis, &target)))
+    }
+}
+
+fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, target: &Target) -> anyhow::Result<()> {
     target.place.probe()?;
     analysis.probe()?;
     if common.verbosity > 1 {
         say(&format!("{:#?}", analysis.parameters));
     }
-    let library = stages::analyze(common, analysis, reporter)?;
+    let library = analyze(common, analysis, reporter)?;
     reporter.stage("writing")?;
     let written = target.write_bytes(&library.to_json())?;
     let summary = Summary {

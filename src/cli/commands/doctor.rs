@@ -1,13 +1,34 @@
 //! `vtex doctor`: what networks run on, which there are, and what is missing.
 
 use super::models::show;
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
 use crate::cli::models::{Model, Store};
-use crate::cli::options::Common;
+use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::output::{print, print_styled};
 use anstyle::Style;
+use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
-use vtex::engine::{Choice, EngineOptions, MINIMUM_MINOR, choose, locate};
+use vtex::engine::{Choice, EngineOptions, GIVEN, MINIMUM_MINOR, choose, locate};
+
+/// Say what networks run on, which models there are, and what is missing
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  vtex doctor
+  vtex doctor --onnxruntime /opt/onnxruntime/lib/libonnxruntime.so --json")]
+pub(crate) struct DoctorArgs {
+    #[command(flatten)]
+    pub(crate) engine: EngineArgs,
+}
+
+impl Arguments for DoctorArgs {
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        let options = engine(self.engine, resolved.parameters.threads);
+        Ok(Box::new(move |common, _| run(common, &options)))
+    }
+}
 
 #[derive(Serialize)]
 struct Report {
@@ -34,7 +55,7 @@ struct Candidate {
     by: &'static str,
 }
 
-pub(super) fn run(common: &Common, options: &EngineOptions) -> anyhow::Result<()> {
+fn run(common: &Common, options: &EngineOptions) -> anyhow::Result<()> {
     let report = examine(options);
     if common.json {
         let mut text = serde_json::to_string_pretty(&report)?;
@@ -46,7 +67,10 @@ pub(super) fn run(common: &Common, options: &EngineOptions) -> anyhow::Result<()
 
 fn examine(options: &EngineOptions) -> Report {
     let found = locate(options.library.as_deref());
-    let libraries = found.into_iter().map(|f| Candidate { path: f.path, by: f.by }).collect();
+    let libraries = found
+        .into_iter()
+        .map(|f| Candidate { path: f.path, by: if f.by == GIVEN { "--onnxruntime" } else { f.by } })
+        .collect();
     let mut missing = Vec::new();
     let how = format!(
         "'pip install onnxruntime' brings ONNX Runtime, a few times faster than rten; version 1.{MINIMUM_MINOR} or newer serves; name its library with --onnxruntime if it is not found"

@@ -1,26 +1,102 @@
 //! `vtex edit`: scene → scene, operation by operation.
 
-use crate::cli::config::SvgParameters;
-use crate::cli::edit_arguments::Editing;
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
+use crate::cli::config::Given;
+use crate::cli::failure::Failure;
+use crate::cli::format;
 use crate::cli::input::Input;
-use crate::cli::options::Common;
+use crate::cli::operations::{self, Asked};
+use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::svg::{SvgFlags, SvgParameters};
 use crate::cli::output::{Place, Target, print, say};
 use crate::cli::progress::Reporter;
-use crate::cli::stages;
+use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
+use clap::Args;
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::PathBuf;
 use vtex::Progress;
-use vtex::edit::{self, Need, Operation, Outcome, Parameter, Request};
+use vtex::edit::{self, Files, Operation, Outcome};
+use vtex::output::file::Format;
 
-pub(super) fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Result<()> {
-    match editing {
-        Editing::List => print(list().as_bytes()),
-        Editing::Edit { scene, requests, seed, svg, target } => {
-            edit_scene(common, reporter, scene, requests, *seed, *svg, target)
-        }
+/// Change a scene: thin, tint, turn, replace its elements, put shadows under them, and more
+#[derive(Args)]
+#[command(
+    override_usage = "vtex edit [OPTIONS] <SCENE> --op <OPERATION>...",
+    after_help = "\
+Examples:
+  vtex edit out.scene.json -o thin.svg --op 'thin 0.5 --layer secondary'
+  vtex edit out.scene.json -o red.scene.json --op 'tint #ff0000 --amount 0.4' --op 'shadow --length 6'
+  vtex edit --list
+
+Operations are done in the order given; the scene keeps a record of them. Random choices follow the
+scene's seed, unless --seed gives another."
+)]
+pub(crate) struct EditArgs {
+    /// The scene, plain or gzip; - reads stdin
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: Option<PathBuf>,
+    /// An operation with its own flags, in quotes; may be given again and again. --list explains all
+    #[arg(long, value_name = "OPERATION", allow_hyphen_values = true)]
+    pub(crate) op: Vec<String>,
+    /// Explain all operations and do nothing else
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout
+    /// [default: ./SCENE.svg]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+}
+
+/// What is done to which scene, and where the result goes.
+struct Editing {
+    scene: Input,
+    operations: Vec<Asked>,
+    seed: Option<u64>,
+    svg: SvgParameters,
+    target: Target,
+}
+
+impl Arguments for EditArgs {
+    fn give(&self, given: &mut Given) {
+        given.add("svg", &self.svg);
     }
+
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        if self.list {
+            return Ok(Box::new(|_, _| print(operations::list().as_bytes())));
+        }
+        let editing = Editing::new(*self, resolved)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &editing)))
+    }
+}
+
+impl Editing {
+    fn new(a: EditArgs, resolved: Resolved) -> anyhow::Result<Self> {
+        let scene = required(a.scene)?;
+        let operations = asked(&a.op)?;
+        let output = a.output.clone();
+        let target = target(a.output, &a.force, &scene, format::OF_SCENE, Format::Svg)?;
+        check_files(&[("the scene", &scene)], &[("-o", output.as_deref())])?;
+        let seed = resolved.parameters.seed.map(|s| s.0);
+        Ok(Self { scene, operations, seed, svg: resolved.parameters.svg, target })
+    }
+}
+
+/// The operations, each checked.
+fn asked(texts: &[String]) -> anyhow::Result<Vec<Asked>> {
+    if texts.is_empty() {
+        let failure = Failure::usage("nothing says what to do to the scene");
+        return Err(failure.hint("give operations with --op; 'vtex edit --list' explains them").into());
+    }
+    let read = |name: &str| Input::File(PathBuf::from(name)).read();
+    texts.iter().map(|text| operations::parse(text, read)).collect()
 }
 
 /// The summary in JSON.
@@ -28,32 +104,35 @@ pub(super) fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> an
 struct Told<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
-    operations: &'a [Outcome],
+    operations: Vec<Done<'a>>,
 }
 
-fn edit_scene(
-    common: &Common,
-    reporter: &Reporter,
-    input: &Input,
-    requests: &[Request],
-    seed: Option<u64>,
-    svg: SvgParameters,
-    target: &Target,
-) -> anyhow::Result<()> {
+/// An operation as it was written, and what it came to.
+#[derive(Serialize)]
+struct Done<'a> {
+    operation: &'a str,
+    #[serde(flatten)]
+    outcome: Outcome,
+}
+
+fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Result<()> {
+    let Editing { scene: input, operations: asked, seed, svg, target } = editing;
     target.place.probe()?;
     reporter.stage("reading")?;
-    let scene = stages::scene(input)?;
+    let scene = reading::scene(input)?;
     let canvas = [scene.width, scene.height];
     let read = |name: &str| Input::File(PathBuf::from(name)).read();
-    let operations =
-        requests.iter().map(|r| r.load(canvas, read)).collect::<vtex::Result<Vec<Operation>>>()?;
+    let operations: Vec<Operation> = asked.iter().map(|a| a.operation.clone()).collect();
+    let files = Files::read(&operations, canvas, read)?;
     reporter.stage("editing")?;
-    let (scene, outcomes) = edit::apply(scene, &operations, seed)?;
-    for outcome in outcomes.iter().filter(|o| o.matched == 0) {
-        reporter.warn(&format!("'{}' matches nothing: the scene stays as it was", outcome.operation));
+    let (scene, outcomes) = edit::apply(scene, &operations, &files, *seed)?;
+    let done = asked.iter().zip(outcomes);
+    let done: Vec<Done<'_>> = done.map(|(a, outcome)| Done { operation: &a.text, outcome }).collect();
+    for Done { operation, .. } in done.iter().filter(|d| d.outcome.matched == 0) {
+        reporter.warn(&format!("'{operation}' matches nothing: the scene stays as it was"));
     }
     reporter.stage("writing")?;
-    let written = target.write_scene(&scene, svg, 1.0)?;
+    let written = target.write_scene(&scene, *svg, 1.0)?;
     let summary = Summary {
         seed: scene.edits.last().map(|e| e.seed),
         size: canvas,
@@ -62,7 +141,7 @@ fn edit_scene(
     };
     let piped = target.place == Place::Stdout;
     if common.json {
-        let text = serde_json::to_string_pretty(&Told { summary: &summary, operations: &outcomes })?;
+        let text = serde_json::to_string_pretty(&Told { summary: &summary, operations: done })?;
         if piped {
             say(&text);
             return Ok(());
@@ -70,57 +149,15 @@ fn edit_scene(
         return print(format!("{text}\n").as_bytes());
     }
     if !common.quiet {
-        outcomes.iter().for_each(|outcome| say(&line(outcome)));
+        done.iter().for_each(|done| say(&line(done)));
     }
     // The seed is the scene's own or was given, so there is none to tell.
     summary.tell(&Common { seed_chosen: false, debug_folder: None, ..*common }, piped)
 }
 
 /// What an operation came to.
-fn line(outcome: &Outcome) -> String {
-    let Outcome { operation, matched, removed } = outcome;
+fn line(done: &Done<'_>) -> String {
+    let Done { operation, outcome: Outcome { matched, removed } } = done;
     let removed = if *removed > 0 { format!(", {removed} removed") } else { String::new() };
     format!("  {operation}: {matched} matched{removed}")
-}
-
-/// All operations, for people.
-fn list() -> String {
-    let mut text = String::from(
-        "Operations of 'vtex edit', each in quotes after --op. Words with spaces in them are quoted again;\n\
-         lengths are pixels of the canvas.\n",
-    );
-    for entry in edit::catalogue() {
-        let _ = writeln!(text, "\n{}", entry.usage());
-        wrap(&mut text, entry.does, 4);
-        entry.parameters.iter().for_each(|p| describe(&mut text, p));
-        let _ = writeln!(text, "    Example: --op \"{}\"", entry.example);
-    }
-    text.push_str("\nEvery operation also takes\n");
-    edit::common_parameters().iter().for_each(|p| describe(&mut text, p));
-    text
-}
-
-fn describe(text: &mut String, parameter: &Parameter) {
-    let needed = if parameter.is_flag() && parameter.need == Need::Required { ", needed" } else { "" };
-    let range = format!("[{}{needed}]", parameter.range());
-    wrap(text, &format!("{}  {} {range}", parameter.title(), parameter.does), 6);
-}
-
-/// Adds a paragraph, indented and wrapped at 100 columns.
-fn wrap(text: &mut String, paragraph: &str, indent: usize) {
-    let mut column = 0;
-    for word in paragraph.split(' ') {
-        if column == 0 || column + 1 + word.len() > 100 {
-            if column > 0 {
-                text.push('\n');
-            }
-            let margin = if column == 0 { indent } else { indent + 4 };
-            let _ = write!(text, "{:margin$}{word}", "");
-            column = margin + word.len();
-        } else {
-            let _ = write!(text, " {word}");
-            column += 1 + word.len();
-        }
-    }
-    text.push('\n');
 }

@@ -1,12 +1,30 @@
 //! `vtex man`: manual pages from the same definitions as the help.
 
-use crate::cli::{arguments, output::Place};
-use std::path::Path;
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::output::Place;
+use clap::Args;
+use std::path::{Path, PathBuf};
 use vtex::Error;
 
-pub(super) fn run(folder: &Path) -> anyhow::Result<()> {
+/// Write the man pages into a folder
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  vtex man ~/.local/share/man/man1")]
+pub(crate) struct ManArgs {
+    /// The folder, made if need be
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+}
+
+impl Arguments for ManArgs {
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        Ok(Box::new(move |_, _| run(&self.folder, (resolved.program)())))
+    }
+}
+
+fn run(folder: &Path, mut command: clap::Command) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
-    let mut command = arguments::command();
     command.build();
     let commands = command.get_subcommands().flat_map(|c| std::iter::once(c).chain(c.get_subcommands()));
     for command in std::iter::once(&command).chain(commands) {

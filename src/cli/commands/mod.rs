@@ -1,4 +1,4 @@
-//! One file for each command.
+//! The commands, one file or folder for each.
 
 mod analyze;
 mod batch;
@@ -11,41 +11,56 @@ mod man;
 mod metrics;
 mod models;
 mod render;
-mod report;
 mod synth;
 mod texture;
 mod tune;
 mod vectorize;
 mod warp;
 
-use super::options::{Common, Job};
-use super::progress::Reporter;
+use super::command::Arguments;
+use clap::Subcommand;
 
-/// Runs a command.
-pub(crate) fn run(common: &Common, job: &Job) -> anyhow::Result<()> {
-    let reporter = Reporter::new(common)?;
-    let outcome = match job {
-        Job::Texture(analysis, synthesis) => texture::run(common, &reporter, analysis, synthesis),
-        Job::Vectorize(analysis, svg, target) => vectorize::run(common, &reporter, analysis, *svg, target),
-        Job::Analyze(analysis, target) => analyze::run(common, &reporter, analysis, target),
-        Job::Synth(library, synthesis) => synth::run(common, &reporter, library, synthesis),
-        Job::Batch(jobs) => batch::run(common, jobs),
-        Job::Warp(warping) => warp::run(common, &reporter, warping),
-        Job::Edit(editing) => edit::run(common, &reporter, editing),
-        Job::Tune(library, tuning) => tune::run(common, &reporter, library, tuning),
-        Job::Render(file, options) => render::run(common, &reporter, file, options),
-        Job::Metrics(arguments) => metrics::run(common, &reporter, arguments),
-        Job::Inspect(files, Some(page)) => report::run(common, &reporter, files, page),
-        Job::Inspect(files, None) => files.iter().try_for_each(|file| inspect::run(common, file)),
-        Job::Interp(job) => interp::run(common, &reporter, job),
-        Job::Doctor(engine) => doctor::run(common, engine),
-        Job::Models(job) => models::run(common, job),
-        Job::Completions(shell) => completions::run(*shell),
-        Job::Man(folder) => man::run(folder),
-    };
-    // Work is also stopped when a picture of a stage cannot be written: that is then the reason.
-    match reporter.failure() {
-        Some(reason) => Err(reason.into()),
-        None => outcome,
+/// Any of them, with its arguments.
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    Texture(Box<texture::TextureArgs>),
+    Vectorize(vectorize::VectorizeArgs),
+    Analyze(analyze::AnalyzeArgs),
+    Synth(synth::SynthArgs),
+    Batch(Box<batch::BatchArgs>),
+    Warp(warp::WarpArgs),
+    Edit(edit::EditArgs),
+    Tune(tune::TuneArgs),
+    Render(render::RenderArgs),
+    Interp(interp::InterpArgs),
+    Inspect(inspect::InspectArgs),
+    Metrics(metrics::MetricsArgs),
+    Doctor(doctor::DoctorArgs),
+    Models(models::ModelsArgs),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
+}
+
+impl Command {
+    /// Its arguments.
+    pub(crate) fn arguments(self) -> Box<dyn Arguments> {
+        match self {
+            Self::Texture(a) => a,
+            Self::Vectorize(a) => Box::new(a),
+            Self::Analyze(a) => Box::new(a),
+            Self::Synth(a) => Box::new(a),
+            Self::Batch(a) => a,
+            Self::Warp(a) => Box::new(a),
+            Self::Edit(a) => Box::new(a),
+            Self::Tune(a) => Box::new(a),
+            Self::Render(a) => Box::new(a),
+            Self::Interp(a) => Box::new(a),
+            Self::Inspect(a) => Box::new(a),
+            Self::Metrics(a) => Box::new(a),
+            Self::Doctor(a) => Box::new(a),
+            Self::Models(a) => Box::new(a),
+            Self::Completions(a) => Box::new(a),
+            Self::Man(a) => Box::new(a),
+        }
     }
 }

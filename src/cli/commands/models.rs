@@ -1,18 +1,84 @@
 //! `vtex models`: the networks of Segment Anything that the user has.
 
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::models::{Model, State, Store};
-use crate::cli::options::{Common, ModelsJob};
+use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::output::{print, print_styled, say};
 use crate::cli::summary::bytes;
+use crate::cli::values::Name;
 use anstyle::Style;
+use clap::{Args, Subcommand};
 use serde::Serialize;
+use std::path::PathBuf;
 
-pub(super) fn run(common: &Common, job: &ModelsJob) -> anyhow::Result<()> {
+/// Keep models of Segment Anything for --segmenter sam
+#[derive(Args)]
+#[command(
+    subcommand_required = true,
+    arg_required_else_help = true,
+    disable_help_subcommand = true,
+    after_help = "\
+Examples:
+  vtex models add encoder.onnx decoder.onnx --name mobile-sam
+  vtex models list
+  vtex models verify
+  vtex models remove mobile-sam
+
+Models are kept in vtex/models in the user's folder for data, or in the folder that VTEX_MODELS
+names. Nothing is ever downloaded."
+)]
+pub(crate) struct ModelsArgs {
+    #[command(subcommand)]
+    pub(crate) action: ModelsAction,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum ModelsAction {
+    /// Copy the files of a model: encoder and decoder, or one file that holds both
+    #[command(after_help = "Examples:\n  vtex models add encoder.onnx decoder.onnx --name mobile-sam")]
+    Add(ModelsAddArgs),
+    /// Name all models, with their files
+    List,
+    /// Compare all files with what they were when they were added
+    Verify,
+    /// Delete a model
+    Remove {
+        /// Its name
+        #[arg(value_name = "NAME")]
+        name: Name,
+    },
+}
+
+/// What a model is made of.
+#[derive(Args)]
+pub(crate) struct ModelsAddArgs {
+    /// The ONNX files, in any order, and those with their weights if these are apart
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+    /// Name of the model: letters, digits, - and _
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Name,
+    /// Replace a model of that name
+    #[arg(short, long)]
+    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) engine: EngineArgs,
+}
+
+impl Arguments for ModelsArgs {
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        let threads = resolved.parameters.threads;
+        Ok(Box::new(move |common, _| run(common, self.action, threads)))
+    }
+}
+
+fn run(common: &Common, action: ModelsAction, threads: Option<u16>) -> anyhow::Result<()> {
     let store = Store::open()?;
-    match job {
-        ModelsJob::Add { files, name, force, engine } => {
-            let model = store.add(files, name.as_str(), *force, engine)?;
+    match action {
+        ModelsAction::Add(a) => {
+            let model = store.add(&a.files, a.name.as_str(), a.force, &engine(a.engine, threads))?;
             if common.json {
                 return json(&model);
             }
@@ -22,7 +88,7 @@ pub(super) fn run(common: &Common, job: &ModelsJob) -> anyhow::Result<()> {
             }
             Ok(())
         }
-        ModelsJob::List => {
+        ModelsAction::List => {
             let models = store.models()?;
             if common.json {
                 return json(&models);
@@ -32,8 +98,8 @@ pub(super) fn run(common: &Common, job: &ModelsJob) -> anyhow::Result<()> {
             }
             print_styled(&models.iter().map(show).collect::<String>())
         }
-        ModelsJob::Verify => verify(common, &store),
-        ModelsJob::Remove(name) => {
+        ModelsAction::Verify => verify(common, &store),
+        ModelsAction::Remove { name } => {
             store.remove(name.as_str())?;
             if !common.quiet && !common.json {
                 say(&format!("{}: removed", name.as_str()));

@@ -1,24 +1,85 @@
 //! `vtex render`: library, scene or SVG → picture.
 
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
+use crate::cli::config::Given;
 use crate::cli::failure::Failure;
+use crate::cli::format;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::{Common, RenderOptions};
-use crate::cli::output::{Place, Written};
+use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::pattern::{PatternArgs, pattern};
+use crate::cli::options::render::{RenderFlags, RenderParameters};
+use crate::cli::options::svg::{SvgFlags, SvgParameters};
+use crate::cli::output::{Place, Target, Written};
 use crate::cli::progress::Reporter;
-use crate::cli::stages;
 use crate::cli::summary::{Counts, Summary};
+use clap::Args;
+use std::path::PathBuf;
 use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::file::Format;
 use vtex::output::{png, raster_svg};
 use vtex::scene::Scene;
+use vtex::synth::reconstruct;
 
-pub(super) fn run(
-    common: &Common,
-    reporter: &Reporter,
-    input: &Input,
-    options: &RenderOptions,
-) -> anyhow::Result<()> {
+/// Library (drawn back as its exemplar), scene or SVG to picture
+#[derive(Args)]
+#[command(
+    override_usage = "vtex render [OPTIONS] <FILE>",
+    after_help = "\
+Examples:
+  vtex render photo.lib.json -o reconstruction.png
+  vtex render out.svg -o out.png --scale 2
+  vtex render out.scene.json -o out.svg"
+)]
+pub(crate) struct RenderArgs {
+    /// A library, scene or SVG, plain or gzip; - reads stdin
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) file: Option<PathBuf>,
+    /// Result, .png; of a library or scene also .svg, .svgz, .pdf, .scene.json or .scene.json.gz;
+    /// - writes PNG to stdout [default: ./FILE.png]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) pattern: PatternArgs,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+}
+
+/// How a file is drawn.
+struct RenderOptions {
+    scale: RenderParameters,
+    svg: SvgParameters,
+    target: Target,
+    pattern: Option<Target>,
+}
+
+impl Arguments for RenderArgs {
+    fn give(&self, given: &mut Given) {
+        given.add("render", &self.render);
+        given.add("svg", &self.svg);
+    }
+
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        let Self { file, output, force, pattern: beside, .. } = *self;
+        let file = required(file)?;
+        check_files(
+            &[("the input", &file)],
+            &[("-o", output.as_deref()), ("--pattern", beside.pattern.as_deref())],
+        )?;
+        let target = target(output, &force, &file, format::OF_SCENE, Format::Png)?;
+        let pattern = pattern(beside, &force, &target)?;
+        let (scale, svg) = (resolved.parameters.render, resolved.parameters.svg);
+        let options = RenderOptions { scale, svg, target, pattern };
+        Ok(Box::new(move |common, reporter| run(common, reporter, &file, &options)))
+    }
+}
+
+fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOptions) -> anyhow::Result<()> {
     let RenderOptions { scale: parameters, svg, target, pattern } = options;
     let scale = parameters.scale;
     let drawn = target.kind.format == Format::Png;
@@ -33,7 +94,7 @@ pub(super) fn run(
     let bytes = input.read()?;
     let name = input.name();
     let scene = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Svg])? {
-        Kind::Library => Some(stages::reconstruct(&Library::from_bytes(&bytes, &name)?)),
+        Kind::Library => Some(reconstruct(&Library::from_bytes(&bytes, &name)?)),
         Kind::Scene => Some(Scene::from_bytes(&bytes, &name)?),
         _ => None,
     };
@@ -51,7 +112,7 @@ pub(super) fn run(
     let (written, size) = match &scene {
         Some(scene) => (target.write_scene(scene, *svg, scale)?, parameters.size_of(scene, drawn)),
         None if drawn => {
-            let picture = raster_svg::render_svg(&bytes, scale, &name)?;
+            let picture = raster_svg::render_svg(&bytes, scale, &name, reporter)?;
             let (_, bytes) = target.place.write(|out| png::encode(&picture, None, out))?;
             (Written { bytes, ..Written::default() }, [picture.width(), picture.height()])
         }

@@ -1,92 +1,95 @@
 //! `vtex synth`: library → texture.
 
-use crate::cli::config::SvgParameters;
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
+use crate::cli::config::Given;
+use crate::cli::failure::Failure;
+use crate::cli::format;
 use crate::cli::input::Input;
-use crate::cli::options::{Common, Synthesis};
-use crate::cli::output::{Place, Target, say};
+use crate::cli::options::control::{ControlArgs, Steering};
+use crate::cli::options::files::{ForceArgs, target};
+use crate::cli::options::pattern::PatternArgs;
+use crate::cli::options::svg::SvgFlags;
+use crate::cli::options::synth::{SynthBackgroundFlags, SynthFlags};
 use crate::cli::progress::Reporter;
-use crate::cli::stages;
-use crate::cli::summary::{Counts, Coverage, Summary};
-use vtex::library::Library;
-use vtex::scene::Scene;
-use vtex::synth::{Controls, Report};
+use crate::cli::reading;
+use crate::cli::synthesis::{Synthesis, finish};
+use crate::cli::weights::read_weights;
+use clap::Args;
+use std::path::PathBuf;
+use vtex::output::file::Format;
 
-pub(super) fn run(
-    common: &Common,
-    reporter: &Reporter,
-    inputs: &[Input],
-    synthesis: &Synthesis,
-) -> anyhow::Result<()> {
+/// Texton library to vector texture
+#[derive(Args)]
+#[command(
+    override_usage = "vtex synth [OPTIONS] <LIBRARY>...",
+    after_help = "\
+Examples:
+  vtex synth photo.lib.json --size 1000x600 --seed 7
+  vtex synth photo.lib.json --domain logo.svg --density dense-left.png
+  vtex synth sand.lib.json stones.lib.json --map where-stones.png
+  vtex synth photo.lib.json -o out.scene.json.gz
+  vtex synth photo.lib.json --tile --pattern page.svg
+  vtex synth photo.lib.json -o - | gzip > out.svgz"
+)]
+pub(crate) struct SynthArgs {
+    /// The library, plain or gzip; - reads stdin. Several, at most 16, share the canvas by --map
+    #[arg(value_name = "LIBRARY", required = true)]
+    pub(crate) library: Vec<PathBuf>,
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout
+    /// [default: ./LIBRARY.svg]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) pattern: PatternArgs,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+    #[command(flatten)]
+    pub(crate) synth: SynthFlags,
+    #[command(flatten)]
+    pub(crate) background: SynthBackgroundFlags,
+    #[command(flatten)]
+    pub(crate) control: ControlArgs,
+    /// Which library is where, for several: one grey picture for two (black the first, white the
+    /// second), one with a colour for each (in the order of its palette, or from dark to light), or a
+    /// grey one for each (white all, black nothing), given one after the other
+    #[arg(long, value_name = "FILE", help_heading = "Control (pictures are stretched over the canvas)")]
+    pub(crate) map: Vec<PathBuf>,
+}
+
+impl Arguments for SynthArgs {
+    fn give(&self, given: &mut Given) {
+        given.add("synth", &self.synth);
+        given.add("synth", &self.background);
+        given.add("svg", &self.svg);
+    }
+
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        let Self { library, output, force, pattern, control, map, .. } = *self;
+        let Resolved { mut parameters, .. } = resolved;
+        let libraries: Vec<Input> = library.into_iter().map(Input::new).collect();
+        let Some(first) = libraries.first() else {
+            return Err(Failure::usage("no input is given").into());
+        };
+        let target = target(output.clone(), &force, first, format::OF_SCENE, Format::Svg)?;
+        let steering = Steering::new(control, map);
+        let read: Vec<_> = libraries.iter().map(|file| ("the library", file)).collect();
+        steering.check(&read, &[("-o", output.as_deref())])?;
+        steering.check_counts(libraries.len())?;
+        read_weights(parameters.weights.clone(), first, &mut parameters.synth)?;
+        let synthesis = Synthesis::new(parameters, steering, target, pattern, &force)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &libraries, &synthesis)))
+    }
+}
+
+fn run(common: &Common, reporter: &Reporter, inputs: &[Input], synthesis: &Synthesis) -> anyhow::Result<()> {
     synthesis.probe()?;
     reporter.stage("reading")?;
-    let controls = stages::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
-    let libraries = stages::libraries(inputs)?;
+    let controls = reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
+    let libraries = reading::libraries(inputs)?;
     let names = inputs.iter().map(Input::name).collect();
     finish(common, reporter, "synth", names, &libraries, &controls, synthesis)
-}
-
-/// Makes, writes and sums up a texture: the second half of `texture` too.
-pub(super) fn finish(
-    common: &Common,
-    reporter: &Reporter,
-    command: &'static str,
-    inputs: Vec<String>,
-    libraries: &[Library],
-    controls: &Controls,
-    synthesis: &Synthesis,
-) -> anyhow::Result<()> {
-    let Synthesis { parameters, svg, target, pattern, .. } = synthesis;
-    if common.verbosity > 1 {
-        for library in libraries {
-            say(&format!("{:#?}", library.source.parameters));
-        }
-        say(&format!("{parameters:#?}"));
-    }
-    let (scene, report) = stages::synthesize(libraries, parameters, controls, reporter)?;
-    let result = Made { command, inputs, scene, report };
-    result.write(common, reporter, *svg, target, pattern.as_ref())
-}
-
-/// A texture that is done.
-pub(super) struct Made {
-    pub(super) command: &'static str,
-    pub(super) inputs: Vec<String>,
-    pub(super) scene: Scene,
-    pub(super) report: Report,
-}
-
-impl Made {
-    /// Writes it and sums up.
-    pub(super) fn write(
-        self,
-        common: &Common,
-        reporter: &Reporter,
-        svg: SvgParameters,
-        target: &Target,
-        pattern: Option<&Target>,
-    ) -> anyhow::Result<()> {
-        let Self { command, inputs, scene, report } = self;
-        reporter.stage("writing")?;
-        let written = target.write_scene(&scene, svg, 1.0)?;
-        if let Some(pattern) = pattern {
-            pattern.write_pattern(&scene, svg)?;
-        }
-        let summary = Summary {
-            pattern: pattern.map(|p| p.place.path().display().to_string()),
-            seed: scene.parameters.as_ref().map(|p| p.seed),
-            size: [scene.width, scene.height],
-            counts: Some(Counts::of_scene(&scene)),
-            coverage: Some(Coverage {
-                wanted: Some(report.coverage_wanted),
-                got: Some(report.coverage),
-                categories: report.categories,
-            }),
-            method: Some(report.method),
-            structure: report.structure,
-            overlap: Some(report.overlap),
-            repetition: Some(report.repetition),
-            ..Summary::new(command, inputs, target.place.path(), written, reporter)
-        };
-        summary.tell(common, target.place == Place::Stdout)
-    }
 }

@@ -1,15 +1,102 @@
 //! `vtex tune`: library → weights of the score.
 
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
+use crate::cli::failure::Failure;
+use crate::cli::format::weights_path;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::{Common, Tuning};
-use crate::cli::output::{print, say};
+use crate::cli::options::files::{ForceArgs, required};
+use crate::cli::output::{Place, print, say};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{Seconds, bytes, peak_memory};
+use crate::cli::values::{Name, Size};
+use crate::cli::weights::read_weights;
+use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
+use std::path::PathBuf;
 use vtex::Error;
 use vtex::library::Library;
-use vtex::synth::tune::{Terms, TunedWeights, tune};
+use vtex::scene::SynthParams;
+use vtex::tune::{Terms, TuneParams, TunedWeights, tune};
+
+/// Search weights of the score that suit a library
+#[derive(Args)]
+#[command(
+    override_usage = "vtex tune [OPTIONS] <LIBRARY>",
+    after_help = "\
+Examples:
+  vtex tune photo.lib.json
+  vtex tune photo.lib.json --name thorough --seeds 10 --evaluations 2000 --seed 7
+
+Weights are written beside the library, as photo.tuned.weights.json. Nothing uses them unless
+asked to: vtex synth photo.lib.json --weights tuned"
+)]
+pub(crate) struct TuneArgs {
+    /// The library, plain or gzip
+    #[arg(value_name = "LIBRARY", required = true)]
+    pub(crate) library: Option<PathBuf>,
+    /// Name of the weights: letters, digits, - and _ [default: tuned]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<Name>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) search: TuneFlags,
+}
+
+/// How weights are searched.
+#[derive(Args)]
+#[command(next_help_heading = "Search")]
+pub(crate) struct TuneFlags {
+    /// Canvases placed for each set of weights [1 to 100, default: 3]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) seeds: Option<u32>,
+    /// Sets of weights tried [10 to 100000, default: 200]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) evaluations: Option<u32>,
+    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, at most 400 megapixels, default: 500]
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) size: Option<Size>,
+}
+
+/// How weights are searched, and where they go.
+struct Tuning {
+    name: String,
+    parameters: TuneParams,
+    place: Place,
+}
+
+impl Arguments for TuneArgs {
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        let Resolved { mut parameters, .. } = resolved;
+        let library = required(self.library.clone())?;
+        read_weights(parameters.weights.take(), &library, &mut parameters.synth)?;
+        let tuning = Tuning::new(*self, &library, parameters.synth)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &library, &tuning)))
+    }
+}
+
+impl Tuning {
+    fn new(a: TuneArgs, library: &Input, synth: SynthParams) -> anyhow::Result<Self> {
+        let Input::File(beside) = library else {
+            let failure = Failure::usage("the weights are written beside the library, so it must be a file");
+            return Err(failure.hint("write the library to a file first").into());
+        };
+        let defaults = TuneParams::default();
+        let (width, height) =
+            a.search.size.map_or((defaults.synth.width, defaults.synth.height), |s| (s.width, s.height));
+        let parameters = TuneParams {
+            synth: SynthParams { width, height, ..synth },
+            seeds: a.search.seeds.unwrap_or(defaults.seeds),
+            evaluations: a.search.evaluations.unwrap_or(defaults.evaluations),
+        };
+        parameters.validate()?;
+        let name = a.name.map_or("tuned".into(), |n| n.as_str().to_owned());
+        let path = weights_path(beside, &name);
+        Ok(Self { name, parameters, place: Place::File { path, force: a.force.force } })
+    }
+}
 
 /// The summary in JSON.
 #[derive(Serialize)]
@@ -28,12 +115,7 @@ struct Summary<'a> {
     warnings: Vec<String>,
 }
 
-pub(super) fn run(
-    common: &Common,
-    reporter: &Reporter,
-    input: &Input,
-    tuning: &Tuning,
-) -> anyhow::Result<()> {
+fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> anyhow::Result<()> {
     let Tuning { name, parameters, place } = tuning;
     place.probe()?;
     reporter.stage("reading")?;

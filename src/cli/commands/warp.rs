@@ -1,23 +1,153 @@
 //! `vtex warp`: scene → scene of another shape.
 
-use super::synth::Made;
-use crate::cli::input::Input;
-use crate::cli::options::{Common, How, Warping};
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
+use crate::cli::config::Given;
+use crate::cli::failure::Failure;
+use crate::cli::format;
+use crate::cli::input::{Input, Kind};
+use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::svg::{SvgFlags, SvgParameters};
+use crate::cli::output::Target;
 use crate::cli::progress::Reporter;
-use crate::cli::stages;
+use crate::cli::reading;
+use crate::cli::synthesis::Made;
+use crate::cli::values::{Factors, named};
+use clap::Args;
+use std::path::PathBuf;
+use vtex::control;
+use vtex::output::file::Format;
+use vtex::scene::{Edge, Scene};
+use vtex::warp::{Bend, WarpParams, warp};
 
-pub(super) fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Result<()> {
+/// Bend or stretch a scene; elements keep their size and density
+#[derive(Args)]
+#[command(
+    override_usage = "vtex warp [OPTIONS] <SCENE> <LIBRARY>...",
+    after_help = "\
+Examples:
+  vtex warp wide.scene.json photo.lib.json --scale 1.5x1 -o wider.svg
+  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o bent.svg
+
+Elements move, gaps are filled with new ones, and where they crowd some go. New ones are drawn by
+the scene's seed, unless --seed gives another."
+)]
+pub(crate) struct WarpArgs {
+    /// The scene, plain or gzip; - reads stdin
+    #[arg(value_name = "SCENE", required = true)]
+    pub(crate) scene: Option<PathBuf>,
+    /// The libraries that it was made from, plain or gzip; - reads stdin
+    #[arg(value_name = "LIBRARY", required = true)]
+    pub(crate) library: Vec<PathBuf>,
+    /// The cage before: an SVG with one closed path, drawn over the scene, an SVG's pixel for a pixel
+    #[arg(long, value_name = "FILE", requires = "to", conflicts_with = "scale")]
+    pub(crate) cage: Option<PathBuf>,
+    /// The cage after: a copy whose points have been moved; its page is the new canvas
+    #[arg(long, value_name = "FILE", requires = "cage")]
+    pub(crate) to: Option<PathBuf>,
+    /// Stretch the canvas: 1.5 or 1.5x2 [0.1 to 10 each]
+    #[arg(long, value_name = "FACTOR")]
+    pub(crate) scale: Option<Factors>,
+    /// At the edge of the new shape keep elements whole, clip them, or avoid it [keep, clip or avoid,
+    /// default: as in the scene]
+    #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
+    pub(crate) edge: Option<Edge>,
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout
+    /// [default: ./SCENE.svg]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+}
+
+/// How a scene is bent and written.
+struct Warping {
+    scene: Input,
+    libraries: Vec<Input>,
+    how: How,
+    parameters: WarpParams,
+    svg: SvgParameters,
+    target: Target,
+}
+
+/// What bends a scene.
+enum How {
+    /// Factors along x and y.
+    Scale([f64; 2]),
+    /// A cage, before and after.
+    Cage([Input; 2]),
+}
+
+impl Arguments for WarpArgs {
+    fn give(&self, given: &mut Given) {
+        given.add("svg", &self.svg);
+    }
+
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        let seed = resolved.parameters.seed.map(|s| s.0);
+        let parameters = WarpParams { seed, edge: self.edge };
+        let warping = Warping::new(*self, parameters, resolved.parameters.svg)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &warping)))
+    }
+}
+
+impl Warping {
+    fn new(a: WarpArgs, parameters: WarpParams, svg: SvgParameters) -> Result<Self, Failure> {
+        let scene = required(a.scene)?;
+        let libraries: Vec<Input> = a.library.into_iter().map(Input::new).collect();
+        let output = a.output.clone();
+        let target = target(a.output, &a.force, &scene, format::OF_SCENE, Format::Svg)?;
+        let how = match (a.scale, a.cage, a.to) {
+            (Some(Factors(factors)), ..) => How::Scale(factors),
+            (None, Some(cage), Some(to)) => How::Cage([cage, to].map(Input::new)),
+            _ => {
+                return Err(Failure::usage("nothing says how to bend the scene")
+                    .hint("give --scale, or two cages with --cage and --to"));
+            }
+        };
+        let mut read = vec![("the scene", &scene)];
+        read.extend(libraries.iter().map(|file| ("the library", file)));
+        if let How::Cage([cage, to]) = &how {
+            read.extend([("--cage", cage), ("--to", to)]);
+        }
+        check_files(&read, &[("-o", output.as_deref())])?;
+        Ok(Self { scene, libraries, how, parameters, svg, target })
+    }
+}
+
+fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Result<()> {
     let Warping { scene, libraries, how, parameters, svg, target } = warping;
     target.place.probe()?;
     reporter.stage("reading")?;
-    let before = stages::scene(scene)?;
-    let bend = stages::bend(&before, how)?;
-    let known = stages::libraries(libraries)?;
+    let before = reading::scene(scene)?;
+    let bend = bend(&before, how)?;
+    let known = reading::libraries(libraries)?;
     let mut inputs = vec![scene.name()];
     inputs.extend(libraries.iter().map(Input::name));
     if let How::Cage(cages) = how {
         inputs.extend(cages.iter().map(Input::name));
     }
-    let (result, report) = vtex::synth::warp(&before, known, &bend, *parameters, reporter)?;
+    let (result, report) = warp(&before, known, &bend, *parameters, reporter)?;
     Made { command: "warp", inputs, scene: result, report }.write(common, reporter, *svg, target, None)
+}
+
+/// Scene → the way that it is bent.
+fn bend(scene: &Scene, how: &How) -> anyhow::Result<Bend> {
+    let read = |file: &Input| {
+        let bytes = file.read()?;
+        Kind::expect(&bytes, file, &[Kind::Svg, Kind::Unknown])
+            .map_err(|failure| failure.hint("a cage is drawn as an SVG with one closed path"))?;
+        anyhow::Ok(control::cage(&bytes, &file.name())?)
+    };
+    Ok(match how {
+        How::Scale(factors) => Bend::scale(scene, *factors)?,
+        How::Cage([before, after]) => {
+            let (before, _) = read(before)?;
+            let (after, canvas) = read(after)?;
+            Bend::cage(before, after, canvas)?
+        }
+    })
 }

@@ -113,27 +113,31 @@ impl Lattice {
         };
         let mut builder = surface.stream_builder();
         let mut inner = builder.surface();
+        // All are one form, moved. The last may end beyond the canvas.
+        let (end, path) = match axis {
+            Axis::X => ([1.0, 0.0], rectangle(0.0, -OVERLAP, 2.0 * step, height + OVERLAP)),
+            Axis::Y => ([0.0, 1.0], rectangle(-OVERLAP, 0.0, width + OVERLAP, 2.0 * step)),
+        };
+        let gradient = LinearGradient {
+            x1: 0.0,
+            y1: 0.0,
+            x2: (end[0] * 2.0 * step) as f32,
+            y2: (end[1] * 2.0 * step) as f32,
+            transform: Transform::identity(),
+            spread_method: SpreadMethod::Pad,
+            stops: vec![stop(0.0, 0), stop(0.5, 255), stop(1.0, 0)],
+            anti_alias: false,
+        };
+        let tent = super::layer(&mut inner, |s| {
+            if let Some(path) = &path {
+                super::fill(s, path, gradient.into());
+            }
+        });
         for node in (1..=self.last(axis)).step_by(2) {
-            let (from, to) = ((node - 1) as f64 * step, (node + 1) as f64 * step);
-            let (end, at, path) = match axis {
-                Axis::X => ([1.0, 0.0], [from, 0.0], rectangle(0.0, -OVERLAP, to - from, height + OVERLAP)),
-                Axis::Y => ([0.0, 1.0], [0.0, from], rectangle(-OVERLAP, 0.0, width + OVERLAP, to - from)),
-            };
-            let Some(path) = path else { continue };
-            let length = (to - from) as f32;
-            let gradient = LinearGradient {
-                x1: 0.0,
-                y1: 0.0,
-                x2: end[0] * length,
-                y2: end[1] * length,
-                transform: Transform::identity(),
-                spread_method: SpreadMethod::Pad,
-                stops: vec![stop(0.0, 0), stop(0.5, 255), stop(1.0, 0)],
-                anti_alias: false,
-            };
-            // Moved as a whole, all of them share one shading.
-            inner.push_transform(&Transform::from_translate(at[0] as f32, at[1] as f32));
-            super::fill(&mut inner, &path, gradient.into());
+            let from = (node - 1) as f64 * step;
+            let [x, y] = end.map(|v| (v * from) as f32);
+            inner.push_transform(&Transform::from_translate(x, y));
+            inner.draw_graphic(tent.clone());
             inner.pop();
         }
         inner.finish();

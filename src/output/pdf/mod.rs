@@ -1,14 +1,18 @@
-//! Scene → PDF: one page of pure vectors, a point to a pixel.
+//! Scene → PDF: one page of pure vectors, 96 pixels to the inch as in SVG.
 //!
 //! Everything is a path with a flat colour or a gradient, and the background is mixed by masks of
-//! gradients; nothing is a bitmap. Each layer is a form XObject, so is each texton that stands more
-//! than once where that is shorter than its paths; other textons are written where they stand.
-//! Readers that show the structure of a page find the layers in painting order.
+//! gradients; nothing is a bitmap. Each layer is a form XObject in a group of optional content, so
+//! viewers list it by name. A texton is a form XObject if it stands more than once and its paths are
+//! longer than that, or if it has a gradient; other textons are written where they stand.
+//!
+//! Gradients are drawn in forms of their own because Inkscape 1.2 places a gradient wrongly where the
+//! same content stream has changed the coordinates before (see also `layers.rs`).
 //!
 //! Works badly beyond [`LARGEST_PAGE`]: viewers then need a page that is scaled down, and its
 //! numbers are rounded to more than a hundredth of a pixel.
 
 mod background;
+mod layers;
 #[cfg(test)]
 mod tests;
 mod textons;
@@ -30,8 +34,12 @@ use std::io::{self, Write};
 use std::path::Path;
 use textons::Textons;
 
+/// Points to a pixel: an inch is 72 points, or 96 pixels.
+const POINTS: f64 = 0.75;
 /// Largest side of a page that readers are known to show, in points.
 const LARGEST_PAGE: f64 = 14_400.0;
+/// Names of the layers in painting order.
+const LAYERS: [&str; 3] = ["Background", "Secondary", "Primary"];
 
 /// Writes a scene as PDF. Same scene: the same bytes. Gives their number.
 ///
@@ -47,13 +55,13 @@ pub fn write(scene: &Scene, mut out: impl Write) -> Result<u64> {
 /// The whole file.
 fn document(scene: &Scene) -> std::result::Result<Vec<u8>, String> {
     let (width, height) = (f64::from(scene.width), f64::from(scene.height));
-    let scale = (LARGEST_PAGE / width.max(height)).min(1.0);
+    let scale = (LARGEST_PAGE / width.max(height)).min(POINTS);
     let mut document = Document::new_with(SerializeSettings { enable_tagging: false, ..Default::default() });
     let settings = PageSettings::from_wh((width * scale) as f32, (height * scale) as f32);
     let mut page = document.start_page_with(settings.ok_or("the page is empty")?);
     let mut surface = page.surface();
     surface.push_transform(&Transform::from_scale(scale as f32, scale as f32));
-    draw(scene, &mut surface);
+    let drawn = draw(scene, &mut surface);
     surface.pop();
     surface.finish();
     page.finish();
@@ -63,11 +71,12 @@ fn document(scene: &Scene) -> std::result::Result<Vec<u8>, String> {
         metadata = metadata.description(format!("Seed {}", parameters.seed));
     }
     document.set_metadata(metadata);
-    document.finish().map_err(|e| format!("{e:?}"))
+    let file = document.finish().map_err(|e| format!("{e:?}"))?;
+    layers::named(&file, drawn).ok_or_else(|| "the layers of the page are not found".into())
 }
 
-/// The three layers, those that a domain clips inside its outline.
-fn draw(scene: &Scene, surface: &mut Surface<'_>) {
+/// The three layers, those that a domain clips inside its outline. Gives the names of those drawn.
+fn draw(scene: &Scene, surface: &mut Surface<'_>) -> &'static [&'static str] {
     let ground = Background::new(scene);
     let mut textons = Textons::new(scene);
     let layers = [
@@ -77,7 +86,7 @@ fn draw(scene: &Scene, surface: &mut Surface<'_>) {
     ];
     let Some(domain) = &scene.domain else {
         layers.into_iter().for_each(|l| surface.draw_graphic(l));
-        return;
+        return &LAYERS;
     };
     let mut clip = PathBuilder::new();
     for shift in scene.copies(domain.outline.bounds()) {
@@ -100,6 +109,7 @@ fn draw(scene: &Scene, surface: &mut Surface<'_>) {
     if inside == 3 && clip.is_some() {
         surface.pop();
     }
+    if clip.is_some() { &LAYERS } else { &LAYERS[inside..] }
 }
 
 /// What `content` draws, as a graphic of its own.

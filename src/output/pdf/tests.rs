@@ -21,7 +21,7 @@ fn vectors_only_with_title_and_producer() {
     assert_eq!(file, bytes(&scene));
     assert_eq!(count(&file, "/Subtype /Image"), 0);
     assert!(count(&file, "/ShadingType 2") > 0);
-    assert_eq!(count(&file, "/MediaBox [0 0 400 300]"), 1);
+    assert_eq!(count(&file, "/MediaBox [0 0 300 225]"), 1);
     assert_eq!(count(&file, "/Title (Texture from stones & <chips>.jpg)"), 1);
     assert_eq!(count(&file, &format!("/Producer ({})", crate::PROGRAM)), 1);
     assert_eq!(count(&file, "/CreationDate") + count(&file, "/ModDate"), 0);
@@ -29,6 +29,65 @@ fn vectors_only_with_title_and_producer() {
     scene.height = 1;
     scene.background.points.clear();
     assert_eq!(count(&bytes(&scene), "/MediaBox [0 0 14400 "), 1);
+}
+
+/// What the object of a number holds, unpacked.
+fn object(file: &[u8], number: usize) -> String {
+    let mark = format!("\n{number} 0 obj\n");
+    let at = file.windows(mark.len()).position(|w| w == mark.as_bytes()).unwrap();
+    let object = &file[at..];
+    let end = object.windows(6).position(|w| w == b"endobj").unwrap();
+    String::from_utf8_lossy(&object[..end]).into_owned()
+}
+
+/// The number of the object after a key.
+fn number(text: &str, key: &str) -> usize {
+    text.split_once(key)
+        .unwrap_or_else(|| panic!("{key} in {text}"))
+        .1
+        .split(' ')
+        .next()
+        .unwrap()
+        .parse()
+        .unwrap()
+}
+
+#[test]
+fn layers_are_optional_content() {
+    let mut scene = testing::scene(400, 300, 1);
+    let mut found = Vec::new();
+    let outline = scene.textons[1].outline.clone();
+    for edge in [None, Some(Edge::Keep), Some(Edge::Clip)] {
+        scene.domain = edge.map(|edge| Domain { outline: outline.clone(), edge });
+        let file = bytes(&scene);
+        let text = String::from_utf8_lossy(&file);
+        let catalog = object(&file, number(&text, "/Root "));
+        let page = object(&file, number(&object(&file, number(&catalog, "/Pages ")), "/Kids ["));
+        let content = object(&file, number(&page, "/Contents "));
+        let names: Vec<String> = (0..3)
+            .map(|k| {
+                assert!(content.contains(&format!("/OC /l{k} BDC\n/x{k} Do\nEMC")), "{content}");
+                let group = number(&page, &format!("/l{k} "));
+                assert_eq!(catalog.matches(&format!("{group} 0 R")).count(), 2, "{catalog}");
+                object(&file, group).split(['(', ')']).nth(1).unwrap().to_owned()
+            })
+            .collect();
+        found.push(names);
+        // One change of coordinates, outside of all that is saved and restored.
+        let plain = content.split_once("stream\n").unwrap().1;
+        assert!(plain.starts_with("0.75 0 0 -0.75 0 225 cm\nq\n"), "{content}");
+        assert_eq!(plain.matches(" cm\n").count(), 1, "{content}");
+        // Every object stands where the table says.
+        let table = text.rsplit_once("xref\n0 ").unwrap().0.rsplit_once("xref\n0 ");
+        assert!(table.is_none(), "one table");
+        let at: usize = text.rsplit_once("startxref\n").unwrap().1.lines().next().unwrap().parse().unwrap();
+        let table = std::str::from_utf8(&file[at..]).unwrap();
+        for (n, line) in table.lines().skip(3).take_while(|line| line.ends_with(" n")).enumerate() {
+            let place: usize = line[..10].parse().unwrap();
+            assert!(file[place..].starts_with(format!("{} 0 obj", n + 1).as_bytes()), "{n}");
+        }
+    }
+    assert!(found.iter().all(|names| names == &LAYERS), "{found:?}");
 }
 
 #[test]

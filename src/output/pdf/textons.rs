@@ -55,7 +55,9 @@ impl<'a> Textons<'a> {
         for instance in instances {
             let key = (instance.texton, instance.colour);
             let texton = &self.scene.textons[instance.texton as usize];
-            let shared = self.uses[&key].saturating_sub(1) * elements(texton) >= WORTH;
+            // Gradients are drawn in forms of their own.
+            let shared = self.uses[&key].saturating_sub(1) * elements(texton) >= WORTH
+                || has_gradient(texton, instance.colour);
             for affine in self.places(instance) {
                 if let Some(shadow) = &instance.shadow {
                     let key = shadow::key(instance, shadow);
@@ -109,6 +111,11 @@ fn darken(layers: &[shadow::Layer], surface: &mut Surface<'_>) {
 fn elements(texton: &Texton) -> usize {
     let outlines = std::iter::once(&texton.outline).chain(texton.details.iter().map(|p| &p.outline));
     outlines.map(|o| o.path().elements().len()).sum()
+}
+
+/// Whether a texton, its base in `colour` if there is one, is painted with a gradient.
+fn has_gradient(texton: &Texton, colour: Option<Colour>) -> bool {
+    texton.base(colour).1.is_some() || texton.details.iter().any(|p| p.gradient.is_some())
 }
 
 /// The paths of a texton, its base in `colour` if there is one.

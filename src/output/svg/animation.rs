@@ -13,7 +13,7 @@
 //! is that half-way, because it cannot change in a document.
 
 use super::number::{Number, Paint};
-use super::xml::Xml;
+use super::xml::{Drawn, Xml};
 use super::{Part, SvgSummary, layers};
 use crate::error::{Result, check};
 use crate::geometry::{Point, Rect, Vec2};
@@ -138,7 +138,7 @@ impl Writer<'_> {
             xml.attribute("style", "animation-name:domain");
             xml.attribute("d", self.data(shape, 0));
             xml.close()?;
-            self.write_copies(xml, "shape", shape.bounds())?;
+            self.write_copies(xml, "shape", shape.bounds(), Drawn { elements: 1, references: 0 })?;
             xml.close()?;
             xml.line();
         }
@@ -209,6 +209,7 @@ impl Writer<'_> {
     fn write_motion<W: Write>(&self, xml: &mut Xml<W>, motion: &Motion) -> io::Result<usize> {
         let Motion { id, shapes, .. } = motion;
         let grouped = shapes.len() > 1;
+        let before = xml.drawn();
         if grouped {
             xml.open("g");
             xml.attribute("id", format_args!("p{id}"));
@@ -231,17 +232,25 @@ impl Writer<'_> {
             xml.close()?;
         }
         let bounds = shapes.iter().map(Moving::bounds).reduce(|a, b| a.union(b)).unwrap_or_default();
-        self.write_copies(xml, &format!("p{id}"), bounds)?;
+        self.write_copies(xml, &format!("p{id}"), bounds, xml.drawn().since(before))?;
         Ok(shapes.len())
     }
 
-    /// The copies of an element that reaches as far as `bounds`, where the scenes repeat.
-    fn write_copies<W: Write>(&self, xml: &mut Xml<W>, id: &str, bounds: Rect) -> io::Result<()> {
+    /// The copies of an element that reaches as far as `bounds`, where the scenes repeat; `drawn` is what
+    /// each shows.
+    fn write_copies<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        id: &str,
+        bounds: Rect,
+        drawn: Drawn,
+    ) -> io::Result<()> {
         for shift in self.scenes[0].copies(bounds).filter(|&shift| shift != Vec2::ZERO) {
             xml.open("use");
             xml.attribute("xlink:href", format_args!("#{id}"));
             xml.attribute("x", Number(shift.x, self.precision));
             xml.attribute("y", Number(shift.y, self.precision));
+            xml.follow(drawn);
             xml.close()?;
         }
         Ok(())

@@ -15,6 +15,9 @@
 //!
 //! The rows are divided into columns of at most two hundred places for stops, because some
 //! renderers look gradients up in a table of 256 colours.
+//!
+//! Every gradient is complete in itself. Inkscape ignores coordinates that a gradient inherits from
+//! one without stops. In units of the box of its band they need at most `x1` and `x2`.
 
 use super::number::{Number, Paint};
 use super::xml::Xml;
@@ -37,6 +40,15 @@ impl Background {
         self.columns.len() - 1
     }
 
+    /// Left and right end of the bands of column `c`, in pixels.
+    fn span(&self, c: usize, bleed: f64) -> (f64, f64) {
+        let last = self.column_count() - 1;
+        let left = if c == 0 { -bleed } else { self.columns[c] };
+        let width = self.columns[last + 1];
+        let right = if c == last { width + bleed } else { (self.columns[c + 1] + OVERLAP).min(width) };
+        (left, right)
+    }
+
     /// The gradients and the mask, for `<defs>`; the mask reaches `bleed` pixels beyond the canvas.
     /// Their ids begin with `name`.
     pub(super) fn write_definitions<W: Write>(
@@ -45,22 +57,21 @@ impl Background {
         bleed: f64,
         name: char,
     ) -> io::Result<()> {
-        // Where a column's gradients begin and end is said once, and they refer to it.
-        for (c, start) in self.columns[..self.column_count()].iter().enumerate() {
-            xml.open("linearGradient");
-            xml.attribute("id", format_args!("{name}c{c}"));
-            xml.attribute("gradientUnits", "userSpaceOnUse");
-            xml.attribute("x1", Number(*start, DIGITS));
-            xml.attribute("x2", Number(start + self.column_width, DIGITS));
-            xml.close()?;
-            xml.line();
-        }
         for (k, row) in self.rows.iter().enumerate() {
             for (c, stops) in row.iter().enumerate() {
                 let start = self.columns[c];
+                let (left, right) = self.span(c, bleed);
+                // Where the column begins and ends, as shares of its band's width.
+                let share = |x: f64| (x - left) / (right - left);
                 xml.open("linearGradient");
                 xml.attribute("id", format_args!("{name}{}", k * self.column_count() + c));
-                xml.attribute("xlink:href", format_args!("#{name}c{c}"));
+                for (name, place, default) in
+                    [("x1", share(start), 0.0), ("x2", share(start + self.column_width), 1.0)]
+                {
+                    if place != default {
+                        xml.attribute(name, Number(place, 6));
+                    }
+                }
                 for stop in stops {
                     xml.open("stop");
                     let offset = Number((stop.x - start) / self.column_width, 5);
@@ -115,7 +126,7 @@ impl Background {
 
     /// The bands; the outermost reach `bleed` pixels beyond the canvas.
     pub(super) fn write_bands<W: Write>(&self, xml: &mut Xml<W>, bleed: f64, name: char) -> io::Result<()> {
-        let (last_row, last_column) = (self.rows.len() - 1, self.column_count() - 1);
+        let last_row = self.rows.len() - 1;
         for first in 0..2 {
             xml.open("g");
             if first == 1 {
@@ -125,13 +136,8 @@ impl Background {
                 let (top, bottom) = self.band(k);
                 let top = if k < 2 { top - bleed } else { top };
                 let bottom = bottom + if k + 2 <= last_row { OVERLAP } else { bleed };
-                for c in 0..=last_column {
-                    let left = if c == 0 { -bleed } else { self.columns[c] };
-                    let right = if c == last_column {
-                        self.columns[c + 1] + bleed
-                    } else {
-                        (self.columns[c + 1] + OVERLAP).min(self.columns[last_column + 1])
-                    };
+                for c in 0..self.column_count() {
+                    let (left, right) = self.span(c, bleed);
                     xml.open("rect");
                     for (name, v) in [("x", left), ("y", top)] {
                         if v != 0.0 {

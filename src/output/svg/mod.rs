@@ -41,7 +41,7 @@ use number::Paint;
 use std::io::{self, Write};
 use std::path::Path;
 use textons::Textons;
-use xml::Xml;
+use xml::{Drawn, Xml};
 
 /// How every SVG of vtex begins. Editors write another beginning when they save, so a file that
 /// begins like this holds nobody's work.
@@ -54,8 +54,10 @@ const PATTERN: &str = "texture";
 /// whole pixels; where it ends within one, the paper would show through as a hairline.
 const BLEED: f64 = 8.0;
 
-/// From this many elements on many programs struggle with the file.
+/// Elements with every `<use>` followed at which resvg stops; editors and browsers are slow long before.
 const MANY_ELEMENTS: u64 = 1_000_000;
+/// References at which librsvg stops, and with it rsvg-convert and the viewers of GNOME.
+const MANY_REFERENCES: u64 = 500_000;
 
 /// How an SVG is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +84,8 @@ pub struct SvgSummary {
     pub bytes: u64,
     /// Elements in the file.
     pub elements: u64,
+    /// Elements that a viewer draws from, once every `<use>` is followed.
+    pub drawn: u64,
     /// Textons defined once and placed by reference.
     pub shared_textons: u64,
     /// What the user should know.
@@ -120,15 +124,28 @@ fn summed<W: Write>(
     let program = crate::PROGRAM.strip_prefix("vtex ").unwrap_or_default();
     let mut xml = Xml::new(out, &format!("{BEGINNING}{program} -->\n"));
     let written = content(&mut xml).and_then(|()| xml.finish());
-    let (bytes, elements) = written.map_err(|e| Error::write(Path::new("-"), e))?;
-    let mut warnings = Vec::new();
-    if elements >= MANY_ELEMENTS {
-        warnings.push(format!(
-            "the SVG has {elements} elements; many programs are slow beyond {MANY_ELEMENTS}: \
-             write a smaller size, or a PNG"
-        ));
-    }
-    Ok(SvgSummary { bytes, elements, shared_textons, warnings })
+    let (bytes, elements, drawn) = written.map_err(|e| Error::write(Path::new("-"), e))?;
+    let warnings = too_much(drawn).into_iter().collect();
+    Ok(SvgSummary { bytes, elements, drawn: drawn.elements, shared_textons, warnings })
+}
+
+/// Which viewers give up on a file, and what helps.
+fn too_much(drawn: Drawn) -> Option<String> {
+    let Drawn { elements, references } = drawn;
+    let (many, linked) = (elements >= MANY_ELEMENTS, references >= MANY_REFERENCES);
+    let stop = match (many, linked) {
+        (false, false) => return None,
+        (true, false) => format!("resvg stops at {MANY_ELEMENTS}"),
+        (false, true) => {
+            format!("librsvg stops at {MANY_REFERENCES} references, of which it has {references}")
+        }
+        (true, true) => format!("resvg stops at {MANY_ELEMENTS}, librsvg at {MANY_REFERENCES} references"),
+    };
+    let expand = if many { "" } else { " --expand," };
+    Some(format!(
+        "viewers draw {elements} elements from the SVG, every <use> followed; {stop}, and many programs are \
+         slow: write a smaller --size,{expand} --max-bytes, or a PNG"
+    ))
 }
 
 /// What is written, and how.
@@ -261,27 +278,33 @@ impl<'a> Document<'a> {
 
     fn write_primaries<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         for instance in &self.scene.primary {
+            let before = xml.drawn();
+            let mut original = Drawn::default();
             for (k, shift) in self.textons.copies(instance).enumerate() {
-                self.write_primary(xml, instance, (k > 0).then_some(shift))?;
+                self.write_primary(xml, instance, (k > 0).then_some((shift, original)))?;
+                if k == 0 {
+                    original = xml.drawn().since(before);
+                }
             }
         }
         Ok(())
     }
 
-    /// A primary, or its copy moved by `shift`.
+    /// A primary, or its copy: moved, and what is drawn of the original.
     fn write_primary<W: Write>(
         &self,
         xml: &mut Xml<W>,
         instance: &Instance,
-        shift: Option<Vec2>,
+        copy: Option<(Vec2, Drawn)>,
     ) -> io::Result<()> {
-        match shift {
-            Some(shift) if !self.textons.expands() => {
+        match copy {
+            Some((shift, original)) if !self.textons.expands() => {
                 xml.open("use");
                 xml.attribute("xlink:href", format_args!("#p{}", instance.id));
                 self.textons.write_shift(xml, shift);
+                xml.follow(original);
             }
-            Some(shift) => {
+            Some((shift, _)) => {
                 xml.open("g");
                 xml.attribute("data-copy-of", format_args!("p{}", instance.id));
                 self.textons.write_instance(xml, instance, shift, true)?;

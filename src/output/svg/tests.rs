@@ -29,7 +29,11 @@ fn check_document(text: &str, summary: &SvgSummary) {
     assert!(named(&document, "image").is_empty());
     assert_eq!(summary.bytes, text.len() as u64);
     assert_eq!(summary.elements, document.descendants().filter(Node::is_element).count() as u64);
+    assert_eq!(summary.drawn, crate::output::raster_svg::weight(text));
     assert_eq!(summary.warnings, Vec::<String>::new());
+    // Inkscape ignores coordinates that come from elsewhere.
+    let gradients = named(&document, "linearGradient");
+    assert!(gradients.iter().all(|n| n.attributes().all(|a| a.name() != "href")), "gradients are complete");
     let known: BTreeSet<&str> = ids.into_iter().collect();
     let links = document.descendants().filter_map(|n| n.attribute(("http://www.w3.org/1999/xlink", "href")));
     let paints = document.descendants().flat_map(|n| ["fill", "mask", "clip-path"].map(|a| n.attribute(a)));
@@ -151,6 +155,22 @@ fn each_texton_used_twice_is_defined_once() {
 }
 
 #[test]
+fn limits_of_viewers_are_told_with_what_helps() {
+    let told = |elements, references| too_much(Drawn { elements, references }).unwrap_or_default();
+    assert_eq!(told(999_999, 499_999), "");
+    assert!(told(1_000_000, 0).contains("resvg stops at 1000000") && !told(1_000_000, 0).contains("librsvg"));
+    assert!(
+        told(900_000, 500_000).contains("librsvg stops at 500000")
+            && told(900_000, 500_000).contains("--expand")
+    );
+    let both = told(2_000_000, 600_000);
+    assert!(
+        both.contains("2000000 elements") && both.contains("librsvg") && !both.contains("--expand"),
+        "{both}"
+    );
+}
+
+#[test]
 fn ids_stay_unique_where_sources_do_not() {
     let mut scene = testing::scene(400, 300, 3);
     scene.textons.iter_mut().for_each(|t| t.source = 5);
@@ -166,7 +186,7 @@ fn shared_and_expanded_look_alike() {
     let scene = testing::scene(400, 300, 4);
     let fine = SvgOptions { precision: 2, expand: false };
     let [shared, expanded] = [fine, SvgOptions { expand: true, ..fine }]
-        .map(|options| render_svg(text(&scene, &options).0.as_bytes(), 1.0, "test").unwrap());
+        .map(|options| render_svg(text(&scene, &options).0.as_bytes(), 1.0, "test", &()).unwrap());
     let pairs = shared.data().iter().zip(expanded.data());
     let sum: u64 = pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
     let mean = sum as f64 / shared.data().len() as f64;

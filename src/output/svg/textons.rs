@@ -3,7 +3,7 @@
 use super::SvgOptions;
 use super::gradients::BoxGradient;
 use super::number::{Number, Paint, list};
-use super::xml::Xml;
+use super::xml::{Drawn, Xml};
 use crate::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
 use crate::output::shadow::{self, Layer, Shadows};
 use crate::raster::colour::Colour;
@@ -25,6 +25,8 @@ pub(super) struct Textons<'a> {
     inherits: Vec<bool>,
     /// Bounding boxes; none where nothing is copied.
     bounds: Vec<Rect>,
+    /// What is drawn of each where it is defined.
+    drawn: Vec<Cell<Drawn>>,
     /// What each is called where it is defined.
     ids: Vec<String>,
     /// Number of the next gradient.
@@ -62,6 +64,7 @@ impl<'a> Textons<'a> {
         let shared = vec![false; scene.textons.len()];
         let SvgOptions { precision, expand } = *options;
         let (ids, gradients) = (ids(scene), Cell::new(0));
+        let drawn = vec![Cell::default(); scene.textons.len()];
         let (shadows, shared_shadows) = (Shadows::new(scene), BTreeMap::new());
         let outlined = vec![false; scene.textons.len()];
         let mut textons = Self {
@@ -72,6 +75,7 @@ impl<'a> Textons<'a> {
             shared,
             inherits,
             bounds,
+            drawn,
             ids,
             gradients,
             shadows,
@@ -154,6 +158,7 @@ impl<'a> Textons<'a> {
                 gradient.write(xml, format_args!("{id}g"))?;
                 xml.line();
             }
+            let before = xml.drawn();
             if texton.details.is_empty() {
                 xml.open("path");
                 xml.attribute("id", id);
@@ -170,6 +175,7 @@ impl<'a> Textons<'a> {
                 self.write_paths(xml, i, base, None)?;
                 xml.close()?;
             }
+            self.drawn[i].set(xml.drawn().since(before));
             xml.line();
         }
         Ok(())
@@ -232,6 +238,7 @@ impl<'a> Textons<'a> {
         xml.open("use");
         xml.attribute("xlink:href", format_args!("#{}", self.ids[index]));
         self.write_transform(xml, &affine.as_coeffs());
+        xml.follow(self.drawn[index].get());
         if self.inherits[index] && with_fill {
             match base {
                 Base::Gradient(..) if self.base_gradient(texton).is_some() => {
@@ -259,6 +266,8 @@ impl<'a> Textons<'a> {
         xml.open("use");
         xml.attribute("xlink:href", format_args!("#{id}"));
         self.write_transform(xml, &affine.as_coeffs());
+        let layers = self.shadows.of(instance, shadow).len() as u64;
+        xml.follow(Drawn { elements: 1 + layers, references: 0 });
         xml.close()
     }
 
@@ -298,6 +307,7 @@ impl<'a> Textons<'a> {
             let line = if self.outlined[index] { "o" } else { "" };
             xml.attribute("xlink:href", format_args!("#{}{line}", self.ids[index]));
             self.write_transform(xml, &affine.as_coeffs());
+            xml.follow(Drawn { elements: 1, references: 0 });
             stroke.width
         } else {
             xml.open("path");

@@ -6,6 +6,21 @@ use std::io::{self, Write};
 /// Bytes gathered before they are handed on.
 const BUFFER: usize = 1 << 16;
 
+/// What a viewer meets that follows every `<use>`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Drawn {
+    pub(super) elements: u64,
+    /// References that it follows: those of `<use>`, gradients, masks and clip paths.
+    pub(super) references: u64,
+}
+
+impl Drawn {
+    /// What was added since `before`.
+    pub(super) fn since(self, before: Self) -> Self {
+        Self { elements: self.elements - before.elements, references: self.references - before.references }
+    }
+}
+
 /// Writes elements as they come; holds no more than a buffer and the names of open elements.
 pub(super) struct Xml<W> {
     out: W,
@@ -15,13 +30,14 @@ pub(super) struct Xml<W> {
     in_tag: bool,
     bytes: u64,
     elements: u64,
+    drawn: Drawn,
 }
 
 impl<W: Write> Xml<W> {
     /// A document that begins with the given text, markup included.
     pub(super) fn new(out: W, prolog: &str) -> Self {
         let buffer = String::from(prolog);
-        Self { out, buffer, open: Vec::new(), in_tag: false, bytes: 0, elements: 0 }
+        Self { out, buffer, open: Vec::new(), in_tag: false, bytes: 0, elements: 0, drawn: Drawn::default() }
     }
 
     /// Begins an element inside the one that is open.
@@ -32,6 +48,18 @@ impl<W: Write> Xml<W> {
         self.open.push(name);
         self.in_tag = true;
         self.elements += 1;
+        self.drawn.elements += 1;
+    }
+
+    /// Counts what the `<use>` just written shows.
+    pub(super) fn follow(&mut self, used: Drawn) {
+        self.drawn.elements += used.elements;
+        self.drawn.references += used.references;
+    }
+
+    /// What a viewer meets in all that is written so far.
+    pub(super) fn drawn(&self) -> Drawn {
+        self.drawn
     }
 
     /// An attribute of the element just begun.
@@ -40,6 +68,7 @@ impl<W: Write> Xml<W> {
         let _ = write!(self.buffer, " {name}=\"");
         let start = self.buffer.len();
         let _ = write!(self.buffer, "{value}");
+        self.drawn.references += u64::from(name == "xlink:href" || self.buffer[start..].starts_with("url(#"));
         self.escape_from(start);
         self.buffer.push('"');
     }
@@ -78,15 +107,15 @@ impl<W: Write> Xml<W> {
         if self.buffer.len() >= BUFFER { self.flush() } else { Ok(()) }
     }
 
-    /// Ends all open elements. Gives the bytes and elements written.
-    pub(super) fn finish(mut self) -> io::Result<(u64, u64)> {
+    /// Ends all open elements. Gives the bytes and elements written, and what a viewer meets.
+    pub(super) fn finish(mut self) -> io::Result<(u64, u64, Drawn)> {
         while !self.open.is_empty() {
             self.close()?;
         }
         self.buffer.push('\n');
         self.flush()?;
         self.out.flush()?;
-        Ok((self.bytes, self.elements))
+        Ok((self.bytes, self.elements, self.drawn))
     }
 
     fn end_tag(&mut self) {
@@ -140,7 +169,7 @@ mod tests {
             xml.attribute("b", &text);
             xml.open("c");
             xml.text(&text);
-            let (length, elements) = xml.finish().unwrap();
+            let (length, elements, _) = xml.finish().unwrap();
             prop_assert_eq!((length, elements), (bytes.len() as u64, 2));
             let source = String::from_utf8(bytes).unwrap();
             let document = roxmltree::Document::parse(&source).unwrap();

@@ -2,10 +2,13 @@
 
 mod generator;
 mod proposal;
+#[cfg(feature = "onnx")]
 pub mod sam;
 
+#[cfg(feature = "onnx")]
 pub(in crate::segment) use generator::View;
 pub use generator::{Cost, Found, Generator, GeneratorParams};
+#[cfg(feature = "onnx")]
 pub use sam::Sam;
 
 use crate::error::Result;

@@ -15,6 +15,7 @@ mod select;
 mod weights;
 
 pub use features::FEATURES;
+#[cfg(feature = "onnx")]
 pub(super) use select::worth;
 pub use select::{HIDDEN, Network};
 
@@ -143,6 +144,7 @@ impl Layer {
     }
 
     /// The eligible nodes that score at least `least`.
+    #[cfg(feature = "onnx")]
     fn best(&self, image: &RgbImage, least: f32) -> Vec<ScoredMask> {
         let (basins, scores) = (self.basins(image), self.scores(image));
         let good = scores.iter().enumerate().filter_map(|(i, s)| Some((i, s.filter(|&s| s >= least)?)));
@@ -163,6 +165,7 @@ impl Layer {
 ///
 /// # Errors
 /// [`crate::Error::Interrupted`].
+#[cfg(feature = "onnx")]
 pub(super) fn nodes(image: &RgbImage, least: f32, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
     if image.width() == 0 || image.height() == 0 {
         return Ok(Vec::new());

@@ -1,15 +1,15 @@
 //! A library and a scene made from it: what its elements cover, how they keep together or apart, how
 //! often they come back.
 
-use super::{digits, tell};
+use super::show::{digits, tell};
+use crate::cli::common::Common;
 use crate::cli::failure::Failure;
-use crate::cli::options::Common;
 use crate::cli::progress::Reporter;
 use crate::cli::table::table;
 use serde::Serialize;
 use vtex::library::Library;
 use vtex::scene::Scene;
-use vtex::synth::statistics::{
+use vtex::statistics::{
     Correlation, Difference, Groups, Layout, Repetition, largest_categories, neighbour_distance,
 };
 

@@ -1,9 +1,9 @@
 //! Two pictures, or what can be drawn as such.
 
-use super::{Content, digits, tell};
-use crate::cli::options::Common;
+use super::content::Content;
+use super::show::{digits, tell};
+use crate::cli::common::Common;
 use crate::cli::progress::Reporter;
-use crate::cli::stages;
 use crate::cli::table::table;
 use image::RgbImage;
 use serde::Serialize;
@@ -58,9 +58,9 @@ fn draw(content: &Content, name: &str, reporter: &Reporter) -> anyhow::Result<Rg
             decoded.warnings.iter().for_each(|w| reporter.warn(&w.replace("the photograph", name)));
             return Ok(decoded.image);
         }
-        Content::Svg(bytes) => raster_svg::render_svg(bytes, 1.0, name)?,
+        Content::Svg(bytes) => raster_svg::render_svg(bytes, 1.0, name, reporter)?,
         Content::Scene(scene) => png::render(scene, 1.0)?,
-        Content::Library(library) => png::render(&stages::reconstruct(library), 1.0)?,
+        Content::Library(library) => png::render(&vtex::synth::reconstruct(library), 1.0)?,
     };
     // Components are multiplied by the opacity already.
     Ok(RgbImage::from_fn(pixmap.width(), pixmap.height(), |x, y| {

@@ -1,0 +1,237 @@
+//! Placement by correspondences: elements carried along a field that says from where in the exemplar
+//! each place comes.
+//!
+//! The descriptors of the paper see a few textons around one. What is larger, clouds of rust, courses
+//! of a wall, is kept by copying whole islands of the exemplar, as synthesis of pixels does; but what is
+//! copied is what stands there: primaries, secondaries, the colours of the region.
+
+mod alike;
+mod arrivals;
+mod exchange;
+mod fragments;
+mod holes;
+mod pages;
+mod secondaries;
+mod shares;
+
+use super::grid::{Grid, Part};
+use super::model::{Model, VariantId};
+use super::region::Region;
+use crate::correspondence::{Field, Islands, Request, find};
+use crate::error::{Error, Result};
+use crate::library::Library;
+use crate::progress::{Progress, advance};
+use crate::raster::picture::label_colour;
+use crate::raster::{LabelMap, Mask};
+use crate::scene::{Edge, SynthParams};
+use alike::Alike;
+use arrivals::Plan;
+use image::{Rgb, RgbImage};
+use pages::Pages;
+pub(crate) use secondaries::Arrived;
+use serde::Serialize;
+
+/// Cells beyond the borders of the canvas, where it does not repeat.
+const MARGIN: i32 = 6;
+
+/// What came along a field of correspondences.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Structure {
+    /// Islands, each from one place of an exemplar.
+    pub islands: usize,
+    /// Share of the canvas on which primaries were wanted.
+    pub wanted: f64,
+    /// Primaries of which at least half arrived.
+    pub whole: usize,
+    /// Primaries of which less arrived and that were completed, for there was room.
+    pub completed: usize,
+    /// Primaries that fill a hole which parts of others like them left.
+    pub filled: usize,
+    /// Parts of primaries that fill what was left between them.
+    pub fragments: usize,
+    /// Share of the canvas that only fragments fill.
+    pub fragments_share: f64,
+    /// Primaries exchanged for ones like them, because a copy of theirs was near.
+    pub exchanged: usize,
+}
+
+/// Elements that came along a field.
+pub(super) struct Carried {
+    /// Variants, fragments included, and their places on the grid, in the order in which they stand.
+    pub(super) elements: Vec<(VariantId, [i32; 2])>,
+    pub(super) structure: Structure,
+}
+
+/// A canvas as a mosaic of its exemplars.
+pub(crate) struct Correspondence {
+    pages: Pages,
+    field: Field,
+    /// Cells beside the canvas, left and above.
+    margin: [i32; 2],
+}
+
+impl Correspondence {
+    /// Finds the correspondences of a canvas.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if a library has no guide, [`Error::Interrupted`].
+    pub(super) fn new(
+        libraries: &[Library],
+        model: &Model,
+        grid: &Grid,
+        region: &Region<'_>,
+        params: &SynthParams,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let pages = Pages::new(libraries, model).ok_or_else(no_guide)?;
+        let wrap = [params.tile.x, params.tile.y];
+        let margin = wrap.map(|w| if w { 0 } else { MARGIN });
+        let cells =
+            |k: usize, size: u32| (size as usize).div_ceil(pages.cell as usize) + 2 * margin[k] as usize;
+        let size = [cells(0, params.width), cells(1, params.height)];
+        let place =
+            |x: usize, y: usize| [0, 1].map(|k| ([x, y][k] as i32 - margin[k]) * pages.cell + pages.cell / 2);
+        let groups = shares::libraries(grid, region, model, params.seed, size, place);
+        let active = shares::active(grid, region, size, place);
+        let request = Request { pages: &pages.pages, size, wrap, groups, active, seed: params.seed };
+        let field = find(&request, progress)?;
+        let this = Self { pages, field, margin };
+        progress.picture("correspondence", &|| this.picture(libraries, model, params));
+        progress.picture("islands", &|| this.islands_picture(params));
+        Ok(this)
+    }
+
+    /// Whether the field says where a pixel beside or on the canvas comes from.
+    fn reaches(&self, at: [i32; 2]) -> bool {
+        let cell = self.pages.cell;
+        (0..2).all(|k| (0..self.field.size[k] as i32 * cell).contains(&(at[k] + self.margin[k] * cell)))
+    }
+
+    /// The primaries that arrived, and the fragments that close the holes between them, which the model
+    /// then knows.
+    pub(super) fn carry(
+        &self,
+        libraries: &[Library],
+        model: &mut Model,
+        grid: &Grid,
+        region: &Region<'_>,
+        params: &SynthParams,
+        progress: &dyn Progress,
+    ) -> Result<Carried> {
+        let step = |done: u64| advance(progress, "carrying", done, 5);
+        step(0)?;
+        let mut plan = Plan::new(self, libraries, model, grid);
+        step(1)?;
+        let allowed = |mask: &Mask, at: [i32; 2], middle: [i32; 2]| stands(grid, region, mask, at, middle);
+        let standing = plan.accept(model, |variant, at| allowed(&model.shape(variant).mask, at, at));
+        let canvas = grid.canvas().iter().product::<f64>();
+        let mut structure = Structure {
+            islands: Islands::new(&self.field).sizes.len(),
+            wanted: plan.count(Plan::is_wanted) as f64 / canvas,
+            whole: standing.iter().filter(|a| a.whole).count(),
+            completed: standing.iter().filter(|a| !a.whole).count(),
+            ..Structure::default()
+        };
+        let mut elements: Vec<(VariantId, [i32; 2])> = standing.iter().map(|a| (a.variant, a.at)).collect();
+        step(2)?;
+        let alike = Alike::new(libraries, model);
+        structure.exchanged = exchange::exchange(&mut elements, &mut plan, &alike, libraries, model, params);
+        step(3)?;
+        let mut holes = holes::find(&plan);
+        let fits = |variant: VariantId, at| allowed(&model.shape(variant).mask, at, at);
+        let filled = holes::fill(&mut holes, &mut plan, &alike, model, fits);
+        structure.filled = filled.len();
+        elements.extend(filled);
+        step(4)?;
+        let fragments = fragments::find(&holes, &plan, libraries, model, self.pages.cell);
+        for f in fragments {
+            let Some((x, y)) = f.mask.centroid() else { continue };
+            let middle = [f.at[0] + x as i32, f.at[1] + y as i32];
+            if allowed(&f.mask, f.at, middle) {
+                structure.fragments += 1;
+                structure.fragments_share += f64::from(f.fills) / canvas;
+                elements.push((model.add_fragment(f.variant, f.mask, f.texton), f.at));
+            }
+        }
+        step(5)?;
+        Ok(Carried { elements, structure })
+    }
+
+    /// Page and pixel there that a pixel of the canvas comes from; the pixel may lie beside the
+    /// canvas by less than the margin.
+    fn source(&self, [x, y]: [i32; 2]) -> (usize, [i32; 2]) {
+        let cell = self.pages.cell;
+        let at = [x + self.margin[0] * cell, y + self.margin[1] * cell];
+        let [cx, cy] = at.map(|v| v.div_euclid(cell));
+        let [cx, cy] =
+            [cx.clamp(0, self.field.size[0] as i32 - 1), cy.clamp(0, self.field.size[1] as i32 - 1)];
+        let source = self.field.sources[cy as usize * self.field.size[0] + cx as usize];
+        let place = [0, 1].map(|k| i32::from(source.at[k]) * cell + at[k].rem_euclid(cell));
+        (usize::from(source.page), place)
+    }
+
+    /// Which primary stands where in each exemplar.
+    pub(crate) fn labels(&self) -> &[LabelMap] {
+        &self.pages.labels
+    }
+
+    /// Library and place in its exemplar that a place of the canvas comes from.
+    pub(crate) fn origin(&self, model: &Model, at: [f64; 2]) -> (usize, [f64; 2]) {
+        let (page, there) = self.source(at.map(|v| libm::floor(v) as i32));
+        let sheet = &self.pages.sheets[page];
+        let place = sheet.exemplar(model, there).unwrap_or([0, 0]);
+        (sheet.library, place.map(|v| f64::from(v) + 0.5))
+    }
+
+    /// The guides' colours where the field points.
+    fn picture(&self, libraries: &[Library], model: &Model, params: &SynthParams) -> RgbImage {
+        RgbImage::from_fn(params.width, params.height, |x, y| {
+            let (page, at) = self.source([x as i32, y as i32]);
+            let sheet = &self.pages.sheets[page];
+            let guide = libraries[sheet.library].guide.as_ref();
+            let colour = guide
+                .zip(sheet.exemplar(model, at))
+                .map(|(g, [ex, ey])| *g.picture.0.get_pixel(ex as u32 / g.cell, ey as u32 / g.cell));
+            colour.unwrap_or(Rgb([0; 3]))
+        })
+    }
+
+    /// The islands, each in a colour of its own.
+    fn islands_picture(&self, params: &SynthParams) -> RgbImage {
+        let islands = Islands::new(&self.field);
+        let cell = self.pages.cell;
+        RgbImage::from_fn(params.width, params.height, |x, y| {
+            let [cx, cy] = [0, 1].map(|k| ([x, y][k] as i32 / cell + self.margin[k]) as usize);
+            Rgb(label_colour(islands.of[cy * self.field.size[0] + cx] + 1))
+        })
+    }
+}
+
+/// A library without a guide cannot be followed.
+pub(crate) fn no_guide() -> Error {
+    Error::Parameter {
+        name: "method",
+        value: "correspondence".into(),
+        allowed: "for libraries with a guide, which those of older versions lack (analyse the photograph again)",
+    }
+}
+
+/// Whether a mask may stand at a place: in a zone that correspondences serve, as the edge of the domain
+/// allows.
+fn stands(grid: &Grid, region: &Region<'_>, mask: &Mask, at: [i32; 2], middle: [i32; 2]) -> bool {
+    if region.is_plain() {
+        return true;
+    }
+    let served = |zone| region.is_carried(zone);
+    let canvas =
+        || mask.spans().iter().flat_map(|&s| grid.parts(s, at)).flat_map(|Part { canvas, .. }| canvas);
+    let inside = grid.canvas_cell(middle).and_then(|i| region.zone(i));
+    match region.edge {
+        Edge::Clip => inside.or_else(|| canvas().find_map(|i| region.zone(i))).is_some_and(served),
+        Edge::Keep => inside.is_some_and(served),
+        Edge::Avoid => {
+            inside.is_some_and(served)
+                && canvas().filter(|&i| region.zone(i).is_some()).count() as u32 == mask.area()
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! Photograph → library, with what finds its masks.
+
+use super::common::Common;
+use super::config::Parameters;
+use super::failure::Failure;
+use super::format;
+use super::hints;
+use super::input::{Input, Kind};
+use super::models::{Store, sums_of_network};
+use super::options::engine::engine;
+use super::options::files::{ForceArgs, apart};
+use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
+use super::output::{Place, say};
+use super::progress::Reporter;
+use super::values::Name;
+use image::RgbImage;
+use std::path::Path;
+use vtex::analyze::{Exemplar, Limits};
+use vtex::engine::{Choice, EngineOptions, Runtime, Source, choose};
+use vtex::library::{AnalyzeParams, Library};
+use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
+use vtex::segment::texton::Texton;
+use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
+use vtex::{Error, Progress};
+
+/// How a photograph is analyzed.
+pub(crate) struct Analysis {
+    pub(crate) photo: Input,
+    pub(crate) masks: MasksFrom,
+    pub(crate) engine: EngineOptions,
+    pub(crate) save_masks: Option<Place>,
+    pub(crate) parameters: AnalyzeParams,
+}
+
+impl Analysis {
+    /// Fails now if the masks could not be saved later.
+    ///
+    /// # Errors
+    /// As [`Place::probe`].
+    pub(crate) fn probe(&self) -> vtex::Result<()> {
+        self.save_masks.as_ref().map_or(Ok(()), Place::probe)
+    }
+
+    /// Checks what was asked for; `output` is where the result goes.
+    pub(crate) fn new(
+        photo: Input,
+        masks: MasksArgs,
+        force: &ForceArgs,
+        output: Option<&Path>,
+        parameters: &Parameters,
+    ) -> Result<Self, Failure> {
+        if let Some(path) = &masks.save_masks {
+            format::check_masks_name(path)?;
+        }
+        let photo_path = match &photo {
+            Input::File(path) => Some(path.as_path()),
+            _ => None,
+        };
+        let read = [("the photograph", photo_path), ("--masks", masks.masks.as_deref())];
+        let written = [("-o", output), ("--save-masks", masks.save_masks.as_deref())];
+        apart(&[read[0], written[0], written[1]])?;
+        apart(&[read[1], written[0]])?;
+        let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
+        let sam = SamFrom::new(masks.sam);
+        let from = masks_from(masks.masks, parameters.segmenter, sam)?;
+        let engine = engine(masks.engine, parameters.threads);
+        Ok(Self { photo, masks: from, engine, save_masks, parameters: parameters.analyze.clone() })
+    }
+}
+
+/// Photograph → library; saves the masks if asked.
+pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
+    reporter.stage("reading")?;
+    let bytes = analysis.photo.read()?;
+    Kind::expect(&bytes, &analysis.photo, &[Kind::Image, Kind::Unknown])?;
+    let name = match &analysis.photo {
+        Input::Stdin => "-".into(),
+        Input::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy(),
+    };
+    let exemplar = Exemplar::from_bytes(&bytes, &name, &Limits::default())?;
+    drop(bytes);
+    let segmenter = segmenter(common, analysis, reporter)?;
+    let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
+    let library = vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?;
+    if let Some(hint) = hints::of_library(&library) {
+        reporter.hint(hint);
+    }
+    Ok(library)
+}
+
+/// Loads what finds masks.
+fn segmenter(
+    common: &Common,
+    analysis: &Analysis,
+    reporter: &Reporter,
+) -> anyhow::Result<Box<dyn Segmenter>> {
+    match &analysis.masks {
+        MasksFrom::File(path) => return Ok(Box::new(MasksFile::read(path)?)),
+        MasksFrom::Felzenszwalb => return Ok(Box::new(Felzenszwalb::default())),
+        MasksFrom::Regions => return Ok(Box::new(Regions)),
+        MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_) => {}
+    }
+    reporter.stage("loading")?;
+    let Some(from) = sam_from(&analysis.masks) else {
+        return Ok(Box::new(Texton::new(&for_texton(&analysis.engine))?));
+    };
+    let sam = sam(&from, &analysis.engine)?;
+    if common.verbosity > 0 && !common.json {
+        say(&format!("{}{}", sam.title(), why_not(&analysis.engine)));
+    }
+    Ok(Box::new(Generator::new(Box::new(sam), GeneratorParams::default())?))
+}
+
+/// The network of Segment Anything that finds masks, if one does.
+fn sam_from(masks: &MasksFrom) -> Option<SamFrom> {
+    match masks {
+        MasksFrom::Sam(from) => Some(from.clone()),
+        // Without a folder for models there are none.
+        MasksFrom::Auto => {
+            let any = Store::open().is_ok_and(|s| s.names().is_ok_and(|names| !names.is_empty()));
+            any.then_some(SamFrom::Model(None))
+        }
+        _ => None,
+    }
+}
+
+/// All that masks depend on but the photograph and its parameters, as text: what finds them, sums of
+/// files, the engine.
+pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow::Result<String> {
+    let engine = |engine: &EngineOptions| {
+        Ok::<_, Error>(match choose(engine)? {
+            Choice::OnnxRuntime { version, .. } => format!("ONNX Runtime {version}"),
+            Choice::Rten { .. } => "rten".to_owned(),
+        })
+    };
+    Ok(match (masks, sam_from(masks)) {
+        (_, Some(from)) => {
+            let sums = match &from {
+                SamFrom::Files(files) => {
+                    let sums: Vec<Vec<String>> =
+                        files.iter().map(|path| sums_of_network(path)).collect::<vtex::Result<_>>()?;
+                    sums.concat()
+                }
+                SamFrom::Model(name) => {
+                    let store = Store::open()?;
+                    store.sums(&model_name(&store, name.as_ref())?)?
+                }
+            };
+            format!("sam {} {}", sums.join(" "), engine(options)?)
+        }
+        (MasksFrom::Regions, None) => "regions".into(),
+        (MasksFrom::Felzenszwalb, None) => "felzenszwalb".into(),
+        (MasksFrom::File(path), None) => format!("file {}", sums_of_network(path)?.join(" ")),
+        (_, None) => format!("texton {}", engine(&for_texton(options))?),
+    })
+}
+
+/// What runs the network that is part of the program: ONNX Runtime only if asked for by name, so
+/// that masks do not depend on what else is installed.
+fn for_texton(engine: &EngineOptions) -> EngineOptions {
+    let unnamed = engine.runtime == Runtime::Auto && engine.library.is_none();
+    EngineOptions { runtime: if unnamed { Runtime::Rten } else { engine.runtime }, ..engine.clone() }
+}
+
+/// Loads Segment Anything.
+fn sam(from: &SamFrom, engine: &EngineOptions) -> anyhow::Result<Sam> {
+    let files = match from {
+        SamFrom::Files(files) => files.clone(),
+        SamFrom::Model(name) => {
+            let store = Store::open()?;
+            store.networks(&model_name(&store, name.as_ref())?)?
+        }
+    };
+    let files: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
+    Ok(Sam::open(&files, engine)?)
+}
+
+/// The model that is named, or the only one.
+fn model_name(store: &Store, name: Option<&Name>) -> anyhow::Result<String> {
+    let names = store.names()?;
+    match (name, &names[..]) {
+        (Some(name), _) => Ok(name.as_str().to_owned()),
+        (None, [only]) => Ok(only.clone()),
+        (None, []) => {
+            let failure = Failure::failed("there is no model of Segment Anything");
+            let hint = "add one with 'vtex models add', or name its files with --encoder and --decoder";
+            Err(failure.hint(hint).into())
+        }
+        (None, several) => {
+            let message = format!("there are several models: {}", several.join(", "));
+            Err(Failure::usage(message).hint("choose one with --model").into())
+        }
+    }
+}
+
+/// Why ONNX Runtime does not run networks though it may, for people.
+fn why_not(engine: &EngineOptions) -> String {
+    match choose(engine) {
+        Ok(Choice::Rten { because: Some(reason) }) => format!(" ({reason})"),
+        _ => String::new(),
+    }
+}
+
+/// A segmenter that also saves what it finds.
+struct Saving<'a> {
+    segmenter: Box<dyn Segmenter>,
+    place: Option<&'a Place>,
+}
+
+impl Segmenter for Saving<'_> {
+    fn name(&self) -> String {
+        self.segmenter.name()
+    }
+
+    fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> vtex::Result<Vec<ScoredMask>> {
+        let masks = self.segmenter.segment(image, progress)?;
+        if let Some(place) = self.place {
+            let (width, height) = image.dimensions();
+            let bytes = masks_to_bytes(place.path(), &self.name(), width, height, &masks)?;
+            place.write(|out| out.write_all(&bytes).map_err(|e| Error::write(place.path(), e)))?;
+        }
+        Ok(masks)
+    }
+}

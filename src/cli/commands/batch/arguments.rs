@@ -1,0 +1,62 @@
+//! The arguments of `vtex batch`.
+
+use super::jobs::Source;
+use super::values::{Extension, Shard};
+use crate::cli::options::analyze::AnalyzeFlags;
+use crate::cli::options::control::ControlArgs;
+use crate::cli::options::engine::EngineArgs;
+use crate::cli::options::masks::SamArgs;
+use crate::cli::options::svg::SvgFlags;
+use crate::cli::options::synth::SynthFlags;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Textures of many photographs or libraries
+#[derive(Args)]
+#[command(
+    override_usage = "vtex batch [OPTIONS] --out-dir <DIR> <INPUT>...",
+    after_help = "\
+Examples:
+  vtex batch photos --out-dir textures --size 1000 --seed 7
+  vtex batch a.jpg b.lib.json --out-dir textures --format svgz,scene.json.gz
+  vtex batch jobs.toml --out-dir textures --shard 2/8 --json
+
+A job that fails does not stop the others; the exit code is then 1. Run again, jobs that were done
+from the same input and parameters are skipped: DIR/batch.jsonl tells what was done. A file of jobs
+has the keys of --config at its top, for all jobs, then a [[job]] for each, with input (beside the
+file), output (a name without extension), format, and such keys of its own, as in [job.synth]."
+)]
+pub(crate) struct BatchArgs {
+    /// Photographs, libraries, folders (all pictures in them, by name), or one .toml file of jobs
+    #[arg(value_name = "INPUT", required = true)]
+    pub(crate) input: Vec<PathBuf>,
+    /// Folder for results, named after their inputs, made if need be
+    #[arg(long, value_name = "DIR", required = true, help_heading = "Output")]
+    pub(crate) out_dir: Option<PathBuf>,
+    /// What is written for each: svg, svgz, pdf, png, scene.json, scene.json.gz, lib.json,
+    /// lib.json.gz [default: svg]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = "Output")]
+    pub(crate) format: Option<Vec<Extension>>,
+    /// Do all jobs anew, and replace existing files even if vtex did not write them
+    #[arg(short, long, help_heading = "Output")]
+    pub(crate) force: bool,
+    /// Do only the I-th of N parts of the jobs, for many machines: every N-th from the I-th
+    /// [1/1 to 10000/10000, default: 1/1]
+    #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
+    pub(crate) shard: Option<Shard>,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+    #[command(flatten)]
+    pub(crate) synth: SynthFlags,
+    #[command(flatten)]
+    pub(crate) control: ControlArgs,
+    #[command(flatten)]
+    pub(crate) sam: SamArgs,
+    #[command(flatten)]
+    pub(crate) engine: EngineArgs,
+    #[command(flatten)]
+    pub(crate) analyze: AnalyzeFlags,
+    /// Where jobs come from, once it is read.
+    #[arg(skip)]
+    pub(crate) source: Option<Source>,
+}

@@ -1,0 +1,234 @@
+//! What was done, a line of JSON for each job, so that a batch can go on where it ended.
+
+use super::values::Shard;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use vtex::{Error, Result};
+
+/// How a job ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Status {
+    Done,
+    /// Done before, from the same.
+    Skipped,
+    Failed,
+}
+
+/// A line: one job.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Record {
+    /// Name of its results.
+    pub(crate) job: String,
+    pub(crate) input: String,
+    pub(crate) status: Status,
+    /// SHA-256 of all that the results depend on, but a seed that was not given.
+    #[serde(default)]
+    pub(crate) key: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) seed: Option<u64>,
+    /// Size of the texture, in pixels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) size: Option<[u32; 2]>,
+    /// Primaries placed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) primaries: Option<usize>,
+    /// Share of the area that primaries cover: in the exemplar, and in the result.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) coverage: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) outputs: Vec<Written>,
+    #[serde(default)]
+    pub(crate) seconds: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) error: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) hint: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) warnings: Vec<String>,
+}
+
+/// A file that was written.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Written {
+    /// Its name in the folder for results.
+    pub(crate) file: String,
+    pub(crate) bytes: u64,
+    pub(crate) sha256: String,
+}
+
+impl Written {
+    /// Of a file in the folder for results.
+    ///
+    /// # Errors
+    /// [`Error::Read`].
+    pub(crate) fn of(folder: &Path, file: &str) -> Result<Self> {
+        let path = folder.join(file);
+        let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
+        Ok(Self { file: file.to_owned(), bytes: bytes.len() as u64, sha256: sum(&bytes) })
+    }
+}
+
+/// The records in a folder for results.
+pub(crate) struct Records {
+    folder: PathBuf,
+    /// The file to which this run adds.
+    path: PathBuf,
+    /// The records of jobs that were done, by job and key; several where one was done again.
+    done: BTreeMap<String, Vec<Record>>,
+}
+
+impl Records {
+    /// Reads what is there, of all shards. Lines that cannot be read, such as one that was cut off,
+    /// count as not written.
+    ///
+    /// # Errors
+    /// A folder or file that cannot be read.
+    pub(crate) fn open(folder: &Path, shard: Shard) -> Result<Self> {
+        let name = if shard == Shard::WHOLE {
+            "batch.jsonl".to_owned()
+        } else {
+            format!("batch-{}.jsonl", shard.to_string().replace('/', "-of-"))
+        };
+        let mut files = Vec::new();
+        for entry in fs::read_dir(folder).map_err(|e| Error::read(folder, e))? {
+            let path = entry.map_err(|e| Error::read(folder, e))?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            if name.starts_with("batch") && name.ends_with(".jsonl") {
+                files.push(path);
+            }
+        }
+        files.sort();
+        let mut done: BTreeMap<String, Vec<Record>> = BTreeMap::new();
+        for path in files {
+            let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
+            for line in bytes.split(|b| *b == b'\n') {
+                if let Ok(record) = serde_json::from_slice::<Record>(line)
+                    && record.status == Status::Done
+                {
+                    done.entry(format!("{}\n{}", record.job, record.key)).or_default().push(record);
+                }
+            }
+        }
+        Ok(Self { folder: folder.to_owned(), path: folder.join(name), done })
+    }
+
+    /// The record of a job that was done from the same, whose results are still there as they were
+    /// written.
+    pub(crate) fn done(&self, job: &str, key: &str, files: &[String]) -> Option<&Record> {
+        let is_there = |w: &Written| {
+            let same_size = fs::metadata(self.folder.join(&w.file)).is_ok_and(|m| m.len() == w.bytes);
+            same_size && Written::of(&self.folder, &w.file).is_ok_and(|found| found == *w)
+        };
+        let wanted = |r: &Record| files.iter().all(|file| r.outputs.iter().any(|w| w.file == *file));
+        let known = self.done.get(&format!("{job}\n{key}"))?;
+        known.iter().find(|record| wanted(record) && record.outputs.iter().all(is_there))
+    }
+
+    /// Adds a line, at once and whole.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub(crate) fn add(&self, record: &Record) -> Result<()> {
+        let fail = |e| Error::write(&self.path, e);
+        let mut file = File::options().create(true).read(true).append(true).open(&self.path).map_err(fail)?;
+        let mut line = serde_json::to_vec(record).map_err(|e| fail(e.into()))?;
+        line.push(b'\n');
+        // After a line that was cut off, a new one begins.
+        let mut last = [b'\n'];
+        if file.seek(SeekFrom::End(0)).map_err(fail)? > 0 {
+            file.seek(SeekFrom::End(-1)).map_err(fail)?;
+            file.read_exact(&mut last).map_err(fail)?;
+        }
+        if last != [b'\n'] {
+            line.insert(0, b'\n');
+        }
+        file.write_all(&line).and_then(|()| file.sync_data()).map_err(fail)
+    }
+}
+
+/// SHA-256 of something as JSON, in hexadecimal.
+pub(crate) fn key(value: &impl Serialize) -> String {
+    let bytes = serde_json::to_vec(value).expect("plain values");
+    sum(&bytes)
+}
+
+/// SHA-256, in hexadecimal.
+pub(crate) fn sum(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(job: &str, key: &str, outputs: Vec<Written>) -> Record {
+        Record {
+            job: job.into(),
+            input: format!("{job}.png"),
+            status: Status::Done,
+            key: key.into(),
+            seed: Some(3),
+            size: Some([10, 20]),
+            primaries: Some(4),
+            coverage: Some([0.5, 0.25]),
+            outputs,
+            seconds: 1.5,
+            error: None,
+            hint: None,
+            warnings: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_was_done_is_known_until_its_results_change() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.svg");
+        fs::write(&file, "one").unwrap();
+        let shard = "2/3".parse().unwrap();
+        let written = Written::of(folder.path(), "a.svg").unwrap();
+        Records::open(folder.path(), shard).unwrap().add(&record("a", "k", vec![written])).unwrap();
+        // Also another shard knows it.
+        let known = |key: &str, files: &[&str]| {
+            let files: Vec<String> = files.iter().map(|f| (*f).to_owned()).collect();
+            Records::open(folder.path(), Shard::WHOLE).unwrap().done("a", key, &files).is_some()
+        };
+        assert!(known("k", &["a.svg"]) && !known("other", &["a.svg"]) && !known("k", &["a.svg", "a.png"]));
+        fs::write(&file, "two").unwrap();
+        assert!(!known("k", &["a.svg"]));
+        fs::remove_file(&file).unwrap();
+        assert!(!known("k", &["a.svg"]));
+    }
+
+    #[test]
+    fn what_was_done_again_elsewhere_is_known_too() {
+        let folder = tempfile::tempdir().unwrap();
+        // Without a seed the results of one key differ. The whole batch ran first, then a shard.
+        for (shard, text) in [(Shard::WHOLE, "one"), ("1/2".parse().unwrap(), "two")] {
+            fs::write(folder.path().join("a.svg"), text).unwrap();
+            let written = Written::of(folder.path(), "a.svg").unwrap();
+            Records::open(folder.path(), shard).unwrap().add(&record("a", "k", vec![written])).unwrap();
+        }
+        let again = Records::open(folder.path(), Shard::WHOLE).unwrap();
+        assert!(again.done("a", "k", &["a.svg".into()]).is_some());
+    }
+
+    #[test]
+    fn a_line_that_was_cut_off_harms_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("batch.jsonl");
+        let records = Records::open(folder.path(), Shard::WHOLE).unwrap();
+        records.add(&record("a", "k", Vec::new())).unwrap();
+        let whole = fs::read(&path).unwrap();
+        fs::write(&path, &whole[..whole.len() - 9]).unwrap();
+        records.add(&record("b", "k", Vec::new())).unwrap();
+        records.add(&record("c", "k", Vec::new())).unwrap();
+        let again = Records::open(folder.path(), Shard::WHOLE).unwrap();
+        let known = ["a", "b", "c"].map(|job| again.done(job, "k", &[]).is_some());
+        assert_eq!(known, [false, true, true]);
+    }
+}

@@ -1,0 +1,305 @@
+//! All jobs done, each whatever came of the others.
+
+use super::jobs::BatchJob;
+use super::plan::Batch;
+use super::record::{Record, Records, Status, Written, key, sum};
+use super::tell::{Total, tell, thousandths};
+use super::values::Extension;
+use crate::cli::analysis::{Analysis, analyze, finds_masks};
+use crate::cli::common::Common;
+use crate::cli::exit::Exit;
+use crate::cli::failure::{Failure, explain};
+use crate::cli::input::{Input, Kind};
+use crate::cli::interrupt;
+use crate::cli::options::analyze::SegmenterName;
+use crate::cli::options::svg::SvgParameters;
+use crate::cli::output::{Place, Target, say};
+use crate::cli::progress::Reporter;
+use crate::cli::reading;
+use crate::cli::weights::read_weights;
+use serde::Serialize;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+use vtex::library::{AnalyzeParams, Library};
+use vtex::output::file::Format;
+use vtex::scene::{Scene, SynthParams};
+use vtex::synth::{Report, synthesize_with};
+use vtex::{Error, Progress};
+
+/// All that results depend on, besides this program's version.
+#[derive(Serialize)]
+struct Origin<'a> {
+    program: &'static str,
+    /// SHA-256 of the input.
+    input: String,
+    /// SHA-256 of the files that steer synthesis, with their flags.
+    steering: Vec<(&'static str, String)>,
+    /// Of a photograph: what finds masks, with the sums of its networks.
+    masks: Option<String>,
+    analyze: Option<&'a AnalyzeParams>,
+    synth: &'a SynthParams,
+    svg: SvgParameters,
+}
+
+/// What finds masks, by segmenter: networks are large and read once for all jobs.
+#[derive(Default)]
+struct Finders(RefCell<BTreeMap<SegmenterName, String>>);
+
+impl Finders {
+    /// All that the masks of a job depend on but its photograph and its parameters.
+    fn of(&self, batch: &Batch, job: &BatchJob) -> anyhow::Result<String> {
+        let name = job.parameters.segmenter;
+        if let Some(known) = self.0.borrow().get(&name) {
+            return Ok(known.clone());
+        }
+        let found = finds_masks(&job.masks, &batch.engine)?;
+        self.0.borrow_mut().insert(name, found.clone());
+        Ok(found)
+    }
+}
+
+/// A job with all its parameters resolved.
+struct Run<'a> {
+    batch: &'a Batch,
+    job: &'a BatchJob,
+    finders: &'a Finders,
+    common: Common,
+    input: Input,
+    analyze: AnalyzeParams,
+    synth: SynthParams,
+}
+
+/// A texture that is made but not written.
+struct Made {
+    /// Of a photograph, the library made of it; of a library, itself.
+    library: Library,
+    scene: Scene,
+    report: Report,
+}
+
+pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
+    std::fs::create_dir_all(&batch.out_dir).map_err(|e| Error::write(&batch.out_dir, e))?;
+    let records = Records::open(&batch.out_dir, batch.shard)?;
+    let all = batch.jobs.iter().enumerate();
+    let mine: Vec<&BatchJob> = all.filter(|(i, _)| batch.shard.holds(*i)).map(|(_, job)| job).collect();
+    let finders = Finders::default();
+    let began = Instant::now();
+    let mut told = Vec::new();
+    for (i, job) in mine.iter().enumerate() {
+        if interrupt::asked() {
+            break;
+        }
+        if !common.quiet && !common.json {
+            say(&format!("[{}/{}] {}", i + 1, mine.len(), job.input.display()));
+        }
+        let Some(record) = one(common, batch, job, &finders, &records) else { break };
+        if record.status != Status::Skipped {
+            records.add(&record)?;
+        }
+        tell(common, &record)?;
+        told.push(record);
+    }
+    let count = |status| told.iter().filter(|r: &&Record| r.status == status).count();
+    let total = Total {
+        program: vtex::PROGRAM,
+        command: "batch",
+        shard: batch.shard.to_string(),
+        jobs: mine.len(),
+        done: count(Status::Done),
+        skipped: count(Status::Skipped),
+        failed: count(Status::Failed),
+        seconds: thousandths(began.elapsed().as_secs_f64()),
+    };
+    total.tell(common, &told)?;
+    interrupt::check()?;
+    if total.failed > 0 {
+        let failure = Failure::failed(format!("{} of {} jobs failed", total.failed, total.jobs));
+        return Err(failure.hint("run the same again to do these only").into());
+    }
+    Ok(())
+}
+
+/// Does a job, whatever comes of it. None if the user asked to stop.
+fn one(
+    common: &Common,
+    batch: &Batch,
+    job: &BatchJob,
+    finders: &Finders,
+    records: &Records,
+) -> Option<Record> {
+    let began = Instant::now();
+    let mut record = Record {
+        job: job.name.clone(),
+        input: job.input.display().to_string(),
+        status: Status::Done,
+        key: String::new(),
+        seed: None,
+        size: None,
+        primaries: None,
+        coverage: None,
+        outputs: Vec::new(),
+        seconds: 0.0,
+        error: None,
+        hint: None,
+        warnings: Vec::new(),
+    };
+    let done = guarded(|| Run::new(common, batch, job, finders)?.complete(&mut record, records));
+    if let Err(error) = done {
+        let (message, hint, exit) = explain(&error);
+        if exit == Exit::Interrupted {
+            return None;
+        }
+        record.status = Status::Failed;
+        (record.error, record.hint) = (Some(message), hint);
+    }
+    record.seconds = thousandths(began.elapsed().as_secs_f64());
+    Some(record)
+}
+
+/// A defect of the program in one job must not be the end of the others.
+fn guarded<T>(work: impl FnOnce() -> anyhow::Result<T>) -> anyhow::Result<T> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
+        let failure = Failure::failed(format!("a defect of this program: {said}"));
+        Err(failure.hint("please report it, with the input if you can").into())
+    })
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        common: &Common,
+        batch: &'a Batch,
+        job: &'a BatchJob,
+        finders: &'a Finders,
+    ) -> anyhow::Result<Self> {
+        let input = Input::File(job.input.clone());
+        let seed = job.parameters.seed.unwrap_or(batch.seed).0;
+        let analyze = AnalyzeParams { seed, ..job.parameters.analyze.clone() };
+        let mut synth = SynthParams { seed, ..job.parameters.synth.clone() };
+        read_weights(job.parameters.weights.clone(), &input, &mut synth)?;
+        let debug_folder = common.debug_folder.as_ref().map(|folder| folder.join(&job.name));
+        Ok(Self {
+            batch,
+            job,
+            finders,
+            common: Common { debug_folder, ..common.clone() },
+            input,
+            analyze,
+            synth,
+        })
+    }
+
+    /// Skips what is done, else makes and writes all results.
+    fn complete(&self, record: &mut Record, records: &Records) -> anyhow::Result<()> {
+        let bytes = self.input.read()?;
+        let is_library =
+            Kind::expect(&bytes, &self.input, &[Kind::Library, Kind::Image, Kind::Unknown])? == Kind::Library;
+        record.key = self.key(&bytes, is_library)?;
+        drop(bytes);
+        let files: Vec<String> = self.job.files().collect();
+        if let Some(known) = records.done(&record.job, &record.key, &files).filter(|_| !self.batch.force) {
+            *record = Record { status: Status::Skipped, input: record.input.clone(), ..known.clone() };
+            return Ok(());
+        }
+        let reporter = Reporter::new(&self.common)?;
+        let outcome = self.make(&reporter, is_library).and_then(|made| {
+            reporter.stage("writing")?;
+            for target in self.targets() {
+                let written = made.write(&target, self.job.parameters.svg)?;
+                written.iter().for_each(|warning| reporter.warn(warning));
+            }
+            Ok(made)
+        });
+        record.warnings = reporter.finish().1;
+        // Work is also stopped when a picture of a stage cannot be written: that is then the reason.
+        let made = match reporter.failure() {
+            Some(reason) => return Err(reason.into()),
+            None => outcome?,
+        };
+        let written = files.iter().map(|file| Written::of(&self.batch.out_dir, file));
+        record.outputs = written.collect::<vtex::Result<_>>()?;
+        record.seed = Some(self.synth.seed);
+        record.size = Some([made.scene.width, made.scene.height]);
+        record.primaries = Some(made.scene.primary.len());
+        record.coverage = Some([made.report.coverage_wanted, made.report.coverage]);
+        Ok(())
+    }
+
+    /// The sum of all that results depend on; a seed that was not given does not count, because
+    /// every run has another.
+    fn key(&self, input: &[u8], is_library: bool) -> anyhow::Result<String> {
+        let given = self.job.parameters.seed.is_some();
+        let seed = |seed: u64| if given { seed } else { 0 };
+        let analyze = AnalyzeParams { seed: seed(self.analyze.seed), ..self.analyze.clone() };
+        let synth = SynthParams { seed: seed(self.synth.seed), ..self.synth.clone() };
+        let steering = self.batch.steering.files().map(|(flag, file)| Ok((flag, sum(&file.read()?))));
+        Ok(key(&Origin {
+            program: vtex::PROGRAM,
+            input: sum(input),
+            steering: steering.collect::<vtex::Result<_>>()?,
+            masks: (!is_library).then(|| self.finders.of(self.batch, self.job)).transpose()?,
+            analyze: (!is_library).then_some(&analyze),
+            synth: &synth,
+            svg: self.job.parameters.svg,
+        }))
+    }
+
+    fn targets(&self) -> Vec<Target> {
+        let target = |(file, format): (String, Extension)| Target {
+            place: Place::File { path: self.batch.out_dir.join(file), force: self.batch.force },
+            kind: format.kind(),
+        };
+        self.job.files().zip(self.job.formats.iter().copied()).map(target).collect()
+    }
+
+    fn make(&self, reporter: &Reporter, is_library: bool) -> anyhow::Result<Made> {
+        // What is wrong with them shows before the long work.
+        self.targets().iter().try_for_each(|target| target.place.probe())?;
+        let controls = reading::controls(&self.batch.steering, &self.synth, 1)?;
+        let mut libraries = if is_library {
+            reporter.stage("reading")?;
+            reading::libraries(std::slice::from_ref(&self.input))?
+        } else {
+            let analysis = Analysis {
+                photo: self.input.clone(),
+                masks: self.job.masks.clone(),
+                engine: self.batch.engine.clone(),
+                save_masks: None,
+                parameters: self.analyze.clone(),
+            };
+            vec![analyze(&self.common, &analysis, reporter)?]
+        };
+        let (scene, report) = synthesize_with(&libraries, &self.synth, &controls, reporter)?;
+        Ok(Made { library: libraries.remove(0), scene, report })
+    }
+}
+
+impl Made {
+    /// Writes one of the results; what the writer warns of.
+    fn write(&self, target: &Target, svg: SvgParameters) -> vtex::Result<Vec<String>> {
+        let written = match target.kind.format {
+            Format::Library => target.write_bytes(&self.library.to_json())?,
+            Format::Svg => target.write_scene(&self.scene, svg, 1.0)?,
+            // A limit of bytes is for what of the results is an SVG.
+            _ => target.write_scene(&self.scene, SvgParameters { max_bytes: None, ..svg }, 1.0)?,
+        };
+        Ok(written.warnings)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_an_error() {
+        let error = guarded::<()>(|| panic!("number {}", 7)).unwrap_err();
+        let (message, hint, exit) = explain(&error);
+        assert_eq!((message.as_str(), exit), ("a defect of this program: number 7", Exit::Failed));
+        assert!(hint.unwrap().contains("report"));
+        assert_eq!(guarded(|| Ok(3)).unwrap(), 3);
+    }
+}

@@ -1,0 +1,103 @@
+//! Values of options of `vtex batch`.
+
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+use vtex::output::file::Kind;
+
+/// What follows the name of a file that is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Extension(&'static str);
+
+impl Extension {
+    /// All of them, the default first.
+    const ALL: [&'static str; 8] =
+        ["svg", "svgz", "pdf", "png", "scene.json", "scene.json.gz", "lib.json", "lib.json.gz"];
+
+    /// What is written if nothing is said.
+    pub(crate) const DEFAULT: Self = Self(Self::ALL[0]);
+
+    pub(crate) fn as_str(self) -> &'static str {
+        self.0
+    }
+
+    /// The kind of file.
+    pub(crate) fn kind(self) -> Kind {
+        Kind::from_path(Path::new(&format!("x.{}", self.0))).expect("all are known")
+    }
+}
+
+impl FromStr for Extension {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let known = Self::ALL.into_iter().find(|e| *e == text.trim_start_matches('.'));
+        known.map(Self).ok_or_else(|| format!("expected one of {}", Self::ALL.join(", ")))
+    }
+}
+
+/// A part of the jobs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shard {
+    /// From 1.
+    number: usize,
+    of: usize,
+}
+
+impl Shard {
+    /// All jobs.
+    pub(crate) const WHOLE: Self = Self { number: 1, of: 1 };
+    const MOST: usize = 10_000;
+
+    /// Whether the job at an index belongs to it.
+    pub(crate) fn holds(self, index: usize) -> bool {
+        index % self.of + 1 == self.number
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        match parts {
+            Some((number, of)) if 1 <= number && number <= of && of <= Self::MOST => Ok(Self { number, of }),
+            _ => Err(format!("expected I/N, such as 2/8, with I from 1 to N and N up to {}", Self::MOST)),
+        }
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vtex::output::file::Format;
+
+    #[test]
+    fn shards_split_all_jobs() {
+        let shards = ["1/3", "2/3", "3/3"].map(|s| s.parse::<Shard>().unwrap());
+        for index in 0..20 {
+            assert_eq!(shards.iter().filter(|s| s.holds(index)).count(), 1);
+        }
+        assert_eq!(shards[1].to_string(), "2/3");
+        assert_eq!("1/1".parse(), Ok(Shard::WHOLE));
+        for bad in ["", "1", "0/3", "4/3", "1/0", "-1/3", "1/10001", "a/b", "1/2/3"] {
+            assert!(bad.parse::<Shard>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn every_extension_has_a_kind() {
+        for name in Extension::ALL {
+            let kind = name.parse::<Extension>().unwrap().kind();
+            assert_eq!(kind.gzip, name.ends_with('z'));
+        }
+        assert_eq!(Extension::DEFAULT.kind().format, Format::Svg);
+        assert!("jpg".parse::<Extension>().is_err());
+    }
+}

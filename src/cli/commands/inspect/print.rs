@@ -1,0 +1,349 @@
+//! What a library or a scene holds, printed.
+
+use crate::cli::common::Common;
+use crate::cli::failure::label;
+use crate::cli::input::{Input, Kind};
+use crate::cli::output;
+use crate::cli::summary::{Counts, bytes as show_bytes};
+use anstyle::{AnsiColor, RgbColor, Style};
+use serde::Serialize;
+use vtex::library::{AnalyzeParams, Library};
+use vtex::raster::colour::Colour;
+use vtex::scene::{EditRecord, Scene, SynthParams, Tile};
+
+/// What is said of a file.
+#[derive(Debug, Serialize)]
+struct Inspection {
+    file: String,
+    format: String,
+    version: u32,
+    program: String,
+    /// Size of the file, unpacked or not as it is.
+    bytes: u64,
+    /// Size of the exemplar or canvas, in pixels.
+    size: [u32; 2],
+    exemplars: Vec<Exemplar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    segmenter: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tile: Option<Tile>,
+    counts: Counts,
+    /// Share of the picture that primaries cover, 0 to 1.
+    coverage: f64,
+    /// Areas of the textons, in pixels.
+    areas: Areas,
+    /// Typical distances, in pixels.
+    spacing: Spacing,
+    categories: Vec<CategoryLine>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    analyze: Option<AnalyzeParams>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    synth: Option<SynthParams>,
+    /// What was done to a scene after it was made, in order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    edits: Vec<EditRecord>,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Exemplar {
+    file: String,
+    sha256: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Areas {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    primaries: Option<Quantiles>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    secondaries: Option<Quantiles>,
+}
+
+#[derive(Debug, Serialize)]
+struct Spacing {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    secondaries: Option<f64>,
+    background: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+struct Quantiles {
+    smallest: f64,
+    tenth: f64,
+    median: f64,
+    ninetieth: f64,
+    largest: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct CategoryLine {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    library: Option<u32>,
+    category: u16,
+    colour: Colour,
+    primaries: usize,
+    /// Those that the border does not cut.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    whole: Option<usize>,
+    mean_area: f64,
+    coverage: f64,
+}
+
+pub(super) fn run(common: &Common, input: &Input) -> anyhow::Result<()> {
+    let bytes = input.read()?;
+    let name = input.name();
+    let inspection = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene])? {
+        Kind::Library => of_library(&Library::from_bytes(&bytes, &name)?, name, bytes.len() as u64),
+        _ => of_scene(&Scene::from_bytes(&bytes, &name)?, name, bytes.len() as u64),
+    };
+    if common.json {
+        let mut text = serde_json::to_string_pretty(&inspection)?;
+        text.push('\n');
+        return output::print(text.as_bytes());
+    }
+    output::print_styled(&inspection.show())
+}
+
+fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
+    let source = &library.source;
+    let categories = library.categories.iter().enumerate().map(|(i, category)| {
+        let members = || library.primaries.iter().filter(|p| usize::from(p.category.0) == i);
+        let [r, g, b, area, _] = category.centre;
+        CategoryLine {
+            library: None,
+            category: i as u16,
+            colour: Colour::from_f64([r, g, b]),
+            primaries: members().count(),
+            whole: Some(members().filter(|p| !p.clipped).count()),
+            mean_area: area,
+            coverage: category.coverage,
+        }
+    });
+    let secondaries = &library.secondaries;
+    Inspection {
+        file,
+        format: library.format.clone(),
+        version: library.version,
+        program: source.program.clone(),
+        bytes,
+        size: [source.width, source.height],
+        exemplars: vec![Exemplar { file: source.file.clone(), sha256: source.sha256.clone() }],
+        segmenter: Some(source.segmenter.clone()),
+        seed: Some(source.parameters.seed),
+        tile: None,
+        counts: Counts::of_library(library),
+        coverage: library.coverage,
+        areas: Areas {
+            primaries: Quantiles::of(library.primaries.iter().map(|p| f64::from(p.area))),
+            secondaries: Quantiles::of(secondaries.textons.iter().map(|s| f64::from(s.area))),
+        },
+        spacing: Spacing { secondaries: Some(secondaries.spacing), background: library.background.spacing },
+        categories: categories.collect(),
+        analyze: Some(source.parameters.clone()),
+        synth: None,
+        edits: Vec::new(),
+        warnings: source.warnings.clone(),
+    }
+}
+
+fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
+    let area = |i: &vtex::scene::Instance| {
+        scene.textons[i.texton as usize].outline.area() * i.affine().determinant().abs()
+    };
+    let covered = vtex::output::coverage(scene);
+    let canvas = (vtex::output::inside(scene) as f64).max(1.0);
+    let categories = covered.iter().map(|(&(library, category), &pixels)| {
+        let same = |t: &vtex::scene::Texton| t.library == library && t.category == Some(category);
+        let members = || scene.primary.iter().filter(|i| same(&scene.textons[i.texton as usize]));
+        let count = members().count();
+        let mut mean = [0.0; 3];
+        for instance in members() {
+            let texton = &scene.textons[instance.texton as usize];
+            let colour = instance.colour.unwrap_or(texton.colour).to_f64();
+            mean = [0, 1, 2].map(|k| mean[k] + colour[k] / count as f64);
+        }
+        CategoryLine {
+            library: (scene.libraries.len() > 1).then_some(library),
+            category,
+            colour: Colour::from_f64(mean),
+            primaries: count,
+            whole: None,
+            mean_area: members().map(area).sum::<f64>() / count.max(1) as f64,
+            coverage: pixels as f64 / canvas,
+        }
+    });
+    let exemplars =
+        scene.libraries.iter().map(|l| Exemplar { file: l.exemplar.clone(), sha256: l.sha256.clone() });
+    Inspection {
+        file,
+        format: scene.format.clone(),
+        version: scene.version,
+        program: scene.program.clone(),
+        bytes,
+        size: [scene.width, scene.height],
+        exemplars: exemplars.collect(),
+        segmenter: None,
+        seed: scene.parameters.as_ref().map(|p| p.seed),
+        tile: Some(scene.tile),
+        counts: Counts::of_scene(scene),
+        coverage: covered.values().sum::<u64>() as f64 / canvas,
+        areas: Areas {
+            primaries: Quantiles::of(scene.primary.iter().map(area)),
+            secondaries: Quantiles::of(scene.secondary.iter().map(area)),
+        },
+        spacing: Spacing { secondaries: None, background: scene.background.spacing },
+        categories: categories.collect(),
+        analyze: None,
+        synth: scene.parameters.clone(),
+        edits: scene.edits.clone(),
+        warnings: Vec::new(),
+    }
+}
+
+impl Quantiles {
+    /// Of some values; none of none. Each is the value at or below which that share lies.
+    fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
+        let mut sorted: Vec<f64> = values.collect();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len().checked_sub(1)?;
+        let at = |tenths: usize| sorted[last * tenths / 10];
+        Some(Self { smallest: at(0), tenth: at(1), median: at(5), ninetieth: at(9), largest: at(10) })
+    }
+}
+
+impl Inspection {
+    /// For people: aligned, with styles that vanish where colours are not wanted.
+    fn show(&self) -> String {
+        let head = Style::new().bold();
+        let c = &self.counts;
+        let mut text = format!(
+            "{head}{}{head:#}: {} {}, written by {}, {}\n\n",
+            self.file,
+            self.format,
+            self.version,
+            self.program,
+            show_bytes(self.bytes)
+        );
+        let mut line =
+            |name: &str, value: String| text.push_str(&format!("{head}{name:12}{head:#} {value}\n"));
+        line("size", format!("{} x {} px", self.size[0], self.size[1]));
+        for exemplar in &self.exemplars {
+            let sum: String = exemplar.sha256.chars().take(12).collect();
+            line("exemplar", format!("{} (sha256 {sum}…)", exemplar.file));
+        }
+        if let Some(segmenter) = &self.segmenter {
+            line("segmenter", segmenter.clone());
+        }
+        if let Some(seed) = self.seed {
+            line("seed", seed.to_string());
+        }
+        match self.tile {
+            Some(Tile { x: true, y: true }) => line("tiles", "in both directions".into()),
+            Some(Tile { x: true, .. }) => line("tiles", "left to right".into()),
+            Some(Tile { y: true, .. }) => line("tiles", "top to bottom".into()),
+            _ => {}
+        }
+        let whole = c.clipped.map(|n| format!(" ({} can be placed, {n} cut by the border)", c.primaries - n));
+        line("primaries", format!("{:7}{}", c.primaries, whole.unwrap_or_default()));
+        line("details", format!("{:7}", c.details));
+        let apart = self.spacing.secondaries.map(|s| format!(" (spacing {s:.1} px)"));
+        line("secondaries", format!("{:7}{}", c.secondaries, apart.unwrap_or_default()));
+        line("background", format!("{:7} (spacing {:.1} px)", c.background, self.spacing.background));
+        line("coverage", format!("{:6.1} %", self.coverage * 100.0));
+        let areas = [("primaries", self.areas.primaries), ("secondaries", self.areas.secondaries)];
+        if areas.iter().any(|a| a.1.is_some()) {
+            text.push('\n');
+            let titles = ["area in px", "smallest", "10 %", "median", "90 %", "largest"];
+            let mut rows = vec![titles.map(str::to_owned).to_vec()];
+            for (name, quantiles) in areas {
+                let Some(q) = quantiles else { continue };
+                let values = [q.smallest, q.tenth, q.median, q.ninetieth, q.largest];
+                rows.push(std::iter::once(name.into()).chain(values.map(|v| format!("{v:.0}"))).collect());
+            }
+            table(&rows, &[], &mut text);
+        }
+        if !self.categories.is_empty() {
+            text.push('\n');
+            let several = self.categories.iter().any(|c| c.library.is_some());
+            let whole = self.categories.iter().any(|c| c.whole.is_some());
+            let mut titles = vec!["category", "colour", "primaries"];
+            if whole {
+                titles.push("whole");
+            }
+            titles.extend(["mean area", "coverage"]);
+            let mut rows = vec![titles.into_iter().map(str::to_owned).collect::<Vec<_>>()];
+            for c in &self.categories {
+                let name = match c.library {
+                    Some(library) if several => format!("{library}:{}", c.category),
+                    _ => c.category.to_string(),
+                };
+                let mut row = vec![name, c.colour.to_string(), c.primaries.to_string()];
+                row.extend(c.whole.map(|n| n.to_string()));
+                row.extend([format!("{:.0} px", c.mean_area), format!("{:.2} %", c.coverage * 100.0)]);
+                rows.push(row);
+            }
+            let swatches: Vec<Colour> = self.categories.iter().map(|c| c.colour).collect();
+            table(&rows, &swatches, &mut text);
+        }
+        if !self.edits.is_empty() {
+            text.push_str(&format!("\n{head}edits{head:#}, in this order\n"));
+        }
+        for (i, edit) in self.edits.iter().enumerate() {
+            // The scene's own seed needs no telling.
+            let own = edit.seed == self.seed.unwrap_or(0);
+            let seed = if own { String::new() } else { format!(" (seed {})", edit.seed) };
+            text.push_str(&format!("{:4}  {}{seed}\n", i + 1, edit.operation));
+        }
+        if !self.warnings.is_empty() {
+            text.push('\n');
+        }
+        let yellow = label(AnsiColor::Yellow);
+        for warning in &self.warnings {
+            text.push_str(&format!("{yellow}warning:{yellow:#} {warning}\n"));
+        }
+        text
+    }
+}
+
+/// Rows of cells in columns: titles bold, the first column to the left, all others to the right.
+/// If there are colours, each row after the first has a patch of its own before the second column.
+fn table(rows: &[Vec<String>], swatches: &[Colour], text: &mut String) {
+    let bold = Style::new().bold();
+    let width = |k: usize| rows.iter().filter_map(|r| r.get(k)).map(|c| c.chars().count()).max().unwrap_or(0);
+    for (i, row) in rows.iter().enumerate() {
+        let style = if i == 0 { bold } else { Style::new() };
+        let mut line = String::new();
+        for (k, cell) in row.iter().enumerate() {
+            let width = width(k);
+            match k {
+                0 => line.push_str(&format!("{cell:<0$}", width.max(12))),
+                1 if !swatches.is_empty() => {
+                    let colour = i.checked_sub(1).and_then(|k| swatches.get(k));
+                    let patch = colour.map_or(Style::new(), |c| {
+                        let [r, g, b] = c.0;
+                        Style::new().bg_color(Some(RgbColor(r, g, b).into()))
+                    });
+                    line.push_str(&format!(" {patch}    {patch:#} {cell:>width$}"));
+                }
+                _ => line.push_str(&format!("  {cell:>width$}")),
+            }
+        }
+        text.push_str(&format!("{style}{line}{style:#}\n"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_values_of_the_sample() {
+        let q = Quantiles::of((0..=100).rev().map(f64::from)).unwrap();
+        assert_eq!((q.smallest, q.tenth, q.median, q.ninetieth, q.largest), (0.0, 10.0, 50.0, 90.0, 100.0));
+        let one = Quantiles::of([7.0].into_iter()).unwrap();
+        assert_eq!((one.smallest, one.largest), (7.0, 7.0));
+        assert_eq!(Quantiles::of(std::iter::empty()), None);
+    }
+}

@@ -1,0 +1,197 @@
+//! The arguments of `vtex interp`, and what they ask for.
+
+use crate::cli::config::Parameters;
+use crate::cli::failure::Failure;
+use crate::cli::format;
+use crate::cli::input::Input;
+use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::render::{RenderFlags, RenderParameters};
+use crate::cli::options::svg::{SvgFlags, SvgParameters};
+use crate::cli::output::{Place, Target};
+use crate::cli::values::named;
+use clap::Args;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use vtex::output::file::{Format, Kind};
+use vtex::scene::{self, Axis};
+
+/// One scene into another: frames, an animation, or one scene between them
+#[derive(Args)]
+#[command(
+    override_usage = "vtex interp [OPTIONS] <FROM> <TO>",
+    after_help = "\
+Examples:
+  vtex interp a.scene.json b.scene.json -o film.gif --frames 30 --back
+  vtex interp a.scene.json b.scene.json -o film.svg --frames 60
+  vtex interp a.scene.json b.scene.json -o frames --format png --scale 2
+  vtex interp a.scene.json b.scene.json -o half.svg --at 0.5
+  vtex interp a.scene.json b.scene.json -o blend.svg --across x
+
+Both scenes must be of one size. An animated SVG moves in browsers and shows the first scene
+elsewhere."
+)]
+pub(crate) struct InterpArgs {
+    /// The scene to begin with, plain or gzip; - reads stdin
+    #[arg(value_name = "FROM", required = true)]
+    pub(super) from: Option<PathBuf>,
+    /// The scene to end with, plain or gzip; - reads stdin
+    #[arg(value_name = "TO", required = true)]
+    pub(super) to: Option<PathBuf>,
+    /// Result, by extension an animation .svg, .svgz, .gif, .png or .apng, or a folder for frames;
+    /// with --at or --across .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(super) output: Option<PathBuf>,
+    /// Pictures, first and last included [2 to 10000, default: 30]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(2..=10000))]
+    pub(super) frames: Option<u32>,
+    /// Pictures in a second of an animation [0.1 to 100, default: 15]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = rate)]
+    pub(super) fps: Option<f64>,
+    /// Play there and back, so that the animation has no jump
+    #[arg(long)]
+    pub(super) back: bool,
+    /// Frames in a folder are [svg or png, default: svg]
+    #[arg(long, value_name = "FORMAT", value_parser = named::<FrameFormat>)]
+    pub(super) format: Option<FrameFormat>,
+    /// One scene only, so far along the way [0 to 1]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
+    #[arg(conflicts_with_all = ["across", "frames", "fps", "back", "format"])]
+    pub(super) at: Option<f64>,
+    /// One scene only, that turns into the other from left to right or from top to bottom [x or y]
+    #[arg(long, value_name = "AXIS", value_parser = named::<Axis>)]
+    #[arg(conflicts_with_all = ["frames", "fps", "back", "format"])]
+    pub(super) across: Option<Axis>,
+    #[command(flatten)]
+    pub(super) force: ForceArgs,
+    #[command(flatten)]
+    pub(super) render: RenderFlags,
+    #[command(flatten)]
+    pub(super) svg: SvgFlags,
+}
+
+/// What frames in a folder are.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum FrameFormat {
+    Svg,
+    Png,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|v| (0.1..=100.0).contains(v));
+    value.ok_or_else(|| "expected a number from 0.1 to 100".into())
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|v| (0.0..=1.0).contains(v));
+    value.ok_or_else(|| "expected a number from 0 to 1".into())
+}
+
+/// Which scenes, and what of them is wanted.
+pub(super) struct Interpolating {
+    pub(super) from: Input,
+    pub(super) to: Input,
+    pub(super) wanted: Wanted,
+    pub(super) scale: RenderParameters,
+    pub(super) svg: SvgParameters,
+}
+
+/// What is wanted of the way from one scene to the other.
+pub(super) enum Wanted {
+    /// One scene.
+    Scene(scene::Place, Target),
+    /// Files of their own, named by their number.
+    Frames { folder: PathBuf, kind: Kind, force: bool, pace: Pace },
+    /// One file that plays.
+    Film { place: Place, kind: FilmKind, pace: Pace },
+}
+
+/// What a film is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FilmKind {
+    Svg { gzip: bool },
+    Gif,
+    Png,
+}
+
+/// How many frames there are and how they are played.
+#[derive(Clone, Copy)]
+pub(super) struct Pace {
+    /// From the first scene to the second, both included.
+    pub(super) frames: u32,
+    pub(super) rate: f64,
+    pub(super) back: bool,
+}
+
+impl Pace {
+    /// Frames that are played, those on the way back included; the first comes once.
+    pub(super) fn played(&self) -> u32 {
+        if self.back { 2 * self.frames - 2 } else { self.frames }
+    }
+
+    /// How far along the way frame `k` of those played is.
+    pub(super) fn share(&self, k: u32) -> f64 {
+        let last = self.frames - 1;
+        f64::from(if k > last { 2 * last - k } else { k }) / f64::from(last)
+    }
+}
+
+impl Interpolating {
+    /// Checks what was asked for.
+    pub(super) fn new(a: InterpArgs, parameters: &Parameters) -> Result<Self, Failure> {
+        let (from, to) = (required(a.from)?, required(a.to)?);
+        check_files(
+            &[("the first scene", &from), ("the second scene", &to)],
+            &[("-o", a.output.as_deref())],
+        )?;
+        let between = a.at.map(scene::Place::At).or(a.across.map(scene::Place::Across));
+        let wanted = if let Some(between) = between {
+            Wanted::Scene(between, target(a.output, &a.force, &from, format::OF_SCENE, Format::Svg)?)
+        } else {
+            let pace = Pace { frames: a.frames.unwrap_or(30), rate: a.fps.unwrap_or(15.0), back: a.back };
+            let Some(path) = a.output else {
+                return Err(Failure::usage("nothing says where the animation goes")
+                    .hint("give -o film.svg, film.gif or film.png, or a folder for frames"));
+            };
+            play(path, a.format, a.force.force, pace)?
+        };
+        Ok(Self { from, to, wanted, scale: parameters.render, svg: parameters.svg })
+    }
+}
+
+/// A film, or frames in a folder, by the name of the output.
+fn play(path: PathBuf, format: Option<FrameFormat>, force: bool, pace: Pace) -> Result<Wanted, Failure> {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let known = [
+        (".svg", FilmKind::Svg { gzip: false }),
+        (".svgz", FilmKind::Svg { gzip: true }),
+        (".gif", FilmKind::Gif),
+        (".png", FilmKind::Png),
+        (".apng", FilmKind::Png),
+    ];
+    let found = known.iter().find(|(ending, _)| name.ends_with(ending)).filter(|_| !path.is_dir());
+    match found {
+        Some(_) if format.is_some() => {
+            Err(Failure::usage("--format is for frames in a folder").hint("give -o the name of a folder"))
+        }
+        Some(&(_, kind)) => Ok(Wanted::Film { place: Place::File { path, force }, kind, pace }),
+        None if is_folder(&path) => {
+            let format = match format.unwrap_or(FrameFormat::Svg) {
+                FrameFormat::Svg => Format::Svg,
+                FrameFormat::Png => Format::Png,
+            };
+            Ok(Wanted::Frames { folder: path, kind: Kind { format, gzip: false }, force, pace })
+        }
+        None => Err(Failure::usage(format!("cannot tell the kind of animation from '{}'", path.display()))
+            .hint(
+                "give -o a name that ends in .svg, .svgz, .gif, .png or .apng, or the name of a folder; \
+                other files hold one scene: give --at or --across",
+            )),
+    }
+}
+
+/// Whether a path can only be meant as a folder.
+fn is_folder(path: &Path) -> bool {
+    path.is_dir() || path.as_os_str() != "-" && path.extension().is_none()
+}

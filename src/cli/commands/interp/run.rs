@@ -1,0 +1,164 @@
+//! Frames, an animation, or a scene between two.
+
+use super::arguments::{FilmKind, Interpolating, Pace, Wanted};
+use crate::cli::common::Common;
+use crate::cli::output::{Place, Target, Written};
+use crate::cli::progress::Reporter;
+use crate::cli::reading;
+use crate::cli::summary::{Counts, Summary};
+use std::cmp::Reverse;
+use std::path::Path;
+use std::sync::Arc;
+use vtex::interpolate::{Interpolation, across};
+use vtex::output::file::{Format, Kind};
+use vtex::output::reduce::GivenUp;
+use vtex::output::svg::Animation;
+use vtex::output::{film::Film, png};
+use vtex::scene::{self, Scene};
+use vtex::{Error, Progress};
+
+pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> anyhow::Result<()> {
+    let Interpolating { from, to, wanted, .. } = job;
+    if let Wanted::Scene(_, Target { place, .. }) | Wanted::Film { place, .. } = wanted {
+        place.probe()?;
+    }
+    reporter.stage("reading")?;
+    let scenes = [reading::scene(from)?, reading::scene(to)?].map(Arc::new);
+    for warning in idle(job) {
+        reporter.warn(warning);
+    }
+    let made = match wanted {
+        Wanted::Scene(between, target) => one(reporter, job, &scenes, *between, target)?,
+        Wanted::Frames { folder, kind, force, pace } => {
+            frames(reporter, job, &scenes, folder, (*kind, *force), pace)?
+        }
+        Wanted::Film { place, kind, pace } => film(reporter, job, &scenes, place, *kind, pace)?,
+    };
+    let summary = Summary {
+        size: made.size,
+        counts: made.counts,
+        ..Summary::new("interp", vec![from.name(), to.name()], made.path, made.written, reporter)
+    };
+    summary.tell(common, made.path == Path::new("-"))
+}
+
+/// What to tell of options that change nothing here.
+fn idle(job: &Interpolating) -> Vec<&'static str> {
+    let svg = matches!(job.wanted, Wanted::Film { kind: FilmKind::Svg { .. }, .. });
+    let drawn = match &job.wanted {
+        Wanted::Scene(_, Target { kind, .. }) | Wanted::Frames { kind, .. } => kind.format == Format::Png,
+        Wanted::Film { .. } => !svg,
+    };
+    let limit = svg && job.svg.max_bytes.is_some();
+    let expand = svg && job.svg.expand;
+    let warnings = [
+        job.scale.warning(drawn),
+        limit.then_some("--max-bytes has no effect here: nothing of an animation can be given up"),
+        expand.then_some("--expand has no effect here: an animation has all textons in full"),
+    ];
+    warnings.into_iter().flatten().collect()
+}
+
+/// What was written where.
+struct Made<'a> {
+    path: &'a Path,
+    written: Written,
+    size: [u32; 2],
+    counts: Option<Counts>,
+}
+
+/// One scene between the two.
+fn one<'a>(
+    reporter: &Reporter,
+    job: &Interpolating,
+    [from, to]: &[Arc<Scene>; 2],
+    between: scene::Place,
+    target: &'a Target,
+) -> anyhow::Result<Made<'a>> {
+    let scene = match between {
+        scene::Place::At(t) => {
+            let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
+            reporter.stage("moving")?;
+            way.at(t)
+        }
+        scene::Place::Across(axis) => across(from.clone(), to.clone(), axis, reporter)?,
+    };
+    reporter.stage("drawing")?;
+    let written = target.write_scene(&scene, job.svg, job.scale.scale)?;
+    let size = job.scale.size_of(&scene, target.kind.format == Format::Png);
+    Ok(Made { path: target.place.path(), written, size, counts: Some(Counts::of_scene(&scene)) })
+}
+
+/// Files of their own, one for each frame.
+fn frames<'a>(
+    reporter: &Reporter,
+    job: &Interpolating,
+    [from, to]: &[Arc<Scene>; 2],
+    folder: &'a Path,
+    (kind, force): (Kind, bool),
+    pace: &Pace,
+) -> anyhow::Result<Made<'a>> {
+    let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
+    std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
+    let drawn = kind.format == Format::Png;
+    let ending = if drawn { "png" } else { "svg" };
+    let count = pace.played();
+    let name = |k: u32| folder.join(format!("frame_{k:0digits$}.{ending}", digits = digits(count)));
+    let mut written = Written::default();
+    for k in 0..count {
+        let target = Target { place: Place::File { path: name(k + 1), force }, kind };
+        let one = target.write_scene(&frame(reporter, &way, pace, k)?, job.svg, job.scale.scale)?;
+        written.bytes += one.bytes;
+        one.warnings.iter().for_each(|warning| reporter.warn(warning));
+        // The most that any frame had to give up.
+        let lost = |given: &GivenUp| (given.details + given.secondaries, Reverse(given.decimals));
+        written.given_up = written.given_up.into_iter().chain(one.given_up).max_by_key(lost);
+    }
+    if name(count + 1).exists() {
+        reporter.warn(&format!(
+            "the folder holds frames of another film as well, from '{}' on",
+            name(count + 1).display()
+        ));
+    }
+    Ok(Made { path: folder, written, size: job.scale.size_of(from, drawn), counts: None })
+}
+
+/// Digits of the numbers of so many files, at least four, so that they sort by name.
+fn digits(count: u32) -> usize {
+    count.to_string().len().max(4)
+}
+
+/// One file that plays.
+fn film<'a>(
+    reporter: &Reporter,
+    job: &Interpolating,
+    [from, to]: &[Arc<Scene>; 2],
+    place: &'a Place,
+    kind: FilmKind,
+    pace: &Pace,
+) -> anyhow::Result<Made<'a>> {
+    let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
+    let film = Film { frames: pace.played(), rate: pace.rate };
+    let opaque = from.domain.is_none() && to.domain.is_none();
+    let picture = |k: u32| png::render(&frame(reporter, &way, pace, k)?, job.scale.scale);
+    let written = match kind {
+        FilmKind::Gif => Written::of(place.write(|out| film.write_gif(picture, out))?.1),
+        FilmKind::Png => Written::of(place.write(|out| film.write_png(opaque, picture, out))?.1),
+        FilmKind::Svg { gzip } => {
+            reporter.stage("drawing")?;
+            // As long as the way is in pictures, back not included.
+            let seconds = f64::from(pace.frames) / pace.rate;
+            let animation = Animation { seconds, back: pace.back, precision: job.svg.precision };
+            let target = Target { place: place.clone(), kind: Kind { format: Format::Svg, gzip } };
+            target.write_animation(&way, &animation)?
+        }
+    };
+    let size = job.scale.size_of(from, !matches!(kind, FilmKind::Svg { .. }));
+    Ok(Made { path: place.path(), written, size, counts: None })
+}
+
+/// Frame `k` of those played.
+fn frame(reporter: &Reporter, way: &Interpolation, pace: &Pace, k: u32) -> vtex::Result<Scene> {
+    let go_on = reporter.advance("drawing", u64::from(k), u64::from(pace.played()));
+    if go_on { Ok(way.at(pace.share(k))) } else { Err(Error::Interrupted) }
+}

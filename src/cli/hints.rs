@@ -1,0 +1,78 @@
+//! What the user may try after an error of the library, in the words of the command line.
+
+use std::io::ErrorKind;
+use vtex::Error;
+use vtex::error::EditFault;
+use vtex::library::Library;
+
+/// What a page says of a photograph that was not found.
+pub(crate) const PHOTO: &str = "Name it with --exemplar.";
+
+/// What may help where analysis found other elements than were wanted.
+pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
+    let (primaries, most) = (library.primaries.len(), library.source.parameters.max_paths as usize);
+    if primaries == 0 {
+        Some("--segmenter finds elements in other ways, --masks takes them from a file")
+    } else if most > 0 && primaries > most {
+        Some("a larger --minimum-area leaves fewer primary textons")
+    } else {
+        None
+    }
+}
+
+/// One sentence without a full stop: one that names commands and options, else the library's own.
+pub(crate) fn hint(error: &Error) -> Option<String> {
+    let text = match error {
+        Error::Write { source, .. }
+            if matches!(source.kind(), ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem) =>
+        {
+            "choose another place with -o"
+        }
+        Error::Exists { .. } => "give another name with -o, or --force to replace it",
+        Error::TooLarge { name, .. } if name == "size" => "ask for a smaller --size",
+        Error::Format { format: "vtex-library", .. } => "make a library with 'vtex analyze photo.jpg'",
+        Error::Format { format: "vtex-scene", .. } => {
+            "make a scene with 'vtex synth photo.lib.json -o out.scene.json'"
+        }
+        Error::Format { format: "vtex-weights", .. } => "search weights with 'vtex tune photo.lib.json'",
+        Error::Runtime { .. } => {
+            "'pip install onnxruntime' brings it; name its libonnxruntime.so (.dylib, onnxruntime.dll) with \
+             --onnxruntime, or use --engine rten"
+        }
+        Error::Engine { engine: "rten", .. } => "try --engine onnxruntime",
+        Error::Engine { engine: "ONNX Runtime", .. } => {
+            "use an export with 32-bit inputs and outputs, or try --engine rten"
+        }
+        Error::Engine { .. } => "is the file complete? Try the other --engine",
+        Error::Edit { fault: EditFault::TooFar(_), .. } => "give smaller numbers",
+        Error::Sizes { .. } => "make both with the same --size, or stretch one with 'vtex warp --scale'",
+        Error::Seams => "make the texture with --tile, for both axes",
+        Error::MaxBytes { smallest, .. } => {
+            return Some(format!(
+                "give --max-bytes {smallest} or more, write .svgz, or make the texture smaller"
+            ));
+        }
+        _ => return error.hint(),
+    };
+    Some(text.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_that_options_mend_name_them() {
+        for (error, option) in [
+            (Error::Exists { path: "a".into() }, "--force"),
+            (Error::TooLarge { name: "size".into(), found: "9".into(), limit: "1".into() }, "--size"),
+            (Error::Seams, "--tile"),
+            (Error::Sizes { from: [1, 1], to: [2, 2] }, "--scale"),
+            (Error::MaxBytes { most: 1, smallest: 7 }, "--max-bytes 7"),
+            (Error::Runtime { name: "a".into(), reason: "b".into() }, "--onnxruntime"),
+            (Error::Engine { name: "a".into(), engine: "rten", reason: "b".into() }, "--engine onnxruntime"),
+        ] {
+            assert!(hint(&error).is_some_and(|h| h.contains(option)), "{error}");
+        }
+    }
+}

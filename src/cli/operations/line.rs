@@ -1,0 +1,58 @@
+//! The text of an operation as clap sees it, and what it means.
+
+use super::condition::condition;
+use super::fault::{self, Fault};
+use super::verb::{self, Verb};
+use super::words::words;
+use crate::cli::failure::Failure;
+use clap::{CommandFactory, Parser};
+use vtex::edit::{Condition, Layers, Operation, validate};
+
+/// An operation and the text that asked for it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Asked {
+    pub(crate) text: String,
+    pub(crate) operation: Operation,
+}
+
+/// An operation as clap sees it.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true, disable_help_flag = true, disable_help_subcommand = true)]
+pub(super) struct Line {
+    #[command(subcommand)]
+    verb: Verb,
+    /// which textons: all is primary and secondary; background, for colours only, is the ground
+    /// [primary, secondary, all, background, default: all]
+    #[arg(long, global = true, value_name = "WORD", default_value = "all")]
+    #[arg(value_parser = verb::choice::<Layers>(&["primary", "secondary", "all", "background"]))]
+    layer: Layers,
+    /// only those that fulfil all of category=3 (or 3|5, or !=3; secondaries have none), library=0,
+    /// id=17, area>200, elongation>1.5, x<500, y>=20 (with >, <, >= or <=), inside=FILE, outside=FILE
+    /// [conditions, with commas between]
+    #[arg(long = "where", global = true, value_name = "CONDITIONS", value_delimiter = ',')]
+    #[arg(value_parser = condition)]
+    conditions: Vec<Condition>,
+}
+
+/// Reads an operation and checks it. `read` gives the bytes of a file by its name; only palettes are
+/// read, because the operation holds their colours.
+///
+/// # Errors
+/// A usage error that says what is wrong and what would be right; those of `read`.
+pub(crate) fn parse(text: &str, read: impl FnOnce(&str) -> vtex::Result<Vec<u8>>) -> anyhow::Result<Asked> {
+    let text = text.trim();
+    let refused = |Fault { reason, advice }: Fault| {
+        let shown: String = text.chars().take(60).collect();
+        Failure::usage(format!("cannot do '{shown}': {reason}")).hint(advice)
+    };
+    let words = words(text).map_err(refused)?;
+    let mut command = Line::command();
+    command.build();
+    let verb = fault::known_verb(&command, words.first().map_or("", String::as_str)).map_err(refused)?;
+    let Line { verb: asked, layer, conditions } =
+        Line::try_parse_from(&words).map_err(|e| refused(fault::of_parser(&e, verb)))?;
+    asked.check(verb).map_err(refused)?;
+    let operation = Operation { action: asked.action(read)?, layers: layer, conditions };
+    validate(&operation).map_err(|e| refused(fault::of_operation(&e, verb)))?;
+    Ok(Asked { text: text.to_owned(), operation })
+}

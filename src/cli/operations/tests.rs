@@ -1,0 +1,189 @@
+//! Texts of operations are understood, or refused with what would be right.
+
+use super::fault;
+use super::line::{Line, parse};
+use clap::CommandFactory;
+use vtex::edit::{
+    Action, Comparison, Condition, Direction, Identity, Layers, Operation, Quantity, ThinOrder,
+};
+use vtex::raster::colour::Colour;
+
+fn palette(_: &str) -> vtex::Result<Vec<u8>> {
+    Ok(b"#ffe0a0 #203040".to_vec())
+}
+
+fn operation(text: &str) -> Operation {
+    parse(text, palette).unwrap_or_else(|e| panic!("{text}: {e}")).operation
+}
+
+fn fault(text: &str) -> [String; 2] {
+    let (message, hint, exit) = crate::cli::failure::explain(&parse(text, palette).unwrap_err());
+    assert_eq!(exit, crate::cli::exit::Exit::Usage);
+    [message, hint.unwrap_or_default()]
+}
+
+#[test]
+fn texts_mean_operations() {
+    let colour = |hex| Colour::from_hex(hex).unwrap();
+    for (text, action) in [
+        ("thin 0.5", Action::Thin { keep: Some(0.5), order: ThinOrder::BlueNoise, minimum_area: None }),
+        (
+            "thin --min-area 9 0.2 --order area",
+            Action::Thin { keep: Some(0.2), order: ThinOrder::Area, minimum_area: Some(9.0) },
+        ),
+        ("density 'a b.png'", Action::Density { map: "a b.png".into() }),
+        ("orient -30", Action::Orient { direction: Direction::Angle(-30.0), strength: 1.0 }),
+        (
+            "orient C:\\x.png --strength=0.5",
+            Action::Orient { direction: Direction::Map("C:\\x.png".into()), strength: 0.5 },
+        ),
+        ("tint #f00", Action::Tint { colour: colour("#ff0000"), amount: 0.5, share: 1.0 }),
+        (
+            "recolor --to #102030 --from #fff",
+            Action::Recolor { from: colour("#ffffff"), to: colour("#102030"), reach: 0.2 },
+        ),
+        (
+            "palette two.txt",
+            Action::Palette {
+                colours: vec![colour("#ffe0a0"), colour("#203040")],
+                file: Some("two.txt".into()),
+            },
+        ),
+        ("shadow --blur 2", Action::Shadow { angle: 45.0, length: 5.0, opacity: 0.4, blur: 2.0 }),
+        ("flatten", Action::Flatten),
+        ("simplify 1", Action::Simplify { tolerance: 1.0 }),
+        ("outline 1.5 #202020", Action::Outline { width: 1.5, colour: colour("#202020") }),
+        ("replace b.lib.json", Action::Replace { library: "b.lib.json".into() }),
+        ("move 20 -5", Action::Move { x: 20.0, y: -5.0 }),
+        ("scale 1.3", Action::Scale { factor: 1.3 }),
+        ("rotate -90", Action::Rotate { angle: -90.0 }),
+        ("jitter --move 4", Action::Jitter { distance: 4.0, angle: 0.0, scale: 0.0 }),
+        ("delete", Action::Delete),
+        ("mask disc.svg", Action::Mask { shape: "disc.svg".into(), inside: true }),
+        ("mask disc.svg --keep outside", Action::Mask { shape: "disc.svg".into(), inside: false }),
+    ] {
+        assert_eq!(operation(text), action.into(), "{text}");
+    }
+    let all =
+        operation("delete --layer secondary --where 'category!=3|5, area>=20,x<9' --where outside=a.svg");
+    assert_eq!(all.layers, Layers::Secondary);
+    let compare = |quantity, comparison, limit| Condition::Compare { quantity, comparison, limit };
+    assert_eq!(
+        all.conditions,
+        [
+            Condition::Among { identity: Identity::Category, numbers: vec![3, 5], wanted: false },
+            compare(Quantity::Area, Comparison::AtLeast, 20.0),
+            compare(Quantity::X, Comparison::Less, 9.0),
+            Condition::Place { shape: "a.svg".into(), inside: false },
+        ]
+    );
+}
+
+#[test]
+fn every_example_can_be_parsed_and_every_parameter_is_explained() {
+    let mut line = Line::command();
+    line.build();
+    line.clone().debug_assert();
+    for verb in line.get_subcommands() {
+        let example = verb.get_after_help().unwrap().to_string();
+        assert!(example.starts_with(verb.get_name()), "{example}");
+        operation(&example);
+        for argument in verb.get_arguments() {
+            let help = argument.get_help().unwrap().to_string();
+            assert!(help.ends_with(']'), "{} {help}", verb.get_name());
+            let defaults = argument.get_default_values();
+            let default = defaults.first().map(|d| format!("default: {}", d.to_string_lossy()));
+            assert!(default.is_none_or(|d| help.contains(&d)), "{} {help}", verb.get_name());
+        }
+    }
+}
+
+#[test]
+fn help_names_the_true_ranges() {
+    let line = Line::command();
+    let mut checked = 0;
+    for verb in line.get_subcommands() {
+        // What is needed beside the parameter looked at.
+        let needed = |but: &str| {
+            let words = verb.get_arguments().filter(|a| a.get_id() != but && a.is_required_set());
+            let words = words.map(|a| {
+                let value = if fault::value_name(a) == "COLOUR" { "#fff" } else { "1" };
+                match a.get_long() {
+                    Some(long) => format!("--{long} {value}"),
+                    None => value.to_owned(),
+                }
+            });
+            words.collect::<Vec<_>>().join(" ")
+        };
+        for argument in verb.get_arguments() {
+            let help = argument.get_help().unwrap().to_string();
+            let range = help.rsplit_once('[').unwrap().1;
+            let Some((low, rest)) = range.split_once(" to ") else { continue };
+            let high = rest.split([' ', ',', ']']).next().unwrap();
+            let (low, high): (f64, f64) = (low.parse().unwrap(), high.parse().unwrap());
+            let ok = |value: f64| {
+                let flag = argument.get_long().map(|long| format!("--{long} ")).unwrap_or_default();
+                let before = if argument.get_id() == "y" { needed("y") } else { String::new() };
+                let after =
+                    if argument.get_id() == "y" { String::new() } else { needed(argument.get_id().as_str()) };
+                parse(&format!("{} {before} {flag}{value} {after}", verb.get_name()), palette).is_ok()
+            };
+            // Nothing at all is asked for by some zeros.
+            assert!((ok(low) || low == 0.0) && ok(high), "{} {help}", verb.get_name());
+            assert!(!ok(low - 0.01) && !ok(high * 1.01), "{} {help}", verb.get_name());
+            checked += 1;
+        }
+    }
+    assert_eq!(checked, 20);
+}
+
+#[test]
+fn faults_are_told_with_what_would_be_right() {
+    for (text, message, hint) in [
+        ("", "it is empty", "thin, density"),
+        ("tnit #fff", "there is no operation 'tnit'", "did you mean 'tint'? the operations are thin,"),
+        ("tint", "COLOUR is missing (#rrggbb)", "tint COLOUR [--amount NUMBER]"),
+        ("tint red", "COLOUR = red is no colour", "#rrggbb"),
+        ("tint #fff --amout 1", "'tint' has no flag '--amout'", "did you mean '--amount'?"),
+        ("tint #fff --amount", "--amount needs a value", "0 to 1"),
+        (
+            "tint #fff --amount 1.5",
+            "--amount = 1.5 is out of range: 0 to 1, default: 0.5",
+            "--amount takes 0 to 1, default: 0.5",
+        ),
+        ("tint #fff --amount NaN", "out of range", "0 to 1"),
+        ("tint #fff #000", "'#000' is one word too many", "tint COLOUR"),
+        ("thin", "nothing says how much to keep", "such as: thin 0.5"),
+        ("thin 2", "KEEP = 2 is out of range: 0 to 1", "KEEP takes 0 to 1"),
+        ("thin 0.5 --order bluenoise", "is none of blue-noise, random, area", "did you mean 'blue-noise'?"),
+        ("thin 0.5 --layer secondry", "--layer = secondry", "did you mean 'secondary'?"),
+        ("thin 0.5 --layer background", "'thin' cannot be done to the background", "tint, recolor, palette"),
+        ("jitter --move 0", "nothing says what to change", "jitter --move 4"),
+        ("delete --where colour=3", "'colour' is nothing that textons have", "did you mean"),
+        ("delete --where area=3", "'area' is not compared by '='", "area>200"),
+        ("delete --where area>x", "'x' is no number", "area>200"),
+        ("delete --where category=1.5", "is no whole number", "category=3"),
+        ("delete --where inside=", "names no file", "inside=FILE"),
+        ("delete --where category", "is no condition", "category=3"),
+        ("tint #fff --amount 0.2 --amount=0.3", "--amount is given twice", "once"),
+        ("thin --min-area 9 --order area", "--order says which go first", "such as: thin 0.5"),
+        ("tint #fff --layer background --where x<9,area>3", "has no categories", "told apart by x"),
+        ("delete --where 'area>3", "a quote ' is not closed", "close it"),
+    ] {
+        let [found, advice] = fault(text);
+        assert!(found.contains(message), "{text}: {found}");
+        assert!(advice.contains(hint), "{text}: {advice}");
+    }
+}
+
+proptest::proptest! {
+    #[test]
+    fn any_text_is_an_operation_or_a_fault(text in "\\PC*|(tint|thin|move|jitter) [a-z0-9#.=<>|,' -]{0,60}") {
+        if let Ok(asked) = parse(&text, palette) {
+            // What was understood once is understood again, and can be recorded.
+            proptest::prop_assert_eq!(&parse(text.trim(), palette).unwrap(), &asked);
+            let record = serde_json::to_string(&asked.operation).unwrap();
+            proptest::prop_assert_eq!(serde_json::from_str::<Operation>(&record).unwrap(), asked.operation);
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! How a photograph is analyzed.
+//!
+//! Options that stand in a configuration file too are `Option`s, so that one given on the command
+//! line is told apart from a default. Their help names range and default, and a test compares
+//! these with the parameter structs.
+
+use crate::cli::values::named;
+use clap::{Args, ValueEnum};
+use serde::{Deserialize, Serialize};
+use vtex::library::Shading;
+
+/// What finds the masks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum SegmenterName {
+    #[default]
+    Auto,
+    Texton,
+    Regions,
+    Felzenszwalb,
+    Sam,
+}
+
+/// Section `[analyze]`.
+#[derive(Args, Serialize)]
+#[command(next_help_heading = "Analysis (lengths in pixels of the photograph)")]
+pub(crate) struct AnalyzeFlags {
+    /// What finds the textons: auto is sam if a model was added, else texton [auto, texton, regions,
+    /// felzenszwalb or sam, default: auto]
+    #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true, help_heading = "Segmentation")]
+    pub(crate) segmenter: Option<SegmenterName>,
+    /// Smallest primary texton, px of area [1 to 1000000, default: 5]
+    #[arg(long, visible_alias = "min-area", value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) minimum_area: Option<u32>,
+    /// Scale of details: larger means fewer [0 to 10000, default: 10]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) detail_scale: Option<f64>,
+    /// Smoothing before details are sought, px [0 to 10, default: 0.7]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) detail_sigma: Option<f64>,
+    /// Smallest detail, px of area [1 to 10000, default: 3]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) detail_minimum: Option<u32>,
+    /// Colour difference within a secondary texton, a share [0 to 1, default: 0.055]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    pub(crate) secondary_tolerance: Option<f64>,
+    /// Smallest secondary texton, px of area [1 to 10000, default: 3]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) secondary_minimum: Option<u32>,
+    /// Largest secondary texton, px of area [1 to 100000, default: 300]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) secondary_maximum: Option<u32>,
+    /// Categories of primary textons [1 to 1000, default: 15]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) categories: Option<u32>,
+    /// How far a texton sees, in mean distances between textons [0.5 to 10,
+    /// default: 2.25]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) descriptor_reach: Option<f64>,
+    /// Distance between background colours, px [4 to 1000, default: 25]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) background_spacing: Option<f64>,
+    /// Strip around textons that is not background, px [0 to 100,
+    /// default: 5]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) background_margin: Option<f64>,
+    /// Distance of smooth outlines from the photograph's, px; larger also means fewer shapes [0.05
+    /// to 5, default: 0.5]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) fidelity: Option<f64>,
+    /// Fill elements with one colour each, or with gradients where these tell more [flat or gradient,
+    /// default: gradient]
+    #[arg(long, value_name = "HOW", value_parser = named::<Shading>)]
+    pub(crate) shading: Option<Shading>,
+    /// Most colours, all flat; 0: as many as there are [0 to 4096, default: 0]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) colors: Option<u32>,
+    /// Most elements and details together; 0: as many as there are [0 to 10000000, default: 0]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) max_paths: Option<u32>,
+    /// Cells along each side of a pixel, on which small shapes are told apart; 0: as fits the
+    /// photograph [0 to 4, default: 0]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) cells: Option<u32>,
+    /// The photograph tiles: opposite borders join [default: false]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    #[arg(hide_possible_values = true)]
+    pub(crate) wrap: Option<bool>,
+}

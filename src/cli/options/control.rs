@@ -1,0 +1,84 @@
+//! Files that steer synthesis.
+
+use super::files::check_files;
+use crate::cli::failure::Failure;
+use crate::cli::input::Input;
+use clap::Args;
+use std::path::{Path, PathBuf};
+use vtex::synth::Controls;
+
+/// Files that steer synthesis.
+#[derive(Args)]
+#[command(next_help_heading = "Control (pictures are stretched over the canvas)")]
+pub(crate) struct ControlArgs {
+    /// Fill a shape: an SVG with one closed path, fitted to the canvas as a whole
+    #[arg(long, value_name = "FILE", conflicts_with = "mask")]
+    pub(crate) domain: Option<PathBuf>,
+    /// Fill what is white in a picture, or opaque where it is partly transparent
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mask: Option<PathBuf>,
+    /// Density relative to the photograph's: a grey picture, black 0, middle grey 1, white 2
+    #[arg(long, value_name = "FILE")]
+    pub(crate) density: Option<PathBuf>,
+}
+
+/// Files that steer synthesis.
+#[derive(Debug, Default)]
+pub(crate) struct Steering {
+    pub(crate) domain: Option<DomainFrom>,
+    pub(crate) density: Option<Input>,
+    pub(crate) maps: Vec<Input>,
+}
+
+/// Where the shape to fill comes from.
+#[derive(Debug)]
+pub(crate) enum DomainFrom {
+    Shape(Input),
+    Mask(Input),
+}
+
+impl Steering {
+    pub(crate) fn new(control: ControlArgs, maps: Vec<PathBuf>) -> Self {
+        let shape = control.domain.map(|path| DomainFrom::Shape(Input::new(path)));
+        Self {
+            domain: shape.or(control.mask.map(|path| DomainFrom::Mask(Input::new(path)))),
+            density: control.density.map(Input::new),
+            maps: maps.into_iter().map(Input::new).collect(),
+        }
+    }
+
+    /// The files with their flags.
+    pub(crate) fn files(&self) -> impl Iterator<Item = (&'static str, &Input)> {
+        let domain = self.domain.iter().map(|d| match d {
+            DomainFrom::Shape(file) => ("--domain", file),
+            DomainFrom::Mask(file) => ("--mask", file),
+        });
+        let density = self.density.iter().map(|file| ("--density", file));
+        domain.chain(density).chain(self.maps.iter().map(|file| ("--map", file)))
+    }
+
+    /// Refuses that a file is read and written, or standard input read twice.
+    pub(crate) fn check(
+        &self,
+        inputs: &[(&'static str, &Input)],
+        written: &[(&str, Option<&Path>)],
+    ) -> Result<(), Failure> {
+        check_files(&inputs.iter().copied().chain(self.files()).collect::<Vec<_>>(), written)
+    }
+
+    /// Refuses a number of maps that does not fit the libraries.
+    pub(crate) fn check_counts(&self, libraries: usize) -> Result<(), Failure> {
+        let most = Controls::MOST_LIBRARIES;
+        let maps = self.maps.len();
+        let message = match (libraries, maps) {
+            (1, 0) => return Ok(()),
+            (1, _) => "--map is for several libraries, one is given".to_owned(),
+            (n, _) if n > most => format!("{n} libraries are given, at most {most} make a scene"),
+            (_, 1) => return Ok(()),
+            (n, 0) => format!("{n} libraries are given, and nothing that says which is where"),
+            (n, maps) if n == maps => return Ok(()),
+            (n, maps) => format!("{maps} times --map is given for {n} libraries"),
+        };
+        Err(Failure::usage(message).hint("give one --map for all libraries, or one for each"))
+    }
+}

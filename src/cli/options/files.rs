@@ -1,0 +1,91 @@
+//! Files that are read and written: where results go, and that no file is both.
+
+use crate::cli::failure::Failure;
+use crate::cli::format::{self, default_name};
+use crate::cli::input::Input;
+use crate::cli::output::{Place, Target};
+use clap::Args;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use vtex::output::file::{Format, Kind};
+
+/// Where results go.
+#[derive(Args)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct ForceArgs {
+    /// Replace an existing file even if vtex did not write it
+    #[arg(short, long)]
+    pub(crate) force: bool,
+}
+
+/// An argument that the parser lets be missing only beside `--dump-config`.
+pub(crate) fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
+    path.map(Input::new).ok_or_else(|| Failure::usage("no input is given"))
+}
+
+/// Where results go: as asked; else stdout if the input is stdin; else a file named after it.
+pub(crate) fn target(
+    output: Option<PathBuf>,
+    force: &ForceArgs,
+    input: &Input,
+    allowed: &[Format],
+    usual: Format,
+) -> Result<Target, Failure> {
+    let path = match (output, input) {
+        (Some(path), _) => path,
+        (None, Input::Stdin) => Path::new("-").into(),
+        (None, Input::File(path)) => default_name(path, usual),
+    };
+    if path.as_os_str() == "-" {
+        if usual == Format::Png && std::io::stdout().is_terminal() {
+            return Err(Failure::usage("a terminal cannot show a picture").hint("name a file with --output"));
+        }
+        return Ok(Target { place: Place::Stdout, kind: Kind { format: usual, gzip: false } });
+    }
+    let kind = format::kind_of("--output", &path, allowed)?;
+    Ok(Target { place: Place::File { path, force: force.force }, kind })
+}
+
+/// Refuses that a file is read and written, or standard input read twice.
+pub(crate) fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+    if read.iter().filter(|(_, file)| **file == Input::Stdin).count() > 1 {
+        let failure = Failure::usage("'-' stands for more than one file");
+        return Err(failure.hint("standard input can be read once"));
+    }
+    for (name, file) in read {
+        if let Input::File(path) = file {
+            for &other in written {
+                apart(&[(name, Some(path.as_path())), other])?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A path that is the same however a file is spelled: links resolved, also those of a file's folder
+/// where the file is yet to be written.
+pub(crate) fn plain(path: &Path) -> PathBuf {
+    if let Ok(path) = path.canonicalize() {
+        return path;
+    }
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (folder.canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
+}
+
+/// Refuses that one file is to hold two things: the later would destroy the earlier, `--force` or not.
+pub(crate) fn apart(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+    for (i, (name, path)) in files.iter().enumerate() {
+        for (other, second) in &files[i + 1..] {
+            if let (Some(a), Some(b)) = (path, second)
+                && plain(a) == plain(b)
+            {
+                let message = format!("{name} and {other} name the same file, '{}'", a.display());
+                return Err(Failure::usage(message).hint("give one of them another name"));
+            }
+        }
+    }
+    Ok(())
+}

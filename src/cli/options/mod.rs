@@ -1,0 +1,13 @@
+//! Groups of options that several commands share: as clap sees them, and what they ask for once they
+//! are checked.
+
+pub(crate) mod analyze;
+pub(crate) mod control;
+pub(crate) mod engine;
+pub(crate) mod files;
+pub(crate) mod global;
+pub(crate) mod masks;
+pub(crate) mod pattern;
+pub(crate) mod render;
+pub(crate) mod svg;
+pub(crate) mod synth;

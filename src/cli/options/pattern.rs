@@ -1,0 +1,30 @@
+//! The texture as a pattern, beside the result.
+
+use super::files::{ForceArgs, apart};
+use crate::cli::failure::Failure;
+use crate::cli::format;
+use crate::cli::output::{Place, Target};
+use clap::Args;
+use std::path::PathBuf;
+
+/// The texture as a pattern, beside the result.
+#[derive(Args)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct PatternArgs {
+    /// Also write an SVG of any size, filled with the texture as a <pattern>: .svg or .svgz; the
+    /// texture must repeat along both axes (--tile)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) pattern: Option<PathBuf>,
+}
+
+/// Where a pattern goes: a file of its own.
+pub(crate) fn pattern(
+    args: PatternArgs,
+    force: &ForceArgs,
+    output: &Target,
+) -> Result<Option<Target>, Failure> {
+    let Some(path) = args.pattern else { return Ok(None) };
+    let kind = format::kind_of("--pattern", &path, format::OF_PATTERN)?;
+    apart(&[("the output", Some(output.place.path())), ("--pattern", Some(&path))])?;
+    Ok(Some(Target { place: Place::File { path, force: force.force }, kind }))
+}

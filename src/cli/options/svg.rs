@@ -1,0 +1,42 @@
+//! How an SVG is written.
+
+use crate::cli::values::Bytes;
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use vtex::output::svg::SvgOptions;
+
+/// Section `[svg]`.
+#[derive(Args, Serialize)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct SvgFlags {
+    /// Decimals of numbers in an SVG [0 to 6, default: 1]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) precision: Option<u8>,
+    /// Write textons in full, not as <symbol> and <use> [default: false]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    #[arg(hide_possible_values = true)]
+    pub(crate) expand: Option<bool>,
+    /// Most bytes of an SVG, as 5MB, 800kB or a number: gives up decimals, then fineness of outlines,
+    /// then what is seen least [1 to 1000000000000, default: no limit]
+    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
+    pub(crate) max_bytes: Option<Bytes>,
+}
+
+/// How an SVG is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SvgParameters {
+    /// Decimals of numbers. 0 to 6.
+    pub(crate) precision: u8,
+    /// Whether textons are written in full wherever they stand.
+    pub(crate) expand: bool,
+    /// Most bytes of the file, if there is a limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) max_bytes: Option<Bytes>,
+}
+
+impl From<SvgParameters> for SvgOptions {
+    fn from(SvgParameters { precision, expand, .. }: SvgParameters) -> Self {
+        Self { precision, expand }
+    }
+}

@@ -1,0 +1,63 @@
+//! How a texture is synthesised.
+
+use crate::cli::values::{Axes, Size, WeightsFrom, named};
+use clap::Args;
+use serde::Serialize;
+use vtex::scene::{Ablation, Edge, Method};
+
+/// Section `[synth]`.
+#[derive(Args, Serialize)]
+#[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
+pub(crate) struct SynthFlags {
+    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, at most 400 megapixels, default: 1000]
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) size: Option<Size>,
+    /// How elements are placed: carried from the exemplar along a field of correspondences, which keeps
+    /// structure larger than a few elements; one by one by the descriptors of their neighbours; or as
+    /// the library allows [auto, correspondence or descriptor, default: auto]
+    #[arg(long, value_name = "METHOD", value_parser = named::<Method>)]
+    pub(crate) method: Option<Method>,
+    /// Textons tried for each place, by descriptors [1 to 1000, default: 20]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) candidates: Option<u32>,
+    /// Moves by one cell that may better a placement [0 to 100, default: 5]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) moves: Option<u32>,
+    /// Weights of target, uncovered, empty, mismatched and same-overlap areas in the score of a
+    /// placement, or the name of weights found by 'vtex tune' [-10 to 10 each,
+    /// default: 0.5,-0.4,-0.2,-0.5,-0.5]
+    #[arg(long, value_name = "T,U,E,M,S|NAME", allow_hyphen_values = true)]
+    pub(crate) weights: Option<WeightsFrom>,
+    /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
+    /// default: none]
+    #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
+    pub(crate) tile: Option<Axes>,
+    /// Turn each texton by a random angle, at most this many degrees either way [0 to 180, default: 0]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) rotate: Option<f64>,
+    /// Mirror half of the textons [default: false]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    #[arg(hide_possible_values = true)]
+    pub(crate) mirror: Option<bool>,
+    /// Change each texton's size at random, at most this many per cent either way [0 to 50, default: 0]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) scale_jitter: Option<f64>,
+    /// At the edge of a domain keep textons whole, clip them, or avoid it [keep, clip or avoid,
+    /// default: clip]
+    #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
+    pub(crate) edge: Option<Edge>,
+    /// Leave parts of the method out, to see what they do: secondary, overlap, density, decay,
+    /// improve, growth, removal, copies, seeds, neighbourhoods [default: none]
+    #[arg(long, value_name = "PART,...", value_parser = named::<Ablation>, value_delimiter = ',')]
+    pub(crate) ablate: Option<Vec<Ablation>>,
+}
+
+/// Also of section `[synth]`; `texture` has the option from the analysis.
+#[derive(Args, Serialize)]
+#[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
+pub(crate) struct SynthBackgroundFlags {
+    /// Distance between background colours, px [4 to 1000, default: as
+    /// in the library]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub(crate) background_spacing: Option<f64>,
+}

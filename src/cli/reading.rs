@@ -1,0 +1,66 @@
+//! Files read as what they are to be: scenes, libraries, controls.
+
+use super::input::{Input, Kind};
+use super::options::control::{DomainFrom, Steering};
+use vtex::control;
+use vtex::library::Library;
+use vtex::scene::{Scene, SynthParams};
+use vtex::synth::Controls;
+
+/// Reads the files that steer the synthesis of so many libraries.
+pub(crate) fn controls(
+    steering: &Steering,
+    parameters: &SynthParams,
+    libraries: usize,
+) -> anyhow::Result<Controls> {
+    let canvas = [parameters.width, parameters.height];
+    let read = |file: &Input, wanted, hint: &str| -> anyhow::Result<(String, Vec<u8>)> {
+        let bytes = file.read()?;
+        Kind::expect(&bytes, file, &[wanted, Kind::Unknown]).map_err(|failure| failure.hint(hint))?;
+        Ok((file.name(), bytes))
+    };
+    let a_picture = "a map is a picture, such as a PNG";
+    let domain = match &steering.domain {
+        None => None,
+        Some(DomainFrom::Shape(file)) => {
+            let (name, bytes) = read(file, Kind::Svg, "a shape is an SVG; a picture is given with --mask")?;
+            Some(control::shape(&bytes, &name, canvas)?)
+        }
+        Some(DomainFrom::Mask(file)) => {
+            let (name, bytes) =
+                read(file, Kind::Image, "a mask is a picture; an SVG is given with --domain")?;
+            Some(control::mask(&bytes, &name, canvas)?)
+        }
+    };
+    let density = match &steering.density {
+        None => None,
+        Some(file) => {
+            let (name, bytes) = read(file, Kind::Image, a_picture)?;
+            Some(control::density(&bytes, &name)?)
+        }
+    };
+    let maps = steering.maps.iter().map(|file| read(file, Kind::Image, a_picture));
+    let maps = maps.collect::<anyhow::Result<Vec<_>>>()?;
+    let maps: Vec<(&str, &[u8])> = maps.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
+    let shares = if maps.is_empty() { Vec::new() } else { control::shares(&maps, libraries)? };
+    Ok(Controls { domain, density, shares })
+}
+
+/// Reads a scene.
+pub(crate) fn scene(input: &Input) -> anyhow::Result<Scene> {
+    let bytes = input.read()?;
+    Kind::expect(&bytes, input, &[Kind::Scene, Kind::Unknown])
+        .map_err(|failure| failure.hint("make a scene with 'vtex synth photo.lib.json -o out.scene.json'"))?;
+    Ok(Scene::from_bytes(&bytes, &input.name())?)
+}
+
+/// Reads libraries.
+pub(crate) fn libraries(inputs: &[Input]) -> anyhow::Result<Vec<Library>> {
+    let read = |input: &Input| {
+        let bytes = input.read()?;
+        // What is nothing known may still be a damaged library, and reading it says where.
+        Kind::expect(&bytes, input, &[Kind::Library, Kind::Unknown])?;
+        Ok(Library::from_bytes(&bytes, &input.name())?)
+    };
+    inputs.iter().map(read).collect()
+}

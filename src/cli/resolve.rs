@@ -1,0 +1,58 @@
+//! From the command line to a job and what all jobs share, checked as far as it can be without reading
+//! anything but the configuration.
+
+use super::arguments::{Cli, command};
+use super::command::{Job, Resolved};
+use super::common::Common;
+use super::config::{Given, Layer, Parameters, Top};
+use super::failure::Failure;
+use super::values::Seed;
+use vtex::library::AnalyzeParams;
+use vtex::scene::SynthParams;
+
+/// What is to be done.
+pub(crate) enum Options {
+    /// Print the parameters.
+    DumpConfig(String),
+    /// Run a command.
+    Job(Common, Job),
+}
+
+impl Options {
+    /// Checks a command line.
+    ///
+    /// # Errors
+    /// Usage errors, and a configuration that cannot be read.
+    pub(crate) fn resolve(cli: Cli) -> anyhow::Result<Self> {
+        let Cli { global, command: asked } = cli;
+        let mut asked = asked.map(super::commands::Command::arguments);
+        let mut given = Given::default();
+        given.add("", &Top { seed: global.seed, threads: global.threads });
+        if let Some(arguments) = &asked {
+            arguments.give(&mut given);
+        }
+        let config = global.config.as_deref().map(Layer::read).transpose()?;
+        let layer = asked.as_mut().map(|arguments| arguments.layer()).transpose()?.flatten();
+        let parameters = Parameters::resolve(config.iter().chain(layer), &given)?;
+        if global.dump_config {
+            return Ok(Self::DumpConfig(parameters.dump()));
+        }
+        let asked = asked.ok_or_else(|| Failure::usage("no command is given"))?;
+        let seed = parameters.seed.unwrap_or_else(Seed::chosen);
+        let common = Common {
+            threads: parameters.threads,
+            seed_chosen: parameters.seed.is_none(),
+            quiet: global.quiet,
+            verbosity: global.verbose,
+            json: global.json,
+            debug_folder: global.debug_dir,
+        };
+        let parameters = Parameters {
+            analyze: AnalyzeParams { seed: seed.0, ..parameters.analyze },
+            synth: SynthParams { seed: seed.0, ..parameters.synth },
+            ..parameters
+        };
+        let resolved = Resolved { parameters, seed, config, given, program: command };
+        Ok(Self::Job(common, asked.job(resolved)?))
+    }
+}

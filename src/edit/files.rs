@@ -1,0 +1,75 @@
+//! The content of the files that operations name.
+
+use crate::control;
+use crate::error::{EditFault, Result};
+use crate::geometry::Region;
+use crate::library::Library;
+use crate::raster::ControlMap;
+use crate::scene::{Action, Condition, Direction, Operation};
+use std::collections::BTreeMap;
+
+/// What operations need besides themselves, by the names that they give.
+#[derive(Clone, Debug, Default)]
+pub struct Files {
+    /// Maps of `density` and `orient`, 0 to 1.
+    pub maps: BTreeMap<String, ControlMap>,
+    /// Insides of the shapes of `mask` and of conditions, in pixels of the canvas.
+    pub shapes: BTreeMap<String, Region>,
+    /// Libraries of `replace`.
+    pub libraries: BTreeMap<String, Library>,
+}
+
+impl Files {
+    /// The files of some operations on a canvas of `width` × `height` pixels; `read` gives the bytes of
+    /// one by its name.
+    ///
+    /// # Errors
+    /// Those of `read`, and of files that do not hold what they are used for.
+    pub fn read(
+        operations: &[Operation],
+        canvas: [u32; 2],
+        mut read: impl FnMut(&str) -> Result<Vec<u8>>,
+    ) -> Result<Self> {
+        let mut files = Self::default();
+        for Operation { action, conditions, .. } in operations {
+            for condition in conditions {
+                if let Condition::Place { shape, .. } = condition {
+                    files.shapes.insert(shape.clone(), region(&read(shape)?, shape, canvas)?);
+                }
+            }
+            match action {
+                Action::Density { map } | Action::Orient { direction: Direction::Map(map), .. } => {
+                    files.maps.insert(map.clone(), control::level(&read(map)?, map)?);
+                }
+                Action::Mask { shape, .. } => {
+                    files.shapes.insert(shape.clone(), region(&read(shape)?, shape, canvas)?);
+                }
+                Action::Replace { library } => {
+                    files.libraries.insert(library.clone(), Library::from_bytes(&read(library)?, library)?);
+                }
+                _ => {}
+            }
+        }
+        Ok(files)
+    }
+
+    pub(super) fn map(&self, name: &str) -> Result<&ControlMap, EditFault> {
+        self.maps.get(name).ok_or_else(|| EditFault::NoFile(name.to_owned()))
+    }
+
+    pub(super) fn shape(&self, name: &str) -> Result<&Region, EditFault> {
+        self.shapes.get(name).ok_or_else(|| EditFault::NoFile(name.to_owned()))
+    }
+
+    pub(super) fn library(&self, name: &str) -> Result<&Library, EditFault> {
+        self.libraries.get(name).ok_or_else(|| EditFault::NoFile(name.to_owned()))
+    }
+}
+
+/// The inside of the shape of an SVG, or of what is white in a picture.
+fn region(bytes: &[u8], name: &str, canvas: [u32; 2]) -> Result<Region> {
+    let picture = image::guess_format(bytes).is_ok();
+    let outline =
+        if picture { control::mask(bytes, name, canvas)? } else { control::shape(bytes, name, canvas)? };
+    Ok(Region::new(&outline))
+}

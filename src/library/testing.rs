@@ -1,0 +1,155 @@
+//! Libraries for tests, made from label maps: outlines are the pixels' own borders.
+
+use super::{
+    AnalyzeParams, Arrangement, Background, Category, CategoryId, Guide, Library, Picture, Primary,
+    Secondaries, Secondary, Source, TextonId,
+};
+use crate::geometry::{BezPath, Outline};
+use crate::raster::colour::Colour;
+use crate::raster::{LabelMap, Mask};
+use crate::sampling::{Area, poisson_disk, stream};
+use crate::scene::ControlPoint;
+
+/// One ring around each run of a mask.
+fn outline(mask: &Mask) -> Outline {
+    let mut path = BezPath::new();
+    for s in mask.spans() {
+        let [x0, x1, y] = [s.x0, s.x1, s.y].map(f64::from);
+        path.move_to((x0, y));
+        [(x1, y), (x1, y + 1.0), (x0, y + 1.0)].into_iter().for_each(|p| path.line_to(p));
+        path.close_path();
+    }
+    Outline::new(&path).unwrap()
+}
+
+/// A library of a label map: categories by area (small, middle, large), secondaries of 2 × 2
+/// pixels at a few places of the ground, a palette of two colours.
+pub(crate) fn library(map: &LabelMap) -> Library {
+    let (w, h) = (map.width, map.height);
+    let masks = Mask::all_of_labels(map, map.areas().len());
+    let total = f64::from(w) * f64::from(h);
+    let mut areas: Vec<u32> = masks[1..].iter().map(Mask::area).collect();
+    areas.sort_unstable();
+    let bound = |k: usize| areas.get(areas.len() * k / 3).copied().unwrap_or(0);
+    let category = |area: u32| CategoryId(u16::from(area > bound(1)) + u16::from(area > bound(2)));
+    let mut categories = vec![Category { centre: [0.0; 5], members: 0, coverage: 0.0 }; 3];
+    let primaries: Vec<Primary> = masks[1..]
+        .iter()
+        .enumerate()
+        .map(|(i, mask)| {
+            let (area, (cx, cy)) = (mask.area(), mask.centroid().unwrap());
+            let (x0, y0, x1, y1) = mask.bounds().unwrap();
+            let c = category(area);
+            categories[usize::from(c.0)].members += 1;
+            categories[usize::from(c.0)].coverage += f64::from(area) / total;
+            let colour = Colour([(60 * c.0) as u8 + 80, (i % 200) as u8, 90]);
+            Primary {
+                gradient: None,
+                id: TextonId(i as u32),
+                outline: outline(mask),
+                colour,
+                base: colour,
+                category: c,
+                area,
+                centroid: [cx, cy],
+                compactness: 0.5,
+                clipped: x0 == 0 || y0 == 0 || x1 == w as i32 || y1 == h as i32,
+                details: Vec::new(),
+            }
+        })
+        .collect();
+    let coverage = categories.iter().map(|c| c.coverage).sum::<f64>().min(1.0);
+    let mut random = stream(1, "testing/secondaries", 0);
+    let ground = poisson_disk(Area::plane(f64::from(w - 2), f64::from(h - 2)), 9.0, &mut random);
+    let ground = ground.into_iter().map(|p| p.map(|v| v as i32));
+    let secondaries = ground.filter(|p| map.get(p[0] as u32, p[1] as u32) == 0).map(|[x, y]| {
+        let spans = [0, 1].map(|dy| crate::raster::Span { y: y + dy, x0: x, x1: x + 2 });
+        Secondary {
+            outline: outline(&Mask::from_spans(spans.to_vec())),
+            colour: Colour([200, 190, 180]),
+            difference: [20, 10, -10],
+            area: 4,
+            centroid: [f64::from(x) + 1.0, f64::from(y) + 1.0],
+        }
+    });
+    let site = |x, y, v| ControlPoint { x, y, colour: Colour([v; 3]) };
+    Library {
+        format: Library::FORMAT.into(),
+        version: Library::VERSION,
+        source: Source {
+            file: "test.png".into(),
+            width: w,
+            height: h,
+            sha256: "0".repeat(64),
+            segmenter: "test".into(),
+            parameters: AnalyzeParams::default(),
+            program: crate::PROGRAM.into(),
+            warnings: Vec::new(),
+        },
+        descriptor_half: (2.25 * libm::sqrt(total / primaries.len().max(1) as f64)) as u32,
+        primaries,
+        secondaries: Secondaries { spacing: 11.0, textons: secondaries.collect() },
+        categories,
+        coverage,
+        background: Background {
+            spacing: 25.0,
+            fallback: Colour([120; 3]),
+            sites: vec![site(3.0, 3.0, 100), site(40.0, 30.0, 140)],
+        },
+        arrangement: Arrangement::from_labels(map),
+        guide: None,
+    }
+}
+
+/// [`library`] with a guide: primaries in their colours on dark ground, which grows lighter to the right.
+pub(crate) fn guided(map: &LabelMap) -> Library {
+    let mut library = library(map);
+    let colour = |x: u32, y: u32| match map.get(x.min(map.width - 1), y.min(map.height - 1)) {
+        0 => image::Rgb([(40 + x * 60 / map.width) as u8; 3]),
+        label => image::Rgb(library.primaries[label as usize - 1].colour.0),
+    };
+    let cell = |size: u32| size.div_ceil(2);
+    let picture = image::RgbImage::from_fn(cell(map.width), cell(map.height), |x, y| colour(2 * x, 2 * y));
+    library.guide = Some(Guide { cell: 2, picture: Picture(picture) });
+    library
+}
+
+/// A mosaic of stones: each pixel belongs to the nearest of scattered centres if it is within the
+/// share `fill` of the way to the border between two.
+pub(crate) fn mosaic(side: u32, spacing: f64, fill: f64, seed: u64) -> LabelMap {
+    let mut random = stream(seed, "testing/mosaic", 0);
+    let size = f64::from(side);
+    let centres = poisson_disk(Area::plane(size, size), spacing, &mut random);
+    let scale: Vec<f64> = centres.iter().map(|_| random.range(0.75, 1.0)).collect();
+    let mut map = LabelMap::filled(side, side, 0);
+    for y in 0..side {
+        for x in 0..side {
+            let (px, py) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let (mut first, mut second, mut nearest) = (f64::INFINITY, f64::INFINITY, 0);
+            for (i, c) in centres.iter().enumerate() {
+                let d = libm::hypot(c[0] - px, c[1] - py);
+                if d < first {
+                    (second, first, nearest) = (first, d, i);
+                } else if d < second {
+                    second = d;
+                }
+            }
+            if first < second * fill * scale[nearest] {
+                map.set(x, y, nearest as u32 + 1);
+            }
+        }
+    }
+    // Numbers without gaps.
+    let mut names = vec![0; centres.len() + 1];
+    let mut count = 0;
+    for label in &mut map.labels {
+        if *label != 0 {
+            if names[*label as usize] == 0 {
+                count += 1;
+                names[*label as usize] = count;
+            }
+            *label = names[*label as usize];
+        }
+    }
+    map
+}

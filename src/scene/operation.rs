@@ -1,0 +1,275 @@
+//! Operations on scenes as plain data: what is done to which elements. Scenes record them, and
+//! `edit` does them.
+
+use crate::raster::colour::Colour;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Something done to a selection of a scene's textons. Files are named, not held.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Operation {
+    /// What is done.
+    pub action: Action,
+    /// The layers whose textons are selected. Default: all but the background.
+    #[serde(default, skip_serializing_if = "Layers::is_all")]
+    pub layers: Layers,
+    /// Conditions that a texton must all fulfil to be selected. Default: none.
+    #[serde(default, rename = "where", skip_serializing_if = "Vec::is_empty")]
+    pub conditions: Vec<Condition>,
+}
+
+impl From<Action> for Operation {
+    /// The action, done to all primaries and secondaries.
+    fn from(action: Action) -> Self {
+        Self { action, layers: Layers::default(), conditions: Vec::new() }
+    }
+}
+
+/// Layers of a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layers {
+    /// Primaries only.
+    Primary,
+    /// Secondaries only.
+    Secondary,
+    /// Primaries and secondaries.
+    #[default]
+    All,
+    /// The points of the background only; for colours.
+    Background,
+}
+
+impl Layers {
+    fn is_all(&self) -> bool {
+        *self == Self::All
+    }
+}
+
+/// What is done. Lengths in pixels of the canvas, angles in degrees, clockwise on the screen, shares
+/// 0 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Action {
+    /// Fewer textons: a share of each layer is kept, or those that are large enough.
+    Thin {
+        /// Share kept. 0 to 1.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        keep: Option<f64>,
+        /// Which go first.
+        order: ThinOrder,
+        /// Smaller textons go, and smaller details of those that stay, in pixels²; from 0.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        minimum_area: Option<f64>,
+    },
+    /// Each texton is kept with the probability that the map has where it stands.
+    Density {
+        /// File of a grey picture, black 0 to white 1, stretched over the canvas.
+        map: String,
+    },
+    /// Longer axes are turned towards a direction.
+    Orient {
+        /// The direction.
+        direction: Direction,
+        /// Share of the way. 0 to 1.
+        strength: f64,
+    },
+    /// Colours are mixed with one, in Oklab.
+    Tint {
+        /// The colour.
+        colour: Colour,
+        /// Its share. 0 to 1.
+        amount: f64,
+        /// Share of the textons that are tinted. 0 to 1.
+        share: f64,
+    },
+    /// Colours like one are moved to another, those less like it less far, in Oklab.
+    Recolor {
+        /// What is sought.
+        from: Colour,
+        /// What it becomes.
+        to: Colour,
+        /// Oklab distance up to which colours are moved. 0.01 to 2.
+        reach: f64,
+    },
+    /// Categories get new mean colours; what is lighter or darker within them stays so.
+    Palette {
+        /// The new colours.
+        colours: Vec<Colour>,
+        /// The file that they were read from, if any.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        file: Option<String>,
+    },
+    /// A shadow under each texton.
+    Shadow {
+        /// Where it falls. -360 to 360.
+        angle: f64,
+        /// How far. 0 to 1000.
+        length: f64,
+        /// How dark. 0 to 1; 0 takes shadows away.
+        opacity: f64,
+        /// Width of its soft edge. 0 to 200.
+        blur: f64,
+    },
+    /// Details are dropped; each texton has one colour, the mean.
+    Flatten,
+    /// Outlines are drawn again with fewer points, and details too small to be seen then go.
+    Simplify {
+        /// How far an outline may move. 0.01 to 100.
+        tolerance: f64,
+    },
+    /// A line along each outline.
+    Outline {
+        /// Its width. 0 to 1000; 0 takes lines away.
+        width: f64,
+        /// Its colour.
+        colour: Colour,
+    },
+    /// Each texton becomes the one of a library that fits best.
+    Replace {
+        /// File of the library.
+        library: String,
+    },
+    /// Textons are moved.
+    Move {
+        /// To the right. -10⁶ to 10⁶.
+        x: f64,
+        /// Down. -10⁶ to 10⁶.
+        y: f64,
+    },
+    /// Textons grow about their own centres.
+    Scale {
+        /// The factor. 0.01 to 100.
+        factor: f64,
+    },
+    /// Textons turn about their own centres.
+    Rotate {
+        /// The angle. -360 to 360.
+        angle: f64,
+    },
+    /// Textons are moved, turned and scaled at random, each on its own.
+    Jitter {
+        /// Largest distance. 0 to 10⁶.
+        distance: f64,
+        /// Largest angle either way. 0 to 180.
+        angle: f64,
+        /// Largest change of size either way, in per cent. 0 to 90.
+        scale: f64,
+    },
+    /// Textons are taken away.
+    Delete,
+    /// Textons whose centre lies on the wrong side of a shape are taken away.
+    Mask {
+        /// File of the shape: an SVG with one path, fitted to the canvas, or a picture, white inside.
+        shape: String,
+        /// Whether those inside are kept, else those outside.
+        inside: bool,
+    },
+}
+
+/// Which textons go first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ThinOrder {
+    /// The smallest.
+    Area,
+    /// Any.
+    Random,
+    /// Those with the nearest neighbours, so that what is left stays even.
+    #[default]
+    BlueNoise,
+}
+
+/// A direction for longer axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Direction {
+    /// Everywhere the same, in degrees. -360 to 360.
+    Angle(f64),
+    /// By place: file of a grey picture, black 0° to white 180°, stretched over the canvas.
+    Map(String),
+}
+
+/// What a texton must fulfil to be selected.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Condition {
+    /// One of some numbers is its own, or none is.
+    Among {
+        /// What is compared.
+        identity: Identity,
+        /// The numbers.
+        numbers: Vec<u32>,
+        /// Whether one of them is wanted.
+        wanted: bool,
+    },
+    /// A quantity is larger or smaller than a limit.
+    Compare {
+        /// What is compared.
+        quantity: Quantity,
+        /// How.
+        comparison: Comparison,
+        /// The limit.
+        limit: f64,
+    },
+    /// Its centre lies in a shape, or does not.
+    Place {
+        /// File of the shape, as that of [`Action::Mask`].
+        shape: String,
+        /// Whether it is to lie inside.
+        inside: bool,
+    },
+}
+
+/// What tells textons apart by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Identity {
+    /// Category; secondaries have none.
+    Category,
+    /// Index of the library among those of the scene.
+    Library,
+    /// Id of the instance.
+    Id,
+}
+
+/// What is measured of a texton where it stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// Area, in pixels².
+    Area,
+    /// How much longer than broad it is, from 1.
+    Elongation,
+    /// Place of its centre from the left, in pixels.
+    X,
+    /// Place of its centre from the top, in pixels.
+    Y,
+}
+
+/// How a quantity is compared with a limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Comparison {
+    /// Smaller.
+    Less,
+    /// At most as large.
+    AtMost,
+    /// Larger.
+    More,
+    /// At least as large.
+    AtLeast,
+}
+
+impl Comparison {
+    /// Whether it holds.
+    pub(crate) fn holds(self, value: f64, limit: f64) -> bool {
+        match self {
+            Self::Less => value < limit,
+            Self::AtMost => value <= limit,
+            Self::More => value > limit,
+            Self::AtLeast => value >= limit,
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! How primaries are arranged: what they hide of one another, how often they repeat, and how the
+//! centres of categories keep together or apart.
+//!
+//! All of it works on plain data, so the arrangement of an exemplar and any scene are measured
+//! alike. On a canvas that tiles, an instance stands for all its copies.
+//!
+//! When this works badly: [`Correlation`] takes the canvas for evenly filled, so it says little of
+//! scenes in a domain, under a map of densities or of several libraries.
+
+mod correlation;
+mod groups;
+mod overlap;
+mod repetition;
+
+pub use correlation::{Correlation, Curve, Difference, largest_categories};
+pub use groups::Groups;
+pub use overlap::Overlap;
+pub use repetition::{Copies, Repetition};
+
+use crate::library::Library;
+use crate::scene::{Scene, Tile};
+
+/// A primary that stands somewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Centre {
+    /// Index of its library.
+    pub library: u32,
+    /// Its index among the primaries of its library.
+    pub source: u32,
+    /// Its category there.
+    pub category: u16,
+    /// Its centre, in pixels.
+    pub at: [f64; 2],
+}
+
+/// Where primaries stand in a rectangle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// Width and height of the rectangle, in pixels.
+    pub size: [f64; 2],
+    /// Along which axes it repeats.
+    pub tile: Tile,
+    /// The primaries; some may have their centre outside.
+    pub centres: Vec<Centre>,
+}
+
+impl Layout {
+    /// The exemplar's own arrangement, as library 0. Unless the exemplar tiles, a strip as wide as
+    /// the mean radius of its primaries is left out all around: of those cut by the border, only
+    /// the middle of what the photograph shows is known.
+    pub fn of_library(library: &Library) -> Self {
+        let all = Self::whole(library);
+        if all.tile.both() || library.primaries.is_empty() {
+            return all;
+        }
+        let area: f64 = library.primaries.iter().map(|p| f64::from(p.area)).sum();
+        let radius = libm::sqrt(area / library.primaries.len() as f64 / std::f64::consts::PI);
+        let size = all.size;
+        let strip = radius.min(size[0] / 4.0).min(size[1] / 4.0);
+        all.window([strip; 2], size.map(|s| s - strip))
+    }
+
+    /// The exemplar's own arrangement, as library 0, up to its borders.
+    pub fn whole(library: &Library) -> Self {
+        let size = [library.source.width, library.source.height].map(f64::from);
+        let wrap = library.source.parameters.wrap;
+        let centre = |(i, p): (usize, &crate::library::Primary)| Centre {
+            library: 0,
+            source: i as u32,
+            category: p.category.0,
+            at: p.centroid,
+        };
+        let centres: Vec<Centre> = library.primaries.iter().enumerate().map(centre).collect();
+        Self { size, tile: Tile { x: wrap, y: wrap }, centres }
+    }
+
+    /// The primaries of a scene, which must have been validated.
+    pub fn of_scene(scene: &Scene) -> Self {
+        let centre = |i: &crate::scene::Instance| {
+            let texton = &scene.textons[i.texton as usize];
+            Centre {
+                library: texton.library,
+                source: texton.source,
+                category: texton.category.unwrap_or_default(),
+                at: [i.transform[4], i.transform[5]],
+            }
+        };
+        Self {
+            size: [scene.width, scene.height].map(f64::from),
+            tile: scene.tile,
+            centres: scene.primary.iter().map(centre).collect(),
+        }
+    }
+
+    /// The part between two corners, which no longer repeats: what has its centre there.
+    pub fn window(&self, from: [f64; 2], to: [f64; 2]) -> Self {
+        let inside = |c: &&Centre| (0..2).all(|k| c.at[k] >= from[k] && c.at[k] < to[k]);
+        let moved = |c: &Centre| Centre { at: [c.at[0] - from[0], c.at[1] - from[1]], ..*c };
+        Self {
+            size: [to[0] - from[0], to[1] - from[1]],
+            tile: Tile::default(),
+            centres: self.centres.iter().filter(inside).map(moved).collect(),
+        }
+    }
+
+    /// The size along the axes that repeat.
+    fn period(&self) -> [Option<f64>; 2] {
+        self.tile.periods(self.size)
+    }
+}
+
+/// Mean distance between neighbouring primaries of an exemplar, in pixels: what the reach of its
+/// descriptors is a multiple of.
+pub fn neighbour_distance(library: &Library) -> f64 {
+    (f64::from(library.descriptor_half) / library.source.parameters.descriptor_reach).max(1.0)
+}
+
+/// A coordinate brought into `0..period`, if there is one.
+fn wrapped(v: f64, period: Option<f64>) -> f64 {
+    match period {
+        // The rest of a tiny negative number is the period itself.
+        Some(p) => Some(v - p * libm::floor(v / p)).filter(|r| *r < p).unwrap_or(0.0),
+        None => v,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::library::testing::{library, mosaic};
+
+    #[test]
+    fn the_strip_along_the_border_is_left_out_unless_the_exemplar_tiles() {
+        let mut library = library(&mosaic(200, 15.0, 0.8, 1));
+        let layout = Layout::of_library(&library);
+        assert!(layout.size[0] < 192.0 && layout.size[0] > 180.0, "{:?}", layout.size);
+        assert!(layout.centres.len() < library.primaries.len());
+        assert!(layout.centres.iter().all(|c| (0..2).all(|k| (0.0..layout.size[k]).contains(&c.at[k]))));
+        library.source.parameters.wrap = true;
+        let layout = Layout::of_library(&library);
+        assert_eq!((layout.size, layout.centres.len()), ([200.0; 2], library.primaries.len()));
+    }
+
+    #[test]
+    fn wrapped_coordinates_are_within_the_period() {
+        for (v, found) in [(0.0, 0.0), (10.0, 0.0), (-0.5, 9.5), (25.0, 5.0), (-1e-300, 0.0)] {
+            assert_eq!(wrapped(v, Some(10.0)), found, "{v}");
+            assert_eq!(wrapped(v, None), v);
+        }
+    }
+}

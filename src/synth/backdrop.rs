@@ -1,0 +1,161 @@
+//! The colour of an exemplar's background at any of its places.
+//!
+//! The library knows it at sites some twenty-five pixels apart, from pixels away from all textons. What
+//! textons and sites together leave unexplained of the photograph, block by block, is added, so that soft
+//! clouds and stains keep their contrast.
+
+use crate::geometry::wrapped;
+use crate::library::Library;
+use crate::raster::LabelMap;
+use crate::scene::field::Interpolant;
+use crate::scene::{Field, Tile};
+
+/// Least share of a block that is ground.
+const LEAST: f64 = 0.15;
+/// Share of the ground of a block that makes up for what is unexplained, if less of it is bare: a few
+/// pixels between secondaries would take on colours that are nowhere in the photograph.
+const BARE: f64 = 0.6;
+/// Most that is added to a component.
+const MOST: f64 = 25.0;
+
+/// The background of an exemplar.
+pub(super) struct Backdrop {
+    sites: Interpolant,
+    /// Side of a block, in pixels.
+    side: f64,
+    blocks: [usize; 2],
+    /// What is added in each block, by component.
+    added: Vec<[f64; 3]>,
+    wrap: bool,
+}
+
+impl Backdrop {
+    /// Of a library and its arrangement.
+    pub(super) fn new(library: &Library, labels: &LabelMap) -> Self {
+        let b = &library.background;
+        let (width, height) = (library.source.width, library.source.height);
+        let field = Field { spacing: b.spacing, fallback: b.fallback, points: b.sites.clone() };
+        let sites = Interpolant::new(&field, width, height, Tile::default());
+        let side = b.spacing.max(8.0);
+        let blocks = [width, height].map(|v| (f64::from(v) / side) as usize + 1);
+        let wrap = library.source.parameters.wrap;
+        let mut this = Self { sites, side, blocks, added: vec![[0.0; 3]; blocks[0] * blocks[1]], wrap };
+        this.added = this.unexplained(library, labels);
+        this
+    }
+
+    /// The colour at a place of the exemplar, by sRGB component.
+    pub(super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        let mut colour = self.sites.at(x, y);
+        let added = self.added_at([x, y]);
+        (0..3).for_each(|c| colour[c] += added[c]);
+        colour
+    }
+
+    /// What is added at a place: blocks meet smoothly.
+    fn added_at(&self, at: [f64; 2]) -> [f64; 3] {
+        let axis = |k: usize| {
+            let v = at[k] / self.side - 0.5;
+            let (first, share) = (libm::floor(v), v - libm::floor(v));
+            let block = |v: f64| self.block(v as i64, k);
+            [(block(first), 1.0 - share), (block(first + 1.0), share)]
+        };
+        let mut sum = [0.0; 3];
+        for (row, v) in axis(1) {
+            for (column, u) in axis(0) {
+                let added = &self.added[row * self.blocks[0] + column];
+                (0..3).for_each(|c| sum[c] += u * v * added[c]);
+            }
+        }
+        sum
+    }
+
+    /// A column or row of blocks, that at the border where there is none.
+    fn block(&self, v: i64, k: usize) -> usize {
+        let count = self.blocks[k] as i64;
+        (if self.wrap { v.rem_euclid(count) } else { v.clamp(0, count - 1) }) as usize
+    }
+
+    /// The block of a place.
+    fn block_at(&self, at: [f64; 2]) -> usize {
+        let [column, row] = [0, 1].map(|k| self.block(libm::floor(at[k] / self.side) as i64, k));
+        row * self.blocks[0] + column
+    }
+
+    /// For each block the mean of the photograph's ground less that of secondaries and sites, as far as
+    /// bare ground can make up for it; smoothed, for secondaries lie across blocks.
+    fn unexplained(&self, library: &Library, labels: &LabelMap) -> Vec<[f64; 3]> {
+        let Some(guide) = &library.guide else { return self.added.clone() };
+        let mut photo = vec![[0.0; 4]; self.added.len()];
+        let cell = f64::from(guide.cell);
+        for (column, row, colour) in guide.picture.0.enumerate_pixels() {
+            let at = [column, row].map(|v| (f64::from(v) + 0.5) * cell);
+            let [x, y] = at.map(|v| v as u32);
+            let ground = labels.at(i64::from(x), i64::from(y)) == Some(0);
+            if ground {
+                let sum = &mut photo[self.block_at(at)];
+                (0..3).for_each(|c| sum[c] += cell * cell * f64::from(colour.0[c]));
+                sum[3] += cell * cell;
+            }
+        }
+        let mut covered = vec![[0.0; 4]; self.added.len()];
+        for s in &library.secondaries.textons {
+            let (sum, area) = (&mut covered[self.block_at(s.centroid)], f64::from(s.area));
+            (0..3).for_each(|c| sum[c] += area * f64::from(s.colour.0[c]));
+            sum[3] += area;
+        }
+        // Neighbouring blocks count a quarter each.
+        let smooth = |sums: &[[f64; 4]], block: usize| {
+            let (column, row) = ((block % self.blocks[0]) as i64, (block / self.blocks[0]) as i64);
+            let mut sum = sums[block];
+            for (dx, dy) in [(-1, 0), (1, 0), (0, -1), (0, 1)] {
+                let beside = self.block(row + dy, 1) * self.blocks[0] + self.block(column + dx, 0);
+                (0..4).for_each(|c| sum[c] += 0.25 * sums[beside][c]);
+            }
+            sum
+        };
+        let whole = 2.0 * self.side * self.side;
+        let size = [library.source.width, library.source.height].map(f64::from);
+        (0..photo.len())
+            .map(|block| {
+                let (photo, covered) = (smooth(&photo, block), smooth(&covered, block));
+                if photo[3] < LEAST * whole {
+                    return [0.0; 3];
+                }
+                let middle = [block % self.blocks[0], block / self.blocks[0]];
+                let middle = [0, 1].map(|k| {
+                    let v = (middle[k] as f64 + 0.5) * self.side;
+                    if self.wrap { wrapped(v, Some(size[k])) } else { v.min(size[k]) }
+                });
+                let field = self.sites.at(middle[0], middle[1]);
+                let bare = (photo[3] - covered[3]).max(0.0);
+                let taker = bare.max(BARE * photo[3]);
+                [0, 1, 2].map(|c| ((photo[c] - covered[c] - bare * field[c]) / taker).clamp(-MOST, MOST))
+            })
+            .map(|v| if v.iter().all(|v| v.is_finite()) { v } else { [0.0; 3] })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::library::testing::{guided, mosaic};
+
+    #[test]
+    fn the_ground_has_the_colours_of_the_guide() {
+        // The palette of the library knows two grey values; the guide's ground is darker on the left.
+        let map = mosaic(200, 15.0, 0.6, 1);
+        let mut library = guided(&map);
+        library.secondaries.textons.clear();
+        let backdrop = Backdrop::new(&library, &map);
+        let (left, right) = (backdrop.at([20.0, 100.0])[0], backdrop.at([180.0, 100.0])[0]);
+        let known = |x: f64| 40.0 + x * 60.0 / 200.0;
+        // Both are further from the palette than may be added, or right.
+        for (found, x) in [(left, 20.0), (right, 180.0)] {
+            let palette = backdrop.sites.at(x, 100.0)[0];
+            let wanted = known(x).max(palette - MOST);
+            assert!((found - wanted).abs() < 6.0, "{found} {wanted}");
+        }
+    }
+}
