@@ -230,7 +230,7 @@ fn scenes_are_warped() {
 fn an_input_is_never_replaced_however_it_is_spelled() {
     let folder = Folder::with_library();
     folder.run("synth photo.lib.json --size 40 --seed 1 -o a.scene.json").succeeds();
-    folder.run("synth photo.lib.json --size 40 --seed 1 -o c.svg").succeeds();
+    folder.write("c.svg", "# a configuration without parameters\n");
     folder.write("grey.png", folder.read("photo.png"));
     std::fs::create_dir(folder.path("sub")).unwrap();
     let mut spellings = vec!["./", "sub/../"];

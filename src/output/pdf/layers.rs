@@ -4,7 +4,8 @@
 //! form XObject that it draws, the page's resources name the groups, the catalog lists them, and the
 //! table of objects is written anew. Where everything on the page is drawn under one change of
 //! coordinates, that is made once and for all: Inkscape 1.2 takes the change within `q` and `Q` for one
-//! that gradients in forms ignore. Nothing else changes.
+//! that gradients in forms ignore. The path of a domain is written before the change, which then stays
+//! where it is. Nothing else changes.
 
 use flate2::read::ZlibDecoder;
 use std::collections::BTreeMap;

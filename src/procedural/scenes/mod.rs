@@ -53,7 +53,7 @@ impl Composition {
 
     /// A random composition for a scene's parameters.
     pub(super) fn of(params: &SceneParams) -> Self {
-        let random = &mut stream(params.seed, "procedural/scene", 0);
+        let random = &mut stream(params.seed, "procedural/look", 0);
         let mut scene = match params.kind {
             Kind::Terrazzo => stones::terrazzo(random),
             Kind::Concrete => stones::concrete(random),
