@@ -28,7 +28,7 @@ pub(crate) fn read<T: Document>(path: &Path) -> Result<T> {
 /// Reads and validates a document from bytes, plain or gzip.
 pub(crate) fn from_bytes<T: Document>(bytes: &[u8], name: &str) -> Result<T> {
     let fail = |reason: String| Error::Format { name: name.into(), format: T::FORMAT, reason };
-    let json = &*gzip::unpack(bytes).map_err(fail)?;
+    let json = &*gzip::unpack(bytes, u64::MAX).map_err(fail)?;
     // Name and version first, so that another format is told apart from a damaged file.
     #[derive(Deserialize)]
     struct Header {

@@ -15,17 +15,17 @@ fn is_packed(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0x1f, 0x8b])
 }
 
-/// The bytes themselves, unpacked if they are gzip.
+/// The bytes themselves, unpacked if they are gzip; of gzip no more than `limit` bytes.
 ///
 /// # Errors
 /// In words: damaged data, or more than 64 MB that are also more than 32 times the packed bytes.
-pub(crate) fn unpack(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+pub(crate) fn unpack(bytes: &[u8], limit: u64) -> Result<Cow<'_, [u8]>, String> {
     if !is_packed(bytes) {
         return Ok(bytes.into());
     }
     let most = ALWAYS.max(RATIO * bytes.len() as u64);
     let mut unpacked = Vec::new();
-    let read = GzDecoder::new(bytes).take(most + 1).read_to_end(&mut unpacked);
+    let read = GzDecoder::new(bytes).take(limit.min(most + 1)).read_to_end(&mut unpacked);
     read.map_err(|e| format!("damaged gzip data: {e}"))?;
     if unpacked.len() as u64 > most {
         return Err(format!("it unpacks to more than {} MB, over {RATIO} times its size", most / 1_000_000));
@@ -60,19 +60,21 @@ mod tests {
     #[test]
     fn plain_and_packed_are_the_same() {
         for bytes in [&b"{\"format\":1}"[..], b""] {
-            assert_eq!(unpack(bytes).unwrap(), bytes);
-            assert_eq!(unpack(&packed(bytes, 1)).unwrap(), bytes);
+            assert_eq!(unpack(bytes, u64::MAX).unwrap(), bytes);
+            assert_eq!(unpack(&packed(bytes, 1), u64::MAX).unwrap(), bytes);
             assert_eq!(beginning(&packed(bytes, 1), 3), &bytes[..bytes.len().min(3)]);
             assert_eq!(beginning(bytes, 3), &bytes[..bytes.len().min(3)]);
         }
-        assert!(unpack(&[0x1f, 0x8b, 8, 0, 1]).unwrap_err().contains("damaged"));
+        assert!(unpack(&[0x1f, 0x8b, 8, 0, 1], u64::MAX).unwrap_err().contains("damaged"));
     }
 
     #[test]
     fn a_bomb_is_given_up() {
         let bomb = packed(&[b' '; 1 << 20], 80);
         assert!(bomb.len() < 1_000_000);
-        assert!(unpack(&bomb).unwrap_err().contains("more than 64 MB"));
-        assert_eq!(unpack(&packed(&[b' '; 1 << 20], 60)).unwrap().len(), 60 << 20);
+        assert!(unpack(&bomb, u64::MAX).unwrap_err().contains("more than 64 MB"));
+        let large = packed(&[b' '; 1 << 20], 60);
+        assert_eq!(unpack(&large, u64::MAX).unwrap().len(), 60 << 20);
+        assert_eq!(unpack(&large, 1000).unwrap().len(), 1000);
     }
 }

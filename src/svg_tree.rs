@@ -24,7 +24,7 @@ pub(crate) fn parse(bytes: &[u8], name: &str, fail: impl Fn(String) -> Error) ->
 /// # Errors
 /// What `fail` makes of the reason, if it is damaged or not UTF-8; [`Error::TooLarge`] beyond 1 GiB.
 pub(crate) fn text(bytes: &[u8], name: &str, fail: impl Fn(String) -> Error) -> Result<String> {
-    let bytes = gzip::unpack(bytes).map_err(&fail)?;
+    let bytes = gzip::unpack(bytes, LARGEST_TEXT as u64 + 1).map_err(&fail)?;
     if bytes.len() > LARGEST_TEXT {
         let (found, limit) = ("more than 1 GiB of SVG text".into(), "1 GiB".into());
         return Err(Error::TooLarge { name: name.into(), found, limit });

@@ -1,8 +1,8 @@
 //! The whole way, from generated exemplars to files, compared with what is stored in `tests/golden`.
 //!
-//! SVG and PDF are compared by their hashes, PNG pixel by pixel within a tolerance. A PNG that
-//! differs is left, with the picture of the difference, in the folder for temporary
-//! files of the target folder. `VTEX_BLESS=1 cargo test --test golden` stores what is made now.
+//! SVG and PDF are compared by their hashes, PNG pixel by pixel within a tolerance. A PNG that differs
+//! is left, with the picture of the difference, in the target folder's folder for temporary files.
+//! `VTEX_BLESS=1 cargo test --test golden` stores what is made now.
 
 mod support;
 

@@ -40,7 +40,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The module at the top of a file's path, such as `synth` for `src/synth/primaries/mod.rs`.
+/// The module at the top of a file's path, such as `arrange` for `src/arrange/descriptor/mod.rs`.
 fn module(path: &Path) -> String {
     let below = path.strip_prefix(root().join("src")).unwrap();
     let first = below.components().next().unwrap().as_os_str().to_string_lossy().into_owned();

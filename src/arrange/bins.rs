@@ -51,7 +51,9 @@ impl Bins {
             }
             let first = low.rem_euclid(size) / SIDE;
             let last = (high - 1).rem_euclid(size) / SIDE;
-            let whole = high - low >= size || (first == last && high - low > SIDE);
+            // A box that ends in the square where it begins has gone around if it crosses the seam.
+            let around = low.rem_euclid(size) + (high - low) > size;
+            let whole = high - low >= size || (around && first == last);
             (first, if whole { count } else { (last - first).rem_euclid(count) + 1 }, count)
         };
         let (x, w, columns) = axis(at[0] + bounds[0], at[0] + bounds[2], self.size[0], self.tile.x);
@@ -64,4 +66,30 @@ impl Bins {
 /// Number of squares along a side.
 fn squares(size: i32) -> i32 {
     (size - 1) / SIDE + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_box_is_found_from_every_cell_of_it(
+            w in 1..200u32, h in 1..200u32, x: bool, y: bool,
+            at in (0..200i32, 0..200i32), size in (1..150i32, 1..150i32), within in (0..150i32, 0..150i32),
+        ) {
+            let grid = Grid::new([w, h], Tile { x, y }, 0);
+            let at = [at.0 % w as i32, at.1 % h as i32];
+            let size = [size.0, size.1];
+            let mut bins = Bins::new(&grid);
+            bins.insert(PlacedId(7), [0, 0, size[0], size[1]], at);
+            let cell = [at[0] + within.0 % size[0], at[1] + within.1 % size[1]];
+            if grid.cell(cell).is_some() {
+                prop_assert!(bins.near([0, 0, 1, 1], cell).any(|id| id == PlacedId(7)));
+            }
+            bins.remove(PlacedId(7), [0, 0, size[0], size[1]], at);
+            prop_assert!(bins.ids.iter().all(Vec::is_empty));
+        }
+    }
 }

@@ -59,7 +59,7 @@ impl Analysis {
         let read = [("the photograph", photo_path), ("--masks", masks.masks.as_deref())];
         let written = [("-o", output), ("--save-masks", masks.save_masks.as_deref())];
         apart(&[read[0], written[0], written[1]])?;
-        apart(&[read[1], written[0]])?;
+        apart(&[read[1], written[0], written[1]])?;
         let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
         let sam = SamFrom::new(masks.sam);
         let from = masks_from(masks.masks, parameters.segmenter, sam)?;

@@ -47,7 +47,20 @@ impl Files {
                 Action::Replace { library } => {
                     files.libraries.insert(library.clone(), Library::from_bytes(&read(library)?, library)?);
                 }
-                _ => {}
+                Action::Thin { .. }
+                | Action::Orient { .. }
+                | Action::Tint { .. }
+                | Action::Recolor { .. }
+                | Action::Palette { .. }
+                | Action::Shadow { .. }
+                | Action::Flatten
+                | Action::Simplify { .. }
+                | Action::Outline { .. }
+                | Action::Move { .. }
+                | Action::Scale { .. }
+                | Action::Rotate { .. }
+                | Action::Jitter { .. }
+                | Action::Delete => {}
             }
         }
         Ok(files)

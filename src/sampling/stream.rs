@@ -8,7 +8,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 #[derive(Clone, Debug)]
 pub struct Stream(ChaCha8Rng);
 
-/// The stream of one `item` in the stage `name` (such as `synth/secondary`) for a seed.
+/// The stream of one `item` in the stage `name` (such as `synth/secondaries`) for a seed.
 pub fn stream(seed: u64, name: &str, item: u64) -> Stream {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64; // FNV-1a, 64 bits
     for byte in name.bytes() {

@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn records_of_version_1_are_text() {
+    fn records_of_older_programs_are_text() {
         let old = r#"{ "operation": "tint #ff0000 --amount 0.5", "seed": 5 }"#;
         let record: EditRecord = serde_json::from_str(old).unwrap();
         assert_eq!(record.operation, Recorded::Text("tint #ff0000 --amount 0.5".into()));

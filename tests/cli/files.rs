@@ -75,6 +75,7 @@ fn one_file_never_holds_two_things() {
         ),
         ("analyze photo.png --save-masks photo.png --force", "the photograph and --save-masks"),
         ("analyze photo.png --masks m.lib.json -o m.lib.json --force", "--masks and -o name the same file"),
+        ("analyze photo.png --masks m.png --save-masks ./m.png --force", "--masks and --save-masks name"),
         (
             "synth photo.lib.json --domain photo.svg -o photo.svg --force",
             "--domain and -o name the same file",

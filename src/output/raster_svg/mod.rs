@@ -30,8 +30,8 @@ const TOO_SLOW: &str = "its filters or patterns would take more than ten seconds
 /// stage `drawing`.
 ///
 /// # Errors
-/// Not an SVG that can be parsed; a shape that reaches 10⁸ pixels away; filters or patterns that would
-/// take more than some ten seconds; a scale that is not above 0; [`Error::TooLarge`] beyond 2³⁰ pixels
+/// Not an SVG that can be parsed; a shape that reaches 10⁸ pixels away; a piece whose filters or
+/// patterns would take more than some ten seconds; a scale that is not above 0; [`Error::TooLarge`] beyond 2³⁰ pixels
 /// or 1 GiB of text; [`Error::Interrupted`].
 pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress) -> Result<Pixmap> {
     let fail = |reason: String| Error::Render { name: name.into(), reason };
@@ -77,6 +77,7 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
             Step::Close(shape) => canvas.close(&parse(&shape).map_err(fail)?),
         }
     })?;
+    advance(progress, "drawing", total, total)?;
     Ok(canvas.picture)
 }
 
@@ -112,8 +113,8 @@ impl<'a> Canvas<'a> {
         Ok(Self { name, transform, picture: layer(width, height, name)?, below: Vec::new() })
     }
 
-    /// Draws an SVG over what there is.
-    fn draw(&mut self, tree: &Tree) -> Result<()> {
+    /// Fails if an SVG cannot be drawn in reasonable time.
+    fn check(&self, tree: &Tree) -> Result<()> {
         let fail = |reason: &str| Error::Render { name: self.name.into(), reason: reason.into() };
         let Transform { sx, sy, .. } = self.transform;
         if furthest(tree) * sx.max(sy) > FURTHEST {
@@ -122,6 +123,12 @@ impl<'a> Canvas<'a> {
         if !filters::affordable(tree, [sx, sy], [self.picture.width(), self.picture.height()]) {
             return Err(fail(TOO_SLOW));
         }
+        Ok(())
+    }
+
+    /// Draws an SVG over what there is.
+    fn draw(&mut self, tree: &Tree) -> Result<()> {
+        self.check(tree)?;
         resvg::render(tree, self.transform, &mut self.picture.as_mut());
         Ok(())
     }
@@ -135,6 +142,7 @@ impl<'a> Canvas<'a> {
 
     /// Ends a layer, of which only what lies inside `shape` is seen.
     fn close(&mut self, shape: &Tree) -> Result<()> {
+        self.check(shape)?;
         let mut mask = layer(self.picture.width(), self.picture.height(), self.name)?;
         resvg::render(shape, self.transform, &mut mask.as_mut());
         let paint = |blend_mode| PixmapPaint { blend_mode, ..PixmapPaint::default() };
@@ -248,11 +256,14 @@ mod tests {
     /// Squares of half a pixel in groups, some repeated, some shaded, under a clip path.
     fn crowd(count: usize, clip: &str) -> String {
         let mut text = format!(
-            r##"{RED}<defs><clipPath id="c"><path d="M3 2h20v9l-7 8z"/></clipPath><symbol id="s" overflow="visible"><path d="M0 0h.5v.5z"/><path fill="blue" d="M0 0h.3v.3z"/></symbol></defs><g{clip} fill="#0c0" transform="translate(.25)"><linearGradient id="l"><stop stop-color="#fff"/><stop offset="1"/></linearGradient>"##
+            r##"{RED}<defs><clipPath id="c"><path d="M3 2h20v9l-7 8z"/></clipPath><symbol id="s" overflow="visible"><path d="M0 0h.5v.5z"/><path fill="blue" d="M0 0h.3v.3z"/></symbol></defs><g{clip} fill="#0c0" fill-opacity=".7" stroke="url(#l)" stroke-width=".1" transform="translate(.25)"><linearGradient id="l"><stop stop-color="#fff"/><stop offset="1"/></linearGradient><linearGradient id="m"><stop stop-color="red"/></linearGradient>"##
         );
         for i in 0..count {
             let (x, y) = (i % 59 / 2, i % 41 / 2);
-            text += &match i % 3 {
+            text += &match i % 4 {
+                3 => format!(
+                    r##"<path d="M{x}.1 {y}h.6v.5z" style="fill:url( '#l' );stroke-width:.2;stroke:url(#m)"/>"##
+                ),
                 0 => format!(r##"<use href="#s" x="{x}" y="{y}"/>"##),
                 1 => format!(r#"<rect x="{x}.2" y="{y}" width=".7" height=".6" fill="url(#l)"/>"#),
                 _ => format!(r#"<g id="g{i}"><path d="M{x} {y}.4h.7v.6z"/></g>"#),
@@ -288,6 +299,13 @@ mod tests {
             let off = whole.picture.data().iter().zip(found.data()).map(|(a, b)| a.abs_diff(*b)).max();
             assert!(off <= Some(2), "{clip}: {off:?}");
         }
+    }
+
+    #[test]
+    fn many_elements_deep_within_groups_are_refused() {
+        let leaves = r#"<rect width="1" height="1"/>"#.repeat(250_000);
+        let deep = format!("{RED}{}{leaves}{}</svg>", "<g>".repeat(50_000), "</g>".repeat(50_000));
+        assert!(matches!(render_svg(deep.as_bytes(), 1.0, "deep.svg", &()), Err(Error::Render { .. })));
     }
 
     #[test]

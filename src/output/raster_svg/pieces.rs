@@ -12,8 +12,15 @@ use std::collections::{BTreeSet, HashMap};
 const PIECE: u64 = 200_000;
 /// Elements that the parser accepts.
 pub(super) const MOST: u64 = 1_000_000;
+/// How deep groups are taken apart. What is deeper is drawn as a whole, which the parser refuses where
+/// it is too much.
+const DEEPEST: usize = 32;
 /// How deep references to references are counted.
 const DEPTH: usize = 32;
+
+/// How the shapes of a clip path are painted, whatever is around them.
+const CLIP: &str =
+    "<g fill=\"#fff\" fill-opacity=\"1\" fill-rule=\"nonzero\" stroke=\"none\" visibility=\"visible\">";
 
 /// What a piece of an SVG is for.
 pub(super) enum Step {
@@ -38,6 +45,8 @@ pub(super) struct Pieces<'a> {
 struct Frame {
     before: String,
     after: String,
+    /// Groups opened within the root.
+    depth: usize,
 }
 
 impl<'a> Pieces<'a> {
@@ -61,7 +70,7 @@ impl<'a> Pieces<'a> {
     pub(super) fn unfolded(&self) -> u64 {
         let mut links = Vec::new();
         for node in self.document.descendants() {
-            let own = node.attributes().filter_map(reference);
+            let own = node.attributes().flat_map(referred);
             let targets = own.filter_map(|id| self.ids.get(id));
             links.extend(targets.map(|target| (node.id().get_usize(), target.id().get_usize())));
         }
@@ -77,11 +86,13 @@ impl<'a> Pieces<'a> {
     /// document.
     pub(super) fn several(&self) -> bool {
         let root = self.document.root_element();
-        let sized =
-            root.has_attribute("viewBox") || root.has_attribute("width") && root.has_attribute("height");
+        // A length in per cent of nothing known is taken from the content.
+        let given = |name: &str| root.attribute(name).is_some_and(|v| !v.trim().ends_with('%'));
+        let sized = root.has_attribute("viewBox") || given("width") && given("height");
         let style = |n: Node<'_, '_>| n.tag_name().name() == "style";
         self.weight() > PIECE
             && sized
+            && self.text[root.range().start..].starts_with("<svg")
             && is_plain(root)
             && !self.text.contains("<!DOCTYPE")
             && !self.document.descendants().any(style)
@@ -101,7 +112,11 @@ impl<'a> Pieces<'a> {
     fn root(&self) -> Frame {
         let root = self.document.root_element();
         let name = self.text[root.range().start + 1..].split(|c: char| c.is_whitespace() || c == '>').next();
-        Frame { before: self.start_tag(root).into(), after: format!("</{}>", name.unwrap_or_default()) }
+        Frame {
+            before: self.start_tag(root).into(),
+            after: format!("</{}>", name.unwrap_or_default()),
+            depth: 0,
+        }
     }
 
     /// The children of a container that stands in `frame`.
@@ -125,7 +140,8 @@ impl<'a> Pieces<'a> {
             if hidden {
                 continue;
             }
-            if own > PIECE && child.tag_name().name() == "g" && is_plain(child) {
+            let group = self.start_tag(child).starts_with("<g") && is_plain(child);
+            if own > PIECE && group && frame.depth < DEEPEST {
                 match child.attribute("clip-path") {
                     None => {
                         let inner = frame.around(self.start_tag(child));
@@ -137,7 +153,7 @@ impl<'a> Pieces<'a> {
                             let inner = frame.around(&self.unclipped(child));
                             each(Step::Open)?;
                             self.split(child, &inner, each)?;
-                            let shape = format!("{}<g fill=\"#fff\">{clip}</g>{}", inner.before, inner.after);
+                            let shape = format!("{}{CLIP}{clip}</g>{}", inner.before, inner.after);
                             each(Step::Close(shape))?;
                             continue;
                         }
@@ -160,8 +176,11 @@ impl<'a> Pieces<'a> {
             let next = open[open.len() - 1].next_sibling_element();
             open.push(next.unwrap_or(last));
         }
+        let around = first.ancestors().skip(1).flat_map(|n| n.attributes()).flat_map(referred);
+        let mut wanted: Vec<&str> = around.collect();
         while let Some(node) = open.pop() {
-            for id in references(node) {
+            wanted.extend(references(node));
+            for id in wanted.drain(..) {
                 let Some(target) = self.ids.get(id) else { continue };
                 if !range.contains(&target.range().start) && known.insert(target.id().get_usize()) {
                     definitions += &self.text[target.range()];
@@ -204,7 +223,8 @@ impl<'a> Pieces<'a> {
             shape && n.attributes().all(|a| PLACE.contains(&a.name())) && !n.has_children()
         };
         let alone = clip.attributes().all(|a| a.name() == "id") && clip.tag_name().name() == "clipPath";
-        if !(alone && clip.children().filter(Node::is_element).all(bare)) {
+        let ruled = clip.ancestors().any(|n| n.has_attribute("clip-rule"));
+        if !(alone && !ruled && clip.children().filter(Node::is_element).all(bare)) {
             return None;
         }
         Some(&self.text[clip.first_child()?.range().start..clip.last_child()?.range().end])
@@ -214,7 +234,11 @@ impl<'a> Pieces<'a> {
 impl Frame {
     /// This, and a group within it.
     fn around(&self, tag: &str) -> Self {
-        Self { before: format!("{}{tag}", self.before), after: format!("</g>{}", self.after) }
+        Self {
+            before: format!("{}{tag}", self.before),
+            after: format!("</g>{}", self.after),
+            depth: self.depth + 1,
+        }
     }
 }
 
@@ -238,15 +262,19 @@ fn is_plain(node: Node<'_, '_>) -> bool {
 
 /// The ids that an element and all in it refer to, in document order.
 fn references<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = &'a str> {
-    node.descendants().flat_map(|n| n.attributes()).filter_map(reference)
+    node.descendants().flat_map(|n| n.attributes()).flat_map(referred)
 }
 
-/// The id that an attribute refers to.
-fn reference<'a>(attribute: Attribute<'a, '_>) -> Option<&'a str> {
-    match attribute.name() {
-        "href" => attribute.value().strip_prefix('#'),
-        _ => Some(attribute.value().split_once("url(#")?.1.split_once(')')?.0),
+/// The ids that an attribute refers to. A style, or a list of filters, may hold several.
+fn referred<'a>(attribute: Attribute<'a, '_>) -> Vec<&'a str> {
+    if attribute.name() == "href" {
+        return attribute.value().trim().strip_prefix('#').into_iter().collect();
     }
+    let id = |rest: &'a str| {
+        let id = rest.split(')').next()?.trim().trim_matches(['\'', '"']);
+        id.trim().strip_prefix('#')
+    };
+    attribute.value().split("url(").skip(1).filter_map(id).collect()
 }
 
 /// Elements in each node with all links followed, which lead from one node to another by number, in
