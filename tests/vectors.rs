@@ -97,5 +97,5 @@ fn colours_and_shapes_stay_within_their_limits() {
     assert_eq!(library.primaries.len(), free.primaries.len());
     let (library, _) = analysed(&exemplar, &AnalyzeParams { max_paths: 1, ..AnalyzeParams::default() });
     assert_eq!(shapes(&library), library.primaries.len());
-    assert!(library.source.warnings.iter().any(|w| w.contains("--minimum-area")));
+    assert!(library.source.warnings.iter().any(|w| w.contains("more than the 1 paths asked for")));
 }

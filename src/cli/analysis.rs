@@ -5,7 +5,7 @@ use super::config::Parameters;
 use super::failure::Failure;
 use super::format;
 use super::hints;
-use super::input::{Input, Kind};
+use super::input::{Input, Kind, note_read};
 use super::models::{Store, sums_of_network};
 use super::options::engine::engine;
 use super::options::files::{ForceArgs, apart};
@@ -95,7 +95,10 @@ fn segmenter(
     reporter: &Reporter,
 ) -> anyhow::Result<Box<dyn Segmenter>> {
     match &analysis.masks {
-        MasksFrom::File(path) => return Ok(Box::new(MasksFile::read(path)?)),
+        MasksFrom::File(path) => {
+            note_read(path);
+            return Ok(Box::new(MasksFile::read(path)?));
+        }
         MasksFrom::Felzenszwalb => return Ok(Box::new(Felzenszwalb::default())),
         MasksFrom::Regions => return Ok(Box::new(Regions)),
         MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_) => {}

@@ -5,6 +5,7 @@
 //! laid over the defaults as tables, and the result becomes a parameter struct of the library.
 
 use super::failure::Failure;
+use super::input::note_read;
 use super::nearest::nearest;
 use super::options::analyze::{AnalyzeFlags, SegmenterName};
 use super::options::global::Global;
@@ -92,6 +93,7 @@ impl Layer {
     /// Reads a configuration file.
     pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
         let text = std::fs::read_to_string(path).map_err(|e| vtex::Error::read(path, e))?;
+        note_read(path);
         let table: Table = text.parse().map_err(|e: toml::de::Error| {
             Failure::usage(format!("cannot read '{}': {}", path.display(), e.to_string().trim_end()))
                 .hint("'vtex --dump-config' prints a valid file")

@@ -14,6 +14,13 @@ const LARGEST: u64 = 2 << 30;
 /// The files that this process has read as inputs, links resolved.
 static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
+/// Notes that a file is read as an input, so that no result replaces it.
+pub(crate) fn note_read(path: &Path) {
+    if let Ok(path) = path.canonicalize() {
+        READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
+    }
+}
+
 /// Whether a file has been read as an input, whatever the path that named it.
 pub(crate) fn was_read(path: &Path) -> bool {
     path.canonicalize().is_ok_and(|path| READ.lock().unwrap_or_else(PoisonError::into_inner).contains(&path))
@@ -55,10 +62,8 @@ impl Input {
             }
         });
         read.map_err(|e| Error::read(self.path(), e))?;
-        if let Self::File(path) = self
-            && let Ok(path) = path.canonicalize()
-        {
-            READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
+        if let Self::File(path) = self {
+            note_read(path);
         }
         if bytes.len() as u64 > LARGEST {
             let (found, limit) = ("more than 2 GiB".into(), "2 GiB".into());

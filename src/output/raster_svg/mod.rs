@@ -256,7 +256,7 @@ mod tests {
     /// Squares of half a pixel in groups, some repeated, some shaded, under a clip path.
     fn crowd(count: usize, clip: &str) -> String {
         let mut text = format!(
-            r##"{RED}<defs><clipPath id="c"><path d="M3 2h20v9l-7 8z"/></clipPath><symbol id="s" overflow="visible"><path d="M0 0h.5v.5z"/><path fill="blue" d="M0 0h.3v.3z"/></symbol></defs><g{clip} fill="#0c0" fill-opacity=".7" stroke="url(#l)" stroke-width=".1" transform="translate(.25)"><linearGradient id="l"><stop stop-color="#fff"/><stop offset="1"/></linearGradient><linearGradient id="m"><stop stop-color="red"/></linearGradient>"##
+            r##"{RED}<defs><clipPath id="c"><path d="M3 2h20v9l-7 8z"/></clipPath><symbol id="s" overflow="visible"><path d="M0 0h.5v.5z"/><path fill="blue" d="M0 0h.3v.3z"/></symbol></defs><g{clip} fill="#0c0" fill-opacity=".7" stroke="#00c" stroke-width=".1" transform="translate(.25)"><linearGradient id="l"><stop stop-color="#fff"/><stop offset="1"/></linearGradient><linearGradient id="m"><stop stop-color="red"/></linearGradient>"##
         );
         for i in 0..count {
             let (x, y) = (i % 59 / 2, i % 41 / 2);
