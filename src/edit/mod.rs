@@ -79,7 +79,7 @@ pub fn apply(
         let before = scene.primary.len() + scene.secondary.len();
         let draw = Draw { seed, step: scene.edits.len() as u64 };
         let matched = act(&mut scene, &chosen, &operation.action, files, &draw).map_err(fail)?;
-        textons::drop_unused(&mut scene);
+        scene.drop_unused();
         let removed = before - scene.primary.len() - scene.secondary.len();
         scene.edits.push(EditRecord { operation: Recorded::Edit(operation.clone()), seed });
         scene.validate().map_err(|reason| fail(EditFault::TooFar(reason)))?;

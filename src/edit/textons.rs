@@ -68,30 +68,3 @@ pub(super) fn change(
         instance.texton = target[instance.texton as usize];
     }
 }
-
-/// Drops textons that no instance shows.
-pub(super) fn drop_unused(scene: &mut Scene) {
-    let mut used = vec![false; scene.textons.len()];
-    for instance in scene.secondary.iter().chain(&scene.primary) {
-        used[instance.texton as usize] = true;
-    }
-    if used.iter().all(|u| *u) {
-        return;
-    }
-    let mut next = 0;
-    let numbers: Vec<u32> = used
-        .iter()
-        .map(|used| {
-            next += u32::from(*used);
-            next.saturating_sub(1)
-        })
-        .collect();
-    let mut place = 0;
-    scene.textons.retain(|_| {
-        place += 1;
-        used[place - 1]
-    });
-    for instance in scene.secondary.iter_mut().chain(&mut scene.primary) {
-        instance.texton = numbers[instance.texton as usize];
-    }
-}

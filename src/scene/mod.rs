@@ -245,6 +245,33 @@ impl Scene {
     pub fn to_json(&self) -> Vec<u8> {
         document::to_json(self)
     }
+
+    /// Drops textons that no instance shows.
+    pub(crate) fn drop_unused(&mut self) {
+        let mut used = vec![false; self.textons.len()];
+        for instance in self.secondary.iter().chain(&self.primary) {
+            used[instance.texton as usize] = true;
+        }
+        if used.iter().all(|u| *u) {
+            return;
+        }
+        let mut next = 0;
+        let numbers: Vec<u32> = used
+            .iter()
+            .map(|used| {
+                next += u32::from(*used);
+                next.saturating_sub(1)
+            })
+            .collect();
+        let mut place = 0;
+        self.textons.retain(|_| {
+            place += 1;
+            used[place - 1]
+        });
+        for instance in self.secondary.iter_mut().chain(&mut self.primary) {
+            instance.texton = numbers[instance.texton as usize];
+        }
+    }
 }
 
 impl Document for Scene {

@@ -141,7 +141,7 @@ pub fn warp(
         };
         result.primary.push(instance);
     }
-    drop_unused(&mut result);
+    result.drop_unused();
     let report = Report::new(&libraries, &arrangement, &result);
     Ok((result, report))
 }
@@ -157,23 +157,4 @@ fn fresh(next: &mut u32) -> u32 {
 fn moved(instance: &Instance, place: [f64; 2]) -> Instance {
     let [a, b, c, d, ..] = instance.transform;
     Instance { transform: [a, b, c, d, libm::round(place[0]), libm::round(place[1])], ..instance.clone() }
-}
-
-/// Takes textons out of the list that nothing uses any more.
-fn drop_unused(scene: &mut Scene) {
-    let mut used = vec![false; scene.textons.len()];
-    scene.primary.iter().chain(&scene.secondary).for_each(|i| used[i.texton as usize] = true);
-    let mut count = 0;
-    let numbers: Vec<u32> = used
-        .iter()
-        .map(|&used| {
-            count += u32::from(used);
-            count.saturating_sub(1)
-        })
-        .collect();
-    for instance in scene.primary.iter_mut().chain(&mut scene.secondary) {
-        instance.texton = numbers[instance.texton as usize];
-    }
-    let mut used = used.into_iter();
-    scene.textons.retain(|_| used.next().unwrap_or(false));
 }
