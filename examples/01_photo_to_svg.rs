@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let library = analyze(&exemplar, &segmenter, &AnalyzeParams::default(), &())?;
     println!(
         "{} primaries in {} categories cover {:.0} % of {}",
-        library.primaries.len(),
+        library.primaries().len(),
         library.categories.len(),
         100.0 * library.coverage,
         library.source.file,

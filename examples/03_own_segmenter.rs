@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!(
             "{}: {} primaries cover {:.0} %",
             segmenter.name(),
-            library.primaries.len(),
+            library.primaries().len(),
             100.0 * library.coverage,
         );
     }

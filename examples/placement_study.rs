@@ -176,7 +176,7 @@ impl Study {
                 cent(f.hidden),
                 cent(f.buried),
                 format!("{:.0}", f.textons),
-                e.library.primaries.iter().filter(|p| !p.clipped).count().to_string(),
+                e.library.primaries().iter().filter(|p| !p.clipped).count().to_string(),
                 cent(f.largest_share),
                 cent(f.near),
                 format!("{:.0}", f.shortest),

@@ -12,6 +12,12 @@ pub(crate) trait Document: Serialize + DeserializeOwned {
     /// Value of the field `version`.
     const VERSION: u32;
 
+    /// Reads a document of an older version and brings it up to date; `None` for a version that is not
+    /// known.
+    fn read_older(_version: u64, _json: &[u8]) -> Option<serde_json::Result<Self>> {
+        None
+    }
+
     /// Checks what the types cannot say.
     ///
     /// # Errors
@@ -41,15 +47,13 @@ pub(crate) fn from_bytes<T: Document>(bytes: &[u8], name: &str) -> Result<T> {
         Some(f) => return Err(fail(format!("its format is '{}'", clip(f)))),
         None => return Err(fail("it has no field 'format'".into())),
     }
-    match header.version {
-        Some(v) if v == u64::from(T::VERSION) => {}
-        Some(found) => {
-            let known = u64::from(T::VERSION);
-            return Err(Error::Version { name: name.into(), format: T::FORMAT, found, known });
-        }
-        None => return Err(fail("it has no field 'version'".into())),
-    }
-    let document: T = serde_json::from_slice(json).map_err(|e| fail(e.to_string()))?;
+    let Some(version) = header.version else { return Err(fail("it has no field 'version'".into())) };
+    let known = u64::from(T::VERSION);
+    let read = if version == known { Some(serde_json::from_slice(json)) } else { T::read_older(version, json) };
+    let Some(read) = read else {
+        return Err(Error::Version { name: name.into(), format: T::FORMAT, found: version, known });
+    };
+    let document: T = read.map_err(|e| fail(e.to_string()))?;
     document.validate().map_err(fail)?;
     Ok(document)
 }

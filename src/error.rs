@@ -205,6 +205,14 @@ pub enum EditFault {
     /// A condition on something that points of the background do not have.
     #[error("the background has no categories, areas and the like")]
     BackgroundCondition,
+    /// No layer of the scene has the name or role that the operation is for.
+    #[error("the scene has no layer '{name}'")]
+    NoLayer {
+        /// The name.
+        name: String,
+        /// The names of the scene's layers.
+        known: Vec<String>,
+    },
     /// The content of a file that the operation names is not given.
     #[error("the content of '{0}' is not given")]
     NoFile(String),

@@ -52,6 +52,7 @@ mod arrange;
 pub mod control;
 mod correspondence;
 pub mod edit;
+pub mod element;
 #[cfg(feature = "onnx")]
 pub mod engine;
 pub mod geometry;

@@ -10,7 +10,7 @@ use tiny_skia::Pixmap;
 use vtex::output::svg::SvgOptions;
 use vtex::output::{file, pdf, png, raster_svg, reduce, svg};
 use vtex::raster::colour::Colour;
-use vtex::scene::{Domain, Edge, Instance, Scene, Shadow, Stroke, SynthParams, Texton, Tile};
+use vtex::scene::{Domain, Edge, Instance, Scene, Shadow, Stroke, SynthParams, Element, Tile};
 use vtex::synth::synthesize;
 
 const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true };
@@ -32,7 +32,7 @@ fn shaped(edge: Edge) -> Scene {
     use vtex::geometry::{Affine, Outline};
     let mut scene = scene().clone();
     scene.tile = Tile::default();
-    let outline = &scene.textons[scene.primary[0].texton as usize].outline;
+    let outline = &scene.elements[scene.primary[0].texton as usize].outline;
     let bounds = outline.bounds();
     let size = 180.0 / bounds.height().max(bounds.width());
     let path = Affine::translate((130.0, 100.0))
@@ -210,10 +210,10 @@ fn a_reader_finds_category_source_and_order_of_every_texton() {
             layer
         };
         assert!(layer("background").children().any(|n| n.is_element()));
-        let check = |node: Node<'_, '_>, texton: &Texton| {
-            assert_eq!(origin(node), (texton.source, texton.library));
+        let check = |node: Node<'_, '_>, element: &Element| {
+            assert_eq!(origin(node), (element.source, element.library));
         };
-        let textons = |i: &Instance| &scene.textons[i.texton as usize];
+        let textons = |i: &Instance| scene.element(i);
 
         // What has no id is a copy.
         let primaries = layer("primary").children().filter(|n| n.has_attribute("id"));

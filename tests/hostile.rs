@@ -39,7 +39,7 @@ static FILES: LazyLock<Files> = LazyLock::new(|| {
     let found = Regions.segment(&exemplar.image, &()).unwrap();
     let masks = |name: &str| masks_to_bytes(name.as_ref(), "regions", SIDE, SIDE, &found).unwrap();
     let library = analyze(&exemplar, &Regions, &AnalyzeParams::default(), &()).unwrap();
-    assert!(!library.primaries.is_empty() && !library.secondaries.textons.is_empty());
+    assert!(!library.primaries().is_empty() && !library.secondaries().is_empty());
     let scene = small_scene(&library).unwrap();
     let mut text = Vec::new();
     svg::write(&scene, &svg::SvgOptions::default(), &mut text).unwrap();

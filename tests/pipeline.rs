@@ -131,8 +131,8 @@ fn check_reconstruction(image: &RgbImage, name: &str) {
     let library = library(&load(image, name).unwrap());
     let scene = reconstruct(&library);
     assert_eq!((scene.width, scene.height), image.dimensions(), "{name}");
-    assert_eq!(scene.primary.len(), library.primaries.len(), "{name}");
-    assert_eq!(scene.secondary.len(), library.secondaries.textons.len(), "{name}");
+    assert_eq!(scene.primary.len(), library.primaries().len(), "{name}");
+    assert_eq!(scene.secondary.len(), library.secondaries().len(), "{name}");
     let covered: u64 = coverage(&scene).values().sum();
     let share = covered as f64 / f64::from(image.width() * image.height());
     assert!((share - library.coverage).abs() < 0.02, "{name}: {share:.3}, not {:.3}", library.coverage);
@@ -188,10 +188,10 @@ fn slope() -> RgbImage {
 #[test]
 fn a_photograph_without_textons_still_gives_its_ground() {
     let library = library(&load(&slope(), "slope").unwrap());
-    assert!(!library.source.warnings.is_empty(), "no warning, {} primaries", library.primaries.len());
+    assert!(!library.source.warnings.is_empty(), "no warning, {} primaries", library.primaries().len());
     assert!(library.coverage < 0.1, "{} of a slope are primaries", library.coverage);
     assert!(library.coverage.is_sign_positive(), "written as -0.0");
-    assert!(!library.background.sites.is_empty());
+    assert!(!library.background().points.is_empty());
     let scene = scene(&library);
     let drawn = png::render(&scene, 1.0).unwrap();
     // The colours are those of the slope.

@@ -127,7 +127,7 @@ fn scene(seed: u64, tile: Tile) -> Scene {
 }
 
 fn shaped(mut scene: Scene) -> Scene {
-    let outline = &scene.textons[scene.primary[0].texton as usize].outline;
+    let outline = &scene.elements[scene.primary[0].texton as usize].outline;
     let bounds = outline.bounds();
     let path = Affine::translate((280.0, 100.0))
         * Affine::scale(240.0 / bounds.height().max(bounds.width()))

@@ -89,7 +89,7 @@ fn textons_cross_every_edge_that_joins() {
     let scene = texture(Tile { x: true, y: true });
     for layer in [&scene.primary, &scene.secondary] {
         let crossing = layer.iter().filter(|i| {
-            let bounds = scene.textons[i.texton as usize].bounds();
+            let bounds = scene.element(i).bounds();
             scene.copies(i.affine().transform_rect_bbox(bounds)).count() > 1
         });
         assert!(crossing.count() > 5);

@@ -40,15 +40,15 @@ fn error(exemplar: &Exemplar, scene: &Scene) -> f64 {
 
 /// Primaries, details and secondaries.
 fn shapes(library: &Library) -> usize {
-    let details: usize = library.primaries.iter().map(|p| p.details.len()).sum();
-    library.primaries.len() + details + library.secondaries.textons.len()
+    let details: usize = library.primaries().iter().map(|p| p.details.len()).sum();
+    library.primaries().len() + details + library.secondaries().len()
 }
 
 fn gradients(library: &Library) -> usize {
     let own = |p: &vtex::library::Primary| {
         p.details.iter().filter(|d| d.gradient.is_some()).count() + usize::from(p.gradient.is_some())
     };
-    library.primaries.iter().map(own).sum()
+    library.primaries().iter().map(own).sum()
 }
 
 #[test]
@@ -81,21 +81,21 @@ fn gradients_tell_more_with_fewer_bytes() {
 fn colours_and_shapes_stay_within_their_limits() {
     let exemplar = exemplar();
     let (library, _) = analysed(&exemplar, &AnalyzeParams { colors: 6, ..AnalyzeParams::default() });
-    let primaries = library.primaries.iter();
+    let primaries = library.primaries().iter();
     let colours: BTreeSet<_> = primaries
         .flat_map(|p| p.details.iter().map(|d| d.colour).chain([p.base]))
-        .chain(library.secondaries.textons.iter().map(|s| s.colour))
+        .chain(library.secondaries().iter().map(|s| s.colour))
         .collect();
     assert!(colours.len() <= 6 && colours.len() > 2, "{colours:?}");
     assert_eq!(gradients(&library), 0);
 
     let (free, _) = analysed(&exemplar, &AnalyzeParams::default());
-    let most = free.primaries.len() + (shapes(&free) - free.primaries.len()) / 3;
+    let most = free.primaries().len() + (shapes(&free) - free.primaries().len()) / 3;
     let max_paths = most as u32;
     let (library, _) = analysed(&exemplar, &AnalyzeParams { max_paths, ..AnalyzeParams::default() });
     assert!((most * 9 / 10..=most).contains(&shapes(&library)), "{} of {most}", shapes(&library));
-    assert_eq!(library.primaries.len(), free.primaries.len());
+    assert_eq!(library.primaries().len(), free.primaries().len());
     let (library, _) = analysed(&exemplar, &AnalyzeParams { max_paths: 1, ..AnalyzeParams::default() });
-    assert_eq!(shapes(&library), library.primaries.len());
+    assert_eq!(shapes(&library), library.primaries().len());
     assert!(library.source.warnings.iter().any(|w| w.contains("more than the 1 paths asked for")));
 }

@@ -1,9 +1,9 @@
 //! The background palette: the median colour of the background in each of a set of Voronoi cells.
 
-use crate::library::{AnalyzeParams, Background};
+use crate::library::AnalyzeParams;
 use crate::raster::{LabelMap, colour, squared_distance};
 use crate::sampling::{Area, poisson_disk, stream};
-use crate::scene::ControlPoint;
+use crate::scene::{ControlPoint, Field};
 use image::RgbImage;
 use spade::{DelaunayTriangulation, Point2};
 
@@ -26,7 +26,7 @@ pub(super) fn palette(
     primaries: &LabelMap,
     textons: &LabelMap,
     params: &AnalyzeParams,
-) -> Background {
+) -> Field {
     let (w, h) = (image.width() as usize, image.height() as usize);
     let domain = Area { width: w as f64, height: h as f64, wrap_x: params.wrap, wrap_y: params.wrap };
     let mut random = stream(params.seed, "analyze/background", 0);
@@ -60,7 +60,7 @@ pub(super) fn palette(
         .or_else(|| colour::median(background.map(rgb)))
         .or_else(|| colour::median(image.pixels().map(|p| p.0)))
         .unwrap_or_default();
-    Background { spacing: params.background_spacing, fallback, sites: found }
+    Field { spacing: params.background_spacing, fallback, points: found }
 }
 
 /// Drops sites whose colour lies far from the palette's median colour, relative to the median of

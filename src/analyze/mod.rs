@@ -28,10 +28,9 @@ pub use exemplar::Exemplar;
 
 use crate::document::Document as _;
 use crate::error::Result;
-use crate::library::{Arrangement, Library, Secondaries, Source};
+use crate::library::{Arrangement, Element, Library, Source, SourceKind};
 use crate::progress::{Progress, advance};
 use crate::raster::{LabelMap, Mask};
-use crate::scene::Field;
 use crate::scene::Tile;
 use crate::scene::field::Interpolant;
 use crate::segment::{Segmenter, Smoothed, details};
@@ -65,7 +64,7 @@ use unmix::unmixed;
 ///
 /// let exemplar = Exemplar::from_bytes(&png, "photo.png", &Limits::default())?;
 /// let library = analyze(&exemplar, &Felzenszwalb::default(), &AnalyzeParams::default(), &())?;
-/// assert_eq!(library.primaries.len(), 16);
+/// assert_eq!(library.primaries().len(), 16);
 /// # Ok::<(), vtex::Error>(())
 /// ```
 pub fn analyze(
@@ -103,12 +102,7 @@ pub fn analyze(
     let textons = grid.pixels(&any_texton(&cells, patches.secondaries.iter()));
     let background = background::palette(image, &primaries, &textons, params);
     progress.picture("background", &|| pictures::background(image, &textons, &background));
-    let field = Field {
-        spacing: background.spacing,
-        fallback: background.fallback,
-        points: background.sites.clone(),
-    };
-    let interpolant = Interpolant::new(&field, width, height, Tile::default());
+    let interpolant = Interpolant::new(&background, width, height, Tile::default());
     let joined = joining::join_secondaries(
         &clean,
         &patches.secondaries,
@@ -133,16 +127,15 @@ pub fn analyze(
         .iter()
         .map(|p| {
             let [r, g, b] = p.colour.to_f64();
-            [r, g, b, f64::from(p.area), p.compactness]
+            [r, g, b, f64::from(p.area), p.compactness.unwrap_or(0.0)]
         })
         .collect();
     let (ids, categories) =
         categories::cluster(&features, params.categories as usize, image_area, params.seed);
     let mut primary_textons = shapes.primaries;
-    for (p, &id) in primary_textons.iter_mut().zip(&ids) {
-        p.category = id;
-        p.clipped =
-            !params.wrap && touches_border(&primary_masks[p.id.0 as usize], fine.width(), fine.height());
+    for ((p, &id), mask) in primary_textons.iter_mut().zip(&ids).zip(&primary_masks) {
+        p.category = Some(id);
+        p.clipped = !params.wrap && touches_border(mask, fine.width(), fine.height());
     }
     progress.picture("categories", &|| pictures::categories(&primaries, &ids));
 
@@ -155,10 +148,12 @@ pub fn analyze(
         progress.warn(warning);
     }
     let spacing = secondaries::spacing(&centres(&shapes.secondaries), &primaries);
+    let elements: Vec<Element> = primary_textons.into_iter().chain(shapes.secondaries).collect();
     let library = Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
         source: Source {
+            kind: SourceKind::Photograph,
             file: exemplar.file.clone(),
             width,
             height,
@@ -170,11 +165,10 @@ pub fn analyze(
         },
         // An empty sum of floats is -0; folding from 0 avoids it.
         coverage: categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0),
-        primaries: primary_textons,
-        secondaries: Secondaries { spacing, textons: shapes.secondaries },
+        layers: Library::three_layers(&elements, background, spacing),
+        elements,
         categories,
-        background,
-        arrangement: Arrangement::from_labels(&primaries),
+        arrangement: Arrangement { periodic: params.wrap, ..Arrangement::from_labels(&primaries) },
         descriptor_half,
         guide: Some(guide::guide(image)),
     };
@@ -217,7 +211,7 @@ fn touches_border(mask: &Mask, width: u32, height: u32) -> bool {
         .is_some_and(|(x0, y0, x1, y1)| x0 <= 0 || y0 <= 0 || x1 >= width as i32 || y1 >= height as i32)
 }
 
-fn centres(secondaries: &[crate::library::Secondary]) -> Vec<[f64; 2]> {
+fn centres(secondaries: &[Element]) -> Vec<[f64; 2]> {
     secondaries.iter().map(|s| s.centroid).collect()
 }
 
@@ -233,7 +227,7 @@ fn descriptor_half(centroids: &[[f64; 2]], width: u32, height: u32, reach: f64) 
     (libm::round(reach * mean) as u32).clamp(1, most.max(1))
 }
 
-fn warn_about(primaries: &[crate::library::Primary], warnings: &mut Vec<String>) {
+fn warn_about(primaries: &[Element], warnings: &mut Vec<String>) {
     let placed = primaries.iter().filter(|p| !p.clipped).count();
     if primaries.is_empty() {
         warnings.push(

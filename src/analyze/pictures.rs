@@ -1,6 +1,7 @@
 //! Diagnostic pictures of the stages of analysis.
 
-use crate::library::{Background, CategoryId};
+use crate::library::CategoryId;
+use crate::scene::Field;
 use crate::raster::picture::{label_colour, labels};
 use crate::raster::{LabelMap, Mask};
 use crate::segment::ScoredMask;
@@ -55,11 +56,11 @@ pub(super) fn descriptors(
 }
 
 /// The background pixels that the palette is sampled from, with a square of its colour at each site.
-pub(super) fn background(image: &RgbImage, textons: &LabelMap, background: &Background) -> RgbImage {
+pub(super) fn background(image: &RgbImage, textons: &LabelMap, background: &Field) -> RgbImage {
     let mut picture = RgbImage::from_fn(image.width(), image.height(), |x, y| {
         if textons.get(x, y) == 0 { *image.get_pixel(x, y) } else { Rgb([0; 3]) }
     });
-    for site in &background.sites {
+    for site in &background.points {
         for (dx, dy) in (-4..=4i64).flat_map(|dy| (-4..=4i64).map(move |dx| (dx, dy))) {
             let (x, y) = (site.x as i64 + dx, site.y as i64 + dy);
             if x >= 0 && y >= 0 && x < i64::from(image.width()) && y < i64::from(image.height()) {

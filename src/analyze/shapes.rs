@@ -10,7 +10,7 @@ use super::joining;
 use super::palette::Palette;
 use super::rate_distortion::RateDistortion;
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
-use crate::library::{CategoryId, Detail, Primary, Secondary, TextonId};
+use crate::library::{CategoryId, Element, Shape};
 use crate::raster::colour::{self, Colour};
 use crate::raster::{LabelMap, Mask};
 use crate::scene::field::Interpolant;
@@ -58,8 +58,8 @@ pub(super) struct Style<'a> {
 /// The textons made from the pieces.
 pub(super) struct Shapes {
     /// Primaries; their categories are not assigned yet.
-    pub(super) primaries: Vec<Primary>,
-    pub(super) secondaries: Vec<Secondary>,
+    pub(super) primaries: Vec<Element>,
+    pub(super) secondaries: Vec<Element>,
 }
 
 /// Patches with their median colours, and these relative to the background field.
@@ -135,43 +135,48 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
         let gradients: Vec<_> =
             details.iter().map(|m| joining::gradient(image, m, style.cost, grid)).collect();
         let base_gradient = gradients.first().copied().flatten();
-        let mut painted = Vec::new();
+        let outline = whole[k + 1].clone();
+        let compactness = to_four_digits(outline.compactness());
+        let mut painted = vec![Shape { gradient: base_gradient, ..Shape::new(outline, base) }];
         for (i, &colour) in colours.iter().enumerate() {
             let outline = &stacked[label + i];
             let seen = colour != base || gradients[i].is_some() || base_gradient.is_some();
             if i > 0 && !outline.is_empty() && seen {
-                painted.push(Detail { outline: outline.clone(), colour, gradient: gradients[i] });
+                painted.push(Shape { gradient: gradients[i], ..Shape::new(outline.clone(), colour) });
             }
         }
         label += details.len();
-        let outline = whole[k + 1].clone();
-        primaries.push(Primary {
-            id: TextonId(k as u32),
+        primaries.push(Element {
+            category: Some(CategoryId(0)),
             colour: median(image, &mask),
-            base,
-            gradient: base_gradient,
-            category: CategoryId(0),
+            difference: None,
             area: grid.pixel_area(&mask),
             centroid: grid.centroid(&mask),
-            compactness: to_four_digits(outline.compactness()),
+            compactness: Some(compactness),
             clipped: false,
-            details: painted,
-            outline,
+            silhouette: None,
+            shapes: painted,
         });
     }
     let indices: Vec<usize> = (0..pieces.secondaries.len()).collect();
     let secondaries = crate::parallel::map(&indices, |&k| {
         let Patch { mask, colour, difference } = &pieces.secondaries[k];
         let speck = mask.area() <= SPECK;
-        Secondary {
-            outline: if speck { alone(mask, grid) } else { stacked[first_secondary + k].clone() },
-            colour: style.palette.nearest(*colour),
-            difference: *difference,
+        let outline = if speck { alone(mask, grid) } else { stacked[first_secondary + k].clone() };
+        let colour = style.palette.nearest(*colour);
+        Element {
+            category: None,
+            colour,
+            difference: Some(*difference),
             area: grid.pixel_area(mask),
             centroid: grid.centroid(mask),
+            compactness: None,
+            clipped: false,
+            silhouette: None,
+            shapes: vec![Shape::new(outline, colour)],
         }
     });
-    Shapes { secondaries: secondaries.into_iter().filter(|s| !s.outline.is_empty()).collect(), primaries }
+    Shapes { secondaries: secondaries.into_iter().filter(|s| !s.outline().is_empty()).collect(), primaries }
 }
 
 /// The outline of a mask traced on its own, scaled to the mask's area.

@@ -1,6 +1,6 @@
 //! Which element of a category comes next: each use halves the chance.
 
-use super::model::{ElementId, Model, VariantId};
+use super::model::{PlaceableId, Model, VariantId};
 use crate::sampling::{Stream, Sums};
 
 /// Halvings told apart. More would keep the sizes of a category truer on large canvases, but then
@@ -42,7 +42,7 @@ impl Choice {
     }
 
     /// A member of a category, drawn by weight; `None` if it has none.
-    pub(super) fn draw(&self, model: &Model, category: usize, random: &mut Stream) -> Option<ElementId> {
+    pub(super) fn draw(&self, model: &Model, category: usize, random: &mut Stream) -> Option<PlaceableId> {
         let slot = self.categories[category].sums.draw(random)?;
         Some(model.members[category][slot])
     }

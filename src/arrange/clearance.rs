@@ -203,7 +203,7 @@ mod tests {
     use super::*;
     use crate::arrange::controls::Controls;
     use crate::arrange::grid::Grid;
-    use crate::arrange::model::{ElementId, Model};
+    use crate::arrange::model::{PlaceableId, Model};
     use crate::arrange::region::Region;
     use crate::library::testing::{library, mosaic};
     use crate::sampling::stream;
@@ -223,7 +223,7 @@ mod tests {
             let model = Model::new(std::slice::from_ref(&library), &params);
             let grid = Grid::around(&model, &params);
             let region = Region::new(&grid, &controls, params.edge, false);
-            let placeable: Vec<ElementId> = model.members.iter().flatten().copied().collect();
+            let placeable: Vec<PlaceableId> = model.members.iter().flatten().copied().collect();
             let mut random = stream(1, "clearance test", 0);
             let mut map = Occupancy::new(&model, region, grid);
             let mut clearance = Clearance::new(&map, 12, 4);

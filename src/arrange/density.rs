@@ -9,7 +9,7 @@
 use super::choice::Choice;
 use super::clearance::Clearance;
 use super::grid::Part;
-use super::model::{ElementId, VariantId};
+use super::model::{PlaceableId, VariantId};
 use super::occupancy::{Occupancy, PlacedId};
 use crate::error::Result;
 use crate::progress::{Progress, advance};
@@ -164,7 +164,7 @@ fn grow(
     // gap is from what stands around it.
     let reach = libm::round(0.5 / libm::sqrt(model.density().max(1e-9))).clamp(4.0, 40.0) as i32;
     let smallest =
-        |m: &Vec<ElementId>| m.iter().map(|&p| model.plain(p).area).min().map_or(f64::INFINITY, f64::from);
+        |m: &Vec<PlaceableId>| m.iter().map(|&p| model.plain(p).area).min().map_or(f64::INFINITY, f64::from);
     let deficit = Deficit { wanted, smallest: model.members.iter().map(smallest).collect() };
     // Centres may lie off the canvas, but not so far that most textons could not be seen.
     let outside = libm::sqrt(model.mean_area() / std::f64::consts::PI) as i32;

@@ -32,7 +32,7 @@ use controls::Controls;
 use correspondence::{Correspondence, Structure};
 use descriptor::Asks;
 use grid::Grid;
-use model::{EMPTY, ElementId, Model, UNDEFINED, VariantId};
+use model::{EMPTY, PlaceableId, Model, UNDEFINED, VariantId};
 use occupancy::Occupancy;
 use region::Region;
 
@@ -69,7 +69,7 @@ pub(crate) struct Fixed {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     /// Which element: a primary, or a part of one.
-    pub(crate) element: ElementId,
+    pub(crate) element: PlaceableId,
     /// Index of its variation in the model.
     pub(crate) variation: u16,
     /// Place of its origin, in pixels of the canvas.

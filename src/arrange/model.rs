@@ -6,15 +6,15 @@
 //! all libraries.
 
 use super::variation::Variation;
-use crate::library::Library;
+use crate::library::{CategoryId, Library};
 use crate::raster::{LabelMap, Mask};
-use crate::scene::{SynthParams, Texton};
+use crate::scene::{Element, SynthParams};
 use std::ops::{Index, Range};
 use std::sync::OnceLock;
 
 /// Index of an element: a primary of any of the libraries, or a part of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) struct ElementId(pub(crate) u32);
+pub(crate) struct PlaceableId(pub(crate) u32);
 
 /// Index of a variant of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -44,7 +44,7 @@ impl Shape {
 
 /// A primary of one of the libraries, or a part of one.
 #[derive(Clone, Copy)]
-pub(crate) struct Element {
+pub(crate) struct Placeable {
     /// Which library.
     pub(crate) library: usize,
     /// Its index there.
@@ -81,9 +81,9 @@ pub(crate) struct Model {
     /// The libraries.
     pub(crate) sources: Vec<Source>,
     /// All elements.
-    pub(crate) elements: Vec<Element>,
+    pub(crate) elements: Vec<Placeable>,
     /// Elements of each category that may be placed.
-    pub(crate) members: Vec<Vec<ElementId>>,
+    pub(crate) members: Vec<Vec<PlaceableId>>,
     /// Half the side of the largest descriptor, in pixels.
     pub(crate) half: i32,
     /// Largest distance of a placeable pixel from its origin along an axis, in pixels.
@@ -93,7 +93,7 @@ pub(crate) struct Model {
     /// The variations; the first is none.
     pub(crate) variations: Vec<Variation>,
     /// What is painted of each fragment.
-    pub(crate) fragments: Vec<Texton>,
+    pub(crate) fragments: Vec<Element>,
     shapes: Vec<OnceLock<Shape>>,
 }
 
@@ -188,16 +188,16 @@ impl Model {
 
     fn add(&mut self, library: &Library, params: &SynthParams) {
         let map = library.arrangement.to_labels();
-        let wrap = library.source.parameters.wrap;
+        let wrap = library.arrangement.periodic;
         let torus = wrap.then_some([map.width as i32, map.height as i32]);
-        let masks = Mask::all_of_labels(&map, library.primaries.len() + 1);
+        let masks = Mask::all_of_labels(&map, library.primaries().len() + 1);
         let (first, base) = (self.elements.len() as u32, self.members.len());
         self.members.resize(base + library.categories.len(), Vec::new());
         // A texton as large as the period would meet itself.
         let room = [(params.tile.x, params.width), (params.tile.y, params.height)]
             .map(|(wrap, size)| if wrap { size as i32 } else { i32::MAX });
         let growth = self.variations.iter().map(Variation::growth).fold(1.0, f64::max);
-        for (p, mask) in library.primaries.iter().zip(&masks[1..]) {
+        for (p, mask) in library.primaries().iter().zip(&masks[1..]) {
             let origin = p.origin();
             let shape = Shape::new(mask.around(origin, torus));
             let b = shape.bounds;
@@ -206,15 +206,15 @@ impl Model {
             let fits =
                 growth * f64::from(w) < f64::from(room[0]) && growth * f64::from(h) < f64::from(room[1]);
             let placeable = !p.clipped && shape.area > 0 && fits;
-            let category = base + usize::from(p.category.0);
+            let category = base + p.category.map_or(0, CategoryId::index);
             if placeable {
-                self.members[category].push(ElementId(self.elements.len() as u32));
+                self.members[category].push(PlaceableId(self.elements.len() as u32));
                 self.reach = self.reach.max(libm::ceil(growth * f64::from(reach)) as i32);
             }
             let index = self.elements.len() as u32 - first;
             let library = self.sources.len();
             let (code, clipped, fragment) = (EMPTY, p.clipped, None);
-            self.elements.push(Element {
+            self.elements.push(Placeable {
                 library,
                 index,
                 origin,
@@ -245,11 +245,11 @@ impl Model {
     }
 
     /// Adds a part of a variant, as an element that is never drawn. Gives its variant.
-    pub(crate) fn add_fragment(&mut self, variant: VariantId, mask: Mask, texton: Texton) -> VariantId {
-        let element = ElementId(self.elements.len() as u32);
+    pub(crate) fn add_fragment(&mut self, variant: VariantId, mask: Mask, painted: Element) -> VariantId {
+        let element = PlaceableId(self.elements.len() as u32);
         let fragment = Some(self.fragments.len() as u32);
-        self.elements.push(Element { placeable: false, fragment, ..*self.element(variant) });
-        self.fragments.push(texton);
+        self.elements.push(Placeable { placeable: false, fragment, ..*self.element(variant) });
+        self.fragments.push(painted);
         let shape = OnceLock::from(Shape::new(mask));
         // Only one of its variations is ever asked for.
         self.shapes.extend((0..self.variations.len()).map(|_| OnceLock::new()));
@@ -264,12 +264,12 @@ impl Model {
     }
 
     /// The element of a variant.
-    pub(crate) fn element_of(&self, variant: VariantId) -> ElementId {
-        ElementId(variant.0 / self.variations.len() as u32)
+    pub(crate) fn element_of(&self, variant: VariantId) -> PlaceableId {
+        PlaceableId(variant.0 / self.variations.len() as u32)
     }
 
     /// What is known of the element of a variant.
-    pub(crate) fn element(&self, variant: VariantId) -> &Element {
+    pub(crate) fn element(&self, variant: VariantId) -> &Placeable {
         &self[self.element_of(variant)]
     }
 
@@ -284,17 +284,17 @@ impl Model {
     }
 
     /// An element in one of the variations.
-    pub(crate) fn in_variation(&self, element: ElementId, variation: u16) -> VariantId {
+    pub(crate) fn in_variation(&self, element: PlaceableId, variation: u16) -> VariantId {
         VariantId(element.0 * self.variations.len() as u32 + u32::from(variation))
     }
 
     /// An element in the variation of another variant.
-    pub(crate) fn varied(&self, element: ElementId, like: VariantId) -> VariantId {
+    pub(crate) fn varied(&self, element: PlaceableId, like: VariantId) -> VariantId {
         self.in_variation(element, self.variation_of(like))
     }
 
     /// An element in a variation drawn at random.
-    pub(crate) fn draw_variant(&self, element: ElementId, random: &mut crate::sampling::Stream) -> VariantId {
+    pub(crate) fn draw_variant(&self, element: PlaceableId, random: &mut crate::sampling::Stream) -> VariantId {
         let count = self.variations.len();
         self.in_variation(element, if count > 1 { random.index(count) as u16 } else { 0 })
     }
@@ -359,22 +359,22 @@ impl Model {
     }
 
     /// The shape of an element without variation.
-    pub(crate) fn plain(&self, element: ElementId) -> &Shape {
+    pub(crate) fn plain(&self, element: PlaceableId) -> &Shape {
         self.shape(self.in_variation(element, 0))
     }
 }
 
-impl Index<ElementId> for Model {
-    type Output = Element;
+impl Index<PlaceableId> for Model {
+    type Output = Placeable;
 
-    fn index(&self, element: ElementId) -> &Element {
+    fn index(&self, element: PlaceableId) -> &Placeable {
         &self.elements[element.0 as usize]
     }
 }
 
 /// Share of the canvas wanted of each category. What belongs to categories that cannot be placed
 /// goes to the others, as far as that changes none of them by more than a tenth.
-fn wanted(library: &Library, members: &[Vec<ElementId>]) -> Vec<f64> {
+fn wanted(library: &Library, members: &[Vec<PlaceableId>]) -> Vec<f64> {
     let share = |c: usize| if members[c].is_empty() { 0.0 } else { library.categories[c].coverage };
     let possible: f64 = (0..members.len()).map(share).sum();
     let factor = if possible > 0.0 { (library.coverage / possible).clamp(0.5, 1.1) } else { 0.0 };

@@ -5,7 +5,7 @@
 
 use super::bins::Bins;
 use super::grid::{Grid, Part};
-use super::model::{EMPTY, ElementId, Model, UNDEFINED, VariantId};
+use super::model::{EMPTY, PlaceableId, Model, UNDEFINED, VariantId};
 use super::region::Region;
 use crate::scene::Edge;
 use std::ops::Range;
@@ -261,13 +261,13 @@ impl<'a> Occupancy<'a> {
     }
 
     /// How near the nearest copy of an element is: 1 at the same place, 0 out of reach of descriptors.
-    pub(super) fn copy_nearness(&self, element: ElementId, at: [i32; 2]) -> f64 {
+    pub(super) fn copy_nearness(&self, element: PlaceableId, at: [i32; 2]) -> f64 {
         let reach = self.model.half.clamp(1, 512);
         self.nearest_copy(element, at, reach).map_or(0.0, |d| 1.0 - d / f64::from(reach))
     }
 
     /// Distance from a place to the nearest other copy of an element, if within `reach` pixels.
-    fn nearest_copy(&self, element: ElementId, at: [i32; 2], reach: i32) -> Option<f64> {
+    fn nearest_copy(&self, element: PlaceableId, at: [i32; 2], reach: i32) -> Option<f64> {
         let mut nearest = i64::from(reach) * i64::from(reach);
         let mut found = false;
         for id in self.bins.near([-reach, -reach, reach + 1, reach + 1], at) {

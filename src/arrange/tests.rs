@@ -20,7 +20,7 @@ fn a_texton_taken_away_leaves_no_trace() {
         let model = Model::new(std::slice::from_ref(&library), &p);
         let grid = Grid::around(&model, &p);
         let make = || Region::new(&grid, &controls, p.edge, false);
-        let placeable: Vec<ElementId> = model.members.iter().flatten().copied().collect();
+        let placeable: Vec<PlaceableId> = model.members.iter().flatten().copied().collect();
         let mut random = crate::sampling::stream(15, "removal test", 0);
         let mut map = Occupancy::new(&model, make(), grid.clone());
         let mut ids = Vec::new();

@@ -10,7 +10,7 @@ pub(crate) const PHOTO: &str = "Name it with --exemplar.";
 
 /// What may help where analysis found other elements than were wanted.
 pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
-    let (primaries, most) = (library.primaries.len(), library.source.parameters.max_paths as usize);
+    let (primaries, most) = (library.primaries().len(), library.source.parameters.max_paths as usize);
     if primaries == 0 {
         Some("--segmenter finds elements in other ways, --masks takes them from a file")
     } else if most > 0 && primaries > most {
@@ -45,6 +45,9 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         }
         Error::Engine { .. } => "is the file complete? Try the other --engine",
         Error::Edit { fault: EditFault::TooFar(_), .. } => "give smaller numbers",
+        Error::Edit { fault: EditFault::NoLayer { known, .. }, .. } => {
+            return Some(format!("--layer takes {}", known.join(", ")));
+        }
         Error::Sizes { .. } => "make both with the same --size, or stretch one with 'vtex warp --scale'",
         Error::Seams => "make the texture with --tile, for both axes",
         Error::MaxBytes { smallest, .. } => {

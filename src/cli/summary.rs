@@ -10,7 +10,7 @@ use std::time::Duration;
 use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::reduce::GivenUp;
-use vtex::scene::{Method, Scene};
+use vtex::scene::{Method, Role, Scene};
 use vtex::statistics::{Overlap, Repetition};
 use vtex::synth::{CategoryReport, Structure};
 
@@ -115,27 +115,27 @@ impl Counts {
     /// Of a library.
     pub(crate) fn of_library(library: &Library) -> Self {
         Self {
-            primaries: library.primaries.len(),
-            clipped: Some(library.primaries.iter().filter(|p| p.clipped).count()),
-            details: library.primaries.iter().map(|p| p.details.len()).sum(),
-            secondaries: library.secondaries.textons.len(),
+            primaries: library.primaries().len(),
+            clipped: Some(library.primaries().iter().filter(|p| p.clipped).count()),
+            details: library.primaries().iter().map(|p| p.details().len()).sum(),
+            secondaries: library.secondaries().len(),
             categories: library.categories.len(),
-            background: library.background.sites.len(),
+            background: library.background().points.len(),
         }
     }
 
     /// Of a scene, which must have been validated.
     pub(crate) fn of_scene(scene: &Scene) -> Self {
-        let textons = || scene.primary.iter().map(|i| &scene.textons[i.texton as usize]);
+        let textons = || scene.individuals().map(|i| scene.element(i));
         let categories: std::collections::BTreeSet<_> =
             textons().filter_map(|t| t.category.map(|c| (t.library, c))).collect();
         Self {
-            primaries: scene.primary.len(),
+            primaries: scene.of_role(Role::Primary).count(),
             clipped: None,
-            details: textons().map(|t| t.details.len()).sum(),
-            secondaries: scene.secondary.len(),
+            details: textons().map(|t| t.details().len()).sum(),
+            secondaries: scene.of_role(Role::Secondary).count(),
             categories: categories.len(),
-            background: scene.background.points.len(),
+            background: scene.layers.iter().filter_map(|l| l.field.as_ref()).map(|f| f.points.len()).sum(),
         }
     }
 }
@@ -250,14 +250,14 @@ impl Summary {
 
 /// What a reduced file lacks, in a line.
 fn missing(given_up: &GivenUp) -> String {
-    let GivenUp { decimals, tolerance, details, secondaries } = *given_up;
+    let GivenUp { decimals, tolerance, details, elements } = *given_up;
     let digits = if decimals == 1 { "1 decimal".into() } else { format!("{decimals} decimals") };
     let mut line = format!("numbers have {digits}");
     if tolerance > 0.0 {
         line.push_str(&format!(", outlines lie within {tolerance} px"));
     }
-    if details + secondaries > 0 {
-        line.push_str(&format!(", {details} details and {secondaries} secondaries are left out"));
+    if details + elements > 0 {
+        line.push_str(&format!(", {details} details and {elements} small elements are left out"));
     }
     line
 }

@@ -4,14 +4,14 @@ use super::Draw;
 use super::selection::Chosen;
 use super::textons::{change, selected_mut};
 use crate::raster::colour::Colour;
-use crate::scene::{Gradient, Instance, Patch, Scene, Texton};
+use crate::scene::{CategoryId, Element, Gradient, Instance, InstanceId, Scene, Shape};
 use std::collections::BTreeMap;
 
 /// Mixes `amount` of a colour into those of a share of what is selected.
 pub(super) fn tint(scene: &mut Scene, chosen: &Chosen, colour: Colour, amount: f64, share: f64, draw: &Draw) {
-    let drawn = |id: u32| share >= 1.0 || draw.of("edit/tint", id).chance(share);
-    let chosen =
-        chosen.only(|i| drawn(scene.secondary[i].id), |i| drawn(scene.primary[i].id), |i| drawn(i as u32));
+    let drawn = |id: InstanceId| share >= 1.0 || draw.of("edit/tint", id).chance(share);
+    let point = |_: usize, i: usize| drawn(InstanceId(i as u32));
+    let chosen = chosen.only(scene, |i| drawn(i.id), point);
     recolour(scene, &chosen, |_, c| c.mixed(colour, amount));
 }
 
@@ -28,20 +28,17 @@ pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colo
     };
     let alike = |colour: Colour| share(colour) > 0.0;
     let shaded = |g: &Option<Gradient>| g.as_ref().is_some_and(|g| alike(g.start) || alike(g.end));
-    // Of each texton: its base, which an instance's own colour hides, and its details.
-    let textons: Vec<[bool; 2]> = crate::parallel::map(&scene.textons, |t| {
-        let detail = t.details.iter().any(|d| alike(d.colour) || shaded(&d.gradient));
-        [alike(t.colour) || shaded(&t.gradient), detail]
+    // Of each element: its base, which an instance's own colour hides, and its details.
+    let elements: Vec<[bool; 2]> = crate::parallel::map(&scene.elements, |e| {
+        let has = |s: &Shape| alike(s.colour) || shaded(&s.gradient);
+        [has(e.base()), e.details().iter().any(has)]
     });
     let has = |i: &Instance| {
-        let [base, detail] = textons[i.texton as usize];
+        let [base, detail] = elements[i.element.index()];
         detail || i.colour.map_or(base, alike)
     };
-    let chosen = chosen.only(
-        |i| has(&scene.secondary[i]),
-        |i| has(&scene.primary[i]),
-        |i| alike(scene.background.points[i].colour),
-    );
+    let point = |k: usize, i: usize| scene.layers[k].field.as_ref().is_some_and(|f| alike(f.points[i].colour));
+    let chosen = chosen.only(scene, has, point);
     recolour(scene, &chosen, |_, colour| match share(colour) {
         0.0 => colour,
         share => moved(colour.to_oklab(), way, share as f32),
@@ -64,9 +61,9 @@ pub(super) fn palette(scene: &mut Scene, chosen: &Chosen, colours: &[Colour]) {
     let tones: Vec<(f32, [f32; 3])> =
         ranked.iter().enumerate().map(|(rank, (_, mean))| (mean[0], chosen_colour(rank))).collect();
     let tones = joined(&tones);
-    recolour(scene, chosen, |texton, colour| {
+    recolour(scene, chosen, |element, colour| {
         let lab = colour.to_oklab();
-        match texton.and_then(key_of).and_then(|key| known.get(&key)) {
+        match element.and_then(key_of).and_then(|key| known.get(&key)) {
             Some(way) => moved(lab, *way, 1.0),
             None => Colour::from_oklab(toned(&tones, lab)),
         }
@@ -94,25 +91,25 @@ fn toned(tones: &[(f32, [f32; 3])], lab: [f32; 3]) -> [f32; 3] {
 }
 
 /// Library and category; a step of lightness and none where there are no categories.
-type Key = (u32, Option<u16>);
+type Key = (u32, Option<CategoryId>);
 
 /// The group of a texton that belongs to a category.
-fn key_of(texton: &Texton) -> Option<Key> {
-    texton.category.map(|c| (texton.library, Some(c)))
+fn key_of(element: &Element) -> Option<Key> {
+    element.category.map(|c| (element.library, Some(c)))
 }
 
 /// The mean colour of each category, by area. Where nothing has a category: of as many steps of
 /// lightness, each of the same area, as there are to be.
 fn means(scene: &Scene, steps: usize) -> BTreeMap<Key, [f32; 3]> {
-    let means: Vec<[f32; 3]> = crate::parallel::map(&scene.textons, |t| mean(t).to_oklab());
-    let areas: Vec<f64> = scene.textons.iter().map(|t| t.outline.area()).collect();
+    let means: Vec<[f32; 3]> = crate::parallel::map(&scene.elements, |t| mean(t).to_oklab());
+    let areas: Vec<f64> = scene.elements.iter().map(|t| t.outline().area()).collect();
     let measured = |instance: &Instance| {
-        let index = instance.texton as usize;
+        let index = instance.element.index();
         let lab = instance.colour.map_or(means[index], Colour::to_oklab);
         let area = areas[index] * instance.affine().determinant().abs() + 1e-6;
-        (key_of(&scene.textons[index]), lab, area)
+        (key_of(&scene.elements[index]), lab, area)
     };
-    let mut all: Vec<_> = scene.primary.iter().chain(&scene.secondary).map(measured).collect();
+    let mut all: Vec<_> = scene.instances().map(measured).collect();
     if all.iter().all(|(key, ..)| key.is_none()) {
         all.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
         let whole: f64 = all.iter().map(|(.., area)| area).sum();
@@ -135,23 +132,24 @@ fn means(scene: &Scene, steps: usize) -> BTreeMap<Key, [f32; 3]> {
 
 /// The mean colour of a texton, details included: those painted later hide what lies below them, and
 /// what they hide is taken to be the base first.
-pub(super) fn mean(texton: &Texton) -> Colour {
-    let whole = texton.outline.area();
+pub(super) fn mean(element: &Element) -> Colour {
+    let whole = element.outline().area();
     let mut sum = [0.0; 3];
     let mut add = |colour: Colour, gradient: Option<&Gradient>, area: f64| {
         let [a, b] = gradient.map_or([colour; 2], |g| [g.start, g.end]).map(Colour::to_oklab);
         (0..3).for_each(|i| sum[i] += area * f64::from(a[i] + b[i]) / 2.0);
     };
     let mut covered = 0.0;
-    for detail in &texton.details {
+    for detail in element.details() {
         let area = detail.outline.area();
         add(detail.colour, detail.gradient.as_ref(), area);
         covered += area;
     }
-    let base = (whole - covered).max(0.0);
-    add(texton.colour, texton.gradient.as_ref(), base);
-    let all = covered + base;
-    if all > 0.0 { Colour::from_oklab(sum.map(|v| (v / all) as f32)) } else { texton.colour }
+    let own = (whole - covered).max(0.0);
+    let base = element.base();
+    add(base.colour, base.gradient.as_ref(), own);
+    let all = covered + own;
+    if all > 0.0 { Colour::from_oklab(sum.map(|v| (v / all) as f32)) } else { base.colour }
 }
 
 fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
@@ -163,39 +161,28 @@ fn moved(lab: [f32; 3], way: [f32; 3], share: f32) -> Colour {
     Colour::from_oklab(std::array::from_fn(|i| lab[i] + share * way[i]))
 }
 
-/// Gives all colours of what is selected new ones. `new` gets the texton, none for the background.
+/// Gives all colours of what is selected new ones. `new` gets the element; `None` for fields.
 fn recolour(
     scene: &mut Scene,
     chosen: &Chosen,
-    new: impl Fn(Option<&Texton>, Colour) -> Colour + Sync + Send,
+    new: impl Fn(Option<&Element>, Colour) -> Colour + Sync + Send,
 ) {
-    // The instances' own first, as long as they know the textons as they were.
+    // The instances' own first, as long as they know the elements as they were.
     let own: Vec<Option<Colour>> = super::textons::selected(scene, chosen)
-        .map(|i| i.colour.map(|c| new(Some(&scene.textons[i.texton as usize]), c)))
+        .map(|i| i.colour.map(|c| new(Some(scene.element(i)), c)))
         .collect();
     selected_mut(scene, chosen).zip(own).for_each(|(instance, colour)| instance.colour = colour);
-    change(scene, chosen, |texton, _| {
-        let new = |c: Colour| new(Some(texton), c);
-        let shaded = |g: Option<Gradient>| g.map(|g| Gradient { start: new(g.start), end: new(g.end), ..g });
-        Texton {
-            colour: new(texton.colour),
-            gradient: shaded(texton.gradient),
-            details: (texton.details.iter())
-                .map(|d| Patch {
-                    outline: d.outline.clone(),
-                    colour: new(d.colour),
-                    gradient: shaded(d.gradient),
-                })
-                .collect(),
-            outline: texton.outline.clone(),
-            ..*texton
-        }
+    change(scene, chosen, |element, _| {
+        let shapes = element.shapes.iter().map(|s| s.recoloured(|c| new(Some(element), c)));
+        element.with_shapes(shapes.collect())
     });
-    let field = &mut scene.background;
-    if chosen.fallback {
-        field.fallback = new(None, field.fallback);
-    }
-    for (point, _) in field.points.iter_mut().zip(&chosen.background).filter(|(_, chosen)| **chosen) {
-        point.colour = new(None, point.colour);
+    for (layer, chosen) in scene.layers.iter_mut().zip(&chosen.layers) {
+        let Some(field) = &mut layer.field else { continue };
+        if chosen.fallback {
+            field.fallback = new(None, field.fallback);
+        }
+        for (point, _) in field.points.iter_mut().zip(&chosen.points).filter(|(_, chosen)| **chosen) {
+            point.colour = new(None, point.colour);
+        }
     }
 }

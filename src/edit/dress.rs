@@ -4,7 +4,7 @@ use super::colours::mean;
 use super::selection::Chosen;
 use super::textons::{change, selected_mut, size};
 use crate::raster::colour::Colour;
-use crate::scene::{Instance, Patch, Scene, Shadow, Stroke, Texton};
+use crate::scene::{Element, Instance, Scene, Shadow, Shape, Stroke};
 
 /// Decimals at which a simpler outline is to be short: those of an SVG.
 const DECIMALS: u8 = 1;
@@ -42,27 +42,24 @@ pub(super) fn keep_widths(instance: &mut Instance, before: f64) {
 }
 
 pub(super) fn flatten(scene: &mut Scene, chosen: &Chosen) {
-    change(scene, chosen, |texton, _| Texton {
-        colour: mean(texton),
-        gradient: None,
-        details: Vec::new(),
-        outline: texton.outline.clone(),
-        ..*texton
+    change(scene, chosen, |element, _| Element {
+        silhouette: None,
+        shapes: vec![Shape::new(element.outline().clone(), mean(element))],
+        ..*element
     });
 }
 
 /// Outlines within `tolerance` pixels of the canvas of what they were, without the details that are
 /// smaller than a square of that side.
 pub(super) fn simplify(scene: &mut Scene, chosen: &Chosen, tolerance: f64) {
-    change(scene, chosen, |texton, size| {
+    change(scene, chosen, |element, size| {
         let tolerance = tolerance / size.max(1e-6);
-        let large = |d: &&Patch| d.outline.area() >= tolerance * tolerance;
-        Texton {
-            outline: texton.outline.refitted(tolerance, DECIMALS),
-            details: (texton.details.iter().filter(large))
-                .map(|d| Patch { outline: d.outline.refitted(tolerance, DECIMALS), ..d.clone() })
-                .collect(),
-            ..*texton
+        let large = |s: &&Shape| s.outline.area() >= tolerance * tolerance;
+        let shapes = std::iter::once(element.base()).chain(element.details().iter().filter(large));
+        Element {
+            silhouette: element.silhouette.as_ref().map(|outline| outline.refitted(tolerance, DECIMALS)),
+            shapes: shapes.map(|s| s.with_outline(s.outline.refitted(tolerance, DECIMALS))).collect(),
+            ..*element
         }
     });
 }

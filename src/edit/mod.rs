@@ -19,7 +19,7 @@ mod thin;
 mod validate;
 
 pub use crate::scene::{
-    Action, Comparison, Condition, Direction, Identity, Layers, Operation, Quantity, ThinOrder,
+    Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder,
 };
 pub use files::Files;
 pub use validate::validate;
@@ -27,14 +27,14 @@ pub use validate::validate;
 use crate::document::Document;
 use crate::error::{EditFault, Error, Result};
 use crate::sampling::{Stream, stream};
-use crate::scene::{EditRecord, Recorded, Scene};
+use crate::scene::{EditRecord, InstanceId, Recorded, Scene};
 use selection::Chosen;
 use serde::Serialize;
 
 /// What an operation came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Outcome {
-    /// Textons, or points of the background, that it was for: those selected; of `recolor` those that
+    /// Elements, or points of fields, that it was for: those selected; of `recolor` those that
     /// have a colour like the one sought, of `replace` those for which the library has another.
     pub matched: usize,
     /// Textons that are gone after it.
@@ -49,9 +49,9 @@ struct Draw {
 }
 
 impl Draw {
-    /// The stream of an instance, or of a point of the background.
-    fn of(&self, name: &str, id: u32) -> Stream {
-        stream(self.seed, name, self.step << 32 | u64::from(id))
+    /// The stream of an instance.
+    fn of(&self, name: &str, id: InstanceId) -> Stream {
+        stream(self.seed, name, self.step << 32 | u64::from(id.0))
     }
 }
 
@@ -76,11 +76,11 @@ pub fn apply(
         let fail = |fault| Error::Edit { operation: operation.to_string(), fault };
         validate(operation).map_err(fail)?;
         let chosen = Chosen::new(&scene, operation, files).map_err(fail)?;
-        let before = scene.primary.len() + scene.secondary.len();
+        let before = scene.count();
         let draw = Draw { seed, step: scene.edits.len() as u64 };
         let matched = act(&mut scene, &chosen, &operation.action, files, &draw).map_err(fail)?;
         scene.drop_unused();
-        let removed = before - scene.primary.len() - scene.secondary.len();
+        let removed = before - scene.count();
         scene.edits.push(EditRecord { operation: Recorded::Edit(operation.clone()), seed });
         scene.validate().map_err(|reason| fail(EditFault::TooFar(reason)))?;
         outcomes.push(Outcome { matched, removed });

@@ -73,7 +73,7 @@ pub(super) fn orient(scene: &mut Scene, chosen: &Chosen, towards: &Towards<'_>, 
     let canvas = [f64::from(scene.width), f64::from(scene.height)];
     let turns: Vec<f64> = super::textons::selected(scene, chosen)
         .map(|instance| {
-            let now = moments[instance.texton as usize].moved(instance.affine());
+            let now = moments[instance.element.index()].moved(instance.affine());
             let wanted = match towards {
                 Towards::Angle(angle) => *angle,
                 Towards::Map(map) => {

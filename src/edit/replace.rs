@@ -6,16 +6,17 @@
 //! is taken, turned by half where that fits better.
 
 use super::selection::Chosen;
-use super::textons::{measured, selected, selected_mut, size};
+use super::textons::{measured, size};
 use super::{dress, place};
 use crate::geometry::{Affine, Outline, SecondMoments, edges};
 use crate::library::Library;
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::field::Interpolant;
-use crate::scene::{Instance, LibraryRef, Scene, Texton};
-use crate::synth::{primary_texton, reference, secondary_texton};
+use crate::scene::{Element, ElementId, Instance, LibraryRef, Scene};
+use crate::synth::{element, reference};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// How many candidates are laid over a texton.
 const CANDIDATES: usize = 16;
@@ -75,9 +76,9 @@ fn standing(moments: &SecondMoments) -> Affine {
     Affine::new([linear[0], linear[1], linear[2], linear[3], moments.centroid.x, moments.centroid.y])
 }
 
-/// A texton that may take the place of others.
+/// An element that may take the place of others.
 struct Candidate {
-    texton: Texton,
+    element: Element,
     moments: SecondMoments,
     key: [f64; 3],
     stencil: Stencil,
@@ -93,14 +94,14 @@ fn key(outline: &Outline, moments: &SecondMoments) -> [f64; 3] {
 struct Index(Vec<Candidate>);
 
 impl Index {
-    fn new(textons: Vec<Texton>) -> Self {
-        let candidates = parallel::map(&textons, |texton| {
-            let moments = SecondMoments::new(&texton.outline);
+    fn new(elements: Vec<Element>) -> Self {
+        let candidates = parallel::map(&elements, |element| {
+            let moments = SecondMoments::new(element.outline());
             let sound = moments.area > 0.0;
             sound.then(|| Candidate {
-                key: key(&texton.outline, &moments),
-                stencil: Stencil::new(&texton.outline, &moments),
-                texton: texton.clone(),
+                key: key(element.outline(), &moments),
+                stencil: Stencil::new(element.outline(), &moments),
+                element: element.clone(),
                 moments,
             })
         });
@@ -140,14 +141,14 @@ impl Index {
     }
 
     /// The candidate that fits best, and whether it is turned by half; none if there is none.
-    fn best(&self, texton: &Texton, moments: &SecondMoments) -> Option<(usize, bool)> {
+    fn best(&self, element: &Element, moments: &SecondMoments) -> Option<(usize, bool)> {
         // What encloses nothing has no shape.
         if moments.area <= 0.0 {
             return None;
         }
-        let stencil = Stencil::new(&texton.outline, moments);
+        let stencil = Stencil::new(element.outline(), moments);
         let turned = stencil.turned();
-        let near = self.near(key(&texton.outline, moments)).into_iter();
+        let near = self.near(key(element.outline(), moments)).into_iter();
         let fits = near.flat_map(|i| {
             let of = |s: &Stencil| s.overlap(&self.0[i].stencil);
             [(of(&stencil), i, false), (of(&turned), i, true)]
@@ -158,56 +159,53 @@ impl Index {
     }
 }
 
-/// Replaces primaries by whole primaries of the library, and secondaries by its secondaries, which
-/// then differ from the ground as much as they do in their exemplar. How many found another: none where
-/// the library has none of their layer.
+/// Replaces elements by the library's: individual ones by whole primaries, others by secondaries, which
+/// then differ from the field underneath as much as they do in their exemplar. How many found another:
+/// none where the library has none of their kind.
 pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) -> usize {
     let libraries = scene.libraries.len();
     let number = number_of(scene, library);
-    let field = Interpolant::new(&scene.background, scene.width, scene.height, scene.tile);
-    let whole = |i: &u32| !library.primaries[*i as usize].clipped;
-    let primaries = (0..library.primaries.len() as u32).filter(whole);
-    let primaries = Index::new(primaries.map(|i| primary_texton(number, library, i)).collect());
-    let secondaries = 0..library.secondaries.textons.len() as u32;
-    let secondaries = Index::new(secondaries.map(|i| secondary_texton(number, library, i)).collect());
+    let first = library.primaries().len();
+    let index = |range: Range<usize>| {
+        let whole = range.filter(|&i| !library.elements[i].clipped);
+        Index::new(whole.map(|i| element(number, library, ElementId::after(i))).collect())
+    };
+    let (primaries, secondaries) = (index(0..first), index(first..library.elements.len()));
     let moments = measured(scene);
     let periods = scene.periods();
+    let mut numbers: BTreeMap<ElementId, ElementId> = BTreeMap::new();
     let mut replaced = 0;
-    for (index, chosen) in [
-        (&secondaries, chosen.only(|_| true, |_| false, |_| false)),
-        (&primaries, chosen.only(|_| false, |_| true, |_| false)),
-    ] {
-        let mut concerned: Vec<u32> = selected(scene, &chosen).map(|i| i.texton).collect();
+    for k in 0..scene.layers.len() {
+        let index = if scene.layers[k].role.is_individual() { &primaries } else { &secondaries };
+        let field = scene.field_under(k).map(|f| Interpolant::new(f, scene.width, scene.height, scene.tile));
+        let Scene { elements, layers, .. } = &mut *scene;
+        let chosen = &chosen.layers[k].instances;
+        let pairs = layers[k].instances.iter_mut().zip(chosen).filter(|(_, chosen)| **chosen);
+        let selected: Vec<&mut Instance> = pairs.map(|(instance, _)| instance).collect();
+        let mut concerned: Vec<ElementId> = selected.iter().map(|i| i.element).collect();
         concerned.sort_unstable();
         concerned.dedup();
-        let best =
-            parallel::map(&concerned, |&t| index.best(&scene.textons[t as usize], &moments[t as usize]));
-        let best: BTreeMap<u32, Option<(usize, bool)>> = concerned.into_iter().zip(best).collect();
-        let mut numbers: BTreeMap<usize, u32> = BTreeMap::new();
-        let mut textons = Vec::new();
-        let first = scene.textons.len() as u32;
-        for instance in selected_mut(scene, &chosen) {
-            let old = instance.texton;
+        let best = parallel::map(&concerned, |e| index.best(&elements[e.index()], &moments[e.index()]));
+        let best: BTreeMap<ElementId, Option<(usize, bool)>> = concerned.into_iter().zip(best).collect();
+        for instance in selected {
+            let old = instance.element;
             let Some((candidate, turned)) = best.get(&old).copied().flatten() else { continue };
-            let new = &index.0[candidate];
-            let (before, at) = (size(instance), instance.affine() * moments[old as usize].centroid);
-            place::set(instance, standing_in(instance, new, &moments[old as usize], turned), periods);
+            let Some(source) = index.0[candidate].element.source else { continue };
+            let (new, own) = (&index.0[candidate], &moments[old.index()]);
+            let (before, at) = (size(instance), instance.affine() * own.centroid);
+            place::set(instance, standing_in(instance, new, own, turned), periods);
             dress::keep_widths(instance, before);
             replaced += 1;
-            instance.texton = *numbers.entry(candidate).or_insert_with(|| {
-                textons.push(new.texton.clone());
-                first + textons.len() as u32 - 1
+            instance.element = *numbers.entry(source).or_insert_with(|| {
+                elements.push(new.element.clone());
+                ElementId::after(elements.len() - 1)
             });
-            if new.texton.category.is_none() {
-                let secondary = &library.secondaries.textons[new.texton.source as usize];
+            let difference = library.elements[source.index()].difference;
+            instance.colour = field.as_ref().zip(difference).map(|(field, difference)| {
                 let ground = field.at(at.x, at.y);
-                let colour = std::array::from_fn(|k| ground[k] + f64::from(secondary.difference[k]));
-                instance.colour = Some(Colour::from_f64(colour));
-            } else {
-                instance.colour = None;
-            }
+                Colour::from_f64(std::array::from_fn(|c| ground[c] + f64::from(difference[c])))
+            });
         }
-        scene.textons.append(&mut textons);
     }
     if replaced == 0 {
         scene.libraries.truncate(libraries);
@@ -216,7 +214,7 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) -> 
 }
 
 /// The map that brings a candidate to where an instance stands, given the moments of the instance's
-/// texton.
+/// element.
 fn standing_in(instance: &Instance, new: &Candidate, own: &SecondMoments, turned: bool) -> [f64; 6] {
     let turn = Affine::scale(if turned { -1.0 } else { 1.0 });
     (instance.affine() * standing(own) * turn * standing(&new.moments).inverse()).as_coeffs()

@@ -1,26 +1,30 @@
-//! Which textons of a scene, and which points of its background, an operation is for.
+//! Which elements of a scene, and which points of its fields, an operation is for.
 
 use super::Files;
 use super::textons::measured;
 use crate::error::EditFault;
 use crate::geometry::{Point, Region, SecondMoments, wrapped};
-use crate::scene::{Condition, Identity, Instance, Layers, Operation, Quantity, Scene};
+use crate::scene::{Condition, Identity, Instance, Layer, Operation, Quantity, Scene};
 
 /// A condition and the shape that it names.
 type Test<'a> = (&'a Condition, Option<&'a Region>);
 
-/// Whether each texton and each point of the background is selected, by their places in the scene.
+/// What of each layer of a scene is selected.
 pub(super) struct Chosen {
-    pub(super) secondary: Vec<bool>,
-    pub(super) primary: Vec<bool>,
-    pub(super) background: Vec<bool>,
-    /// Whether the colour of a background without points is.
+    pub(super) layers: Vec<ChosenLayer>,
+}
+
+/// Whether each instance of a layer and each point of its field is selected, by their places in it.
+#[derive(Clone)]
+pub(super) struct ChosenLayer {
+    pub(super) instances: Vec<bool>,
+    pub(super) points: Vec<bool>,
+    /// Whether the colour of a field without points is.
     pub(super) fallback: bool,
 }
 
 impl Chosen {
     pub(super) fn new(scene: &Scene, operation: &Operation, files: &Files) -> Result<Self, EditFault> {
-        let layers = operation.layers;
         let conditions = operation.conditions.iter().map(|condition| {
             let shape = match condition {
                 Condition::Place { shape, .. } => Some(files.shape(shape)?),
@@ -33,53 +37,65 @@ impl Chosen {
             matches!(c, Condition::Compare { quantity: Quantity::Area | Quantity::Elongation, .. })
         };
         let moments = if conditions.iter().any(measures) { measured(scene) } else { Vec::new() };
-        let among = |instances: &[Instance], asked: bool| {
-            let fits = |i: &Instance| conditions.iter().all(|c| holds(*c, scene, i, &moments));
-            instances.iter().map(|i| asked && fits(i)).collect()
+        let asked = operation.layer.as_deref();
+        let is_asked = |layer: &Layer| asked.is_none_or(|name| name == layer.name || name == layer.role.name());
+        if let Some(name) = asked.filter(|_| !scene.layers.iter().any(is_asked)) {
+            let known = scene.layers.iter().map(|layer| layer.name.clone()).collect();
+            return Err(EditFault::NoLayer { name: name.into(), known });
+        }
+        let chosen = |layer: &Layer| {
+            let is_asked = is_asked(layer);
+            let fits = |i: &Instance| is_asked && conditions.iter().all(|c| holds(*c, scene, i, &moments));
+            // Fields only where their layer is named.
+            let field = layer.field.as_ref().filter(|_| is_asked && asked.is_some());
+            let points = layer.field.iter().flat_map(|f| &f.points).map(|p| {
+                let at = on_canvas(scene, Point::new(p.x, p.y));
+                field.is_some() && conditions.iter().all(|c| holds_of_point(*c, at))
+            });
+            ChosenLayer {
+                instances: layer.instances.iter().map(fits).collect(),
+                points: points.collect(),
+                fallback: field.is_some() && conditions.is_empty(),
+            }
         };
-        let of_background = layers == Layers::Background;
-        let points = scene.background.points.iter();
-        Ok(Self {
-            secondary: among(&scene.secondary, matches!(layers, Layers::Secondary | Layers::All)),
-            primary: among(&scene.primary, matches!(layers, Layers::Primary | Layers::All)),
-            background: points
-                .map(|p| {
-                    let at = on_canvas(scene, Point::new(p.x, p.y));
-                    of_background && conditions.iter().all(|c| holds_of_point(*c, at))
-                })
-                .collect(),
-            fallback: of_background && conditions.is_empty(),
-        })
+        Ok(Self { layers: scene.layers.iter().map(chosen).collect() })
     }
 
-    /// Those of them for which the place of a secondary, a primary or a point of the background fulfils
-    /// something.
+    /// Whether each instance of the scene is selected, in painting order.
+    pub(super) fn instances(&self) -> impl Iterator<Item = bool> {
+        self.layers.iter().flat_map(|layer| &layer.instances).copied()
+    }
+
+    /// Those of them for which the instance, or the number of the layer and of the point in its field,
+    /// fulfils something.
     pub(super) fn only(
         &self,
-        secondary: impl Fn(usize) -> bool,
-        primary: impl Fn(usize) -> bool,
-        background: impl Fn(usize) -> bool,
+        scene: &Scene,
+        instance: impl Fn(&Instance) -> bool,
+        point: impl Fn(usize, usize) -> bool,
     ) -> Self {
-        let some = |marks: &[bool], fits: &dyn Fn(usize) -> bool| -> Vec<bool> {
-            marks.iter().enumerate().map(|(i, chosen)| *chosen && fits(i)).collect()
-        };
-        Self {
-            secondary: some(&self.secondary, &secondary),
-            primary: some(&self.primary, &primary),
-            background: some(&self.background, &background),
-            fallback: self.fallback,
-        }
+        let layers = self.layers.iter().zip(&scene.layers).enumerate().map(|(k, (chosen, layer))| {
+            let pairs = chosen.instances.iter().zip(&layer.instances);
+            ChosenLayer {
+                instances: pairs.map(|(chosen, i)| *chosen && instance(i)).collect(),
+                points: chosen.points.iter().enumerate().map(|(i, chosen)| *chosen && point(k, i)).collect(),
+                fallback: chosen.fallback,
+            }
+        });
+        Self { layers: layers.collect() }
     }
 
     /// How many there are.
     pub(super) fn count(&self) -> usize {
-        let all = [&self.secondary, &self.primary, &self.background];
-        let points = all.into_iter().flatten().filter(|chosen| **chosen).count();
-        points + usize::from(self.fallback && self.background.is_empty())
+        let of = |layer: &ChosenLayer| {
+            let all = layer.instances.iter().chain(&layer.points).filter(|chosen| **chosen).count();
+            all + usize::from(layer.fallback && layer.points.is_empty())
+        };
+        self.layers.iter().map(of).sum()
     }
 }
 
-/// Where the centre of a texton lies: its origin, on the canvas where the scene repeats.
+/// Where the centre of an element lies: its origin, on the canvas where the scene repeats.
 pub(super) fn place(scene: &Scene, instance: &Instance) -> Point {
     let [.., x, y] = instance.transform;
     on_canvas(scene, Point::new(x, y))
@@ -96,14 +112,14 @@ fn holds(
     instance: &Instance,
     moments: &[SecondMoments],
 ) -> bool {
-    let texton = &scene.textons[instance.texton as usize];
-    let moments = || moments[instance.texton as usize].moved(instance.affine());
+    let element = scene.element(instance);
+    let moments = || moments[instance.element.index()].moved(instance.affine());
     match condition {
         Condition::Among { identity, numbers, wanted } => {
             let number = match identity {
-                Identity::Category => texton.category.map(u32::from),
-                Identity::Library => Some(texton.library),
-                Identity::Id => Some(instance.id),
+                Identity::Category => element.category.map(|c| c.0.into()),
+                Identity::Library => Some(element.library),
+                Identity::Id => Some(instance.id.0),
             };
             number.is_some_and(|n| numbers.contains(&n)) == *wanted
         }
@@ -122,7 +138,7 @@ fn holds(
     }
 }
 
-/// A point of the background has a place and nothing else.
+/// A point of a field has a place and nothing else.
 fn holds_of_point((condition, shape): Test<'_>, at: Point) -> bool {
     match condition {
         Condition::Compare { quantity: Quantity::X, comparison, limit } => comparison.holds(at.x, *limit),

@@ -4,7 +4,7 @@ use super::*;
 use crate::geometry::{Affine, Outline, SecondMoments, parse_path, shortest_offset};
 use crate::library::Library;
 use crate::raster::colour::Colour;
-use crate::scene::{ControlPoint, Field, Instance, LibraryRef, Patch, Texton, Tile};
+use crate::scene::{ControlPoint, ElementId, Field, Instance, InstanceId, Shape, Tile, testing};
 
 fn outline(text: &str) -> Outline {
     Outline::new(&parse_path(text).unwrap()).unwrap()
@@ -12,27 +12,17 @@ fn outline(text: &str) -> Outline {
 
 /// Bars of two categories with a detail each, and specks, on a canvas of 400 × 300 that repeats.
 fn scene() -> Scene {
-    let bar = |source, category, colour| Texton {
-        library: 0,
-        source,
-        category: Some(category),
-        fragment: false,
-        outline: outline("M-10-3h20v6h-20z"),
-        colour,
-        gradient: None,
-        details: vec![Patch { outline: outline("M-2-2h6v4h-6z"), colour: Colour([240; 3]), gradient: None }],
+    let bar = |source, category, colour| {
+        let mut bar = testing::element(source, Some(category), outline("M-10-3h20v6h-20z"), colour);
+        bar.shapes.push(Shape::new(outline("M-2-2h6v4h-6z"), Colour([240; 3])));
+        bar
     };
-    let speck = Texton {
-        category: None,
-        outline: outline("M-1-1h3v2h-3z"),
-        details: Vec::new(),
-        ..bar(2, 0, Colour([90; 3]))
-    };
+    let speck = testing::element(2, None, outline("M-1-1h3v2h-3z"), Colour([90; 3]));
     let mut random = stream(3, "test/scene", 0);
-    let mut place = |id: u32, texton: u32| {
+    let mut place = |id: u32, element: u32| {
         let at = [random.range(0.0, 400.0), random.range(0.0, 300.0)].map(libm::round);
         let affine = Affine::translate((at[0], at[1])) * Affine::rotate(random.range(0.0, 6.0));
-        Instance { transform: affine.as_coeffs(), ..Instance::new(id, texton) }
+        Instance { transform: affine.as_coeffs(), ..Instance::new(InstanceId(id), ElementId(element)) }
     };
     let primary: Vec<Instance> = (0..60).map(|i| place(i, u32::from(i >= 40))).collect();
     let secondary = (60..300)
@@ -43,26 +33,11 @@ fn scene() -> Scene {
         y: f64::from(i / 16) * 25.0,
         colour: Colour([120, 100, 80]),
     };
-    Scene {
-        format: Scene::FORMAT.into(),
-        version: Scene::VERSION,
-        width: 400,
-        height: 300,
-        tile: Tile { x: true, y: true },
-        parameters: None,
-        program: crate::PROGRAM.into(),
-        libraries: vec![LibraryRef { exemplar: "bars".into(), sha256: "0".into() }],
-        textons: vec![bar(0, 3, Colour([180, 60, 50])), bar(1, 7, Colour([40, 60, 150])), speck],
-        secondary,
-        primary,
-        background: Field {
-            spacing: 25.0,
-            fallback: Colour([120, 100, 80]),
-            points: (0..192).map(point).collect(),
-        },
-        domain: None,
-        edits: Vec::new(),
-    }
+    let elements = vec![bar(0, 3, Colour([180, 60, 50])), bar(1, 7, Colour([40, 60, 150])), speck];
+    let points = (0..192).map(point).collect();
+    let field = Field { points, ..testing::flat(Colour([120, 100, 80])) };
+    let scene = testing::scene([400, 300], elements, secondary, primary, field);
+    Scene { tile: Tile { x: true, y: true }, ..scene }
 }
 
 /// Files that operations name.
@@ -185,9 +160,9 @@ fn chains_are_recorded_and_may_be_done_one_by_one() {
     assert_eq!(all.to_json(), step.to_json());
     assert_eq!(Scene::from_bytes(&all.to_json(), "x").unwrap(), all);
     let other = apply(scene(), &chain[..1], &Files::default(), Some(6)).unwrap().0;
-    assert_ne!(other.primary, one(chain[0].clone()).primary);
+    assert_ne!(other.primary(), one(chain[0].clone()).primary());
     // The same operation again draws anew.
-    assert_eq!(edited(&scene(), &[chain[0].clone(), chain[0].clone()]).0.primary.len(), 22);
+    assert_eq!(edited(&scene(), &[chain[0].clone(), chain[0].clone()]).0.primary().len(), 22);
 }
 
 #[test]
@@ -220,31 +195,31 @@ fn conditions_and_layers_select() {
 fn thinning_keeps_shares_and_the_large_ones() {
     for order in [ThinOrder::Area, ThinOrder::Random, ThinOrder::BlueNoise] {
         let few = one(thin(0.25, order));
-        assert_eq!((few.primary.len(), few.secondary.len()), (15, 60), "{order:?}");
+        assert_eq!((few.primary().len(), few.secondary().len()), (15, 60), "{order:?}");
         let rest = one(on(Layers::Secondary, thin(0.0, order)));
-        assert_eq!((rest.primary.len(), rest.secondary.len(), rest.textons.len()), (60, 0, 2));
+        assert_eq!((rest.primary().len(), rest.secondary().len(), rest.elements.len()), (60, 0, 2));
     }
     // Those kept at random with a smaller share are among those kept with a larger.
     let ids =
-        |share: f64| one(thin(share, ThinOrder::Random)).secondary.iter().map(|i| i.id).collect::<Vec<_>>();
+        |share: f64| one(thin(share, ThinOrder::Random)).secondary().iter().map(|i| i.id).collect::<Vec<_>>();
     let (few, many) = (ids(0.2), ids(0.7));
     assert!(few.iter().all(|id| many.contains(id)));
     let large = one(Action::Thin { keep: None, order: ThinOrder::Area, minimum_area: Some(30.0) });
-    assert_eq!((large.primary.len(), large.secondary.len()), (60, 0));
-    assert!(large.textons.iter().all(|t| t.details.is_empty()), "details of 24 px are small too");
-    assert_eq!(one(those(&[among(Identity::Category, &[7], true)], Action::Delete)).primary.len(), 40);
+    assert_eq!((large.primary().len(), large.secondary().len()), (60, 0));
+    assert!(large.elements.iter().all(|t| t.details().is_empty()), "details of 24 px are small too");
+    assert_eq!(one(those(&[among(Identity::Category, &[7], true)], Action::Delete)).primary().len(), 40);
 }
 
 #[test]
 fn maps_and_shapes_thin_by_place() {
     let mean_x =
-        |s: &Scene| s.secondary.iter().map(|i| i.transform[4]).sum::<f64>() / s.secondary.len() as f64;
+        |s: &Scene| s.secondary().iter().map(|i| i.transform[4]).sum::<f64>() / s.secondary().len() as f64;
     let (faded, whole) = (one(Action::Density { map: "fade.png".into() }), scene());
-    assert!(faded.secondary.len() > 80 && faded.secondary.len() < 160);
+    assert!(faded.secondary().len() > 80 && faded.secondary().len() < 160);
     assert!(mean_x(&faded) > mean_x(&whole) + 30.0);
     let kept = |inside| {
         let masked = one(Action::Mask { shape: "disc.svg".into(), inside });
-        masked.primary.iter().map(|i| i.id).collect::<Vec<_>>()
+        masked.primary().iter().map(|i| i.id).collect::<Vec<_>>()
     };
     let (inside, outside) = (kept(true), kept(false));
     assert!(!inside.is_empty() && inside.len() + outside.len() == 60);
@@ -255,9 +230,9 @@ fn maps_and_shapes_thin_by_place() {
 fn orienting_turns_longer_axes_the_shorter_way() {
     let angles = |s: &Scene| -> Vec<f64> {
         let of = |i: &Instance| {
-            SecondMoments::new(&s.textons[i.texton as usize].outline).moved(i.affine()).angle()
+            SecondMoments::new(&s.elements[i.element.index()].outline).moved(i.affine()).angle()
         };
-        s.primary.iter().map(|i| of(i).to_degrees().rem_euclid(180.0)).collect()
+        s.primary().iter().map(|i| of(i).to_degrees().rem_euclid(180.0)).collect()
     };
     let off = |a: f64, b: f64| (a - b).rem_euclid(180.0).min((b - a).rem_euclid(180.0));
     let orient = |strength| one(Action::Orient { direction: Direction::Angle(30.0), strength });
@@ -268,7 +243,7 @@ fn orienting_turns_longer_axes_the_shorter_way() {
     }
     let by_map = Action::Orient { direction: Direction::Map("fade.png".into()), strength: 1.0 };
     let field = one(on(Layers::Primary, by_map));
-    for (instance, angle) in field.primary.iter().zip(angles(&field)) {
+    for (instance, angle) in field.primary().iter().zip(angles(&field)) {
         let x = instance.transform[4];
         if (20.0..380.0).contains(&x) {
             assert!(off(angle, x / 400.0 * 180.0) < 4.0, "{x}: {angle}");
@@ -286,62 +261,62 @@ fn places_stay_on_a_canvas_that_repeats() {
     ] {
         let text = action.to_string();
         let after = one(action);
-        assert_ne!(after.primary, scene().primary, "{text}");
-        for (a, b) in after.primary.iter().zip(&scene().primary) {
+        assert_ne!(after.primary(), scene().primary(), "{text}");
+        for (a, b) in after.primary().iter().zip(&scene().primary()) {
             let [.., x, y] = a.transform;
             assert!((0.0..400.0).contains(&x) && (0.0..300.0).contains(&y), "{text}: {x} {y}");
             assert_eq!(a.id, b.id);
         }
     }
-    let twice = one(Action::Scale { factor: 2.0 }).primary[0].affine().determinant();
+    let twice = one(Action::Scale { factor: 2.0 }).primary()[0].affine().determinant();
     assert!((twice - 4.0).abs() < 1e-3);
 }
 
 #[test]
 fn colours_change_for_those_selected_and_no_others() {
     let red = one(those(&[among(Identity::Category, &[3], true)], tint([255, 0, 0], 1.0, 1.0)));
-    for (instance, before) in red.primary.iter().zip(&scene().primary) {
-        let texton = &red.textons[instance.texton as usize];
+    for (instance, before) in red.primary().iter().zip(&scene().primary()) {
+        let texton = &red.elements[instance.element.index()];
         let tinted = before.texton == 0;
-        assert_eq!(texton.colour == Colour([255, 0, 0]), tinted);
-        assert_eq!(texton.details[0].colour == Colour([255, 0, 0]), tinted);
+        assert_eq!(element.base().colour == Colour([255, 0, 0]), tinted);
+        assert_eq!(element.details()[0].colour == Colour([255, 0, 0]), tinted);
     }
-    assert_eq!(red.secondary, scene().secondary);
+    assert_eq!(red.secondary(), scene().secondary());
     // A texton of which some are tinted is there twice.
     let some = one(on(Layers::Primary, tint([255, 0, 0], 0.5, 0.5)));
-    assert_eq!(some.textons.len(), 5);
+    assert_eq!(some.elements.len(), 5);
     let ground = one(on(Layers::Background, tint([0; 3], 0.5, 1.0)));
     assert!(
-        ground.background.points.iter().all(|p| p.colour.0[0] < 90) && ground.background.fallback.0[0] < 90
+        ground.field().points.iter().all(|p| p.colour.0[0] < 90) && ground.field().fallback.0[0] < 90
     );
-    assert_eq!(ground.textons, scene().textons);
+    assert_eq!(ground.elements, scene().elements);
 }
 
 #[test]
 fn recolouring_keeps_shading_and_leaves_what_is_unlike() {
     let blue = one(recolor([180, 60, 50], [60, 80, 180], 0.15));
-    let [red, other] = [&blue.textons[0], &blue.textons[1]];
+    let [red, other] = [&blue.elements[0], &blue.elements[1]];
     assert_eq!(red.colour, Colour::from_hex("#3c50b4").unwrap());
     assert_eq!(red.details[0].colour, Colour([240; 3]), "the light detail is unlike");
     assert_eq!(other.colour, Colour([40, 60, 150]));
     // What has no such colour does not count, and nothing happens to it.
     let (same, outcomes) = edited(&scene(), &[recolor([0, 255, 0], [0; 3], 0.1).into()]);
-    assert_eq!((outcomes[0].matched, same.textons), (0, scene().textons));
+    assert_eq!((outcomes[0].matched, same.elements), (0, scene().elements));
     let red = edited(&scene(), &[recolor([180, 60, 50], [0; 3], 0.05).into()]).1[0].matched;
     assert_eq!(red, 40);
 }
 
 #[test]
 fn a_background_without_points_has_a_colour_too() {
-    let bare = Scene { background: Field { points: Vec::new(), ..scene().background }, ..scene() };
+    let bare = Scene { background: Field { points: Vec::new(), ..scene().field() }, ..scene() };
     let (after, outcomes) = edited(&bare, &[on(Layers::Background, tint([0; 3], 1.0, 1.0))]);
-    assert_eq!((outcomes[0].matched, after.background.fallback), (1, Colour([0; 3])));
+    assert_eq!((outcomes[0].matched, after.field().fallback), (1, Colour([0; 3])));
 }
 
 #[test]
 fn palettes_give_the_dark_category_the_dark_colour() {
     let after = one(two_colours());
-    let mean = |s: &Scene, i: usize| colours::mean(&s.textons[i]).to_oklab();
+    let mean = |s: &Scene, i: usize| colours::mean(&s.elements[i]).to_oklab();
     let near = |lab: [f32; 3], hex: &str| {
         let wanted = Colour::from_hex(hex).unwrap().to_oklab();
         (0..3).all(|i| (lab[i] - wanted[i]).abs() < 0.03)
@@ -350,8 +325,8 @@ fn palettes_give_the_dark_category_the_dark_colour() {
     assert!(near(mean(&after, dark), "#203040"), "{:?}", mean(&after, dark));
     // The light colour and the shading above it do not both fit in the gamut.
     assert!(mean(&after, 1 - dark)[0] > mean(&scene(), 1 - dark)[0] + 0.2);
-    assert!(after.textons[dark].details[0].colour.0[0] > after.textons[dark].colour.0[0] + 40);
-    assert_ne!(after.secondary[0].colour, scene().secondary[0].colour);
+    assert!(after.elements[dark].details[0].colour.0[0] > after.elements[dark].colour.0[0] + 40);
+    assert_ne!(after.secondary()[0].colour, scene().secondary()[0].colour);
 }
 
 #[test]
@@ -359,7 +334,7 @@ fn without_categories_a_palette_follows_lightness() {
     let after = edited(&scene(), &[on(Layers::Primary, Action::Delete), two_colours().into()]).0;
     let lightness = |i: &Instance| i.colour.unwrap().to_oklab()[0];
     let (mut before, mut now): (Vec<f32>, Vec<f32>) =
-        (scene().secondary.iter().map(lightness).collect(), after.secondary.iter().map(lightness).collect());
+        (scene().secondary().iter().map(lightness).collect(), after.secondary().iter().map(lightness).collect());
     [&mut before, &mut now].into_iter().for_each(|v| v.sort_by(f32::total_cmp));
     let range = |v: &[f32]| v[v.len() - 1] - v[0];
     // Both colours of the palette are there, not one in place of all.
@@ -371,23 +346,23 @@ fn shadows_and_lines_have_the_size_asked_for_on_the_canvas() {
     let line = |width| Action::Outline { width, colour: Colour([16, 32, 48]) };
     let twice = Action::Scale { factor: 2.0 };
     let dressed = edited(&scene(), &[twice.into(), shadow(90.0, 8.0, 0.4, 6.0).into(), line(3.0).into()]).0;
-    let all = || dressed.primary.iter().chain(&dressed.secondary);
+    let all = || dressed.primary().iter().chain(dressed.secondary());
     assert!(all().all(|i| i.shadow.unwrap().offset == [0.0, 8.0]));
     assert!(all().all(|i| i.shadow.unwrap().blur == 3.0 && i.stroke.unwrap().width == 1.5));
     let none = edited(&dressed, &[on(Layers::Primary, shadow(45.0, 5.0, 0.0, 5.0)), line(0.0).into()]).0;
-    assert!(none.primary.iter().all(|i| i.shadow.is_none()) && none.secondary[0].shadow.is_some());
-    assert!(none.primary.iter().chain(&none.secondary).all(|i| i.stroke.is_none()));
+    assert!(none.primary().iter().all(|i| i.shadow.is_none()) && none.secondary()[0].shadow.is_some());
+    assert!(none.primary().iter().chain(none.secondary()).all(|i| i.stroke.is_none()));
 }
 
 #[test]
 fn flat_and_simple_textons_are_less() {
     let flat = one(on(Layers::Primary, Action::Flatten));
-    assert!(flat.textons.iter().all(|t| t.details.is_empty()));
-    let (before, after) = (colours::mean(&scene().textons[0]), flat.textons[0].colour);
+    assert!(flat.elements.iter().all(|t| t.details().is_empty()));
+    let (before, after) = (colours::mean(&scene().elements[0]), flat.elements[0].colour);
     assert_eq!(before, after);
     let simple = one(Action::Simplify { tolerance: 6.0 });
-    assert!(simple.textons.iter().all(|t| t.details.is_empty()));
-    let few = |s: &Scene| s.textons.iter().map(|t| t.outline.to_string().len()).sum::<usize>();
+    assert!(simple.elements.iter().all(|t| t.details().is_empty()));
+    let few = |s: &Scene| s.elements.iter().map(|t| t.outline().to_string().len()).sum::<usize>();
     assert!(few(&simple) <= few(&scene()));
 }
 
@@ -400,7 +375,7 @@ fn too_far_is_an_error_and_nothing_to_do_is_none() {
     let (same, outcomes) =
         edited(&plain, &[those(&[among(Identity::Category, &[99], true)], Action::Delete)]);
     assert_eq!((outcomes[0].matched, outcomes[0].removed), (0, 0));
-    assert_eq!(same.primary, plain.primary);
+    assert_eq!(same.primary(), plain.primary());
     let empty = Scene { primary: Vec::new(), secondary: Vec::new(), textons: Vec::new(), ..plain };
     for operation in [
         thin(0.5, ThinOrder::BlueNoise).into(),
@@ -409,7 +384,7 @@ fn too_far_is_an_error_and_nothing_to_do_is_none() {
         on(Layers::Background, tint([255; 3], 0.5, 1.0)),
         Action::Simplify { tolerance: 1.0 }.into(),
     ] {
-        assert_eq!(edited(&empty, &[operation]).0.primary.len(), 0);
+        assert_eq!(edited(&empty, &[operation]).0.primary().len(), 0);
     }
 }
 
@@ -434,14 +409,14 @@ fn library() -> Library {
 #[test]
 fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
     let library = library();
-    assert!(library.primaries.iter().filter(|p| !p.clipped).count() > 12);
+    assert!(library.primaries().iter().filter(|p| !p.clipped).count() > 12);
     let replace = on(Layers::Primary, Action::Replace { library: "ovals".into() });
     let files = |library| Files { libraries: [("ovals".into(), library)].into(), ..Files::default() };
     let dress = on(Layers::Primary, Action::Outline { width: 2.0, colour: Colour([0; 3]) });
     let after = apply(scene(), &[dress, replace.clone()], &files(library.clone()), None).unwrap().0;
-    assert_eq!((after.libraries.len(), after.secondary.len()), (2, 240));
+    assert_eq!((after.libraries.len(), after.secondary().len()), (2, 240));
     // Lines stay as wide as they were, whatever the size that the new textons have in their library.
-    for instance in &after.primary {
+    for instance in after.primary() {
         let width = instance.stroke.unwrap().width * libm::sqrt(instance.affine().determinant());
         assert!((width - 2.0).abs() < 0.05, "{width}");
         let [.., x, y] = instance.transform;
@@ -450,10 +425,10 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
     // A library without primaries has none to give.
     let bare = Library { primaries: Vec::new(), ..library };
     let (same, outcomes) = apply(scene(), &[replace], &files(bare), None).unwrap();
-    assert_eq!((outcomes[0].matched, same.primary), (0, scene().primary));
-    for (new, old) in after.primary.iter().zip(&scene().primary) {
+    assert_eq!((outcomes[0].matched, same.primary()), (0, scene().primary()));
+    for (new, old) in after.primary().iter().zip(&scene().primary()) {
         let of = |s: &Scene, i: &Instance| {
-            SecondMoments::new(&s.textons[i.texton as usize].outline).moved(i.affine())
+            SecondMoments::new(&s.elements[i.element.index()].outline).moved(i.affine())
         };
         let (new, old) = (of(&after, new), of(&scene(), old));
         assert!((new.area / old.area - 1.0).abs() < 0.01);
@@ -464,6 +439,6 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
         // Bars become the most elongated of the ovals, whose axes are as three to one.
         assert!(new.elongation() > 2.4, "{}", new.elongation());
     }
-    let used = after.textons.iter().filter(|t| t.library == 1);
+    let used = after.elements.iter().filter(|t| t.library == 1);
     assert!(used.count() >= 1);
 }

@@ -5,24 +5,22 @@ use super::textons::{change, measured, size};
 use super::{Draw, order};
 use crate::geometry::{Point, Region};
 use crate::raster::ControlMap;
-use crate::scene::{Instance, Scene, Texton, ThinOrder};
+use crate::scene::{Instance, Scene, Shape, ThinOrder};
 
 /// Keeps the instances for which `keep` holds, and all that are not selected. It gets the scene as
 /// it was.
 pub(super) fn retain(scene: &mut Scene, chosen: &Chosen, keep: impl Fn(&Scene, &Instance) -> bool) {
-    let decide = |instances: &[Instance], chosen: &[bool]| -> Vec<bool> {
-        instances.iter().zip(chosen).map(|(i, chosen)| !chosen || keep(scene, i)).collect()
-    };
-    let secondary = decide(&scene.secondary, &chosen.secondary);
-    let primary = decide(&scene.primary, &chosen.primary);
-    keep_marked(&mut scene.secondary, &secondary);
-    keep_marked(&mut scene.primary, &primary);
+    let marks = scene.instances().zip(chosen.instances()).map(|(i, chosen)| !chosen || keep(scene, i));
+    let marks: Vec<bool> = marks.collect();
+    keep_marked(scene, &marks);
 }
 
-/// Keeps the items that are marked.
-fn keep_marked<T>(items: &mut Vec<T>, marks: &[bool]) {
+/// Keeps the instances that are marked, in painting order.
+fn keep_marked(scene: &mut Scene, marks: &[bool]) {
     let mut marks = marks.iter();
-    items.retain(|_| marks.next().is_some_and(|mark| *mark));
+    for layer in &mut scene.layers {
+        layer.instances.retain(|_| marks.next().is_some_and(|mark| *mark));
+    }
 }
 
 /// Keeps each texton with the probability that a map has where it stands.
@@ -48,35 +46,29 @@ pub(super) fn thin(
     minimum_area: Option<f64>,
     draw: &Draw,
 ) {
-    let mut marks = [chosen.secondary.clone(), chosen.primary.clone()];
+    let mut chosen = Chosen { layers: chosen.layers.clone() };
     if let Some(least) = minimum_area {
         let moments = measured(scene);
-        let large = |i: &Instance| moments[i.texton as usize].moved(i.affine()).area >= least;
-        let marked = |instances: &[Instance], chosen: &[bool]| -> Vec<bool> {
-            instances.iter().zip(chosen).map(|(i, chosen)| !chosen || large(i)).collect()
-        };
-        let stays = [marked(&scene.secondary, &chosen.secondary), marked(&scene.primary, &chosen.primary)];
-        for ((marks, stays), layer) in
-            marks.iter_mut().zip(&stays).zip([&mut scene.secondary, &mut scene.primary])
-        {
-            keep_marked(marks, stays);
-            keep_marked(layer, stays);
+        let large = |i: &Instance| moments[i.element.index()].moved(i.affine()).area >= least;
+        for (layer, chosen) in scene.layers.iter_mut().zip(&mut chosen.layers) {
+            let stays: Vec<bool> =
+                layer.instances.iter().zip(&chosen.instances).map(|(i, chosen)| !chosen || large(i)).collect();
+            let mut marks = stays.iter();
+            layer.instances.retain(|_| marks.next().is_some_and(|mark| *mark));
+            let mut marks = stays.iter();
+            chosen.instances.retain(|_| marks.next().is_some_and(|mark| *mark));
         }
-        let [secondary, primary] = marks.clone();
-        let left = Chosen { secondary, primary, background: Vec::new(), fallback: false };
-        change(scene, &left, |texton, size| Texton {
-            details: (texton.details.iter().filter(|d| d.outline.area() * size * size >= least))
-                .cloned()
-                .collect(),
-            ..texton.clone()
+        change(scene, &chosen, |element, size| {
+            let large = |s: &&Shape| s.outline.area() * size * size >= least;
+            let details = element.details().iter().filter(large);
+            element.with_shapes(std::iter::once(element.base()).chain(details).cloned().collect())
         });
     }
     let Some(share) = keep else { return };
-    let [secondary, primary] = marks;
-    let keep_secondary = kept(scene, &scene.secondary, &secondary, share, order, draw);
-    let keep_primary = kept(scene, &scene.primary, &primary, share, order, draw);
-    keep_marked(&mut scene.secondary, &keep_secondary);
-    keep_marked(&mut scene.primary, &keep_primary);
+    let marks = scene.layers.iter().zip(&chosen.layers);
+    let marks = marks.flat_map(|(layer, c)| kept(scene, &layer.instances, &c.instances, share, order, draw));
+    let marks: Vec<bool> = marks.collect();
+    keep_marked(scene, &marks);
 }
 
 /// Which instances of a layer are kept when a share of those selected is.
@@ -100,10 +92,10 @@ fn kept(
             ranked[..count].iter().for_each(|&(_, i)| keep(i));
         }
         ThinOrder::Area => {
-            let areas: Vec<f64> = scene.textons.iter().map(|t| t.outline.area()).collect();
+            let areas: Vec<f64> = scene.elements.iter().map(|t| t.outline().area()).collect();
             let area = |i: usize| {
                 let size = size(&instances[i]);
-                areas[instances[i].texton as usize] * size * size
+                areas[instances[i].element.index()] * size * size
             };
             let mut ranked: Vec<(f64, usize)> = selected.iter().map(|&i| (area(i), i)).collect();
             ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));

@@ -1,7 +1,7 @@
 //! Operations that can be done: ranges, and what does not go together.
 
 use crate::error::EditFault;
-use crate::scene::{Action, Condition, Direction, Layers, Operation, Quantity, Shadow};
+use crate::scene::{Action, Condition, Direction, Operation, Quantity, Role, Shadow};
 
 /// Furthest that textons are moved, in pixels.
 const FAR: f64 = 1e6;
@@ -14,7 +14,7 @@ type Number = (&'static str, f64, [f64; 2], &'static str);
 /// # Errors
 /// The first fault: a number out of its range, or a selection that the action is not for.
 pub fn validate(operation: &Operation) -> Result<(), EditFault> {
-    let Operation { action, layers, conditions } = operation;
+    let Operation { action, layer, conditions } = operation;
     for (name, value, [low, high], unit) in numbers(action) {
         if !(low..=high).contains(&value) {
             return Err(EditFault::Range { name, value, low, high, unit });
@@ -29,7 +29,7 @@ pub fn validate(operation: &Operation) -> Result<(), EditFault> {
         }
         _ => {}
     }
-    if *layers != Layers::Background {
+    if layer.as_deref() != Some(Role::Background.name()) {
         return Ok(());
     }
     if !matches!(action, Action::Tint { .. } | Action::Recolor { .. } | Action::Palette { .. }) {

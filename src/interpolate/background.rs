@@ -5,11 +5,11 @@
 //! points of both fields are close together, their colours agree.
 
 use super::progression::Progression;
-use crate::geometry::{Affine, Point, Vec2};
+use crate::geometry::{Affine, BezPath, Outline, Point, Rect, Vec2};
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::field::Interpolant;
-use crate::scene::{ControlPoint, Field, Scene, Tile};
+use crate::scene::{ControlPoint, Element, Field, Scene, Tile};
 
 /// Two background fields that change into one another.
 pub(super) struct BlendedField {
@@ -20,17 +20,17 @@ pub(super) struct BlendedField {
 }
 
 impl BlendedField {
-    /// The tween between the fields of two scenes of one size that repeat along the same axes.
-    pub(super) fn new(scenes: [&Scene; 2]) -> Self {
-        let Scene { width, height, tile, .. } = *scenes[0];
-        let fields = scenes.map(|s| Interpolant::new(&s.background, width, height, tile));
+    /// The tween between two fields on the canvas of a scene.
+    pub(super) fn new(scene: &Scene, own: [&Field; 2]) -> Self {
+        let Scene { width, height, tile, .. } = *scene;
+        let fields = own.map(|field| Interpolant::new(field, width, height, tile));
         let within =
             |v: f64, size: u32, repeats: bool| if repeats { v } else { v.clamp(0.0, f64::from(size)) };
         let listed: Vec<(usize, ControlPoint)> = [0, 1]
             .into_iter()
-            .flat_map(|side| scenes[side].background.points.iter().map(move |p| (side, *p)))
+            .flat_map(|side| own[side].points.iter().map(move |p| (side, *p)))
             .collect();
-        let fallback = scenes.map(|s| s.background.fallback);
+        let fallback = own.map(|field| field.fallback);
         let mut points = parallel::map(&listed, |(side, p)| {
             // Beyond the canvas a field may diverge.
             let other = fields[1 - side].at(within(p.x, width, tile.x), within(p.y, height, tile.y));
@@ -38,7 +38,7 @@ impl BlendedField {
             colours[1 - side] = Colour::from_f64(other);
             (Point::new(p.x, p.y), colours)
         });
-        let spacing = scenes[0].background.spacing.min(scenes[1].background.spacing);
+        let spacing = own[0].spacing.min(own[1].spacing);
         if points.is_empty() && fallback[0] != fallback[1] {
             // Two fields without control points: a grid of points mixes them evenly.
             let at = |k: u32, size: u32| f64::from(k) * f64::from(size) / 10.0;
@@ -69,38 +69,41 @@ pub(super) fn untiled(scene: &Scene, kept: Tile) -> Scene {
     let mut out = scene.clone();
     out.tile = kept;
     // A scene periodic along the lost axes alone finds the copies to be listed.
-    let mut lost =
+    let lost =
         Scene { tile: Tile { x: scene.tile.x && !kept.x, y: scene.tile.y && !kept.y }, ..out.clone() };
-    let bounds: Vec<_> = scene.textons.iter().map(crate::scene::Texton::bounds).collect();
-    for layer in [&mut out.secondary, &mut out.primary] {
-        let listed = std::mem::take(layer);
+    let bounds: Vec<_> = scene.elements.iter().map(Element::bounds).collect();
+    let repeated = |outline: &Outline| {
+        let mut path = BezPath::new();
+        for shift in lost.copies(outline.bounds()) {
+            path.extend((Affine::translate(shift) * outline.path()).iter());
+        }
+        Outline::new(&path).unwrap_or_else(|| outline.clone())
+    };
+    for layer in &mut out.layers {
+        let listed = std::mem::take(&mut layer.instances);
         for instance in listed {
             let affine = instance.affine();
-            for shift in lost.copies(instance.reach(bounds[instance.texton as usize])) {
+            for shift in lost.copies(instance.reach(bounds[instance.element.index()])) {
                 let mut copy = instance.clone();
                 if shift != Vec2::ZERO {
                     copy.transform = (Affine::translate(shift) * affine).as_coeffs();
                 }
-                layer.push(copy);
+                layer.instances.push(copy);
+            }
+        }
+        layer.region = layer.region.as_ref().map(repeated);
+        let Some(field) = &mut layer.field else { continue };
+        let around = 3.0 * field.spacing;
+        let listed = std::mem::take(&mut field.points);
+        for p in listed {
+            let reach = Rect::new(p.x - around, p.y - around, p.x + around, p.y + around);
+            for shift in lost.copies(reach) {
+                field.points.push(ControlPoint { x: p.x + shift.x, y: p.y + shift.y, ..p });
             }
         }
     }
-    let around = 3.0 * scene.background.spacing;
-    let listed = std::mem::take(&mut out.background.points);
-    for p in listed {
-        let reach = crate::geometry::Rect::new(p.x - around, p.y - around, p.x + around, p.y + around);
-        for shift in lost.copies(reach) {
-            out.background.points.push(ControlPoint { x: p.x + shift.x, y: p.y + shift.y, ..p });
-        }
-    }
-    if let Some(domain) = lost.domain.take()
-        && let Some(kept) = &mut out.domain
-    {
-        let mut path = crate::geometry::BezPath::new();
-        for shift in lost.copies(domain.outline.bounds()) {
-            path.extend((Affine::translate(shift) * domain.outline.path()).iter());
-        }
-        kept.outline = crate::geometry::Outline::new(&path).unwrap_or(domain.outline);
+    if let Some(domain) = &mut out.domain {
+        domain.outline = repeated(&domain.outline);
     }
     out
 }

@@ -15,12 +15,13 @@
 mod background;
 mod blend;
 mod correspond;
-mod domain;
 mod effects;
+mod layer;
 mod motion;
 mod paint;
 mod patch;
 mod progression;
+mod region;
 mod ring;
 mod side;
 #[cfg(test)]
@@ -28,23 +29,24 @@ mod tests;
 mod tween;
 
 pub use crate::scene::Axis;
-pub use motion::{Brush, Motion, Moving};
+pub use motion::{Brush, LayerMotion, Motion, Moving};
 
 use crate::document::Document;
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Vec2, shortest_offset};
+use crate::geometry::{Point, Vec2};
 use crate::parallel;
 use crate::progress::{Progress, advance};
-use crate::sampling::stream;
-use crate::scene::{Between, EditRecord, Instance, LibraryRef, Place, Recorded, Scene, Texton, Tile};
-use background::{BlendedField, untiled};
-use correspond::{Correspondence, Plane, Properties, correspond};
-use domain::DomainTween;
+use crate::scene::{
+    Between, EditRecord, Element, ElementId, Instance, InstanceId, Layer, LibraryRef, Place, Recorded, Scene, Tile,
+};
+use background::untiled;
 use effects::Effects;
+use layer::{LayerPair, LayerTween};
 use progression::Progression;
+use region::DomainTween;
 use side::Side;
 use std::sync::Arc;
-use tween::{Content, Drawn, Layer, Tween};
+use tween::{Content, Drawn};
 
 /// An interpolation between two scenes: pairs their textons once, then gives the scene at any time.
 /// It owns both scenes.
@@ -52,12 +54,10 @@ pub struct Interpolation {
     ends: [Arc<Scene>; 2],
     /// The scenes, with everything that repeats in only one of them listed copy by copy.
     scenes: [Arc<Scene>; 2],
-    /// The scenes without textons, instances, control points and domain.
+    /// The scenes without elements, layers and domain.
     shells: [Scene; 2],
-    /// The textons of each layer over time.
-    secondary: Vec<Tween>,
-    primary: Vec<Tween>,
-    background: BlendedField,
+    /// The layers over time, in painting order.
+    layers: Vec<LayerTween>,
     domain: Option<DomainTween>,
     /// The libraries of both scenes, and for each scene the indices of its own in this list.
     libraries: Vec<LibraryRef>,
@@ -115,19 +115,23 @@ impl Interpolation {
         }
         let scenes =
             ends.each_ref().map(|s| if s.tile == tile { Arc::clone(s) } else { Arc::new(untiled(s, tile)) });
-        advance(progress, STAGE, 0, 4)?;
+        advance(progress, STAGE, 0, 1)?;
         let mut libraries = Vec::new();
         let sides = [0, 1].map(|k| Side::new(&scenes[k], &mut libraries));
-        advance(progress, STAGE, 1, 4)?;
-        let primary = items(&sides, Layer::Primary);
-        advance(progress, STAGE, 2, 4)?;
-        let secondary = items(&sides, Layer::Secondary);
-        advance(progress, STAGE, 3, 4)?;
-        let indices = sides.map(|side| side.libraries);
         let both = [&*scenes[0], &*scenes[1]];
-        let (background, domain) = (BlendedField::new(both), DomainTween::new(both));
+        let mut layers: Vec<LayerTween> = Vec::new();
+        let pairs = LayerPair::all(both);
+        for (k, pair) in pairs.iter().enumerate() {
+            advance(progress, STAGE, 1 + k as u64, 1 + pairs.len() as u64)?;
+            let first = layers.last().map_or(0, |below| below.first + below.tweens.len());
+            let role = |pair: LayerPair| [0, 1].map(|s| pair.layer(s, both[s]).map(|layer| layer.role));
+            let number = pairs[..k].iter().filter(|p| role(**p) == role(*pair)).count();
+            layers.push(LayerTween::new(&sides, *pair, number, first));
+        }
+        let indices = sides.map(|side| side.libraries);
+        let domain = DomainTween::new(both);
         let shells = [0, 1].map(|k| shell(both[k]));
-        Ok(Self { ends, scenes, shells, secondary, primary, background, domain, libraries, indices })
+        Ok(Self { ends, scenes, shells, layers, domain, libraries, indices })
     }
 
     /// The scene at time `t`: the first scene at 0 and below, the second at 1 and above. In between, seed,
@@ -140,12 +144,13 @@ impl Interpolation {
         }
     }
 
-    /// Counts of pairs and unmatched textons among the primaries, and among the secondaries.
-    pub fn matched(&self) -> [Matched; 2] {
-        [&self.primary, &self.secondary].map(|items| {
-            let pairs = items.iter().filter(|item| item.is_pair()).count();
-            Matched { pairs, unmatched: items.len() - pairs }
-        })
+    /// Counts of pairs and unmatched elements of each layer, with the layer's name, in painting order.
+    pub fn matched(&self) -> Vec<(&str, Matched)> {
+        let of = |layer: &'_ LayerTween| {
+            let pairs = layer.tweens.iter().filter(|tween| tween.is_pair()).count();
+            Matched { pairs, unmatched: layer.tweens.len() - pairs }
+        };
+        self.layers.iter().map(|layer| (layer.name.as_str(), of(layer))).collect()
     }
 
     fn between(&self, when: &Progression) -> Scene {
@@ -153,17 +158,22 @@ impl Interpolation {
             Point::new(f64::from(self.shells[0].width) / 2.0, f64::from(self.shells[0].height) / 2.0);
         let mut scene = self.shells[usize::from(when.at(middle) >= 0.5)].clone();
         scene.libraries.clone_from(&self.libraries);
-        scene.background = self.background.at(when);
         scene.domain = self.domain.as_ref().map(|r| r.at(when));
         scene.edits.push(self.record(when));
-        let mut used = [0, 1].map(|k| vec![None; self.scenes[k].textons.len()]);
-        for (layer, items) in [(Layer::Secondary, &self.secondary), (Layer::Primary, &self.primary)] {
-            let first = if matches!(layer, Layer::Primary) { self.secondary.len() } else { 0 };
-            let instances = self.drawn(layer, items, when, first, &mut scene, &mut used);
-            match layer {
-                Layer::Secondary => scene.secondary = instances,
-                Layer::Primary => scene.primary = instances,
+        let mut used = [0, 1].map(|k| vec![None; self.scenes[k].elements.len()]);
+        for layer in &self.layers {
+            let instances = self.drawn(layer, when, &mut scene, &mut used);
+            let mut name = layer.name.clone();
+            while scene.layers.iter().any(|other| other.name == name) {
+                name.push('\'');
             }
+            scene.layers.push(Layer {
+                name,
+                role: layer.role,
+                region: layer.region.as_ref().map(|r| r.at(when)),
+                field: layer.field.as_ref().map(|f| f.at(when)),
+                instances,
+            });
         }
         scene
     }
@@ -179,31 +189,26 @@ impl Interpolation {
         EditRecord { operation: Recorded::Interpolation(Between { from, to, place }), seed: 0 }
     }
 
-    /// The instances of a layer in painting order. Adds their textons to the scene. Ids follow from the
-    /// position in `items`, so they are the same at all times.
+    /// The instances of a layer in painting order. Adds their elements to the scene. Ids follow from the
+    /// position among the tweens, so they are the same at all times.
     fn drawn(
         &self,
-        layer: Layer,
-        items: &[Tween],
+        layer: &LayerTween,
         when: &Progression,
-        first: usize,
         scene: &mut Scene,
-        used: &mut [Vec<Option<u32>>; 2],
+        used: &mut [Vec<Option<ElementId>>; 2],
     ) -> Vec<Instance> {
         let ends = tween::Ends {
             scenes: [&self.scenes[0], &self.scenes[1]],
             libraries: [&self.indices[0], &self.indices[1]],
         };
-        let mut drawn: Vec<(usize, Drawn)> = parallel::map(items, |item| item.at(&ends, layer, when))
-            .into_iter()
-            .enumerate()
-            .filter_map(|(i, drawn)| drawn.map(|d| (i, d)))
-            .collect();
+        let mut drawn: Vec<(usize, Drawn)> =
+            parallel::map(&layer.tweens, |tween| tween.at(&ends, layer.pair, when))
+                .into_iter()
+                .enumerate()
+                .filter_map(|(i, drawn)| drawn.map(|d| (i, d)))
+                .collect();
         drawn.sort_by(|a, b| a.1.key.total_cmp(&b.1.key));
-        let mut add = |texton: Texton| {
-            scene.textons.push(texton);
-            scene.textons.len() as u32 - 1
-        };
         let tile = scene.tile;
         let size = [f64::from(scene.width), f64::from(scene.height)];
         let home = |at: Point| {
@@ -212,22 +217,22 @@ impl Interpolation {
             Vec2::new(within(at.x, size[0], tile.x), within(at.y, size[1], tile.y))
         };
         let instance = |(i, drawn): (usize, Drawn)| {
-            let id = (first + i) as u32;
+            let id = InstanceId((layer.first + i) as u32);
             match drawn.what {
                 Content::Existing { side, instance } => {
-                    let index = instance.texton as usize;
-                    let texton = *used[side][index].get_or_insert_with(|| {
-                        let texton = &self.scenes[side].textons[index];
-                        let library = self.indices[side][texton.library as usize];
-                        add(Texton { library, ..texton.clone() })
+                    let index = instance.element.index();
+                    let element = *used[side][index].get_or_insert_with(|| {
+                        let element = &self.scenes[side].elements[index];
+                        let library = self.indices[side][element.library as usize];
+                        scene.add(Element { library, ..element.clone() })
                     });
-                    Instance { id, texton, ..instance }
+                    Instance { id, element, ..instance }
                 }
-                Content::New { texton, at, effects } => {
+                Content::New { element, at, effects } => {
                     let at = home(at);
                     let Effects { shadow, stroke } = effects;
                     let transform = [1.0, 0.0, 0.0, 1.0, at.x, at.y];
-                    Instance { transform, shadow, stroke, ..Instance::new(id, add(texton)) }
+                    Instance { transform, shadow, stroke, ..Instance::new(id, scene.add(element)) }
                 }
             }
         };
@@ -258,44 +263,9 @@ pub fn across(
 /// Name of the stage of [`Interpolation::new`] in [`Progress`].
 const STAGE: &str = "matching";
 
-/// The tweens of all textons of a layer.
-fn items(sides: &[Side<'_>; 2], layer: Layer) -> Vec<Tween> {
-    let scene = sides[0].scene;
-    let (width, height) = (f64::from(scene.width), f64::from(scene.height));
-    let periods = scene.tile.periods([width, height]);
-    let plane = Plane { area: width * height, periods };
-    let properties: [Vec<Properties>; 2] =
-        [0, 1].map(|k| parallel::map(layer.of(sides[k].scene), |i| sides[k].properties(i)));
-    let Correspondence { pairs, unmatched } = correspond(&properties[0], &properties[1], &plane);
-    let name = match layer {
-        Layer::Secondary => ["interpolate/secondary/first", "interpolate/secondary/second"],
-        Layer::Primary => ["interpolate/primary/first", "interpolate/primary/second"],
-    };
-    let one = |side: usize, k: u32| {
-        Tween::unmatched(sides, side, layer, k, &mut stream(0, name[side], u64::from(k)))
-    };
-    let paired = parallel::map(&pairs, |&[i, k]| {
-        let offset =
-            shortest_offset(properties[0][i as usize].at, properties[1][k as usize].at, plane.periods);
-        let random = &mut stream(0, "interpolate/details", u64::from(i));
-        match Tween::pair(sides, layer, [i, k], offset, random) {
-            Some(item) => vec![item],
-            None => vec![one(0, i), one(1, k)],
-        }
-    });
-    let mut items: Vec<Tween> = paired.into_iter().flatten().collect();
-    for side in 0..2 {
-        items.extend(unmatched[side].iter().map(|&k| one(side, k)));
-    }
-    items
-}
-
-/// A scene without textons, instances, control points and domain.
+/// A scene without elements, layers and domain.
 fn shell(scene: &Scene) -> Scene {
-    let mut shell = scene.clone();
-    (shell.textons, shell.secondary, shell.primary) = (Vec::new(), Vec::new(), Vec::new());
-    (shell.background.points, shell.domain) = (Vec::new(), None);
-    shell
+    Scene { elements: Vec::new(), layers: Vec::new(), domain: None, ..scene.clone() }
 }
 
 /// Scale of an unmatched item at time `t`, 0 to 1. Within its window of time it falls smoothly to 0

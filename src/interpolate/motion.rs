@@ -1,13 +1,14 @@
 //! Interpolations as keyframes: three shapes of each texton, from which a viewer plays an animation.
 
 use super::Interpolation;
-use super::domain::DomainTween;
 use super::effects::{Effects, half_way};
 use super::ring::{Ring, count, even};
-use super::tween::{Ends, Layer, Tween};
+use super::layer::LayerTween;
+use super::region::{DomainTween, RegionTween};
+use super::tween::{Ends, Tween};
 use crate::geometry::{Affine, Outline, Point, Rect, Vec2};
 use crate::raster::colour::Colour;
-use crate::scene::{Edge, Scene};
+use crate::scene::{Edge, Field, InstanceId, Role, Scene};
 
 /// Smallest and largest number of points of a ring.
 const COUNT: (usize, usize) = (6, 32);
@@ -16,10 +17,10 @@ const REDUCTION: usize = 4;
 /// Largest distance between a polygon and its curve, in pixels.
 const FLAT: f64 = 0.1;
 
-/// The motion of one texton.
+/// The motion of one element.
 pub struct Motion {
     /// Id of its instance, the same in every scene in between.
-    pub id: u32,
+    pub id: InstanceId,
     /// Its shapes over time, in painting order.
     pub shapes: Vec<Moving>,
     /// The period in which it changes, as times 0 to 1, for a texton that vanishes or appears. `None`
@@ -52,16 +53,39 @@ pub enum Brush {
     },
 }
 
+/// The motion of one layer.
+pub struct LayerMotion<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its role.
+    pub role: Role,
+    /// Its field in either scene, if it has one there.
+    pub fields: [Option<&'a Field>; 2],
+    /// The motion of its region; `None` if it fills the canvas all the time.
+    pub region: Option<Moving>,
+    /// The motions of its elements, in the painting order at half-time.
+    pub motions: Vec<Motion>,
+}
+
 impl Interpolation {
-    /// The motions of all secondaries, and of all primaries, in the painting order at half-time.
-    pub fn motions(&self) -> [Vec<Motion>; 2] {
-        let first = self.secondary.len() as u32;
-        [(Layer::Secondary, &self.secondary, 0), (Layer::Primary, &self.primary, first)]
-            .map(|(layer, items, first)| self.motions_of(layer, items, first))
+    /// The motions of all layers, in painting order.
+    pub fn motions(&self) -> Vec<LayerMotion<'_>> {
+        self.layers.iter().map(|layer| self.motion_of(layer)).collect()
     }
 
-    /// The motion of the domain, and what happens to primaries at its edge. `None` if both scenes fill
-    /// the canvas.
+    fn motion_of<'a>(&'a self, layer: &'a LayerTween) -> LayerMotion<'a> {
+        let field = |k: usize| layer.pair.layer(k, &self.scenes[k])?.field.as_ref();
+        LayerMotion {
+            name: &layer.name,
+            role: layer.role,
+            fields: [field(0), field(1)],
+            region: layer.region.as_ref().map(RegionTween::moving),
+            motions: self.motions_of(layer),
+        }
+    }
+
+    /// The motion of the domain, and what happens to individual elements at its edge. `None` if both
+    /// scenes fill the canvas.
     pub fn domain_motion(&self) -> Option<(Moving, Edge)> {
         self.domain.as_ref().map(DomainTween::motion)
     }
@@ -71,12 +95,12 @@ impl Interpolation {
         [&self.scenes[0], &self.scenes[1]]
     }
 
-    fn motions_of(&self, layer: Layer, items: &[Tween], first: u32) -> Vec<Motion> {
+    fn motions_of(&self, layer: &LayerTween) -> Vec<Motion> {
         let ends = Ends { scenes: self.scenes(), libraries: [&self.indices[0], &self.indices[1]] };
-        let numbered: Vec<(u32, &Tween)> = (first..).zip(items).collect();
-        let motion = |(id, item): &(u32, &Tween)| item.motion(&ends, layer, *id);
+        let numbered: Vec<(u32, &Tween)> = (layer.first as u32..).zip(&layer.tweens).collect();
+        let motion = |(id, tween): &(u32, &Tween)| tween.motion(&ends, layer.pair, InstanceId(*id));
         let motions = crate::parallel::map(&numbered, motion);
-        let mut order: Vec<(f64, Motion)> = items.iter().map(|i| i.key(0.5)).zip(motions).collect();
+        let mut order: Vec<(f64, Motion)> = layer.tweens.iter().map(|t| t.key(0.5)).zip(motions).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         order.into_iter().map(|(_, motion)| motion).collect()
     }

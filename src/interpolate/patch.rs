@@ -7,7 +7,7 @@ use super::ring::{Ring, alignment, count, even, inside, moments, nearest, sine_c
 use crate::geometry::{Cage, Outline, Point};
 use crate::raster::colour::Colour;
 use crate::sampling::Stream;
-use crate::scene;
+use crate::scene::Shape;
 
 /// Fit tolerance of outlines, in pixels.
 pub(super) const TOLERANCE: f64 = 0.15;
@@ -86,7 +86,7 @@ impl Part {
 
 impl Patch {
     /// The detail at time `t`; `None` while it does not exist.
-    pub(super) fn at(&self, carry: &Carry<'_>, t: f64) -> Option<scene::Patch> {
+    pub(super) fn at(&self, carry: &Carry<'_>, t: f64) -> Option<Shape> {
         let rings: Vec<Ring> = self.rings.iter().filter_map(|part| part.at(carry, t)).collect();
         let (area, centre) = rings.first().map(|r| moments(r))?;
         if area.abs() < 0.2 {
@@ -105,7 +105,7 @@ impl Patch {
             (None, None) => return None,
         };
         let outline = Outline::along(&rings, TOLERANCE).filter(|o| !o.is_empty())?;
-        Some(scene::Patch { outline, colour: paint.colour, gradient: paint.gradient })
+        Some(Shape { gradient: paint.gradient, ..Shape::new(outline, paint.colour) })
     }
 
     /// All its rings at time `t`, always with the same numbers of points.

@@ -7,7 +7,7 @@ use super::ring::{Ring, moments, transformed};
 use crate::geometry::{Affine, Outline, Point};
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::scene::{Gradient, Instance, LibraryRef, Scene, Texton};
+use crate::scene::{Gradient, Instance, LibraryRef, Scene, Element};
 
 /// Largest distance between a polygon and its curve, in pixels.
 const FLAT: f64 = 0.05;
@@ -51,37 +51,37 @@ impl<'a> Side<'a> {
             }) as u32
         };
         let known = scene.libraries.iter().map(index).collect();
-        Self { scene, flat: parallel::map(&scene.textons, FlatTexton::new), libraries: known }
+        Self { scene, flat: parallel::map(&scene.elements, FlatTexton::new), libraries: known }
     }
 
     /// The properties of an instance by which it is matched.
     pub(super) fn properties(&self, instance: &Instance) -> Properties {
-        let flat_texton = &self.flat[instance.texton as usize];
-        let texton = &self.scene.textons[instance.texton as usize];
+        let flat_texton = &self.flat[instance.element.index()];
+        let element = self.scene.element(instance);
         let affine = instance.affine();
         Properties {
             at: affine * flat_texton.centre,
             size: libm::sqrt((flat_texton.area * affine.determinant()).abs()),
             colour: instance.colour.map_or(flat_texton.colour, Colour::to_oklab),
-            category: texton.category.map(|c| (self.libraries[texton.library as usize], c)),
+            category: element.category.map(|c| (self.libraries[element.library as usize], c.0)),
         }
     }
 
     /// The centre of an instance on the canvas.
     pub(super) fn centre(&self, instance: &Instance) -> Point {
-        instance.affine() * self.flat[instance.texton as usize].centre
+        instance.affine() * self.flat[instance.element.index()].centre
     }
 
     /// An instance as polygons; `None` if it has no area.
     pub(super) fn placed(&self, instance: &Instance) -> Option<Placed> {
-        let flat_texton = &self.flat[instance.texton as usize];
-        let texton = &self.scene.textons[instance.texton as usize];
+        let flat_texton = &self.flat[instance.element.index()];
+        let element = self.scene.element(instance);
         let affine = instance.affine();
         let centre = affine * flat_texton.centre;
         let affine = affine.then_translate(-centre.to_vec2());
         let rings = transformed(&flat_texton.rings, affine);
         let area = rings.first().map_or(0.0, |r| moments(r).0);
-        let details = flat_texton.details.iter().zip(&texton.details);
+        let details = flat_texton.details.iter().zip(element.details());
         let details = details.filter(|(rings, _)| !rings.is_empty()).map(|(rings, patch)| Detail {
             rings: transformed(rings, affine),
             paint: paint((patch.colour, patch.gradient.as_ref()), affine),
@@ -89,7 +89,7 @@ impl<'a> Side<'a> {
         (area > 1e-3).then(|| Placed {
             centre,
             area,
-            paint: paint(texton.base(instance.colour), affine),
+            paint: paint(element.paint(instance.colour), affine),
             details: details.collect(),
             rings,
         })
@@ -99,12 +99,9 @@ impl<'a> Side<'a> {
 /// Whether two instances look the same in the same place.
 pub(super) fn same(sides: &[Side<'_>; 2], instances: [&Instance; 2]) -> bool {
     let [a, b] = instances;
-    let [s, t] = [0, 1].map(|k| &sides[k].scene.textons[instances[k].texton as usize]);
+    let [s, t] = [0, 1].map(|k| sides[k].scene.element(instances[k]));
     let placed = (a.transform, a.colour, a.shadow, a.stroke) == (b.transform, b.colour, b.shadow, b.stroke);
-    placed
-        && (s.category, s.colour, s.gradient) == (t.category, t.colour, t.gradient)
-        && s.outline == t.outline
-        && s.details == t.details
+    placed && s.category == t.category && s.shapes == t.shapes
 }
 
 fn paint((colour, gradient): (Colour, Option<&Gradient>), affine: Affine) -> Paint {
@@ -112,25 +109,25 @@ fn paint((colour, gradient): (Colour, Option<&Gradient>), affine: Affine) -> Pai
 }
 
 impl FlatTexton {
-    fn new(texton: &Texton) -> Self {
+    fn new(element: &Element) -> Self {
         let flat = |outline: &Outline| transformed(&outline.polygons(FLAT), Affine::IDENTITY);
-        let rings = flat(&texton.outline);
+        let rings = flat(element.outline());
         let (area, centre) = rings.first().map_or((0.0, Point::ORIGIN), |r| moments(r));
-        let details: Vec<Vec<Ring>> = texton.details.iter().map(|d| flat(&d.outline)).collect();
+        let details: Vec<Vec<Ring>> = element.details().iter().map(|d| flat(&d.outline)).collect();
         let mut sum = [0.0; 3];
         let mut rest = area.abs();
         let mut add = |colour: Colour, weight: f64| {
             (0..3).for_each(|k| sum[k] += f64::from(colour.to_oklab()[k]) * weight);
         };
         let mut all = 0.0;
-        for (rings, patch) in details.iter().zip(&texton.details) {
+        for (rings, patch) in details.iter().zip(element.details()) {
             let weight = rings.first().map_or(0.0, |r| moments(r).0.abs());
             add(patch.colour, weight);
             (rest, all) = (rest - weight, all + weight);
         }
         // Overlaps of details are ignored: the remaining area is at least 0.
         let rest = rest.max(1e-6);
-        add(texton.colour, rest);
+        add(element.base().colour, rest);
         let colour = sum.map(|v| (v / (all + rest)) as f32);
         Self { rings, details, area, centre, colour }
     }

@@ -6,7 +6,9 @@ use crate::interpolate::ring::{Ring, inside, length, moments, nearest, sine_cosi
 use crate::raster::colour::Colour;
 use crate::sampling::Stream;
 use crate::scene::field::Interpolant;
-use crate::scene::{ControlPoint, Domain, Edge, Field, Gradient, Patch, Shadow, Stroke};
+use crate::scene::{
+    ControlPoint, Domain, Edge, ElementId, Field, Gradient, InstanceId, Shadow, Shape, Stroke, testing,
+};
 use std::f64::consts::TAU;
 
 const SIZE: u32 = 120;
@@ -30,56 +32,36 @@ fn colour(random: &mut Stream) -> Colour {
 /// A scene with `primaries` primaries with details, and three times as many secondaries.
 fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
     let random = &mut stream(seed, "test/interpolate", 0);
-    let mut textons = Vec::new();
+    let mut elements = Vec::new();
     let (mut primary, mut secondary) = (Vec::new(), Vec::new());
     for k in 0..primaries {
         let radius = random.range(5.0, 9.0);
-        let mut details = vec![Patch {
-            outline: blob(random, 0.0, 0.0, radius * 0.6),
-            colour: colour(random),
-            gradient: Some(Gradient {
-                from: [-3.0, 0.0],
-                to: [3.0, 1.0],
-                start: colour(random),
-                end: colour(random),
-            }),
-        }];
+        let first = Shape::new(blob(random, 0.0, 0.0, radius * 0.6), colour(random));
+        let gradient =
+            Gradient { from: [-3.0, 0.0], to: [3.0, 1.0], start: colour(random), end: colour(random) };
+        let mut details = vec![Shape { gradient: Some(gradient), ..first }];
         for _ in 0..random.below(4) {
             let [s, c] = sine_cosine(random.range(0.0, TAU));
             let outline = blob(random, c * radius * 0.4, s * radius * 0.4, radius * 0.15);
-            details.push(Patch { outline, colour: colour(random), gradient: None });
+            details.push(Shape::new(outline, colour(random)));
         }
-        textons.push(Texton {
-            library: 0,
-            source: k,
-            category: Some((k % 3) as u16),
-            fragment: false,
-            outline: blob(random, 0.0, 0.0, radius),
-            colour: colour(random),
-            gradient: None,
-            details,
-        });
+        let own = blob(random, 0.0, 0.0, radius);
+        let mut element = testing::element(k, Some((k % 3) as u16), own, colour(random));
+        element.shapes.append(&mut details);
+        elements.push(element);
     }
     for k in 0..8 {
-        textons.push(Texton {
-            library: 0,
-            source: k,
-            category: None,
-            fragment: false,
-            outline: blob(random, 0.0, 0.0, 1.5 + f64::from(k) * 0.2),
-            colour: colour(random),
-            gradient: None,
-            details: Vec::new(),
-        });
+        let own = blob(random, 0.0, 0.0, 1.5 + f64::from(k) * 0.2);
+        elements.push(testing::element(primaries + k, None, own, colour(random)));
     }
     let size = f64::from(SIZE);
-    let mut instance = |id: u32, texton: u32, own: bool| {
+    let mut instance = |id: u32, element: u32, own: bool| {
         let (x, y) = (random.unit() * size, random.unit() * size);
         let turn = Affine::translate((x, y)) * Affine::rotate(random.range(0.0, 0.5));
         Instance {
             transform: turn.as_coeffs(),
             colour: own.then(|| colour(random)),
-            ..Instance::new(id, texton)
+            ..Instance::new(InstanceId(id), ElementId(element))
         }
     };
     for k in 0..primaries {
@@ -93,22 +75,11 @@ fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
         y: random.unit() * size,
         colour: colour(random),
     });
-    let background = Field { spacing: 25.0, fallback: Colour([9; 3]), points: points.collect() };
+    let field = Field { points: points.collect(), ..testing::flat(Colour([9; 3])) };
     Scene {
-        format: Scene::FORMAT.into(),
-        version: Scene::VERSION,
-        width: SIZE,
-        height: SIZE,
         tile: Tile { x: tile, y: tile },
-        parameters: None,
-        program: String::new(),
         libraries: vec![LibraryRef { exemplar: format!("{seed}.png"), sha256: seed.to_string() }],
-        textons,
-        secondary,
-        primary,
-        background,
-        domain: None,
-        edits: Vec::new(),
+        ..testing::scene([SIZE; 2], elements, secondary, primary, field)
     }
 }
 
@@ -124,7 +95,7 @@ fn area(scene: &Scene) -> f64 {
     scene
         .primary
         .iter()
-        .map(|i| scene.textons[i.texton as usize].outline.area() * i.affine().determinant())
+        .map(|i| scene.element(i).outline.area() * i.affine().determinant())
         .sum()
 }
 
@@ -158,9 +129,9 @@ fn a_scene_between_looks_like_its_neighbours() {
     }
     // The field begins as that of the first.
     let near = between.at(1e-9);
-    let field = |s: &Scene| Interpolant::new(&s.background, SIZE, SIZE, s.tile);
+    let field = |s: &Scene| Interpolant::new(s.field(), SIZE, SIZE, s.tile);
     let (first, here) = (field(&a), field(&near));
-    for p in &b.background.points {
+    for p in b.field().points {
         let (u, v) = (first.at(p.x, p.y), here.at(p.x, p.y));
         assert!((0..3).all(|k| (u[k] - v[k]).abs() <= 3.0), "{u:?} {v:?}");
     }
@@ -175,7 +146,7 @@ fn nothing_moves_in_leaps() {
         let mut all: Vec<_> = scene
             .primary
             .iter()
-            .map(|i| (i.id, i.affine() * moments(&flat(&scene.textons[i.texton as usize].outline)).1))
+            .map(|i| (i.id, i.affine() * moments(&flat(scene.element(i).outline)).1))
             .collect();
         all.sort_by_key(|p| p.0);
         all
@@ -199,10 +170,10 @@ fn no_detail_sticks_out_of_its_texton() {
     for t in [0.1, 0.35, 0.5, 0.8] {
         let scene = between.at(t);
         let mut seen = 0;
-        for i in &scene.primary {
-            let texton = &scene.textons[i.texton as usize];
-            let hull = flat(&texton.outline);
-            for detail in &texton.details {
+        for i in scene.primary() {
+            let element = scene.element(i);
+            let hull = flat(element.outline());
+            for detail in &element.details() {
                 for p in detail.outline.polygons(0.05).concat() {
                     assert!(inside(&hull, p) || length(nearest(&hull, p) - p) < 0.4, "{t}: {p:?}");
                     seen += 1;
@@ -219,7 +190,7 @@ fn scenes_that_tile_tile_on_the_way() {
     let half = between(&a, &b, 0.5);
     assert!(half.tile.both());
     let on_canvas = |i: &Instance| i.transform[4..].iter().all(|v| (-20.0..140.0).contains(v));
-    assert!(half.primary.iter().all(on_canvas));
+    assert!(half.primary().iter().all(on_canvas));
     // A scene that is not periodic: the copies of the other are listed one by one.
     let plain = scene(11, 20, false);
     let half = between(&a, &plain, 0.5);
@@ -228,8 +199,8 @@ fn scenes_that_tile_tile_on_the_way() {
     let copies = a
         .primary
         .iter()
-        .map(|i| a.copies(i.affine().transform_rect_bbox(a.textons[i.texton as usize].bounds())).count());
-    assert_eq!(near.primary.len(), copies.sum::<usize>());
+        .map(|i| a.copies(i.affine().transform_rect_bbox(a.elements[i.element.index()].bounds())).count());
+    assert_eq!(near.primary().len(), copies.sum::<usize>());
     near.validate().unwrap();
 }
 
@@ -245,10 +216,10 @@ fn across_the_canvas_each_side_is_its_own() {
         a[..4] == b[..4] && [4, 5].iter().all(|&k| (periods(k) - libm::rint(periods(k))).abs() < 1e-9)
     };
     let there = |scene: &Scene, instance: &Instance| {
-        scene.primary.iter().any(|i| same(i.transform, instance.transform))
+        scene.primary().iter().any(|i| same(i.transform, instance.transform))
     };
     let mut seen = [0, 0];
-    for i in &mixed.primary {
+    for i in mixed.primary() {
         let x = i.transform[4];
         if (0.0..6.0).contains(&x) {
             assert!(there(&a, i));
@@ -309,7 +280,7 @@ fn a_part_of_a_shape_without_partner_shrinks_as_it_is() {
 #[test]
 fn shadows_and_lines_change_without_a_jump() {
     let (a, mut b) = (scene(21, 15, false), scene(22, 15, false));
-    for instance in b.primary.iter_mut().chain(&mut b.secondary) {
+    for instance in b.primary_mut().iter_mut().chain(b.secondary_mut()) {
         instance.transform[..4].copy_from_slice(&[1.4, 0.0, 0.0, 1.4]);
         instance.shadow = Some(Shadow { offset: [6.0, 3.0], opacity: 0.5, blur: 2.0 });
         instance.stroke = Some(Stroke { width: 1.0, colour: Colour([0, 0, 200]) });
@@ -323,7 +294,7 @@ fn shadows_and_lines_change_without_a_jump() {
             let scale = libm::sqrt(i.affine().determinant().abs());
             [i.stroke.map_or(0.0, |s| s.width * scale), i.shadow.map_or(0.0, |s| s.opacity)]
         };
-        scene.primary.iter().chain(&scene.secondary).map(|i| (i.id, of(i))).collect()
+        scene.instances().map(|i| (i.id, of(i))).collect()
     };
     let paired = between.matched()[0].pairs;
     let mut before = look(0.01);
@@ -346,12 +317,12 @@ fn shadows_and_lines_change_without_a_jump() {
 fn plain_grounds_mix_and_a_scene_between_says_what_it_is() {
     let plain = |seed: u64, grey: u8| {
         let mut plain = scene(seed, 3, false);
-        (plain.background.points, plain.background.fallback) = (Vec::new(), Colour([grey; 3]));
+        (plain.field().points, plain.field().fallback) = (Vec::new(), Colour([grey; 3]));
         plain
     };
     let (a, b) = (plain(25, 20), plain(26, 220));
     let background =
-        |scene: &Scene, x: f64| Interpolant::new(&scene.background, SIZE, SIZE, scene.tile).at(x, 60.0)[0];
+        |scene: &Scene, x: f64| Interpolant::new(scene.field(), SIZE, SIZE, scene.tile).at(x, 60.0)[0];
     let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
     assert!(background(&between.at(0.001), 60.0) < 24.0 && background(&between.at(0.999), 60.0) > 216.0);
     let mixed = across(a.clone(), b.clone(), Axis::X, &()).unwrap();
@@ -365,16 +336,16 @@ fn plain_grounds_mix_and_a_scene_between_says_what_it_is() {
 fn what_both_have_stays_as_it_is() {
     let a = scene(27, 12, false);
     let mut b = a.clone();
-    b.primary.truncate(8);
-    b.background.points.truncate(20);
+    b.primary_mut().truncate(8);
+    b.field().points.truncate(20);
     for t in [0.3, 0.7] {
         let between = between(&a, &b, t);
-        for i in &b.primary {
+        for i in b.primary() {
             let there = |j: &&Instance| j.transform == i.transform;
-            let found = between.primary.iter().find(there).unwrap();
-            assert!(between.textons[found.texton as usize].outline == b.textons[i.texton as usize].outline);
+            let found = between.primary().iter().find(there).unwrap();
+            assert!(between.elements[found.element.index()].outline == b.elements[i.element.index()].outline);
         }
-        assert_eq!(between.secondary.len(), a.secondary.len());
+        assert_eq!(between.secondary().len(), a.secondary().len());
     }
 }
 
@@ -385,10 +356,10 @@ fn other_sizes_and_empty_scenes() {
     b.width = 60;
     assert!(matches!(Interpolation::new(a.clone(), b.clone(), &()), Err(Error::Sizes { .. })));
     let mut empty = scene(18, 0, false);
-    empty.background.points.clear();
+    empty.field().points.clear();
     let half = between(&a, &empty, 0.5);
     half.validate().unwrap();
-    assert!(half.primary.len() <= 5);
+    assert!(half.primary().len() <= 5);
     between(&empty, &empty, 0.5).validate().unwrap();
     assert!(matches!(
         Interpolation::new(a.clone(), a.clone(), &crate::progress::Stop),

@@ -3,6 +3,7 @@
 use super::blend::Blend;
 use super::effects::{Effects, near};
 use super::envelope;
+use super::layer::LayerPair;
 use super::motion::{Motion, Moving};
 use super::paint::Paint;
 use super::patch::{Carry, Part, Patch, TOLERANCE, patches};
@@ -11,7 +12,7 @@ use super::ring::{Ring, sine_cosine, turned};
 use super::side::{Placed, Side, same};
 use crate::geometry::{Affine, Outline, Point, Vec2};
 use crate::sampling::Stream;
-use crate::scene::{Instance, Scene, Texton};
+use crate::scene::{Element, Instance, InstanceId, Scene, Shape};
 
 /// Duration in which an unmatched texton vanishes or appears, as a share of the whole time.
 const FADE: f64 = 0.35;
@@ -58,7 +59,7 @@ pub(super) enum Content {
     /// An instance of scene `side`, unchanged or scaled about its centre.
     Existing { side: usize, instance: Instance },
     /// A new texton, placed with its origin at `at`.
-    New { texton: Texton, at: Point, effects: Effects },
+    New { element: Element, at: Point, effects: Effects },
 }
 
 impl Tween {
@@ -66,11 +67,11 @@ impl Tween {
     pub(super) fn unmatched(
         sides: &[Side<'_>; 2],
         side: usize,
-        layer: Layer,
+        layer: LayerPair,
         k: u32,
         random: &mut Stream,
     ) -> Self {
-        let instances = layer.of(sides[side].scene);
+        let instances = layer.of(side, sides[side].scene);
         let first = random.range(0.0, 1.0 - FADE);
         let centre = sides[side].centre(&instances[k as usize]);
         let kind = Kind::Unmatched { side, instance: k, centre, window: [first, first + FADE] };
@@ -81,12 +82,12 @@ impl Tween {
     /// area.
     pub(super) fn pair(
         sides: &[Side<'_>; 2],
-        layer: Layer,
+        layer: LayerPair,
         pair: [u32; 2],
         offset: Vec2,
         random: &mut Stream,
     ) -> Option<Self> {
-        let lists = [0, 1].map(|s| layer.of(sides[s].scene));
+        let lists = [0, 1].map(|s| layer.of(s, sides[s].scene));
         let placed = |s: usize| sides[s].placed(&lists[s][pair[s] as usize]);
         let [a, b]: [Placed; 2] = [placed(0)?, placed(1)?];
         let blend = Blend::new(&a.rings[0], &b.rings[0]);
@@ -113,8 +114,8 @@ impl Tween {
     }
 
     /// The texton at a time; `None` while it does not exist.
-    pub(super) fn at(&self, ends: &Ends<'_>, layer: Layer, when: &Progression) -> Option<Drawn> {
-        let old = |side: usize, k: u32| layer.of(ends.scenes[side])[k as usize].clone();
+    pub(super) fn at(&self, ends: &Ends<'_>, layer: LayerPair, when: &Progression) -> Option<Drawn> {
+        let old = |side: usize, k: u32| layer.of(side, ends.scenes[side])[k as usize].clone();
         let (t, what) = match &self.kind {
             Kind::Unmatched { side, instance, centre, window } => {
                 let t = when.at(*centre);
@@ -150,19 +151,19 @@ impl Tween {
     }
 
     /// The whole motion.
-    pub(super) fn motion(&self, ends: &Ends<'_>, layer: Layer, id: u32) -> Motion {
+    pub(super) fn motion(&self, ends: &Ends<'_>, layer: LayerPair, id: InstanceId) -> Motion {
         match &self.kind {
             Kind::Pair(both) => {
-                let of = |side: usize| &layer.of(ends.scenes[side])[both.instances[side] as usize];
+                let of = |side: usize| &layer.of(side, ends.scenes[side])[both.instances[side] as usize];
                 let effects = Effects::aligned(Effects::of(of(0)), Effects::of(of(1)));
                 Motion { id, shapes: Moving::with_effects(both.shapes(), effects), window: None }
             }
             Kind::Unmatched { side, instance, centre, window } => {
-                let instance = &layer.of(ends.scenes[*side])[*instance as usize];
-                let texton = &ends.scenes[*side].textons[instance.texton as usize];
-                let (base, _) = texton.base(instance.colour);
-                let details = texton.details.iter().map(|d| (&d.outline, d.colour));
-                let all = std::iter::once((&texton.outline, base)).chain(details);
+                let instance = &layer.of(*side, ends.scenes[*side])[*instance as usize];
+                let element = ends.scenes[*side].element(instance);
+                let (base, _) = element.paint(instance.colour);
+                let details = element.details().iter().map(|d| (&d.outline, d.colour));
+                let all = std::iter::once((&element.base().outline, base)).chain(details);
                 let moving = |(outline, colour): (&Outline, _)| {
                     Moving::resized(outline, instance.affine(), *centre, *side == 1, colour)
                 };
@@ -213,7 +214,7 @@ impl Pair {
         shapes
     }
 
-    fn at(&self, ends: &Ends<'_>, layer: Layer, t: f64) -> Option<Content> {
+    fn at(&self, ends: &Ends<'_>, layer: LayerPair, t: f64) -> Option<Content> {
         let ring = self.blend.at(t);
         let scales = self.blend.scales(&ring);
         let turns = self.turns(t);
@@ -237,22 +238,27 @@ impl Pair {
         }
         rings.insert(0, ring);
         let outline = Outline::along(&rings, TOLERANCE)?;
-        let instances = [0, 1].map(|side| &layer.of(ends.scenes[side])[self.instances[side] as usize]);
+        let instances = [0, 1].map(|side| &layer.of(side, ends.scenes[side])[self.instances[side] as usize]);
         let side = usize::from(t >= 0.5);
-        let nearer = &ends.scenes[side].textons[instances[side].texton as usize];
-        let texton = Texton {
+        let nearer = ends.scenes[side].element(instances[side]);
+        let opacities = [0, 1].map(|side| ends.scenes[side].element(instances[side]).base().opacity);
+        let base = Shape {
+            outline,
+            colour: paint.colour,
+            gradient: paint.gradient,
+            opacity: opacities[0] + (opacities[1] - opacities[0]) * t,
+        };
+        let element = Element {
             library: ends.libraries[side][nearer.library as usize],
             source: nearer.source,
             category: nearer.category,
             fragment: false,
-            outline,
-            colour: paint.colour,
-            gradient: paint.gradient,
-            details,
+            silhouette: None,
+            shapes: std::iter::once(base).chain(details).collect(),
         };
         let at = self.centres[0].lerp(self.centres[1], t);
         let effects = Effects::mixed(Effects::of(instances[0]), Effects::of(instances[1]), t);
-        Some(Content::New { texton, at, effects })
+        Some(Content::New { element, at, effects })
     }
 }
 
@@ -260,21 +266,4 @@ impl Pair {
 pub(super) struct Ends<'a> {
     pub(super) scenes: [&'a Scene; 2],
     pub(super) libraries: [&'a [u32]; 2],
-}
-
-/// One of a scene's two layers of textons.
-#[derive(Clone, Copy)]
-pub(super) enum Layer {
-    Secondary,
-    Primary,
-}
-
-impl Layer {
-    /// Its instances in a scene, in painting order.
-    pub(super) fn of(self, scene: &Scene) -> &[Instance] {
-        match self {
-            Self::Secondary => &scene.secondary,
-            Self::Primary => &scene.primary,
-        }
-    }
 }

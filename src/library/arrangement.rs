@@ -18,6 +18,9 @@ pub struct Arrangement {
     pub width: u32,
     /// Height, in pixels.
     pub height: u32,
+    /// Whether left and right borders join, and top and bottom borders too. Default false.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub periodic: bool,
     /// `label, length, label, length, …` over all rows in turn. Label 0 is background, label k is primary
     /// k - 1. Lengths add up to `width * height`.
     pub runs: Vec<u32>,
@@ -41,26 +44,29 @@ impl<'de> Visitor<'de> for Fields {
 
     fn visit_map<A: MapAccess<'de>>(self, mut fields: A) -> Result<Arrangement, A::Error> {
         let (mut width, mut height, mut runs): (Option<u32>, Option<u32>, _) = (None, None, None);
+        let mut periodic = None;
         while let Some(name) = fields.next_key::<String>()? {
             match &*name {
                 "width" if width.is_none() => width = Some(fields.next_value()?),
                 "height" if height.is_none() => height = Some(fields.next_value()?),
+                "periodic" if periodic.is_none() => periodic = Some(fields.next_value()?),
                 "runs" if runs.is_none() => {
                     // A size that comes later is as large as it can be.
                     let [w, h] =
                         [width, height].map(|v| v.unwrap_or(LARGEST_SIDE).min(LARGEST_SIDE) as usize);
                     runs = Some(fields.next_value_seed(Runs { most: 2 * w * h })?);
                 }
-                "width" | "height" | "runs" => {
+                "width" | "height" | "periodic" | "runs" => {
                     return Err(A::Error::custom(format!("duplicate field `{name}`")));
                 }
-                other => return Err(A::Error::unknown_field(other, &["width", "height", "runs"])),
+                other => return Err(A::Error::unknown_field(other, &["width", "height", "periodic", "runs"])),
             }
         }
         let missing = A::Error::missing_field;
         Ok(Arrangement {
             width: width.ok_or_else(|| missing("width"))?,
             height: height.ok_or_else(|| missing("height"))?,
+            periodic: periodic.unwrap_or(false),
             runs: runs.ok_or_else(|| missing("runs"))?,
         })
     }
@@ -108,7 +114,7 @@ impl Arrangement {
         for run in map.labels.chunk_by(|a, b| a == b) {
             runs.extend([run[0], run.len() as u32]);
         }
-        Self { width: map.width, height: map.height, runs }
+        Self { width: map.width, height: map.height, periodic: false, runs }
     }
 
     /// Decodes the label map. The arrangement must be valid (see [`Arrangement::check`]).

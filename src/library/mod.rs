@@ -6,6 +6,7 @@ mod parameters;
 #[cfg(test)]
 pub(crate) mod testing;
 mod validate;
+mod version1;
 
 pub use arrangement::Arrangement;
 pub use guide::{Guide, Picture};
@@ -13,25 +14,18 @@ pub use parameters::{AnalyzeParams, Shading};
 
 use crate::document::{self, Document};
 use crate::error::Result;
-use crate::geometry::Outline;
+pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
+use crate::element;
+use crate::geometry::{Affine, Outline};
 use crate::raster::colour::Colour;
-use crate::scene::{ControlPoint, Gradient};
+use crate::scene::Field;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::path::Path;
 
 /// Largest side of an exemplar, in pixels.
 const LARGEST_SIDE: u32 = 16_384;
-
-/// Index of a primary texton in [`Library::primaries`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(transparent)]
-pub struct TextonId(pub u32);
-
-/// Index of a category in [`Library::categories`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(transparent)]
-pub struct CategoryId(pub u16);
 
 /// The result of analysing one exemplar. Coordinates are exemplar pixels, x right, y down, pixel
 /// centres at .5; colours are 8-bit sRGB.
@@ -40,20 +34,18 @@ pub struct CategoryId(pub u16);
 pub struct Library {
     /// Always `vtex-library`.
     pub format: String,
-    /// Version of the format; this is 1.
+    /// Version of the format; this is 2.
     pub version: u32,
     /// The exemplar, and how it was analysed.
     pub source: Source,
-    /// Large distinct textons, in painting order.
-    pub primaries: Vec<Primary>,
-    /// Small textons between the primaries.
-    pub secondaries: Secondaries,
+    /// The elements: primaries, which have a category, before secondaries, which have none.
+    pub elements: Vec<Element>,
+    /// The layers of the exemplar, in painting order: what lies where.
+    pub layers: Vec<Layer>,
     /// Clusters of primaries that look alike.
     pub categories: Vec<Category>,
     /// Share of the exemplar covered by primaries, 0 to 1.
     pub coverage: f64,
-    /// Colours of the background between the textons.
-    pub background: Background,
     /// Map of the primaries in the exemplar. Descriptors are windows of this map.
     pub arrangement: Arrangement,
     /// Half the side of a descriptor's window, in pixels. By default 2.25 mean neighbour distances.
@@ -64,10 +56,22 @@ pub struct Library {
     pub guide: Option<Guide>,
 }
 
+/// What an exemplar is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SourceKind {
+    /// A photograph, or any other raster image.
+    Photograph,
+    /// A vector drawing.
+    Drawing,
+}
+
 /// The origin of a library.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
+    /// What the exemplar is.
+    pub kind: SourceKind,
     /// File name of the exemplar, without its folder.
     pub file: String,
     /// Width of the exemplar, in pixels.
@@ -87,87 +91,115 @@ pub struct Source {
     pub warnings: Vec<String>,
 }
 
-/// A large distinct texton.
+/// An element of the exemplar: a texton of a photograph.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Primary {
-    /// Index in [`Library::primaries`].
-    pub id: TextonId,
-    /// Outline at its position in the exemplar.
-    pub outline: Outline,
+pub struct Element {
+    /// Category of similar primaries; `None` for a secondary.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub category: Option<CategoryId>,
     /// Median colour of its pixels.
     pub colour: Colour,
-    /// Fill colour underneath the details: that of the largest detail, which is not listed itself.
-    pub base: Colour,
-    /// Gradient that replaces the base colour.
+    /// Colour minus the background field at the centroid, per sRGB component, -255 to 255. Elements
+    /// with it take their colour from the field where they are placed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gradient: Option<Gradient>,
-    /// Category of similar primaries.
-    pub category: CategoryId,
+    pub difference: Option<[i16; 3]>,
     /// Area, in pixels.
     pub area: u32,
     /// Centroid, in pixels.
     pub centroid: [f64; 2],
-    /// Polsby–Popper compactness of the outline, 4π · area / perimeter², 0 to 1.
-    pub compactness: f64,
-    /// Whether it is cut off by the border of the exemplar. Such a texton belongs to the arrangement but
-    /// is never placed.
+    /// Polsby–Popper compactness of the outline, 4π · area / perimeter², 0 to 1. `None` for a
+    /// secondary.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compactness: Option<f64>,
+    /// Whether it is cut off by the border of the exemplar. Such an element belongs to the arrangement
+    /// but is never placed.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub clipped: bool,
-    /// Patches painted on the primary, in painting order. Each extends a little underneath later ones.
-    pub details: Vec<Detail>,
+    /// The outline of the whole, if that is not the outline of the first shape.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub silhouette: Option<Outline>,
+    /// Its shapes at its position in the exemplar, in painting order; at least one. The first covers the
+    /// whole. Each extends a little underneath later ones.
+    pub shapes: Vec<Shape>,
 }
 
-impl Primary {
+impl Element {
+    /// The outline of the whole: its silhouette, or the outline of its first shape.
+    pub fn outline(&self) -> &Outline {
+        element::outline(self.silhouette.as_ref(), &self.shapes)
+    }
+
+    /// The shape that is painted first.
+    pub fn base(&self) -> &Shape {
+        &self.shapes[0]
+    }
+
+    /// The shapes that are painted on the first.
+    pub fn details(&self) -> &[Shape] {
+        &self.shapes[1..]
+    }
+
     /// The point that stands for it: its centroid in whole pixels.
     pub(crate) fn origin(&self) -> [i32; 2] {
         self.centroid.map(|v| libm::round(v) as i32)
     }
 }
 
-/// A detail of a primary: a filled shape on it.
+/// A layer of the exemplar.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Detail {
-    /// Outline at its position in the exemplar.
-    pub outline: Outline,
-    /// Fill colour; if there is a gradient, the median colour.
-    pub colour: Colour,
-    /// Gradient that replaces the colour.
+pub struct Layer {
+    /// Its name, unique within the library. Not empty.
+    pub name: String,
+    /// What its elements are to the texture.
+    pub role: Role,
+    /// The part of the exemplar that it fills; `None` for all of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gradient: Option<Gradient>,
+    pub region: Option<Outline>,
+    /// Colours sampled between the elements: the control points of a colour field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field: Option<Field>,
+    /// Typical distance between neighbouring secondaries, in pixels; 0 if there are fewer than three.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<f64>,
+    /// What stands where, in painting order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub instances: Vec<Instance>,
 }
 
-/// The secondary textons and their spacing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+impl Layer {
+    /// A layer named after its role, with nothing in it.
+    pub fn new(role: Role) -> Self {
+        let name = role.name().into();
+        Self { name, role, region: None, field: None, spacing: None, instances: Vec::new() }
+    }
+}
+
+/// An element where it stands in the exemplar.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Secondaries {
-    /// Typical distance between neighbours, in pixels; 0 if there are fewer than three.
-    pub spacing: f64,
-    /// The secondary textons.
-    pub textons: Vec<Secondary>,
+pub struct Instance {
+    /// Index in [`Library::elements`].
+    pub element: ElementId,
+    /// Coefficients a b c d e f of the affine map from the element to its place: x' = ax + cy + e,
+    /// y' = bx + dy + f. Default: the element is where its shapes say.
+    #[serde(default = "identity", skip_serializing_if = "is_identity")]
+    pub transform: [f64; 6],
 }
 
-/// A small texton between the primaries.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Secondary {
-    /// Outline at its position in the exemplar.
-    pub outline: Outline,
-    /// Median colour of its pixels.
-    pub colour: Colour,
-    /// Colour minus the background field at the centroid, per sRGB component, -255 to 255.
-    pub difference: [i16; 3],
-    /// Area, in pixels.
-    pub area: u32,
-    /// Centroid, in pixels.
-    pub centroid: [f64; 2],
+fn identity() -> [f64; 6] {
+    Affine::IDENTITY.as_coeffs()
 }
 
-impl Secondary {
-    /// The point that stands for it: its centroid in whole pixels.
-    pub(crate) fn origin(&self) -> [i32; 2] {
-        self.centroid.map(|v| libm::round(v) as i32)
+fn is_identity(transform: &[f64; 6]) -> bool {
+    *transform == identity()
+}
+
+impl Instance {
+    /// An element where its shapes say.
+    pub fn of(element: ElementId) -> Self {
+        Self { element, transform: identity() }
     }
 }
 
@@ -183,29 +215,66 @@ pub struct Category {
     pub coverage: f64,
 }
 
-/// The background palette: colours sampled between the textons.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Background {
-    /// Least distance between sites, in pixels.
-    pub spacing: f64,
-    /// Colour of the background if there are no sites.
-    pub fallback: Colour,
-    /// Sampled colours with their positions.
-    pub sites: Vec<ControlPoint>,
-}
-
 impl Library {
     /// Value of [`Library::format`].
     pub const FORMAT: &'static str = "vtex-library";
     /// Value of [`Library::version`].
-    pub const VERSION: u32 = 1;
+    pub const VERSION: u32 = 2;
+
+    /// The primaries: large distinct elements, each with a category. Their order is that of the labels
+    /// of the arrangement.
+    pub fn primaries(&self) -> &[Element] {
+        &self.elements[..self.primary_count()]
+    }
+
+    /// The secondaries: small elements between the primaries.
+    pub fn secondaries(&self) -> &[Element] {
+        &self.elements[self.primary_count()..]
+    }
+
+    fn primary_count(&self) -> usize {
+        self.elements.partition_point(|e| e.category.is_some())
+    }
+
+    /// Index of the secondary with the given number among the secondaries.
+    pub(crate) fn secondary_id(&self, number: u32) -> ElementId {
+        ElementId::after(self.primary_count() + number as usize)
+    }
+
+    /// The field of the lowest background layer: colours sampled between the elements.
+    ///
+    /// # Panics
+    /// If there is none, which [`Library::read`] excludes.
+    pub fn background(&self) -> &Field {
+        let field = self.layers.iter().find_map(|layer| layer.field.as_ref());
+        field.expect("a library has a background")
+    }
+
+    /// Typical distance between neighbouring secondaries, in pixels; 0 if it is not known.
+    pub fn secondary_spacing(&self) -> f64 {
+        self.layers.iter().find_map(|layer| layer.spacing).unwrap_or(0.0)
+    }
+
+    /// The three layers of a homogeneous photograph, whose elements stand where their shapes say.
+    pub(crate) fn three_layers(elements: &[Element], background: Field, spacing: f64) -> Vec<Layer> {
+        let primaries = elements.partition_point(|e| e.category.is_some());
+        let of = |range: Range<usize>| range.map(|i| Instance::of(ElementId::after(i))).collect();
+        vec![
+            Layer { field: Some(background), ..Layer::new(Role::Background) },
+            Layer {
+                spacing: Some(spacing),
+                instances: of(primaries..elements.len()),
+                ..Layer::new(Role::Secondary)
+            },
+            Layer { instances: of(0..primaries), ..Layer::new(Role::Primary) },
+        ]
+    }
 
     /// Reads and validates a library. Gzip is detected by content.
     ///
     /// # Errors
     /// [`crate::Error::Read`] for an unreadable file; [`crate::Error::Format`] for anything but a valid
-    /// library of this version.
+    /// library of version 1 or 2.
     pub fn read(path: &Path) -> Result<Self> {
         document::read(path)
     }
@@ -227,6 +296,13 @@ impl Library {
 impl Document for Library {
     const FORMAT: &'static str = Self::FORMAT;
     const VERSION: u32 = Self::VERSION;
+
+    fn read_older(version: u64, json: &[u8]) -> Option<serde_json::Result<Self>> {
+        (version == 1).then(|| -> serde_json::Result<Self> {
+            let old: version1::Version1 = serde_json::from_slice(json)?;
+            Self::try_from(old).map_err(serde::de::Error::custom)
+        })
+    }
 
     fn validate(&self) -> std::result::Result<(), String> {
         validate::validate(self)

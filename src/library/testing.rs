@@ -1,14 +1,14 @@
 //! Libraries for tests, made from label maps: outlines are the pixels' own borders.
 
 use super::{
-    AnalyzeParams, Arrangement, Background, Category, CategoryId, Guide, Library, Picture, Primary,
-    Secondaries, Secondary, Source, TextonId,
+    AnalyzeParams, Arrangement, Category, CategoryId, Element, Guide, Library, Picture, Role, Shape, Source,
+    SourceKind,
 };
 use crate::geometry::{BezPath, Outline};
 use crate::raster::colour::Colour;
 use crate::raster::{LabelMap, Mask};
 use crate::sampling::{Area, poisson_disk, stream};
-use crate::scene::ControlPoint;
+use crate::scene::{ControlPoint, Field};
 
 /// One ring around each run of a mask.
 fn outline(mask: &Mask) -> Outline {
@@ -33,7 +33,7 @@ pub(crate) fn library(map: &LabelMap) -> Library {
     let bound = |k: usize| areas.get(areas.len() * k / 3).copied().unwrap_or(0);
     let category = |area: u32| CategoryId(u16::from(area > bound(1)) + u16::from(area > bound(2)));
     let mut categories = vec![Category { centre: [0.0; 5], members: 0, coverage: 0.0 }; 3];
-    let primaries: Vec<Primary> = masks[1..]
+    let mut elements: Vec<Element> = masks[1..]
         .iter()
         .enumerate()
         .map(|(i, mask)| {
@@ -43,18 +43,16 @@ pub(crate) fn library(map: &LabelMap) -> Library {
             categories[usize::from(c.0)].members += 1;
             categories[usize::from(c.0)].coverage += f64::from(area) / total;
             let colour = Colour([(60 * c.0) as u8 + 80, (i % 200) as u8, 90]);
-            Primary {
-                gradient: None,
-                id: TextonId(i as u32),
-                outline: outline(mask),
+            Element {
+                category: Some(c),
                 colour,
-                base: colour,
-                category: c,
+                difference: None,
                 area,
                 centroid: [cx, cy],
-                compactness: 0.5,
+                compactness: Some(0.5),
                 clipped: x0 == 0 || y0 == 0 || x1 == w as i32 || y1 == h as i32,
-                details: Vec::new(),
+                silhouette: None,
+                shapes: vec![Shape::new(outline(mask), colour)],
             }
         })
         .collect();
@@ -64,19 +62,32 @@ pub(crate) fn library(map: &LabelMap) -> Library {
     let ground = ground.into_iter().map(|p| p.map(|v| v as i32));
     let secondaries = ground.filter(|p| map.get(p[0] as u32, p[1] as u32) == 0).map(|[x, y]| {
         let spans = [0, 1].map(|dy| crate::raster::Span { y: y + dy, x0: x, x1: x + 2 });
-        Secondary {
-            outline: outline(&Mask::from_spans(spans.to_vec())),
-            colour: Colour([200, 190, 180]),
-            difference: [20, 10, -10],
+        let colour = Colour([200, 190, 180]);
+        Element {
+            category: None,
+            colour,
+            difference: Some([20, 10, -10]),
             area: 4,
             centroid: [f64::from(x) + 1.0, f64::from(y) + 1.0],
+            compactness: None,
+            clipped: false,
+            silhouette: None,
+            shapes: vec![Shape::new(outline(&Mask::from_spans(spans.to_vec())), colour)],
         }
     });
+    let count = elements.len();
+    elements.extend(secondaries);
     let site = |x, y, v| ControlPoint { x, y, colour: Colour([v; 3]) };
+    let background = Field {
+        spacing: 25.0,
+        fallback: Colour([120; 3]),
+        points: vec![site(3.0, 3.0, 100), site(40.0, 30.0, 140)],
+    };
     Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
         source: Source {
+            kind: SourceKind::Photograph,
             file: "test.png".into(),
             width: w,
             height: h,
@@ -86,16 +97,11 @@ pub(crate) fn library(map: &LabelMap) -> Library {
             program: crate::PROGRAM.into(),
             warnings: Vec::new(),
         },
-        descriptor_half: (2.25 * libm::sqrt(total / primaries.len().max(1) as f64)) as u32,
-        primaries,
-        secondaries: Secondaries { spacing: 11.0, textons: secondaries.collect() },
+        descriptor_half: (2.25 * libm::sqrt(total / count.max(1) as f64)) as u32,
+        layers: Library::three_layers(&elements, background, 11.0),
+        elements,
         categories,
         coverage,
-        background: Background {
-            spacing: 25.0,
-            fallback: Colour([120; 3]),
-            sites: vec![site(3.0, 3.0, 100), site(40.0, 30.0, 140)],
-        },
         arrangement: Arrangement::from_labels(map),
         guide: None,
     }
@@ -106,7 +112,7 @@ pub(crate) fn guided(map: &LabelMap) -> Library {
     let mut library = library(map);
     let colour = |x: u32, y: u32| match map.get(x.min(map.width - 1), y.min(map.height - 1)) {
         0 => image::Rgb([(40 + x * 60 / map.width) as u8; 3]),
-        label => image::Rgb(library.primaries[label as usize - 1].colour.0),
+        label => image::Rgb(library.primaries()[label as usize - 1].colour.0),
     };
     let cell = |size: u32| size.div_ceil(2);
     let picture = image::RgbImage::from_fn(cell(map.width), cell(map.height), |x, y| colour(2 * x, 2 * y));
@@ -152,4 +158,22 @@ pub(crate) fn mosaic(side: u32, spacing: f64, fill: f64, seed: u64) -> LabelMap 
         }
     }
     map
+}
+
+impl Library {
+    /// Takes all secondaries away.
+    pub(crate) fn without_secondaries(mut self) -> Self {
+        self.elements.truncate(self.primaries().len());
+        self.layers.iter_mut().filter(|l| l.role == Role::Secondary).for_each(|l| l.instances.clear());
+        self
+    }
+
+    /// Puts other secondaries in the place of its own.
+    pub(crate) fn with_secondaries(self, secondaries: Vec<Element>) -> Self {
+        let mut library = self.without_secondaries();
+        let (background, spacing) = (library.background().clone(), library.secondary_spacing());
+        library.elements.extend(secondaries);
+        library.layers = Self::three_layers(&library.elements, background, spacing);
+        library
+    }
 }

@@ -1,6 +1,9 @@
 //! Validation of libraries.
 
-use super::{LARGEST_SIDE, Library};
+use super::{LARGEST_SIDE, Library, Role};
+use crate::error::clip;
+use crate::geometry::Outline;
+use std::collections::BTreeSet;
 
 /// Checks every reference, range and total of a library.
 pub(super) fn validate(l: &Library) -> Result<(), String> {
@@ -15,7 +18,7 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
     if l.descriptor_half > LARGEST_SIDE {
         return Err(format!("descriptor_half = {} is above {LARGEST_SIDE}", l.descriptor_half));
     }
-    l.arrangement.check(l.primaries.len() as u32)?;
+    l.arrangement.check(l.primaries().len() as u32)?;
     if let Some(guide) = &l.guide {
         guide.check(w, h)?;
     }
@@ -24,55 +27,85 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
         let ok = c[0] >= 0.0 && c[1] >= 0.0 && c[0] <= f64::from(w) && c[1] <= f64::from(h);
         if ok { Ok(()) } else { Err(format!("{what}.centroid {c:?} lies outside the exemplar")) }
     };
-    for (i, p) in l.primaries.iter().enumerate() {
-        if p.id.0 as usize != i {
-            return Err(format!("primaries[{i}].id is {}", p.id.0));
+    let first_secondary = l.primaries().len();
+    for (i, e) in l.elements.iter().enumerate() {
+        let at = format_args!("elements[{i}]");
+        match e.category {
+            Some(category) if category.index() >= l.categories.len() => {
+                let count = l.categories.len();
+                return Err(format!("{at}.category is {}, there are {count} categories", category.0));
+            }
+            Some(_) if i >= first_secondary => {
+                return Err(format!("{at} has a category, and elements[{first_secondary}] has none"));
+            }
+            Some(_) | None => {}
         }
-        if usize::from(p.category.0) >= l.categories.len() {
-            return Err(format!(
-                "primaries[{i}].category is {}, there are {} categories",
-                p.category.0,
-                l.categories.len()
-            ));
+        if let Some(fault) = crate::element::fault(&e.shapes) {
+            return Err(format!("{at} {fault}"));
         }
-        if p.outline.is_empty() || p.area == 0 {
-            return Err(format!("primaries[{i}] is empty"));
+        if e.outline().is_empty() || e.area == 0 {
+            return Err(format!("{at} is empty"));
         }
-        let gradients = p.details.iter().filter_map(|d| d.gradient.as_ref()).chain(&p.gradient);
-        if let Some(fault) = gradients.filter_map(crate::scene::Gradient::fault).next() {
-            return Err(format!("primaries[{i}]: a gradient {fault}"));
+        if e.difference.is_some_and(|d| d.iter().any(|v| v.abs() > 255)) {
+            return Err(format!("{at}.difference is beyond ±255"));
         }
-        share(&format!("primaries[{i}].compactness"), p.compactness)?;
-        inside(&format!("primaries[{i}]"), p.centroid)?;
+        share(&format!("{at}.compactness"), e.compactness.unwrap_or(0.0))?;
+        inside(&at.to_string(), e.centroid)?;
     }
+    validate_layers(l)?;
     for (i, c) in l.categories.iter().enumerate() {
         share(&format!("categories[{i}].coverage"), c.coverage)?;
         if !c.centre.iter().all(|v| v.is_finite()) {
             return Err(format!("categories[{i}].centre is not finite"));
         }
-        let members = l.primaries.iter().filter(|p| usize::from(p.category.0) == i).count();
+        let of_it = |e: &&super::Element| e.category.is_some_and(|c| c.index() == i);
+        let members = l.primaries().iter().filter(of_it).count();
         if members != c.members as usize {
             return Err(format!("categories[{i}].members is {}, counted {members}", c.members));
         }
     }
-    if !(0.0..=f64::from(LARGEST_SIDE)).contains(&l.secondaries.spacing) {
-        return Err(format!("secondaries.spacing = {} is out of range", l.secondaries.spacing));
+    Ok(())
+}
+
+/// Checks that every element stands in one layer of its role, and the layers' fields.
+fn validate_layers(l: &Library) -> Result<(), String> {
+    if l.layers.iter().all(|layer| layer.field.is_none()) {
+        return Err("no layer has a field".into());
     }
-    for (i, s) in l.secondaries.textons.iter().enumerate() {
-        if s.outline.is_empty() || s.area == 0 {
-            return Err(format!("secondaries.textons[{i}] is empty"));
+    let first_secondary = l.primaries().len();
+    let mut names = BTreeSet::new();
+    for (k, layer) in l.layers.iter().enumerate() {
+        let at = format!("layers[{k}]");
+        if layer.name.is_empty() || !names.insert(&layer.name) {
+            return Err(format!("{at}.name '{}' is empty or used twice", clip(&layer.name)));
         }
-        if s.difference.iter().any(|d| d.abs() > 255) {
-            return Err(format!("secondaries.textons[{i}].difference is beyond ±255"));
+        if layer.region.as_ref().is_some_and(Outline::is_empty) {
+            return Err(format!("{at}.region is empty"));
         }
-        inside(&format!("secondaries.textons[{i}]"), s.centroid)?;
-    }
-    if !(l.background.spacing >= 1.0 && l.background.spacing <= f64::from(LARGEST_SIDE)) {
-        return Err(format!("background.spacing = {} is out of range", l.background.spacing));
-    }
-    for (i, s) in l.background.sites.iter().enumerate() {
-        if !(s.x.abs() < 1e6 && s.y.abs() < 1e6) {
-            return Err(format!("background.sites[{i}] lies far outside the exemplar"));
+        if layer.spacing.is_some_and(|s| !(0.0..=f64::from(LARGEST_SIDE)).contains(&s)) {
+            return Err(format!("{at}.spacing is out of range"));
+        }
+        if let Some(field) = &layer.field {
+            if !(field.spacing >= 1.0 && field.spacing <= f64::from(LARGEST_SIDE)) {
+                return Err(format!("{at}.field.spacing = {} is out of range", field.spacing));
+            }
+            if let Some(i) = field.points.iter().position(|p| !(p.x.abs() < 1e6 && p.y.abs() < 1e6)) {
+                return Err(format!("{at}.field.points[{i}] lies far outside the exemplar"));
+            }
+        }
+        for (i, instance) in layer.instances.iter().enumerate() {
+            let at = format_args!("{at}.instances[{i}]");
+            let element = instance.element.index();
+            if element >= l.elements.len() {
+                return Err(format!("{at}.element is {element}, there are {}", l.elements.len()));
+            }
+            let role = if element < first_secondary { Role::Primary } else { Role::Secondary };
+            if role != layer.role {
+                return Err(format!("{at}: element {element} is not a {} element", layer.role.name()));
+            }
+            if !instance.transform.iter().all(|v| v.abs() < 1e6) {
+                return Err(format!("{at}.transform is out of range"));
+            }
         }
     }
     Ok(())

@@ -1,9 +1,9 @@
-//! Scene → how much of the canvas the primaries of each category cover.
+//! Scene → how much of the canvas the elements of each category cover.
 
 use super::png::{Region, path_of};
 use crate::geometry::{Affine, Rect};
 use crate::parallel;
-use crate::scene::Scene;
+use crate::scene::{CategoryId, Scene};
 use std::collections::BTreeMap;
 use tiny_skia::{Color, FillRule, Paint, Path, PixmapMut, Transform};
 
@@ -13,18 +13,18 @@ const BAND: u32 = 256;
 /// Number of pixels, of those that [`inside`] counts, in which a primary of a category is on top:
 /// by library and category, in order. Pixels are counted by their centres. Categories without a
 /// texton in the scene are left out.
-pub fn coverage(scene: &Scene) -> BTreeMap<(u32, u16), u64> {
-    let mut pixels: BTreeMap<(u32, u16), u64> = BTreeMap::new();
-    for texton in &scene.textons {
-        pixels.extend(texton.category.map(|c| ((texton.library, c), 0)));
+pub fn coverage(scene: &Scene) -> BTreeMap<(u32, CategoryId), u64> {
+    let mut pixels: BTreeMap<(u32, CategoryId), u64> = BTreeMap::new();
+    for element in &scene.elements {
+        pixels.extend(element.category.map(|c| ((element.library, c), 0)));
     }
-    let keys: Vec<(u32, u16)> = pixels.keys().copied().collect();
-    let shapes: Vec<Option<(Path, Rect, u32)>> = parallel::map(&scene.textons, |texton| {
-        let key = (texton.library, texton.category?);
+    let keys: Vec<(u32, CategoryId)> = pixels.keys().copied().collect();
+    let shapes: Vec<Option<(Path, Rect, u32)>> = parallel::map(&scene.elements, |element| {
+        let key = (element.library, element.category?);
         let number = keys.binary_search(&key).ok()? as u32 + 1;
-        Some((path_of(&texton.outline)?, texton.outline.bounds(), number))
+        Some((path_of(element.outline())?, element.outline().bounds(), number))
     });
-    let region = scene.domain.is_some().then(|| Region::new(scene, [1.0; 2]));
+    let region = scene.domain.is_some().then(|| Region::of_domain(scene, [1.0; 2]));
     let counts = parallel::map(&bands(scene), |&(top, rows)| {
         count_band(scene, &shapes, region.as_ref(), keys.len(), top, rows)
     });
@@ -41,7 +41,7 @@ pub fn inside(scene: &Scene) -> u64 {
     if scene.domain.is_none() {
         return u64::from(scene.width) * u64::from(scene.height);
     }
-    let region = Region::new(scene, [1.0; 2]);
+    let region = Region::of_domain(scene, [1.0; 2]);
     let counts = parallel::map(&bands(scene), |&(top, rows)| {
         let mask = region.mask(scene.width, rows, f64::from(top), false);
         mask.map_or(0, |m| m.data().iter().filter(|v| **v > 0).count() as u64)
@@ -67,8 +67,8 @@ fn count_band(
     let mut data = vec![0; scene.width as usize * rows as usize * 4];
     let Some(mut band) = PixmapMut::from_bytes(&mut data, scene.width, rows) else { return counts };
     let (y0, y1) = (f64::from(top), f64::from(top + rows));
-    for instance in &scene.primary {
-        let Some((path, bounds, number)) = &shapes[instance.texton as usize] else { continue };
+    for instance in scene.individuals() {
+        let Some((path, bounds, number)) = &shapes[instance.element.index()] else { continue };
         let affine: Affine = instance.affine();
         let bounds = affine.transform_rect_bbox(*bounds);
         // The number of the category, as an opaque colour without blending.
@@ -102,56 +102,36 @@ mod tests {
     use super::*;
     use crate::geometry::{BezPath, Outline};
     use crate::raster::colour::Colour;
-    use crate::scene::{Field, Instance, LibraryRef, Texton, Tile};
+    use crate::scene::{Element, ElementId, Instance, InstanceId, testing};
 
-    fn square(category: Option<u16>) -> Texton {
+    fn square(category: Option<u16>) -> Element {
         let mut path = BezPath::new();
         path.move_to((0.0, 0.0));
         for corner in [(10.0, 0.0), (10.0, 10.0), (0.0, 10.0)] {
             path.line_to(corner);
         }
         path.close_path();
-        Texton {
-            library: 0,
-            source: 0,
-            category,
-            fragment: false,
-            outline: Outline::new(&path).unwrap(),
-            colour: Colour([9; 3]),
-            gradient: None,
-            details: Vec::new(),
-        }
+        testing::element(0, category, Outline::new(&path).unwrap(), Colour([9; 3]))
     }
 
     #[test]
     fn what_is_on_top_and_inside_counts() {
-        let place = |id, texton, x, y| Instance {
+        let place = |id, element, x, y| Instance {
             transform: [1.0, 0.0, 0.0, 1.0, x, y],
-            ..Instance::new(id, texton)
+            ..Instance::new(InstanceId(id), ElementId(element))
         };
-        let scene = Scene {
-            format: Scene::FORMAT.into(),
-            version: Scene::VERSION,
-            width: 40,
-            height: 600,
-            tile: Tile::default(),
-            parameters: None,
-            program: crate::PROGRAM.into(),
-            libraries: vec![LibraryRef { exemplar: "a".into(), sha256: "0".into() }],
-            textons: vec![square(Some(3)), square(Some(300)), square(None), square(Some(7))],
-            secondary: vec![place(0, 2, 20.0, 20.0)],
-            // Half covered, across two bands, half outside.
-            primary: vec![
-                place(1, 0, 0.0, 0.0),
-                place(2, 1, 5.0, 0.0),
-                place(3, 0, 20.0, 251.0),
-                place(4, 1, 35.0, 590.0),
-            ],
-            background: Field { spacing: 25.0, fallback: Colour([0; 3]), points: Vec::new() },
-            domain: None,
-            edits: Vec::new(),
-        };
+        let elements = vec![square(Some(3)), square(Some(300)), square(None), square(Some(7))];
+        // Half covered, across two bands, half outside.
+        let primary = vec![
+            place(1, 0, 0.0, 0.0),
+            place(2, 1, 5.0, 0.0),
+            place(3, 0, 20.0, 251.0),
+            place(4, 1, 35.0, 590.0),
+        ];
+        let secondary = vec![place(0, 2, 20.0, 20.0)];
+        let field = testing::flat(Colour([0; 3]));
+        let scene = testing::scene([40, 600], elements, secondary, primary, field);
         let counted: Vec<_> = coverage(&scene).into_iter().collect();
-        assert_eq!(counted, [((0, 3), 150), ((0, 7), 0), ((0, 300), 150)]);
+        assert_eq!(counted, [(3, 150), (7, 0), (300, 150)].map(|(category, n)| ((0, CategoryId(category)), n)));
     }
 }

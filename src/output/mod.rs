@@ -57,6 +57,12 @@ fn title(scene: &Scene) -> String {
     if names.is_empty() { what.into() } else { format!("{what} from {}", names.join(", ")) }
 }
 
+/// What editors and viewers call a layer: its name with a capital letter.
+fn label(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// Refuses a scene whose references or sizes are unsound, so that no writer meets one.
 fn check_scene(scene: &Scene) -> Result<()> {
     scene.validate().map_err(|reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason })

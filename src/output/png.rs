@@ -11,14 +11,14 @@ use crate::error::{Error, Result};
 use crate::geometry::{Affine, Outline, PathEl, Rect, Vec2};
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::scene::{Edge, Gradient, Instance, Scene};
+use crate::scene::{Gradient, Instance, Scene, Shape};
 use image::RgbImage;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 use tiny_skia::{
     Color, FillRule, GradientStop, LineJoin, LinearGradient, Mask, Paint, PathBuilder, Pixmap, PixmapMut,
-    Shader, SpreadMode, Transform,
+    PixmapPaint, Shader, SpreadMode, Transform,
 };
 
 /// Height of the bands drawn at a time, in pixels.
@@ -39,34 +39,20 @@ pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
         limit: "what one picture in memory can hold".into(),
     })?;
     let scale = [f64::from(width) / canvas_width, f64::from(height) / canvas_height];
-    let shapes = Shapes::new(scene, scale);
-    let background = Background::new(scene);
-    let domain = scene.domain.as_ref().map(|d| (Region::new(scene, scale), d.edge));
+    let picture = Picture::new(scene, scale);
     let row = width as usize * 4;
     parallel::for_chunks(pixmap.data_mut(), row * BAND, |i, data| {
-        let (top, rows) = (i * BAND, data.len() / row);
-        paint_background(&background, scale, top, width as usize, data);
+        let rows = data.len() / row;
         if let Some(mut band) = PixmapMut::from_bytes(data, width, rows as u32) {
-            let (top, rows) = (top as f64, rows as f64);
-            shapes.draw(Layer::Secondary, &mut band, top, rows);
-            match &domain {
-                Some((inside, Edge::Keep)) => {
-                    inside.clip(&mut band, top);
-                    shapes.draw(Layer::Primary, &mut band, top, rows);
-                }
-                Some((inside, Edge::Clip | Edge::Avoid)) => {
-                    shapes.draw(Layer::Primary, &mut band, top, rows);
-                    inside.clip(&mut band, top);
-                }
-                None => shapes.draw(Layer::Primary, &mut band, top, rows),
-            }
+            picture.draw(&mut band, i * BAND);
         }
     });
     Ok(pixmap)
 }
 
 /// Bilinear interpolation of the background's rows.
-fn paint_background(background: &Background, scale: [f64; 2], top: usize, width: usize, data: &mut [u8]) {
+fn paint_background(background: &Background, scale: [f64; 2], top: usize, band: &mut PixmapMut<'_>) {
+    let (width, data) = (band.width() as usize, band.data_mut());
     let xs: Vec<f64> = (0..width).map(|x| (x as f64 + 0.5) / scale[0]).collect();
     let mut current = None;
     let (mut above, mut below) = (Vec::new(), Vec::new());
@@ -88,18 +74,20 @@ fn paint_background(background: &Background, scale: [f64; 2], top: usize, width:
     }
 }
 
-/// The shape that a domain leaves visible, on the picture.
+/// A shape to which something is clipped, on the picture.
 pub(super) struct Region(Vec<(tiny_skia::Path, Affine)>);
 
 impl Region {
     /// The domain of a scene, with its copies; empty if there is none.
-    pub(super) fn new(scene: &Scene, scale: [f64; 2]) -> Self {
+    pub(super) fn of_domain(scene: &Scene, scale: [f64; 2]) -> Self {
+        scene.domain.as_ref().map_or(Self(Vec::new()), |d| Self::new(scene, &d.outline, scale))
+    }
+
+    /// An outline on the canvas of a scene, with its copies.
+    fn new(scene: &Scene, outline: &Outline, scale: [f64; 2]) -> Self {
         let scale = Affine::scale_non_uniform(scale[0], scale[1]);
-        let Some(domain) = &scene.domain else { return Self(Vec::new()) };
-        let copies = scene.copies(domain.outline.bounds());
-        let parts =
-            copies.filter_map(|shift| Some((path_of(&domain.outline)?, scale * Affine::translate(shift))));
-        Self(parts.collect())
+        let copies = scene.copies(outline.bounds());
+        Self(copies.filter_map(|shift| Some((path_of(outline)?, scale * Affine::translate(shift)))).collect())
     }
 
     /// The opacity of each pixel of a band that begins at row `top`.
@@ -125,28 +113,32 @@ fn band_transform(affine: Affine, top: f64) -> Transform {
     Transform::from_row(a, b, c, d, e, f)
 }
 
-/// The textons of a scene lie in two layers.
-enum Layer {
-    Secondary,
-    Primary,
-}
-
-/// The paths of a texton with their colours; those of the base come from the instance.
-struct Shape {
+/// The paths of an element with their paint; that of the base may come from the instance.
+struct Drawing {
     base: Option<tiny_skia::Path>,
     details: Vec<(tiny_skia::Path, Paint<'static>)>,
+    /// The outline of the whole, if that is not the base's.
+    silhouette: Option<tiny_skia::Path>,
     bounds: Rect,
 }
 
-/// All that is drawn over the background.
-struct Shapes<'a> {
+/// A scene made ready to be drawn.
+struct Picture<'a> {
     scene: &'a Scene,
-    shapes: Vec<Shape>,
-    /// Instances in painting order, copies right after their originals, each with its map to the
-    /// picture.
-    secondary: Vec<Placed<'a>>,
-    primary: Vec<Placed<'a>>,
+    scale: [f64; 2],
+    drawings: Vec<Drawing>,
+    layers: Vec<DrawnLayer<'a>>,
+    domain: Region,
     shadows: BTreeMap<shadow::Key, Vec<(tiny_skia::Path, Paint<'static>)>>,
+}
+
+struct DrawnLayer<'a> {
+    background: Option<Background>,
+    region: Option<Region>,
+    /// Whether the domain clips it.
+    clipped: bool,
+    /// Instances in painting order, copies right after their originals.
+    instances: Vec<Placed<'a>>,
 }
 
 /// An instance or a copy of it.
@@ -160,87 +152,134 @@ struct Placed<'a> {
     rows: [f64; 2],
 }
 
-impl<'a> Shapes<'a> {
+impl<'a> Picture<'a> {
     fn new(scene: &'a Scene, scale: [f64; 2]) -> Self {
-        let shapes = parallel::map(&scene.textons, |texton| Shape {
-            base: path_of(&texton.outline),
-            details: texton
-                .details
+        let drawings = parallel::map(&scene.elements, |element| Drawing {
+            base: path_of(&element.base().outline),
+            details: element
+                .details()
                 .iter()
-                .filter_map(|p| path_of(&p.outline).map(|path| (path, paint(p.colour, p.gradient.as_ref()))))
+                .filter_map(|s| Some((path_of(&s.outline)?, paint(s, s.colour, s.gradient.as_ref()))))
                 .collect(),
-            bounds: texton.bounds(),
+            silhouette: element.silhouette.as_ref().and_then(path_of),
+            bounds: element.bounds(),
         });
-        let scale = Affine::scale_non_uniform(scale[0], scale[1]);
-        let place = |instances: &'a [Instance]| {
-            let with_copies = instances.iter().flat_map(|instance| {
-                let affine = instance.affine();
-                let bounds = instance.reach(shapes[instance.texton as usize].bounds);
-                scene.copies(bounds).map(move |shift| {
-                    let reach = scale.transform_rect_bbox(bounds + shift);
-                    let away = shift + instance.shadow.map_or(Vec2::ZERO, |s| s.shift());
-                    Placed {
-                        instance,
-                        affine: scale * affine.then_translate(shift),
-                        shadow: scale * affine.then_translate(away),
-                        rows: [reach.y0, reach.y1],
-                    }
-                })
-            });
-            with_copies.collect()
+        let to_picture = Affine::scale_non_uniform(scale[0], scale[1]);
+        let place = |instance: &'a Instance| {
+            let affine = instance.affine();
+            let bounds = instance.reach(drawings[instance.element.index()].bounds);
+            scene.copies(bounds).map(move |shift| {
+                let reach = to_picture.transform_rect_bbox(bounds + shift);
+                let away = shift + instance.shadow.map_or(Vec2::ZERO, |s| s.shift());
+                Placed {
+                    instance,
+                    affine: to_picture * affine.then_translate(shift),
+                    shadow: to_picture * affine.then_translate(away),
+                    rows: [reach.y0, reach.y1],
+                }
+            })
         };
-        let (secondary, primary) = (place(&scene.secondary), place(&scene.primary));
-        let shadows = Shadows::new(scene);
-        let layer = |l: &shadow::Layer| {
+        let layers = scene.layers.iter().map(|layer| DrawnLayer {
+            background: layer.field.as_ref().map(|field| Background::new(scene, field)),
+            region: layer.region.as_ref().map(|outline| Region::new(scene, outline, scale)),
+            clipped: scene.is_clipped(layer),
+            instances: layer.instances.iter().flat_map(&place).collect(),
+        });
+        let layers = layers.collect();
+        let black = |l: &shadow::Layer| {
             let mut paint = Paint::default();
             paint.set_color(Color::from_rgba(0.0, 0.0, 0.0, l.opacity as f32).unwrap_or(Color::TRANSPARENT));
             path_of(&l.outline).map(|path| (path, paint))
         };
-        let shadows = shadows.all().map(|(key, layers)| (key, layers.iter().filter_map(layer).collect()));
-        Self { scene, shapes, secondary, primary, shadows: shadows.collect() }
+        let shadows = Shadows::new(scene);
+        let shadows = shadows.all().map(|(key, layers)| (key, layers.iter().filter_map(black).collect()));
+        let (shadows, domain) = (shadows.collect(), Region::of_domain(scene, scale));
+        Self { scene, scale, drawings, layers, domain, shadows }
     }
 
-    /// Draws what of a layer touches a band of the picture.
-    fn draw(&self, layer: Layer, band: &mut PixmapMut<'_>, top: f64, rows: f64) {
-        let instances = match layer {
-            Layer::Secondary => &self.secondary,
-            Layer::Primary => &self.primary,
-        };
-        for Placed { instance, affine, shadow: away, rows: [first, last] } in instances {
-            let index = instance.texton as usize;
-            let shape = &self.shapes[index];
-            // A pixel more on each side, for antialiasing.
-            if *last < top - 1.0 || *first > top + rows + 1.0 {
-                continue;
+    /// Draws a band of the picture, which begins at row `top` and is clear before.
+    fn draw(&self, band: &mut PixmapMut<'_>, top: usize) {
+        for (k, run) in self.layers.chunk_by(|a, b| a.clipped == b.clipped).enumerate() {
+            let clip = run[0].clipped.then_some(&self.domain);
+            if k == 0 {
+                // Nothing lies underneath that must not be clipped.
+                run.iter().for_each(|layer| self.draw_layer(layer, band, top));
+                clip.inspect(|domain| domain.clip(band, top as f64));
+            } else {
+                apart(band, clip, top, |band| {
+                    run.iter().for_each(|layer| self.draw_layer(layer, band, top));
+                });
             }
-            if let Some(layers) = instance.shadow.and_then(|s| self.shadows.get(&shadow::key(instance, &s))) {
-                for (path, paint) in layers {
-                    band.fill_path(path, paint, FillRule::Winding, band_transform(*away, top), None);
+        }
+    }
+
+    fn draw_layer(&self, layer: &DrawnLayer<'_>, band: &mut PixmapMut<'_>, top: usize) {
+        apart(band, layer.region.as_ref(), top, |band| {
+            if let Some(background) = &layer.background {
+                paint_background(background, self.scale, top, band);
+            }
+            let (top, rows) = (top as f64, f64::from(band.height()));
+            for placed in &layer.instances {
+                // A pixel more on each side, for antialiasing.
+                if placed.rows[1] >= top - 1.0 && placed.rows[0] <= top + rows + 1.0 {
+                    self.draw_instance(placed, band, top);
                 }
             }
-            let transform = band_transform(*affine, top);
-            if let Some(path) = &shape.base {
-                let (colour, gradient) = self.scene.textons[index].base(instance.colour);
-                band.fill_path(path, &paint(colour, gradient), FillRule::Winding, transform, None);
+        });
+    }
+
+    fn draw_instance(&self, placed: &Placed<'_>, band: &mut PixmapMut<'_>, top: f64) {
+        let instance = placed.instance;
+        let drawing = &self.drawings[instance.element.index()];
+        if let Some(layers) = instance.shadow.and_then(|s| self.shadows.get(&shadow::key(instance, &s))) {
+            for (path, paint) in layers {
+                band.fill_path(path, paint, FillRule::Winding, band_transform(placed.shadow, top), None);
             }
-            for (path, paint) in &shape.details {
-                band.fill_path(path, paint, FillRule::Winding, transform, None);
-            }
-            if let (Some(path), Some(stroke)) = (&shape.base, instance.stroke) {
-                let line = tiny_skia::Stroke {
-                    width: stroke.width as f32,
-                    line_join: LineJoin::Round,
-                    ..tiny_skia::Stroke::default()
-                };
-                band.stroke_path(path, &paint(stroke.colour, None), &line, transform, None);
-            }
+        }
+        let transform = band_transform(placed.affine, top);
+        let element = self.scene.element(instance);
+        if let Some(path) = &drawing.base {
+            let (colour, gradient) = element.paint(instance.colour);
+            band.fill_path(path, &paint(element.base(), colour, gradient), FillRule::Winding, transform, None);
+        }
+        for (path, paint) in &drawing.details {
+            band.fill_path(path, paint, FillRule::Winding, transform, None);
+        }
+        let outline = drawing.silhouette.as_ref().or(drawing.base.as_ref());
+        if let (Some(path), Some(stroke)) = (outline, instance.stroke) {
+            let line = tiny_skia::Stroke {
+                width: stroke.width as f32,
+                line_join: LineJoin::Round,
+                ..tiny_skia::Stroke::default()
+            };
+            band.stroke_path(path, &opaque(stroke.colour), &line, transform, None);
         }
     }
 }
 
-/// A gradient, or one colour where there is none.
-fn paint(colour: Colour, gradient: Option<&Gradient>) -> Paint<'static> {
-    let solid = |Colour([r, g, b]): Colour| Color::from_rgba8(r, g, b, 255);
+/// Draws onto a band, clipped to a region if there is one.
+fn apart(
+    band: &mut PixmapMut<'_>,
+    region: Option<&Region>,
+    top: usize,
+    draw: impl FnOnce(&mut PixmapMut<'_>),
+) {
+    let Some(region) = region else { return draw(band) };
+    let Some(mut own) = Pixmap::new(band.width(), band.height()) else { return };
+    draw(&mut own.as_mut());
+    region.clip(&mut own.as_mut(), top as f64);
+    band.draw_pixmap(0, 0, own.as_ref(), &PixmapPaint::default(), Transform::identity(), None);
+}
+
+fn opaque(colour: Colour) -> Paint<'static> {
+    let Colour([r, g, b]) = colour;
+    Paint { shader: Shader::SolidColor(Color::from_rgba8(r, g, b, 255)), ..Paint::default() }
+}
+
+/// A gradient, or one colour where there is none, as opaque as a shape.
+fn paint(shape: &Shape, colour: Colour, gradient: Option<&Gradient>) -> Paint<'static> {
+    let alpha = libm::round(255.0 * shape.opacity) as u8;
+    let solid = |Colour([r, g, b]): Colour| Color::from_rgba8(r, g, b, alpha);
     let shader = gradient.and_then(|g| {
         let point = |[x, y]: [f64; 2]| tiny_skia::Point::from_xy(x as f32, y as f32);
         let stops = vec![GradientStop::new(0.0, solid(g.start)), GradientStop::new(1.0, solid(g.end))];
@@ -365,8 +404,8 @@ mod tests {
     fn textons_are_really_drawn() {
         let mut scene = testing::scene(300, 300, 2);
         let full = render(&scene, 1.0).unwrap();
-        scene.primary.clear();
-        scene.secondary.clear();
+        scene.primary_mut().clear();
+        scene.secondary_mut().clear();
         let (mean, _) = difference(&full, &render(&scene, 1.0).unwrap());
         assert!(mean > 5.0, "{mean}");
     }
@@ -374,8 +413,8 @@ mod tests {
     #[test]
     fn bands_of_the_background_leave_no_seam() {
         let mut scene = testing::scene(1200, 120, 3);
-        scene.primary.clear();
-        scene.secondary.clear();
+        scene.primary_mut().clear();
+        scene.secondary_mut().clear();
         for scale in [1.0, 1.37, 4.0] {
             let svg = by_svg(&scene, SvgOptions::default(), scale);
             let (mean, most) = difference(&render(&scene, scale).unwrap(), &svg);
@@ -386,10 +425,10 @@ mod tests {
     #[test]
     fn background_follows_the_field() {
         let mut scene = testing::scene(200, 200, 4);
-        scene.primary.clear();
-        scene.secondary.clear();
+        scene.primary_mut().clear();
+        scene.secondary_mut().clear();
         let picture = render(&scene, 1.0).unwrap();
-        let field = crate::scene::field::Interpolant::new(&scene.background, 200, 200, scene.tile);
+        let field = crate::scene::field::Interpolant::new(scene.field(), 200, 200, scene.tile);
         let mut sum = 0.0;
         for (i, pixel) in picture.pixels().iter().enumerate() {
             let at = field.at((i % 200) as f64 + 0.5, (i / 200) as f64 + 0.5);
@@ -435,7 +474,7 @@ mod tests {
     #[test]
     fn unsound_scenes_are_refused() {
         let mut scene = testing::scene(20, 20, 7);
-        scene.primary[0].texton = 1000;
+        scene.primary_mut()[0].texton = 1000;
         assert!(matches!(render(&scene, 1.0), Err(Error::Format { .. })));
     }
 }

@@ -7,7 +7,7 @@
 use super::png::path_of;
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Point, Scale, Vec2};
 use crate::parallel;
-use crate::scene::{Instance, Scene, Shadow};
+use crate::scene::{ElementId, Instance, Scene, Shadow};
 use std::collections::BTreeMap;
 use tiny_skia::{FillRule, Mask, Transform};
 
@@ -27,18 +27,18 @@ const TOLERANCE: f64 = 0.35;
 
 /// One of the outlines.
 pub(super) struct Layer {
-    /// In the texton's coordinates.
+    /// In the element's coordinates.
     pub(super) outline: Outline,
     /// Of this outline alone.
     pub(super) opacity: f64,
 }
 
-/// Texton, blur and opacity.
-pub(super) type Key = (u32, u64, u64);
+/// Element, blur and opacity.
+pub(super) type Key = (ElementId, u64, u64);
 
 /// What a shadow looks like before it is put in its place.
 pub(super) fn key(instance: &Instance, shadow: &Shadow) -> Key {
-    (instance.texton, shadow.blur.to_bits(), shadow.opacity.to_bits())
+    (instance.element, shadow.blur.to_bits(), shadow.opacity.to_bits())
 }
 
 /// All different shadows of a scene, with the layers of each from the widest to the narrowest.
@@ -47,14 +47,14 @@ pub(super) struct Shadows(BTreeMap<Key, Vec<Layer>>);
 impl Shadows {
     pub(super) fn new(scene: &Scene) -> Self {
         let mut wanted: BTreeMap<Key, Shadow> = BTreeMap::new();
-        for instance in scene.secondary.iter().chain(&scene.primary) {
+        for instance in scene.instances() {
             if let Some(shadow) = instance.shadow {
                 wanted.insert(key(instance, &shadow), shadow);
             }
         }
         let wanted: Vec<(Key, Shadow)> = wanted.into_iter().collect();
         let layers = parallel::map(&wanted, |(key, shadow)| {
-            layers(&scene.textons[key.0 as usize].outline, shadow.blur, shadow.opacity)
+            layers(scene.elements[key.0.index()].outline(), shadow.blur, shadow.opacity)
         });
         Self(wanted.into_iter().map(|(key, _)| key).zip(layers).collect())
     }

@@ -4,8 +4,8 @@ use crate::geometry::{Affine, BezPath, Outline, Point};
 use crate::raster::colour::Colour;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::{
-    ControlPoint, Field, Gradient, Instance, LibraryRef, Patch, Scene, Shadow, Stroke, SynthParams, Texton,
-    Tile,
+    ControlPoint, Element, ElementId, Field, Gradient, Instance, InstanceId, LibraryRef, Scene, Shadow, Shape, Stroke,
+    SynthParams, Tile, testing,
 };
 
 /// A closed smooth ring around a centre, bumpy by `rough`; clockwise, or the other way for holes.
@@ -57,39 +57,32 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
     let mut rng = stream(seed, "output/test-scene", 0);
     let rng = &mut rng;
     let area = f64::from(width) * f64::from(height);
-    let textons: Vec<Texton> = (0..40u32)
+    let elements: Vec<Element> = (0..40u32)
         .map(|i| {
             let primary = i < 24;
             let radius = if primary { 14.0 + rng.unit() * 22.0 } else { 2.0 + rng.unit() * 3.0 };
             let base = [150.0, 120.0, 95.0].map(|v| v + 60.0 * (rng.unit() - 0.5));
             let details = if primary && i % 6 != 5 { 4 + i % 5 } else { 0 };
-            Texton {
-                library: 0,
-                source: i,
-                category: primary.then_some((i % 5) as u16),
-                fragment: false,
-                outline: outline(Point::ORIGIN, radius, 0.5, i % 7 == 3, rng),
-                colour: colour(base, 6.0, rng),
-                gradient: (primary && i % 3 == 1).then(|| gradient(radius, base, rng)),
-                details: (0..details)
-                    .map(|_| {
+            let own = outline(Point::ORIGIN, radius, 0.5, i % 7 == 3, rng);
+            let category = primary.then_some((i % 5) as u16);
+            let mut element = testing::element(i, category, own, colour(base, 6.0, rng));
+            element.shapes[0].gradient = (primary && i % 3 == 1).then(|| gradient(radius, base, rng));
+            for _ in 0..details {
+
                         let centre = Point::new(
                             radius * 0.5 * (rng.unit() * 2.0 - 1.0),
                             radius * 0.5 * (rng.unit() * 2.0 - 1.0),
                         );
                         let size = radius * (0.1 + 0.3 * rng.unit());
-                        Patch {
-                            outline: outline(centre, size, 0.8, false, rng),
-                            colour: colour(base, 25.0, rng),
-                            gradient: (rng.unit() < 0.4).then(|| gradient(radius, base, rng)),
-                        }
-                    })
-                    .collect(),
+                let shape = Shape::new(outline(centre, size, 0.8, false, rng), colour(base, 25.0, rng));
+                let gradient = (rng.unit() < 0.4).then(|| gradient(radius, base, rng));
+                element.shapes.push(Shape { gradient, ..shape });
             }
+            element
         })
         .collect();
     let mut id = 0;
-    let mut place = |textons: std::ops::Range<u32>, count: usize, turned: bool, rng: &mut Stream| {
+    let mut place = |range: std::ops::Range<u32>, count: usize, turned: bool, rng: &mut Stream| {
         let mut instances = Vec::new();
         for i in 0..count {
             let shift = Affine::translate((
@@ -103,13 +96,13 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
                 shift
             };
             // The last three textons of the range stand once, once and nowhere.
-            let many = textons.len() - 3;
+            let many = range.len() - 3;
             let which = if i < 2 { many + i } else { (i * 7 + i * i) % many };
             id += 1;
             instances.push(Instance {
                 transform: affine.as_coeffs(),
                 colour: (!turned || i % 11 == 4).then(|| colour([120.0, 130.0, 90.0], 50.0, rng)),
-                ..Instance::new(id, textons.start + which as u32)
+                ..Instance::new(InstanceId(id), ElementId(range.start + which as u32))
             });
         }
         instances
@@ -124,21 +117,13 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
             ControlPoint { x, y, colour: colour([105.0, 110.0, 80.0].map(|v| v + light), 6.0, rng) }
         })
         .collect();
+    let field = Field { points, ..testing::flat(Colour([105, 110, 80])) };
+    let scene = testing::scene([width, height], elements, secondary, primary, field);
     Scene {
-        format: Scene::FORMAT.into(),
-        version: Scene::VERSION,
-        width,
-        height,
-        tile: Tile::default(),
         parameters: Some(SynthParams { width, height, seed, ..SynthParams::default() }),
         program: "vtex test".into(),
         libraries: vec![LibraryRef { exemplar: "stones & <chips>.jpg".into(), sha256: "0".repeat(64) }],
-        textons,
-        secondary,
-        primary,
-        background: Field { spacing: 25.0, fallback: Colour([105, 110, 80]), points },
-        domain: None,
-        edits: Vec::new(),
+        ..scene
     }
 }
 
@@ -156,14 +141,14 @@ pub(super) fn tiled(width: u32, height: u32, seed: u64, tile: Tile) -> Scene {
         (w, 0.3 * h),
         (9.0, 0.6 * h),
     ];
-    for layer in [&mut scene.primary, &mut scene.secondary] {
-        for (instance, (x, y)) in layer.iter_mut().zip(places) {
+    for layer in &mut scene.layers {
+        for (instance, (x, y)) in layer.instances.iter_mut().zip(places) {
             (instance.transform[4], instance.transform[5]) = (x, y);
         }
     }
     let mut rng = stream(seed, "output/tiled-scene", 0);
     let area = Area { width: w, height: h, wrap_x: tile.x, wrap_y: tile.y };
-    scene.background.points = poisson_disk(area, 25.0, &mut rng)
+    scene.field_mut().points = poisson_disk(area, 25.0, &mut rng)
         .into_iter()
         .map(|[x, y]| {
             let light = rng.range(-30.0, 30.0);
@@ -180,11 +165,11 @@ pub(super) fn moved(mut scene: Scene, dx: f64, dy: f64) -> Scene {
     let along = |v: f64, d: f64, size: f64, repeats: bool| {
         if repeats { (v + d).rem_euclid(size) } else { v + d }
     };
-    for instance in scene.primary.iter_mut().chain(&mut scene.secondary) {
+    for instance in scene.instances_mut() {
         let t = &mut instance.transform;
         (t[4], t[5]) = (along(t[4], dx, w, tile.x), along(t[5], dy, h, tile.y));
     }
-    for p in &mut scene.background.points {
+    for p in scene.field_mut().points {
         (p.x, p.y) = (along(p.x, dx, w, tile.x), along(p.y, dy, h, tile.y));
     }
     if let Some(domain) = &mut scene.domain {
@@ -196,8 +181,8 @@ pub(super) fn moved(mut scene: Scene, dx: f64, dy: f64) -> Scene {
 
 /// The scene with shadows under its primaries and some of its secondaries, and lines along some of both.
 pub(super) fn dressed(mut scene: Scene) -> Scene {
-    let all =
-        scene.primary.iter_mut().map(|i| (i, true)).chain(scene.secondary.iter_mut().map(|i| (i, false)));
+    let layers = scene.layers.iter_mut().rev();
+    let all = layers.flat_map(|l| l.instances.iter_mut().map(|i| (i, l.role.is_individual())));
     for (k, (instance, primary)) in all.enumerate() {
         if primary || k % 3 == 0 {
             let blur = if k % 5 == 0 { 0.0 } else { 4.0 };

@@ -3,11 +3,14 @@
 use super::Named;
 use super::distributions::{self, Distribution};
 use super::groups::Group;
+use crate::element;
 use crate::geometry::Rect;
 use crate::library::{AnalyzeParams, Arrangement, Library};
 use crate::output::{coverage, inside};
 use crate::raster::colour::Colour;
-use crate::scene::{ControlPoint, Edge, EditRecord, Scene, SynthParams, Tile};
+use crate::scene::{
+    CategoryId, ControlPoint, Edge, EditRecord, ElementId, Instance, InstanceId, Role, Scene, SynthParams, Tile,
+};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -37,7 +40,7 @@ pub(super) struct GroupData<'a> {
     categories: Vec<CategoryData>,
     textons: Vec<TextonData>,
     /// Ids of the instances in each category, where the category's number alone is ambiguous.
-    instances: BTreeMap<u16, Vec<u32>>,
+    instances: BTreeMap<CategoryId, Vec<InstanceId>>,
     distributions: Vec<Distribution>,
 }
 
@@ -106,7 +109,7 @@ struct EditData {
 /// A category in the exemplar and in the result. Shares are of the picture's area, 0 to 1.
 #[derive(Default, Serialize)]
 struct CategoryData {
-    id: u16,
+    id: CategoryId,
     /// Mean colour of its members.
     colour: Colour,
     /// Mean area of its members, in pixels.
@@ -123,10 +126,10 @@ struct CategoryData {
 #[derive(Serialize)]
 struct TextonData {
     /// Its index in its library.
-    source: u32,
+    source: ElementId,
     /// Its id in the picture that shows it.
     id: u32,
-    category: u16,
+    category: CategoryId,
     area: f64,
     clipped: bool,
     /// Number of its instances in the result.
@@ -141,20 +144,20 @@ impl<'a> GroupData<'a> {
     pub(super) fn new(group: &'a Group<'a>, scene: Option<&'a Scene>) -> Self {
         let scene = scene.filter(|_| !group.references.is_empty());
         let mut placed = BTreeMap::new();
-        for texton in scene.iter().flat_map(|s| &s.primary).filter_map(|i| own(group, scene, i.texton)) {
-            *placed.entry(texton.0).or_insert(0) += 1;
+        for (source, _) in scene.iter().flat_map(|s| s.individuals()).filter_map(|i| own(group, scene, i)) {
+            *placed.entry(source).or_insert(0) += 1;
         }
-        let count = |source: u32| placed.get(&source).copied().unwrap_or(0);
+        let count = |source: ElementId| placed.get(&source).copied().unwrap_or(0);
         let library = group.library.map(|l| &l.content);
         let textons = match (library, scene) {
             (Some(library), _) => of_library(library, count),
             (None, Some(scene)) => of_scene(group, scene, count),
             (None, None) => Vec::new(),
         };
-        let mut instances: BTreeMap<u16, Vec<u32>> = BTreeMap::new();
+        let mut instances: BTreeMap<CategoryId, Vec<InstanceId>> = BTreeMap::new();
         if let Some(scene) = scene.filter(|s| s.libraries.len() > 1) {
-            for instance in &scene.primary {
-                if let Some((_, category)) = own(group, Some(scene), instance.texton) {
+            for instance in scene.individuals() {
+                if let Some((_, category)) = own(group, Some(scene), instance) {
                     instances.entry(category).or_default().push(instance.id);
                 }
             }
@@ -175,47 +178,48 @@ impl<'a> GroupData<'a> {
     }
 }
 
-/// Index and category of a scene's primary, if it comes from the exemplar of the group.
-fn own(group: &Group<'_>, scene: Option<&Scene>, texton: u32) -> Option<(u32, u16)> {
-    let texton = &scene?.textons[texton as usize];
-    group.references.contains(&texton.library).then_some((texton.source, texton.category?))
+/// Source and category of a scene's element, if it comes from the exemplar of the group.
+fn own(group: &Group<'_>, scene: Option<&Scene>, instance: &Instance) -> Option<(ElementId, CategoryId)> {
+    let element = scene?.element(instance);
+    group.references.contains(&element.library).then_some((element.source?, element.category?))
 }
 
-fn of_library(library: &Library, placed: impl Fn(u32) -> usize) -> Vec<TextonData> {
+fn of_library(library: &Library, placed: impl Fn(ElementId) -> usize) -> Vec<TextonData> {
     // In a reconstruction, secondaries come first.
-    let first = library.secondaries.textons.len() as u32;
-    let texton = |(i, p): (usize, &crate::library::Primary)| TextonData {
-        source: i as u32,
+    let first = library.secondaries().len() as u32;
+    let texton = |(i, p): (usize, &crate::library::Element)| TextonData {
+        source: ElementId::after(i),
         id: first + i as u32,
-        category: p.category.0,
+        category: p.category.unwrap_or_default(),
         area: f64::from(p.area),
         clipped: p.clipped,
-        placed: placed(i as u32),
-        bounds: sides(p.details.iter().fold(p.outline.bounds(), |all, d| all.union(d.outline.bounds()))),
+        placed: placed(ElementId::after(i)),
+        bounds: sides(element::bounds(&p.shapes)),
         centre: Some(p.centroid),
     };
-    library.primaries.iter().enumerate().map(texton).collect()
+    library.primaries().iter().enumerate().map(texton).collect()
 }
 
-fn of_scene(group: &Group<'_>, scene: &Scene, placed: impl Fn(u32) -> usize) -> Vec<TextonData> {
+fn of_scene(group: &Group<'_>, scene: &Scene, placed: impl Fn(ElementId) -> usize) -> Vec<TextonData> {
     let texton = |i: usize| {
-        let texton = &scene.textons[i];
+        let element = &scene.elements[i];
+        let source = element.source.unwrap_or_default();
         TextonData {
-            source: texton.source,
+            source,
             id: i as u32,
-            category: texton.category.unwrap_or_default(),
-            area: libm::round(texton.outline.area()),
+            category: element.category.unwrap_or_default(),
+            area: libm::round(element.outline().area()),
             clipped: false,
-            placed: placed(texton.source),
-            bounds: sides(texton.bounds()),
+            placed: placed(source),
+            bounds: sides(element.bounds()),
             centre: None,
         }
     };
     // One fragment represents all fragments of a primary, unless the whole primary is there.
-    let mut shown: BTreeMap<u32, usize> = BTreeMap::new();
+    let mut shown: BTreeMap<Option<ElementId>, usize> = BTreeMap::new();
     for i in group.textons(scene) {
-        let rank = |i: usize| (!scene.textons[i].fragment, scene.textons[i].outline.area());
-        let best = shown.entry(scene.textons[i].source).or_insert(i);
+        let rank = |i: usize| (!scene.elements[i].fragment, scene.elements[i].outline().area());
+        let best = shown.entry(scene.elements[i].source).or_insert(i);
         if rank(i) > rank(*best) {
             *best = i;
         }
@@ -231,12 +235,12 @@ fn sides(r: Rect) -> [f64; 4] {
 
 /// All categories of the library and of the scene, in order.
 fn categories(group: &Group<'_>, scene: Option<&Scene>, textons: &[TextonData]) -> Vec<CategoryData> {
-    let mut found: BTreeMap<u16, CategoryData> = BTreeMap::new();
+    let mut found: BTreeMap<CategoryId, CategoryData> = BTreeMap::new();
     for (i, category) in group.library.iter().flat_map(|l| l.content.categories.iter().enumerate()) {
         let [r, g, b, area, _] = category.centre;
-        let members = || textons.iter().filter(|t| usize::from(t.category) == i);
+        let members = || textons.iter().filter(|t| t.category.index() == i);
         let about = CategoryData {
-            id: i as u16,
+            id: CategoryId(i as u16),
             colour: Colour::from_f64([r, g, b]),
             area: libm::round(area),
             members: Some(members().count()),
@@ -244,11 +248,11 @@ fn categories(group: &Group<'_>, scene: Option<&Scene>, textons: &[TextonData]) 
             wanted: Some(category.coverage),
             ..CategoryData::default()
         };
-        found.insert(i as u16, about);
+        found.insert(about.id, about);
     }
     let Some(scene) = scene else { return found.into_values().collect() };
     let canvas = (inside(scene) as f64).max(1.0);
-    let mut covered: BTreeMap<u16, u64> = BTreeMap::new();
+    let mut covered: BTreeMap<CategoryId, u64> = BTreeMap::new();
     for ((library, category), pixels) in coverage(scene) {
         if group.references.contains(&library) {
             *covered.entry(category).or_default() += pixels;
@@ -260,23 +264,23 @@ fn categories(group: &Group<'_>, scene: Option<&Scene>, textons: &[TextonData]) 
     }
     for about in found.values_mut() {
         about.got = Some(covered.get(&about.id).map_or(0.0, |p| *p as f64 / canvas));
-        let same = |i: &&crate::scene::Instance| {
-            own(group, Some(scene), i.texton).is_some_and(|(_, category)| category == about.id)
+        let same = |i: &&Instance| {
+            own(group, Some(scene), i).is_some_and(|(_, category)| category == about.id)
         };
-        about.placed = Some(scene.primary.iter().filter(same).count());
+        about.placed = Some(scene.individuals().filter(same).count());
     }
     found.into_values().collect()
 }
 
 /// A category that no library describes.
-fn look(group: &Group<'_>, scene: &Scene, id: u16) -> CategoryData {
+fn look(group: &Group<'_>, scene: &Scene, id: CategoryId) -> CategoryData {
     let (mut sum, mut area, mut count) = ([0.0; 3], 0.0, 0.0);
-    for instance in &scene.primary {
-        if own(group, Some(scene), instance.texton).is_some_and(|(_, category)| category == id) {
-            let texton = &scene.textons[instance.texton as usize];
-            let colour = instance.colour.unwrap_or(texton.colour).to_f64();
+    for instance in scene.individuals() {
+        if own(group, Some(scene), instance).is_some_and(|(_, category)| category == id) {
+            let element = scene.element(instance);
+            let colour = instance.colour.unwrap_or(element.base().colour).to_f64();
             sum = [0, 1, 2].map(|k| sum[k] + colour[k]);
-            area += texton.outline.area() * instance.affine().determinant().abs();
+            area += element.outline().area() * instance.affine().determinant().abs();
             count += 1.0;
         }
     }
@@ -288,7 +292,7 @@ fn look(group: &Group<'_>, scene: &Scene, id: u16) -> CategoryData {
 impl<'a> LibraryData<'a> {
     fn new(named: &'a Named<Library>) -> Self {
         let library = &named.content;
-        let (source, background) = (&library.source, &library.background);
+        let (source, background) = (&library.source, library.background());
         Self {
             name: &named.name,
             program: &source.program,
@@ -300,14 +304,14 @@ impl<'a> LibraryData<'a> {
             parameters: &source.parameters,
             defaults: AnalyzeParams::default(),
             coverage: library.coverage,
-            primaries: library.primaries.len(),
-            clipped: library.primaries.iter().filter(|p| p.clipped).count(),
-            details: library.primaries.iter().map(|p| p.details.len()).sum(),
-            secondaries: library.secondaries.textons.len(),
-            secondary_spacing: library.secondaries.spacing,
+            primaries: library.primaries().len(),
+            clipped: library.primaries().iter().filter(|p| p.clipped).count(),
+            details: library.primaries().iter().map(|p| p.details().len()).sum(),
+            secondaries: library.secondaries().len(),
+            secondary_spacing: library.secondary_spacing(),
             arrangement: &library.arrangement,
             descriptor_half: library.descriptor_half,
-            background: BackgroundData::new(background.spacing, background.fallback, &background.sites),
+            background: BackgroundData::new(background.spacing, background.fallback, &background.points),
         }
     }
 }
@@ -330,7 +334,9 @@ impl<'a> SceneData<'a> {
     pub(super) fn new(named: &'a Named<Scene>) -> Self {
         let scene = &named.content;
         let covered: u64 = coverage(scene).values().sum();
-        let field = &scene.background;
+        let fields = || scene.layers.iter().filter_map(|layer| layer.field.as_ref());
+        let first = fields().next().map_or((0.0, Colour::default()), |f| (f.spacing, f.fallback));
+        let points: Vec<ControlPoint> = fields().flat_map(|f| &f.points).copied().collect();
         Self {
             name: &named.name,
             program: &scene.program,
@@ -344,10 +350,10 @@ impl<'a> SceneData<'a> {
             edits: scene.edits.iter().map(EditData::new).collect(),
             exemplars: scene.libraries.iter().map(|l| l.exemplar.as_str()).collect(),
             coverage: covered as f64 / (inside(scene) as f64).max(1.0),
-            primaries: scene.primary.len(),
-            details: scene.primary.iter().map(|i| scene.textons[i.texton as usize].details.len()).sum(),
-            secondaries: scene.secondary.len(),
-            background: BackgroundData::new(field.spacing, field.fallback, &field.points),
+            primaries: scene.of_role(Role::Primary).count(),
+            details: scene.individuals().map(|i| scene.element(i).details().len()).sum(),
+            secondaries: scene.of_role(Role::Secondary).count(),
+            background: BackgroundData::new(first.0, first.1, &points),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::groups::Group;
 use super::neighbours::nearest;
 use crate::library::Library;
-use crate::scene::{Instance, Scene};
+use crate::scene::{CategoryId, Instance, Role, Scene};
 use crate::statistics::{Correlation, Layout, largest_categories, neighbour_distance};
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ pub(super) struct Distribution {
     title: String,
     /// The two categories of a pair correlation; `None` for other distributions.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) categories: Option<[u16; 2]>,
+    pub(super) categories: Option<[CategoryId; 2]>,
     /// Label of the x axis, with its unit.
     x: &'static str,
     /// Label of the y axis, with its unit.
@@ -50,19 +50,19 @@ pub(super) fn all(group: &Group<'_>, scene: Option<&Scene>) -> Vec<Distribution>
     let scene = scene.filter(|_| !group.references.is_empty());
     let layouts = [library.map(Layout::of_library), scene.map(|s| layout(s, &group.references))];
     let mut found = Vec::new();
-    let sizes = |title: &str, of_library: fn(&Library) -> Sample, primary: bool| {
-        let samples = [library.map(of_library), scene.map(|s| areas(s, &group.references, primary))];
+    let sizes = |title: &str, of_library: fn(&Library) -> Sample, role: Role| {
+        let samples = [library.map(of_library), scene.map(|s| areas(s, &group.references, role))];
         histogram(title, "area, px²", samples, true)
     };
     found.extend(sizes(
         "Area of primaries",
-        |l| l.primaries.iter().filter(|p| !p.clipped).map(|p| (p.outline.area(), 1.0)).collect(),
-        true,
+        |l| l.primaries().iter().filter(|p| !p.clipped).map(|p| (p.outline().area(), 1.0)).collect(),
+        Role::Primary,
     ));
     found.extend(sizes(
         "Area of secondaries",
-        |l| l.secondaries.textons.iter().map(|s| (s.outline.area(), 1.0)).collect(),
-        false,
+        |l| l.secondaries().iter().map(|s| (s.outline().area(), 1.0)).collect(),
+        Role::Secondary,
     ));
     let distances = layouts.each_ref().map(|l| l.as_ref().map(nearest));
     found.extend(histogram("Distance to the nearest primary", "centre to centre, px", distances, false));
@@ -79,15 +79,14 @@ fn layout(scene: &Scene, references: &[u32]) -> Layout {
 }
 
 /// Areas of the placed textons of one layer that come from one exemplar.
-fn areas(scene: &Scene, references: &[u32], primary: bool) -> Sample {
-    let instances = if primary { &scene.primary } else { &scene.secondary };
+fn areas(scene: &Scene, references: &[u32], role: Role) -> Sample {
     let own: Vec<f64> = scene
-        .textons
+        .elements
         .iter()
-        .map(|t| if references.contains(&t.library) { t.outline.area() } else { 0.0 })
+        .map(|t| if references.contains(&t.library) { t.outline().area() } else { 0.0 })
         .collect();
-    let area = |i: &Instance| own[i.texton as usize] * i.affine().determinant().abs();
-    instances.iter().map(area).filter(|a| *a > 0.0).map(|a| (a, 1.0)).collect()
+    let area = |i: &Instance| own[i.element.index()] * i.affine().determinant().abs();
+    scene.of_role(role).map(area).filter(|a| *a > 0.0).map(|a| (a, 1.0)).collect()
 }
 
 /// Histograms of two samples with common bins; `None` if both are empty.
@@ -165,11 +164,11 @@ fn pairs(library: Option<&Library>, layouts: &[Option<Layout>; 2]) -> Vec<Distri
     let categories = library.map_or_else(|| frequent(layouts[1].as_ref()), largest_categories);
     let merged = layouts.each_ref().map(|l| {
         l.clone().map(|mut layout| {
-            layout.centres.iter_mut().for_each(|c| c.category = 0);
+            layout.centres.iter_mut().for_each(|c| c.category = CategoryId::default());
             layout
         })
     });
-    let mut found = curves(&merged, &[0], unit);
+    let mut found = curves(&merged, &[CategoryId::default()], unit);
     for distribution in &mut found {
         (distribution.title, distribution.categories) = ("Pair correlation of all primaries".into(), None);
     }
@@ -178,17 +177,17 @@ fn pairs(library: Option<&Library>, layouts: &[Option<Layout>; 2]) -> Vec<Distri
 }
 
 /// The most frequent categories, at most five.
-fn frequent(layout: Option<&Layout>) -> Vec<u16> {
+fn frequent(layout: Option<&Layout>) -> Vec<CategoryId> {
     let mut counts = std::collections::BTreeMap::new();
     for centre in layout.iter().flat_map(|l| &l.centres) {
         *counts.entry(centre.category).or_insert(0) += 1;
     }
-    let mut order: Vec<(u16, i32)> = counts.into_iter().collect();
+    let mut order: Vec<(CategoryId, i32)> = counts.into_iter().collect();
     order.sort_by_key(|&(category, count)| (-count, category));
     order.into_iter().take(CATEGORIES).map(|(category, _)| category).collect()
 }
 
-fn curves(layouts: &[Option<Layout>; 2], categories: &[u16], unit: f64) -> Vec<Distribution> {
+fn curves(layouts: &[Option<Layout>; 2], categories: &[CategoryId], unit: f64) -> Vec<Distribution> {
     let [exemplar, result] =
         layouts.each_ref().map(|l| l.as_ref().map(|l| Correlation::new(l, 0, categories, unit).curves));
     let count = exemplar.as_ref().or(result.as_ref()).map_or(0, Vec::len);

@@ -2,7 +2,7 @@
 
 use super::{Named, Subject};
 use crate::library::Library;
-use crate::scene::{Field, Instance, LibraryRef, Scene};
+use crate::scene::{ElementId, Field, Instance, InstanceId, Layer, LibraryRef, Role, Scene};
 use crate::synth;
 
 /// One exemplar with its library, the part of the scene made from it, or both.
@@ -58,13 +58,13 @@ impl<'a> Group<'a> {
         groups
     }
 
-    /// Indices in [`Scene::textons`] of the primaries made from this exemplar.
+    /// Indices in [`Scene::elements`] of the primaries made from this exemplar.
     pub(super) fn textons(&self, scene: &Scene) -> Vec<usize> {
         let own = |i: &usize| {
-            let texton = &scene.textons[*i];
-            texton.category.is_some() && self.references.contains(&texton.library)
+            let element = &scene.elements[*i];
+            element.category.is_some() && self.references.contains(&element.library)
         };
-        (0..scene.textons.len()).filter(own).collect()
+        (0..scene.elements.len()).filter(own).collect()
     }
 
     /// A scene that shows the primaries one by one: the reconstruction of the library, or without a
@@ -74,11 +74,13 @@ impl<'a> Group<'a> {
             return Some(synth::reconstruct(&library.content));
         }
         let scene = scene?;
-        let place = |i: usize| Instance::new(i as u32, i as u32);
+        let place = |i: usize| Instance::new(InstanceId(i as u32), ElementId::after(i));
         Some(Scene {
-            primary: self.textons(scene).into_iter().map(place).collect(),
-            secondary: Vec::new(),
-            background: Field { points: Vec::new(), ..scene.background },
+            layers: vec![Layer {
+                field: scene.layers.iter().find_map(|l| l.field.clone()).map(|f| Field { points: Vec::new(), ..f }),
+                instances: self.textons(scene).into_iter().map(place).collect(),
+                ..Layer::new(Role::Primary)
+            }],
             domain: None,
             ..scene.clone()
         })
@@ -88,8 +90,9 @@ impl<'a> Group<'a> {
 /// Whether the textons that a scene has from an exemplar are those of this library. Several libraries
 /// may be made from one photograph with different parameters.
 fn explains(library: &Library, scene: &Scene, reference: u32) -> bool {
-    scene.textons.iter().filter(|t| t.library == reference).all(|t| match t.category {
-        Some(category) => library.primaries.get(t.source as usize).is_some_and(|p| p.category.0 == category),
-        None => (t.source as usize) < library.secondaries.textons.len(),
+    scene.elements.iter().filter(|e| e.library == reference).all(|element| {
+        let known = element.source.map(|source| library.elements.get(source.index()));
+        // The source of small elements of old scenes is not known.
+        known.is_none_or(|own| own.is_some_and(|own| own.category == element.category))
     })
 }

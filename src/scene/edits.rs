@@ -1,6 +1,6 @@
 //! The record of what was done to a scene after it was made.
 
-use super::operation::{Action, Comparison, Condition, Identity, Layers, Operation, Quantity};
+use super::operation::{Action, Comparison, Condition, Identity, Operation, Quantity};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -80,8 +80,8 @@ impl Display for Recorded {
 impl Display for Operation {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         self.action.fmt(f)?;
-        if self.layers != Layers::All {
-            write!(f, " layers={}", word(self.layers))?;
+        if let Some(layer) = &self.layer {
+            write!(f, " layer={layer}")?;
         }
         for (i, condition) in self.conditions.iter().enumerate() {
             write!(f, "{} {condition}", if i == 0 { " where" } else { "," })?;

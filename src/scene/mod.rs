@@ -1,26 +1,29 @@
-//! The scene: one synthesised texture, that is, placed textons over a background field
+//! The scene: one synthesised texture, that is, layers of placed elements and colour fields
 //! (`*.scene.json`).
 
 mod edits;
 mod effects;
 pub mod field;
-mod gradient;
 mod operation;
 mod parameters;
 pub(crate) mod pixels;
+#[cfg(test)]
+pub(crate) mod testing;
 mod tile;
 mod validate;
+mod version1;
 
 pub use edits::{Axis, Between, EditRecord, Place, Recorded};
 pub use effects::{Shadow, Stroke};
-pub use gradient::Gradient;
+pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
 pub use operation::{
-    Action, Comparison, Condition, Direction, Identity, Layers, Operation, Quantity, ThinOrder,
+    Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder,
 };
 pub use parameters::{Ablation, Method, SynthParams, Weights};
 pub use tile::Tile;
 
 use crate::document::{self, Document};
+use crate::element;
 use crate::error::Result;
 use crate::geometry::{Affine, Outline, Rect};
 use crate::raster::colour::Colour;
@@ -28,15 +31,16 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// One texture: a background field, secondary textons over it, primary textons on top. Coordinates
-/// are canvas pixels, x right, y down. A scene contains the textons that it uses, so it needs no
-/// library.
+/// One texture: layers one over the other, each with a colour field, placed elements, or both. The
+/// texture of a homogeneous photograph has three: background, secondary and primary elements.
+/// Coordinates are canvas pixels, x right, y down. A scene contains the elements that it uses, so it
+/// needs no library.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// Always `vtex-scene`.
     pub format: String,
-    /// Version of the format; this is 1.
+    /// Version of the format; this is 2.
     pub version: u32,
     /// Width of the canvas, in pixels.
     pub width: u32,
@@ -50,16 +54,12 @@ pub struct Scene {
     pub parameters: Option<SynthParams>,
     /// Name and version of the program that made the scene.
     pub program: String,
-    /// The libraries that the textons come from.
+    /// The libraries that the elements come from.
     pub libraries: Vec<LibraryRef>,
-    /// The textons that instances refer to.
-    pub textons: Vec<Texton>,
-    /// Secondary textons, in painting order.
-    pub secondary: Vec<Instance>,
-    /// Primary textons, in painting order, each with its own details.
-    pub primary: Vec<Instance>,
-    /// The background field.
-    pub background: Field,
+    /// The elements that instances refer to.
+    pub elements: Vec<Element>,
+    /// The layers, in painting order.
+    pub layers: Vec<Layer>,
     /// The shape that the texture fills; `None` for the whole canvas.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub domain: Option<Domain>,
@@ -72,24 +72,59 @@ pub struct Scene {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Domain {
-    /// Outline of the shape, on the canvas. Background and secondaries are clipped to it.
+    /// Outline of the shape, on the canvas. Layers are clipped to it, but for those of individual
+    /// elements ([`Role::is_individual`]), which follow `edge`.
     pub outline: Outline,
-    /// Treatment of primaries at its edge.
+    /// Treatment of individual elements at its edge.
     pub edge: Edge,
 }
 
-/// Treatment of primary textons at the edge of a domain.
+impl Domain {
+    /// Whether a domain of the given edge clips layers of a role.
+    pub fn clips(edge: Edge, role: Role) -> bool {
+        edge != Edge::Keep || !role.is_individual()
+    }
+}
+
+/// Treatment of individual elements at the edge of a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Edge {
-    /// Primaries whose centre lies inside are kept whole and may extend beyond the edge; others are
+    /// Elements whose centre lies inside are kept whole and may extend beyond the edge; others are
     /// removed.
     Keep,
-    /// Primaries are clipped at the edge, as at the border of the canvas.
+    /// Elements are clipped at the edge, as at the border of the canvas.
     #[default]
     Clip,
-    /// No primary crosses the edge.
+    /// No element crosses the edge.
     Avoid,
+}
+
+/// A layer of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Layer {
+    /// Its name, unique within the scene: what operations and writers call it. Not empty.
+    pub name: String,
+    /// What its elements are to the texture.
+    pub role: Role,
+    /// The part of the canvas that it fills; `None` for all of it. Field and elements are clipped to it.
+    /// In a scene that tiles it stands for all its copies.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<Outline>,
+    /// Colour field underneath the elements.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field: Option<Field>,
+    /// The elements, in painting order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub instances: Vec<Instance>,
+}
+
+impl Layer {
+    /// A layer named after its role, without region, field and elements.
+    pub fn new(role: Role) -> Self {
+        Self { name: role.name().into(), role, region: None, field: None, instances: Vec::new() }
+    }
 }
 
 /// A library that a scene was made from.
@@ -102,77 +137,94 @@ pub struct LibraryRef {
     pub sha256: String,
 }
 
-/// The shape of a texton, in its own coordinates: the exemplar's, shifted so that its centroid,
-/// rounded to whole pixels, is at (0, 0).
+/// An element that instances show, in its own coordinates. For elements of photographs these are the
+/// exemplar's, shifted so that the centroid, rounded to whole pixels, is at (0, 0).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Texton {
+pub struct Element {
     /// Index of its library in [`Scene::libraries`].
     pub library: u32,
-    /// Index among the library's primaries or secondaries.
-    pub source: u32,
-    /// Category in the library, for primaries.
+    /// Its index in that library; `None` if it is not known, as for small elements of scenes of
+    /// version 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub category: Option<u16>,
-    /// Whether it is only a part of the library's texton.
+    pub source: Option<ElementId>,
+    /// Its category in that library, if it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub category: Option<CategoryId>,
+    /// Whether it is only a part of the library's element.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fragment: bool,
-    /// Its outline.
-    pub outline: Outline,
-    /// Fill colour of the outline; details are painted on top.
-    pub colour: Colour,
-    /// Gradient that replaces the colour, unless an instance has a colour of its own.
+    /// The outline of the whole, if that is not the outline of the first shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gradient: Option<Gradient>,
-    /// Patches painted on the texton, in painting order.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub details: Vec<Patch>,
+    pub silhouette: Option<Outline>,
+    /// Its shapes, in painting order; at least one.
+    pub shapes: Vec<Shape>,
 }
 
-/// A detail of a texton: a filled shape on it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Patch {
-    /// Its outline, in the coordinates of the texton.
-    pub outline: Outline,
-    /// Fill colour; if there is a gradient, its mean colour.
-    pub colour: Colour,
-    /// Gradient that replaces the colour.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gradient: Option<Gradient>,
-}
+impl Element {
+    /// The outline of the whole: its silhouette, or the outline of its first shape.
+    pub fn outline(&self) -> &Outline {
+        element::outline(self.silhouette.as_ref(), &self.shapes)
+    }
 
-impl Texton {
-    /// The fill of the outline for an instance with the colour `own`, if it has one: a colour, and the
-    /// gradient that replaces it, if any.
-    pub fn base(&self, own: Option<Colour>) -> (Colour, Option<&Gradient>) {
+    /// The shape that is painted first.
+    pub fn base(&self) -> &Shape {
+        &self.shapes[0]
+    }
+
+    /// The shapes that are painted on the first.
+    pub fn details(&self) -> &[Shape] {
+        &self.shapes[1..]
+    }
+
+    /// The paint of the first shape for an instance with the colour `own`, if it has one: a colour, and
+    /// the gradient that replaces it, if any.
+    pub fn paint(&self, own: Option<Colour>) -> (Colour, Option<&Gradient>) {
         match own {
             Some(colour) => (colour, None),
-            None => (self.colour, self.gradient.as_ref()),
+            None => (self.base().colour, self.base().gradient.as_ref()),
         }
     }
 
-    /// Bounding box of its outline and details, in its own coordinates.
+    /// Bounding box of its shapes, in its own coordinates.
     pub fn bounds(&self) -> Rect {
-        self.details.iter().fold(self.outline.bounds(), |all, p| all.union(p.outline.bounds()))
+        element::bounds(&self.shapes)
+    }
+
+    /// The same element with other shapes.
+    pub(crate) fn with_shapes(&self, shapes: Vec<Shape>) -> Self {
+        Self { silhouette: self.silhouette.clone(), shapes, ..*self }
     }
 }
 
-/// A texton placed on the canvas. In a scene that tiles it stands for all its copies.
+/// Identifier of an instance, unique within its scene; operations keep it.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(transparent)]
+pub struct InstanceId(pub u32);
+
+impl std::fmt::Display for InstanceId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// An element placed on the canvas. In a scene that tiles it stands for all its copies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Instance {
     /// Identifier, unique within the scene; operations keep it.
-    pub id: u32,
-    /// Index in [`Scene::textons`].
-    pub texton: u32,
-    /// Coefficients a b c d e f of the affine map from texton to canvas: x' = ax + cy + e,
+    pub id: InstanceId,
+    /// Index in [`Scene::elements`].
+    pub element: ElementId,
+    /// Coefficients a b c d e f of the affine map from element to canvas: x' = ax + cy + e,
     /// y' = bx + dy + f.
     pub transform: [f64; 6],
-    /// Colour that replaces the texton's. Only for textons without details.
+    /// Colour that replaces the paint of the element's first shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colour: Option<Colour>,
-    /// Shadow underneath the texton.
+    /// Shadow underneath the element.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shadow: Option<Shadow>,
     /// Stroke along the outline.
@@ -182,9 +234,9 @@ pub struct Instance {
 
 impl Instance {
     /// An instance with the identity transform, without colour, shadow and stroke.
-    pub fn new(id: u32, texton: u32) -> Self {
+    pub fn new(id: InstanceId, element: ElementId) -> Self {
         let transform = Affine::IDENTITY.as_coeffs();
-        Self { id, texton, transform, colour: None, shadow: None, stroke: None }
+        Self { id, element, transform, colour: None, shadow: None, stroke: None }
     }
 
     /// The transform.
@@ -193,7 +245,7 @@ impl Instance {
     }
 }
 
-/// The background: a smooth colour field through control points (see [`field`]).
+/// A smooth colour field through control points (see [`field`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Field {
@@ -222,13 +274,13 @@ impl Scene {
     /// Value of [`Scene::format`].
     pub const FORMAT: &'static str = "vtex-scene";
     /// Value of [`Scene::version`].
-    pub const VERSION: u32 = 1;
+    pub const VERSION: u32 = 2;
 
     /// Reads and validates a scene. Gzip is detected by content.
     ///
     /// # Errors
     /// [`crate::Error::Read`] for an unreadable file; [`crate::Error::Format`] for anything but a valid
-    /// scene of this version.
+    /// scene of version 1 or 2.
     pub fn read(path: &Path) -> Result<Self> {
         document::read(path)
     }
@@ -246,37 +298,104 @@ impl Scene {
         document::to_json(self)
     }
 
-    /// Drops textons that no instance shows.
+    /// The three layers of a homogeneous texture: a background with the given field, secondary and
+    /// primary elements, the latter two empty.
+    pub(crate) fn three_layers(field: Field) -> Vec<Layer> {
+        let background = Layer { field: Some(field), ..Layer::new(Role::Background) };
+        vec![background, Layer::new(Role::Secondary), Layer::new(Role::Primary)]
+    }
+
+    /// All instances, in painting order.
+    pub fn instances(&self) -> impl DoubleEndedIterator<Item = &Instance> {
+        self.layers.iter().flat_map(|layer| &layer.instances)
+    }
+
+    /// All instances, in painting order, to change them.
+    pub fn instances_mut(&mut self) -> impl Iterator<Item = &mut Instance> {
+        self.layers.iter_mut().flat_map(|layer| &mut layer.instances)
+    }
+
+    /// The instances of all layers of a role, in painting order.
+    pub fn of_role(&self, role: Role) -> impl DoubleEndedIterator<Item = &Instance> {
+        let layers = self.layers.iter().filter(move |layer| layer.role == role);
+        layers.flat_map(|layer| &layer.instances)
+    }
+
+    /// The instances of all layers of individual elements, in painting order.
+    pub fn individuals(&self) -> impl DoubleEndedIterator<Item = &Instance> {
+        let layers = self.layers.iter().filter(|layer| layer.role.is_individual());
+        layers.flat_map(|layer| &layer.instances)
+    }
+
+    /// Number of instances in all layers.
+    pub fn count(&self) -> usize {
+        self.layers.iter().map(|layer| layer.instances.len()).sum()
+    }
+
+    /// The field that lies under the elements of the layer with the given index: its own, or that of the
+    /// next layer below that has one.
+    pub fn field_under(&self, layer: usize) -> Option<&Field> {
+        self.layers[..=layer].iter().rev().find_map(|layer| layer.field.as_ref())
+    }
+
+    /// Whether a layer is clipped at the edge of the domain.
+    pub fn is_clipped(&self, layer: &Layer) -> bool {
+        self.domain.as_ref().is_some_and(|d| Domain::clips(d.edge, layer.role))
+    }
+
+    /// The element that an instance shows.
+    ///
+    /// # Panics
+    /// If the scene lists no such element, which [`Scene::read`] excludes.
+    pub fn element(&self, instance: &Instance) -> &Element {
+        &self.elements[instance.element.index()]
+    }
+
+    /// The first layer of a role, appended empty if there is none.
+    pub(crate) fn layer_mut(&mut self, role: Role) -> &mut Layer {
+        let known = self.layers.iter().position(|layer| layer.role == role);
+        let index = known.unwrap_or_else(|| {
+            self.layers.push(Layer::new(role));
+            self.layers.len() - 1
+        });
+        &mut self.layers[index]
+    }
+
+    /// Lists another element; its index.
+    pub(crate) fn add(&mut self, element: Element) -> ElementId {
+        self.elements.push(element);
+        ElementId::after(self.elements.len() - 1)
+    }
+
+    /// Drops elements that no instance shows.
     pub(crate) fn drop_unused(&mut self) {
-        let mut used = vec![false; self.textons.len()];
-        for instance in self.secondary.iter().chain(&self.primary) {
-            used[instance.texton as usize] = true;
-        }
+        let mut used = vec![false; self.elements.len()];
+        self.instances().for_each(|instance| used[instance.element.index()] = true);
         if used.iter().all(|u| *u) {
             return;
         }
         let mut next = 0;
-        let numbers: Vec<u32> = used
+        let numbers: Vec<ElementId> = used
             .iter()
             .map(|used| {
+                let number = ElementId(next);
                 next += u32::from(*used);
-                next.saturating_sub(1)
+                number
             })
             .collect();
-        let mut place = 0;
-        self.textons.retain(|_| {
-            place += 1;
-            used[place - 1]
-        });
-        for instance in self.secondary.iter_mut().chain(&mut self.primary) {
-            instance.texton = numbers[instance.texton as usize];
-        }
+        let mut marks = used.iter();
+        self.elements.retain(|_| marks.next().is_some_and(|used| *used));
+        self.instances_mut().for_each(|i| i.element = numbers[i.element.index()]);
     }
 }
 
 impl Document for Scene {
     const FORMAT: &'static str = Self::FORMAT;
     const VERSION: u32 = Self::VERSION;
+
+    fn read_older(version: u64, json: &[u8]) -> Option<serde_json::Result<Self>> {
+        (version == 1).then(|| serde_json::from_slice::<version1::Version1>(json).map(Self::from))
+    }
 
     fn validate(&self) -> std::result::Result<(), String> {
         validate::validate(self)

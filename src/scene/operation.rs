@@ -11,39 +11,19 @@ use serde::{Deserialize, Serialize};
 pub struct Operation {
     /// What is done.
     pub action: Action,
-    /// The layers whose textons are selected. Default: all but the background.
-    #[serde(default, skip_serializing_if = "Layers::is_all")]
-    pub layers: Layers,
+    /// The layers that are selected, by name or role ([`Role::name`](super::Role::name)), with the
+    /// points of their fields. Default: the elements of all layers, and no fields.
+    #[serde(default, alias = "layers", skip_serializing_if = "Option::is_none")]
+    pub layer: Option<String>,
     /// Conditions that a texton must all fulfil to be selected. Default: none.
     #[serde(default, rename = "where", skip_serializing_if = "Vec::is_empty")]
     pub conditions: Vec<Condition>,
 }
 
 impl From<Action> for Operation {
-    /// The action, done to all primaries and secondaries.
+    /// The action, done to all elements.
     fn from(action: Action) -> Self {
-        Self { action, layers: Layers::default(), conditions: Vec::new() }
-    }
-}
-
-/// Layers of a scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Layers {
-    /// Primaries only.
-    Primary,
-    /// Secondaries only.
-    Secondary,
-    /// Primaries and secondaries.
-    #[default]
-    All,
-    /// The points of the background only; for colours.
-    Background,
-}
-
-impl Layers {
-    fn is_all(&self) -> bool {
-        *self == Self::All
+        Self { action, layer: None, conditions: Vec::new() }
     }
 }
 

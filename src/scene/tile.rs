@@ -76,25 +76,11 @@ impl Scene {
 mod tests {
     use super::*;
     use crate::raster::colour::Colour;
-    use crate::scene::Field;
+    use crate::scene::testing;
 
     fn scene(x: bool, y: bool) -> Scene {
-        Scene {
-            format: Scene::FORMAT.into(),
-            version: Scene::VERSION,
-            width: 100,
-            height: 60,
-            tile: Tile { x, y },
-            parameters: None,
-            program: String::new(),
-            libraries: Vec::new(),
-            textons: Vec::new(),
-            secondary: Vec::new(),
-            primary: Vec::new(),
-            background: Field { spacing: 25.0, fallback: Colour([0; 3]), points: Vec::new() },
-            domain: None,
-            edits: Vec::new(),
-        }
+        let field = testing::flat(Colour([0; 3]));
+        Scene { tile: Tile { x, y }, ..testing::scene([100, 60], Vec::new(), Vec::new(), Vec::new(), field) }
     }
 
     fn copies(x: bool, y: bool, bounds: [f64; 4]) -> Vec<[f64; 2]> {

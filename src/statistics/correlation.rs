@@ -8,6 +8,7 @@
 //! common with itself moved by r is wh - 2r(w + h)/π + r²/π, and what is wrapped loses nothing.
 //! Because pairs and expectations are kept, curves of several scenes add up.
 
+use crate::element::CategoryId;
 use super::{Layout, wrapped};
 use crate::library::Library;
 use serde::Serialize;
@@ -31,7 +32,7 @@ pub struct Correlation {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
     /// The categories.
-    pub categories: [u16; 2],
+    pub categories: [CategoryId; 2],
     /// Pairs found, for each bin of distances. Bins are equally wide and end at
     /// [`Correlation::REACH`] mean neighbour distances.
     pub pairs: Vec<f64>,
@@ -50,9 +51,10 @@ pub struct Difference {
 }
 
 /// The categories of a library that cover most, at most five, in order of their share.
-pub fn largest_categories(library: &Library) -> Vec<u16> {
-    let coverage = |c: &u16| library.categories[usize::from(*c)].coverage;
-    let mut order: Vec<u16> = (0..library.categories.len().min(usize::from(u16::MAX)) as u16).collect();
+pub fn largest_categories(library: &Library) -> Vec<CategoryId> {
+    let coverage = |c: &CategoryId| library.categories[c.index()].coverage;
+    let count = library.categories.len().min(usize::from(u16::MAX)) as u16;
+    let mut order: Vec<CategoryId> = (0..count).map(CategoryId).collect();
     order.sort_by(|a, b| coverage(b).total_cmp(&coverage(a)).then(a.cmp(b)));
     order.truncate(CATEGORIES);
     order
@@ -64,9 +66,9 @@ impl Correlation {
 
     /// Of the centres within a layout that belong to `categories` of a library; `unit` is the mean
     /// neighbour distance, in pixels. All counts are 0 if it is not positive.
-    pub fn new(layout: &Layout, library: u32, categories: &[u16], unit: f64) -> Self {
+    pub fn new(layout: &Layout, library: u32, categories: &[CategoryId], unit: f64) -> Self {
         let period = layout.period();
-        let slot = |c: u16| categories.iter().position(|k| *k == c);
+        let slot = |c: CategoryId| categories.iter().position(|k| *k == c);
         let mut points: Vec<(usize, [f64; 2])> = layout
             .centres
             .iter()
@@ -234,7 +236,12 @@ mod tests {
     use crate::scene::Tile;
 
     fn layout(size: [f64; 2], torus: bool, points: &[(u16, [f64; 2])]) -> Layout {
-        let centre = |&(category, at): &(u16, [f64; 2])| Centre { library: 0, source: 0, category, at };
+        let centre = |&(category, at): &(u16, [f64; 2])| Centre {
+            library: 0,
+            source: ElementId(0),
+            category: CategoryId(category),
+            at,
+        };
         Layout { size, tile: Tile { x: torus, y: torus }, centres: points.iter().map(centre).collect() }
     }
 

@@ -3,6 +3,7 @@
 //! Placement by correspondences brings neighbours along. One group seen twice is what an eye finds first
 //! in a large texture.
 
+use crate::element::ElementId;
 use super::{Centre, Layout};
 use crate::geometry::{NearPoints, Point, shortest_offset};
 use crate::parallel;
@@ -46,7 +47,7 @@ struct Placed {
 impl Groups {
     /// Of a scene's layout, whose primaries are those of `exemplars` by library.
     pub fn new(layout: &Layout, exemplars: &[Layout]) -> Self {
-        let known: Vec<BTreeMap<u32, (Point, Vec<u32>)>> = exemplars.iter().map(surroundings).collect();
+        let known: Vec<BTreeMap<ElementId, (Point, Vec<ElementId>)>> = exemplars.iter().map(surroundings).collect();
         let placed: Vec<Placed> = layout
             .centres
             .iter()
@@ -93,7 +94,7 @@ impl Groups {
 }
 
 /// For each primary of an exemplar its centre and its nearest neighbours.
-fn surroundings(exemplar: &Layout) -> BTreeMap<u32, (Point, Vec<u32>)> {
+fn surroundings(exemplar: &Layout) -> BTreeMap<ElementId, (Point, Vec<ElementId>)> {
     let places: Vec<[f64; 2]> = exemplar.centres.iter().map(|c| c.at).collect();
     let near = nearest(&places, exemplar.period(), exemplar.size);
     let sources = |list: &[u32]| list.iter().map(|&j| exemplar.centres[j as usize].source).collect();
@@ -154,7 +155,7 @@ fn connected(near: &[Vec<u32>], joined: impl Fn(usize, usize) -> bool) -> Vec<Ve
 /// The primaries that two groups have in common, for all pairs of groups that have more than
 /// [`UNSEEN`].
 fn copies(groups: &[Vec<u32>], placed: &[Placed]) -> Vec<Vec<[u32; 2]>> {
-    let mut holders: BTreeMap<(u32, u32), Vec<(usize, u32)>> = BTreeMap::new();
+    let mut holders: BTreeMap<(u32, ElementId), Vec<(usize, u32)>> = BTreeMap::new();
     for (g, group) in groups.iter().enumerate().filter(|(_, group)| group.len() > UNSEEN) {
         for &i in group {
             let c = &placed[i as usize].centre;

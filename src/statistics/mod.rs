@@ -17,7 +17,8 @@ pub use groups::Groups;
 pub use overlap::Overlap;
 pub use repetition::{Copies, Repetition};
 
-use crate::library::Library;
+use crate::element::{CategoryId, ElementId};
+use crate::library::{Element, Library};
 use crate::scene::{Scene, Tile};
 
 /// A primary that stands somewhere.
@@ -26,9 +27,9 @@ pub struct Centre {
     /// Index of its library.
     pub library: u32,
     /// Its index among the primaries of its library.
-    pub source: u32,
+    pub source: ElementId,
     /// Its category there.
-    pub category: u16,
+    pub category: CategoryId,
     /// Its centre, in pixels.
     pub at: [f64; 2],
 }
@@ -50,11 +51,11 @@ impl Layout {
     /// the middle of what the photograph shows is known.
     pub fn of_library(library: &Library) -> Self {
         let all = Self::whole(library);
-        if all.tile.both() || library.primaries.is_empty() {
+        if all.tile.both() || library.primaries().is_empty() {
             return all;
         }
-        let area: f64 = library.primaries.iter().map(|p| f64::from(p.area)).sum();
-        let radius = libm::sqrt(area / library.primaries.len() as f64 / std::f64::consts::PI);
+        let area: f64 = library.primaries().iter().map(|p| f64::from(p.area)).sum();
+        let radius = libm::sqrt(area / library.primaries().len() as f64 / std::f64::consts::PI);
         let size = all.size;
         let strip = radius.min(size[0] / 4.0).min(size[1] / 4.0);
         all.window([strip; 2], size.map(|s| s - strip))
@@ -63,32 +64,32 @@ impl Layout {
     /// The exemplar's own arrangement, as library 0, up to its borders.
     pub fn whole(library: &Library) -> Self {
         let size = [library.source.width, library.source.height].map(f64::from);
-        let wrap = library.source.parameters.wrap;
-        let centre = |(i, p): (usize, &crate::library::Primary)| Centre {
+        let wrap = library.arrangement.periodic;
+        let centre = |(i, p): (usize, &Element)| Centre {
             library: 0,
-            source: i as u32,
-            category: p.category.0,
+            source: ElementId::after(i),
+            category: p.category.unwrap_or_default(),
             at: p.centroid,
         };
-        let centres: Vec<Centre> = library.primaries.iter().enumerate().map(centre).collect();
+        let centres: Vec<Centre> = library.primaries().iter().enumerate().map(centre).collect();
         Self { size, tile: Tile { x: wrap, y: wrap }, centres }
     }
 
     /// The primaries of a scene, which must have been validated.
     pub fn of_scene(scene: &Scene) -> Self {
         let centre = |i: &crate::scene::Instance| {
-            let texton = &scene.textons[i.texton as usize];
+            let element = scene.element(i);
             Centre {
-                library: texton.library,
-                source: texton.source,
-                category: texton.category.unwrap_or_default(),
+                library: element.library,
+                source: element.source.unwrap_or_default(),
+                category: element.category.unwrap_or_default(),
                 at: [i.transform[4], i.transform[5]],
             }
         };
         Self {
             size: [scene.width, scene.height].map(f64::from),
             tile: scene.tile,
-            centres: scene.primary.iter().map(centre).collect(),
+            centres: scene.individuals().map(centre).collect(),
         }
     }
 
@@ -134,11 +135,11 @@ mod tests {
         let mut library = library(&mosaic(200, 15.0, 0.8, 1));
         let layout = Layout::of_library(&library);
         assert!(layout.size[0] < 192.0 && layout.size[0] > 180.0, "{:?}", layout.size);
-        assert!(layout.centres.len() < library.primaries.len());
+        assert!(layout.centres.len() < library.primaries().len());
         assert!(layout.centres.iter().all(|c| (0..2).all(|k| (0.0..layout.size[k]).contains(&c.at[k]))));
-        library.source.parameters.wrap = true;
+        library.arrangement.periodic = true;
         let layout = Layout::of_library(&library);
-        assert_eq!((layout.size, layout.centres.len()), ([200.0; 2], library.primaries.len()));
+        assert_eq!((layout.size, layout.centres.len()), ([200.0; 2], library.primaries().len()));
     }
 
     #[test]

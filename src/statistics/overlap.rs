@@ -37,16 +37,16 @@ impl Overlap {
     pub fn of_scene(scene: &Scene, libraries: &[Library]) -> Self {
         let masks: Vec<Vec<Mask>> = libraries.iter().map(silhouettes).collect();
         let fragments: Vec<Option<Mask>> =
-            parallel::map(&scene.textons, |t| t.fragment.then(|| pixels::mask(&t.outline)));
+            parallel::map(&scene.elements, |t| t.fragment.then(|| pixels::mask(t.outline())));
         let stamp = |i: &crate::scene::Instance| {
-            let texton = scene.textons.get(i.texton as usize)?;
-            if let Some(mask) = fragments.get(i.texton as usize)? {
+            let element = scene.elements.get(i.element.index())?;
+            if let Some(mask) = fragments.get(i.element.index())? {
                 return Some(Stamp { mask, transform: i.affine() });
             }
-            let mask = masks.get(texton.library as usize)?.get(texton.source as usize)?;
+            let mask = masks.get(element.library as usize)?.get(element.source?.index())?;
             Some(Stamp { mask, transform: i.affine() })
         };
-        let stamps: Vec<Stamp<'_>> = scene.primary.iter().filter_map(stamp).collect();
+        let stamps: Vec<Stamp<'_>> = scene.individuals().filter_map(stamp).collect();
         Self::of_stamps(&stamps, [scene.width, scene.height], scene.tile)
     }
 
@@ -102,11 +102,11 @@ impl Overlap {
 /// The pixels of every primary around its origin.
 fn silhouettes(library: &Library) -> Vec<Mask> {
     let map = library.arrangement.to_labels();
-    let masks = Mask::all_of_labels(&map, library.primaries.len() + 1);
+    let masks = Mask::all_of_labels(&map, library.primaries().len() + 1);
     let size = [map.width as i32, map.height as i32];
-    let torus = library.source.parameters.wrap.then_some(size);
-    let origin = |p: &crate::library::Primary| p.centroid.map(|v| libm::round(v) as i32);
-    library.primaries.iter().zip(&masks[1..]).map(|(p, m)| m.around(origin(p), torus)).collect()
+    let torus = library.arrangement.periodic.then_some(size);
+    let origin = |p: &crate::library::Element| p.centroid.map(|v| libm::round(v) as i32);
+    library.primaries().iter().zip(&masks[1..]).map(|(p, m)| m.around(origin(p), torus)).collect()
 }
 
 /// The canvas as far as shapes are cut or wrapped by it.

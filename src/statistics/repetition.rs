@@ -1,5 +1,6 @@
 //! How often the same textons come back, and how near to one another.
 
+use crate::element::ElementId;
 use super::{Layout, neighbour_distance, wrapped};
 use crate::library::Library;
 use crate::scene::Scene;
@@ -40,14 +41,14 @@ impl Repetition {
     /// Of the primaries of a scene made from `libraries`.
     pub fn of_scene(scene: &Scene, libraries: &[Library]) -> Self {
         let units: Vec<f64> = libraries.iter().map(neighbour_distance).collect();
-        let placeable = |l: &Library| l.primaries.iter().filter(|p| !p.clipped).count();
+        let placeable = |l: &Library| l.primaries().iter().filter(|p| !p.clipped).count();
         Self::new(&Layout::of_scene(scene), libraries.iter().map(placeable).sum(), &units)
     }
 
     /// Of an arrangement; `units` are the mean neighbour distances of the libraries, in pixels.
     pub fn new(layout: &Layout, placeable: usize, units: &[f64]) -> Self {
         let period = layout.period();
-        let mut placed: Vec<((u32, u32), [f64; 2])> = layout
+        let mut placed: Vec<((u32, ElementId), [f64; 2])> = layout
             .centres
             .iter()
             .map(|c| ((c.library, c.source), [0, 1].map(|k| wrapped(c.at[k], period[k]))))

@@ -8,7 +8,7 @@ use crate::geometry::wrapped;
 use crate::library::Library;
 use crate::raster::LabelMap;
 use crate::scene::field::Interpolant;
-use crate::scene::{Field, Tile};
+use crate::scene::{Tile};
 
 /// Least share of a block that is ground.
 const LEAST: f64 = 0.15;
@@ -32,13 +32,12 @@ pub(super) struct Backdrop {
 impl Backdrop {
     /// Of a library and its arrangement.
     pub(super) fn new(library: &Library, labels: &LabelMap) -> Self {
-        let b = &library.background;
+        let b = library.background();
         let (width, height) = (library.source.width, library.source.height);
-        let field = Field { spacing: b.spacing, fallback: b.fallback, points: b.sites.clone() };
-        let sites = Interpolant::new(&field, width, height, Tile::default());
+        let sites = Interpolant::new(b, width, height, Tile::default());
         let side = b.spacing.max(8.0);
         let blocks = [width, height].map(|v| (f64::from(v) / side) as usize + 1);
-        let wrap = library.source.parameters.wrap;
+        let wrap = library.arrangement.periodic;
         let mut this = Self { sites, side, blocks, added: vec![[0.0; 3]; blocks[0] * blocks[1]], wrap };
         this.added = this.unexplained(library, labels);
         this
@@ -99,7 +98,7 @@ impl Backdrop {
             }
         }
         let mut covered = vec![[0.0; 4]; self.added.len()];
-        for s in &library.secondaries.textons {
+        for s in library.secondaries() {
             let (sum, area) = (&mut covered[self.block_at(s.centroid)], f64::from(s.area));
             (0..3).for_each(|c| sum[c] += area * f64::from(s.colour.0[c]));
             sum[3] += area;
@@ -147,7 +146,7 @@ mod tests {
         // The palette of the library knows two grey values; the guide's ground is darker on the left.
         let map = mosaic(200, 15.0, 0.6, 1);
         let mut library = guided(&map);
-        library.secondaries.textons.clear();
+        library.SECCLEAR();
         let backdrop = Backdrop::new(&library, &map);
         let (left, right) = (backdrop.at([20.0, 100.0])[0], backdrop.at([180.0, 100.0])[0]);
         let known = |x: f64| 40.0 + x * 60.0 / 200.0;

@@ -24,11 +24,11 @@ pub(crate) fn field(
     correspondence: Option<&Correspondence>,
     params: &SynthParams,
 ) -> Field {
-    let spacings = libraries.iter().map(|l| l.background.spacing);
+    let spacings = libraries.iter().map(|l| l.background().spacing);
     let usual = spacings.fold(f64::INFINITY, f64::min) * if correspondence.is_some() { FINER } else { 1.0 };
     let spacing = params.background_spacing.unwrap_or(usual);
-    let mut field = Field { spacing, fallback: libraries[0].background.fallback, points: Vec::new() };
-    if libraries.iter().all(|l| l.background.sites.is_empty()) {
+    let mut field = Field { spacing, fallback: libraries[0].background().fallback, points: Vec::new() };
+    if libraries.iter().all(|l| l.background().points.is_empty()) {
         return field;
     }
     let backdrops = correspondence.map(|c| {
@@ -67,8 +67,8 @@ pub(crate) fn colour(
     random: &mut Stream,
 ) -> Colour {
     let drawn = |library: &Library, random: &mut Stream| {
-        let sites = &library.background.sites;
-        if sites.is_empty() { library.background.fallback } else { sites[random.index(sites.len())].colour }
+        let sites = &library.background().points;
+        if sites.is_empty() { library.background().fallback } else { sites[random.index(sites.len())].colour }
     };
     if let [library] = libraries {
         return drawn(library, random);

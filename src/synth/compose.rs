@@ -1,4 +1,4 @@
-//! Scenes put together from placed textons; the exemplar's own arrangement as a scene.
+//! Scenes put together from placed elements; the exemplar's own arrangement as a scene.
 
 use super::secondaries;
 use crate::PROGRAM;
@@ -8,10 +8,12 @@ use crate::arrange::variation::Variation;
 use crate::geometry::{Affine, Outline};
 use crate::library::Library;
 use crate::raster::colour::Colour;
-use crate::scene::{Domain, Field, Instance, LibraryRef, Patch, Scene, SynthParams, Texton, Tile};
+use crate::scene::{
+    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryRef, Role, Scene, SynthParams, Tile,
+};
 use std::collections::BTreeMap;
 
-/// The scene of an arrangement. Textons are listed in the order in which they first appear.
+/// The scene of an arrangement. Elements are listed in the order in which they first appear.
 pub(crate) fn scene(
     libraries: &[Library],
     params: &SynthParams,
@@ -21,53 +23,57 @@ pub(crate) fn scene(
     background: Field,
 ) -> Scene {
     let references = libraries.iter().map(reference).collect();
-    let mut scene = empty(references, params.width, params.height, background);
+    let layers = Scene::three_layers(background);
+    let mut scene = empty(references, params.width, params.height, layers);
     scene.parameters = Some(params.clone());
     scene.tile = params.tile;
     scene.domain = controls.domain.clone().map(|outline| Domain { outline, edge: params.edge });
-    let mut textons: Vec<Textons<'_>> =
-        libraries.iter().enumerate().map(|(k, l)| Textons::new(k as u32, l)).collect();
+    let mut known: Vec<Known<'_>> =
+        libraries.iter().enumerate().map(|(k, l)| Known::new(k as u32, l)).collect();
     let model = arrangement.cells.model();
     for p in secondaries {
-        let texton = textons[p.library].secondary(&mut scene, p.secondary);
+        let element = known[p.library].secondary(&mut scene, p.secondary);
         let variation = &model.variations[usize::from(p.variation)];
-        push(&mut scene, Layer::Secondary, texton, p.at, variation, Some(p.colour));
+        push(&mut scene, Role::Secondary, element, p.at, variation, Some(p.colour));
     }
     for p in &arrangement.placed {
-        let element = &model[p.element];
-        let (texton, variation) = match element.fragment {
+        let placed = &model[p.element];
+        let (element, variation) = match placed.fragment {
             // A fragment is varied already.
             Some(fragment) => {
-                scene.textons.push(model.fragments[fragment as usize].clone());
-                (scene.textons.len() as u32 - 1, &Variation::default())
+                (scene.add(model.fragments[fragment as usize].clone()), &Variation::default())
             }
             None => {
-                let texton = textons[element.library].primary(&mut scene, element.index);
-                (texton, &model.variations[usize::from(p.variation)])
+                let element = known[placed.library].primary(&mut scene, placed.index);
+                (element, &model.variations[usize::from(p.variation)])
             }
         };
-        push(&mut scene, Layer::Primary, texton, p.at, variation, None);
+        push(&mut scene, Role::Primary, element, p.at, variation, None);
     }
     scene
 }
 
-/// The exemplar's own arrangement: what the library knows of the photograph, drawn back. Primaries
-/// in their order with their details, secondaries where they are in their own colour, and the
-/// palette's sites as the background.
+/// The exemplar's own arrangement: what the library knows of the exemplar, drawn back layer by layer.
+/// Elements stand where they were found, in their own colours.
 pub fn reconstruct(library: &Library) -> Scene {
-    let b = &library.background;
-    let background = Field { spacing: b.spacing, fallback: b.fallback, points: b.sites.clone() };
     let (width, height) = (library.source.width, library.source.height);
-    let mut scene = empty(vec![reference(library)], width, height, background);
-    let mut textons = Textons::new(0, library);
-    let none = Variation::default();
-    for (i, s) in library.secondaries.textons.iter().enumerate() {
-        let texton = textons.secondary(&mut scene, i as u32);
-        push(&mut scene, Layer::Secondary, texton, s.origin(), &none, Some(s.colour));
-    }
-    for (i, p) in library.primaries.iter().enumerate() {
-        let texton = textons.primary(&mut scene, i as u32);
-        push(&mut scene, Layer::Primary, texton, p.origin(), &none, None);
+    let mut scene = empty(vec![reference(library)], width, height, Vec::new());
+    let mut known = Known::new(0, library);
+    let mut next = 0;
+    for layer in &library.layers {
+        let mut instances = Vec::with_capacity(layer.instances.len());
+        for placed in &layer.instances {
+            let number = placed.element.index();
+            let own = &library.elements[number];
+            let element = known.element(&mut scene, placed.element);
+            let [x, y] = own.origin().map(f64::from);
+            let transform = (Affine::new(placed.transform) * Affine::translate((x, y))).as_coeffs();
+            let colour = own.difference.map(|_| own.colour);
+            instances.push(Instance { transform, colour, ..Instance::new(InstanceId(next), element) });
+            next += 1;
+        }
+        let (name, region, field) = (layer.name.clone(), layer.region.clone(), layer.field.clone());
+        scene.layers.push(Layer { name, role: layer.role, region, field, instances });
     }
     scene
 }
@@ -76,7 +82,7 @@ pub(crate) fn reference(library: &Library) -> LibraryRef {
     LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
 }
 
-fn empty(libraries: Vec<LibraryRef>, width: u32, height: u32, background: Field) -> Scene {
+fn empty(libraries: Vec<LibraryRef>, width: u32, height: u32, layers: Vec<Layer>) -> Scene {
     Scene {
         format: Scene::FORMAT.into(),
         version: Scene::VERSION,
@@ -86,41 +92,30 @@ fn empty(libraries: Vec<LibraryRef>, width: u32, height: u32, background: Field)
         parameters: None,
         program: PROGRAM.into(),
         libraries,
-        textons: Vec::new(),
-        secondary: Vec::new(),
-        primary: Vec::new(),
-        background,
+        elements: Vec::new(),
+        layers,
         domain: None,
         edits: Vec::new(),
     }
 }
 
-enum Layer {
-    Secondary,
-    Primary,
-}
-
-/// Appends an instance; ids count through both layers.
+/// Appends an instance to the layer of a role; ids count through all layers.
 fn push(
     scene: &mut Scene,
-    layer: Layer,
-    texton: u32,
+    role: Role,
+    element: ElementId,
     at: [i32; 2],
     variation: &Variation,
     colour: Option<Colour>,
 ) {
-    let id = (scene.secondary.len() + scene.primary.len()) as u32;
-    let instance = instance(id, texton, at, variation, colour);
-    match layer {
-        Layer::Secondary => scene.secondary.push(instance),
-        Layer::Primary => scene.primary.push(instance),
-    }
+    let id = InstanceId(scene.count() as u32);
+    scene.layer_mut(role).instances.push(instance(id, element, at, variation, colour));
 }
 
-/// A texton at a place of the canvas.
+/// An element at a place of the canvas.
 pub(crate) fn instance(
-    id: u32,
-    texton: u32,
+    id: InstanceId,
+    element: ElementId,
     at: [i32; 2],
     variation: &Variation,
     colour: Option<Colour>,
@@ -128,107 +123,87 @@ pub(crate) fn instance(
     // Five decimals are a hundredth of a pixel at a distance of a thousand, and short to write.
     let [a, b, c, d] = variation.matrix.map(|v| libm::round(v * 1e5) / 1e5);
     let transform = [a, b, c, d, f64::from(at[0]), f64::from(at[1])];
-    Instance { transform, colour, ..Instance::new(id, texton) }
+    Instance { transform, colour, ..Instance::new(id, element) }
 }
 
-/// Which of a library's textons a scene holds already, and where.
-pub(crate) struct Textons<'a> {
+/// Which of a library's elements a scene holds already, and where.
+pub(crate) struct Known<'a> {
     /// Which library of the scene.
     number: u32,
     library: &'a Library,
-    primaries: Vec<Option<u32>>,
-    secondaries: Vec<Option<u32>>,
-    /// Shapes of secondaries by their path data: the smallest are often alike to the pixel, and
-    /// every instance has its own colour.
-    alike: BTreeMap<String, u32>,
+    /// Index in the scene of each of the library's elements.
+    elements: Vec<Option<ElementId>>,
+    /// Shapes of elements that take their colour from the field, by their path data: the smallest are
+    /// often alike to the pixel, and every instance has its own colour.
+    alike: BTreeMap<String, ElementId>,
 }
 
-impl<'a> Textons<'a> {
+impl<'a> Known<'a> {
     fn new(number: u32, library: &'a Library) -> Self {
-        let secondaries = vec![None; library.secondaries.textons.len()];
-        let primaries = vec![None; library.primaries.len()];
-        Self { number, library, primaries, secondaries, alike: BTreeMap::new() }
+        Self { number, library, elements: vec![None; library.elements.len()], alike: BTreeMap::new() }
     }
 
     /// Those that a scene holds already.
-    pub(crate) fn known(number: u32, library: &'a Library, scene: &Scene) -> Self {
-        let mut textons = Self::new(number, library);
-        for (i, t) in scene.textons.iter().enumerate().filter(|(_, t)| t.library == number && !t.fragment) {
-            let (list, primary) = match t.category {
-                Some(_) => (&mut textons.primaries, true),
-                None => (&mut textons.secondaries, false),
-            };
-            if let Some(known) = list.get_mut(t.source as usize) {
-                *known = Some(i as u32);
+    pub(crate) fn of(number: u32, library: &'a Library, scene: &Scene) -> Self {
+        let mut known = Self::new(number, library);
+        let own = |e: &&Element| e.library == number && !e.fragment;
+        for (i, element) in scene.elements.iter().enumerate().filter(|(_, e)| own(e)) {
+            let id = ElementId::after(i);
+            if let Some(place) = element.source.and_then(|s| known.elements.get_mut(s.index())) {
+                *place = Some(id);
             }
-            if !primary {
-                textons.alike.insert(t.outline.to_string(), i as u32);
+            if element.category.is_none() {
+                known.alike.insert(element.outline().to_string(), id);
             }
         }
-        textons
+        known
     }
 
-    /// The number of a primary in the scene, which then holds it.
-    pub(crate) fn primary(&mut self, scene: &mut Scene, index: u32) -> u32 {
-        *self.primaries[index as usize].get_or_insert_with(|| {
-            scene.textons.push(primary_texton(self.number, self.library, index));
-            scene.textons.len() as u32 - 1
-        })
+    /// The primary with the given number among the library's, in the scene, which then holds it.
+    pub(crate) fn primary(&mut self, scene: &mut Scene, number: u32) -> ElementId {
+        self.element(scene, ElementId(number))
     }
 
-    /// The number of a secondary in the scene, which then holds it or one of the same shape.
-    pub(crate) fn secondary(&mut self, scene: &mut Scene, index: u32) -> u32 {
-        *self.secondaries[index as usize].get_or_insert_with(|| {
-            let texton = secondary_texton(self.number, self.library, index);
-            *self.alike.entry(texton.outline.to_string()).or_insert_with(|| {
-                scene.textons.push(texton);
-                scene.textons.len() as u32 - 1
-            })
-        })
+    /// The secondary with the given number among the library's, in the scene, which then holds it or
+    /// one of the same shape.
+    pub(crate) fn secondary(&mut self, scene: &mut Scene, number: u32) -> ElementId {
+        self.element(scene, self.library.secondary_id(number))
+    }
+
+    fn element(&mut self, scene: &mut Scene, source: ElementId) -> ElementId {
+        if let Some(known) = self.elements[source.index()] {
+            return known;
+        }
+        let element = element(self.number, self.library, source);
+        let id = if self.library.elements[source.index()].difference.is_some() {
+            *self.alike.entry(element.outline().to_string()).or_insert_with(|| scene.add(element))
+        } else {
+            scene.add(element)
+        };
+        self.elements[source.index()] = Some(id);
+        id
     }
 }
 
-/// A primary of the library that has the given number in a scene.
-pub(crate) fn primary_texton(number: u32, library: &Library, index: u32) -> Texton {
-    let p = &library.primaries[index as usize];
-    let moved = |outline: &Outline| translated(outline, p.origin());
-    let [x, y] = p.origin().map(f64::from);
+/// An element of the library that has the given number in a scene, shifted so that its centroid in
+/// whole pixels is at (0, 0).
+pub(crate) fn element(number: u32, library: &Library, source: ElementId) -> Element {
+    let own = &library.elements[source.index()];
+    let [x, y] = own.origin().map(f64::from);
     let shift = Affine::translate((-x, -y));
-    let patch = |d: &crate::library::Detail| Patch {
-        outline: moved(&d.outline),
-        colour: d.colour,
-        gradient: d.gradient.map(|g| g.moved(shift)),
-    };
-    Texton {
+    Element {
         library: number,
-        source: index,
-        category: Some(p.category.0),
+        source: Some(source),
+        category: own.category,
         fragment: false,
-        outline: moved(&p.outline),
-        colour: p.base,
-        gradient: p.gradient.map(|g| g.moved(shift)),
-        details: p.details.iter().map(patch).collect(),
-    }
-}
-
-/// A secondary of the library that has the given number in a scene.
-pub(crate) fn secondary_texton(number: u32, library: &Library, index: u32) -> Texton {
-    let s = &library.secondaries.textons[index as usize];
-    Texton {
-        library: number,
-        source: index,
-        category: None,
-        fragment: false,
-        outline: translated(&s.outline, s.origin()),
-        colour: s.colour,
-        gradient: None,
-        details: Vec::new(),
+        silhouette: own.silhouette.as_ref().map(|outline| translated(outline, own.origin())),
+        shapes: own.shapes.iter().map(|shape| shape.moved(shift)).collect(),
     }
 }
 
 /// An outline moved so that `origin` comes to (0, 0).
 pub(crate) fn translated(outline: &Outline, origin: [i32; 2]) -> Outline {
     let shift = Affine::translate((-f64::from(origin[0]), -f64::from(origin[1])));
-    // Fails only beyond any exemplar's size; then the texton stays where it was.
+    // Fails only beyond any exemplar's size; then the element stays where it was.
     Outline::new(&(shift * outline.path())).unwrap_or_else(|| outline.clone())
 }

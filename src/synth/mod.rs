@@ -16,7 +16,7 @@ mod tests;
 pub use crate::arrange::controls::Controls;
 pub use crate::arrange::correspondence::Structure;
 pub use compose::reconstruct;
-pub(crate) use compose::{primary_texton, reference, secondary_texton};
+pub(crate) use compose::{element, reference};
 pub use report::{CategoryReport, Report};
 
 use crate::arrange::correspondence::no_guide;

@@ -2,7 +2,7 @@
 
 use crate::arrange::sites::Buckets;
 use crate::arrange::variation::Variation;
-use crate::library::{Library, Secondary};
+use crate::library::{Library, Element};
 use crate::raster::LabelMap;
 use crate::sampling::Stream;
 
@@ -19,7 +19,7 @@ pub(super) struct Exemplar {
 impl Exemplar {
     /// Neighbourhoods of `reach` pixels each way.
     pub(super) fn new(library: &Library, reach: f64) -> Self {
-        let origins: Vec<[i32; 2]> = library.secondaries.textons.iter().map(Secondary::origin).collect();
+        let origins: Vec<[i32; 2]> = library.secondaries().iter().map(Element::origin).collect();
         let (w, h) = (f64::from(library.source.width), f64::from(library.source.height));
         let inside = |v: i32, size: f64| f64::from(v) >= reach && f64::from(v) <= size - reach;
         let mut sources: Vec<u32> = (0..origins.len() as u32)

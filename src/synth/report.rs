@@ -3,7 +3,7 @@
 use crate::arrange::Arrangement;
 use crate::arrange::correspondence::Structure;
 use crate::library::Library;
-use crate::scene::{Method, Scene};
+use crate::scene::{Method, Role, Scene};
 use crate::statistics::{Overlap, Repetition};
 use serde::Serialize;
 
@@ -71,10 +71,10 @@ impl Report {
             coverage_wanted: if plain { libraries[0].coverage } else { sum(|c| c.wanted) },
             coverage: sum(|c| c.got),
             categories,
-            primaries: scene.primary.len(),
-            textons: scene.textons.iter().filter(|t| t.category.is_some()).count(),
-            secondaries: scene.secondary.len(),
-            control_points: scene.background.points.len(),
+            primaries: scene.of_role(Role::Primary).count(),
+            textons: scene.elements.iter().filter(|t| t.category.is_some()).count(),
+            secondaries: scene.of_role(Role::Secondary).count(),
+            control_points: scene.layers.iter().flat_map(|l| &l.field).map(|f| f.points.len()).sum(),
             attempts: descriptors.attempts,
             refused: descriptors.refused,
             removed: correction.removed,

@@ -15,7 +15,7 @@ use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::{Sites, scattered};
 use crate::arrange::variation::Variation;
 use crate::geometry::Point;
-use crate::library::{Library, Secondary};
+use crate::library::{Library, Element};
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::sampling::{Stream, stream};
@@ -97,10 +97,10 @@ fn arrived(
     let mut placed = Vec::new();
     let mut random = stream(seed, "correspondence/secondaries", 0);
     for (number, library) in libraries.iter().enumerate() {
-        let samples: Vec<Vec<[f64; 2]>> = library.secondaries.textons.iter().map(samples).collect();
+        let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
         let mut came: Vec<Placed> = (correspondence.secondaries(library, number, map.model()).into_iter())
             .map(|Arrived { secondary, at, variation }| {
-                let colour = coarse(library.secondaries.textons[secondary as usize].colour.to_f64());
+                let colour = coarse(library.secondaries()[secondary as usize].colour.to_f64());
                 Placed { library: number, secondary, at, variation, colour }
             })
             .collect();
@@ -132,7 +132,8 @@ fn is_served(map: &Occupancy<'_>, at: [i32; 2]) -> bool {
 pub(crate) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interpolant) -> Vec<Placed> {
     let tones: Vec<[[f64; 2]; 3]> = libraries.iter().map(tones).collect();
     parallel::map(&placed, |p| {
-        let difference = libraries[p.library].secondaries.textons[p.secondary as usize].difference;
+        let secondary = &libraries[p.library].secondaries()[p.secondary as usize];
+        let difference = secondary.difference.unwrap_or_default();
         let ground = field.at(f64::from(p.at[0]), f64::from(p.at[1]));
         let colour = [0, 1, 2].map(|c| {
             let [least, most] = tones[p.library][c];
@@ -146,7 +147,7 @@ pub(crate) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interp
 /// either end.
 fn tones(library: &Library) -> [[f64; 2]; 3] {
     [0, 1, 2].map(|c| {
-        let mut values: Vec<u8> = library.secondaries.textons.iter().map(|s| s.colour.0[c]).collect();
+        let mut values: Vec<u8> = library.secondaries().iter().map(|s| s.colour.0[c]).collect();
         values.sort_unstable();
         let beyond = values.len() / 100;
         match (values.get(beyond), values.len().checked_sub(beyond + 1)) {
@@ -209,7 +210,7 @@ impl Task<'_, '_> {
     }
 
     fn places(&self, parts: &Parts) -> Vec<Place> {
-        let samples: Vec<Vec<[f64; 2]>> = self.library.secondaries.textons.iter().map(samples).collect();
+        let samples: Vec<Vec<[f64; 2]>> = self.library.secondaries().iter().map(samples).collect();
         let fits = |p: &Place| {
             !is_served(self.map, p.at)
                 && parts.belongs(p.at, self.number)
@@ -311,7 +312,7 @@ impl Task<'_, '_> {
             !sites.any_within(at, closer(density)) && (density >= 1.0 || random.chance(density))
         });
         random.shuffle(&mut gaps);
-        let count = self.library.secondaries.textons.len();
+        let count = self.library.secondaries().len();
         let variations = &map.model().variations;
         let single = |at| {
             let secondary = random.index(count) as u32;
@@ -338,7 +339,7 @@ impl<'t, 'a> Finder<'t, 'a> {
         params: &'t SynthParams,
     ) -> Option<Self> {
         let radius = radius(library)?;
-        let samples = library.secondaries.textons.iter().map(samples).collect();
+        let samples = library.secondaries().iter().map(samples).collect();
         let exemplar = Exemplar::new(library, CELL * radius);
         Some(Self { task: Task { number, library, map, radius, params }, exemplar, samples })
     }
@@ -398,7 +399,7 @@ fn coarse(colour: [f64; 3]) -> Colour {
 /// The number per ground is what the eye compares. The library's spacing, a percentile of the
 /// distances between neighbours, is in clustered exemplars well below what the number implies.
 fn radius(library: &Library) -> Option<f64> {
-    let count = library.secondaries.textons.len() as f64;
+    let count = library.secondaries().len() as f64;
     let exemplar = f64::from(library.source.width) * f64::from(library.source.height);
     let ground = exemplar * (1.0 - library.coverage);
     (count > 0.0 && ground > 0.0).then(|| libm::sqrt(POISSON_DENSITY * ground / count).max(1.0))
@@ -406,11 +407,11 @@ fn radius(library: &Library) -> Option<f64> {
 
 /// Points within a secondary, relative to its origin: its centre, and the points of its outline
 /// drawn a little towards it.
-fn samples(secondary: &Secondary) -> Vec<[f64; 2]> {
+fn samples(secondary: &Element) -> Vec<[f64; 2]> {
     let origin = secondary.origin().map(f64::from);
     let [cx, cy] = secondary.centroid;
     let inner = |p: Point| [cx + (p.x - cx) * 0.7 - origin[0], cy + (p.y - cy) * 0.7 - origin[1]];
-    let ends = secondary.outline.path().elements().iter().filter_map(|e| e.end_point());
+    let ends = secondary.outline().path().elements().iter().filter_map(|e| e.end_point());
     std::iter::once(Point::new(cx, cy)).chain(ends).map(inner).collect()
 }
 
@@ -441,7 +442,7 @@ mod tests {
 
     #[test]
     fn no_secondary_is_darker_or_lighter_than_those_of_the_exemplar() {
-        let textons = |r: u8| crate::library::Secondary {
+        let textons = |r: u8| crate::library::Element {
             outline: crate::geometry::Outline::default(),
             colour: crate::raster::colour::Colour([r, 90, 200]),
             difference: [-60, 0, 60],
@@ -449,9 +450,9 @@ mod tests {
             centroid: [0.0; 2],
         };
         let mut library = crate::library::testing::library(&crate::raster::LabelMap::filled(8, 8, 0));
-        library.secondaries.textons.clear();
+        library.SECCLEAR();
         assert_eq!(tones(&library), [[0.0, 255.0]; 3]);
-        library.secondaries.textons = (0..=200).map(textons).collect();
+        library.secondaries() = (0..=200).map(textons).collect();
         assert_eq!(tones(&library), [[2.0, 198.0], [90.0, 90.0], [200.0, 200.0]]);
     }
 }

@@ -1,7 +1,7 @@
 //! Properties of whole synthesised scenes.
 
 use super::{Controls, Report, reconstruct, synthesize, synthesize_with};
-use crate::arrange::model::{ElementId, Model};
+use crate::arrange::model::{PlaceableId, Model};
 use crate::document::Document;
 use crate::error::Error;
 use crate::library::Library;
@@ -21,8 +21,8 @@ fn run(library: &Library, params: &SynthParams) -> (Scene, Report) {
 fn painted(library: &Library, scene: &Scene) -> LabelMap {
     let model = Model::new(std::slice::from_ref(library), &SynthParams::default());
     let mut map = LabelMap::filled(scene.width, scene.height, 0);
-    for (i, instance) in scene.primary.iter().enumerate() {
-        let shape = model.plain(ElementId(scene.textons[instance.texton as usize].source));
+    for (i, instance) in scene.primary().iter().enumerate() {
+        let shape = model.plain(PlaceableId(scene.element(instance).source));
         let moved = shape.mask.shifted(instance.transform[4] as i32, instance.transform[5] as i32);
         for (x, y) in moved.pixels() {
             if map.at(i64::from(x), i64::from(y)).is_some() {
@@ -38,7 +38,7 @@ fn test_libraries_are_valid() {
     for fill in [0.3, 0.97] {
         let library = library(&mosaic(120, 14.0, fill, 1));
         assert_eq!(library.validate(), Ok(()));
-        assert!(library.primaries.len() > 20);
+        assert!(library.primaries().len() > 20);
     }
 }
 
@@ -68,18 +68,18 @@ fn reported_overlap_and_repetition_are_those_of_the_scene() {
     // Visible areas as painted, whole areas as each is painted alone.
     let map = painted(&library, &scene);
     let mut visible = map.areas();
-    visible.resize(scene.primary.len() + 1, 0);
+    visible.resize(scene.primary().len() + 1, 0);
     let alone = |i: usize| {
-        let one = Scene { primary: vec![scene.primary[i].clone()], ..scene.clone() };
+        let one = Scene { primary: vec![scene.primary()[i].clone()], ..scene.clone() };
         painted(&library, &one).areas().get(1).copied().unwrap_or(0)
     };
-    let areas: Vec<u32> = (0..scene.primary.len()).map(alone).collect();
+    let areas: Vec<u32> = (0..scene.primary().len()).map(alone).collect();
     let (shown, all) = (visible[1..].iter().sum::<u32>(), areas.iter().sum::<u32>());
     assert!((report.overlap.hidden - f64::from(all - shown) / f64::from(all)).abs() < 1e-12);
     let buried = areas.iter().zip(&visible[1..]).filter(|(a, v)| *v * 2 < **a).count();
     assert!((report.overlap.buried - buried as f64 / areas.len() as f64).abs() < 1e-12);
     assert!(report.overlap.hidden > 0.001, "nothing to compare");
-    assert_eq!(report.repetition.textons, report.textons);
+    assert_eq!(report.repetition.elements, report.elements);
     assert!(report.repetition.textons <= report.repetition.placeable);
     assert!(report.repetition.largest_share * report.primaries as f64 >= 1.0);
 }
@@ -108,10 +108,10 @@ fn textons_stand_all_over_the_canvas() {
 fn clipped_textons_are_never_placed() {
     let library = library(&mosaic(150, 14.0, 0.9, 6));
     let (scene, _) = run(&library, &params(300, 300, 6));
-    assert!(library.primaries.iter().any(|p| p.clipped));
-    for instance in &scene.primary {
-        let texton = &scene.textons[instance.texton as usize];
-        assert!(!library.primaries[texton.source as usize].clipped);
+    assert!(library.primaries().iter().any(|p| p.clipped));
+    for instance in scene.primary() {
+        let element = scene.element(instance);
+        assert!(!library.primaries()[element.source as usize].clipped);
     }
 }
 
@@ -124,8 +124,8 @@ fn little_is_hidden() {
         let areas = map.areas();
         let model = Model::new(std::slice::from_ref(&library), &SynthParams::default());
         let (mut visible, mut whole) = (0u32, 0u32);
-        for (i, instance) in scene.primary.iter().enumerate() {
-            let shape = model.plain(ElementId(scene.textons[instance.texton as usize].source));
+        for (i, instance) in scene.primary().iter().enumerate() {
+            let shape = model.plain(PlaceableId(scene.element(instance).source));
             let [x, y] = [instance.transform[4] as i32, instance.transform[5] as i32];
             let b = shape.bounds;
             if x + b[0] >= 0 && y + b[1] >= 0 && x + b[2] <= 400 && y + b[3] <= 400 {
@@ -145,7 +145,7 @@ fn no_secondary_is_hidden() {
     let (scene, report) = run(&library, &params(400, 300, 8));
     let map = painted(&library, &scene);
     assert!(report.secondaries > 50);
-    for instance in &scene.secondary {
+    for instance in scene.secondary() {
         let [x, y] = [instance.transform[4] as i64, instance.transform[5] as i64];
         // A test secondary is the four pixels around its origin.
         let seen =
@@ -155,7 +155,7 @@ fn no_secondary_is_hidden() {
     }
     // As many per area of ground as in the exemplar.
     let ground = |coverage: f64, w: u32, h: u32| (1.0 - coverage) * f64::from(w) * f64::from(h);
-    let wanted = library.secondaries.textons.len() as f64 / ground(library.coverage, 200, 200);
+    let wanted = library.secondaries().len() as f64 / ground(library.coverage, 200, 200);
     let got = report.secondaries as f64 / ground(report.coverage, 400, 300);
     assert!((got / wanted - 1.0).abs() < 0.2, "{got} {wanted}");
 }
@@ -164,13 +164,13 @@ fn no_secondary_is_hidden() {
 fn equal_textons_keep_apart() {
     let library = library(&mosaic(200, 15.0, 0.6, 9));
     let (scene, _) = run(&library, &params(500, 500, 9));
-    let near = scene.primary.iter().enumerate().filter(|(i, a)| {
-        scene.primary[..*i].iter().any(|b| {
+    let near = scene.primary().iter().enumerate().filter(|(i, a)| {
+        scene.primary()[..*i].iter().any(|b| {
             let [dx, dy] = [4, 5].map(|k| a.transform[k] - b.transform[k]);
             a.texton == b.texton && libm::hypot(dx, dy) < 20.0
         })
     });
-    let share = near.count() as f64 / scene.primary.len() as f64;
+    let share = near.count() as f64 / scene.primary().len() as f64;
     assert!(share < 0.02, "{share}");
 }
 
@@ -192,15 +192,15 @@ fn a_library_without_primaries_gives_ground() {
     let library = library(&LabelMap::filled(100, 80, 0));
     assert_eq!(library.validate(), Ok(()));
     let (scene, report) = run(&library, &params(200, 150, 1));
-    assert!(scene.primary.is_empty() && !scene.secondary.is_empty());
-    assert!(scene.background.points.len() > 20);
+    assert!(scene.primary().is_empty() && !scene.secondary().is_empty());
+    assert!(scene.field().points.len() > 20);
     assert_eq!((report.coverage, report.attempts), (0.0, 0));
 
     let mut bare = library.clone();
-    bare.secondaries.textons.clear();
-    bare.background.sites.clear();
+    bare.SECCLEAR();
+    bare.field().sites.clear();
     let (scene, _) = run(&bare, &params(64, 64, 1));
-    assert!(scene.secondary.is_empty() && scene.background.points.is_empty());
+    assert!(scene.secondary().is_empty() && scene.field().points.is_empty());
     assert_eq!(scene.validate(), Ok(()));
 }
 
@@ -218,7 +218,7 @@ fn any_size_and_parameter_is_survived() {
         assert!(run(&whole, &p).1.coverage > 0.3);
     }
     let mut torus = whole.clone();
-    torus.source.parameters.wrap = true;
+    torus.arrangement.periodic = true;
     assert!(run(&torus, &params(90, 90, 1)).1.coverage > 0.3);
     // Descriptors of no size, coverage that cannot be had, nothing placeable.
     whole.descriptor_half = 0;
@@ -227,9 +227,9 @@ fn any_size_and_parameter_is_survived() {
     whole.categories.iter_mut().for_each(|c| c.coverage = 1.0);
     run(&whole, &params(90, 90, 1));
     whole.primaries.iter_mut().for_each(|p| p.clipped = true);
-    assert!(run(&whole, &params(50, 50, 1)).0.primary.is_empty());
+    assert!(run(&whole, &params(50, 50, 1)).0.primary().is_empty());
     let one = library(&LabelMap::filled(30, 30, 1));
-    assert!(run(&one, &params(50, 50, 1)).0.primary.is_empty());
+    assert!(run(&one, &params(50, 50, 1)).0.primary().is_empty());
 }
 
 #[test]
@@ -261,9 +261,9 @@ fn reconstruction_is_the_exemplar() {
     assert_eq!(scene.validate(), Ok(()));
     assert_eq!(painted(&library, &scene), map);
     // Outlines stand where they stood.
-    for (instance, p) in scene.primary.iter().zip(&library.primaries) {
-        let texton = &scene.textons[instance.texton as usize];
-        let moved = instance.affine() * texton.outline.path();
+    for (instance, p) in scene.primary().iter().zip(library.primaries()) {
+        let element = scene.element(instance);
+        let moved = instance.affine() * element.outline().path();
         assert_eq!(crate::geometry::Outline::new(&moved), Some(p.outline.clone()));
     }
 }
@@ -338,9 +338,9 @@ mod carried {
             assert!((structure.wanted - report.coverage).abs() < 0.04, "{structure:?} {}", report.coverage);
             assert!(structure.whole > structure.completed, "{structure:?}");
             // Fragments are parts: none is larger than what it is of.
-            for t in scene.textons.iter().filter(|t| t.fragment) {
-                let whole = library.primaries[t.source as usize].outline.area();
-                assert!(t.outline.area() < 1.3 * whole + 8.0, "{} {whole}", t.outline.area());
+            for t in scene.elements.iter().filter(|t| t.fragment) {
+                let whole = library.primaries()[t.source as usize].outline.area();
+                assert!(t.outline().area() < 1.3 * whole + 8.0, "{} {whole}", t.outline().area());
             }
         }
     }
@@ -355,8 +355,8 @@ mod carried {
                 .primary
                 .iter()
                 .map(|i| {
-                    let source = scene.textons[i.texton as usize].source as usize;
-                    let origin = library.primaries[source].centroid.map(libm::round);
+                    let source = scene.element(i).source as usize;
+                    let origin = library.primaries()[source].centroid.map(libm::round);
                     let at = [i.transform[4], i.transform[5]];
                     [at, [at[0] - origin[0], at[1] - origin[1]]]
                 })
@@ -385,9 +385,9 @@ mod carried {
             let controls = Controls { domain: Some(outline.clone()), ..Controls::default() };
             let p = SynthParams { edge, ..params(240, 200, 3) };
             let (scene, _) = synthesize_with(std::slice::from_ref(&library), &p, &controls, &()).unwrap();
-            assert!(scene.primary.len() > 20);
-            for i in &scene.primary {
-                let b = scene.textons[i.texton as usize].outline.bounds_after(i.affine());
+            assert!(scene.primary().len() > 20);
+            for i in scene.primary() {
+                let b = scene.element(i).outline.bounds_after(i.affine());
                 let inside = b.x0 > 38.5 && b.y0 > 28.5 && b.x1 < 201.5 && b.y1 < 171.5;
                 assert!(edge != Edge::Avoid || inside, "{b:?}");
                 let apart = b.x1 < 40.0 || b.y1 < 30.0 || b.x0 > 200.0 || b.y0 > 170.0;
@@ -407,8 +407,8 @@ mod carried {
             synthesize_with(&[one.clone(), two], &params(400, 200, 1), &controls, &()).unwrap();
         assert_eq!(report.method, Method::Correspondence);
         // Maps are stretched smoothly: between a quarter and three there is something of both.
-        for i in &scene.primary {
-            let library = scene.textons[i.texton as usize].library;
+        for i in scene.primary() {
+            let library = scene.element(i).library;
             let x = i.transform[4];
             assert!((80.0..320.0).contains(&x) || library == u32::from(x > 200.0), "{x} {library}");
         }
@@ -418,7 +418,7 @@ mod carried {
             let (scene, _) = synthesize_with(libraries, &params(400, 200, 1), &controls, &()).unwrap();
             let half = |x0: f64| {
                 let inside = |i: &&crate::scene::Instance| (x0..x0 + 100.0).contains(&i.transform[4]);
-                scene.primary.iter().filter(inside).count()
+                scene.primary().iter().filter(inside).count()
             };
             [half(0.0), half(300.0)]
         };
@@ -433,10 +433,10 @@ mod carried {
         let (scene, report) = run(&library, &turned);
         assert_eq!(scene.validate(), Ok(()));
         assert!((report.coverage - library.coverage).abs() < 0.05, "{}", report.coverage);
-        let mirrored = scene.primary.iter().filter(|i| i.affine().determinant() < 0.0).count();
-        assert!(mirrored > scene.primary.len() / 10, "{mirrored} of {}", scene.primary.len());
-        library.source.parameters.wrap = true;
-        library.primaries.iter_mut().for_each(|p| p.clipped = false);
+        let mirrored = scene.primary().iter().filter(|i| i.affine().determinant() < 0.0).count();
+        assert!(mirrored > scene.primary().len() / 10, "{mirrored} of {}", scene.primary().len());
+        library.arrangement.periodic = true;
+        library.primaries().iter_mut().for_each(|p| p.clipped = false);
         let (scene, report) = run(&library, &params(300, 300, 1));
         assert_eq!((scene.validate(), report.method), (Ok(()), Method::Correspondence));
     }

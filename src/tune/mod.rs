@@ -26,6 +26,7 @@ mod tests;
 
 pub use document::TunedWeights;
 
+use crate::element::CategoryId;
 use crate::error::{Result, check};
 use crate::library::Library;
 use crate::parallel;
@@ -102,7 +103,7 @@ impl Terms {
 struct Judge<'a> {
     library: &'a Library,
     params: &'a TuneParams,
-    categories: Vec<u16>,
+    categories: Vec<CategoryId>,
     unit: f64,
     exemplar: Correlation,
 }

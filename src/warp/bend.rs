@@ -2,7 +2,7 @@
 
 use crate::error::{Result, check};
 use crate::geometry::{BezPath, Cage, Outline, PathEl, Point};
-use crate::scene::{Instance, Scene, Texton};
+use crate::scene::{Instance, Scene, Element};
 use kurbo::{ParamCurve, Shape};
 
 /// Pieces that each segment of a domain is cut into when it is bent.
@@ -87,10 +87,10 @@ impl Bend {
     }
 
     /// Where the origin of a texton goes; none if nothing of it takes part.
-    pub(super) fn texton(&self, instance: &Instance, texton: &Texton) -> Option<[f64; 2]> {
+    pub(super) fn texton(&self, instance: &Instance, element: &Element) -> Option<[f64; 2]> {
         let [.., x, y] = instance.transform;
         let affine = instance.affine();
-        let ends = || texton.outline.path().elements().iter().filter_map(PathEl::end_point);
+        let ends = || element.outline().path().elements().iter().filter_map(PathEl::end_point);
         let inside = self.holds([x, y])
             || ends().any(|p| {
                 let p = affine * p;

@@ -1,19 +1,20 @@
 //! What a scene knows of the libraries that it was made from.
 
 use super::Bend;
-use crate::arrange::model::{ElementId, Model, VariantId};
+use crate::arrange::model::{PlaceableId, Model, VariantId};
 use crate::error::{Error, Result};
-use crate::library::{Library, Primary};
+use crate::library::{self, Library};
 use crate::raster::ControlMap;
-use crate::scene::{Instance, Scene, Texton, pixels};
+use crate::scene::{Element, ElementId, Instance, Role, Scene, pixels};
 use crate::synth::compose;
-use std::collections::VecDeque;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, VecDeque};
 
 /// Longer side of the map of parts, in its own pixels.
 const PARTS_SIDE: u32 = 256;
 
-/// The libraries in the scene's order.
-pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<Vec<Library>> {
+/// The libraries in the scene's order, and the scene with the sources of all its elements.
+pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Library>, Cow<'_, Scene>)> {
     let fail = |name: &str, reason: String| Error::Control {
         name: name.into(),
         role: "a library of the scene",
@@ -25,53 +26,72 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<Vec<Libr
     for reference in &scene.libraries {
         let fits = |l: &&mut Option<Library>| l.as_ref().is_some_and(|l| l.source.sha256 == reference.sha256);
         let library = left.iter_mut().find(fits).and_then(Option::take);
-        let missing = || fail(&reference.exemplar, "the scene has textons of it, and it is not given".into());
+        let missing = || fail(&reference.exemplar, "the scene has elements of it, and it is not given".into());
         found.push(library.ok_or_else(missing)?);
     }
     if let Some(foreign) = left.into_iter().flatten().next() {
         return Err(fail(&foreign.source.file, "the scene was made without it".into()));
     }
+    let scene = with_sources(scene, &found);
     // The same photograph may have been analysed in another way since.
-    for instance in &scene.primary {
-        let texton = &scene.textons[instance.texton as usize];
-        let library = &found[texton.library as usize];
-        let known =
-            library.primaries.get(texton.source as usize).filter(|p| Some(p.category.0) == texton.category);
-        let same =
-            |p: &Primary| texton.fragment || compose::translated(&p.outline, p.origin()) == texton.outline;
-        if !known.is_some_and(same) {
-            return Err(fail(&library.source.file, "its textons are not those of the scene".into()));
+    let strange = |library: &Library| {
+        fail(&library.source.file, "its elements are not those of the scene".into())
+    };
+    for instance in scene.instances() {
+        let element = scene.element(instance);
+        let library = &found[element.library as usize];
+        let known = element.source.and_then(|source| library.elements.get(source.index()));
+        let Some(known) = known.filter(|e| e.category == element.category) else { return Err(strange(library)) };
+        // Small elements of one shape are listed once, and fragments have shapes of their own.
+        let own_shape = element.category.is_some() && !element.fragment;
+        if own_shape && compose::translated(known.outline(), known.origin()) != *element.outline() {
+            return Err(strange(library));
         }
     }
-    for instance in &scene.secondary {
-        let texton = &scene.textons[instance.texton as usize];
-        let library = &found[texton.library as usize];
-        if texton.source as usize >= library.secondaries.textons.len() {
-            return Err(fail(&library.source.file, "its textons are not those of the scene".into()));
-        }
+    Ok((found, scene))
+}
+
+/// The scene with the sources of its small elements, which scenes of version 1 do not name: those of the
+/// same shape in their library.
+fn with_sources<'a>(scene: &'a Scene, libraries: &[Library]) -> Cow<'a, Scene> {
+    if scene.elements.iter().all(|e| e.source.is_some()) {
+        return Cow::Borrowed(scene);
     }
-    Ok(found)
+    let shapes = libraries.iter().map(|library| {
+        let number = |(i, e): (usize, &library::Element)| {
+            (compose::translated(e.outline(), e.origin()).to_string(), library.secondary_id(i as u32))
+        };
+        library.secondaries().iter().enumerate().map(number).collect()
+    });
+    let shapes: Vec<BTreeMap<String, ElementId>> = shapes.collect();
+    let mut scene = scene.clone();
+    for element in scene.elements.iter_mut().filter(|e| e.source.is_none()) {
+        let known = shapes.get(element.library as usize);
+        element.source = known.and_then(|shapes| shapes.get(&element.outline().to_string()).copied());
+    }
+    Cow::Owned(scene)
 }
 
 /// A primary of the scene as the model knows it: its variation is the nearest that there is.
-pub(super) fn variant(model: &Model, instance: &Instance, texton: &Texton) -> VariantId {
-    model.in_variation(element(model, texton), variation(model, instance))
+pub(super) fn variant(model: &Model, instance: &Instance, element: &Element) -> VariantId {
+    model.in_variation(placeable(model, element), variation(model, instance))
 }
 
 /// The element of one of the scene's textons.
-fn element(model: &Model, texton: &Texton) -> ElementId {
-    ElementId(model.sources[texton.library as usize].elements.start + texton.source)
+fn placeable(model: &Model, element: &Element) -> PlaceableId {
+    let number = element.source.map_or(0, |source| source.0);
+    PlaceableId(model.sources[element.library as usize].elements.start + number)
 }
 
 /// The variant of each of a scene's textons that is a fragment, which the model then knows.
 pub(super) fn fragments(model: &mut Model, scene: &Scene) -> Vec<Option<VariantId>> {
-    let known = |texton: &Texton| {
-        texton.fragment.then(|| {
-            let whole = model.in_variation(element(model, texton), 0);
-            model.add_fragment(whole, pixels::mask(&texton.outline), texton.clone())
+    let known = |element: &Element| {
+        element.fragment.then(|| {
+            let whole = model.in_variation(placeable(model, element), 0);
+            model.add_fragment(whole, pixels::mask(element.outline()), element.clone())
         })
     };
-    scene.textons.iter().map(known).collect()
+    scene.elements.iter().map(known).collect()
 }
 
 /// The variation nearest to that of an instance; the first of equals.
@@ -97,14 +117,14 @@ pub(super) fn parts(scene: &Scene, bend: &Bend, libraries: usize) -> Vec<Control
         canvas.map(|side| (u64::from(side) * u64::from(PARTS_SIDE) / u64::from(longer)).max(1) as usize);
     let mut part: Vec<Option<u32>> = vec![None; width * height];
     let mut queue = VecDeque::new();
-    for instance in scene.primary.iter().chain(&scene.secondary) {
-        let texton = &scene.textons[instance.texton as usize];
-        let Some([x, y]) = bend.texton(instance, texton) else { continue };
+    for instance in scene.of_role(Role::Primary).chain(scene.of_role(Role::Secondary)) {
+        let element = scene.element(instance);
+        let Some([x, y]) = bend.texton(instance, element) else { continue };
         let (x, y) = (x / f64::from(canvas[0]), y / f64::from(canvas[1]));
         if (0.0..1.0).contains(&x) && (0.0..1.0).contains(&y) {
             let cell = (y * height as f64) as usize * width + (x * width as f64) as usize;
             if part[cell].is_none() {
-                part[cell] = Some(texton.library);
+                part[cell] = Some(element.library);
                 queue.push_back(cell);
             }
         }

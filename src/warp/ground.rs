@@ -7,7 +7,7 @@ use crate::arrange::sites::Sites;
 use crate::library::Library;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::field::Interpolant;
-use crate::scene::{ControlPoint, Field, Scene, SynthParams, Tile};
+use crate::scene::{ControlPoint, Field, Instance, Role, Scene, SynthParams, Tile};
 use crate::synth::background;
 use crate::synth::secondaries::{self, CELL, Finder, Placed};
 use std::collections::BTreeMap;
@@ -22,9 +22,9 @@ const CROWDED_POINTS: f64 = 0.8;
 const MARGIN: f64 = 2.0;
 
 /// A secondary of the result.
-pub(super) enum Secondary {
+pub(super) enum Secondary<'s> {
     /// One of the scene's, by its index, at its new place.
-    Carried { index: usize, place: [f64; 2] },
+    Carried { instance: &'s Instance, place: [f64; 2] },
     /// One that fills a gap.
     New(Placed),
 }
@@ -37,7 +37,7 @@ pub(super) fn field(
     bend: &Bend,
     params: &SynthParams,
 ) -> Field {
-    let old = &scene.background;
+    let old = scene.layers.iter().find_map(|l| l.field.as_ref()).unwrap_or(libraries[0].background());
     let spacing = old.spacing;
     let mut field = Field { points: Vec::new(), ..old.clone() };
     let held: Vec<&ControlPoint> = old.points.iter().filter(|p| bend.holds([p.x, p.y])).collect();
@@ -66,14 +66,14 @@ pub(super) fn field(
 
 /// The scene's secondaries, in small neighbourhoods that move as one, as far as there is room; in
 /// the gaps neighbourhoods of the exemplar, and single ones.
-pub(super) fn secondaries(
-    scene: &Scene,
+pub(super) fn secondaries<'s>(
+    scene: &'s Scene,
     libraries: &[Library],
     map: &Occupancy<'_>,
     interpolant: &Interpolant,
     bend: &Bend,
     params: &SynthParams,
-) -> Vec<Secondary> {
+) -> Vec<Secondary<'s>> {
     let finders: Vec<Option<Finder<'_, '_>>> =
         libraries.iter().enumerate().map(|(k, library)| Finder::new(k, library, map, params)).collect();
     let reaches = finders.iter().flatten().map(|f| CELL * f.radius());
@@ -97,27 +97,29 @@ pub(super) fn secondaries(
     let from = Sites::new(before.clone(), reach, old_canvas, Tile::default());
     let to = Sites::new(after.clone(), reach, canvas, Tile::default());
 
-    let mut found: Vec<(Secondary, Placed)> = Vec::new();
+    let mut found: Vec<(Secondary<'s>, Placed)> = Vec::new();
     let mut standing: Vec<Vec<[i32; 2]>> = vec![Vec::new(); libraries.len()];
-    for (index, instance) in scene.secondary.iter().enumerate() {
-        let texton = &scene.textons[instance.texton as usize];
+    for instance in scene.of_role(Role::Secondary) {
+        let element = scene.element(instance);
         let [.., x, y] = instance.transform;
         let Some(cell) = from.owner(whole([x, y])) else { continue };
         let centre = before[cell];
         let [dx, dy] = [0, 1].map(|k| [x, y][k] - f64::from(centre[k]));
         let place = [f64::from(after[cell][0]) + dx, f64::from(after[cell][1]) + dy];
-        let library = texton.library as usize;
+        let library = element.library as usize;
+        let first = libraries[library].primaries().len();
+        let Some(number) = element.source.and_then(|s| s.index().checked_sub(first)) else { continue };
         let placed = Placed {
             library,
-            secondary: texton.source,
+            secondary: number as u32,
             at: whole(place),
             variation: carried::variation(map.model(), instance),
-            colour: instance.colour.unwrap_or(texton.colour),
+            colour: instance.colour.unwrap_or(element.base().colour),
         };
         let seen = finders[library].as_ref().is_some_and(|f| f.fits(&placed));
         if bend.holds([x, y]) && to.owner(placed.at) == Some(cell) && seen {
             standing[library].push(placed.at);
-            found.push((Secondary::Carried { index, place }, placed));
+            found.push((Secondary::Carried { instance, place }, placed));
         }
     }
     let mut fresh = Vec::new();

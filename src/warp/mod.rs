@@ -24,8 +24,8 @@ use crate::error::Result;
 use crate::library::Library;
 use crate::progress::{Progress, advance};
 use crate::scene::field::Interpolant;
-use crate::scene::{Domain, Edge, Instance, Method, Scene, SynthParams, Tile};
-use crate::synth::compose::{self, Textons};
+use crate::scene::{Domain, Edge, Instance, InstanceId, Method, Role, Scene, SynthParams, Tile};
+use crate::synth::compose::{self, Known};
 use crate::synth::{Report, check_canvas};
 
 /// Distances may grow by this factor before gaps are looked for.
@@ -60,7 +60,8 @@ pub fn warp(
     let params = SynthParams { width, height, seed, edge, tile: Tile::default(), ..before.clone() };
     params.validate()?;
     check_canvas(&params)?;
-    let libraries = carried::matched(scene, libraries)?;
+    let (libraries, scene) = carried::matched(scene, libraries)?;
+    let scene = &*scene;
     let shares = if libraries.len() > 1 { carried::parts(scene, bend, libraries.len()) } else { Vec::new() };
     let controls = Controls { domain: bend.domain(scene), density: None, shares };
 
@@ -68,13 +69,14 @@ pub fn warp(
     let mut model = Model::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });
     let fragments = carried::fragments(&mut model, scene);
     let (mut fixed, mut standing) = (Vec::new(), Vec::new());
-    for (i, instance) in scene.primary.iter().enumerate() {
+    let carried: Vec<&Instance> = scene.individuals().collect();
+    for (i, &instance) in carried.iter().enumerate() {
         if i % 1024 == 0 {
-            advance(progress, "carrying", i as u64, scene.primary.len() as u64)?;
+            advance(progress, "carrying", i as u64, carried.len() as u64)?;
         }
-        let texton = &scene.textons[instance.texton as usize];
-        let Some(there) = bend.texton(instance, texton) else { continue };
-        let fragment = fragments[instance.texton as usize];
+        let element = scene.element(instance);
+        let Some(there) = bend.texton(instance, element) else { continue };
+        let fragment = fragments[instance.element.index()];
         let [.., x, y] = instance.transform;
         // Where nothing is stretched no gaps open: what a descriptor asks for beside what has come
         // along is room that the scene left empty.
@@ -83,7 +85,7 @@ pub fn warp(
             None if bend.stretch([x, y]) > NO_STRETCH => Asks::Always,
             None => Asks::InVain,
         };
-        let variant = fragment.unwrap_or_else(|| carried::variant(&model, instance, texton));
+        let variant = fragment.unwrap_or_else(|| carried::variant(&model, instance, element));
         fixed.push(Fixed { variant, at: there.map(|v| libm::round(v) as i32), asks });
         standing.push((i, there));
     }
@@ -105,41 +107,39 @@ pub fn warp(
         tile: Tile::default(),
         program: crate::PROGRAM.into(),
         domain: controls.domain.clone().map(|outline| Domain { outline, edge }),
-        secondary: Vec::new(),
-        primary: Vec::new(),
-        background: field,
+        layers: Scene::three_layers(field),
         parameters: Some(params.clone()),
         ..scene.clone()
     };
-    let mut textons: Vec<Textons<'_>> =
-        libraries.iter().enumerate().map(|(k, l)| Textons::known(k as u32, l, scene)).collect();
-    let ids = scene.primary.iter().chain(&scene.secondary).map(|i| i.id);
-    let mut next = ids.max().map_or(0, |id| id.wrapping_add(1));
+    let mut known: Vec<Known<'_>> =
+        libraries.iter().enumerate().map(|(k, l)| Known::of(k as u32, l, scene)).collect();
+    let ids = scene.instances().map(|i| i.id.0);
+    let mut next = InstanceId(ids.max().map_or(0, |id| id.wrapping_add(1)));
     for secondary in secondaries {
         let instance = match secondary {
-            ground::Secondary::Carried { index, place } => moved(&scene.secondary[index], place),
+            ground::Secondary::Carried { instance, place } => moved(instance, place),
             ground::Secondary::New(p) => {
-                let texton = textons[p.library].secondary(&mut result, p.secondary);
+                let element = known[p.library].secondary(&mut result, p.secondary);
                 let variation = &model.variations[usize::from(p.variation)];
-                compose::instance(fresh(&mut next), texton, p.at, variation, Some(p.colour))
+                compose::instance(fresh(&mut next), element, p.at, variation, Some(p.colour))
             }
         };
-        result.secondary.push(instance);
+        result.layer_mut(Role::Secondary).instances.push(instance);
     }
     for p in &arrangement.placed {
         let instance = match p.fixed {
             Some(k) => {
                 let (index, there) = standing[k];
-                moved(&scene.primary[index], there)
+                moved(carried[index], there)
             }
             None => {
-                let element = &model[p.element];
-                let texton = textons[element.library].primary(&mut result, element.index);
+                let placed = &model[p.element];
+                let element = known[placed.library].primary(&mut result, placed.index);
                 let variation = &model.variations[usize::from(p.variation)];
-                compose::instance(fresh(&mut next), texton, p.at, variation, None)
+                compose::instance(fresh(&mut next), element, p.at, variation, None)
             }
         };
-        result.primary.push(instance);
+        result.layer_mut(Role::Primary).instances.push(instance);
     }
     result.drop_unused();
     let report = Report::new(&libraries, &arrangement, &result);
@@ -147,9 +147,9 @@ pub fn warp(
 }
 
 /// A new identity.
-fn fresh(next: &mut u32) -> u32 {
+fn fresh(next: &mut InstanceId) -> InstanceId {
     let id = *next;
-    *next = next.wrapping_add(1);
+    next.0 = id.0.wrapping_add(1);
     id
 }
 

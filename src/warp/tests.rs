@@ -41,14 +41,14 @@ fn nothing_changes_where_nothing_is_bent() {
     let (before, _) = scene(plain());
     let bend = Bend::scale(&before, [1.0, 1.0]).unwrap();
     let (after, _) = bent(&before, &bend);
-    let (old, new) = (by_id(&before.primary), by_id(&after.primary));
+    let (old, new) = (by_id(before.primary()), by_id(after.primary()));
     let same = old.iter().filter(|(id, i)| new.get(*id) == Some(*i)).count();
     assert!(same as f64 >= 0.97 * old.len() as f64, "{same} of {}", old.len());
     assert!(new.len() as f64 <= 1.03 * old.len() as f64);
-    let kept = by_id(&after.secondary);
-    let same = before.secondary.iter().filter(|i| kept.get(&i.id) == Some(i)).count();
-    assert!(same as f64 >= 0.9 * before.secondary.len() as f64, "{same} of {}", before.secondary.len());
-    assert_eq!(after.background.points, before.background.points);
+    let kept = by_id(after.secondary());
+    let same = before.secondary().iter().filter(|i| kept.get(&i.id) == Some(i)).count();
+    assert!(same as f64 >= 0.9 * before.secondary().len() as f64, "{same} of {}", before.secondary().len());
+    assert_eq!(after.field().points, before.field().points);
 }
 
 #[test]
@@ -60,28 +60,28 @@ fn density_stays_when_the_canvas_grows_or_shrinks() {
         let size = [f64::from(after.width), f64::from(after.height)];
         assert!((size[0] - 260.0 * factors[0]).abs() < 1.0 && (size[1] - 200.0 * factors[1]).abs() < 1.0);
         assert!((report.coverage - coverage).abs() < 0.03, "{factors:?}: {} {coverage}", report.coverage);
-        let ground = factors[0] * factors[1] * before.secondary.len() as f64;
-        let share = after.secondary.len() as f64 / ground;
+        let ground = factors[0] * factors[1] * before.secondary().len() as f64;
+        let share = after.secondary().len() as f64 / ground;
         assert!((0.75..1.3).contains(&share), "{factors:?}: {share}");
         // Control points also lie around the canvas.
         let around = |scene: &Scene| {
-            let margin = 4.0 * scene.background.spacing;
+            let margin = 4.0 * scene.field().spacing;
             let area = (f64::from(scene.width) + margin) * (f64::from(scene.height) + margin);
-            scene.background.points.len() as f64 / area
+            scene.field().points.len() as f64 / area
         };
         let share = around(&after) / around(&before);
         assert!((0.5..1.6).contains(&share), "{factors:?}: {share}");
         // What has come along stands where it should, in its own size.
-        let old = by_id(&before.primary);
+        let old = by_id(before.primary());
         let mut carried = 0;
-        for instance in &after.primary {
+        for instance in after.primary() {
             if let Some(was) = old.get(&instance.id) {
                 carried += 1;
                 assert_eq!(instance.transform[..4], was.transform[..4]);
                 for k in 0..2 {
                     assert!((instance.transform[4 + k] - was.transform[4 + k] * factors[k]).abs() <= 0.5);
                 }
-                let (a, b) = (&after.textons[instance.texton as usize], &before.textons[was.texton as usize]);
+                let (a, b) = (&after.elements[instance.element.index()], &before.elements[was.element.index()]);
                 assert_eq!(a, b);
             }
         }
@@ -105,8 +105,8 @@ fn a_cage_is_filled_and_nothing_else() {
     // Its part of the canvas is filled as densely as the scene was.
     assert!((report.coverage / report.coverage_wanted - 1.0).abs() < 0.1, "{report:?}");
     let outside = |i: &&Instance| !blob.path().contains(Point::new(i.transform[4], i.transform[5]));
-    let away = after.secondary.iter().filter(outside).count();
-    assert!(away * 20 < after.secondary.len(), "{away} of {}", after.secondary.len());
+    let away = after.secondary().iter().filter(outside).count();
+    assert!(away * 20 < after.secondary().len(), "{away} of {}", after.secondary().len());
 }
 
 #[test]
@@ -135,12 +135,12 @@ fn libraries_stay_apart() {
     let bend = Bend::scale(&before, [1.5, 1.5]).unwrap();
     // In any order.
     let (after, _) = warp(&before, vec![two, one.clone()], &bend, WarpParams::default(), &()).unwrap();
-    let strays = after.primary.iter().filter(|i| {
-        let library = after.textons[i.texton as usize].library;
+    let strays = after.primary().iter().filter(|i| {
+        let library = after.elements[i.element.index()].library;
         let (x, middle) = (i.transform[4], 1.5 * 130.0);
         if library == 0 { x > middle + 40.0 } else { x < middle - 40.0 }
     });
-    assert!(strays.count() * 50 < after.primary.len());
+    assert!(strays.count() * 50 < after.primary().len());
     let error = warp(&before, vec![one], &bend, WarpParams::default(), &()).unwrap_err();
     assert!(error.to_string().contains("it is not given"), "{error}");
 }

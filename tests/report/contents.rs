@@ -136,10 +136,10 @@ fn a_library_and_a_scene_make_a_whole_page() {
     check_textons(&parts, group);
 
     let (library, placed) = (&made.libraries[0].content, made.scene.content.primary.len() as f64);
-    assert_eq!(group["textons"].as_array().unwrap().len(), library.primaries.len());
+    assert_eq!(group["textons"].as_array().unwrap().len(), library.primaries().len());
     assert_eq!(sum(&group["textons"], "placed"), placed);
     assert_eq!(sum(&group["categories"], "placed"), placed);
-    assert_eq!(sum(&group["categories"], "members"), library.primaries.len() as f64);
+    assert_eq!(sum(&group["categories"], "members"), library.primaries().len() as f64);
     assert!((sum(&group["categories"], "wanted") - library.coverage).abs() < 1e-9);
     assert!((sum(&group["categories"], "got") - scene["coverage"].as_f64().unwrap()).abs() < 1e-9);
 
@@ -255,8 +255,8 @@ fn a_scene_is_compared_only_with_what_it_was_made_from() {
     let mut other = made.scene.clone();
     let primaries = &made.libraries[0].content.primaries;
     let texton = other.content.textons.iter_mut().find(|t| t.category.is_some()).unwrap();
-    let elsewhere = primaries.iter().position(|p| Some(p.category.0) != texton.category).unwrap();
-    texton.source = elsewhere as u32;
+    let elsewhere = primaries.iter().position(|p| Some(p.category.0) != element.category).unwrap();
+    element.source = elsewhere as u32;
     for (library, scene) in [(&stranger, &made.scene), (&made.libraries[0], &other)] {
         let (text, _) = page(std::slice::from_ref(library), Some(scene), &[]);
         let data = parts(&text).data;
@@ -306,10 +306,10 @@ fn what_is_unsound_is_refused() {
 fn next_to_nothing_makes_a_page_too() {
     let made = made();
     let mut library: Library = made.libraries[0].content.clone();
-    library.primaries.clear();
+    library.primaries().clear();
     library.categories.clear();
-    library.secondaries.textons.clear();
-    library.background.sites.clear();
+    library.SECCLEAR();
+    library.background().points.clear();
     library.arrangement.runs = vec![0, 160 * 160];
     library.coverage = 0.0;
     let mut scene = made.scene.clone();

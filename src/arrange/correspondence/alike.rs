@@ -1,6 +1,6 @@
 //! Elements of like colour and size.
 
-use crate::arrange::model::{ElementId, Model};
+use crate::arrange::model::{PlaceableId, Model};
 use crate::library::Library;
 use crate::parallel;
 use std::ops::Range;
@@ -11,25 +11,25 @@ const COLOUR: f32 = 0.07;
 /// For each element the placeable ones of its library whose colour is like its own.
 pub(super) struct Alike {
     /// Area and index, the smallest first.
-    of: Vec<Vec<(u32, ElementId)>>,
+    of: Vec<Vec<(u32, PlaceableId)>>,
 }
 
 impl Alike {
     pub(super) fn new(libraries: &[Library], model: &Model) -> Self {
-        let colour = |element: ElementId| {
+        let colour = |element: PlaceableId| {
             let known = &model[element];
-            libraries[known.library].primaries[known.index as usize].colour.to_oklab()
+            libraries[known.library].primaries()[known.index as usize].colour.to_oklab()
         };
-        let all: Vec<ElementId> = (0..model.elements.len() as u32).map(ElementId).collect();
+        let all: Vec<PlaceableId> = (0..model.elements.len() as u32).map(PlaceableId).collect();
         let colours: Vec<[f32; 3]> = all.iter().map(|&element| colour(element)).collect();
         let of = parallel::map(&all, |&element| {
             let (own, library) = (&colours[element.0 as usize], model[element].library);
-            let like = |&other: &ElementId| {
+            let like = |&other: &PlaceableId| {
                 let (known, theirs) = (&model[other], &colours[other.0 as usize]);
                 let apart: f32 = (0..3).map(|c| (own[c] - theirs[c]) * (own[c] - theirs[c])).sum();
                 other != element && known.placeable && known.library == library && apart <= COLOUR * COLOUR
             };
-            let mut list: Vec<(u32, ElementId)> =
+            let mut list: Vec<(u32, PlaceableId)> =
                 all.iter().copied().filter(like).map(|other| (model.plain(other).area, other)).collect();
             list.sort_unstable();
             list
@@ -41,11 +41,11 @@ impl Alike {
     /// at a share of them.
     pub(super) fn of(
         &self,
-        element: ElementId,
+        element: PlaceableId,
         areas: Range<f64>,
         most: usize,
         first: f64,
-    ) -> impl Iterator<Item = ElementId> + '_ {
+    ) -> impl Iterator<Item = PlaceableId> + '_ {
         let list = &self.of[element.0 as usize];
         let bound = |area: f64| list.partition_point(|l| f64::from(l.0) < area);
         let list = &list[bound(areas.start)..bound(areas.end).max(bound(areas.start))];

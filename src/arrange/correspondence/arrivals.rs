@@ -7,7 +7,7 @@
 
 use super::Correspondence;
 use crate::arrange::grid::Grid;
-use crate::arrange::model::{ElementId, Model, VariantId};
+use crate::arrange::model::{PlaceableId, Model, VariantId};
 use crate::library::Library;
 use crate::parallel;
 use crate::raster::{LabelMap, Mask};
@@ -252,7 +252,7 @@ fn packing(library: &Library, labels: &LabelMap) -> f64 {
     let share = |part: u64, of: usize| part as f64 / of.max(1) as f64;
     let covered = share(labels.labels.iter().filter(|l| **l > 0).count() as u64, labels.labels.len());
     let ground = (1.0 - covered) * labels.labels.len() as f64;
-    let patches: u64 = library.secondaries.textons.iter().map(|s| u64::from(s.area)).sum();
+    let patches: u64 = library.secondaries().iter().map(|s| u64::from(s.area)).sum();
     let tiled = patches as f64 / ground.max(1.0);
     let within = |v: f64, [low, high]: [f64; 2]| (v - low) / (high - low);
     let contact = share(others, all as usize) / CONTACT;
@@ -312,7 +312,7 @@ impl Correspondence {
             if label == 0 {
                 continue;
             }
-            let element = ElementId(model.sources[sheet.library].elements.start + label - 1);
+            let element = PlaceableId(model.sources[sheet.library].elements.start + label - 1);
             let origin = sheet.on_page(model, model[element].origin, there);
             let variant = model.in_variation(element, sheet.variation);
             let at = grid.canonical([0, 1].map(|k| [x, y][k] + origin[k] - there[k]));

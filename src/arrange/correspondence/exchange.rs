@@ -6,7 +6,7 @@
 
 use super::alike::Alike;
 use super::arrivals::Plan;
-use crate::arrange::model::{ElementId, Model, VariantId};
+use crate::arrange::model::{PlaceableId, Model, VariantId};
 use crate::geometry::{Point, shortest_offset};
 use crate::library::Library;
 use crate::raster::Mask;
@@ -36,7 +36,7 @@ pub(super) fn exchange(
 ) -> usize {
     let period = plan.grid.tile.periods([plan.grid.width, plan.grid.height].map(f64::from));
     // Where each primary stands.
-    let mut places: BTreeMap<ElementId, Vec<[i32; 2]>> = BTreeMap::new();
+    let mut places: BTreeMap<PlaceableId, Vec<[i32; 2]>> = BTreeMap::new();
     for &(variant, at) in elements.iter() {
         places.entry(model.element_of(variant)).or_default().push(at);
     }
@@ -58,7 +58,7 @@ pub(super) fn exchange(
         }
         let mask = &model.shape(variant).mask;
         let first = random.unit();
-        let fits = |candidate: ElementId| {
+        let fits = |candidate: PlaceableId| {
             let other = model.varied(candidate, variant);
             let there = &model.shape(other).mask;
             let both = f64::from(mask.overlap(there));

@@ -9,10 +9,10 @@ use super::holes::Hole;
 use crate::arrange::grid::Grid;
 use crate::arrange::model::{Model, VariantId};
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap};
-use crate::library::{Detail, Library, Primary};
+use crate::library::{self, Library};
 use crate::parallel;
 use crate::raster::{LabelMap, Mask, Span};
-use crate::scene::{Patch, Texton, pixels};
+use crate::scene::{Element, ElementId, Shape, pixels};
 
 /// How packed an exemplar is, from 0 to 1, in which fragments may touch other primaries.
 const PACKED: f64 = 0.65;
@@ -36,7 +36,7 @@ pub(super) struct Fragment {
     /// Pixels that nothing else fills.
     pub(super) fills: u32,
     /// What is painted, varied already.
-    pub(super) texton: Texton,
+    pub(super) painted: Element,
 }
 
 /// The fragments that close the holes of a plan. Where primaries hardly touch in the exemplar, none is
@@ -106,7 +106,7 @@ fn fragment(
     let way = grid.offset(middle, a.at);
     let at = [middle[0] + way[0], middle[1] + way[1]];
     let known = model.element(a.variant);
-    let primary = &libraries[known.library].primaries[known.index as usize];
+    let primary = &libraries[known.library].primaries()[known.index as usize];
     let [a0, b0, c0, d0] = model.variation(a.variant).matrix;
     let [ox, oy] = primary.origin().map(f64::from);
     // From the exemplar to the place, relative to the origin.
@@ -131,31 +131,34 @@ fn fragment(
         return None;
     }
     let stacked = fitted.stacked_outlines(count, |own, other| if own < other { BENEATH } else { 0.0 });
-    let patch = |(k, (detail, _)): (usize, &(&Detail, Mask))| Patch {
-        outline: moved(&stacked[k + 2]),
-        colour: detail.colour,
-        gradient: detail.gradient.map(|g| g.moved(to_place)),
+    let painted = |shape: &Shape, outline: Outline| Shape {
+        outline,
+        gradient: shape.gradient.map(|g| g.moved(to_place)),
+        ..*shape
     };
+    let patch = |(k, (detail, _)): (usize, &(&Shape, Mask))| painted(detail, moved(&stacked[k + 2]));
     let patches = details.iter().enumerate().map(patch).filter(|p| !p.outline.is_empty());
-    let texton = Texton {
+    let painted = Element {
         library: known.library as u32,
-        source: known.index,
-        category: Some(primary.category.0),
+        source: Some(ElementId(known.index)),
+        category: primary.category,
         fragment: true,
-        outline: whole,
-        colour: primary.base,
-        gradient: primary.gradient.map(|g| g.moved(to_place)),
-        details: patches.collect(),
+        silhouette: None,
+        shapes: std::iter::once(painted(primary.base(), whole)).chain(patches).collect(),
     };
-    Some(Fragment { variant: a.variant, at, mask: own, fills: 0, texton })
+    Some(Fragment { variant: a.variant, at, mask: own, fills: 0, painted })
 }
 
 /// The details of a primary that show within a mask around its origin, each with its pixels there; of
 /// overlapping ones the later has them.
-fn details_within<'p>(primary: &'p Primary, mask: &Mask, to_place: Affine) -> Vec<(&'p Detail, Mask)> {
+fn details_within<'p>(
+    primary: &'p library::Element,
+    mask: &Mask,
+    to_place: Affine,
+) -> Vec<(&'p Shape, Mask)> {
     let Some((x0, y0, x1, y1)) = mask.bounds() else { return Vec::new() };
     let mut shown = Vec::new();
-    for detail in &primary.details {
+    for detail in primary.details() {
         let Some(outline) = Outline::new(&(to_place * detail.outline.path())) else { continue };
         let b = outline.bounds();
         if b.x1 < f64::from(x0) || b.x0 > f64::from(x1) || b.y1 < f64::from(y0) || b.y0 > f64::from(y1) {

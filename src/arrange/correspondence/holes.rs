@@ -5,7 +5,7 @@
 
 use super::alike::Alike;
 use super::arrivals::Plan;
-use crate::arrange::model::{ElementId, Model, VariantId};
+use crate::arrange::model::{PlaceableId, Model, VariantId};
 use crate::raster::{Connectivity, LabelMap, Mask, components};
 
 /// Fewest pixels of a hole.
@@ -68,7 +68,7 @@ pub(super) fn fill(
         let arrival = plan.arrivals[hole.arrival as usize];
         let wanted = f64::from(hole.mask.area());
         let most = plan.tolerance(model, arrival.variant);
-        let value = |element: ElementId| {
+        let value = |element: PlaceableId| {
             let variant = model.varied(element, arrival.variant);
             let shape = model.shape(variant);
             let (taken, ground) = plan.beneath(&shape.mask, at);

@@ -150,7 +150,7 @@ impl Correspondence {
             if allowed(&f.mask, f.at, middle) {
                 structure.fragments += 1;
                 structure.fragments_share += f64::from(f.fills) / canvas;
-                elements.push((model.add_fragment(f.variant, f.mask, f.texton), f.at));
+                elements.push((model.add_fragment(f.variant, f.mask, f.painted), f.at));
             }
         }
         step(5)?;

@@ -197,7 +197,7 @@ impl Pages {
                 borders: border_distances(map, cell as f32 * FARTHEST),
             };
             for variation in (0..model.variations.len()).step_by(step) {
-                let sheet = Sheet::new(k, model, variation, size, library.source.parameters.wrap);
+                let sheet = Sheet::new(k, model, variation, size, library.arrangement.periodic);
                 this.pages.push(sheet.page(model, cell, &exemplar));
                 this.sheets.push(sheet);
             }

@@ -72,7 +72,7 @@ impl Correspondence {
         let (sheet, cell) = (&self.pages.sheets[page], self.pages.cell);
         let size = self.pages.pages[page].size;
         let mut held = Vec::new();
-        for (k, s) in library.secondaries.textons.iter().enumerate() {
+        for (k, s) in library.secondaries().iter().enumerate() {
             sheet.copies(model, s.origin(), size.map(|v| v as i32 * cell), |at| {
                 let within = at.map(|v| v.rem_euclid(cell));
                 held.push(Held {
@@ -110,7 +110,7 @@ impl Correspondence {
                 let (_, there) = self.source(canvas);
                 let Some(place) = sheet.exemplar(model, there) else { continue };
                 if let Some(secondary) = shapes.at(library, place) {
-                    let own = library.secondaries.textons[secondary as usize].origin();
+                    let own = library.secondaries()[secondary as usize].origin();
                     let own = sheet.on_page(model, own, there);
                     votes.push((secondary, [0, 1].map(|k| canvas[k] + own[k] - there[k]), page));
                 }
@@ -121,7 +121,7 @@ impl Correspondence {
         known.sort_unstable();
         let arrived = |votes: &&[(u32, [i32; 2], usize)]| {
             let (secondary, at, _) = votes[0];
-            let area = f64::from(library.secondaries.textons[secondary as usize].area);
+            let area = f64::from(library.secondaries()[secondary as usize].area);
             let enough = votes.len() as f64 * f64::from(cell * cell) >= ARRIVED * area;
             enough && known.binary_search(&(secondary, at)).is_err()
         };
@@ -163,8 +163,8 @@ impl Shapes {
     fn new(library: &Library) -> Self {
         let [columns, rows] = [library.source.width, library.source.height].map(|v| v as i32 / BUCKET + 1);
         let mut buckets = vec![Vec::new(); (columns * rows) as usize];
-        for (k, s) in library.secondaries.textons.iter().enumerate() {
-            let b = s.outline.bounds();
+        for (k, s) in library.secondaries().iter().enumerate() {
+            let b = s.outline().bounds();
             let range = |low: f64, high: f64, count: i32| {
                 let bucket = |v: f64| (libm::floor(v) as i32 / BUCKET).clamp(0, count - 1);
                 bucket(low)..=bucket(high)
@@ -175,7 +175,7 @@ impl Shapes {
                 }
             }
         }
-        let regions = library.secondaries.textons.iter().map(|_| OnceLock::new()).collect();
+        let regions = library.secondaries().iter().map(|_| OnceLock::new()).collect();
         Self { columns, rows, buckets, regions }
     }
 
@@ -184,7 +184,7 @@ impl Shapes {
         let (column, row) = ((x / BUCKET).clamp(0, self.columns - 1), (y / BUCKET).clamp(0, self.rows - 1));
         let middle = Point::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let holds = |&&k: &&u32| {
-            let outline = &library.secondaries.textons[k as usize].outline;
+            let outline = library.secondaries()[k as usize].outline();
             self.regions[k as usize].get_or_init(|| Region::new(outline)).contains(middle)
         };
         self.buckets[(row * self.columns + column) as usize].iter().find(holds).copied()

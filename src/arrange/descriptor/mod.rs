@@ -26,7 +26,7 @@ mod score;
 mod target;
 
 use super::choice::Choice;
-use super::model::{EMPTY, ElementId, UNDEFINED, VariantId};
+use super::model::{EMPTY, PlaceableId, UNDEFINED, VariantId};
 use super::occupancy::{Occupancy, PlacedId, RequestId};
 use super::picture;
 use crate::error::Result;
@@ -184,11 +184,11 @@ fn insert(map: &mut TargetMap<'_>, choice: &mut Choice, at: [i32; 2], random: &m
     let library = map.cells.region.draw_library(map.grid().point(at), random);
     let source = &model.sources[library];
     let area = |i: u32| {
-        let element = ElementId(i);
+        let element = PlaceableId(i);
         if model[element].placeable { f64::from(model.plain(element).area) } else { 0.0 }
     };
     let Some(drawn) = random.weighted(source.elements.clone().map(area)) else { return false };
-    let variant = model.draw_variant(ElementId(source.elements.start + drawn as u32), random);
+    let variant = model.draw_variant(PlaceableId(source.elements.start + drawn as u32), random);
     let cells = &map.cells;
     let known = |i: usize| !matches!(cells.state[i], UNDEFINED | EMPTY) || !cells.region.admits(i, library);
     let spans = model.shape(variant).mask.spans();

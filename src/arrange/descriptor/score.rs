@@ -119,7 +119,7 @@ mod tests {
     use super::*;
     use crate::arrange::controls::Controls;
     use crate::arrange::grid::Grid;
-    use crate::arrange::model::{ElementId, Model};
+    use crate::arrange::model::{PlaceableId, Model};
     use crate::arrange::region::Region;
     use crate::library::testing::{library, mosaic};
     use crate::raster::ControlMap;
@@ -183,7 +183,7 @@ mod tests {
             let model = Model::new(&libraries, &params);
             let grid = Grid::around(&model, &params);
             let region = Region::new(&grid, &controls, params.edge, false);
-            let placeable: Vec<ElementId> = model.members.iter().flatten().copied().collect();
+            let placeable: Vec<PlaceableId> = model.members.iter().flatten().copied().collect();
             let mut map = TargetMap::new(Occupancy::new(&model, region, grid));
             let any = |random: &mut crate::sampling::Stream| {
                 let element = placeable[random.index(placeable.len())];

@@ -4,7 +4,7 @@
 //! a canvas, a descriptor writes only where its library has a part.
 
 use crate::arrange::grid::Grid;
-use crate::arrange::model::{EMPTY, ElementId, Model, UNDEFINED, VariantId};
+use crate::arrange::model::{EMPTY, PlaceableId, Model, UNDEFINED, VariantId};
 use crate::arrange::occupancy::{Occupancy, Owner, PlacedId, RequestId};
 use crate::raster::Span;
 use crate::sampling::{Stream, Sums};
@@ -94,7 +94,7 @@ impl<'a> TargetMap<'a> {
                 self.clear_undefined(Span { y, x0, x1 }, at, variant);
             } else if self.met[(first + label - 1) as usize] != stamp {
                 self.met[(first + label - 1) as usize] = stamp;
-                neighbours.push(ElementId(first + label - 1));
+                neighbours.push(PlaceableId(first + label - 1));
             }
         });
         let origin = model[own].origin;

@@ -2,11 +2,11 @@
 
 use super::condition::condition;
 use super::fault::{self, Fault};
-use super::verb::{self, Verb};
+use super::verb::Verb;
 use super::words::words;
 use crate::cli::failure::Failure;
 use clap::{CommandFactory, Parser};
-use vtex::edit::{Condition, Layers, Operation, validate};
+use vtex::edit::{Condition, Operation, validate};
 
 /// An operation and the text that asked for it.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,11 +21,10 @@ pub(crate) struct Asked {
 pub(super) struct Line {
     #[command(subcommand)]
     verb: Verb,
-    /// which textons: all is primary and secondary; background, for colours only, is the ground
-    /// [primary, secondary, all, background, default: all]
-    #[arg(long, global = true, value_name = "WORD", default_value = "all")]
-    #[arg(value_parser = verb::choice::<Layers>(&["primary", "secondary", "all", "background"]))]
-    layer: Layers,
+    /// which layer, by its name or role: primary, secondary, background (for colours only); all is
+    /// every layer of elements [a name, default: all]
+    #[arg(long, global = true, value_name = "NAME", default_value = "all")]
+    layer: String,
     /// only those that fulfil all of category=3 (or 3|5, or !=3; secondaries have none), library=0,
     /// id=17, area>200, elongation>1.5, x<500, y>=20 (with >, <, >= or <=), inside=FILE, outside=FILE
     /// [conditions, with commas between]
@@ -52,7 +51,7 @@ pub(crate) fn parse(text: &str, read: impl FnOnce(&str) -> vtex::Result<Vec<u8>>
     let Line { verb: asked, layer, conditions } =
         Line::try_parse_from(&words).map_err(|e| refused(fault::of_parser(&e, verb)))?;
     asked.check(verb).map_err(refused)?;
-    let operation = Operation { action: asked.action(read)?, layers: layer, conditions };
+    let operation = Operation { action: asked.action(read)?, layer: (layer != "all").then_some(layer), conditions };
     validate(&operation).map_err(|e| refused(fault::of_operation(&e, verb)))?;
     Ok(Asked { text: text.to_owned(), operation })
 }

@@ -4,7 +4,7 @@ use super::fault;
 use super::line::{Line, parse};
 use clap::CommandFactory;
 use vtex::edit::{
-    Action, Comparison, Condition, Direction, Identity, Layers, Operation, Quantity, ThinOrder,
+    Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder,
 };
 use vtex::raster::colour::Colour;
 
@@ -66,7 +66,7 @@ fn texts_mean_operations() {
     }
     let all =
         operation("delete --layer secondary --where 'category!=3|5, area>=20,x<9' --where outside=a.svg");
-    assert_eq!(all.layers, Layers::Secondary);
+    assert_eq!(all.layer.as_deref(), Some("secondary"));
     let compare = |quantity, comparison, limit| Condition::Compare { quantity, comparison, limit };
     assert_eq!(
         all.conditions,

@@ -17,7 +17,7 @@ mod stops;
 mod tests;
 
 use crate::raster::colour::Colour;
-use crate::scene::{Scene, field::Interpolant};
+use crate::scene::{Field, Scene, field::Interpolant};
 use samples::Samples;
 
 /// Distance of rows, as a share of the distance between control points.
@@ -56,11 +56,11 @@ pub(super) struct Stop {
 }
 
 impl Background {
-    /// Samples and fits the field of a scene.
-    pub(super) fn new(scene: &Scene) -> Self {
-        let field = Interpolant::new(&scene.background, scene.width, scene.height, scene.tile);
+    /// Samples and fits a field on the canvas of a scene.
+    pub(super) fn new(scene: &Scene, own: &Field) -> Self {
+        let field = Interpolant::new(own, scene.width, scene.height, scene.tile);
         let (width, height) = (f64::from(scene.width), f64::from(scene.height));
-        let spacing = scene.background.spacing.clamp(5.0, 1000.0);
+        let spacing = own.spacing.clamp(5.0, 1000.0);
         // Whole and half pixels are short in text.
         let step = libm::round(spacing * SAMPLE * 2.0) / 2.0;
         let last = libm::ceil(width / step) as usize;

@@ -13,9 +13,9 @@ const CALM: ([f64; 3], f64) = ([120.0, 115.0, 100.0], 12.0);
 /// do, up to `spread` from it.
 fn ground(width: u32, height: u32, (centre, spread): ([f64; 3], f64), tile: Tile) -> Scene {
     let mut scene = testing::tiled(width, height, 1, tile);
-    (scene.primary, scene.secondary) = (Vec::new(), Vec::new());
+    (scene.primary(), scene.secondary()) = (Vec::new(), Vec::new());
     let mut rng = crate::sampling::stream(2, "output/ground", 0);
-    for point in &mut scene.background.points {
+    for point in scene.field_mut().points {
         let light = (rng.unit() - 0.5 + rng.unit() - 0.5) * spread;
         point.colour = Colour::from_f64(centre.map(|v| v + light + 4.0 * (rng.unit() - 0.5)));
     }
@@ -26,7 +26,7 @@ fn ground(width: u32, height: u32, (centre, spread): ([f64; 3], f64), tile: Tile
 /// from it, at places of no relation to rows and stops.
 fn distance(scene: &Scene) -> (f64, f64, f64) {
     let grid = Background::new(scene);
-    let field = Interpolant::new(&scene.background, scene.width, scene.height, scene.tile);
+    let field = Interpolant::new(scene.field(), scene.width, scene.height, scene.tile);
     let step = 0.9;
     let xs: Vec<f64> = (0..(f64::from(scene.width) / step) as usize).map(|i| i as f64 * step).collect();
     let (mut sum, mut most, mut far, mut count) = (0.0, 0.0f64, 0.0, 0.0);
@@ -69,10 +69,10 @@ fn few_stops() {
 #[test]
 fn an_even_ground_needs_two_stops_a_row() {
     let mut scene = ground(300, 300, CALM, Tile::default());
-    scene.background.points.clear();
+    scene.field().points.clear();
     let grid = Background::new(&scene);
     assert!(grid.rows.iter().flatten().all(|stops| stops.len() == 2));
-    assert!(grid.rows.iter().flatten().flatten().all(|s| s.colour == scene.background.fallback));
+    assert!(grid.rows.iter().flatten().flatten().all(|s| s.colour == scene.field().fallback));
 }
 
 #[test]

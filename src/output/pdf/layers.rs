@@ -16,7 +16,7 @@ const ENTRY: usize = 20;
 
 /// A file of one page whose content draws one form XObject for each of `names`, in this order; gives
 /// the same file with a group of that name around each. `None` if the file has another structure.
-pub(super) fn named(file: &[u8], names: &[&str]) -> Option<Vec<u8>> {
+pub(super) fn named(file: &[u8], names: &[String]) -> Option<Vec<u8>> {
     let objects = Objects::read(file)?;
     let catalog = objects.reference(objects.trailer, "/Root ")?;
     let pages = objects.reference(objects.text(catalog)?, "/Pages ")?;
@@ -36,9 +36,19 @@ pub(super) fn named(file: &[u8], names: &[&str]) -> Option<Vec<u8>> {
         (content, stream(content, &marked(&hoisted(content_of(objects.bytes(content)?)?), names.len())?)),
     ]);
     for (k, name) in names.iter().enumerate() {
-        changed.insert(first + k, format!("{} 0 obj\n<</Type /OCG /Name ({name})>>\nendobj\n\n", first + k));
+        changed.insert(first + k, format!("{} 0 obj\n<</Type /OCG /Name {}>>\nendobj\n\n", first + k, text(name)));
     }
     Some(objects.write(file, &changed))
+}
+
+/// A text string: as it is where it is plain ASCII, else in UTF-16.
+fn text(name: &str) -> String {
+    let plain = name.chars().all(|c| matches!(c, ' '..='~') && !matches!(c, '(' | ')' | '\\'));
+    if plain {
+        return format!("({name})");
+    }
+    let digits: String = name.encode_utf16().map(|unit| format!("{unit:04X}")).collect();
+    format!("<FEFF{digits}>")
 }
 
 /// The objects of a file with one plain table.

@@ -21,7 +21,7 @@ use super::background::Background;
 use crate::error::{Error, Result};
 use crate::geometry::{Outline, PathEl, Point, Rect, Vec2};
 use crate::raster::colour::Colour;
-use crate::scene::{Edge, Gradient, Scene};
+use crate::scene::{Gradient, Layer, Scene};
 use krilla::geom::{Path as PdfPath, PathBuilder, Transform};
 use krilla::graphic::Graphic;
 use krilla::metadata::Metadata;
@@ -38,8 +38,6 @@ use textons::Textons;
 const POINTS: f64 = 0.75;
 /// Largest side of a page that readers are known to show, in points.
 const LARGEST_PAGE: f64 = 14_400.0;
-/// Names of the layers in painting order.
-const LAYERS: [&str; 3] = ["Background", "Secondary", "Primary"];
 
 /// Writes a scene as PDF. Same scene: the same bytes. Gives their number.
 ///
@@ -72,44 +70,62 @@ fn document(scene: &Scene) -> std::result::Result<Vec<u8>, String> {
     }
     document.set_metadata(metadata);
     let file = document.finish().map_err(|e| format!("{e:?}"))?;
-    layers::named(&file, drawn).ok_or_else(|| "the layers of the page are not found".into())
+    layers::named(&file, &drawn).ok_or_else(|| "the layers of the page are not found".into())
 }
 
-/// The three layers, those that a domain clips inside its outline. Gives the names of those drawn.
-fn draw(scene: &Scene, surface: &mut Surface<'_>) -> &'static [&'static str] {
-    let ground = Background::new(scene);
+/// The layers, those that a domain clips inside its outline. Gives the names of those drawn.
+fn draw(scene: &Scene, surface: &mut Surface<'_>) -> Vec<String> {
     let mut textons = Textons::new(scene);
-    let layers = [
-        layer(surface, |s| background::draw(&ground, s)),
-        layer(surface, |s| textons.draw(&scene.secondary, s)),
-        layer(surface, |s| textons.draw(&scene.primary, s)),
-    ];
-    let Some(domain) = &scene.domain else {
-        layers.into_iter().for_each(|l| surface.draw_graphic(l));
-        return &LAYERS;
-    };
-    let mut clip = PathBuilder::new();
-    for shift in scene.copies(domain.outline.bounds()) {
-        append(&mut clip, &domain.outline, shift);
-    }
-    // A domain without any room shows nothing; the primaries that stick out come after it.
-    let clip = clip.finish();
-    let inside = if domain.edge == Edge::Keep { 2 } else { 3 };
-    if let Some(clip) = &clip {
-        surface.push_clip_path(clip, &FillRule::NonZero);
-    }
-    for (i, layer) in layers.into_iter().enumerate() {
-        if i == inside && clip.is_some() {
+    let layers: Vec<(&Layer, Graphic)> = scene
+        .layers
+        .iter()
+        .map(|own| {
+            let graphic = layer(surface, |s| {
+                let clip = own.region.as_ref().map(|outline| clip_path(scene, outline));
+                // A region without any room shows nothing.
+                let Some(clip) = clip.map_or(Some(None), |path| path.map(Some)) else { return };
+                if let Some(clip) = &clip {
+                    s.push_clip_path(clip, &FillRule::NonZero);
+                }
+                if let Some(field) = &own.field {
+                    background::draw(&Background::new(scene, field), s);
+                }
+                textons.draw(&own.instances, s);
+                if clip.is_some() {
+                    s.pop();
+                }
+            });
+            (own, graphic)
+        })
+        .collect();
+    // A domain without any room shows nothing; elements that stick out lie outside of it.
+    let domain = scene.domain.as_ref().and_then(|d| clip_path(scene, &d.outline));
+    let mut names = Vec::new();
+    for run in layers.chunk_by(|a, b| scene.is_clipped(a.0) == scene.is_clipped(b.0)) {
+        let clipped = scene.is_clipped(run[0].0);
+        match &domain {
+            Some(clip) if clipped => surface.push_clip_path(clip, &FillRule::NonZero),
+            None if clipped => continue,
+            _ => {}
+        }
+        for (layer, graphic) in run {
+            surface.draw_graphic(graphic.clone());
+            names.push(super::label(&layer.name));
+        }
+        if clipped {
             surface.pop();
         }
-        if i >= inside || clip.is_some() {
-            surface.draw_graphic(layer);
-        }
     }
-    if inside == 3 && clip.is_some() {
-        surface.pop();
+    names
+}
+
+/// An outline on the canvas of a scene, with its copies; `None` if nothing can be seen of it.
+fn clip_path(scene: &Scene, outline: &Outline) -> Option<PdfPath> {
+    let mut clip = PathBuilder::new();
+    for shift in scene.copies(outline.bounds()) {
+        append(&mut clip, outline, shift);
     }
-    if clip.is_some() { &LAYERS } else { &LAYERS[inside..] }
+    clip.finish()
 }
 
 /// What `content` draws, as a graphic of its own.

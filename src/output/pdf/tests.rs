@@ -27,7 +27,7 @@ fn vectors_only_with_title_and_producer() {
     assert_eq!(count(&file, "/CreationDate") + count(&file, "/ModDate"), 0);
     scene.width = 100_000;
     scene.height = 1;
-    scene.background.points.clear();
+    scene.field().points.clear();
     assert_eq!(count(&bytes(&scene), "/MediaBox [0 0 14400 "), 1);
 }
 
@@ -56,7 +56,7 @@ fn number(text: &str, key: &str) -> usize {
 fn layers_are_optional_content() {
     let mut scene = testing::scene(400, 300, 1);
     let mut found = Vec::new();
-    let outline = scene.textons[1].outline.clone();
+    let outline = scene.elements[1].outline.clone();
     for edge in [None, Some(Edge::Keep), Some(Edge::Clip)] {
         scene.domain = edge.map(|edge| Domain { outline: outline.clone(), edge });
         let file = bytes(&scene);
@@ -96,7 +96,7 @@ fn layers_are_optional_content() {
 fn textons_that_stand_often_are_written_once() {
     let mut scene = testing::scene(400, 300, 2);
     let once = bytes(&scene).len();
-    let copies = scene.primary.clone();
+    let copies = scene.primary().clone();
     for k in 1..=4 {
         let shifted = copies.iter().map(|i| {
             let mut copy = i.clone();
@@ -104,7 +104,7 @@ fn textons_that_stand_often_are_written_once() {
             copy.transform[4] = 400.0 - copy.transform[4];
             copy
         });
-        scene.primary.extend(shifted);
+        scene.primary_mut().extend(shifted);
     }
     // Five times the primaries: a few lines for each instance, not its paths.
     let grown = bytes(&scene).len() - once;
@@ -115,12 +115,12 @@ fn textons_that_stand_often_are_written_once() {
 fn any_domain_tile_and_size_is_written() {
     let mut scene = testing::tiled(300, 200, 3, Tile { x: true, y: false });
     let plain = bytes(&scene);
-    let outline = scene.textons[1].outline.clone();
+    let outline = scene.elements[1].outline.clone();
     for edge in [Edge::Keep, Edge::Clip, Edge::Avoid] {
         scene.domain = Some(Domain { outline: outline.clone(), edge });
         assert_ne!(bytes(&scene), plain);
     }
     bytes(&testing::scene(1, 1, 4));
-    scene.primary[0].texton = 1000;
+    scene.primary_mut()[0].texton = 1000;
     assert!(matches!(write(&scene, io::sink()), Err(Error::Format { .. })));
 }

@@ -1,10 +1,10 @@
 //! Textons in PDF: defined once and drawn often, or written where they stand.
 
-use super::{fill, flat, gradual, is_seen, layer, path_of};
+use super::{flat, gradual, is_seen, layer, path_of};
 use crate::geometry::{Affine, Rect};
 use crate::output::shadow::{self, Shadows};
 use crate::raster::colour::Colour;
-use crate::scene::{Instance, Scene, Texton};
+use crate::scene::{Element, ElementId, Instance, Scene};
 use krilla::geom::Transform;
 use krilla::graphic::Graphic;
 use krilla::num::NormalizedF32;
@@ -21,9 +21,9 @@ pub(super) struct Textons<'a> {
     scene: &'a Scene,
     bounds: Vec<Rect>,
     /// How often each is drawn in which colour.
-    uses: BTreeMap<(u32, Option<Colour>), usize>,
+    uses: BTreeMap<(ElementId, Option<Colour>), usize>,
     /// Those that are defined already.
-    defined: BTreeMap<(u32, Option<Colour>), Graphic>,
+    defined: BTreeMap<(ElementId, Option<Colour>), Graphic>,
     shadows: Shadows,
     /// The shadows that are defined already.
     defined_shadows: BTreeMap<shadow::Key, Graphic>,
@@ -31,13 +31,13 @@ pub(super) struct Textons<'a> {
 
 impl<'a> Textons<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
-        let bounds = scene.textons.iter().map(Texton::bounds).collect();
+        let bounds = scene.elements.iter().map(Element::bounds).collect();
         let (shadows, defined_shadows) = (Shadows::new(scene), BTreeMap::new());
         let mut textons =
             Self { scene, bounds, uses: BTreeMap::new(), defined: BTreeMap::new(), shadows, defined_shadows };
-        for instance in scene.secondary.iter().chain(&scene.primary) {
+        for instance in scene.instances() {
             let count = textons.places(instance).count();
-            *textons.uses.entry((instance.texton, instance.colour)).or_default() += count;
+            *textons.uses.entry((instance.element, instance.colour)).or_default() += count;
         }
         textons
     }
@@ -45,7 +45,7 @@ impl<'a> Textons<'a> {
     /// The maps to the canvas of what is seen of an instance and its copies.
     fn places(&self, instance: &Instance) -> impl Iterator<Item = Affine> + use<'a> {
         let (scene, affine) = (self.scene, instance.affine());
-        let bounds = instance.reach(self.bounds[instance.texton as usize]);
+        let bounds = instance.reach(self.bounds[instance.element.index()]);
         let shifts = scene.copies(bounds).filter(move |&shift| is_seen(scene, bounds, shift));
         shifts.map(move |shift| affine.then_translate(shift))
     }
@@ -53,11 +53,11 @@ impl<'a> Textons<'a> {
     /// Draws a layer.
     pub(super) fn draw(&mut self, instances: &[Instance], surface: &mut Surface<'_>) {
         for instance in instances {
-            let key = (instance.texton, instance.colour);
-            let texton = &self.scene.textons[instance.texton as usize];
+            let key = (instance.element, instance.colour);
+            let element = self.scene.element(instance);
             // Gradients are drawn in forms of their own.
-            let shared = self.uses[&key].saturating_sub(1) * elements(texton) >= WORTH
-                || has_gradient(texton, instance.colour);
+            let shared = self.uses[&key].saturating_sub(1) * path_elements(element) >= WORTH
+                || has_gradient(element, instance.colour);
             for affine in self.places(instance) {
                 if let Some(shadow) = &instance.shadow {
                     let key = shadow::key(instance, shadow);
@@ -70,14 +70,14 @@ impl<'a> Textons<'a> {
                 }
                 surface.push_transform(&transform(affine));
                 if shared {
-                    let define = || layer(surface, |s| paint(texton, instance.colour, s));
+                    let define = || layer(surface, |s| paint(element, instance.colour, s));
                     let graphic = self.defined.entry(key).or_insert_with(define).clone();
                     surface.draw_graphic(graphic);
                 } else {
                     // In its own coordinates, whose numbers are short.
-                    paint(texton, instance.colour, surface);
+                    paint(element, instance.colour, surface);
                 }
-                if let (Some(stroke), Some(path)) = (instance.stroke, path_of(&texton.outline)) {
+                if let (Some(stroke), Some(path)) = (instance.stroke, path_of(element.outline())) {
                     let (paint, width) = (flat(stroke.colour), stroke.width as f32);
                     let line = Stroke { paint, width, line_join: LineJoin::Round, ..Stroke::default() };
                     surface.set_fill(None);
@@ -107,25 +107,25 @@ fn darken(layers: &[shadow::Layer], surface: &mut Surface<'_>) {
     }
 }
 
-/// Elements of all paths of a texton.
-fn elements(texton: &Texton) -> usize {
-    let outlines = std::iter::once(&texton.outline).chain(texton.details.iter().map(|p| &p.outline));
-    outlines.map(|o| o.path().elements().len()).sum()
+/// Number of path elements of all shapes of an element.
+fn path_elements(element: &Element) -> usize {
+    element.shapes.iter().map(|s| s.outline.path().elements().len()).sum()
 }
 
-/// Whether a texton, its base in `colour` if there is one, is painted with a gradient.
-fn has_gradient(texton: &Texton, colour: Option<Colour>) -> bool {
-    texton.base(colour).1.is_some() || texton.details.iter().any(|p| p.gradient.is_some())
+/// Whether an element, its base in `colour` if there is one, is painted with a gradient.
+fn has_gradient(element: &Element, colour: Option<Colour>) -> bool {
+    element.paint(colour).1.is_some() || element.details().iter().any(|s| s.gradient.is_some())
 }
 
-/// The paths of a texton, its base in `colour` if there is one.
-fn paint(texton: &Texton, colour: Option<Colour>, surface: &mut Surface<'_>) {
-    let (base, gradient) = texton.base(colour);
-    let base = std::iter::once((&texton.outline, base, gradient));
-    let details = texton.details.iter().map(|p| (&p.outline, p.colour, p.gradient.as_ref()));
-    for (outline, colour, gradient) in base.chain(details) {
-        if let Some(path) = path_of(outline) {
-            fill(surface, &path, gradient.map_or_else(|| flat(colour), gradual));
-        }
+/// The shapes of an element, its base in `colour` if there is one.
+fn paint(element: &Element, colour: Option<Colour>, surface: &mut Surface<'_>) {
+    for (i, shape) in element.shapes.iter().enumerate() {
+        let Some(path) = path_of(&shape.outline) else { continue };
+        let own = colour.filter(|_| i == 0);
+        let gradient = shape.gradient.as_ref().filter(|_| own.is_none());
+        let paint = gradient.map_or_else(|| flat(own.unwrap_or(shape.colour)), gradual);
+        let opacity = NormalizedF32::new(shape.opacity as f32).unwrap_or(NormalizedF32::ONE);
+        surface.set_fill(Some(Fill { paint, opacity, ..Fill::default() }));
+        surface.draw_path(&path);
     }
 }

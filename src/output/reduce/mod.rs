@@ -10,7 +10,8 @@ mod visibility;
 use super::svg::SvgOptions;
 use crate::error::{Error, Result};
 use crate::parallel;
-use crate::scene::{Patch, Scene, Texton};
+use crate::geometry::Outline;
+use crate::scene::{Element, Scene};
 use serde::Serialize;
 use std::borrow::Cow;
 use visibility::Ranks;
@@ -33,7 +34,7 @@ pub struct GivenUp {
     /// Details left out, on all primaries of the canvas.
     pub details: usize,
     /// Secondaries left out.
-    pub secondaries: usize,
+    pub elements: usize,
 }
 
 /// A scene that fits.
@@ -72,7 +73,7 @@ pub fn to_fit<'a>(
             GivenUp { decimals: step.decimals, tolerance: step.tolerance, ..GivenUp::default() };
         if step.left_out > 0 {
             let ranks: &Ranks = ranks.get_or_insert_with(|| Ranks::new(scene));
-            (given_up.details, given_up.secondaries) =
+            (given_up.details, given_up.elements) =
                 ranks.leave_out(&mut result, ranks.len() * step.left_out / SHARES);
         }
         let options = SvgOptions { precision: step.decimals, ..*options };
@@ -136,14 +137,13 @@ impl Refits<'_> {
 
 /// The scene with every outline within `tolerance` pixels of what it was, in its own coordinates.
 fn refitted(scene: &Scene, tolerance: f64, decimals: u8) -> Scene {
-    let textons = parallel::map(&scene.textons, |texton| Texton {
-        outline: texton.outline.refitted(tolerance, decimals),
-        details: (texton.details.iter())
-            .map(|p| Patch { outline: p.outline.refitted(tolerance, decimals), ..p.clone() })
-            .collect(),
-        ..texton.clone()
+    let refit = |outline: &Outline| outline.refitted(tolerance, decimals);
+    let elements = parallel::map(&scene.elements, |element| Element {
+        silhouette: element.silhouette.as_ref().map(refit),
+        shapes: element.shapes.iter().map(|s| s.with_outline(refit(&s.outline))).collect(),
+        ..*element
     });
-    Scene { textons, ..scene.clone() }
+    Scene { elements, ..scene.clone() }
 }
 
 #[cfg(test)]
@@ -180,10 +180,10 @@ mod tests {
             assert!(bytes(&reduced.scene, &reduced.options).unwrap() <= most);
             let now = reduced.given_up.unwrap();
             assert!(now.decimals <= last.decimals && now.tolerance >= last.tolerance, "{last:?} {now:?}");
-            assert!(now.details >= last.details && now.secondaries >= last.secondaries, "{last:?} {now:?}");
+            assert!(now.details >= last.details && now.elements >= last.elements, "{last:?} {now:?}");
             last = now;
         }
-        assert_eq!(last.secondaries, scene.secondary.len());
+        assert_eq!(last.elements, scene.of_role(Role::Secondary).count());
         assert_eq!(fit(&scene, smallest).unwrap(), fit(&scene, smallest).unwrap());
     }
 

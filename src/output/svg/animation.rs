@@ -14,12 +14,13 @@
 
 use super::number::{Number, Paint};
 use super::xml::{Drawn, Xml};
-use super::{Part, SvgSummary, layers};
+use super::layers::{self, Frame};
+use super::{NamedField, SvgSummary, backgrounds};
 use crate::error::{Result, check};
 use crate::geometry::{Point, Rect, Vec2};
-use crate::interpolate::{Brush, Interpolation, Motion, Moving};
+use crate::interpolate::{Brush, Interpolation, LayerMotion, Motion, Moving};
 use crate::output::background::Background;
-use crate::scene::{Edge, Scene};
+use crate::scene::{Edge, InstanceId, Scene};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -66,7 +67,7 @@ pub fn write_animation(way: &Interpolation, options: &Animation, out: impl Write
         ));
     }
     let soft = |scene: &Scene| {
-        let mut shadows = scene.secondary.iter().chain(&scene.primary).filter_map(|i| i.shadow);
+        let mut shadows = scene.instances().filter_map(|i| i.shadow);
         shadows.any(|shadow| shadow.blur > 0.0)
     };
     if way.scenes().into_iter().any(soft) {
@@ -89,7 +90,7 @@ impl Writer<'_> {
     fn write<W: Write>(
         &self,
         xml: &mut Xml<W>,
-        motions: &[Vec<Motion>; 2],
+        motions: &[LayerMotion<'_>],
         options: &Animation,
     ) -> io::Result<usize> {
         let Scene { width, height, .. } = *self.scenes[0];
@@ -106,45 +107,67 @@ impl Writer<'_> {
         xml.text(&format!("{from} → {to}"));
         xml.close()?;
         xml.line();
-        self.write_rules(xml, motions, options)?;
-        let backgrounds = self.scenes.map(Background::new);
-        self.write_definitions(xml, &backgrounds)?;
-        let edge = self.domain.as_ref().map(|(_, edge)| *edge);
-        let [secondaries, primaries] = motions;
+        let field = |side: usize| {
+            let scene = self.scenes[side];
+            motions.iter().map(move |layer| layer.fields[side].map(|field| Background::new(scene, field)))
+        };
+        let fields = [backgrounds(field(0), "b"), backgrounds(field(1), "e")];
+        let named = motions.iter().map(|layer| (layer.name, layer.role, layer.region.is_some()));
+        let frames = Frame::of(named, self.domain.as_ref().map(|(_, edge)| *edge));
+        self.write_rules(xml, motions, &frames, options)?;
+        self.write_definitions(xml, &fields, motions, &frames)?;
         let mut shapes = 0;
-        layers(xml, edge, |xml, part| {
-            match part {
-                Part::Background => write_grounds(xml, &backgrounds)?,
-                Part::Secondary => shapes += self.write_motions(xml, secondaries)?,
-                Part::Primary => shapes += self.write_motions(xml, primaries)?,
-            }
+        layers::write(xml, &frames, |xml, k| {
+            write_fields(xml, [fields[0][k].as_ref(), fields[1][k].as_ref()])?;
+            shapes += self.write_motions(xml, &motions[k].motions)?;
             Ok(())
         })?;
         Ok(shapes)
     }
 
-    fn write_definitions<W: Write>(&self, xml: &mut Xml<W>, backgrounds: &[Background; 2]) -> io::Result<()> {
+    fn write_definitions<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        fields: &[Vec<NamedField>; 2],
+        motions: &[LayerMotion<'_>],
+        frames: &[Frame],
+    ) -> io::Result<()> {
         xml.open("defs");
         xml.line();
-        for (background, name) in backgrounds.iter().zip(['b', 'e']) {
+        for (background, name) in fields.iter().flatten().flatten() {
             background.write_definitions(xml, 0.0, name)?;
         }
-        if let Some((shape, _)) = &self.domain {
+        for (id, rule, shape) in self.clips(motions, frames) {
             xml.open("clipPath");
-            xml.attribute("id", "domain");
+            xml.attribute("id", id);
             xml.open("path");
-            xml.attribute("id", "shape");
+            xml.attribute("id", format_args!("{rule}-shape"));
             xml.attribute("class", "a");
-            xml.attribute("style", "animation-name:domain");
+            xml.attribute("style", format_args!("animation-name:{rule}"));
             xml.attribute("d", self.data(shape, 0));
             xml.close()?;
-            self.write_copies(xml, "shape", shape.bounds(), Drawn { elements: 1, references: 0 })?;
+            let drawn = Drawn { elements: 1, references: 0 };
+            self.write_copies(xml, &format!("{rule}-shape"), shape.bounds(), drawn)?;
             xml.close()?;
             xml.line();
         }
         xml.close()?;
         xml.line();
         Ok(())
+    }
+
+    /// The shapes that clip something: id of the clip path, name of the rule, and the shape.
+    fn clips<'a>(
+        &'a self,
+        motions: &'a [LayerMotion<'_>],
+        frames: &'a [Frame],
+    ) -> impl Iterator<Item = (&'a str, String, &'a Moving)> {
+        let domain = self.domain.iter().map(|(shape, _)| (layers::DOMAIN, layers::DOMAIN.to_owned(), shape));
+        let regions = motions.iter().zip(frames).enumerate();
+        let regions = regions.filter_map(|(k, (layer, frame))| {
+            Some((frame.region()?, format!("region{k}"), layer.region.as_ref()?))
+        });
+        domain.chain(regions)
     }
 
     /// The textons of a layer; gives the number of their shapes.
@@ -161,7 +184,8 @@ impl Writer<'_> {
     fn write_rules<W: Write>(
         &self,
         xml: &mut Xml<W>,
-        motions: &[Vec<Motion>; 2],
+        motions: &[LayerMotion<'_>],
+        frames: &[Frame],
         options: &Animation,
     ) -> io::Result<()> {
         let direction = if options.back { "alternate" } else { "normal" };
@@ -172,7 +196,7 @@ impl Writer<'_> {
              @keyframes e{{from{{opacity:0}}to{{opacity:1}}}}\n"
         ))?;
         // Windows begin and end on a few steps: a rule for each pair that there is.
-        let mut windows: Vec<[u32; 2]> = motions.iter().flatten().filter_map(window).collect();
+        let mut windows: Vec<[u32; 2]> = motions.iter().flat_map(|layer| &layer.motions).filter_map(window).collect();
         windows.sort_unstable();
         windows.dedup();
         for [first, last] in windows {
@@ -184,10 +208,10 @@ impl Writer<'_> {
             }
             xml.raw_text(&format!(".w{first}-{last}{{animation-timing-function:linear({pace},1)}}\n"))?;
         }
-        if let Some((shape, _)) = &self.domain {
-            xml.raw_text(&format!("@keyframes domain{{to{{d:path(\"{}\")}}}}\n", self.data(shape, 2)))?;
+        for (_, rule, shape) in self.clips(motions, frames) {
+            xml.raw_text(&format!("@keyframes {rule}{{to{{d:path(\"{}\")}}}}\n", self.data(shape, 2)))?;
         }
-        for motion in motions.iter().flatten() {
+        for motion in motions.iter().flat_map(|layer| &layer.motions) {
             let mut rules = String::new();
             for (k, shape) in motion.shapes.iter().enumerate() {
                 let _ = write!(rules, "@keyframes {}{{", name(motion.id, k));
@@ -280,15 +304,24 @@ fn write_brush<W: Write>(xml: &mut Xml<W>, brush: &Brush) {
     }
 }
 
-/// The ground of the first scene, and over it that of the second, which appears.
-fn write_grounds<W: Write>(xml: &mut Xml<W>, backgrounds: &[Background; 2]) -> io::Result<()> {
-    backgrounds[0].write_bands(xml, 0.0, 'b')?;
-    xml.open("g");
-    xml.attribute("class", "a e");
-    xml.attribute("opacity", 0);
-    xml.line();
-    backgrounds[1].write_bands(xml, 0.0, 'e')?;
-    xml.close()
+/// The field of the first scene, and over it that of the second, which appears.
+fn write_fields<W: Write>(
+    xml: &mut Xml<W>,
+    [from, to]: [Option<&(Background, String)>; 2],
+) -> io::Result<()> {
+    match (from, to) {
+        (None, None) => Ok(()),
+        (Some((only, name)), None) | (None, Some((only, name))) => only.write_bands(xml, 0.0, name),
+        (Some((from, from_name)), Some((to, to_name))) => {
+            from.write_bands(xml, 0.0, from_name)?;
+            xml.open("g");
+            xml.attribute("class", "a e");
+            xml.attribute("opacity", 0);
+            xml.line();
+            to.write_bands(xml, 0.0, to_name)?;
+            xml.close()
+        }
+    }
 }
 
 /// What of it is another in the second scene, as a part of a rule.
@@ -310,7 +343,7 @@ fn brush_rule(rule: &mut String, brush: &Brush) {
 }
 
 /// The rule of shape `k` of a texton.
-fn name(id: u32, k: usize) -> String {
+fn name(id: InstanceId, k: usize) -> String {
     if k == 0 { format!("k{id}") } else { format!("k{id}-{k}") }
 }
 
@@ -426,7 +459,7 @@ mod tests {
         let source = String::from_utf8(bytes).unwrap();
         let document = roxmltree::Document::parse(&source).unwrap();
         let with_id = |id: &str| document.descendants().filter(|n| n.attribute("id") == Some(id)).count();
-        for motion in way.motions().iter().flatten() {
+        for motion in way.motions().iter().flat_map(|layer| &layer.motions) {
             assert_eq!(with_id(&format!("p{}", motion.id)), 1);
         }
         let style = document.descendants().find(|n| n.has_tag_name("style")).unwrap().text().unwrap();

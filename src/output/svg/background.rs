@@ -55,7 +55,7 @@ impl Background {
         &self,
         xml: &mut Xml<W>,
         bleed: f64,
-        name: char,
+        name: &str,
     ) -> io::Result<()> {
         for (k, row) in self.rows.iter().enumerate() {
             for (c, stops) in row.iter().enumerate() {
@@ -125,7 +125,7 @@ impl Background {
     }
 
     /// The bands; the outermost reach `bleed` pixels beyond the canvas.
-    pub(super) fn write_bands<W: Write>(&self, xml: &mut Xml<W>, bleed: f64, name: char) -> io::Result<()> {
+    pub(super) fn write_bands<W: Write>(&self, xml: &mut Xml<W>, bleed: f64, name: &str) -> io::Result<()> {
         let last_row = self.rows.len() - 1;
         for first in 0..2 {
             xml.open("g");

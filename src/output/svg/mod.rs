@@ -9,21 +9,24 @@
 //! In a scene that tiles, textons that cross an edge come again at the opposite one, right after
 //! their original: primaries as a `<use>` of it, secondaries in full.
 //!
-//! A reader finds of every texton its *category* in `data-category` of the group of a primary; its
-//! *source*, the index among the primaries or secondaries of its library, in the id of its definition,
-//! or of its first path where it stands once (`t12` is primary 12, `s340` secondary 340, `t12-1` that
-//! of library 1, counted from 0 as in the metadata, where there are several); in an expanded file in
-//! `data-source` and `data-library` of its first path; its *place in the painting order* in the order of the document. What stands
-//! in the layer `primary` without an id is a copy of what its `xlink:href` or `data-copy-of` names.
-//! The layers are layers in Inkscape too, and the symbols have titles.
+//! Layers become groups with the layer's name; a region becomes a clip path. A reader finds of every
+//! element of a layer of individuals its *category* in `data-category` of its group; its *source*, the
+//! index among the elements of its library, in the id of its definition, or of its first path where it
+//! stands once (`t12` is element 12 with a category, `s340` element 340 without one, `t12-1` that of
+//! library 1, counted from 0 as in the metadata, where there are several); in an expanded file in
+//! `data-source` and `data-library` of its first path; its *place in the painting order* in the order of
+//! the document. What stands in such a layer without an id is a copy of what its `xlink:href` or
+//! `data-copy-of` names. The layers are layers in Inkscape too, and the symbols have titles.
 //!
-//! Ids: layers `background`, `secondary`, `primary`; `p7` the primary instance of id 7; `t…` and `s…`
-//! the textons, `t12g` the gradient of one, `t12s` its shadow (`t12s2` another), `t12o` its bare outline; `g5` any other gradient; `b…` the background's; `inside`
-//! the group that a domain clips, `domain` its clip path; `texture` the pattern.
+//! Ids: layers `background`, `secondary`, `primary`, or `layer-` and a name of their own, with `-region`
+//! their clip paths; `p7` the instance of id 7; `t…` and `s…` the elements, `t12g` the gradient of one,
+//! `t12s` its shadow (`t12s2` another), `t12o` its bare outline; `g5` any other gradient; `b…` those of
+//! fields; `inside` a group that a domain clips, `domain` its clip path; `texture` the pattern.
 
 mod animation;
 mod background;
 mod gradients;
+mod layers;
 mod metadata;
 mod number;
 #[cfg(test)]
@@ -36,7 +39,8 @@ pub use animation::{Animation, write_animation};
 use super::background::Background;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
-use crate::scene::{Edge, Instance, Scene};
+use crate::scene::{Instance, Scene};
+use layers::Frame;
 use number::Paint;
 use std::io::{self, Write};
 use std::path::Path;
@@ -151,7 +155,8 @@ fn too_much(drawn: Drawn) -> Option<String> {
 /// What is written, and how.
 struct Document<'a> {
     scene: &'a Scene,
-    background: Background,
+    backgrounds: Vec<NamedField>,
+    frames: Vec<Frame>,
     textons: Textons<'a>,
     /// How far beyond the canvas it reaches, in pixels.
     bleed: f64,
@@ -162,7 +167,11 @@ impl<'a> Document<'a> {
         check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
         super::check_scene(scene)?;
         let textons = Textons::new(scene, options, bleed);
-        Ok(Self { scene, background: Background::new(scene), textons, bleed })
+        let fields = scene.layers.iter().map(|layer| layer.field.as_ref());
+        let backgrounds = backgrounds(fields.map(|f| f.map(|field| Background::new(scene, field))), "b");
+        let layers = scene.layers.iter().map(|l| (l.name.as_str(), l.role, l.region.is_some()));
+        let frames = Frame::of(layers, scene.domain.as_ref().map(|d| d.edge));
+        Ok(Self { scene, backgrounds, frames, textons, bleed })
     }
 
     /// The canvas as it is.
@@ -227,13 +236,18 @@ impl<'a> Document<'a> {
     fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         xml.open("defs");
         xml.line();
-        self.background.write_definitions(xml, self.bleed, 'b')?;
+        for (background, name) in self.backgrounds.iter().flatten() {
+            background.write_definitions(xml, self.bleed, name)?;
+        }
         self.textons.write_definitions(xml)?;
-        if let Some(domain) = &self.scene.domain {
+        let domain = self.scene.domain.as_ref().map(|d| (layers::DOMAIN, &d.outline));
+        let layers = self.scene.layers.iter().zip(&self.frames);
+        let regions = layers.filter_map(|(layer, frame)| Some((frame.region()?, layer.region.as_ref()?)));
+        for (id, outline) in domain.into_iter().chain(regions) {
             xml.open("clipPath");
-            xml.attribute("id", "domain");
-            for shift in self.textons.copies_of(domain.outline.bounds()) {
-                self.textons.write_outline(xml, &domain.outline, shift)?;
+            xml.attribute("id", id);
+            for shift in self.textons.copies_of(outline.bounds()) {
+                self.textons.write_outline(xml, outline, shift)?;
             }
             xml.close()?;
             xml.line();
@@ -244,18 +258,25 @@ impl<'a> Document<'a> {
     }
 
     fn write_layers<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
-        layers(xml, self.scene.domain.as_ref().map(|d| d.edge), |xml, part| match part {
-            Part::Background => self.background.write_bands(xml, self.bleed, 'b'),
-            Part::Secondary => self.write_secondaries(xml),
-            Part::Primary => self.write_primaries(xml),
+        layers::write(xml, &self.frames, |xml, k| {
+            if let Some((background, name)) = &self.backgrounds[k] {
+                background.write_bands(xml, self.bleed, name)?;
+            }
+            let layer = &self.scene.layers[k];
+            if layer.role.is_individual() {
+                self.write_individuals(xml, &layer.instances)
+            } else {
+                self.write_compactly(xml, &layer.instances)
+            }
         })
     }
 
-    fn write_secondaries<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+    /// Elements without groups of their own.
+    fn write_compactly<W: Write>(&self, xml: &mut Xml<W>, instances: &[Instance]) -> io::Result<()> {
         let textons = &self.textons;
         // Neighbours in painting order that share a fill take it from one group.
         let alike = |a: &_, b: &_| textons.fill(a).is_some() && textons.fill(a) == textons.fill(b);
-        for run in self.scene.secondary.chunk_by(alike) {
+        for run in instances.chunk_by(alike) {
             let fill = textons.fill(&run[0]).filter(|_| run.len() > 1);
             if let Some(fill) = fill {
                 xml.open("g");
@@ -276,12 +297,13 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    fn write_primaries<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
-        for instance in &self.scene.primary {
+    /// Elements each in a group with its id.
+    fn write_individuals<W: Write>(&self, xml: &mut Xml<W>, instances: &[Instance]) -> io::Result<()> {
+        for instance in instances {
             let before = xml.drawn();
             let mut original = Drawn::default();
             for (k, shift) in self.textons.copies(instance).enumerate() {
-                self.write_primary(xml, instance, (k > 0).then_some((shift, original)))?;
+                self.write_individual(xml, instance, (k > 0).then_some((shift, original)))?;
                 if k == 0 {
                     original = xml.drawn().since(before);
                 }
@@ -290,8 +312,8 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    /// A primary, or its copy: moved, and what is drawn of the original.
-    fn write_primary<W: Write>(
+    /// An element, or its copy: moved, and what is drawn of the original.
+    fn write_individual<W: Write>(
         &self,
         xml: &mut Xml<W>,
         instance: &Instance,
@@ -312,8 +334,8 @@ impl<'a> Document<'a> {
             None => {
                 xml.open("g");
                 xml.attribute("id", format_args!("p{}", instance.id));
-                if let Some(category) = self.scene.textons[instance.texton as usize].category {
-                    xml.attribute("data-category", category);
+                if let Some(category) = self.scene.element(instance).category {
+                    xml.attribute("data-category", category.0);
                 }
                 self.textons.write_instance(xml, instance, Vec2::ZERO, true)?;
             }
@@ -324,54 +346,15 @@ impl<'a> Document<'a> {
     }
 }
 
-/// A layer of the document.
-#[derive(Clone, Copy)]
-enum Part {
-    Background,
-    Secondary,
-    Primary,
-}
+/// The field of a layer, if it has one, and what its ids begin with.
+type NamedField = Option<(Background, String)>;
 
-/// The three layers, those that a domain of that edge clips in one group, so that what is clipped
-/// together has one clean edge. `write` fills each.
-fn layers<W: Write>(
-    xml: &mut Xml<W>,
-    edge: Option<Edge>,
-    mut write: impl FnMut(&mut Xml<W>, Part) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut one = |xml: &mut Xml<W>, id: &str, label: &str, part: Part| {
-        layer(xml, id, label);
-        xml.line();
-        write(xml, part)?;
-        end(xml)
+/// The fields of layers, whose ids begin with `name`, and a number from the second on.
+fn backgrounds(fields: impl Iterator<Item = Option<Background>>, name: &str) -> Vec<NamedField> {
+    let mut count = 0;
+    let mut named = |background: Background| {
+        count += 1;
+        (background, if count > 1 { format!("{name}{count}-") } else { name.to_owned() })
     };
-    if edge.is_some() {
-        layer(xml, "inside", "Inside");
-        xml.attribute("clip-path", "url(#domain)");
-        xml.line();
-    }
-    one(xml, "background", "Background", Part::Background)?;
-    one(xml, "secondary", "Secondary", Part::Secondary)?;
-    if edge == Some(Edge::Keep) {
-        end(xml)?;
-    }
-    one(xml, "primary", "Primary", Part::Primary)?;
-    if edge == Some(Edge::Clip) {
-        end(xml)?;
-    }
-    Ok(())
-}
-
-fn end<W: Write>(xml: &mut Xml<W>) -> io::Result<()> {
-    xml.close()?;
-    xml.line();
-    Ok(())
-}
-
-/// Begins one of the layers, which Inkscape shows as such.
-fn layer<W: Write>(xml: &mut Xml<W>, id: &str, label: &str) {
-    xml.open("g");
-    xml.attribute("id", id);
-    xml.attribute("inkscape:groupmode", "layer");
-    xml.attribute("inkscape:label", label);
+    fields.map(|field| field.map(&mut named)).collect()
 }

@@ -47,7 +47,7 @@ fn check_document(text: &str, summary: &SvgSummary) {
 fn well_formed_with_unique_ids_and_no_picture() {
     let tiled = testing::tiled(400, 300, 1, Tile { x: true, y: true });
     let mut shaped = tiled.clone();
-    let outline = shaped.textons[0].outline.clone();
+    let outline = shaped.elements[0].outline.clone();
     shaped.domain = Some(Domain { outline, edge: Edge::Clip });
     for options in [SvgOptions::default(), EXPANDED] {
         for scene in [&testing::scene(400, 300, 1), &tiled, &shaped] {
@@ -66,7 +66,7 @@ fn well_formed_with_unique_ids_and_no_picture() {
 fn copies_follow_their_original() {
     let scene = testing::tiled(400, 300, 2, Tile { x: true, y: true });
     let copies = |i: &Instance| {
-        let bounds = scene.textons[i.texton as usize].bounds();
+        let bounds = scene.element(i).bounds();
         scene.copies(i.affine().transform_rect_bbox(bounds).inflate(0.01, 0.01)).skip(1).count()
     };
     for (options, name) in [(SvgOptions::default(), "use"), (EXPANDED, "g")] {
@@ -75,7 +75,7 @@ fn copies_follow_their_original() {
         let layer = document.descendants().find(|n| n.attribute("id") == Some("primary")).unwrap();
         let mut found = layer.children().filter(Node::is_element);
         let mut all = 0;
-        for instance in &scene.primary {
+        for instance in scene.primary() {
             let id = format!("p{}", instance.id);
             assert_eq!(found.next().unwrap().attribute("id"), Some(&id[..]));
             for _ in 0..copies(instance) {
@@ -99,7 +99,7 @@ fn a_domain_clips_what_belongs_inside() {
         (Edge::Keep, &["background", "secondary"]),
     ] {
         let mut scene = testing::scene(200, 200, 3);
-        scene.domain = Some(Domain { outline: scene.textons[1].outline.clone(), edge });
+        scene.domain = Some(Domain { outline: scene.elements[1].outline.clone(), edge });
         let (text, _) = text(&scene, &SvgOptions::default());
         let document = Document::parse(&text).unwrap();
         let group = document.descendants().find(|n| n.has_attribute("clip-path")).unwrap();
@@ -122,11 +122,11 @@ fn layers_in_order_with_a_group_for_each_primary() {
         children.iter().map(|n| n.attribute("id").unwrap_or(n.tag_name().name())).collect();
     assert_eq!(names, ["title", "metadata", "defs", "background", "secondary", "primary"]);
     let groups: Vec<Node<'_, '_>> = children[5].children().filter(Node::is_element).collect();
-    assert_eq!(groups.len(), scene.primary.len());
-    for (group, instance) in groups.iter().zip(&scene.primary) {
+    assert_eq!(groups.len(), scene.primary().len());
+    for (group, instance) in groups.iter().zip(scene.primary()) {
         assert!(group.has_tag_name(("http://www.w3.org/2000/svg", "g")));
         assert_eq!(group.attribute("id"), Some(&format!("p{}", instance.id)[..]));
-        let category = scene.textons[instance.texton as usize].category.map(|c| c.to_string());
+        let category = scene.element(instance).category.map(|c| c.to_string());
         assert_eq!(group.attribute("data-category"), category.as_deref());
     }
 }
@@ -136,16 +136,16 @@ fn each_texton_used_twice_is_defined_once() {
     let scene = testing::scene(400, 300, 3);
     let (text, summary) = text(&scene, &SvgOptions::default());
     let document = Document::parse(&text).unwrap();
-    let instances: Vec<u32> = scene.secondary.iter().chain(&scene.primary).map(|i| i.texton).collect();
+    let instances: Vec<u32> = scene.instances().map(|i| i.texton).collect();
     let uses = |t: usize| instances.iter().filter(|i| **i as usize == t).count();
     let defined: Vec<usize> = named(&document, "defs")[0]
         .children()
         .filter_map(|n| n.attribute("id")?.strip_prefix(['t', 's'])?.parse().ok())
         .collect();
-    let expected: Vec<usize> = (0..scene.textons.len()).filter(|t| uses(*t) > 1).collect();
+    let expected: Vec<usize> = (0..scene.elements.len()).filter(|t| uses(*t) > 1).collect();
     assert_eq!(defined, expected);
     assert_eq!(summary.shared_textons, expected.len() as u64);
-    assert!((0..scene.textons.len()).any(|t| uses(t) == 1) && (0..scene.textons.len()).any(|t| uses(t) == 0));
+    assert!((0..scene.elements.len()).any(|t| uses(t) == 1) && (0..scene.elements.len()).any(|t| uses(t) == 0));
 
     let (text, summary) = self::text(&scene, &EXPANDED);
     let document = Document::parse(&text).unwrap();
@@ -173,7 +173,7 @@ fn limits_of_viewers_are_told_with_what_helps() {
 #[test]
 fn ids_stay_unique_where_sources_do_not() {
     let mut scene = testing::scene(400, 300, 3);
-    scene.textons.iter_mut().for_each(|t| t.source = 5);
+    scene.elements.iter_mut().for_each(|t| t.source = 5);
     let (text, summary) = text(&scene, &SvgOptions::default());
     check_document(&text, &summary);
     scene.libraries.push(scene.libraries[0].clone());
@@ -220,14 +220,14 @@ fn more_digits_more_bytes_and_nothing_lost_at_two() {
     assert!(bytes.is_sorted() && bytes[0] < bytes[1] && bytes[1] < bytes[2], "{bytes:?}");
     let (text, _) = text(&scene, &SvgOptions { precision: 2, expand: false });
     let document = Document::parse(&text).unwrap();
-    for (i, texton) in scene.textons.iter().enumerate() {
-        let id = format!("{}{i}", if texton.category.is_some() { 't' } else { 's' });
+    for (i, texton) in scene.elements.iter().enumerate() {
+        let id = format!("{}{i}", if element.category.is_some() { 't' } else { 's' });
         let Some(node) = named(&document, "defs")[0].children().find(|n| n.attribute("id") == Some(&id))
         else {
             continue;
         };
         let path = node.descendants().find_map(|n| n.attribute("d")).unwrap();
-        assert_eq!(serde_json::to_value(&texton.outline).unwrap(), path);
+        assert_eq!(serde_json::to_value(element.outline()).unwrap(), path);
     }
     let wrong = write(&scene, &SvgOptions { precision: 7, expand: false }, std::io::sink());
     assert!(matches!(wrong, Err(Error::Parameter { name: "precision", .. })));
@@ -271,7 +271,7 @@ fn failing_writers_are_reported() {
 fn golden() {
     use sha2::{Digest, Sha256};
     let mut scene = testing::scene(120, 90, 9);
-    scene.background.points.clear();
+    scene.field().points.clear();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/output.sha256");
     let mut found = String::new();
     for options in [SvgOptions::default(), EXPANDED] {

@@ -7,7 +7,7 @@ use super::xml::{Drawn, Xml};
 use crate::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
 use crate::output::shadow::{self, Layer, Shadows};
 use crate::raster::colour::Colour;
-use crate::scene::{Gradient, Instance, Scene, Shadow, Stroke, Texton};
+use crate::scene::{Element, ElementId, Gradient, Instance, Scene, Shadow, Shape, Stroke};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
@@ -58,15 +58,15 @@ impl<'a> Base<'a> {
 impl<'a> Textons<'a> {
     /// Decides which textons are shared.
     pub(super) fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Self {
-        let inherits = scene.textons.iter().map(|t| t.details.is_empty()).collect();
+        let inherits = scene.elements.iter().map(|t| t.details().is_empty()).collect();
         let bounds =
-            if scene.tile.any() { scene.textons.iter().map(Texton::bounds).collect() } else { Vec::new() };
-        let shared = vec![false; scene.textons.len()];
+            if scene.tile.any() { scene.elements.iter().map(Element::bounds).collect() } else { Vec::new() };
+        let shared = vec![false; scene.elements.len()];
         let SvgOptions { precision, expand } = *options;
         let (ids, gradients) = (ids(scene), Cell::new(0));
-        let drawn = vec![Cell::default(); scene.textons.len()];
+        let drawn = vec![Cell::default(); scene.elements.len()];
         let (shadows, shared_shadows) = (Shadows::new(scene), BTreeMap::new());
-        let outlined = vec![false; scene.textons.len()];
+        let outlined = vec![false; scene.elements.len()];
         let mut textons = Self {
             scene,
             precision,
@@ -82,39 +82,44 @@ impl<'a> Textons<'a> {
             shared_shadows,
             outlined,
         };
-        let mut uses = vec![0; scene.textons.len()];
+        let mut uses = vec![0; scene.elements.len()];
         let mut shadow_uses: BTreeMap<shadow::Key, usize> = BTreeMap::new();
         let mut outlined = textons.outlined.clone();
-        // Copies of primaries refer to their original as a whole.
-        let secondary = scene.secondary.iter().map(|i| (i, textons.copies(i).count()));
-        for (instance, count) in secondary.chain(scene.primary.iter().map(|i| (i, 1))) {
-            uses[instance.texton as usize] += count;
+        // Copies of individual elements refer to their original as a whole.
+        let counted = scene.layers.iter().flat_map(|layer| {
+            layer.instances.iter().map(|i| {
+                let count = if layer.role.is_individual() { 1 } else { textons.copies(i).count() };
+                (i, count)
+            })
+        });
+        for (instance, count) in counted {
+            uses[instance.element.index()] += count;
             if let Some(shadow) = &instance.shadow {
                 *shadow_uses.entry(shadow::key(instance, shadow)).or_insert(0) += count;
             }
-            outlined[instance.texton as usize] |= instance.stroke.is_some();
+            outlined[instance.element.index()] |= instance.stroke.is_some();
         }
-        for instance in scene.secondary.iter().chain(&scene.primary) {
-            textons.inherits[instance.texton as usize] |= instance.colour.is_some();
+        for instance in scene.instances() {
+            textons.inherits[instance.element.index()] |= instance.colour.is_some();
         }
         textons.shared = uses.iter().map(|&n| n > 1 && !expand).collect();
         let with_line =
-            |(i, asked): (usize, bool)| asked && textons.shared[i] && !scene.textons[i].details.is_empty();
+            |(i, asked): (usize, bool)| asked && textons.shared[i] && !scene.elements[i].details().is_empty();
         textons.outlined = outlined.into_iter().enumerate().map(with_line).collect();
         let many = shadow_uses.into_iter().filter(|(_, n)| *n > 1 && !expand);
-        let mut numbers: BTreeMap<u32, u32> = BTreeMap::new();
+        let mut numbers: BTreeMap<ElementId, u32> = BTreeMap::new();
         for (key, _) in many {
             let number = numbers.entry(key.0).or_insert(0);
             *number += 1;
             let more = if *number > 1 { number.to_string() } else { String::new() };
-            textons.shared_shadows.insert(key, format!("{}s{more}", textons.ids[key.0 as usize]));
+            textons.shared_shadows.insert(key, format!("{}s{more}", textons.ids[key.0.index()]));
         }
         textons
     }
 
     /// The shifts at which an instance is to be written, that of the original first.
     pub(super) fn copies(&self, instance: &Instance) -> impl Iterator<Item = Vec2> + use<> {
-        let bounds = self.bounds.get(instance.texton as usize).copied().unwrap_or_default();
+        let bounds = self.bounds.get(instance.element.index()).copied().unwrap_or_default();
         self.copies_of(instance.reach(bounds))
     }
 
@@ -143,35 +148,36 @@ impl<'a> Textons<'a> {
                 xml.line();
             }
         }
-        for (i, texton) in self.scene.textons.iter().enumerate().filter(|(i, _)| self.shared[*i]) {
+        for (i, element) in self.scene.elements.iter().enumerate().filter(|(i, _)| self.shared[*i]) {
             if self.outlined[i] {
                 xml.open("path");
                 xml.attribute("id", format_args!("{}o", self.ids[i]));
-                xml.attribute("d", self.data(&texton.outline, None));
+                xml.attribute("d", self.data(element.outline(), None));
                 xml.close()?;
                 xml.line();
             }
             let id = &self.ids[i];
             if self.inherits[i]
-                && let Some(gradient) = self.base_gradient(texton)
+                && let Some(gradient) = self.base_gradient(element)
             {
                 gradient.write(xml, format_args!("{id}g"))?;
                 xml.line();
             }
             let before = xml.drawn();
-            if texton.details.is_empty() {
+            if element.details().is_empty() {
                 xml.open("path");
                 xml.attribute("id", id);
-                xml.attribute("d", self.data(&texton.outline, None));
+                write_opacity(xml, element.base());
+                xml.attribute("d", self.data(&element.base().outline, None));
                 xml.close()?;
             } else {
                 xml.open("symbol");
                 xml.attribute("id", id);
                 xml.attribute("overflow", "visible");
                 xml.open("title");
-                xml.text(&title(texton));
+                xml.text(&title(element));
                 xml.close()?;
-                let base = if self.inherits[i] { Base::Inherited } else { Base::new(texton.base(None)) };
+                let base = if self.inherits[i] { Base::Inherited } else { Base::new(element.paint(None)) };
                 self.write_paths(xml, i, base, None)?;
                 xml.close()?;
             }
@@ -187,18 +193,20 @@ impl<'a> Textons<'a> {
         if !self.expand {
             return xml.attribute("id", &self.ids[index]);
         }
-        let texton = &self.scene.textons[index];
-        xml.attribute("data-source", texton.source);
+        let element = &self.scene.elements[index];
+        if let Some(source) = element.source {
+            xml.attribute("data-source", source.0);
+        }
         if self.scene.libraries.len() > 1 {
-            xml.attribute("data-library", texton.library);
+            xml.attribute("data-library", element.library);
         }
     }
 
     /// The one colour of a placed texton; none if it has details or a gradient.
     pub(super) fn fill(&self, instance: &Instance) -> Option<Colour> {
-        let texton = &self.scene.textons[instance.texton as usize];
-        let one = texton.details.is_empty() && (texton.gradient.is_none() || instance.colour.is_some());
-        one.then(|| instance.colour.unwrap_or(texton.colour))
+        let element = self.scene.element(instance);
+        let one = element.details().is_empty() && (element.base().gradient.is_none() || instance.colour.is_some());
+        one.then(|| instance.colour.unwrap_or(element.base().colour))
     }
 
     /// One placed texton, moved by `shift`; its fill is left to the group around it unless
@@ -210,8 +218,8 @@ impl<'a> Textons<'a> {
         shift: Vec2,
         with_fill: bool,
     ) -> io::Result<()> {
-        let index = instance.texton as usize;
-        let base = Base::new(self.scene.textons[index].base(instance.colour));
+        let index = instance.element.index();
+        let base = Base::new(self.scene.elements[index].paint(instance.colour));
         let affine = instance.affine().then_translate(shift);
         if let Some(shadow) = &instance.shadow {
             self.write_shadow_of(xml, instance, shadow, affine)?;
@@ -234,14 +242,14 @@ impl<'a> Textons<'a> {
         affine: Affine,
         with_fill: bool,
     ) -> io::Result<()> {
-        let texton = &self.scene.textons[index];
+        let element = &self.scene.elements[index];
         xml.open("use");
         xml.attribute("xlink:href", format_args!("#{}", self.ids[index]));
         self.write_transform(xml, &affine.as_coeffs());
         xml.follow(self.drawn[index].get());
         if self.inherits[index] && with_fill {
             match base {
-                Base::Gradient(..) if self.base_gradient(texton).is_some() => {
+                Base::Gradient(..) if self.base_gradient(element).is_some() => {
                     xml.attribute("fill", format_args!("url(#{}g)", self.ids[index]));
                 }
                 Base::Gradient(colour, _) | Base::Colour(colour) => xml.attribute("fill", Paint(colour)),
@@ -311,7 +319,7 @@ impl<'a> Textons<'a> {
             stroke.width
         } else {
             xml.open("path");
-            xml.attribute("d", self.data(&self.scene.textons[index].outline, Some(affine)));
+            xml.attribute("d", self.data(self.scene.elements[index].outline(), Some(affine)));
             stroke.width * libm::sqrt(affine.determinant().abs())
         };
         xml.attribute("class", "outline");
@@ -323,8 +331,8 @@ impl<'a> Textons<'a> {
     }
 
     /// The gradient of a texton's outline where it is defined.
-    fn base_gradient(&self, texton: &Texton) -> Option<BoxGradient> {
-        BoxGradient::new(texton.gradient.as_ref()?, Affine::IDENTITY, texton.outline.bounds())
+    fn base_gradient(&self, element: &Element) -> Option<BoxGradient> {
+        BoxGradient::new(element.base().gradient.as_ref()?, Affine::IDENTITY, element.base().outline.bounds())
     }
 
     /// The paths of a texton, moved by `affine`.
@@ -335,13 +343,13 @@ impl<'a> Textons<'a> {
         base: Base<'_>,
         affine: Option<Affine>,
     ) -> io::Result<()> {
-        let texton = &self.scene.textons[index];
+        let element = &self.scene.elements[index];
         // A definition has its id already.
         let source = affine.is_some().then_some(index);
-        self.write_filled(xml, &texton.outline, base, affine, source)?;
-        for patch in &texton.details {
-            let fill = Base::new((patch.colour, patch.gradient.as_ref()));
-            self.write_filled(xml, &patch.outline, fill, affine, None)?;
+        self.write_filled(xml, element.base(), base, affine, source)?;
+        for shape in element.details() {
+            let fill = Base::new((shape.colour, shape.gradient.as_ref()));
+            self.write_filled(xml, shape, fill, affine, None)?;
         }
         Ok(())
     }
@@ -351,7 +359,7 @@ impl<'a> Textons<'a> {
     fn write_filled<W: Write>(
         &self,
         xml: &mut Xml<W>,
-        outline: &Outline,
+        shape: &Shape,
         fill: Base<'_>,
         affine: Option<Affine>,
         source: Option<usize>,
@@ -359,7 +367,7 @@ impl<'a> Textons<'a> {
         let mut id = None;
         if let Base::Gradient(_, gradient) = fill {
             let moved = affine.unwrap_or_default();
-            if let Some(gradient) = BoxGradient::new(gradient, moved, outline.bounds_after(moved)) {
+            if let Some(gradient) = BoxGradient::new(gradient, moved, shape.outline.bounds_after(moved)) {
                 let number = self.gradients.get();
                 self.gradients.set(number + 1);
                 gradient.write(xml, format_args!("g{number}"))?;
@@ -375,7 +383,8 @@ impl<'a> Textons<'a> {
             (Base::Colour(colour) | Base::Gradient(colour, _), None) => xml.attribute("fill", Paint(colour)),
             (Base::Inherited, None) => (),
         }
-        xml.attribute("d", self.data(outline, affine));
+        write_opacity(xml, shape);
+        xml.attribute("d", self.data(&shape.outline, affine));
         xml.close()
     }
 
@@ -423,36 +432,41 @@ impl<'a> Textons<'a> {
     }
 }
 
-/// An id for each texton: `t` of a primary, `f` of a part of one or `s` of a secondary, its index in its library, and
-/// `-` with the number of the library where there are several. In a scene in which two are called
-/// alike, the later ones have `.` and their index after it.
+/// The opacity of a shape, if it is not opaque.
+fn write_opacity<W: Write>(xml: &mut Xml<W>, shape: &Shape) {
+    if shape.opacity < 1.0 {
+        xml.attribute("fill-opacity", Number(shape.opacity, 4));
+    }
+}
+
+/// An id for each element: `t` of one with a category, `f` of a part of one or `s` of one without, its
+/// index in its library, and `-` with the number of the library where there are several. In a scene in
+/// which two are called alike, the later ones have `.` and their index after it.
 fn ids(scene: &Scene) -> Vec<String> {
     let mut known = BTreeSet::new();
-    let id = |(i, t): (usize, &Texton)| {
-        let kind = match t.category {
-            Some(_) if t.fragment => 'f',
+    let id = |(i, e): (usize, &Element)| {
+        let kind = match e.category {
+            Some(_) if e.fragment => 'f',
             Some(_) => 't',
             None => 's',
         };
-        let mut id = format!("{kind}{}", t.source);
+        let source = e.source.map_or(String::new(), |source| source.0.to_string());
+        let mut id = format!("{kind}{source}");
         if scene.libraries.len() > 1 {
-            id.push_str(&format!("-{}", t.library));
+            id.push_str(&format!("-{}", e.library));
         }
-        if !known.insert((kind, t.source, t.library)) {
+        if source.is_empty() || !known.insert((kind, source, e.library)) {
             id.push_str(&format!(".{i}"));
         }
         id
     };
-    scene.textons.iter().enumerate().map(id).collect()
+    scene.elements.iter().enumerate().map(id).collect()
 }
 
-/// What editors call a texton among their symbols.
-fn title(texton: &Texton) -> String {
-    match texton.category {
-        Some(category) if texton.fragment => {
-            format!("Part of primary {}, category {category}", texton.source)
-        }
-        Some(category) => format!("Primary {}, category {category}", texton.source),
-        None => format!("Secondary {}", texton.source),
-    }
+/// What editors call an element among their symbols.
+fn title(element: &Element) -> String {
+    let part = if element.fragment { "Part of element" } else { "Element" };
+    let number = element.source.map_or(String::new(), |source| format!(" {}", source.0));
+    let category = element.category.map_or(String::new(), |c| format!(", category {}", c.0));
+    format!("{part}{number}{category}")
 }

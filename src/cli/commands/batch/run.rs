@@ -223,7 +223,7 @@ impl<'a> Run<'a> {
         record.outputs = written.collect::<vtex::Result<_>>()?;
         record.seed = Some(self.synth.seed);
         record.size = Some([made.scene.width, made.scene.height]);
-        record.primaries = Some(made.scene.primary.len());
+        record.primaries = Some(made.scene.of_role(vtex::scene::Role::Primary).count());
         record.coverage = Some([made.report.coverage_wanted, made.report.coverage]);
         Ok(())
     }

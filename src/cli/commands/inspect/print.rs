@@ -9,7 +9,7 @@ use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Library};
 use vtex::raster::colour::Colour;
-use vtex::scene::{EditRecord, Scene, SynthParams, Tile};
+use vtex::scene::{CategoryId, EditRecord, Role, Scene, SynthParams, Tile};
 
 /// What is said of a file.
 #[derive(Debug, Serialize)]
@@ -29,6 +29,8 @@ struct Inspection {
     seed: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tile: Option<Tile>,
+    /// The layers, in painting order.
+    layers: Vec<LayerLine>,
     counts: Counts,
     /// Share of the picture that primaries cover, 0 to 1.
     coverage: f64,
@@ -54,6 +56,18 @@ struct Exemplar {
 }
 
 #[derive(Debug, Serialize)]
+struct LayerLine {
+    name: String,
+    role: Role,
+    elements: usize,
+    /// Control points of its colour field, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<usize>,
+    /// Whether it fills only a region.
+    region: bool,
+}
+
+#[derive(Debug, Serialize)]
 struct Areas {
     #[serde(skip_serializing_if = "Option::is_none")]
     primaries: Option<Quantiles>,
@@ -65,7 +79,8 @@ struct Areas {
 struct Spacing {
     #[serde(skip_serializing_if = "Option::is_none")]
     secondaries: Option<f64>,
-    background: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    background: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -81,7 +96,7 @@ struct Quantiles {
 struct CategoryLine {
     #[serde(skip_serializing_if = "Option::is_none")]
     library: Option<u32>,
-    category: u16,
+    category: CategoryId,
     colour: Colour,
     primaries: usize,
     /// Those that the border does not cut.
@@ -109,11 +124,11 @@ pub(super) fn run(common: &Common, input: &Input) -> anyhow::Result<()> {
 fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
     let source = &library.source;
     let categories = library.categories.iter().enumerate().map(|(i, category)| {
-        let members = || library.primaries.iter().filter(|p| usize::from(p.category.0) == i);
+        let members = || library.primaries().iter().filter(|p| p.category.is_some_and(|c| c.index() == i));
         let [r, g, b, area, _] = category.centre;
         CategoryLine {
             library: None,
-            category: i as u16,
+            category: CategoryId(i as u16),
             colour: Colour::from_f64([r, g, b]),
             primaries: members().count(),
             whole: Some(members().filter(|p| !p.clipped).count()),
@@ -121,7 +136,6 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
             coverage: category.coverage,
         }
     });
-    let secondaries = &library.secondaries;
     Inspection {
         file,
         format: library.format.clone(),
@@ -133,13 +147,23 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         segmenter: Some(source.segmenter.clone()),
         seed: Some(source.parameters.seed),
         tile: None,
+        layers: library.layers.iter().map(|l| LayerLine {
+                name: l.name.clone(),
+                role: l.role,
+                elements: l.instances.len(),
+                points: l.field.as_ref().map(|f| f.points.len()),
+                region: l.region.is_some(),
+            }).collect(),
         counts: Counts::of_library(library),
         coverage: library.coverage,
         areas: Areas {
-            primaries: Quantiles::of(library.primaries.iter().map(|p| f64::from(p.area))),
-            secondaries: Quantiles::of(secondaries.textons.iter().map(|s| f64::from(s.area))),
+            primaries: Quantiles::of(library.primaries().iter().map(|p| f64::from(p.area))),
+            secondaries: Quantiles::of(library.secondaries().iter().map(|s| f64::from(s.area))),
         },
-        spacing: Spacing { secondaries: Some(secondaries.spacing), background: library.background.spacing },
+        spacing: Spacing {
+            secondaries: Some(library.secondary_spacing()),
+            background: Some(library.background().spacing),
+        },
         categories: categories.collect(),
         analyze: Some(source.parameters.clone()),
         synth: None,
@@ -150,18 +174,18 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
 
 fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
     let area = |i: &vtex::scene::Instance| {
-        scene.textons[i.texton as usize].outline.area() * i.affine().determinant().abs()
+        scene.element(i).outline().area() * i.affine().determinant().abs()
     };
     let covered = vtex::output::coverage(scene);
     let canvas = (vtex::output::inside(scene) as f64).max(1.0);
     let categories = covered.iter().map(|(&(library, category), &pixels)| {
-        let same = |t: &vtex::scene::Texton| t.library == library && t.category == Some(category);
-        let members = || scene.primary.iter().filter(|i| same(&scene.textons[i.texton as usize]));
+        let same = |t: &vtex::scene::Element| t.library == library && t.category == Some(category);
+        let members = || scene.individuals().filter(|i| same(scene.element(i)));
         let count = members().count();
         let mut mean = [0.0; 3];
         for instance in members() {
-            let texton = &scene.textons[instance.texton as usize];
-            let colour = instance.colour.unwrap_or(texton.colour).to_f64();
+            let element = scene.element(instance);
+            let colour = instance.colour.unwrap_or(element.base().colour).to_f64();
             mean = [0, 1, 2].map(|k| mean[k] + colour[k] / count as f64);
         }
         CategoryLine {
@@ -187,13 +211,20 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         segmenter: None,
         seed: scene.parameters.as_ref().map(|p| p.seed),
         tile: Some(scene.tile),
+        layers: scene.layers.iter().map(|l| LayerLine {
+                name: l.name.clone(),
+                role: l.role,
+                elements: l.instances.len(),
+                points: l.field.as_ref().map(|f| f.points.len()),
+                region: l.region.is_some(),
+            }).collect(),
         counts: Counts::of_scene(scene),
         coverage: covered.values().sum::<u64>() as f64 / canvas,
         areas: Areas {
-            primaries: Quantiles::of(scene.primary.iter().map(area)),
-            secondaries: Quantiles::of(scene.secondary.iter().map(area)),
+            primaries: Quantiles::of(scene.of_role(Role::Primary).map(area)),
+            secondaries: Quantiles::of(scene.of_role(Role::Secondary).map(area)),
         },
-        spacing: Spacing { secondaries: None, background: scene.background.spacing },
+        spacing: Spacing { secondaries: None, background: scene.layers.iter().find_map(|l| Some(l.field.as_ref()?.spacing)) },
         categories: categories.collect(),
         analyze: None,
         synth: scene.parameters.clone(),
@@ -245,12 +276,15 @@ impl Inspection {
             Some(Tile { y: true, .. }) => line("tiles", "top to bottom".into()),
             _ => {}
         }
+        let layers: Vec<&str> = self.layers.iter().map(|layer| layer.name.as_str()).collect();
+        line("layers", layers.join(", "));
         let whole = c.clipped.map(|n| format!(" ({} can be placed, {n} cut by the border)", c.primaries - n));
         line("primaries", format!("{:7}{}", c.primaries, whole.unwrap_or_default()));
         line("details", format!("{:7}", c.details));
         let apart = self.spacing.secondaries.map(|s| format!(" (spacing {s:.1} px)"));
         line("secondaries", format!("{:7}{}", c.secondaries, apart.unwrap_or_default()));
-        line("background", format!("{:7} (spacing {:.1} px)", c.background, self.spacing.background));
+        let apart = self.spacing.background.map(|s| format!(" (spacing {s:.1} px)"));
+        line("background", format!("{:7}{}", c.background, apart.unwrap_or_default()));
         line("coverage", format!("{:6.1} %", self.coverage * 100.0));
         let areas = [("primaries", self.areas.primaries), ("secondaries", self.areas.secondaries)];
         if areas.iter().any(|a| a.1.is_some()) {

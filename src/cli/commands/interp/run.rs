@@ -111,7 +111,7 @@ fn frames<'a>(
         written.bytes += one.bytes;
         one.warnings.iter().for_each(|warning| reporter.warn(warning));
         // The most that any frame had to give up.
-        let lost = |given: &GivenUp| (given.details + given.secondaries, Reverse(given.decimals));
+        let lost = |given: &GivenUp| (given.details + given.elements, Reverse(given.decimals));
         written.given_up = written.given_up.into_iter().chain(one.given_up).max_by_key(lost);
     }
     if name(count + 1).exists() {

@@ -8,7 +8,7 @@ use crate::cli::progress::Reporter;
 use crate::cli::table::table;
 use serde::Serialize;
 use vtex::library::Library;
-use vtex::scene::Scene;
+use vtex::scene::{CategoryId, Scene};
 use vtex::statistics::{
     Correlation, Difference, Groups, Layout, Repetition, largest_categories, neighbour_distance,
 };
@@ -40,7 +40,7 @@ struct Shares {
 
 #[derive(Serialize)]
 struct CategoryShares {
-    category: u16,
+    category: CategoryId,
     #[serde(flatten)]
     coverage: Shares,
 }
@@ -59,7 +59,7 @@ struct PairCorrelation {
 /// How many more pairs there are at each distance than if all were scattered at random.
 #[derive(Serialize)]
 struct CurvePair {
-    categories: [u16; 2],
+    categories: [CategoryId; 2],
     exemplar: Vec<Option<f64>>,
     result: Vec<Option<f64>>,
 }
@@ -82,7 +82,7 @@ pub(super) fn run(
     let mut layout = Layout::of_scene(scene);
     layout.centres.retain(|c| c.library == number);
     layout.centres.iter_mut().for_each(|c| c.library = 0);
-    let placeable = library.primaries.iter().filter(|p| !p.clipped).count();
+    let placeable = library.primaries().iter().filter(|p| !p.clipped).count();
     let found = Found {
         program: vtex::PROGRAM,
         command: "metrics",
@@ -103,8 +103,9 @@ pub(super) fn run(
 fn coverage(library: &Library, scene: &Scene, number: u32) -> (Shares, Vec<CategoryShares>) {
     let pixels = vtex::output::coverage(scene);
     let canvas = (vtex::output::inside(scene) as f64).max(1.0);
-    let share = |category: u16| pixels.get(&(number, category)).map_or(0.0, |n| *n as f64 / canvas);
+    let share = |category: CategoryId| pixels.get(&(number, category)).map_or(0.0, |n| *n as f64 / canvas);
     let categories: Vec<CategoryShares> = (0..)
+        .map(CategoryId)
         .zip(&library.categories)
         .map(|(category, known)| {
             let coverage = Shares { exemplar: known.coverage, result: share(category) };

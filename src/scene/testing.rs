@@ -1,0 +1,80 @@
+//! Scenes of the three layers of a homogeneous photograph, for tests.
+
+use super::{CategoryId, Element, ElementId, Field, Instance, LibraryRef, Role, Scene, Shape, Tile};
+use crate::geometry::Outline;
+use crate::raster::colour::Colour;
+
+/// A scene of one library without parameters, domain and edits.
+pub(crate) fn scene(
+    [width, height]: [u32; 2],
+    elements: Vec<Element>,
+    secondary: Vec<Instance>,
+    primary: Vec<Instance>,
+    field: Field,
+) -> Scene {
+    let mut layers = Scene::three_layers(field);
+    (layers[1].instances, layers[2].instances) = (secondary, primary);
+    Scene {
+        format: Scene::FORMAT.into(),
+        version: Scene::VERSION,
+        width,
+        height,
+        tile: Tile::default(),
+        parameters: None,
+        program: crate::PROGRAM.into(),
+        libraries: vec![LibraryRef { exemplar: "test.jpg".into(), sha256: "0".repeat(64) }],
+        elements,
+        layers,
+        domain: None,
+        edits: Vec::new(),
+    }
+}
+
+/// A field of one colour without control points.
+pub(crate) fn flat(colour: Colour) -> Field {
+    Field { spacing: 25.0, fallback: colour, points: Vec::new() }
+}
+
+/// An element of the first library with one shape.
+pub(crate) fn element(source: u32, category: Option<u16>, outline: Outline, colour: Colour) -> Element {
+    Element {
+        library: 0,
+        source: Some(ElementId(source)),
+        category: category.map(CategoryId),
+        fragment: false,
+        silhouette: None,
+        shapes: vec![Shape::new(outline, colour)],
+    }
+}
+
+impl Scene {
+    fn index_of(&self, role: Role) -> usize {
+        self.layers.iter().position(|layer| layer.role == role).unwrap()
+    }
+
+    pub(crate) fn primary(&self) -> &[Instance] {
+        &self.layers[self.index_of(Role::Primary)].instances
+    }
+
+    pub(crate) fn primary_mut(&mut self) -> &mut Vec<Instance> {
+        let index = self.index_of(Role::Primary);
+        &mut self.layers[index].instances
+    }
+
+    pub(crate) fn secondary(&self) -> &[Instance] {
+        &self.layers[self.index_of(Role::Secondary)].instances
+    }
+
+    pub(crate) fn secondary_mut(&mut self) -> &mut Vec<Instance> {
+        let index = self.index_of(Role::Secondary);
+        &mut self.layers[index].instances
+    }
+
+    pub(crate) fn field(&self) -> &Field {
+        self.layers.iter().find_map(|layer| layer.field.as_ref()).unwrap()
+    }
+
+    pub(crate) fn field_mut(&mut self) -> &mut Field {
+        self.layers.iter_mut().find_map(|layer| layer.field.as_mut()).unwrap()
+    }
+}

@@ -1,0 +1,125 @@
+//! Scenes of version 1, whose layers were three fixed lists.
+
+use super::{
+    CategoryId, Domain, EditRecord, Element, ElementId, Field, Gradient, Instance, InstanceId, Layer,
+    LibraryRef, Role, Scene, Shadow, Shape, Stroke, SynthParams, Tile,
+};
+use crate::geometry::Outline;
+use crate::raster::colour::Colour;
+use serde::Deserialize;
+
+/// A scene as version 1 stores it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Version1 {
+    #[serde(rename = "format")]
+    _format: String,
+    #[serde(rename = "version")]
+    _version: u32,
+    width: u32,
+    height: u32,
+    tile: Tile,
+    parameters: Option<SynthParams>,
+    program: String,
+    libraries: Vec<LibraryRef>,
+    textons: Vec<Texton>,
+    secondary: Vec<Placed>,
+    primary: Vec<Placed>,
+    background: Field,
+    #[serde(default)]
+    domain: Option<Domain>,
+    #[serde(default)]
+    edits: Vec<EditRecord>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Texton {
+    library: u32,
+    source: u32,
+    #[serde(default)]
+    category: Option<u16>,
+    #[serde(default)]
+    fragment: bool,
+    outline: Outline,
+    colour: Colour,
+    #[serde(default)]
+    gradient: Option<Gradient>,
+    #[serde(default)]
+    details: Vec<Patch>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Patch {
+    outline: Outline,
+    colour: Colour,
+    #[serde(default)]
+    gradient: Option<Gradient>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Placed {
+    id: u32,
+    texton: u32,
+    transform: [f64; 6],
+    #[serde(default)]
+    colour: Option<Colour>,
+    #[serde(default)]
+    shadow: Option<Shadow>,
+    #[serde(default)]
+    stroke: Option<Stroke>,
+}
+
+impl From<Version1> for Scene {
+    fn from(old: Version1) -> Self {
+        let layer = |role, placed: Vec<Placed>| {
+            let instances = placed.into_iter().map(Instance::from).collect();
+            Layer { instances, ..Layer::new(role) }
+        };
+        Self {
+            format: Self::FORMAT.into(),
+            version: Self::VERSION,
+            width: old.width,
+            height: old.height,
+            tile: old.tile,
+            parameters: old.parameters,
+            program: old.program,
+            libraries: old.libraries,
+            elements: old.textons.into_iter().map(Element::from).collect(),
+            layers: vec![
+                Layer { field: Some(old.background), ..Layer::new(Role::Background) },
+                layer(Role::Secondary, old.secondary),
+                layer(Role::Primary, old.primary),
+            ],
+            domain: old.domain,
+            edits: old.edits,
+        }
+    }
+}
+
+impl From<Texton> for Element {
+    fn from(old: Texton) -> Self {
+        let base = Shape { gradient: old.gradient, ..Shape::new(old.outline, old.colour) };
+        let details =
+            old.details.into_iter().map(|p| Shape { gradient: p.gradient, ..Shape::new(p.outline, p.colour) });
+        Self {
+            library: old.library,
+            // Primaries come first among a library's elements. How many there are is not known here, so
+            // the index of a secondary is not either.
+            source: old.category.map(|_| ElementId(old.source)),
+            category: old.category.map(CategoryId),
+            fragment: old.fragment,
+            silhouette: None,
+            shapes: std::iter::once(base).chain(details).collect(),
+        }
+    }
+}
+
+impl From<Placed> for Instance {
+    fn from(old: Placed) -> Self {
+        let Placed { id, texton, transform, colour, shadow, stroke } = old;
+        Self { id: InstanceId(id), element: ElementId(texton), transform, colour, shadow, stroke }
+    }
+}
