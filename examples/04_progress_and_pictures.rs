@@ -56,6 +56,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let library = analyze(&exemplar, &Regions, &AnalyzeParams::default(), &watch)?;
     let params = SynthParams { width: 600, height: 600, ..SynthParams::default() };
     let scene = synthesize(&library, &params, &watch)?;
-    println!("{} primaries, {} secondaries", scene.primary.len(), scene.secondary.len());
+    for layer in &scene.layers {
+        println!("{}: {} elements", layer.name, layer.instances.len());
+    }
     Ok(())
 }

@@ -49,8 +49,10 @@ fn study(path: &Path, side: u32, files: Option<&Path>, kept: bool) -> Outcome {
     let library = Library::read(path)?;
     let params = SynthParams { width: side, height: side, ..SynthParams::default() };
     let mut scene = vtex::synth::synthesize(&library, &params, &())?;
-    (scene.primary, scene.secondary, scene.elements) = (Vec::new(), Vec::new(), Vec::new());
-    let field = Interpolant::new(&scene.background, side, side, scene.tile);
+    scene.elements.clear();
+    scene.layers.iter_mut().for_each(|layer| layer.instances.clear());
+    let field = scene.layers.iter().find_map(|layer| layer.field.as_ref()).ok_or("no field")?;
+    let field = Interpolant::new(field, side, side, scene.tile);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = name.split('.').next().unwrap_or_default();
     let constructions: [(&str, &Construction<'_>); 4] = [

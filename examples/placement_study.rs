@@ -59,7 +59,7 @@ struct Exemplar {
     path: PathBuf,
     library: Library,
     /// Its five largest categories, and the mean distance between neighbours in pixels.
-    categories: Vec<u16>,
+    categories: Vec<vtex::element::CategoryId>,
     unit: f64,
     /// Pair correlation of its own arrangement.
     correlation: Correlation,

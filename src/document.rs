@@ -49,7 +49,8 @@ pub(crate) fn from_bytes<T: Document>(bytes: &[u8], name: &str) -> Result<T> {
     }
     let Some(version) = header.version else { return Err(fail("it has no field 'version'".into())) };
     let known = u64::from(T::VERSION);
-    let read = if version == known { Some(serde_json::from_slice(json)) } else { T::read_older(version, json) };
+    let read =
+        if version == known { Some(serde_json::from_slice(json)) } else { T::read_older(version, json) };
     let Some(read) = read else {
         return Err(Error::Version { name: name.into(), format: T::FORMAT, found: version, known });
     };

@@ -10,7 +10,7 @@ use tiny_skia::Pixmap;
 use vtex::output::svg::SvgOptions;
 use vtex::output::{file, pdf, png, raster_svg, reduce, svg};
 use vtex::raster::colour::Colour;
-use vtex::scene::{Domain, Edge, Instance, Scene, Shadow, Stroke, SynthParams, Element, Tile};
+use vtex::scene::{Domain, Edge, Element, Instance, Role, Scene, Shadow, Stroke, SynthParams, Tile};
 use vtex::synth::synthesize;
 
 const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true };
@@ -32,7 +32,8 @@ fn shaped(edge: Edge) -> Scene {
     use vtex::geometry::{Affine, Outline};
     let mut scene = scene().clone();
     scene.tile = Tile::default();
-    let outline = &scene.elements[scene.primary[0].texton as usize].outline;
+    let first = scene.individuals().next().unwrap();
+    let outline = scene.element(first).outline().clone();
     let bounds = outline.bounds();
     let size = 180.0 / bounds.height().max(bounds.width());
     let path = Affine::translate((130.0, 100.0))
@@ -96,10 +97,13 @@ fn by_poppler(scene: &Scene, resolution: u32) -> Option<Rgb> {
 fn dressed() -> Scene {
     let mut scene = scene().clone();
     let shadow = Shadow { offset: [3.0, 4.5], opacity: 0.5, blur: 4.0 };
-    scene.primary.iter_mut().for_each(|i| i.shadow = Some(shadow));
+    let mut layers = scene.layers.iter_mut().rev();
+    let primary = &mut layers.next().unwrap().instances;
+    primary.iter_mut().for_each(|i| i.shadow = Some(shadow));
     let stroke = Stroke { width: 1.5, colour: Colour([250, 240, 200]) };
-    scene.primary.iter_mut().step_by(3).for_each(|i| i.stroke = Some(stroke));
-    scene.secondary.iter_mut().step_by(4).for_each(|i| i.shadow = Some(Shadow { blur: 1.5, ..shadow }));
+    primary.iter_mut().step_by(3).for_each(|i| i.stroke = Some(stroke));
+    let secondary = &mut layers.next().unwrap().instances;
+    secondary.iter_mut().step_by(4).for_each(|i| i.shadow = Some(Shadow { blur: 1.5, ..shadow }));
     scene
 }
 
@@ -196,7 +200,7 @@ fn origin(node: Node<'_, '_>) -> (u32, u32) {
 fn a_reader_finds_category_source_and_order_of_every_texton() {
     let mut mixed = shaped(Edge::Clip);
     mixed.libraries.push(mixed.libraries[0].clone());
-    mixed.textons.iter_mut().step_by(2).for_each(|t| t.library = 1);
+    mixed.elements.iter_mut().step_by(2).for_each(|t| t.library = 1);
     for (scene, options) in
         [scene(), &mixed].into_iter().flat_map(|s| [(s, SvgOptions::default()), (s, EXPANDED)])
     {
@@ -211,15 +215,15 @@ fn a_reader_finds_category_source_and_order_of_every_texton() {
         };
         assert!(layer("background").children().any(|n| n.is_element()));
         let check = |node: Node<'_, '_>, element: &Element| {
-            assert_eq!(origin(node), (element.source, element.library));
+            assert_eq!(origin(node), (element.source.unwrap().0, element.library));
         };
         let textons = |i: &Instance| scene.element(i);
 
         // What has no id is a copy.
         let primaries = layer("primary").children().filter(|n| n.has_attribute("id"));
         let primaries: Vec<Node<'_, '_>> = primaries.collect();
-        assert_eq!(primaries.len(), scene.primary.len());
-        for (node, instance) in primaries.into_iter().zip(&scene.primary) {
+        assert_eq!(primaries.len(), scene.individuals().count());
+        for (node, instance) in primaries.into_iter().zip(scene.individuals()) {
             assert_eq!(node.attribute("id"), Some(&format!("p{}", instance.id)[..]));
             let category = textons(instance).category.map(|c| c.to_string());
             assert_eq!(node.attribute("data-category"), category.as_deref());
@@ -228,7 +232,7 @@ fn a_reader_finds_category_source_and_order_of_every_texton() {
         // Secondaries have one element each; that of a copy follows its original.
         let layer = layer("secondary");
         let mut elements = layer.descendants().filter(|n| ["use", "path"].contains(&n.tag_name().name()));
-        for instance in &scene.secondary {
+        for instance in scene.of_role(Role::Secondary) {
             let bounds = instance.affine().transform_rect_bbox(textons(instance).bounds());
             // Rounding may move it by as much as the last digit.
             let reach = if options.precision == 1 { 0.1 } else { 0.01 };
@@ -250,5 +254,5 @@ fn symbols_have_titles() {
         .collect();
     assert!(!titles.is_empty());
     assert_eq!(titles.iter().collect::<BTreeSet<_>>().len(), titles.len());
-    assert!(titles.iter().all(|t| t.starts_with("Primary ") && t.contains(", category ")), "{titles:?}");
+    assert!(titles.iter().all(|t| t.starts_with("Element ") && t.contains(", category ")), "{titles:?}");
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 use vtex::library::Library;
 use vtex::output::{coverage, png, svg};
-use vtex::scene::{Scene, SynthParams};
+use vtex::scene::{Role, Scene, SynthParams};
 use vtex::segment::Regions;
 use vtex::synth::{reconstruct, synthesize};
 use vtex::{Error, Result};
@@ -131,8 +131,8 @@ fn check_reconstruction(image: &RgbImage, name: &str) {
     let library = library(&load(image, name).unwrap());
     let scene = reconstruct(&library);
     assert_eq!((scene.width, scene.height), image.dimensions(), "{name}");
-    assert_eq!(scene.primary.len(), library.primaries().len(), "{name}");
-    assert_eq!(scene.secondary.len(), library.secondaries().len(), "{name}");
+    assert_eq!(scene.of_role(Role::Primary).count(), library.primaries().len(), "{name}");
+    assert_eq!(scene.of_role(Role::Secondary).count(), library.secondaries().len(), "{name}");
     let covered: u64 = coverage(&scene).values().sum();
     let share = covered as f64 / f64::from(image.width() * image.height());
     assert!((share - library.coverage).abs() < 0.02, "{name}: {share:.3}, not {:.3}", library.coverage);
@@ -170,7 +170,7 @@ fn photographs_pass_the_whole_path() {
         check_reconstruction(&image, &name);
         let library = library(&load(&image, &name).unwrap());
         let scene = scene(&library);
-        assert!(!scene.background.points.is_empty(), "{name}");
+        assert!(!scene.layers[0].field.as_ref().unwrap().points.is_empty(), "{name}");
         let text = String::from_utf8(svg_of(&scene)).unwrap();
         roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert!(!text.contains("<image"), "{name}");

@@ -127,7 +127,8 @@ fn scene(seed: u64, tile: Tile) -> Scene {
 }
 
 fn shaped(mut scene: Scene) -> Scene {
-    let outline = &scene.elements[scene.primary[0].texton as usize].outline;
+    let first = scene.individuals().next().unwrap();
+    let outline = scene.element(first).outline().clone();
     let bounds = outline.bounds();
     let path = Affine::translate((280.0, 100.0))
         * Affine::scale(240.0 / bounds.height().max(bounds.width()))
@@ -139,9 +140,11 @@ fn shaped(mut scene: Scene) -> Scene {
 
 fn dressed(mut scene: Scene) -> Scene {
     let shadow = Shadow { offset: [3.0, 4.5], opacity: 0.4, blur: 5.0 };
-    scene.primary.iter_mut().for_each(|i| i.shadow = Some(shadow));
+    let mut layers = scene.layers.iter_mut().rev();
+    let primary = &mut layers.next().unwrap().instances;
+    primary.iter_mut().for_each(|i| i.shadow = Some(shadow));
     let stroke = Stroke { width: 1.5, colour: Colour([250, 240, 200]) };
-    scene.primary.iter_mut().step_by(3).for_each(|i| i.stroke = Some(stroke));
+    primary.iter_mut().step_by(3).for_each(|i| i.stroke = Some(stroke));
     scene
 }
 

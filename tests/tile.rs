@@ -7,7 +7,7 @@ use tiny_skia::Pixmap;
 use vtex::geometry::Vec2;
 use vtex::library::Library;
 use vtex::output::{png, raster_svg, svg};
-use vtex::scene::{Scene, SynthParams, Tile};
+use vtex::scene::{Role, Scene, SynthParams, Tile};
 use vtex::synth::synthesize;
 
 const WIDTH: u32 = 240;
@@ -36,12 +36,12 @@ fn moved(mut scene: Scene, by: Vec2) -> Scene {
     let along = |v: f64, d: f64, size: u32, repeats: bool| {
         if repeats { (v + d).rem_euclid(f64::from(size)) } else { v + d }
     };
-    for instance in scene.primary.iter_mut().chain(&mut scene.secondary) {
+    for instance in scene.instances_mut() {
         let t = instance.transform;
         instance.transform[4] = along(t[4], by.x, WIDTH, tile.x);
         instance.transform[5] = along(t[5], by.y, HEIGHT, tile.y);
     }
-    for p in &mut scene.background.points {
+    for p in scene.layers.iter_mut().filter_map(|l| l.field.as_mut()).flat_map(|f| &mut f.points) {
         (p.x, p.y) = (along(p.x, by.x, WIDTH, tile.x), along(p.y, by.y, HEIGHT, tile.y));
     }
     scene
@@ -87,8 +87,8 @@ fn three_by_three_tiles_have_no_seam() {
 #[test]
 fn textons_cross_every_edge_that_joins() {
     let scene = texture(Tile { x: true, y: true });
-    for layer in [&scene.primary, &scene.secondary] {
-        let crossing = layer.iter().filter(|i| {
+    for layer in scene.layers.iter().filter(|layer| layer.role != Role::Background) {
+        let crossing = layer.instances.iter().filter(|i| {
             let bounds = scene.element(i).bounds();
             scene.copies(i.affine().transform_rect_bbox(bounds)).count() > 1
         });

@@ -40,15 +40,12 @@ fn error(exemplar: &Exemplar, scene: &Scene) -> f64 {
 
 /// Primaries, details and secondaries.
 fn shapes(library: &Library) -> usize {
-    let details: usize = library.primaries().iter().map(|p| p.details.len()).sum();
+    let details: usize = library.primaries().iter().map(|p| p.details().len()).sum();
     library.primaries().len() + details + library.secondaries().len()
 }
 
 fn gradients(library: &Library) -> usize {
-    let own = |p: &vtex::library::Primary| {
-        p.details.iter().filter(|d| d.gradient.is_some()).count() + usize::from(p.gradient.is_some())
-    };
-    library.primaries().iter().map(own).sum()
+    library.primaries().iter().flat_map(|p| &p.shapes).filter(|s| s.gradient.is_some()).count()
 }
 
 #[test]
@@ -83,7 +80,7 @@ fn colours_and_shapes_stay_within_their_limits() {
     let (library, _) = analysed(&exemplar, &AnalyzeParams { colors: 6, ..AnalyzeParams::default() });
     let primaries = library.primaries().iter();
     let colours: BTreeSet<_> = primaries
-        .flat_map(|p| p.details.iter().map(|d| d.colour).chain([p.base]))
+        .flat_map(|p| p.shapes.iter().map(|s| s.colour))
         .chain(library.secondaries().iter().map(|s| s.colour))
         .collect();
     assert!(colours.len() <= 6 && colours.len() > 2, "{colours:?}");

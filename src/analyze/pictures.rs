@@ -1,9 +1,9 @@
 //! Diagnostic pictures of the stages of analysis.
 
 use crate::library::CategoryId;
-use crate::scene::Field;
 use crate::raster::picture::{label_colour, labels};
 use crate::raster::{LabelMap, Mask};
+use crate::scene::Field;
 use crate::segment::ScoredMask;
 use image::{Rgb, RgbImage};
 

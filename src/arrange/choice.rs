@@ -1,6 +1,6 @@
 //! Which element of a category comes next: each use halves the chance.
 
-use super::model::{PlaceableId, Model, VariantId};
+use super::model::{Model, PlaceableId, VariantId};
 use crate::sampling::{Stream, Sums};
 
 /// Halvings told apart. More would keep the sizes of a category truer on large canvases, but then

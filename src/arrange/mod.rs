@@ -32,7 +32,7 @@ use controls::Controls;
 use correspondence::{Correspondence, Structure};
 use descriptor::Asks;
 use grid::Grid;
-use model::{EMPTY, PlaceableId, Model, UNDEFINED, VariantId};
+use model::{EMPTY, Model, PlaceableId, UNDEFINED, VariantId};
 use occupancy::Occupancy;
 use region::Region;
 

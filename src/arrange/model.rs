@@ -294,7 +294,11 @@ impl Model {
     }
 
     /// An element in a variation drawn at random.
-    pub(crate) fn draw_variant(&self, element: PlaceableId, random: &mut crate::sampling::Stream) -> VariantId {
+    pub(crate) fn draw_variant(
+        &self,
+        element: PlaceableId,
+        random: &mut crate::sampling::Stream,
+    ) -> VariantId {
         let count = self.variations.len();
         self.in_variation(element, if count > 1 { random.index(count) as u16 } else { 0 })
     }

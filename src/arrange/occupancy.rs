@@ -5,7 +5,7 @@
 
 use super::bins::Bins;
 use super::grid::{Grid, Part};
-use super::model::{EMPTY, PlaceableId, Model, UNDEFINED, VariantId};
+use super::model::{EMPTY, Model, PlaceableId, UNDEFINED, VariantId};
 use super::region::Region;
 use crate::scene::Edge;
 use std::ops::Range;

@@ -37,7 +37,8 @@ pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colo
         let [base, detail] = elements[i.element.index()];
         detail || i.colour.map_or(base, alike)
     };
-    let point = |k: usize, i: usize| scene.layers[k].field.as_ref().is_some_and(|f| alike(f.points[i].colour));
+    let point =
+        |k: usize, i: usize| scene.layers[k].field.as_ref().is_some_and(|f| alike(f.points[i].colour));
     let chosen = chosen.only(scene, has, point);
     recolour(scene, &chosen, |_, colour| match share(colour) {
         0.0 => colour,

@@ -18,9 +18,7 @@ mod textons;
 mod thin;
 mod validate;
 
-pub use crate::scene::{
-    Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder,
-};
+pub use crate::scene::{Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder};
 pub use files::Files;
 pub use validate::validate;
 

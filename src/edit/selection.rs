@@ -38,7 +38,8 @@ impl Chosen {
         };
         let moments = if conditions.iter().any(measures) { measured(scene) } else { Vec::new() };
         let asked = operation.layer.as_deref();
-        let is_asked = |layer: &Layer| asked.is_none_or(|name| name == layer.name || name == layer.role.name());
+        let is_asked =
+            |layer: &Layer| asked.is_none_or(|name| name == layer.name || name == layer.role.name());
         if let Some(name) = asked.filter(|_| !scene.layers.iter().any(is_asked)) {
             let known = scene.layers.iter().map(|layer| layer.name.clone()).collect();
             return Err(EditFault::NoLayer { name: name.into(), known });

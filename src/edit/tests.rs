@@ -57,8 +57,8 @@ fn file(name: &str) -> Result<Vec<u8>> {
     })
 }
 
-fn on(layers: Layers, action: Action) -> Operation {
-    Operation { layers, ..action.into() }
+fn on(layer: &str, action: Action) -> Operation {
+    Operation { layer: Some(layer.into()), ..action.into() }
 }
 
 fn those(conditions: &[Condition], action: Action) -> Operation {
@@ -110,7 +110,7 @@ fn one(operation: impl Into<Operation>) -> Scene {
 fn what_cannot_be_done_is_a_fault() {
     use crate::scene::Shadow;
     let range = |name, value, [low, high]: [f64; 2], unit| EditFault::Range { name, value, low, high, unit };
-    let background = |action| on(Layers::Background, action);
+    let background = |action| on("background", action);
     let nothing = Action::Thin { keep: None, order: ThinOrder::Area, minimum_area: None };
     let still = Action::Jitter { distance: 0.0, angle: 0.0, scale: 0.0 };
     let large = compare(Quantity::Area, Comparison::More, 3.0);
@@ -169,12 +169,12 @@ fn chains_are_recorded_and_may_be_done_one_by_one() {
 fn conditions_and_layers_select() {
     use Comparison::{AtLeast, AtMost, Less, More};
     let shift = || Action::Move { x: 1.0, y: 1.0 };
-    let layer = |layers| edited(&scene(), &[on(layers, shift())]).1[0].matched;
+    let layer = |layer| edited(&scene(), &[on(layer, shift())]).1[0].matched;
     let matched = |conditions: &[Condition]| edited(&scene(), &[those(conditions, shift())]).1[0].matched;
     let category = |numbers: &[u32], wanted| matched(&[among(Identity::Category, numbers, wanted)]);
     let measured = |quantity, comparison, limit| matched(&[compare(quantity, comparison, limit)]);
     assert_eq!(matched(&[]), 300);
-    assert_eq!([layer(Layers::Primary), layer(Layers::Secondary)], [60, 240]);
+    assert_eq!([layer("primary"), layer("secondary")], [60, 240]);
     assert_eq!([category(&[3], true), category(&[3, 7], true)], [40, 60]);
     assert_eq!(category(&[3], false), 260);
     assert_eq!([measured(Quantity::Area, More, 100.0), measured(Quantity::Area, AtMost, 7.0)], [60, 240]);
@@ -196,7 +196,7 @@ fn thinning_keeps_shares_and_the_large_ones() {
     for order in [ThinOrder::Area, ThinOrder::Random, ThinOrder::BlueNoise] {
         let few = one(thin(0.25, order));
         assert_eq!((few.primary().len(), few.secondary().len()), (15, 60), "{order:?}");
-        let rest = one(on(Layers::Secondary, thin(0.0, order)));
+        let rest = one(on("secondary", thin(0.0, order)));
         assert_eq!((rest.primary().len(), rest.secondary().len(), rest.elements.len()), (60, 0, 2));
     }
     // Those kept at random with a smaller share are among those kept with a larger.
@@ -230,7 +230,7 @@ fn maps_and_shapes_thin_by_place() {
 fn orienting_turns_longer_axes_the_shorter_way() {
     let angles = |s: &Scene| -> Vec<f64> {
         let of = |i: &Instance| {
-            SecondMoments::new(&s.elements[i.element.index()].outline).moved(i.affine()).angle()
+            SecondMoments::new(s.elements[i.element.index()].outline()).moved(i.affine()).angle()
         };
         s.primary().iter().map(|i| of(i).to_degrees().rem_euclid(180.0)).collect()
     };
@@ -242,7 +242,7 @@ fn orienting_turns_longer_axes_the_shorter_way() {
         assert!((off(after, 30.0) - off(*before, 30.0) / 2.0).abs() < 0.1);
     }
     let by_map = Action::Orient { direction: Direction::Map("fade.png".into()), strength: 1.0 };
-    let field = one(on(Layers::Primary, by_map));
+    let field = one(on("primary", by_map));
     for (instance, angle) in field.primary().iter().zip(angles(&field)) {
         let x = instance.transform[4];
         if (20.0..380.0).contains(&x) {
@@ -262,7 +262,7 @@ fn places_stay_on_a_canvas_that_repeats() {
         let text = action.to_string();
         let after = one(action);
         assert_ne!(after.primary(), scene().primary(), "{text}");
-        for (a, b) in after.primary().iter().zip(&scene().primary()) {
+        for (a, b) in after.primary().iter().zip(scene().primary()) {
             let [.., x, y] = a.transform;
             assert!((0.0..400.0).contains(&x) && (0.0..300.0).contains(&y), "{text}: {x} {y}");
             assert_eq!(a.id, b.id);
@@ -275,20 +275,18 @@ fn places_stay_on_a_canvas_that_repeats() {
 #[test]
 fn colours_change_for_those_selected_and_no_others() {
     let red = one(those(&[among(Identity::Category, &[3], true)], tint([255, 0, 0], 1.0, 1.0)));
-    for (instance, before) in red.primary().iter().zip(&scene().primary()) {
-        let texton = &red.elements[instance.element.index()];
-        let tinted = before.texton == 0;
+    for (instance, before) in red.primary().iter().zip(scene().primary()) {
+        let element = red.element(instance);
+        let tinted = before.element == ElementId(0);
         assert_eq!(element.base().colour == Colour([255, 0, 0]), tinted);
         assert_eq!(element.details()[0].colour == Colour([255, 0, 0]), tinted);
     }
     assert_eq!(red.secondary(), scene().secondary());
     // A texton of which some are tinted is there twice.
-    let some = one(on(Layers::Primary, tint([255, 0, 0], 0.5, 0.5)));
+    let some = one(on("primary", tint([255, 0, 0], 0.5, 0.5)));
     assert_eq!(some.elements.len(), 5);
-    let ground = one(on(Layers::Background, tint([0; 3], 0.5, 1.0)));
-    assert!(
-        ground.field().points.iter().all(|p| p.colour.0[0] < 90) && ground.field().fallback.0[0] < 90
-    );
+    let ground = one(on("background", tint([0; 3], 0.5, 1.0)));
+    assert!(ground.field().points.iter().all(|p| p.colour.0[0] < 90) && ground.field().fallback.0[0] < 90);
     assert_eq!(ground.elements, scene().elements);
 }
 
@@ -296,9 +294,9 @@ fn colours_change_for_those_selected_and_no_others() {
 fn recolouring_keeps_shading_and_leaves_what_is_unlike() {
     let blue = one(recolor([180, 60, 50], [60, 80, 180], 0.15));
     let [red, other] = [&blue.elements[0], &blue.elements[1]];
-    assert_eq!(red.colour, Colour::from_hex("#3c50b4").unwrap());
-    assert_eq!(red.details[0].colour, Colour([240; 3]), "the light detail is unlike");
-    assert_eq!(other.colour, Colour([40, 60, 150]));
+    assert_eq!(red.base().colour, Colour::from_hex("#3c50b4").unwrap());
+    assert_eq!(red.details()[0].colour, Colour([240; 3]), "the light detail is unlike");
+    assert_eq!(other.base().colour, Colour([40, 60, 150]));
     // What has no such colour does not count, and nothing happens to it.
     let (same, outcomes) = edited(&scene(), &[recolor([0, 255, 0], [0; 3], 0.1).into()]);
     assert_eq!((outcomes[0].matched, same.elements), (0, scene().elements));
@@ -308,8 +306,9 @@ fn recolouring_keeps_shading_and_leaves_what_is_unlike() {
 
 #[test]
 fn a_background_without_points_has_a_colour_too() {
-    let bare = Scene { background: Field { points: Vec::new(), ..scene().field() }, ..scene() };
-    let (after, outcomes) = edited(&bare, &[on(Layers::Background, tint([0; 3], 1.0, 1.0))]);
+    let mut bare = scene();
+    bare.field_mut().points.clear();
+    let (after, outcomes) = edited(&bare, &[on("background", tint([0; 3], 1.0, 1.0))]);
     assert_eq!((outcomes[0].matched, after.field().fallback), (1, Colour([0; 3])));
 }
 
@@ -325,16 +324,18 @@ fn palettes_give_the_dark_category_the_dark_colour() {
     assert!(near(mean(&after, dark), "#203040"), "{:?}", mean(&after, dark));
     // The light colour and the shading above it do not both fit in the gamut.
     assert!(mean(&after, 1 - dark)[0] > mean(&scene(), 1 - dark)[0] + 0.2);
-    assert!(after.elements[dark].details[0].colour.0[0] > after.elements[dark].colour.0[0] + 40);
+    assert!(after.elements[dark].details()[0].colour.0[0] > after.elements[dark].base().colour.0[0] + 40);
     assert_ne!(after.secondary()[0].colour, scene().secondary()[0].colour);
 }
 
 #[test]
 fn without_categories_a_palette_follows_lightness() {
-    let after = edited(&scene(), &[on(Layers::Primary, Action::Delete), two_colours().into()]).0;
+    let after = edited(&scene(), &[on("primary", Action::Delete), two_colours().into()]).0;
     let lightness = |i: &Instance| i.colour.unwrap().to_oklab()[0];
-    let (mut before, mut now): (Vec<f32>, Vec<f32>) =
-        (scene().secondary().iter().map(lightness).collect(), after.secondary().iter().map(lightness).collect());
+    let (mut before, mut now): (Vec<f32>, Vec<f32>) = (
+        scene().secondary().iter().map(lightness).collect(),
+        after.secondary().iter().map(lightness).collect(),
+    );
     [&mut before, &mut now].into_iter().for_each(|v| v.sort_by(f32::total_cmp));
     let range = |v: &[f32]| v[v.len() - 1] - v[0];
     // Both colours of the palette are there, not one in place of all.
@@ -349,16 +350,16 @@ fn shadows_and_lines_have_the_size_asked_for_on_the_canvas() {
     let all = || dressed.primary().iter().chain(dressed.secondary());
     assert!(all().all(|i| i.shadow.unwrap().offset == [0.0, 8.0]));
     assert!(all().all(|i| i.shadow.unwrap().blur == 3.0 && i.stroke.unwrap().width == 1.5));
-    let none = edited(&dressed, &[on(Layers::Primary, shadow(45.0, 5.0, 0.0, 5.0)), line(0.0).into()]).0;
+    let none = edited(&dressed, &[on("primary", shadow(45.0, 5.0, 0.0, 5.0)), line(0.0).into()]).0;
     assert!(none.primary().iter().all(|i| i.shadow.is_none()) && none.secondary()[0].shadow.is_some());
     assert!(none.primary().iter().chain(none.secondary()).all(|i| i.stroke.is_none()));
 }
 
 #[test]
 fn flat_and_simple_textons_are_less() {
-    let flat = one(on(Layers::Primary, Action::Flatten));
+    let flat = one(on("primary", Action::Flatten));
     assert!(flat.elements.iter().all(|t| t.details().is_empty()));
-    let (before, after) = (colours::mean(&scene().elements[0]), flat.elements[0].colour);
+    let (before, after) = (colours::mean(&scene().elements[0]), flat.elements[0].base().colour);
     assert_eq!(before, after);
     let simple = one(Action::Simplify { tolerance: 6.0 });
     assert!(simple.elements.iter().all(|t| t.details().is_empty()));
@@ -376,12 +377,14 @@ fn too_far_is_an_error_and_nothing_to_do_is_none() {
         edited(&plain, &[those(&[among(Identity::Category, &[99], true)], Action::Delete)]);
     assert_eq!((outcomes[0].matched, outcomes[0].removed), (0, 0));
     assert_eq!(same.primary(), plain.primary());
-    let empty = Scene { primary: Vec::new(), secondary: Vec::new(), textons: Vec::new(), ..plain };
+    let mut empty = plain;
+    empty.layers.iter_mut().for_each(|layer| layer.instances.clear());
+    empty.elements.clear();
     for operation in [
         thin(0.5, ThinOrder::BlueNoise).into(),
         two_colours().into(),
         Action::Orient { direction: Direction::Angle(3.0), strength: 1.0 }.into(),
-        on(Layers::Background, tint([255; 3], 0.5, 1.0)),
+        on("background", tint([255; 3], 0.5, 1.0)),
         Action::Simplify { tolerance: 1.0 }.into(),
     ] {
         assert_eq!(edited(&empty, &[operation]).0.primary().len(), 0);
@@ -410,9 +413,9 @@ fn library() -> Library {
 fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
     let library = library();
     assert!(library.primaries().iter().filter(|p| !p.clipped).count() > 12);
-    let replace = on(Layers::Primary, Action::Replace { library: "ovals".into() });
+    let replace = on("primary", Action::Replace { library: "ovals".into() });
     let files = |library| Files { libraries: [("ovals".into(), library)].into(), ..Files::default() };
-    let dress = on(Layers::Primary, Action::Outline { width: 2.0, colour: Colour([0; 3]) });
+    let dress = on("primary", Action::Outline { width: 2.0, colour: Colour([0; 3]) });
     let after = apply(scene(), &[dress, replace.clone()], &files(library.clone()), None).unwrap().0;
     assert_eq!((after.libraries.len(), after.secondary().len()), (2, 240));
     // Lines stay as wide as they were, whatever the size that the new textons have in their library.
@@ -423,12 +426,12 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
         assert!((0.0..400.0).contains(&x) && (0.0..300.0).contains(&y), "{x} {y}");
     }
     // A library without primaries has none to give.
-    let bare = Library { primaries: Vec::new(), ..library };
+    let bare = library.without_primaries();
     let (same, outcomes) = apply(scene(), &[replace], &files(bare), None).unwrap();
     assert_eq!((outcomes[0].matched, same.primary()), (0, scene().primary()));
-    for (new, old) in after.primary().iter().zip(&scene().primary()) {
+    for (new, old) in after.primary().iter().zip(scene().primary()) {
         let of = |s: &Scene, i: &Instance| {
-            SecondMoments::new(&s.elements[i.element.index()].outline).moved(i.affine())
+            SecondMoments::new(s.elements[i.element.index()].outline()).moved(i.affine())
         };
         let (new, old) = (of(&after, new), of(&scene(), old));
         assert!((new.area / old.area - 1.0).abs() < 0.01);

@@ -51,8 +51,12 @@ pub(super) fn thin(
         let moments = measured(scene);
         let large = |i: &Instance| moments[i.element.index()].moved(i.affine()).area >= least;
         for (layer, chosen) in scene.layers.iter_mut().zip(&mut chosen.layers) {
-            let stays: Vec<bool> =
-                layer.instances.iter().zip(&chosen.instances).map(|(i, chosen)| !chosen || large(i)).collect();
+            let stays: Vec<bool> = layer
+                .instances
+                .iter()
+                .zip(&chosen.instances)
+                .map(|(i, chosen)| !chosen || large(i))
+                .collect();
             let mut marks = stays.iter();
             layer.instances.retain(|_| marks.next().is_some_and(|mark| *mark));
             let mut marks = stays.iter();

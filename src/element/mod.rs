@@ -53,9 +53,7 @@ impl std::fmt::Display for CategoryId {
 }
 
 /// The role of a layer: what its elements are to the texture, and so how they are treated.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
     /// A colour field underneath the elements of other layers.

@@ -26,10 +26,8 @@ impl BlendedField {
         let fields = own.map(|field| Interpolant::new(field, width, height, tile));
         let within =
             |v: f64, size: u32, repeats: bool| if repeats { v } else { v.clamp(0.0, f64::from(size)) };
-        let listed: Vec<(usize, ControlPoint)> = [0, 1]
-            .into_iter()
-            .flat_map(|side| own[side].points.iter().map(move |p| (side, *p)))
-            .collect();
+        let listed: Vec<(usize, ControlPoint)> =
+            [0, 1].into_iter().flat_map(|side| own[side].points.iter().map(move |p| (side, *p))).collect();
         let fallback = own.map(|field| field.fallback);
         let mut points = parallel::map(&listed, |(side, p)| {
             // Beyond the canvas a field may diverge.
@@ -69,8 +67,7 @@ pub(super) fn untiled(scene: &Scene, kept: Tile) -> Scene {
     let mut out = scene.clone();
     out.tile = kept;
     // A scene periodic along the lost axes alone finds the copies to be listed.
-    let lost =
-        Scene { tile: Tile { x: scene.tile.x && !kept.x, y: scene.tile.y && !kept.y }, ..out.clone() };
+    let lost = Scene { tile: Tile { x: scene.tile.x && !kept.x, y: scene.tile.y && !kept.y }, ..out.clone() };
     let bounds: Vec<_> = scene.elements.iter().map(Element::bounds).collect();
     let repeated = |outline: &Outline| {
         let mut path = BezPath::new();

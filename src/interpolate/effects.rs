@@ -74,6 +74,7 @@ pub(super) fn half_way(a: &Shadow, b: &Shadow) -> Vec2 {
 mod tests {
     use super::*;
     use crate::raster::colour::Colour;
+    use crate::scene::{ElementId, InstanceId};
 
     #[test]
     fn what_one_has_comes_and_goes_without_a_jump() {
@@ -81,7 +82,7 @@ mod tests {
             transform: [2.0, 0.0, 0.0, 2.0, 5.0, 5.0],
             shadow: Some(Shadow { offset: [4.0, 2.0], opacity: 0.6, blur: 3.0 }),
             stroke: Some(Stroke { width: 1.0, colour: Colour([200, 0, 0]) }),
-            ..Instance::new(0, 0)
+            ..Instance::new(InstanceId(0), ElementId(0))
         };
         let (with, without) = (Effects::of(&instance), Effects::default());
         assert_eq!(Effects::mixed(with, without, 0.0), with);

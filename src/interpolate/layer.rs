@@ -33,7 +33,9 @@ impl LayerPair {
         let mut partners: Vec<Option<usize>> = vec![None; from.len()];
         let mut taken = vec![false; to.len()];
         for by_name in [true, false] {
-            for (k, layer) in from.iter().enumerate().filter(|(k, _)| partners[*k].is_none()).collect::<Vec<_>>() {
+            for (k, layer) in
+                from.iter().enumerate().filter(|(k, _)| partners[*k].is_none()).collect::<Vec<_>>()
+            {
                 let fits = |other: &Layer| other.role == layer.role && (!by_name || other.name == layer.name);
                 partners[k] = (0..to.len()).find(|&j| !taken[j] && fits(&to[j]));
                 partners[k].into_iter().for_each(|j| taken[j] = true);
@@ -84,9 +86,7 @@ impl LayerTween {
             // On a side without a field the layer has that of the other side.
             field: match fields {
                 [None, None] => None,
-                [from, to] => {
-                    from.or(to).zip(to.or(from)).map(|(a, b)| BlendedField::new(scenes[0], [a, b]))
-                }
+                [from, to] => from.or(to).zip(to.or(from)).map(|(a, b)| BlendedField::new(scenes[0], [a, b])),
             },
             // Elements without a partner grow and shrink by themselves; fields need a region for it.
             region: if fields == [None, None] && extents.iter().all(|e| !matches!(e, Extent::Of(_))) {

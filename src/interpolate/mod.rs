@@ -37,7 +37,8 @@ use crate::geometry::{Point, Vec2};
 use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::scene::{
-    Between, EditRecord, Element, ElementId, Instance, InstanceId, Layer, LibraryRef, Place, Recorded, Scene, Tile,
+    Between, EditRecord, Element, ElementId, Instance, InstanceId, Layer, LibraryRef, Place, Recorded, Scene,
+    Tile,
 };
 use background::untiled;
 use effects::Effects;

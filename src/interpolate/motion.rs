@@ -2,9 +2,9 @@
 
 use super::Interpolation;
 use super::effects::{Effects, half_way};
-use super::ring::{Ring, count, even};
 use super::layer::LayerTween;
 use super::region::{DomainTween, RegionTween};
+use super::ring::{Ring, count, even};
 use super::tween::{Ends, Tween};
 use crate::geometry::{Affine, Outline, Point, Rect, Vec2};
 use crate::raster::colour::Colour;

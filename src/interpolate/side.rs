@@ -7,7 +7,7 @@ use super::ring::{Ring, moments, transformed};
 use crate::geometry::{Affine, Outline, Point};
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::scene::{Gradient, Instance, LibraryRef, Scene, Element};
+use crate::scene::{Element, Gradient, Instance, LibraryRef, Scene};
 
 /// Largest distance between a polygon and its curve, in pixels.
 const FLAT: f64 = 0.05;

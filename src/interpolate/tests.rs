@@ -4,7 +4,7 @@ use super::*;
 use crate::geometry::{Affine, BezPath, Outline};
 use crate::interpolate::ring::{Ring, inside, length, moments, nearest, sine_cosine};
 use crate::raster::colour::Colour;
-use crate::sampling::Stream;
+use crate::sampling::{Stream, stream};
 use crate::scene::field::Interpolant;
 use crate::scene::{
     ControlPoint, Domain, Edge, ElementId, Field, Gradient, InstanceId, Shadow, Shape, Stroke, testing,
@@ -92,11 +92,7 @@ fn flat(outline: &Outline) -> Ring {
 }
 
 fn area(scene: &Scene) -> f64 {
-    scene
-        .primary
-        .iter()
-        .map(|i| scene.element(i).outline.area() * i.affine().determinant())
-        .sum()
+    scene.primary().iter().map(|i| scene.element(i).outline().area() * i.affine().determinant()).sum()
 }
 
 #[test]
@@ -106,7 +102,7 @@ fn the_ends_are_the_scenes_and_all_between_is_valid() {
     assert!(
         between.at(0.0) == a && between.at(1.0) == b && between.at(-3.0) == a && between.at(f64::NAN) == a
     );
-    let [primary, secondary] = between.matched();
+    let [_, (_, secondary), (_, primary)] = between.matched()[..] else { panic!("three layers") };
     assert_eq!((primary.pairs, primary.unmatched), (12, 8));
     assert_eq!(secondary.pairs * 2 + secondary.unmatched, 3 * 32);
     for k in 1..10 {
@@ -131,7 +127,7 @@ fn a_scene_between_looks_like_its_neighbours() {
     let near = between.at(1e-9);
     let field = |s: &Scene| Interpolant::new(s.field(), SIZE, SIZE, s.tile);
     let (first, here) = (field(&a), field(&near));
-    for p in b.field().points {
+    for p in &b.field().points {
         let (u, v) = (first.at(p.x, p.y), here.at(p.x, p.y));
         assert!((0..3).all(|k| (u[k] - v[k]).abs() <= 3.0), "{u:?} {v:?}");
     }
@@ -141,12 +137,12 @@ fn a_scene_between_looks_like_its_neighbours() {
 fn nothing_moves_in_leaps() {
     let (a, b) = (scene(5, 15, false), scene(6, 15, false));
     let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
-    let places = |t: f64| -> Vec<(u32, Point)> {
+    let places = |t: f64| -> Vec<(InstanceId, Point)> {
         let scene = between.at(t);
         let mut all: Vec<_> = scene
-            .primary
+            .primary()
             .iter()
-            .map(|i| (i.id, i.affine() * moments(&flat(scene.element(i).outline)).1))
+            .map(|i| (i.id, i.affine() * moments(&flat(scene.element(i).outline())).1))
             .collect();
         all.sort_by_key(|p| p.0);
         all
@@ -173,7 +169,7 @@ fn no_detail_sticks_out_of_its_texton() {
         for i in scene.primary() {
             let element = scene.element(i);
             let hull = flat(element.outline());
-            for detail in &element.details() {
+            for detail in element.details() {
                 for p in detail.outline.polygons(0.05).concat() {
                     assert!(inside(&hull, p) || length(nearest(&hull, p) - p) < 0.4, "{t}: {p:?}");
                     seen += 1;
@@ -197,7 +193,7 @@ fn scenes_that_tile_tile_on_the_way() {
     assert!(!half.tile.any());
     let near = between(&a, &plain, 1e-6);
     let copies = a
-        .primary
+        .primary()
         .iter()
         .map(|i| a.copies(i.affine().transform_rect_bbox(a.elements[i.element.index()].bounds())).count());
     assert_eq!(near.primary().len(), copies.sum::<usize>());
@@ -280,14 +276,14 @@ fn a_part_of_a_shape_without_partner_shrinks_as_it_is() {
 #[test]
 fn shadows_and_lines_change_without_a_jump() {
     let (a, mut b) = (scene(21, 15, false), scene(22, 15, false));
-    for instance in b.primary_mut().iter_mut().chain(b.secondary_mut()) {
+    for instance in b.instances_mut() {
         instance.transform[..4].copy_from_slice(&[1.4, 0.0, 0.0, 1.4]);
         instance.shadow = Some(Shadow { offset: [6.0, 3.0], opacity: 0.5, blur: 2.0 });
         instance.stroke = Some(Stroke { width: 1.0, colour: Colour([0, 0, 200]) });
     }
     let between = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
     // Width and opacity on the canvas, by id.
-    let look = |t: f64| -> std::collections::BTreeMap<u32, [f64; 2]> {
+    let look = |t: f64| -> std::collections::BTreeMap<InstanceId, [f64; 2]> {
         let scene = between.at(t);
         scene.validate().unwrap();
         let of = |i: &Instance| {
@@ -296,7 +292,7 @@ fn shadows_and_lines_change_without_a_jump() {
         };
         scene.instances().map(|i| (i.id, of(i))).collect()
     };
-    let paired = between.matched()[0].pairs;
+    let paired = between.matched()[2].1.pairs;
     let mut before = look(0.01);
     for k in 1..100 {
         let here = look(f64::from(k) / 100.0);
@@ -317,7 +313,7 @@ fn shadows_and_lines_change_without_a_jump() {
 fn plain_grounds_mix_and_a_scene_between_says_what_it_is() {
     let plain = |seed: u64, grey: u8| {
         let mut plain = scene(seed, 3, false);
-        (plain.field().points, plain.field().fallback) = (Vec::new(), Colour([grey; 3]));
+        *plain.field_mut() = testing::flat(Colour([grey; 3]));
         plain
     };
     let (a, b) = (plain(25, 20), plain(26, 220));
@@ -337,13 +333,15 @@ fn what_both_have_stays_as_it_is() {
     let a = scene(27, 12, false);
     let mut b = a.clone();
     b.primary_mut().truncate(8);
-    b.field().points.truncate(20);
+    b.field_mut().points.truncate(20);
     for t in [0.3, 0.7] {
         let between = between(&a, &b, t);
         for i in b.primary() {
             let there = |j: &&Instance| j.transform == i.transform;
             let found = between.primary().iter().find(there).unwrap();
-            assert!(between.elements[found.element.index()].outline == b.elements[i.element.index()].outline);
+            assert!(
+                between.elements[found.element.index()].outline() == b.elements[i.element.index()].outline()
+            );
         }
         assert_eq!(between.secondary().len(), a.secondary().len());
     }
@@ -356,7 +354,7 @@ fn other_sizes_and_empty_scenes() {
     b.width = 60;
     assert!(matches!(Interpolation::new(a.clone(), b.clone(), &()), Err(Error::Sizes { .. })));
     let mut empty = scene(18, 0, false);
-    empty.field().points.clear();
+    empty.field_mut().points.clear();
     let half = between(&a, &empty, 0.5);
     half.validate().unwrap();
     assert!(half.primary().len() <= 5);

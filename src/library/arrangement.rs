@@ -59,7 +59,9 @@ impl<'de> Visitor<'de> for Fields {
                 "width" | "height" | "periodic" | "runs" => {
                     return Err(A::Error::custom(format!("duplicate field `{name}`")));
                 }
-                other => return Err(A::Error::unknown_field(other, &["width", "height", "periodic", "runs"])),
+                other => {
+                    return Err(A::Error::unknown_field(other, &["width", "height", "periodic", "runs"]));
+                }
             }
         }
         let missing = A::Error::missing_field;
@@ -161,9 +163,9 @@ mod tests {
 
     #[test]
     fn fields_come_in_any_order_and_once() {
-        let wanted = Arrangement { width: 3, height: 1, runs: vec![0, 3] };
+        let wanted = Arrangement { width: 3, height: 1, periodic: true, runs: vec![0, 3] };
         assert_eq!(read(&serde_json::to_string(&wanted).unwrap()), Ok(wanted.clone()));
-        assert_eq!(read(r#"{"runs":[0,3],"height":1,"width":3}"#), Ok(wanted));
+        assert_eq!(read(r#"{"runs":[0,3],"height":1,"periodic":true,"width":3}"#), Ok(wanted));
         for (text, message) in [
             (r#"{"runs":[0,3],"height":1}"#, "missing field `width`"),
             (r#"{"runs":[],"height":1,"height":1}"#, "duplicate field `height`"),

@@ -13,9 +13,9 @@ pub use guide::{Guide, Picture};
 pub use parameters::{AnalyzeParams, Shading};
 
 use crate::document::{self, Document};
-use crate::error::Result;
-pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
 use crate::element;
+pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
+use crate::error::Result;
 use crate::geometry::{Affine, Outline};
 use crate::raster::colour::Colour;
 use crate::scene::Field;

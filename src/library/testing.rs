@@ -168,6 +168,17 @@ impl Library {
         self
     }
 
+    /// Takes all primaries away.
+    pub(crate) fn without_primaries(mut self) -> Self {
+        let secondaries = self.secondaries().to_vec();
+        let (background, spacing) = (self.background().clone(), self.secondary_spacing());
+        self.layers = Self::three_layers(&secondaries, background, spacing);
+        self.elements = secondaries;
+        self.arrangement.runs = vec![0, self.arrangement.width * self.arrangement.height];
+        self.categories.clear();
+        self
+    }
+
     /// Puts other secondaries in the place of its own.
     pub(crate) fn with_secondaries(self, secondaries: Vec<Element>) -> Self {
         let mut library = self.without_secondaries();

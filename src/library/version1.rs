@@ -137,8 +137,10 @@ impl TryFrom<Version1> for Library {
 impl From<Primary> for Element {
     fn from(old: Primary) -> Self {
         let base = Shape { gradient: old.gradient, ..Shape::new(old.outline, old.base) };
-        let details =
-            old.details.into_iter().map(|d| Shape { gradient: d.gradient, ..Shape::new(d.outline, d.colour) });
+        let details = old
+            .details
+            .into_iter()
+            .map(|d| Shape { gradient: d.gradient, ..Shape::new(d.outline, d.colour) });
         Self {
             category: Some(old.category),
             colour: old.colour,

@@ -132,6 +132,9 @@ mod tests {
         let field = testing::flat(Colour([0; 3]));
         let scene = testing::scene([40, 600], elements, secondary, primary, field);
         let counted: Vec<_> = coverage(&scene).into_iter().collect();
-        assert_eq!(counted, [(3, 150), (7, 0), (300, 150)].map(|(category, n)| ((0, CategoryId(category)), n)));
+        assert_eq!(
+            counted,
+            [(3, 150), (7, 0), (300, 150)].map(|(category, n)| ((0, CategoryId(category)), n))
+        );
     }
 }

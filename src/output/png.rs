@@ -240,7 +240,13 @@ impl<'a> Picture<'a> {
         let element = self.scene.element(instance);
         if let Some(path) = &drawing.base {
             let (colour, gradient) = element.paint(instance.colour);
-            band.fill_path(path, &paint(element.base(), colour, gradient), FillRule::Winding, transform, None);
+            band.fill_path(
+                path,
+                &paint(element.base(), colour, gradient),
+                FillRule::Winding,
+                transform,
+                None,
+            );
         }
         for (path, paint) in &drawing.details {
             band.fill_path(path, paint, FillRule::Winding, transform, None);
@@ -474,7 +480,7 @@ mod tests {
     #[test]
     fn unsound_scenes_are_refused() {
         let mut scene = testing::scene(20, 20, 7);
-        scene.primary_mut()[0].texton = 1000;
+        scene.primary_mut()[0].element = crate::scene::ElementId(1000);
         assert!(matches!(render(&scene, 1.0), Err(Error::Format { .. })));
     }
 }

@@ -5,7 +5,7 @@ use super::raster_svg::render_svg;
 use super::svg::{self, SvgOptions};
 use super::{coverage, inside, testing};
 use crate::geometry::{Affine, BezPath, Outline};
-use crate::scene::{Domain, Edge, Scene, Tile};
+use crate::scene::{Domain, Edge, ElementId, Scene, Tile};
 use tiny_skia::Pixmap;
 
 const TILES: [Tile; 3] = [Tile { x: true, y: true }, Tile { x: true, y: false }, Tile { x: false, y: true }];
@@ -79,7 +79,7 @@ fn tiles_laid_side_by_side_show_no_seam() {
 fn the_ground_alone_shows_no_seam() {
     for tile in TILES {
         let mut scene = testing::tiled(SIZE.0, SIZE.1, 2, tile);
-        (scene.primary(), scene.secondary()) = (Vec::new(), Vec::new());
+        scene.layers.iter_mut().for_each(|layer| layer.instances.clear());
         let (dx, dy) = half(tile);
         let moved = testing::moved(scene.clone(), f64::from(dx), f64::from(dy));
         for ((name, tiles), (_, whole)) in pictures(&scene, 1.0).iter().zip(&pictures(&moved, 1.0)) {
@@ -229,16 +229,18 @@ fn a_shadow_falls_on_what_lies_below_and_on_nothing_above() {
     let mut scene = testing::scene(200, 120, 10);
     scene.secondary_mut().clear();
     scene.primary_mut().truncate(3);
-    let texton = (0..24).find(|&t| scene.elements[t as usize].details.is_empty()).unwrap();
+    let plain = scene.elements[..24].iter().position(|e| e.details().is_empty()).unwrap();
     for (instance, x) in scene.primary_mut().iter_mut().zip([60.0, 95.0, 130.0]) {
-        instance.texton = texton;
+        instance.element = ElementId::after(plain);
         instance.transform = [1.0, 0.0, 0.0, 1.0, x, 60.0];
         instance.colour = Some(crate::raster::colour::Colour([200, 60, 60]));
     }
     let plain = render(&scene, 1.0).unwrap();
-    scene.primary_mut()[1].shadow = Some(crate::scene::Shadow { offset: [30.0, 0.0], opacity: 0.5, blur: 6.0 });
+    scene.primary_mut()[1].shadow =
+        Some(crate::scene::Shadow { offset: [30.0, 0.0], opacity: 0.5, blur: 6.0 });
     let right = render(&scene, 1.0).unwrap();
-    scene.primary_mut()[1].shadow = Some(crate::scene::Shadow { offset: [-35.0, 0.0], opacity: 0.5, blur: 6.0 });
+    scene.primary_mut()[1].shadow =
+        Some(crate::scene::Shadow { offset: [-35.0, 0.0], opacity: 0.5, blur: 6.0 });
     let left = render(&scene, 1.0).unwrap();
     let (first, second, third) = ((55, 60), (95, 60), (133, 60));
     assert_eq!(laid(&right, third.0, third.1), laid(&plain, third.0, third.1));

@@ -4,8 +4,8 @@ use crate::geometry::{Affine, BezPath, Outline, Point};
 use crate::raster::colour::Colour;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::{
-    ControlPoint, Element, ElementId, Field, Gradient, Instance, InstanceId, LibraryRef, Scene, Shadow, Shape, Stroke,
-    SynthParams, Tile, testing,
+    ControlPoint, Element, ElementId, Field, Gradient, Instance, InstanceId, LibraryRef, Scene, Shadow,
+    Shape, Stroke, SynthParams, Tile, testing,
 };
 
 /// A closed smooth ring around a centre, bumpy by `rough`; clockwise, or the other way for holes.
@@ -68,12 +68,11 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
             let mut element = testing::element(i, category, own, colour(base, 6.0, rng));
             element.shapes[0].gradient = (primary && i % 3 == 1).then(|| gradient(radius, base, rng));
             for _ in 0..details {
-
-                        let centre = Point::new(
-                            radius * 0.5 * (rng.unit() * 2.0 - 1.0),
-                            radius * 0.5 * (rng.unit() * 2.0 - 1.0),
-                        );
-                        let size = radius * (0.1 + 0.3 * rng.unit());
+                let centre = Point::new(
+                    radius * 0.5 * (rng.unit() * 2.0 - 1.0),
+                    radius * 0.5 * (rng.unit() * 2.0 - 1.0),
+                );
+                let size = radius * (0.1 + 0.3 * rng.unit());
                 let shape = Shape::new(outline(centre, size, 0.8, false, rng), colour(base, 25.0, rng));
                 let gradient = (rng.unit() < 0.4).then(|| gradient(radius, base, rng));
                 element.shapes.push(Shape { gradient, ..shape });
@@ -169,7 +168,7 @@ pub(super) fn moved(mut scene: Scene, dx: f64, dy: f64) -> Scene {
         let t = &mut instance.transform;
         (t[4], t[5]) = (along(t[4], dx, w, tile.x), along(t[5], dy, h, tile.y));
     }
-    for p in scene.field_mut().points {
+    for p in &mut scene.field_mut().points {
         (p.x, p.y) = (along(p.x, dx, w, tile.x), along(p.y, dy, h, tile.y));
     }
     if let Some(domain) = &mut scene.domain {

@@ -9,7 +9,8 @@ use crate::library::{AnalyzeParams, Arrangement, Library};
 use crate::output::{coverage, inside};
 use crate::raster::colour::Colour;
 use crate::scene::{
-    CategoryId, ControlPoint, Edge, EditRecord, ElementId, Instance, InstanceId, Role, Scene, SynthParams, Tile,
+    CategoryId, ControlPoint, Edge, EditRecord, ElementId, Instance, InstanceId, Role, Scene, SynthParams,
+    Tile,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -264,9 +265,8 @@ fn categories(group: &Group<'_>, scene: Option<&Scene>, textons: &[TextonData]) 
     }
     for about in found.values_mut() {
         about.got = Some(covered.get(&about.id).map_or(0.0, |p| *p as f64 / canvas));
-        let same = |i: &&Instance| {
-            own(group, Some(scene), i).is_some_and(|(_, category)| category == about.id)
-        };
+        let same =
+            |i: &&Instance| own(group, Some(scene), i).is_some_and(|(_, category)| category == about.id);
         about.placed = Some(scene.individuals().filter(same).count());
     }
     found.into_values().collect()

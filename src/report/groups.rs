@@ -77,7 +77,11 @@ impl<'a> Group<'a> {
         let place = |i: usize| Instance::new(InstanceId(i as u32), ElementId::after(i));
         Some(Scene {
             layers: vec![Layer {
-                field: scene.layers.iter().find_map(|l| l.field.clone()).map(|f| Field { points: Vec::new(), ..f }),
+                field: scene
+                    .layers
+                    .iter()
+                    .find_map(|l| l.field.clone())
+                    .map(|f| Field { points: Vec::new(), ..f }),
                 instances: self.textons(scene).into_iter().map(place).collect(),
                 ..Layer::new(Role::Primary)
             }],

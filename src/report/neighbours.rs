@@ -78,12 +78,14 @@ fn to_nearest(images: &[(f64, f64, usize)], own: usize, at: [f64; 2]) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::element::{CategoryId, ElementId};
     use crate::sampling::stream;
     use crate::scene::Tile;
     use crate::statistics::Centre;
 
     fn layout(points: &[[f64; 2]], size: f64, tile: bool) -> Layout {
-        let centre = |at: &[f64; 2]| Centre { library: 0, source: 0, category: 0, at: *at };
+        let centre =
+            |at: &[f64; 2]| Centre { library: 0, source: ElementId(0), category: CategoryId(0), at: *at };
         let tile = Tile { x: tile, y: tile };
         Layout { size: [size; 2], tile, centres: points.iter().map(centre).collect() }
     }

@@ -159,7 +159,7 @@ mod tests {
             Condition::Compare { quantity: Quantity::Area, comparison: Comparison::AtLeast, limit: 20.0 },
             Condition::Place { shape: "a.svg".into(), inside: true },
         ];
-        let tint = Recorded::Edit(Operation { action: tint, layers: Layers::Primary, conditions });
+        let tint = Recorded::Edit(Operation { action: tint, layer: Some("primary".into()), conditions });
         let orient =
             Action::Orient { direction: super::super::operation::Direction::Angle(30.0), strength: 1.0 };
         let (from, to) = (vec!["a.png".into(), "b.png".into()], vec!["c.png".into()]);
@@ -167,7 +167,7 @@ mod tests {
         for (record, text) in [
             (
                 tint,
-                "tint amount=0.5 colour=#ff0000 share=1 layers=primary where category!=3|5, area>=20, inside=a.svg",
+                "tint amount=0.5 colour=#ff0000 share=1 layer=primary where category!=3|5, area>=20, inside=a.svg",
             ),
             (Recorded::Edit(orient.into()), "orient direction=30 strength=1"),
             (Recorded::Edit(Action::Delete.into()), "delete"),

@@ -13,12 +13,10 @@ mod tile;
 mod validate;
 mod version1;
 
+pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
 pub use edits::{Axis, Between, EditRecord, Place, Recorded};
 pub use effects::{Shadow, Stroke};
-pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
-pub use operation::{
-    Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder,
-};
+pub use operation::{Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder};
 pub use parameters::{Ablation, Method, SynthParams, Weights};
 pub use tile::Tile;
 
@@ -198,9 +196,7 @@ impl Element {
 }
 
 /// Identifier of an instance, unique within its scene; operations keep it.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct InstanceId(pub u32);
 

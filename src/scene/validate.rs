@@ -41,7 +41,11 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
         for (i, instance) in layer.instances.iter().enumerate() {
             let at = format_args!("{at}.instances[{i}]");
             if instance.element.index() >= s.elements.len() {
-                return Err(format!("{at}.element is {}, there are {}", instance.element.0, s.elements.len()));
+                return Err(format!(
+                    "{at}.element is {}, there are {}",
+                    instance.element.0,
+                    s.elements.len()
+                ));
             }
             if !instance.transform.iter().all(|v| v.abs() < 1e7) {
                 return Err(format!("{at}.transform is out of range"));

@@ -102,8 +102,10 @@ impl From<Version1> for Scene {
 impl From<Texton> for Element {
     fn from(old: Texton) -> Self {
         let base = Shape { gradient: old.gradient, ..Shape::new(old.outline, old.colour) };
-        let details =
-            old.details.into_iter().map(|p| Shape { gradient: p.gradient, ..Shape::new(p.outline, p.colour) });
+        let details = old
+            .details
+            .into_iter()
+            .map(|p| Shape { gradient: p.gradient, ..Shape::new(p.outline, p.colour) });
         Self {
             library: old.library,
             // Primaries come first among a library's elements. How many there are is not known here, so

@@ -8,8 +8,8 @@
 //! common with itself moved by r is wh - 2r(w + h)/π + r²/π, and what is wrapped loses nothing.
 //! Because pairs and expectations are kept, curves of several scenes add up.
 
-use crate::element::CategoryId;
 use super::{Layout, wrapped};
+use crate::element::CategoryId;
 use crate::library::Library;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -232,6 +232,7 @@ fn for_pairs(
 mod tests {
     use super::super::Centre;
     use super::*;
+    use crate::element::ElementId;
     use crate::sampling::{Stream, stream};
     use crate::scene::Tile;
 
@@ -249,6 +250,10 @@ mod tests {
         (0..n).map(|i| ((i % 3) as u16, size.map(|s| random.range(0.0, s)))).collect()
     }
 
+    fn ids<const N: usize>(categories: [u16; N]) -> [CategoryId; N] {
+        categories.map(CategoryId)
+    }
+
     /// Curves of many random scatters together.
     fn poisson(torus: bool, tile: Option<Tile>) -> Correlation {
         let (size, mut sum) = ([30.0, 12.0], None::<Correlation>);
@@ -256,7 +261,7 @@ mod tests {
         for _ in 0..60 {
             let mut layout = layout(size, torus, &scatter(size, 240, &mut random));
             layout.tile = tile.unwrap_or(layout.tile);
-            let one = Correlation::new(&layout, 0, &[0, 1, 2], 1.5);
+            let one = Correlation::new(&layout, 0, &ids([0, 1, 2]), 1.5);
             match &mut sum {
                 Some(sum) => sum.add(&one),
                 None => sum = Some(one),
@@ -289,7 +294,12 @@ mod tests {
         let mut sums = [0.0; 2];
         for _ in 0..40 {
             let [a, b] = [400, 900].map(|n| {
-                Correlation::new(&layout(size, false, &scatter(size, n, &mut random)), 0, &[0, 1, 2], 1.0)
+                Correlation::new(
+                    &layout(size, false, &scatter(size, n, &mut random)),
+                    0,
+                    &ids([0, 1, 2]),
+                    1.0,
+                )
             });
             let d = a.difference(&b).unwrap();
             sums[0] += d.rms * d.rms;
@@ -303,7 +313,8 @@ mod tests {
         let points: Vec<(u16, [f64; 2])> =
             (0..900).map(|i| (0, [f64::from(i % 30) + 0.5, f64::from(i / 30) + 0.5])).collect();
         for torus in [false, true] {
-            let g = Correlation::new(&layout([30.0; 2], torus, &points), 0, &[0], 1.0).curves[0].values();
+            let g =
+                Correlation::new(&layout([30.0; 2], torus, &points), 0, &ids([0]), 1.0).curves[0].values();
             let g: Vec<f64> = g.into_iter().map(Option::unwrap).collect();
             // Bins of 0.25: none below 1, four at 1, four at √2, none from 1.5 to 2, four at 2.
             let density = |k: usize, pairs: f64| {
@@ -326,8 +337,11 @@ mod tests {
         // Every third disc has a companion of another category beside it.
         let mut points: Vec<(u16, [f64; 2])> = discs.iter().map(|p| (4, *p)).collect();
         points.extend(discs.iter().step_by(3).map(|p| (2, [p[0] + 0.1, p[1]])));
-        let found = Correlation::new(&layout([40.0; 2], false, &points), 0, &[4, 2], 1.0);
-        assert_eq!(found.curves.iter().map(|c| c.categories).collect::<Vec<_>>(), [[4, 4], [4, 2], [2, 2]]);
+        let found = Correlation::new(&layout([40.0; 2], false, &points), 0, &ids([4, 2]), 1.0);
+        assert_eq!(
+            found.curves.iter().map(|c| c.categories).collect::<Vec<_>>(),
+            [ids([4, 4]), ids([4, 2]), ids([2, 2])]
+        );
         let values = |i: usize| found.curves[i].values();
         assert!(values(0)[..4].iter().all(|g| *g == Some(0.0)));
         assert!(values(0)[4].unwrap() > 1.2);
@@ -337,20 +351,20 @@ mod tests {
         assert_eq!(found.difference(&found).unwrap().rms, 0.0);
         let mixed: Vec<(u16, [f64; 2])> =
             points.iter().map(|p| (if random.chance(0.25) { 2 } else { 4 }, p.1)).collect();
-        let other = Correlation::new(&layout([40.0; 2], false, &mixed), 0, &[4, 2], 1.0);
+        let other = Correlation::new(&layout([40.0; 2], false, &mixed), 0, &ids([4, 2]), 1.0);
         let apart = found.difference(&other).unwrap();
         assert!(apart.rms > 2.0 * apart.noise, "{apart:?}");
     }
 
     #[test]
     fn nothing_and_too_little_have_no_difference() {
-        let empty = Correlation::new(&layout([10.0; 2], true, &[]), 0, &[0, 1], 1.0);
+        let empty = Correlation::new(&layout([10.0; 2], true, &[]), 0, &ids([0, 1]), 1.0);
         assert_eq!(empty.difference(&empty), None);
         // Wider than the canvas can tell.
         let point = [(0, [1.0, 1.0]), (0, [2.0, 2.0])];
-        let small = Correlation::new(&layout([3.0; 2], false, &point), 0, &[0], 100.0);
+        let small = Correlation::new(&layout([3.0; 2], false, &point), 0, &ids([0]), 100.0);
         assert_eq!(small.curves[0].values(), vec![None; BINS]);
-        let none = Correlation::new(&layout([3.0; 2], false, &point), 0, &[0], 0.0);
+        let none = Correlation::new(&layout([3.0; 2], false, &point), 0, &ids([0]), 0.0);
         assert_eq!(none.difference(&none), None);
     }
 }

@@ -3,8 +3,8 @@
 //! Placement by correspondences brings neighbours along. One group seen twice is what an eye finds first
 //! in a large texture.
 
-use crate::element::ElementId;
 use super::{Centre, Layout};
+use crate::element::ElementId;
 use crate::geometry::{NearPoints, Point, shortest_offset};
 use crate::parallel;
 use serde::Serialize;
@@ -47,7 +47,8 @@ struct Placed {
 impl Groups {
     /// Of a scene's layout, whose primaries are those of `exemplars` by library.
     pub fn new(layout: &Layout, exemplars: &[Layout]) -> Self {
-        let known: Vec<BTreeMap<ElementId, (Point, Vec<ElementId>)>> = exemplars.iter().map(surroundings).collect();
+        let known: Vec<BTreeMap<ElementId, (Point, Vec<ElementId>)>> =
+            exemplars.iter().map(surroundings).collect();
         let placed: Vec<Placed> = layout
             .centres
             .iter()
@@ -201,6 +202,7 @@ fn windows(pairs: &[Vec<[u32; 2]>], placed: &[Placed], layout: &Layout, exemplar
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::element::CategoryId;
     use crate::sampling::stream;
     use crate::scene::Tile;
 
@@ -208,8 +210,8 @@ mod tests {
         let mut random = stream(1, "groups test", 0);
         let centre = |source| Centre {
             library: 0,
-            source,
-            category: 0,
+            source: ElementId(source),
+            category: CategoryId(0),
             at: [random.range(0.0, 100.0), random.range(0.0, 100.0)],
         };
         Layout { size: [100.0; 2], tile: Tile::default(), centres: (0..60).map(centre).collect() }
@@ -248,7 +250,7 @@ mod tests {
         let mut sources: Vec<u32> = (0..60).collect();
         random.shuffle(&mut sources);
         for (c, s) in shuffled.centres.iter_mut().zip(sources) {
-            c.source = s;
+            c.source = ElementId(s);
         }
         let groups = Groups::new(&shuffled, &[exemplar]);
         assert!(groups.kept < 0.05 && groups.largest < 3, "{groups:?}");

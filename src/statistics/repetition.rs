@@ -1,7 +1,7 @@
 //! How often the same textons come back, and how near to one another.
 
-use crate::element::ElementId;
 use super::{Layout, neighbour_distance, wrapped};
+use crate::element::ElementId;
 use crate::library::Library;
 use crate::scene::Scene;
 use serde::Serialize;
@@ -124,14 +124,15 @@ fn nearest(places: &[[f64; 2]], period: [Option<f64>; 2]) -> Vec<f64> {
 mod tests {
     use super::super::Centre;
     use super::*;
+    use crate::element::CategoryId;
     use crate::sampling::stream;
     use crate::scene::Tile;
 
     fn layout(tile: Tile, centres: &[(u32, u32, f64, f64)]) -> Layout {
         let centre = |&(library, source, x, y): &(u32, u32, f64, f64)| Centre {
             library,
-            source,
-            category: 0,
+            source: ElementId(source),
+            category: CategoryId(0),
             at: [x, y],
         };
         Layout { size: [100.0, 80.0], tile, centres: centres.iter().map(centre).collect() }

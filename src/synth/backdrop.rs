@@ -7,8 +7,8 @@
 use crate::geometry::wrapped;
 use crate::library::Library;
 use crate::raster::LabelMap;
+use crate::scene::Tile;
 use crate::scene::field::Interpolant;
-use crate::scene::{Tile};
 
 /// Least share of a block that is ground.
 const LEAST: f64 = 0.15;
@@ -145,8 +145,7 @@ mod tests {
     fn the_ground_has_the_colours_of_the_guide() {
         // The palette of the library knows two grey values; the guide's ground is darker on the left.
         let map = mosaic(200, 15.0, 0.6, 1);
-        let mut library = guided(&map);
-        library.SECCLEAR();
+        let library = guided(&map).without_secondaries();
         let backdrop = Backdrop::new(&library, &map);
         let (left, right) = (backdrop.at([20.0, 100.0])[0], backdrop.at([180.0, 100.0])[0]);
         let known = |x: f64| 40.0 + x * 60.0 / 200.0;

@@ -9,7 +9,8 @@ use crate::geometry::{Affine, Outline};
 use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::scene::{
-    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryRef, Role, Scene, SynthParams, Tile,
+    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryRef, Role, Scene, SynthParams,
+    Tile,
 };
 use std::collections::BTreeMap;
 
@@ -40,9 +41,7 @@ pub(crate) fn scene(
         let placed = &model[p.element];
         let (element, variation) = match placed.fragment {
             // A fragment is varied already.
-            Some(fragment) => {
-                (scene.add(model.fragments[fragment as usize].clone()), &Variation::default())
-            }
+            Some(fragment) => (scene.add(model.fragments[fragment as usize].clone()), &Variation::default()),
             None => {
                 let element = known[placed.library].primary(&mut scene, placed.index);
                 (element, &model.variations[usize::from(p.variation)])

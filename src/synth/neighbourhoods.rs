@@ -2,7 +2,7 @@
 
 use crate::arrange::sites::Buckets;
 use crate::arrange::variation::Variation;
-use crate::library::{Library, Element};
+use crate::library::{Element, Library};
 use crate::raster::LabelMap;
 use crate::sampling::Stream;
 

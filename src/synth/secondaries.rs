@@ -15,7 +15,7 @@ use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::{Sites, scattered};
 use crate::arrange::variation::Variation;
 use crate::geometry::Point;
-use crate::library::{Library, Element};
+use crate::library::{Element, Library};
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::sampling::{Stream, stream};
@@ -442,17 +442,13 @@ mod tests {
 
     #[test]
     fn no_secondary_is_darker_or_lighter_than_those_of_the_exemplar() {
-        let textons = |r: u8| crate::library::Element {
-            outline: crate::geometry::Outline::default(),
-            colour: crate::raster::colour::Colour([r, 90, 200]),
-            difference: [-60, 0, 60],
-            area: 4,
-            centroid: [0.0; 2],
-        };
-        let mut library = crate::library::testing::library(&crate::raster::LabelMap::filled(8, 8, 0));
-        library.SECCLEAR();
+        let library = crate::library::testing::library(&crate::raster::LabelMap::filled(40, 40, 0));
+        let own = library.secondaries()[0].clone();
+        let secondary =
+            |r: u8| Element { colour: crate::raster::colour::Colour([r, 90, 200]), ..own.clone() };
+        let library = library.without_secondaries();
         assert_eq!(tones(&library), [[0.0, 255.0]; 3]);
-        library.secondaries() = (0..=200).map(textons).collect();
+        let library = library.with_secondaries((0..=200).map(secondary).collect());
         assert_eq!(tones(&library), [[2.0, 198.0], [90.0, 90.0], [200.0, 200.0]]);
     }
 }

@@ -1,7 +1,7 @@
 //! Properties of whole synthesised scenes.
 
 use super::{Controls, Report, reconstruct, synthesize, synthesize_with};
-use crate::arrange::model::{PlaceableId, Model};
+use crate::arrange::model::{Model, PlaceableId};
 use crate::document::Document;
 use crate::error::Error;
 use crate::library::Library;
@@ -22,7 +22,7 @@ fn painted(library: &Library, scene: &Scene) -> LabelMap {
     let model = Model::new(std::slice::from_ref(library), &SynthParams::default());
     let mut map = LabelMap::filled(scene.width, scene.height, 0);
     for (i, instance) in scene.primary().iter().enumerate() {
-        let shape = model.plain(PlaceableId(scene.element(instance).source));
+        let shape = model.plain(PlaceableId(scene.element(instance).source.unwrap().0));
         let moved = shape.mask.shifted(instance.transform[4] as i32, instance.transform[5] as i32);
         for (x, y) in moved.pixels() {
             if map.at(i64::from(x), i64::from(y)).is_some() {
@@ -70,7 +70,8 @@ fn reported_overlap_and_repetition_are_those_of_the_scene() {
     let mut visible = map.areas();
     visible.resize(scene.primary().len() + 1, 0);
     let alone = |i: usize| {
-        let one = Scene { primary: vec![scene.primary()[i].clone()], ..scene.clone() };
+        let mut one = scene.clone();
+        *one.primary_mut() = vec![scene.primary()[i].clone()];
         painted(&library, &one).areas().get(1).copied().unwrap_or(0)
     };
     let areas: Vec<u32> = (0..scene.primary().len()).map(alone).collect();
@@ -79,7 +80,7 @@ fn reported_overlap_and_repetition_are_those_of_the_scene() {
     let buried = areas.iter().zip(&visible[1..]).filter(|(a, v)| *v * 2 < **a).count();
     assert!((report.overlap.buried - buried as f64 / areas.len() as f64).abs() < 1e-12);
     assert!(report.overlap.hidden > 0.001, "nothing to compare");
-    assert_eq!(report.repetition.elements, report.elements);
+    assert_eq!(report.repetition.textons, report.textons);
     assert!(report.repetition.textons <= report.repetition.placeable);
     assert!(report.repetition.largest_share * report.primaries as f64 >= 1.0);
 }
@@ -111,7 +112,7 @@ fn clipped_textons_are_never_placed() {
     assert!(library.primaries().iter().any(|p| p.clipped));
     for instance in scene.primary() {
         let element = scene.element(instance);
-        assert!(!library.primaries()[element.source as usize].clipped);
+        assert!(!library.primaries()[element.source.unwrap().index()].clipped);
     }
 }
 
@@ -125,7 +126,7 @@ fn little_is_hidden() {
         let model = Model::new(std::slice::from_ref(&library), &SynthParams::default());
         let (mut visible, mut whole) = (0u32, 0u32);
         for (i, instance) in scene.primary().iter().enumerate() {
-            let shape = model.plain(PlaceableId(scene.element(instance).source));
+            let shape = model.plain(PlaceableId(scene.element(instance).source.unwrap().0));
             let [x, y] = [instance.transform[4] as i32, instance.transform[5] as i32];
             let b = shape.bounds;
             if x + b[0] >= 0 && y + b[1] >= 0 && x + b[2] <= 400 && y + b[3] <= 400 {
@@ -167,7 +168,7 @@ fn equal_textons_keep_apart() {
     let near = scene.primary().iter().enumerate().filter(|(i, a)| {
         scene.primary()[..*i].iter().any(|b| {
             let [dx, dy] = [4, 5].map(|k| a.transform[k] - b.transform[k]);
-            a.texton == b.texton && libm::hypot(dx, dy) < 20.0
+            a.element == b.element && libm::hypot(dx, dy) < 20.0
         })
     });
     let share = near.count() as f64 / scene.primary().len() as f64;
@@ -196,9 +197,8 @@ fn a_library_without_primaries_gives_ground() {
     assert!(scene.field().points.len() > 20);
     assert_eq!((report.coverage, report.attempts), (0.0, 0));
 
-    let mut bare = library.clone();
-    bare.SECCLEAR();
-    bare.field().sites.clear();
+    let mut bare = library.clone().without_secondaries();
+    bare.layers[0].field.as_mut().unwrap().points.clear();
     let (scene, _) = run(&bare, &params(64, 64, 1));
     assert!(scene.secondary().is_empty() && scene.field().points.is_empty());
     assert_eq!(scene.validate(), Ok(()));
@@ -226,7 +226,7 @@ fn any_size_and_parameter_is_survived() {
     whole.coverage = 1.0;
     whole.categories.iter_mut().for_each(|c| c.coverage = 1.0);
     run(&whole, &params(90, 90, 1));
-    whole.primaries.iter_mut().for_each(|p| p.clipped = true);
+    whole.elements.iter_mut().for_each(|p| p.clipped = true);
     assert!(run(&whole, &params(50, 50, 1)).0.primary().is_empty());
     let one = library(&LabelMap::filled(30, 30, 1));
     assert!(run(&one, &params(50, 50, 1)).0.primary().is_empty());
@@ -264,7 +264,7 @@ fn reconstruction_is_the_exemplar() {
     for (instance, p) in scene.primary().iter().zip(library.primaries()) {
         let element = scene.element(instance);
         let moved = instance.affine() * element.outline().path();
-        assert_eq!(crate::geometry::Outline::new(&moved), Some(p.outline.clone()));
+        assert_eq!(crate::geometry::Outline::new(&moved), Some(p.outline().clone()));
     }
 }
 
@@ -339,7 +339,7 @@ mod carried {
             assert!(structure.whole > structure.completed, "{structure:?}");
             // Fragments are parts: none is larger than what it is of.
             for t in scene.elements.iter().filter(|t| t.fragment) {
-                let whole = library.primaries()[t.source as usize].outline.area();
+                let whole = library.primaries()[t.source.unwrap().index()].outline().area();
                 assert!(t.outline().area() < 1.3 * whole + 8.0, "{} {whole}", t.outline().area());
             }
         }
@@ -352,10 +352,10 @@ mod carried {
         let kept = |method| {
             let (scene, _) = run(&library, &SynthParams { method, ..params(300, 300, 5) });
             let offsets: Vec<[[f64; 2]; 2]> = scene
-                .primary
+                .primary()
                 .iter()
                 .map(|i| {
-                    let source = scene.element(i).source as usize;
+                    let source = scene.element(i).source.unwrap().index();
                     let origin = library.primaries()[source].centroid.map(libm::round);
                     let at = [i.transform[4], i.transform[5]];
                     [at, [at[0] - origin[0], at[1] - origin[1]]]
@@ -387,7 +387,7 @@ mod carried {
             let (scene, _) = synthesize_with(std::slice::from_ref(&library), &p, &controls, &()).unwrap();
             assert!(scene.primary().len() > 20);
             for i in scene.primary() {
-                let b = scene.element(i).outline.bounds_after(i.affine());
+                let b = scene.element(i).outline().bounds_after(i.affine());
                 let inside = b.x0 > 38.5 && b.y0 > 28.5 && b.x1 < 201.5 && b.y1 < 171.5;
                 assert!(edge != Edge::Avoid || inside, "{b:?}");
                 let apart = b.x1 < 40.0 || b.y1 < 30.0 || b.x0 > 200.0 || b.y0 > 170.0;
@@ -436,7 +436,7 @@ mod carried {
         let mirrored = scene.primary().iter().filter(|i| i.affine().determinant() < 0.0).count();
         assert!(mirrored > scene.primary().len() / 10, "{mirrored} of {}", scene.primary().len());
         library.arrangement.periodic = true;
-        library.primaries().iter_mut().for_each(|p| p.clipped = false);
+        library.elements.iter_mut().for_each(|p| p.clipped = false);
         let (scene, report) = run(&library, &params(300, 300, 1));
         assert_eq!((scene.validate(), report.method), (Ok(()), Method::Correspondence));
     }

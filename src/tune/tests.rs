@@ -44,7 +44,7 @@ fn bad_parameters_are_refused_and_without_textons_nothing_changes() {
     for wrong in [TuneParams { seeds: 0, ..params(1, 10) }, params(1, 9)] {
         assert!(matches!(tune(&library, &wrong, &()), Err(Error::Parameter { .. })));
     }
-    library.primaries().iter_mut().for_each(|p| p.clipped = true);
+    library.elements.iter_mut().for_each(|p| p.clipped = true);
     let found = tune(&library, &params(1, 10), &()).unwrap();
     assert_eq!((found.weights, found.after), (Weights::default(), found.before));
 }

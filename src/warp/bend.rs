@@ -2,7 +2,7 @@
 
 use crate::error::{Result, check};
 use crate::geometry::{BezPath, Cage, Outline, PathEl, Point};
-use crate::scene::{Instance, Scene, Element};
+use crate::scene::{Element, Instance, Scene};
 use kurbo::{ParamCurve, Shape};
 
 /// Pieces that each segment of a domain is cut into when it is bent.

@@ -1,7 +1,7 @@
 //! What a scene knows of the libraries that it was made from.
 
 use super::Bend;
-use crate::arrange::model::{PlaceableId, Model, VariantId};
+use crate::arrange::model::{Model, PlaceableId, VariantId};
 use crate::error::{Error, Result};
 use crate::library::{self, Library};
 use crate::raster::ControlMap;
@@ -26,7 +26,8 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
     for reference in &scene.libraries {
         let fits = |l: &&mut Option<Library>| l.as_ref().is_some_and(|l| l.source.sha256 == reference.sha256);
         let library = left.iter_mut().find(fits).and_then(Option::take);
-        let missing = || fail(&reference.exemplar, "the scene has elements of it, and it is not given".into());
+        let missing =
+            || fail(&reference.exemplar, "the scene has elements of it, and it is not given".into());
         found.push(library.ok_or_else(missing)?);
     }
     if let Some(foreign) = left.into_iter().flatten().next() {
@@ -34,14 +35,15 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
     }
     let scene = with_sources(scene, &found);
     // The same photograph may have been analysed in another way since.
-    let strange = |library: &Library| {
-        fail(&library.source.file, "its elements are not those of the scene".into())
-    };
+    let strange =
+        |library: &Library| fail(&library.source.file, "its elements are not those of the scene".into());
     for instance in scene.instances() {
         let element = scene.element(instance);
         let library = &found[element.library as usize];
         let known = element.source.and_then(|source| library.elements.get(source.index()));
-        let Some(known) = known.filter(|e| e.category == element.category) else { return Err(strange(library)) };
+        let Some(known) = known.filter(|e| e.category == element.category) else {
+            return Err(strange(library));
+        };
         // Small elements of one shape are listed once, and fragments have shapes of their own.
         let own_shape = element.category.is_some() && !element.fragment;
         if own_shape && compose::translated(known.outline(), known.origin()) != *element.outline() {

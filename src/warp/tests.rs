@@ -28,7 +28,7 @@ fn bent(scene: &Scene, bend: &Bend) -> (Scene, Report) {
     (result, report)
 }
 
-fn by_id(instances: &[Instance]) -> BTreeMap<u32, &Instance> {
+fn by_id(instances: &[Instance]) -> BTreeMap<InstanceId, &Instance> {
     instances.iter().map(|i| (i.id, i)).collect()
 }
 
@@ -81,7 +81,7 @@ fn density_stays_when_the_canvas_grows_or_shrinks() {
                 for k in 0..2 {
                     assert!((instance.transform[4 + k] - was.transform[4 + k] * factors[k]).abs() <= 0.5);
                 }
-                let (a, b) = (&after.elements[instance.element.index()], &before.elements[was.element.index()]);
+                let (a, b) = (after.element(instance), before.element(was));
                 assert_eq!(a, b);
             }
         }

@@ -55,7 +55,8 @@ fn domain() -> Domain {
 
 /// Shadows beneath all primaries and lines around them.
 fn edit(scene: &mut Scene) {
-    for instance in &mut scene.primary {
+    for instance in scene.layers.iter_mut().filter(|l| l.role.is_individual()).flat_map(|l| &mut l.instances)
+    {
         instance.shadow = Some(Shadow { offset: [3.0, 3.0], opacity: 0.5, blur: 3.0 });
         instance.stroke = Some(Stroke { width: 4.0, colour: Colour([200, 30, 30]) });
     }

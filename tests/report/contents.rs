@@ -4,6 +4,7 @@ use super::subject::{NAME, made, page};
 use base64::Engine;
 use serde_json::Value;
 use std::io::Read;
+use vtex::element::ElementId;
 use vtex::library::Library;
 use vtex::report::{Named, Photo, Subject};
 use vtex::scene::{Domain, Edge, Tile};
@@ -135,7 +136,7 @@ fn a_library_and_a_scene_make_a_whole_page() {
     assert_eq!(parts.data["program"], vtex::PROGRAM);
     check_textons(&parts, group);
 
-    let (library, placed) = (&made.libraries[0].content, made.scene.content.primary.len() as f64);
+    let (library, placed) = (&made.libraries[0].content, made.scene.content.individuals().count() as f64);
     assert_eq!(group["textons"].as_array().unwrap().len(), library.primaries().len());
     assert_eq!(sum(&group["textons"], "placed"), placed);
     assert_eq!(sum(&group["categories"], "placed"), placed);
@@ -171,7 +172,7 @@ fn each_alone_makes_a_page_of_what_is_known() {
     assert_eq!(alone.ids(), ["photo-0", "textons-0", "result"]);
     let group = &alone.data["groups"][0];
     assert!(group["library"].is_null() && group["distributions"][0].get("exemplar").is_none());
-    assert_eq!(sum(&group["textons"], "placed"), made.scene.content.primary.len() as f64);
+    assert_eq!(sum(&group["textons"], "placed"), made.scene.content.individuals().count() as f64);
     assert!(group["categories"][0]["wanted"].is_null());
     check_textons(&alone, group);
 }
@@ -253,10 +254,10 @@ fn a_scene_is_compared_only_with_what_it_was_made_from() {
     stranger.content.source.sha256 = "f".repeat(64);
     // As if it came from another library of the same photograph.
     let mut other = made.scene.clone();
-    let primaries = &made.libraries[0].content.primaries;
-    let texton = other.content.textons.iter_mut().find(|t| t.category.is_some()).unwrap();
-    let elsewhere = primaries.iter().position(|p| Some(p.category.0) != element.category).unwrap();
-    element.source = elsewhere as u32;
+    let primaries = &made.libraries[0].content.primaries();
+    let element = other.content.elements.iter_mut().find(|e| e.category.is_some()).unwrap();
+    let elsewhere = primaries.iter().position(|p| p.category != element.category).unwrap();
+    element.source = Some(ElementId(elsewhere as u32));
     for (library, scene) in [(&stranger, &made.scene), (&made.libraries[0], &other)] {
         let (text, _) = page(std::slice::from_ref(library), Some(scene), &[]);
         let data = parts(&text).data;
@@ -275,12 +276,12 @@ fn several_libraries_are_kept_apart() {
     let mut reference = scene.content.libraries[0].clone();
     reference.sha256 = second.source.sha256.clone();
     scene.content.libraries.push(reference);
-    scene.content.textons.iter_mut().for_each(|t| t.library = t.source % 2);
+    scene.content.elements.iter_mut().for_each(|e| e.library = e.source.unwrap().0 % 2);
     let libraries = [made.libraries[0].clone(), Named { name: "second.lib.json".into(), content: second }];
     let (text, _) = page(&libraries, Some(&scene), &made.photos());
     let data = parts(&text).data;
     let placed: Vec<f64> = (0..2).map(|g| sum(&data["groups"][g]["categories"], "placed")).collect();
-    assert_eq!(placed[0] + placed[1], scene.content.primary.len() as f64);
+    assert_eq!(placed[0] + placed[1], scene.content.individuals().count() as f64);
     assert!(placed.iter().all(|p| *p > 0.0), "{placed:?}");
     let listed = |g: usize| -> usize {
         let instances = data["groups"][g]["instances"].as_object().unwrap();
@@ -293,7 +294,7 @@ fn several_libraries_are_kept_apart() {
 fn what_is_unsound_is_refused() {
     let made = made();
     let mut scene = made.scene.clone();
-    scene.content.primary[0].texton = 1_000_000;
+    scene.content.instances_mut().next().unwrap().element = ElementId(1_000_000);
     let subject = Subject { libraries: &[], scene: Some(&scene), photos: &[], ask: "" };
     assert!(matches!(vtex::report::write(&subject, std::io::sink()), Err(vtex::Error::Format { .. })));
     let mut library = made.libraries[0].clone();
@@ -306,17 +307,20 @@ fn what_is_unsound_is_refused() {
 fn next_to_nothing_makes_a_page_too() {
     let made = made();
     let mut library: Library = made.libraries[0].content.clone();
-    library.primaries().clear();
+    library.elements.clear();
     library.categories.clear();
-    library.SECCLEAR();
-    library.background().points.clear();
+    for layer in &mut library.layers {
+        layer.instances.clear();
+        layer.field.iter_mut().for_each(|field| field.points.clear());
+    }
     library.arrangement.runs = vec![0, 160 * 160];
     library.coverage = 0.0;
     let mut scene = made.scene.clone();
-    scene.content.textons.clear();
-    scene.content.primary.clear();
-    scene.content.secondary.clear();
-    scene.content.background.points.clear();
+    scene.content.elements.clear();
+    for layer in &mut scene.content.layers {
+        layer.instances.clear();
+        layer.field.iter_mut().for_each(|field| field.points.clear());
+    }
     scene.content.libraries.clear();
     scene.content.parameters = None;
     scene.content.tile = Tile { x: true, y: true };

@@ -1,6 +1,6 @@
 //! Elements of like colour and size.
 
-use crate::arrange::model::{PlaceableId, Model};
+use crate::arrange::model::{Model, PlaceableId};
 use crate::library::Library;
 use crate::parallel;
 use std::ops::Range;

@@ -7,7 +7,7 @@
 
 use super::Correspondence;
 use crate::arrange::grid::Grid;
-use crate::arrange::model::{PlaceableId, Model, VariantId};
+use crate::arrange::model::{Model, PlaceableId, VariantId};
 use crate::library::Library;
 use crate::parallel;
 use crate::raster::{LabelMap, Mask};

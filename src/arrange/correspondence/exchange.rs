@@ -6,7 +6,7 @@
 
 use super::alike::Alike;
 use super::arrivals::Plan;
-use crate::arrange::model::{PlaceableId, Model, VariantId};
+use crate::arrange::model::{Model, PlaceableId, VariantId};
 use crate::geometry::{Point, shortest_offset};
 use crate::library::Library;
 use crate::raster::Mask;

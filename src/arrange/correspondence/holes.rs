@@ -5,7 +5,7 @@
 
 use super::alike::Alike;
 use super::arrivals::Plan;
-use crate::arrange::model::{PlaceableId, Model, VariantId};
+use crate::arrange::model::{Model, PlaceableId, VariantId};
 use crate::raster::{Connectivity, LabelMap, Mask, components};
 
 /// Fewest pixels of a hole.

@@ -119,7 +119,7 @@ mod tests {
     use super::*;
     use crate::arrange::controls::Controls;
     use crate::arrange::grid::Grid;
-    use crate::arrange::model::{PlaceableId, Model};
+    use crate::arrange::model::{Model, PlaceableId};
     use crate::arrange::region::Region;
     use crate::library::testing::{library, mosaic};
     use crate::raster::ControlMap;

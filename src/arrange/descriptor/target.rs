@@ -4,7 +4,7 @@
 //! a canvas, a descriptor writes only where its library has a part.
 
 use crate::arrange::grid::Grid;
-use crate::arrange::model::{EMPTY, PlaceableId, Model, UNDEFINED, VariantId};
+use crate::arrange::model::{EMPTY, Model, PlaceableId, UNDEFINED, VariantId};
 use crate::arrange::occupancy::{Occupancy, Owner, PlacedId, RequestId};
 use crate::raster::Span;
 use crate::sampling::{Stream, Sums};

@@ -51,7 +51,8 @@ pub(crate) fn parse(text: &str, read: impl FnOnce(&str) -> vtex::Result<Vec<u8>>
     let Line { verb: asked, layer, conditions } =
         Line::try_parse_from(&words).map_err(|e| refused(fault::of_parser(&e, verb)))?;
     asked.check(verb).map_err(refused)?;
-    let operation = Operation { action: asked.action(read)?, layer: (layer != "all").then_some(layer), conditions };
+    let operation =
+        Operation { action: asked.action(read)?, layer: (layer != "all").then_some(layer), conditions };
     validate(&operation).map_err(|e| refused(fault::of_operation(&e, verb)))?;
     Ok(Asked { text: text.to_owned(), operation })
 }

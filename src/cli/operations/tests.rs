@@ -3,9 +3,7 @@
 use super::fault;
 use super::line::{Line, parse};
 use clap::CommandFactory;
-use vtex::edit::{
-    Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder,
-};
+use vtex::edit::{Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder};
 use vtex::raster::colour::Colour;
 
 fn palette(_: &str) -> vtex::Result<Vec<u8>> {

@@ -13,19 +13,24 @@ const CALM: ([f64; 3], f64) = ([120.0, 115.0, 100.0], 12.0);
 /// do, up to `spread` from it.
 fn ground(width: u32, height: u32, (centre, spread): ([f64; 3], f64), tile: Tile) -> Scene {
     let mut scene = testing::tiled(width, height, 1, tile);
-    (scene.primary(), scene.secondary()) = (Vec::new(), Vec::new());
+    scene.layers.iter_mut().for_each(|layer| layer.instances.clear());
     let mut rng = crate::sampling::stream(2, "output/ground", 0);
-    for point in scene.field_mut().points {
+    for point in &mut scene.field_mut().points {
         let light = (rng.unit() - 0.5 + rng.unit() - 0.5) * spread;
         point.colour = Colour::from_f64(centre.map(|v| v + light + 4.0 * (rng.unit() - 0.5)));
     }
     scene
 }
 
+/// The grid of a scene's field.
+fn grid(scene: &Scene) -> Background {
+    Background::new(scene, scene.field())
+}
+
 /// Mean and largest distance of the grid from the field, and the share of places further than 4
 /// from it, at places of no relation to rows and stops.
 fn distance(scene: &Scene) -> (f64, f64, f64) {
-    let grid = Background::new(scene);
+    let grid = self::grid(scene);
     let field = Interpolant::new(scene.field(), scene.width, scene.height, scene.tile);
     let step = 0.9;
     let xs: Vec<f64> = (0..(f64::from(scene.width) / step) as usize).map(|i| i as f64 * step).collect();
@@ -48,7 +53,7 @@ fn distance(scene: &Scene) -> (f64, f64, f64) {
 }
 
 fn stop_count(scene: &Scene) -> usize {
-    Background::new(scene).rows.iter().flatten().map(Vec::len).sum()
+    grid(scene).rows.iter().flatten().map(Vec::len).sum()
 }
 
 #[test]
@@ -69,15 +74,15 @@ fn few_stops() {
 #[test]
 fn an_even_ground_needs_two_stops_a_row() {
     let mut scene = ground(300, 300, CALM, Tile::default());
-    scene.field().points.clear();
-    let grid = Background::new(&scene);
+    scene.field_mut().points.clear();
+    let grid = self::grid(&scene);
     assert!(grid.rows.iter().flatten().all(|stops| stops.len() == 2));
     assert!(grid.rows.iter().flatten().flatten().all(|s| s.colour == scene.field().fallback));
 }
 
 #[test]
 fn stops_ascend_and_columns_join() {
-    let grid = Background::new(&ground(1100, 60, HARSH, Tile::default()));
+    let grid = self::grid(&ground(1100, 60, HARSH, Tile::default()));
     assert!(grid.columns.len() == 4 && grid.columns[3] == 1100.0);
     for row in &grid.rows {
         assert!(row.iter().flatten().is_sorted_by(|a, b| a.x <= b.x));
@@ -96,7 +101,7 @@ fn periodic_where_the_scene_tiles() {
     // An odd and an even number of rows.
     for height in [110, 200] {
         let scene = ground(310, height, HARSH, Tile { x: true, y: true });
-        let grid = Background::new(&scene);
+        let grid = self::grid(&scene);
         let [first, last] = [0, grid.rows.len() - 1]
             .map(|k| grid.rows[k].iter().flatten().map(|s| (s.x, s.colour)).collect::<Vec<_>>());
         assert_eq!(first, last);
@@ -111,7 +116,7 @@ fn periodic_where_the_scene_tiles() {
 fn any_size_has_a_grid() {
     for (width, height) in [(1, 1), (1, 400), (400, 1), (2, 3)] {
         for tile in [Tile::default(), Tile { x: true, y: true }] {
-            let grid = Background::new(&ground(width, height, HARSH, tile));
+            let grid = self::grid(&ground(width, height, HARSH, tile));
             assert!(grid.rows.len() >= 2 && grid.rows.iter().flatten().all(|stops| stops.len() >= 2));
         }
     }

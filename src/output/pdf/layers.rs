@@ -36,7 +36,10 @@ pub(super) fn named(file: &[u8], names: &[String]) -> Option<Vec<u8>> {
         (content, stream(content, &marked(&hoisted(content_of(objects.bytes(content)?)?), names.len())?)),
     ]);
     for (k, name) in names.iter().enumerate() {
-        changed.insert(first + k, format!("{} 0 obj\n<</Type /OCG /Name {}>>\nendobj\n\n", first + k, text(name)));
+        changed.insert(
+            first + k,
+            format!("{} 0 obj\n<</Type /OCG /Name {}>>\nendobj\n\n", first + k, text(name)),
+        );
     }
     Some(objects.write(file, &changed))
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::output::testing;
-use crate::scene::{Domain, Tile};
+use crate::scene::{Domain, Edge, ElementId, Tile};
 
 fn bytes(scene: &Scene) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -27,7 +27,7 @@ fn vectors_only_with_title_and_producer() {
     assert_eq!(count(&file, "/CreationDate") + count(&file, "/ModDate"), 0);
     scene.width = 100_000;
     scene.height = 1;
-    scene.field().points.clear();
+    scene.field_mut().points.clear();
     assert_eq!(count(&bytes(&scene), "/MediaBox [0 0 14400 "), 1);
 }
 
@@ -56,7 +56,7 @@ fn number(text: &str, key: &str) -> usize {
 fn layers_are_optional_content() {
     let mut scene = testing::scene(400, 300, 1);
     let mut found = Vec::new();
-    let outline = scene.elements[1].outline.clone();
+    let outline = scene.elements[1].outline().clone();
     for edge in [None, Some(Edge::Keep), Some(Edge::Clip)] {
         scene.domain = edge.map(|edge| Domain { outline: outline.clone(), edge });
         let file = bytes(&scene);
@@ -89,18 +89,18 @@ fn layers_are_optional_content() {
             assert!(file[place..].starts_with(format!("{} 0 obj", n + 1).as_bytes()), "{n}");
         }
     }
-    assert!(found.iter().all(|names| names == &LAYERS), "{found:?}");
+    assert!(found.iter().all(|names| names == &["Background", "Secondary", "Primary"]), "{found:?}");
 }
 
 #[test]
 fn textons_that_stand_often_are_written_once() {
     let mut scene = testing::scene(400, 300, 2);
     let once = bytes(&scene).len();
-    let copies = scene.primary().clone();
+    let copies = scene.primary().to_vec();
     for k in 1..=4 {
         let shifted = copies.iter().map(|i| {
             let mut copy = i.clone();
-            copy.id += 100_000 * k;
+            copy.id.0 += 100_000 * k;
             copy.transform[4] = 400.0 - copy.transform[4];
             copy
         });
@@ -115,12 +115,12 @@ fn textons_that_stand_often_are_written_once() {
 fn any_domain_tile_and_size_is_written() {
     let mut scene = testing::tiled(300, 200, 3, Tile { x: true, y: false });
     let plain = bytes(&scene);
-    let outline = scene.elements[1].outline.clone();
+    let outline = scene.elements[1].outline().clone();
     for edge in [Edge::Keep, Edge::Clip, Edge::Avoid] {
         scene.domain = Some(Domain { outline: outline.clone(), edge });
         assert_ne!(bytes(&scene), plain);
     }
     bytes(&testing::scene(1, 1, 4));
-    scene.primary_mut()[0].texton = 1000;
+    scene.primary_mut()[0].element = ElementId(1000);
     assert!(matches!(write(&scene, io::sink()), Err(Error::Format { .. })));
 }

@@ -9,8 +9,8 @@ mod visibility;
 
 use super::svg::SvgOptions;
 use crate::error::{Error, Result};
-use crate::parallel;
 use crate::geometry::Outline;
+use crate::parallel;
 use crate::scene::{Element, Scene};
 use serde::Serialize;
 use std::borrow::Cow;
@@ -150,6 +150,7 @@ fn refitted(scene: &Scene, tolerance: f64, decimals: u8) -> Scene {
 mod tests {
     use super::*;
     use crate::output::{svg, testing};
+    use crate::scene::Role;
 
     fn bytes(scene: &Scene, options: &SvgOptions) -> Result<u64> {
         svg::write(scene, options, std::io::sink()).map(|s| s.bytes)

@@ -142,34 +142,38 @@ mod tests {
     #[test]
     fn specks_like_their_ground_go_first_and_contrast_last() {
         let mut scene = testing::scene(300, 200, 3);
-        let used =
-            scene.primary().iter().map(|i| i.element.index()).find(|&t| scene.elements[t].details.len() > 3);
+        let used = scene
+            .primary()
+            .iter()
+            .map(|i| i.element.index())
+            .find(|&t| scene.elements[t].details().len() > 3);
         let texton = used.unwrap();
-        let base = scene.elements[texton].colour;
-        scene.elements[texton].details[1].colour = base;
-        scene.elements[texton].details[2].colour = Colour([255, 0, 255]);
-        scene.elements[texton].details[2].outline = scene.elements[texton].outline.clone();
+        let shapes = &mut scene.elements[texton].shapes;
+        shapes[2].colour = shapes[0].colour;
+        shapes[3].colour = Colour([255, 0, 255]);
+        shapes[3].outline = shapes[0].outline.clone();
         let ranks = Ranks::new(&scene);
         let mut few = scene.clone();
-        let invisible = few.elements[texton].details[1].clone();
-        let loud = few.elements[texton].details[2].clone();
+        let invisible = few.elements[texton].details()[1].clone();
+        let loud = few.elements[texton].details()[2].clone();
         let (details, secondaries) = ranks.leave_out(&mut few, ranks.len() / 2);
         assert!(details > 0 && secondaries > 0);
-        assert!(!few.elements[texton].details.contains(&invisible));
-        assert!(few.elements[texton].details.contains(&loud));
+        assert!(!few.elements[texton].details().contains(&invisible));
+        assert!(few.elements[texton].details().contains(&loud));
         let (_, all) = ranks.leave_out(&mut scene, ranks.len());
-        assert_eq!(all, ranks.secondaries.len());
+        assert_eq!(all, ranks.instances.iter().map(Vec::len).sum::<usize>());
         assert!(scene.elements.iter().all(|t| t.details().is_empty()) && scene.secondary().is_empty());
     }
 
     #[test]
     fn a_detail_on_a_detail_is_compared_with_that() {
-        let mut texton = testing::scene(50, 50, 4).elements.swap_remove(0);
+        let mut element = testing::scene(50, 50, 4).elements.swap_remove(0);
         let mut patch = element.details()[0].clone();
         patch.outline = element.outline().clone();
         patch.colour = Colour([10, 20, 30]);
-        element.details() = vec![patch.clone(), patch];
-        assert_eq!(beneath(&texton, 0), element.base().colour);
-        assert_eq!(beneath(&texton, 1), Colour([10, 20, 30]));
+        element.shapes.truncate(1);
+        element.shapes.extend([patch.clone(), patch]);
+        assert_eq!(beneath(&element, 0), element.base().colour);
+        assert_eq!(beneath(&element, 1), Colour([10, 20, 30]));
     }
 }

@@ -12,9 +12,9 @@
 //! Gradients on textons are drawn in their mean colours, shadows with a sharp edge. The painting order
 //! is that half-way, because it cannot change in a document.
 
+use super::layers::{self, Frame};
 use super::number::{Number, Paint};
 use super::xml::{Drawn, Xml};
-use super::layers::{self, Frame};
 use super::{NamedField, SvgSummary, backgrounds};
 use crate::error::{Result, check};
 use crate::geometry::{Point, Rect, Vec2};
@@ -196,7 +196,8 @@ impl Writer<'_> {
              @keyframes e{{from{{opacity:0}}to{{opacity:1}}}}\n"
         ))?;
         // Windows begin and end on a few steps: a rule for each pair that there is.
-        let mut windows: Vec<[u32; 2]> = motions.iter().flat_map(|layer| &layer.motions).filter_map(window).collect();
+        let mut windows: Vec<[u32; 2]> =
+            motions.iter().flat_map(|layer| &layer.motions).filter_map(window).collect();
         windows.sort_unstable();
         windows.dedup();
         for [first, last] in windows {

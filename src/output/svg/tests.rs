@@ -3,7 +3,7 @@
 use super::*;
 use crate::output::raster_svg::render_svg;
 use crate::output::testing;
-use crate::scene::{Domain, Tile};
+use crate::scene::{Domain, Edge, ElementId, Tile};
 use resvg::usvg;
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
@@ -47,7 +47,7 @@ fn check_document(text: &str, summary: &SvgSummary) {
 fn well_formed_with_unique_ids_and_no_picture() {
     let tiled = testing::tiled(400, 300, 1, Tile { x: true, y: true });
     let mut shaped = tiled.clone();
-    let outline = shaped.elements[0].outline.clone();
+    let outline = shaped.elements[0].outline().clone();
     shaped.domain = Some(Domain { outline, edge: Edge::Clip });
     for options in [SvgOptions::default(), EXPANDED] {
         for scene in [&testing::scene(400, 300, 1), &tiled, &shaped] {
@@ -99,7 +99,7 @@ fn a_domain_clips_what_belongs_inside() {
         (Edge::Keep, &["background", "secondary"]),
     ] {
         let mut scene = testing::scene(200, 200, 3);
-        scene.domain = Some(Domain { outline: scene.elements[1].outline.clone(), edge });
+        scene.domain = Some(Domain { outline: scene.elements[1].outline().clone(), edge });
         let (text, _) = text(&scene, &SvgOptions::default());
         let document = Document::parse(&text).unwrap();
         let group = document.descendants().find(|n| n.has_attribute("clip-path")).unwrap();
@@ -136,8 +136,8 @@ fn each_texton_used_twice_is_defined_once() {
     let scene = testing::scene(400, 300, 3);
     let (text, summary) = text(&scene, &SvgOptions::default());
     let document = Document::parse(&text).unwrap();
-    let instances: Vec<u32> = scene.instances().map(|i| i.texton).collect();
-    let uses = |t: usize| instances.iter().filter(|i| **i as usize == t).count();
+    let instances: Vec<usize> = scene.instances().map(|i| i.element.index()).collect();
+    let uses = |t: usize| instances.iter().filter(|i| **i == t).count();
     let defined: Vec<usize> = named(&document, "defs")[0]
         .children()
         .filter_map(|n| n.attribute("id")?.strip_prefix(['t', 's'])?.parse().ok())
@@ -145,7 +145,9 @@ fn each_texton_used_twice_is_defined_once() {
     let expected: Vec<usize> = (0..scene.elements.len()).filter(|t| uses(*t) > 1).collect();
     assert_eq!(defined, expected);
     assert_eq!(summary.shared_textons, expected.len() as u64);
-    assert!((0..scene.elements.len()).any(|t| uses(t) == 1) && (0..scene.elements.len()).any(|t| uses(t) == 0));
+    assert!(
+        (0..scene.elements.len()).any(|t| uses(t) == 1) && (0..scene.elements.len()).any(|t| uses(t) == 0)
+    );
 
     let (text, summary) = self::text(&scene, &EXPANDED);
     let document = Document::parse(&text).unwrap();
@@ -173,7 +175,7 @@ fn limits_of_viewers_are_told_with_what_helps() {
 #[test]
 fn ids_stay_unique_where_sources_do_not() {
     let mut scene = testing::scene(400, 300, 3);
-    scene.elements.iter_mut().for_each(|t| t.source = 5);
+    scene.elements.iter_mut().for_each(|t| t.source = Some(ElementId(5)));
     let (text, summary) = text(&scene, &SvgOptions::default());
     check_document(&text, &summary);
     scene.libraries.push(scene.libraries[0].clone());
@@ -220,7 +222,7 @@ fn more_digits_more_bytes_and_nothing_lost_at_two() {
     assert!(bytes.is_sorted() && bytes[0] < bytes[1] && bytes[1] < bytes[2], "{bytes:?}");
     let (text, _) = text(&scene, &SvgOptions { precision: 2, expand: false });
     let document = Document::parse(&text).unwrap();
-    for (i, texton) in scene.elements.iter().enumerate() {
+    for (i, element) in scene.elements.iter().enumerate() {
         let id = format!("{}{i}", if element.category.is_some() { 't' } else { 's' });
         let Some(node) = named(&document, "defs")[0].children().find(|n| n.attribute("id") == Some(&id))
         else {
@@ -271,7 +273,7 @@ fn failing_writers_are_reported() {
 fn golden() {
     use sha2::{Digest, Sha256};
     let mut scene = testing::scene(120, 90, 9);
-    scene.field().points.clear();
+    scene.field_mut().points.clear();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/output.sha256");
     let mut found = String::new();
     for options in [SvgOptions::default(), EXPANDED] {

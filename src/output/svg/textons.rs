@@ -205,7 +205,8 @@ impl<'a> Textons<'a> {
     /// The one colour of a placed texton; none if it has details or a gradient.
     pub(super) fn fill(&self, instance: &Instance) -> Option<Colour> {
         let element = self.scene.element(instance);
-        let one = element.details().is_empty() && (element.base().gradient.is_none() || instance.colour.is_some());
+        let one =
+            element.details().is_empty() && (element.base().gradient.is_none() || instance.colour.is_some());
         one.then(|| instance.colour.unwrap_or(element.base().colour))
     }
 

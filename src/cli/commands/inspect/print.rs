@@ -147,13 +147,17 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         segmenter: Some(source.segmenter.clone()),
         seed: Some(source.parameters.seed),
         tile: None,
-        layers: library.layers.iter().map(|l| LayerLine {
+        layers: library
+            .layers
+            .iter()
+            .map(|l| LayerLine {
                 name: l.name.clone(),
                 role: l.role,
                 elements: l.instances.len(),
                 points: l.field.as_ref().map(|f| f.points.len()),
                 region: l.region.is_some(),
-            }).collect(),
+            })
+            .collect(),
         counts: Counts::of_library(library),
         coverage: library.coverage,
         areas: Areas {
@@ -173,9 +177,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
 }
 
 fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
-    let area = |i: &vtex::scene::Instance| {
-        scene.element(i).outline().area() * i.affine().determinant().abs()
-    };
+    let area = |i: &vtex::scene::Instance| scene.element(i).outline().area() * i.affine().determinant().abs();
     let covered = vtex::output::coverage(scene);
     let canvas = (vtex::output::inside(scene) as f64).max(1.0);
     let categories = covered.iter().map(|(&(library, category), &pixels)| {
@@ -211,20 +213,27 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         segmenter: None,
         seed: scene.parameters.as_ref().map(|p| p.seed),
         tile: Some(scene.tile),
-        layers: scene.layers.iter().map(|l| LayerLine {
+        layers: scene
+            .layers
+            .iter()
+            .map(|l| LayerLine {
                 name: l.name.clone(),
                 role: l.role,
                 elements: l.instances.len(),
                 points: l.field.as_ref().map(|f| f.points.len()),
                 region: l.region.is_some(),
-            }).collect(),
+            })
+            .collect(),
         counts: Counts::of_scene(scene),
         coverage: covered.values().sum::<u64>() as f64 / canvas,
         areas: Areas {
             primaries: Quantiles::of(scene.of_role(Role::Primary).map(area)),
             secondaries: Quantiles::of(scene.of_role(Role::Secondary).map(area)),
         },
-        spacing: Spacing { secondaries: None, background: scene.layers.iter().find_map(|l| Some(l.field.as_ref()?.spacing)) },
+        spacing: Spacing {
+            secondaries: None,
+            background: scene.layers.iter().find_map(|l| Some(l.field.as_ref()?.spacing)),
+        },
         categories: categories.collect(),
         analyze: None,
         synth: scene.parameters.clone(),
