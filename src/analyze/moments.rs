@@ -140,8 +140,7 @@ impl Moments {
         let grid = |v: f64| libm::round(v / cells.along() / STEP) * STEP;
         let place = |t: f64| [0, 1].map(|k| grid(origin[k] + mean[k] + t * along[k]));
         let colour = |t: f64| Colour::from_f64([0, 1, 2].map(|c| self.colour[c] / self.count + t * slope[c]));
-        let gradient =
-            Gradient { from: place(least), to: place(most), start: colour(least), end: colour(most) };
+        let gradient = Gradient::linear(place(least), place(most), [colour(least), colour(most)]);
         let (a, b) = (gradient.start.to_f64(), gradient.end.to_f64());
         let change: f64 = (0..3).map(|c| (a[c] - b[c]).abs()).sum();
         (change >= LEAST_CHANGE && gradient.fault().is_none()).then_some(gradient)

@@ -134,15 +134,15 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
         let base = colours.first().copied().unwrap_or_default();
         let gradients: Vec<_> =
             details.iter().map(|m| joining::gradient(image, m, style.cost, grid)).collect();
-        let base_gradient = gradients.first().copied().flatten();
+        let base_gradient = gradients.first().cloned().flatten();
         let outline = whole[k + 1].clone();
         let compactness = to_four_digits(outline.compactness());
-        let mut painted = vec![Shape { gradient: base_gradient, ..Shape::new(outline, base) }];
+        let mut painted = vec![Shape { gradient: base_gradient.clone(), ..Shape::new(outline, base) }];
         for (i, &colour) in colours.iter().enumerate() {
             let outline = &stacked[label + i];
             let seen = colour != base || gradients[i].is_some() || base_gradient.is_some();
             if i > 0 && !outline.is_empty() && seen {
-                painted.push(Shape { gradient: gradients[i], ..Shape::new(outline.clone(), colour) });
+                painted.push(Shape { gradient: gradients[i].clone(), ..Shape::new(outline.clone(), colour) });
             }
         }
         label += details.len();

@@ -4,9 +4,13 @@
 //! know of an element besides differs ([`crate::library::Element`], [`crate::scene::Element`]).
 
 mod gradient;
+mod line;
 mod shape;
+#[cfg(test)]
+mod tests;
 
-pub use gradient::Gradient;
+pub use gradient::{Gradient, GradientKind, Stop};
+pub use line::{Cap, Join, Line};
 pub use shape::Shape;
 
 use crate::geometry::{Outline, Rect};

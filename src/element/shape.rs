@@ -1,39 +1,106 @@
 //! Shapes and their paint.
 
-use super::Gradient;
+use super::{Gradient, Line};
 use crate::geometry::{Affine, Outline};
 use crate::raster::colour::Colour;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
 
-/// A filled shape of an element.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+/// A shape of an element: a filled outline, or a stroked path.
+///
+/// A stroked path is stored as its line; its outline, the area that the stroke paints, is derived when
+/// it is read, so that whatever looks at shapes sees outlines only.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(try_from = "Stored")]
+#[schemars(with = "Stored")]
 pub struct Shape {
     /// Its outline, in the coordinates of the element.
     pub outline: Outline,
-    /// Fill colour; if there is a gradient, its mean colour.
+    /// The stroked path that has this outline; `None` for a filled outline.
+    pub line: Option<Box<Line>>,
+    /// Fill or stroke colour; if there is a gradient, its mean colour.
     pub colour: Colour,
     /// Gradient that replaces the colour.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient: Option<Gradient>,
     /// Opacity, 0 to 1. Default 1.
-    #[serde(default = "opaque", skip_serializing_if = "is_opaque")]
     pub opacity: f64,
+}
+
+/// A shape as files hold it: with either an outline or a line.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(rename = "Shape")]
+#[serde(deny_unknown_fields)]
+struct Stored {
+    /// A filled outline, in the coordinates of the element.
+    #[serde(default)]
+    outline: Option<Outline>,
+    /// A stroked path, in place of the outline.
+    #[serde(default)]
+    line: Option<Box<Line>>,
+    /// Fill or stroke colour; if there is a gradient, its mean colour.
+    colour: Colour,
+    /// Gradient that replaces the colour.
+    #[serde(default)]
+    gradient: Option<Gradient>,
+    /// Opacity, 0 to 1. Default 1.
+    #[serde(default = "opaque")]
+    opacity: f64,
 }
 
 fn opaque() -> f64 {
     1.0
 }
 
-fn is_opaque(opacity: &f64) -> bool {
-    *opacity == 1.0
+impl TryFrom<Stored> for Shape {
+    type Error = String;
+
+    fn try_from(stored: Stored) -> Result<Self, String> {
+        let Stored { outline, line, colour, gradient, opacity } = stored;
+        let outline = match (outline, &line) {
+            (Some(outline), None) => outline,
+            (None, Some(line)) => match line.fault() {
+                Some(fault) => return Err(fault),
+                None => line.outline().ok_or("a line leads out of range")?,
+            },
+            _ => return Err("a shape has either an outline or a line".into()),
+        };
+        Ok(Self { outline, line, colour, gradient, opacity })
+    }
+}
+
+impl Serialize for Shape {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let opacity = (self.opacity != opaque()).then_some(self.opacity);
+        let count = 2 + usize::from(self.gradient.is_some()) + usize::from(opacity.is_some());
+        let mut shape = serializer.serialize_struct("Shape", count)?;
+        match &self.line {
+            Some(line) => shape.serialize_field("line", line)?,
+            None => shape.serialize_field("outline", &self.outline)?,
+        }
+        shape.serialize_field("colour", &self.colour)?;
+        match &self.gradient {
+            Some(gradient) => shape.serialize_field("gradient", gradient)?,
+            None => shape.skip_field("gradient")?,
+        }
+        match opacity {
+            Some(opacity) => shape.serialize_field("opacity", &opacity)?,
+            None => shape.skip_field("opacity")?,
+        }
+        shape.end()
+    }
 }
 
 impl Shape {
-    /// An opaque shape of one colour.
+    /// An opaque filled shape of one colour.
     pub fn new(outline: Outline, colour: Colour) -> Self {
-        Self { outline, colour, gradient: None, opacity: 1.0 }
+        Self { outline, line: None, colour, gradient: None, opacity: opaque() }
+    }
+
+    /// An opaque stroked path of one colour; `None` if it leads out of range.
+    pub fn stroked(line: Line, colour: Colour) -> Option<Self> {
+        let outline = line.outline().filter(|_| line.fault().is_none())?;
+        Some(Self { line: Some(Box::new(line)), ..Self::new(outline, colour) })
     }
 
     /// The shape with a map that preserves angles applied. The outline stays as it was where the map
@@ -41,26 +108,33 @@ impl Shape {
     pub(crate) fn moved(&self, affine: Affine) -> Self {
         Self {
             outline: Outline::new(&(affine * self.outline.path())).unwrap_or_else(|| self.outline.clone()),
-            gradient: self.gradient.map(|g| g.moved(affine)),
+            line: self.line.as_ref().and_then(|line| line.moved(affine)).map(Box::new),
+            gradient: self.gradient.as_ref().map(|g| g.moved(affine)),
             ..*self
         }
     }
 
-    /// The shape with another outline.
+    /// The shape filled, with another outline.
     pub(crate) fn with_outline(&self, outline: Outline) -> Self {
-        Self { outline, ..*self }
+        Self { outline, line: None, gradient: self.gradient.clone(), ..*self }
     }
 
     /// The shape with all its colours changed.
     pub(crate) fn recoloured(&self, new: impl Fn(Colour) -> Colour) -> Self {
-        let gradient = self.gradient.map(|g| Gradient { start: new(g.start), end: new(g.end), ..g });
-        Self { outline: self.outline.clone(), colour: new(self.colour), gradient, ..*self }
+        Self {
+            colour: new(self.colour),
+            gradient: self.gradient.as_ref().map(|g| g.recoloured(&new)),
+            ..self.clone()
+        }
     }
 
     /// Why the shape is invalid; `None` if it is valid.
     pub(super) fn fault(&self) -> Option<String> {
         if !(0.0..=1.0).contains(&self.opacity) {
             return Some(format!("opacity = {} is not within 0 to 1", self.opacity));
+        }
+        if let Some(fault) = self.line.as_ref().and_then(|line| line.fault()) {
+            return Some(fault);
         }
         Some(format!("a gradient {}", self.gradient.as_ref()?.fault()?))
     }

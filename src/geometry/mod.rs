@@ -4,6 +4,7 @@
 mod arc_samples;
 mod assign;
 mod cage;
+mod curve;
 mod fit;
 mod fitted_map;
 mod outline;
@@ -18,6 +19,7 @@ mod trace;
 
 pub(crate) use assign::{Table, assign};
 pub use cage::Cage;
+pub use curve::Curve;
 pub(crate) use fitted_map::{FittedMap, Scale};
 pub use kurbo::{Affine, BezPath, PathEl, Point, Rect, Vec2};
 pub use outline::{Outline, STEP};

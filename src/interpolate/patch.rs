@@ -93,10 +93,10 @@ impl Patch {
             return None;
         }
         let carried = |side: usize| {
-            let (paint, from) = self.paints[side]?;
+            let (paint, from) = self.paints[side].as_ref()?;
             let turn = sine_cosine(carry.turns[side]);
             let there =
-                |p: Point| centre + turned((p - from).to_point(), turn).to_vec2() * carry.scales[side];
+                |p: Point| centre + turned((p - *from).to_point(), turn).to_vec2() * carry.scales[side];
             Some(paint.carried(there))
         };
         let paint = match (carried(0), carried(1)) {
@@ -115,7 +115,9 @@ impl Patch {
 
     /// Its colours at either end.
     pub(super) fn colours(&self) -> [Colour; 2] {
-        let colour = |side: usize| self.paints[side].or(self.paints[1 - side]).map(|(paint, _)| paint.colour);
+        let colour = |side: usize| {
+            self.paints[side].as_ref().or(self.paints[1 - side].as_ref()).map(|(paint, _)| paint.colour)
+        };
         [0, 1].map(|side| colour(side).unwrap_or_default())
     }
 
@@ -154,7 +156,7 @@ pub(super) fn patches(
         let pair = [&details[0][i as usize], &details[1][k as usize]];
         if let Some(rings) = both([&pair[0].rings, &pair[1].rings], turn) {
             let centre = |side: usize| moments(&pair[side].rings[0]).1;
-            let paints = [0, 1].map(|side| Some((pair[side].paint, centre(side))));
+            let paints = [0, 1].map(|side| Some((pair[side].paint.clone(), centre(side))));
             out.push(Patch { rings, paints, keys: [key(0, i), key(1, k)] });
         }
     }
@@ -166,7 +168,7 @@ pub(super) fn patches(
             let Some(centre) = detail.rings.first().map(|r| moments(r).1) else { continue };
             let part = |r: &Ring| Part::Unmatched { side, ring: even(r, count(r, r)), centre, window };
             let mut paints = [None, None];
-            paints[side] = Some((detail.paint, centre));
+            paints[side] = Some((detail.paint.clone(), centre));
             let rings = detail.rings.iter().map(part).collect();
             out.push(Patch { rings, paints, keys: [key(side, k); 2] });
         }

@@ -37,8 +37,7 @@ fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
     for k in 0..primaries {
         let radius = random.range(5.0, 9.0);
         let first = Shape::new(blob(random, 0.0, 0.0, radius * 0.6), colour(random));
-        let gradient =
-            Gradient { from: [-3.0, 0.0], to: [3.0, 1.0], start: colour(random), end: colour(random) };
+        let gradient = Gradient::linear([-3.0, 0.0], [3.0, 1.0], [colour(random), colour(random)]);
         let mut details = vec![Shape { gradient: Some(gradient), ..first }];
         for _ in 0..random.below(4) {
             let [s, c] = sine_cosine(random.range(0.0, TAU));

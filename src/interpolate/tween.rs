@@ -204,7 +204,7 @@ impl Pair {
             let holes = self.holes.iter().map(|hole| hole.ring(&carries[k], TIMES[k]));
             std::iter::once(hulls[k].clone()).chain(holes).collect()
         });
-        let mut shapes = vec![Moving::new(outline, centres, self.paints.map(|p| p.colour))];
+        let mut shapes = vec![Moving::new(outline, centres, self.paints.each_ref().map(|p| p.colour))];
         let mut order: Vec<(f64, &Patch)> = self.details.iter().map(|d| (d.key(0.5), d)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         shapes.extend(order.iter().map(|(_, patch)| {
@@ -244,6 +244,7 @@ impl Pair {
         let opacities = [0, 1].map(|side| ends.scenes[side].element(instances[side]).base().opacity);
         let base = Shape {
             outline,
+            line: None,
             colour: paint.colour,
             gradient: paint.gradient,
             opacity: opacities[0] + (opacities[1] - opacities[0]) * t,

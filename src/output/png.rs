@@ -7,6 +7,7 @@
 use super::background::Background;
 use super::picture_size;
 use super::shadow::{self, Shadows};
+use crate::element::{GradientKind, Stop};
 use crate::error::{Error, Result};
 use crate::geometry::{Affine, Outline, PathEl, Rect, Vec2};
 use crate::parallel;
@@ -18,7 +19,7 @@ use std::io::Write;
 use std::path::Path;
 use tiny_skia::{
     Color, FillRule, GradientStop, LineJoin, LinearGradient, Mask, Paint, PathBuilder, Pixmap, PixmapMut,
-    PixmapPaint, Shader, SpreadMode, Transform,
+    PixmapPaint, RadialGradient, Shader, SpreadMode, Transform,
 };
 
 /// Height of the bands drawn at a time, in pixels.
@@ -284,14 +285,22 @@ fn opaque(colour: Colour) -> Paint<'static> {
 
 /// A gradient, or one colour where there is none, as opaque as a shape.
 fn paint(shape: &Shape, colour: Colour, gradient: Option<&Gradient>) -> Paint<'static> {
-    let alpha = libm::round(255.0 * shape.opacity) as u8;
-    let solid = |Colour([r, g, b]): Colour| Color::from_rgba8(r, g, b, alpha);
+    let solid = |Colour([r, g, b]): Colour, opacity: f64| {
+        Color::from_rgba8(r, g, b, libm::round(255.0 * shape.opacity * opacity) as u8)
+    };
     let shader = gradient.and_then(|g| {
         let point = |[x, y]: [f64; 2]| tiny_skia::Point::from_xy(x as f32, y as f32);
-        let stops = vec![GradientStop::new(0.0, solid(g.start)), GradientStop::new(1.0, solid(g.end))];
-        LinearGradient::new(point(g.from), point(g.to), stops, SpreadMode::Pad, Transform::identity())
+        let stop = |s: Stop| GradientStop::new(s.offset as f32, solid(s.colour, s.opacity));
+        let (stops, pad, whole) = (g.stops().map(stop).collect(), SpreadMode::Pad, Transform::identity());
+        let [from, to] = [g.from, g.to].map(point);
+        match g.kind {
+            GradientKind::Linear => LinearGradient::new(from, to, stops, pad, whole),
+            GradientKind::Radial => {
+                RadialGradient::new(from, 0.0, from, from.distance(to), stops, pad, whole)
+            }
+        }
     });
-    Paint { shader: shader.unwrap_or(Shader::SolidColor(solid(colour))), ..Paint::default() }
+    Paint { shader: shader.unwrap_or(Shader::SolidColor(solid(colour, 1.0))), ..Paint::default() }
 }
 
 /// The path as tiny-skia knows it; none if there is nothing to fill.

@@ -247,3 +247,24 @@ fn a_shadow_falls_on_what_lies_below_and_on_nothing_above() {
     assert_eq!(laid(&right, second.0, second.1), laid(&plain, second.0, second.1));
     assert!(laid(&left, first.0, first.1)[0] < laid(&plain, first.0, first.1)[0]);
 }
+
+#[test]
+fn layers_with_regions_strokes_and_radial_gradients_are_alike_in_all_writers() {
+    for tile in [Tile::default(), TILES[0]] {
+        for edge in [None, Some(Edge::Keep), Some(Edge::Clip)] {
+            let mut scene = testing::drawn(testing::tiled(SIZE.0, SIZE.1, 11, tile));
+            scene.domain = edge.map(|edge| domain(80.0, 90.0, edge));
+            assert_eq!(Scene::from_bytes(&scene.to_json(), "drawn").unwrap(), scene);
+            let all = pictures(&scene, 1.0);
+            for (name, other) in &all[1..] {
+                let (mean, bad) = difference(&all[0].1, other, 0, 0, 40);
+                assert!(mean < 0.5 && bad < 1e-3, "{name} {tile:?} {edge:?}: mean {mean}, bad {bad}");
+            }
+        }
+    }
+    // The region hides what lies outside of it, and shows its field inside.
+    let plain = render(&testing::tiled(SIZE.0, SIZE.1, 11, Tile::default()), 1.0).unwrap();
+    let drawn = render(&testing::drawn(testing::tiled(SIZE.0, SIZE.1, 11, Tile::default())), 1.0).unwrap();
+    assert_eq!(laid(&plain, 5, 100), laid(&drawn, 5, 100));
+    assert_eq!(laid(&drawn, 297, 60), [70, 110, 60, 255]);
+}

@@ -1,11 +1,12 @@
 //! Scenes made by hand, for the tests of the writers.
 
-use crate::geometry::{Affine, BezPath, Outline, Point};
+use crate::element::{Cap, GradientKind, Join, Line, Stop};
+use crate::geometry::{Affine, BezPath, Curve, Outline, Point, parse_path};
 use crate::raster::colour::Colour;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::{
-    ControlPoint, Element, ElementId, Field, Gradient, Instance, InstanceId, LibraryRef, Scene, Shadow,
-    Shape, Stroke, SynthParams, Tile, testing,
+    ControlPoint, Element, ElementId, Field, Gradient, Instance, InstanceId, Layer, LibraryRef, Role, Scene,
+    Shadow, Shape, Stroke, SynthParams, Tile, testing,
 };
 
 /// A closed smooth ring around a centre, bumpy by `rough`; clockwise, or the other way for holes.
@@ -48,7 +49,7 @@ fn colour(centre: [f64; 3], spread: f64, rng: &mut Stream) -> Colour {
 fn gradient(radius: f64, base: [f64; 3], rng: &mut Stream) -> Gradient {
     let mut point = || [0; 2].map(|_| libm::round(100.0 * radius * (rng.unit() * 2.0 - 1.0)) / 100.0);
     let (from, to) = (point(), point());
-    Gradient { from, to, start: colour(base, 40.0, rng), end: colour(base, 40.0, rng) }
+    Gradient::linear(from, to, [colour(base, 40.0, rng), colour(base, 40.0, rng)])
 }
 
 /// Overlapping stones with details, holes, turns and mirrors over small chips on a cloudy ground.
@@ -192,5 +193,56 @@ pub(super) fn dressed(mut scene: Scene) -> Scene {
             instance.stroke = Some(Stroke { width: if primary { 2.5 } else { 1.0 }, colour });
         }
     }
+    scene
+}
+
+/// The scene with what drawings bring: a layer in a region with a field, stroked paths with dashes,
+/// radial gradients, and shapes that let something through.
+pub(super) fn drawn(mut scene: Scene) -> Scene {
+    let curve = |text: &str| Curve::new(parse_path(text).unwrap()).unwrap();
+    let line = Line { cap: Cap::Round, join: Join::Round, ..Line::new(curve("M-15 0C-5-20 5 20 15 0"), 3.0) };
+    let dashed = Line { dashes: vec![6.0, 4.0], ..Line::new(curve("M-20-9h40v18h-40z"), 2.0) };
+    let disc = Outline::new(&parse_path("M-14 0C-14-19 14-19 14 0C14 19-14 19-14 0z").unwrap()).unwrap();
+    let linear = Gradient::linear([-3.0, -2.0], [11.0, 5.0], [Colour([250, 230, 90]), Colour([120, 20, 60])]);
+    let stop = Stop { offset: 0.4, colour: Colour([240, 120, 40]), opacity: 0.8 };
+    let radial = Gradient { kind: GradientKind::Radial, between: vec![stop], ..linear };
+    let shapes = [
+        vec![Shape::stroked(line, Colour([20, 60, 160])).unwrap()],
+        vec![
+            Shape { opacity: 0.5, ..Shape::new(disc.clone(), Colour([30, 140, 90])) },
+            Shape::stroked(dashed, Colour([250, 250, 250])).unwrap(),
+        ],
+        vec![Shape { gradient: Some(radial), ..Shape::new(disc, Colour([200, 90, 50])) }],
+    ];
+    let mut next = scene.instances().map(|i| i.id.0).max().unwrap_or(0);
+    let (w, h) = (f64::from(scene.width), f64::from(scene.height));
+    let mut instances = Vec::new();
+    for (k, shapes) in shapes.into_iter().enumerate() {
+        let element = scene.add(Element { silhouette: None, shapes, ..scene.elements[0].clone() });
+        for i in 0..4 {
+            next += 1;
+            let at = (w * (0.1 + 0.23 * f64::from(i)), h * (0.02 + 0.31 * k as f64));
+            let affine = Affine::translate(at) * Affine::rotate(f64::from(i)) * Affine::scale(1.2);
+            let transform = affine.as_coeffs();
+            instances.push(Instance { transform, ..Instance::new(InstanceId(next), element) });
+        }
+    }
+    let region = format!(
+        "M{} 0H{w}V{h}H{}C{} {} {} {} {} 0z",
+        0.3 * w,
+        0.2 * w,
+        0.5 * w,
+        0.7 * h,
+        0.1 * w,
+        0.3 * h,
+        0.3 * w
+    );
+    scene.layers.push(Layer {
+        name: "moss & <lichen>".into(),
+        region: Some(Outline::new(&parse_path(&region).unwrap()).unwrap()),
+        field: Some(Field { points: Vec::new(), ..testing::flat(Colour([70, 110, 60])) }),
+        instances,
+        ..Layer::new(Role::Primary)
+    });
     scene
 }

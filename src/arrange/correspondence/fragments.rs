@@ -132,9 +132,8 @@ fn fragment(
     }
     let stacked = fitted.stacked_outlines(count, |own, other| if own < other { BENEATH } else { 0.0 });
     let painted = |shape: &Shape, outline: Outline| Shape {
-        outline,
-        gradient: shape.gradient.map(|g| g.moved(to_place)),
-        ..*shape
+        gradient: shape.gradient.as_ref().map(|g| g.moved(to_place)),
+        ..shape.with_outline(outline)
     };
     let patch = |(k, (detail, _)): (usize, &(&Shape, Mask))| painted(detail, moved(&stacked[k + 2]));
     let patches = details.iter().enumerate().map(patch).filter(|p| !p.outline.is_empty());

@@ -18,6 +18,7 @@ mod tests;
 mod textons;
 
 use super::background::Background;
+use crate::element::{self, GradientKind};
 use crate::error::{Error, Result};
 use crate::geometry::{Outline, PathEl, Point, Rect, Vec2};
 use crate::raster::colour::Colour;
@@ -27,7 +28,7 @@ use krilla::graphic::Graphic;
 use krilla::metadata::Metadata;
 use krilla::num::NormalizedF32;
 use krilla::page::PageSettings;
-use krilla::paint::{Fill, FillRule, LinearGradient, Paint, SpreadMethod, Stop};
+use krilla::paint::{Fill, FillRule, LinearGradient, Paint, RadialGradient, SpreadMethod, Stop};
 use krilla::surface::Surface;
 use krilla::{Document, SerializeSettings};
 use std::io::{self, Write};
@@ -150,11 +151,33 @@ fn flat(colour: Colour) -> Paint {
 
 /// A gradient in the coordinates of what it fills.
 fn gradual(gradient: &Gradient) -> Paint {
-    let stop = |offset, colour| Stop { offset, color: rgb(colour).into(), opacity: NormalizedF32::ONE };
+    let share = |v: f64| NormalizedF32::new(v as f32).unwrap_or(NormalizedF32::ONE);
+    let stop = |s: element::Stop| Stop {
+        offset: share(s.offset),
+        color: rgb(s.colour).into(),
+        opacity: share(s.opacity),
+    };
     let [[x1, y1], [x2, y2]] = [gradient.from, gradient.to].map(|p| p.map(|v| v as f32));
-    let stops = vec![stop(NormalizedF32::ZERO, gradient.start), stop(NormalizedF32::ONE, gradient.end)];
+    let stops = gradient.stops().map(stop).collect();
     let (transform, spread_method) = (Transform::identity(), SpreadMethod::Pad);
-    LinearGradient { x1, y1, x2, y2, transform, spread_method, stops, anti_alias: false }.into()
+    match gradient.kind {
+        GradientKind::Linear => {
+            LinearGradient { x1, y1, x2, y2, transform, spread_method, stops, anti_alias: false }.into()
+        }
+        GradientKind::Radial => RadialGradient {
+            fx: x1,
+            fy: y1,
+            fr: 0.0,
+            cx: x1,
+            cy: y1,
+            cr: (x2 - x1).hypot(y2 - y1),
+            transform,
+            spread_method,
+            stops,
+            anti_alias: false,
+        }
+        .into(),
+    }
 }
 
 fn rgb(Colour([r, g, b]): Colour) -> krilla::color::rgb::Color {

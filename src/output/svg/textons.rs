@@ -4,6 +4,7 @@ use super::SvgOptions;
 use super::gradients::BoxGradient;
 use super::number::{Number, Paint, list};
 use super::xml::{Drawn, Xml};
+use crate::element::{Cap, Join, Line};
 use crate::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
 use crate::output::shadow::{self, Layer, Shadows};
 use crate::raster::colour::Colour;
@@ -58,7 +59,9 @@ impl<'a> Base<'a> {
 impl<'a> Textons<'a> {
     /// Decides which textons are shared.
     pub(super) fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Self {
-        let inherits = scene.elements.iter().map(|t| t.details().is_empty()).collect();
+        // A stroked path keeps its paint, unless an instance has a colour of its own.
+        let inherits =
+            scene.elements.iter().map(|t| t.details().is_empty() && t.base().line.is_none()).collect();
         let bounds =
             if scene.tile.any() { scene.elements.iter().map(Element::bounds).collect() } else { Vec::new() };
         let shared = vec![false; scene.elements.len()];
@@ -164,7 +167,7 @@ impl<'a> Textons<'a> {
                 xml.line();
             }
             let before = xml.drawn();
-            if element.details().is_empty() {
+            if element.details().is_empty() && self.inherits[i] {
                 xml.open("path");
                 xml.attribute("id", id);
                 write_opacity(xml, element.base());
@@ -332,7 +335,7 @@ impl<'a> Textons<'a> {
     }
 
     /// The gradient of a texton's outline where it is defined.
-    fn base_gradient(&self, element: &Element) -> Option<BoxGradient> {
+    fn base_gradient<'e>(&self, element: &'e Element) -> Option<BoxGradient<'e>> {
         BoxGradient::new(element.base().gradient.as_ref()?, Affine::IDENTITY, element.base().outline.bounds())
     }
 
@@ -379,14 +382,56 @@ impl<'a> Textons<'a> {
         if let Some(index) = source {
             self.write_source(xml, index);
         }
+        // What takes its paint from elsewhere is filled.
+        let line = shape.line.as_ref().filter(|_| !matches!(fill, Base::Inherited));
+        let kind = if line.is_some() { "stroke" } else { "fill" };
         match (fill, id) {
-            (_, Some(number)) => xml.attribute("fill", format_args!("url(#g{number})")),
-            (Base::Colour(colour) | Base::Gradient(colour, _), None) => xml.attribute("fill", Paint(colour)),
+            (_, Some(number)) => xml.attribute(kind, format_args!("url(#g{number})")),
+            (Base::Colour(colour) | Base::Gradient(colour, _), None) => xml.attribute(kind, Paint(colour)),
             (Base::Inherited, None) => (),
         }
-        write_opacity(xml, shape);
-        xml.attribute("d", self.data(&shape.outline, affine));
+        match line {
+            Some(line) => self.write_line(xml, line, shape.opacity, affine),
+            None => {
+                write_opacity(xml, shape);
+                xml.attribute("d", self.data(&shape.outline, affine));
+            }
+        }
         xml.close()
+    }
+
+    /// All attributes of a stroked path but its paint.
+    fn write_line<W: Write>(&self, xml: &mut Xml<W>, line: &Line, opacity: f64, affine: Option<Affine>) {
+        let affine = affine.unwrap_or_default();
+        let size = libm::sqrt(affine.determinant().abs());
+        let length = |v: f64| Number(v * size, self.precision + 1);
+        xml.attribute("fill", "none");
+        if opacity < 1.0 {
+            xml.attribute("stroke-opacity", Number(opacity, 4));
+        }
+        xml.attribute("stroke-width", length(line.width));
+        match line.cap {
+            Cap::Butt => (),
+            Cap::Round => xml.attribute("stroke-linecap", "round"),
+            Cap::Square => xml.attribute("stroke-linecap", "square"),
+        }
+        match line.join {
+            Join::Miter if line.miter_limit != 4.0 => {
+                xml.attribute("stroke-miterlimit", Number(line.miter_limit, 2));
+            }
+            Join::Miter => (),
+            Join::Round => xml.attribute("stroke-linejoin", "round"),
+            Join::Bevel => xml.attribute("stroke-linejoin", "bevel"),
+        }
+        if !line.dashes.is_empty() {
+            let dashes: Vec<Number> = line.dashes.iter().map(|d| length(*d)).collect();
+            xml.attribute("stroke-dasharray", list(&dashes));
+            if line.dash_offset != 0.0 {
+                xml.attribute("stroke-dashoffset", length(line.dash_offset));
+            }
+        }
+        let style = PathText { precision: self.precision };
+        xml.attribute("d", write_path(&(affine * line.path.path()), style));
     }
 
     /// A bare outline, moved by `shift`.
