@@ -5,7 +5,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use vtex::output::file::{Format, Kind};
 
-/// What `texture`, `synth` and `render` can write.
+/// What `texture` can write.
+pub(crate) const OF_PHOTO: &[Format] =
+    &[Format::Svg, Format::Pdf, Format::Png, Format::Scene, Format::Library];
+/// What can be written of a scene.
 pub(crate) const OF_SCENE: &[Format] = &[Format::Svg, Format::Pdf, Format::Png, Format::Scene];
 /// What `analyze` can write.
 pub(crate) const OF_LIBRARY: &[Format] = &[Format::Library];
@@ -59,11 +62,21 @@ pub(crate) fn weights_path(beside: &Path, name: &str) -> PathBuf {
     beside.with_file_name(file)
 }
 
-/// `photo.svg` in the current folder for `some/photo.lib.json` and [`Format::Svg`].
-pub(crate) fn default_name(input: &Path, format: Format) -> PathBuf {
+/// `photo.svg` in the current folder for `some/photo.lib.json` and [`Format::Svg`]; with a word,
+/// `photo.word.svg`.
+pub(crate) fn default_name(input: &Path, word: &str, format: Format) -> PathBuf {
     let mut name = stem(input);
+    if !word.is_empty() {
+        name.push(".");
+        name.push(word);
+    }
     name.push(extensions(format)[0]);
     name.into()
+}
+
+/// `some/photo.lib.json` for `some/photo.svg` and [`Format::Library`].
+pub(crate) fn beside(result: &Path, format: Format) -> PathBuf {
+    result.with_file_name(default_name(result, "", format))
 }
 
 /// `photo` for `some/photo.lib.json`.
@@ -99,12 +112,15 @@ mod tests {
 
     #[test]
     fn default_names_stand_in_the_current_folder() {
-        let name = |input: &str, format| default_name(Path::new(input), format);
+        let name = |input: &str, format| default_name(Path::new(input), "", format);
         assert_eq!(name("/x/photo.jpg", Format::Library), Path::new("photo.lib.json"));
         assert_eq!(name("y/photo.LIB.json.gz", Format::Svg), Path::new("photo.svg"));
         assert_eq!(name("my.photo.jpeg", Format::Svg), Path::new("my.photo.svg"));
         assert_eq!(name("photo", Format::Png), Path::new("photo.png"));
         assert_eq!(name(".lib.json", Format::Svg), Path::new(".lib.svg"));
+        let named = default_name(Path::new("x/photo.jpg"), "texture", Format::Svg);
+        assert_eq!(named, Path::new("photo.texture.svg"));
+        assert_eq!(beside(Path::new("x/a.svgz"), Format::Scene), Path::new("x/a.scene.json"));
     }
 
     #[test]

@@ -2,8 +2,9 @@
 
 use super::common::Common;
 use super::failure::label;
+use super::foreign::line;
 use super::interrupt;
-use super::output::{Place, say};
+use super::output::{Place, say_styled};
 use anstyle::AnsiColor;
 use image::RgbImage;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -86,7 +87,7 @@ impl Reporter {
     fn talk(&self, kind: &str, colour: AnsiColor, message: &str) {
         if self.talks {
             let style = label(colour);
-            self.bar.suspend(|| say(&format!("{style}{kind}:{style:#} {message}")));
+            self.bar.suspend(|| say_styled(&format!("{style}{kind}:{style:#} {}", line(message))));
         }
     }
 

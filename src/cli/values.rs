@@ -21,14 +21,14 @@ impl FromStr for Size {
         let side = |t: &str| {
             let digits = !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit());
             let value = digits.then(|| t.parse::<u32>().ok()).flatten();
-            value
-                .filter(|v| (1..=100_000).contains(v))
-                .ok_or("expected 1000 or 1000x600, each 1 to 100000 px")
+            value.filter(|v| (1..=100_000).contains(v)).ok_or(SIZE_EXPECTED)
         };
         let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, text));
         Ok(Self { width: side(width)?, height: side(height)? })
     }
 }
+
+const SIZE_EXPECTED: &str = "expected 1000 or 1000x600, each 1 to 100000 px";
 
 impl Serialize for Size {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -44,7 +44,7 @@ impl<'de> Deserialize<'de> for Size {
             Number(u32),
             Text(String),
         }
-        let text = match Either::deserialize(deserializer)? {
+        let text = match Either::deserialize(deserializer).map_err(|_| D::Error::custom(SIZE_EXPECTED))? {
             Either::Number(side) => side.to_string(),
             Either::Text(text) => text,
         };

@@ -6,9 +6,9 @@ use crate::cli::config::Given;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::Target;
+use crate::cli::output::{Drawing, Targets};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::synthesis::Made;
@@ -19,6 +19,8 @@ use vtex::control;
 use vtex::output::file::Format;
 use vtex::scene::{Edge, Scene};
 use vtex::warp::{Bend, WarpParams, warp};
+
+const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "warped" };
 
 /// Bend or stretch a scene; elements keep their size and density
 #[derive(Args)]
@@ -53,10 +55,9 @@ pub(crate) struct WarpArgs {
     #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
     pub(crate) edge: Option<Edge>,
     /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
-    /// stdout
-    /// [default: ./SCENE.svg]
+    /// stdout; several -o write several files [default: ./SCENE.warped.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
@@ -70,7 +71,7 @@ struct Warping {
     how: How,
     parameters: WarpParams,
     svg: SvgParameters,
-    target: Target,
+    targets: Targets,
 }
 
 /// What bends a scene.
@@ -99,7 +100,7 @@ impl Warping {
         let scene = required(a.scene)?;
         let libraries: Vec<Input> = a.library.into_iter().map(Input::new).collect();
         let output = a.output.clone();
-        let target = target(a.output, &a.force, &scene, format::OF_SCENE, Format::Svg)?;
+        let targets = targets(a.output, &a.force, &scene, MAKES)?;
         let how = match (a.scale, a.cage, a.to) {
             (Some(Factors(factors)), ..) => How::Scale(factors),
             (None, Some(cage), Some(to)) => How::Cage([cage, to].map(Input::new)),
@@ -113,14 +114,14 @@ impl Warping {
         if let How::Cage([cage, to]) = &how {
             read.extend([("--cage", cage), ("--to", to)]);
         }
-        check_files(&read, &[("-o", output.as_deref())])?;
-        Ok(Self { scene, libraries, how, parameters, svg, target })
+        check_files(&read, &outputs(&output))?;
+        Ok(Self { scene, libraries, how, parameters, svg, targets })
     }
 }
 
 fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Result<()> {
-    let Warping { scene, libraries, how, parameters, svg, target } = warping;
-    target.place.probe()?;
+    let Warping { scene, libraries, how, parameters, svg, targets } = warping;
+    targets.probe()?;
     reporter.stage("reading")?;
     let before = reading::scene(scene)?;
     let bend = bend(&before, how)?;
@@ -131,7 +132,9 @@ fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Resul
         inputs.extend(cages.iter().map(Input::name));
     }
     let (result, report) = warp(&before, known, &bend, *parameters, reporter)?;
-    Made { command: "warp", inputs, scene: result, report }.write(common, reporter, *svg, target, None)
+    let drawing = Drawing { svg: *svg, scale: 1.0, recipe: None };
+    let made = Made { command: "warp", inputs, library: None, scene: result, report };
+    made.write(common, reporter, drawing, targets, None)
 }
 
 /// Scene → the way that it is bent.

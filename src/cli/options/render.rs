@@ -2,7 +2,6 @@
 
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use vtex::scene::Scene;
 
 /// Section `[render]`.
 #[derive(Args, Serialize)]
@@ -22,13 +21,6 @@ pub(crate) struct RenderParameters {
 }
 
 impl RenderParameters {
-    /// Size of what is made of a scene, in pixels: of its picture, or of its canvas where that has
-    /// no resolution.
-    pub(crate) fn size_of(&self, scene: &Scene, drawn: bool) -> [u32; 2] {
-        let scale = if drawn { self.scale } else { 1.0 };
-        [scene.width, scene.height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
-    }
-
     /// What to tell of a scale that was asked for where nothing is `drawn`.
     pub(crate) fn warning(&self, drawn: bool) -> Option<&'static str> {
         let idle = !drawn && self.scale != 1.0;

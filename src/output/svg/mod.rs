@@ -97,7 +97,21 @@ pub struct SvgSummary {
 /// # Errors
 /// A precision out of range; a scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
 pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
-    let document = Document::new(scene, options, 0.0)?;
+    write_with(scene, options, None, out)
+}
+
+/// As [`write`]; the metadata also hold a recipe: how the scene was made from its inputs, in the words of
+/// the program that made it.
+///
+/// # Errors
+/// Those of [`write`].
+pub fn write_with(
+    scene: &Scene,
+    options: &SvgOptions,
+    recipe: Option<&serde_json::Value>,
+    out: impl Write,
+) -> Result<SvgSummary> {
+    let document = Document { recipe, ..Document::new(scene, options, 0.0)? };
     summed(document.textons.shared_count(), out, |xml| document.write(xml))
 }
 
@@ -155,6 +169,7 @@ struct Document<'a> {
     textons: Textons<'a>,
     /// How far beyond the canvas it reaches, in pixels.
     bleed: f64,
+    recipe: Option<&'a serde_json::Value>,
 }
 
 impl<'a> Document<'a> {
@@ -162,7 +177,7 @@ impl<'a> Document<'a> {
         check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
         super::check_scene(scene)?;
         let textons = Textons::new(scene, options, bleed);
-        Ok(Self { scene, background: Background::new(scene), textons, bleed })
+        Ok(Self { scene, background: Background::new(scene), textons, bleed, recipe: None })
     }
 
     /// The canvas as it is.
@@ -214,7 +229,7 @@ impl<'a> Document<'a> {
     /// Title and metadata.
     fn write_about<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         let title = crate::output::title(self.scene);
-        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene))] {
+        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene, self.recipe))] {
             xml.open(name);
             xml.text(&text);
             xml.close()?;

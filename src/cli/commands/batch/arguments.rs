@@ -6,6 +6,7 @@ use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::control::ControlArgs;
 use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::masks::SamArgs;
+use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::options::synth::SynthFlags;
 use clap::Args;
@@ -44,6 +45,8 @@ pub(crate) struct BatchArgs {
     /// [1/1 to 10000/10000, default: 1/1]
     #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
     pub(crate) shard: Option<Shard>,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
     #[command(flatten)]

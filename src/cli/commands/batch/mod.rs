@@ -19,6 +19,7 @@ impl Arguments for BatchArgs {
     fn give(&self, given: &mut Given) {
         given.add("analyze", &self.analyze);
         given.add("synth", &self.synth);
+        given.add("render", &self.render);
         given.add("svg", &self.svg);
     }
 
