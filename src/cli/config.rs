@@ -155,7 +155,7 @@ impl Default for Parameters {
             synth: SynthParams::default(),
             weights: None,
             svg: SvgParameters { precision: 1, expand: false, max_bytes: None },
-            render: RenderParameters { scale: 1.0 },
+            render: RenderParameters { scale: 1.0, background: None },
         }
     }
 }
@@ -202,7 +202,7 @@ impl Parameters {
         self.synth.validate()?;
         let SvgParameters { precision, .. } = self.svg;
         check(precision <= 6, "precision", precision.to_string(), "0 to 6 decimals")?;
-        let RenderParameters { scale } = self.render;
+        let RenderParameters { scale, .. } = self.render;
         check((0.01..=100.0).contains(&scale), "scale", scale.to_string(), "0.01 to 100")
     }
 

@@ -3,6 +3,7 @@
 
 mod analysis;
 pub(crate) mod arguments;
+mod colours;
 mod command;
 mod commands;
 mod common;
@@ -24,6 +25,7 @@ pub(crate) mod raw_arguments;
 mod reading;
 mod recipe;
 pub(crate) mod resolve;
+pub(crate) mod short_help;
 mod summary;
 mod synthesis;
 mod table;

@@ -3,14 +3,17 @@
 use super::foreign::{escaped, styled};
 use super::input::was_read;
 use super::interrupt;
+use super::options::render::{Ground, RenderParameters};
 use super::options::svg::SvgParameters;
 use super::values::Bytes;
 use serde_json::Value;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use tiny_skia::Pixmap;
 use vtex::interpolate::Interpolation;
 use vtex::library::Library;
 use vtex::output::file::{Format, Kind, gzip, remove_abandoned, write_file};
@@ -45,17 +48,37 @@ pub(crate) struct Targets {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drawing<'a> {
     pub(crate) svg: SvgParameters,
-    /// Pixels of a picture for each pixel of the canvas.
-    pub(crate) scale: f64,
+    pub(crate) render: RenderParameters,
     /// What an SVG says of how it was made.
     pub(crate) recipe: Option<&'a Value>,
 }
 
 impl Drawing<'_> {
+    /// A picture of a scene.
+    ///
+    /// # Errors
+    /// Those of [`png::render`].
+    pub(crate) fn picture(&self, scene: &Scene) -> Result<Pixmap> {
+        png::render_with(&self.scene(scene), self.render.scale, self.render.background != Some(Ground::None))
+    }
+
+    /// The scene with the ground that is wanted.
+    fn scene<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
+        match self.render.background {
+            Some(Ground::Colour(colour)) => {
+                let mut scene = scene.clone();
+                scene.background.points.clear();
+                scene.background.fallback = colour;
+                Cow::Owned(scene)
+            }
+            _ => Cow::Borrowed(scene),
+        }
+    }
+
     /// Size of a scene that is written in a format, in pixels: of its picture, or of its canvas where that
     /// has no resolution.
     pub(crate) fn size_of(&self, scene: &Scene, format: Format) -> [u32; 2] {
-        let scale = if format == Format::Png { self.scale } else { 1.0 };
+        let scale = if format == Format::Png { self.render.scale } else { 1.0 };
         [scene.width, scene.height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
     }
 }
@@ -189,6 +212,15 @@ impl Targets {
         library: Option<&Library>,
         drawing: Drawing<'_>,
     ) -> Result<Written> {
+        if drawing.render.background == Some(Ground::None) {
+            let able = |target: &&Target| matches!(target.kind.format, Format::Svg | Format::Png);
+            if let Some(target) = self.all().find(|target| !able(target)) {
+                let name = target.place.path().display().to_string();
+                let (value, allowed) =
+                    (format!("none for '{name}'"), "only .svg, .svgz and .png have no ground");
+                return Err(Error::Parameter { name: "background", value, allowed });
+            }
+        }
         let mut written = self.each(|target| match (target.kind.format, library) {
             (Format::Library, Some(library)) => target.write_bytes(&library.to_json()),
             _ => target.write_scene(scene, drawing),
@@ -232,27 +264,31 @@ impl Target {
     /// # Errors
     /// As [`Place::write`], and those of the writers and of [`reduce::to_fit`].
     pub(crate) fn write_scene(&self, scene: &Scene, drawing: Drawing<'_>) -> Result<Written> {
-        let Drawing { svg, scale, recipe } = drawing;
+        let Drawing { svg, recipe, render } = drawing;
+        let scene = &*drawing.scene(scene);
+        let background = render.background != Some(Ground::None);
         Ok(match self.kind.format {
             Format::Svg => {
-                return self.write_svg(scene, svg, |s, o, out| svg::write_with(s, o, recipe, out));
+                return self.write_svg(scene, svg, |s, o, out| {
+                    svg::write_with(s, o, svg::Extras { recipe, background }, out)
+                });
             }
             Format::Scene | Format::Library => self.write_bytes(&scene.to_json())?,
             Format::Pdf => Written::of(self.place.write(|out| pdf::write(scene, out))?.1),
             Format::Png => {
-                let picture = png::render(scene, scale)?;
+                let picture = drawing.picture(scene)?;
                 let seed = scene.parameters.as_ref().map(|p| p.seed);
                 Written::of(self.place.write(|out| png::encode(&picture, seed, out))?.1)
             }
         })
     }
 
-    /// Writes a scene as a pattern.
+    /// Writes a scene as a pattern; a ground may be of one colour there, but not missing.
     ///
     /// # Errors
     /// As [`Place::write`], and those of [`svg::write_pattern`] and of [`reduce::to_fit`].
-    pub(crate) fn write_pattern(&self, scene: &Scene, svg: SvgParameters) -> Result<Written> {
-        self.write_svg(scene, svg, |s, o, out| svg::write_pattern(s, o, out))
+    pub(crate) fn write_pattern(&self, scene: &Scene, drawing: Drawing<'_>) -> Result<Written> {
+        self.write_svg(&drawing.scene(scene), drawing.svg, |s, o, out| svg::write_pattern(s, o, out))
     }
 
     /// Writes the way between two scenes as an SVG that plays.

@@ -32,8 +32,9 @@ impl Options {
             arguments.give(&mut given);
         }
         let config = global.config.as_deref().map(Layer::read).transpose()?;
+        let preset = asked.as_ref().map(|arguments| arguments.preset()).transpose()?.flatten();
         let layer = asked.as_mut().map(|arguments| arguments.layer()).transpose()?.flatten();
-        let parameters = Parameters::resolve(config.iter().chain(layer), &given)?;
+        let parameters = Parameters::resolve(config.iter().chain(layer).chain(&preset), &given)?;
         let threads = parameters.threads.or(threads_of_environment()?);
         if global.dump_config {
             return Ok(Self::DumpConfig(parameters.dump()));

@@ -86,7 +86,7 @@ pub(crate) fn finish(
     }
     let (scene, report) = synthesize_with(libraries, parameters, controls, reporter)?;
     let library = libraries.first();
-    let drawing = Drawing { svg: *svg, scale: render.scale, recipe };
+    let drawing = Drawing { svg: *svg, render: *render, recipe };
     let result = Made { command, inputs, library, scene, report };
     result.write(common, reporter, drawing, targets, pattern.as_ref())
 }
@@ -115,7 +115,7 @@ impl Made<'_> {
         reporter.stage("writing")?;
         let written = targets.write_scene(&scene, library, drawing)?;
         if let Some(pattern) = pattern {
-            pattern.write_pattern(&scene, drawing.svg)?;
+            pattern.write_pattern(&scene, drawing)?;
         }
         let summary = Summary {
             pattern: pattern.map(|p| p.place.path().display().to_string()),

@@ -1,9 +1,11 @@
 //! Values of options that need reading: canvas sizes, seeds, weights.
 
+use clap::builder::{PossibleValue, TypedValueParser};
 use serde::de::Error as _;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::ffi::OsStr;
 use std::str::FromStr;
 use vtex::scene::{Tile, Weights};
 
@@ -284,6 +286,35 @@ impl Serialize for Axes {
 impl<'de> Deserialize<'de> for Axes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
+}
+
+/// A parser of values that have names, which completions offer.
+#[derive(Clone)]
+pub(crate) struct OneOf<T> {
+    names: &'static [&'static str],
+    parse: fn(&str) -> Result<T, String>,
+}
+
+/// Values read by `parse`, with these names.
+pub(crate) fn one_of<T>(names: &'static [&'static str], parse: fn(&str) -> Result<T, String>) -> OneOf<T> {
+    OneOf { names, parse }
+}
+
+impl<T: Clone + Send + Sync + 'static> TypedValueParser for OneOf<T> {
+    type Value = T;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<T, clap::Error> {
+        self.parse.parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.names.iter().copied().map(PossibleValue::new)))
     }
 }
 

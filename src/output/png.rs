@@ -30,6 +30,14 @@ const BAND: usize = 256;
 /// A scale that is not above 0; a scene that breaks its invariants; [`Error::TooLarge`] beyond 2³⁰
 /// pixels.
 pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
+    render_with(scene, scale, true)
+}
+
+/// As [`render`]; without the background what is between the textons is transparent.
+///
+/// # Errors
+/// Those of [`render`].
+pub fn render_with(scene: &Scene, scale: f64, with_background: bool) -> Result<Pixmap> {
     super::check_scene(scene)?;
     let (canvas_width, canvas_height) = (f64::from(scene.width), f64::from(scene.height));
     let (width, height) = picture_size(canvas_width, canvas_height, scale, "scene")?;
@@ -45,7 +53,9 @@ pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
     let row = width as usize * 4;
     parallel::for_chunks(pixmap.data_mut(), row * BAND, |i, data| {
         let (top, rows) = (i * BAND, data.len() / row);
-        paint_background(&background, scale, top, width as usize, data);
+        if with_background {
+            paint_background(&background, scale, top, width as usize, data);
+        }
         if let Some(mut band) = PixmapMut::from_bytes(data, width, rows as u32) {
             let (top, rows) = (top as f64, rows as f64);
             shapes.draw(Layer::Secondary, &mut band, top, rows);

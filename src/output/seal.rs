@@ -7,9 +7,9 @@
 
 use crate::gzip;
 use flate2::Crc;
-use flate2::read::GzDecoder;
+use flate2::bufread::GzDecoder;
 use sha2::{Digest, Sha256};
-use std::io::{self, Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 
 /// How every page of vtex begins, its version next.
 pub(crate) const PAGE_BEGINNING: &str = "<!DOCTYPE html>\n<!-- Written by vtex ";
@@ -185,7 +185,13 @@ pub(super) fn is_whole(mut file: impl Read) -> io::Result<bool> {
     file.by_ref().take(2).read_to_end(&mut start)?;
     let packed = gzip::is_packed(&start);
     let all = io::Cursor::new(start).chain(file);
-    if packed { Ok(whole(GzDecoder::new(all)).unwrap_or(false)) } else { whole(all) }
+    if !packed {
+        return whole(all);
+    }
+    let mut unpacked = GzDecoder::new(BufReader::new(all));
+    let sealed = whole(&mut unpacked).unwrap_or(false);
+    // What follows the packed data is not theirs.
+    Ok(sealed && unpacked.into_inner().fill_buf()?.is_empty())
 }
 
 fn whole(mut file: impl Read) -> io::Result<bool> {

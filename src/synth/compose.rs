@@ -1,5 +1,6 @@
 //! Scenes put together from placed textons; the exemplar's own arrangement as a scene.
 
+use super::few::limit_colours;
 use super::secondaries;
 use crate::PROGRAM;
 use crate::arrange::Arrangement;
@@ -53,7 +54,8 @@ pub(crate) fn scene(
 
 /// The exemplar's own arrangement: what the library knows of the photograph, drawn back. Primaries
 /// in their order with their details, secondaries where they are in their own colour, and the
-/// palette's sites as the background.
+/// palette's sites as the background. Where the library was made for so many colours at most, it has no
+/// more, the ground included, which is then of one.
 pub fn reconstruct(library: &Library) -> Scene {
     let b = &library.background;
     let background = Field { spacing: b.spacing, fallback: b.fallback, points: b.sites.clone() };
@@ -68,6 +70,10 @@ pub fn reconstruct(library: &Library) -> Scene {
     for (i, p) in library.primaries.iter().enumerate() {
         let texton = textons.primary(&mut scene, i as u32);
         push(&mut scene, Layer::Primary, texton, p.origin(), &none, None);
+    }
+    let most = library.source.parameters.colors as usize;
+    if most > 0 {
+        limit_colours(&mut scene, most);
     }
     scene
 }

@@ -422,7 +422,7 @@ fn what_a_killed_process_left_is_removed_by_the_next() {
 fn an_interrupt_while_a_file_is_made_to_fit_is_one() {
     let folder = Folder::with_library();
     folder.run("synth photo.lib.json --size 400 --seed 1 -o a.scene.json -o a.svg").succeeds();
-    let most = folder.read("a.svg").len() * 9 / 10;
+    let most = folder.read("a.svg").len() * 98 / 100;
     let mut child = folder
         .command(&format!("interp a.scene.json a.scene.json -o frames --frames 2000 --max-bytes {most}"))
         .stderr(Stdio::piped())

@@ -3,11 +3,13 @@
 use crate::cli::analysis::{Analysis, analyze};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::{Given, Layer};
+use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::files::{ForceArgs, Makes, required, targets};
 use crate::cli::options::masks::MasksArgs;
+use crate::cli::options::preset::PresetArgs;
 use crate::cli::output::{Targets, say};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{Counts, Coverage, Summary};
@@ -35,6 +37,8 @@ pub(crate) struct AnalyzeArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
+    pub(crate) preset: PresetArgs,
+    #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
     pub(crate) masks: MasksArgs,
@@ -45,6 +49,10 @@ pub(crate) struct AnalyzeArgs {
 impl Arguments for AnalyzeArgs {
     fn give(&self, given: &mut Given) {
         given.add("analyze", &self.analyze);
+    }
+
+    fn preset(&self) -> Result<Option<Layer>, Failure> {
+        self.preset.layer()
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {

@@ -30,7 +30,7 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
     after_help = "\
 Examples:
   vtex edit out.scene.json -o thin.svg --op 'thin 0.5 --layer secondary'
-  vtex edit out.scene.json -o red.scene.json --op 'tint #ff0000 --amount 0.4' --op 'shadow --length 6'
+  vtex edit out.scene.json -o red.svg --op 'tint red' --op 'shadow --length 6'
   vtex edit --list
 
 Operations are done in the order given; the scene keeps a record of them. Random choices follow the
@@ -141,7 +141,7 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
         reporter.warn(&format!("'{operation}' matches nothing: the scene stays as it was"));
     }
     reporter.stage("writing")?;
-    let drawing = Drawing { svg: *svg, scale: render.scale, recipe: None };
+    let drawing = Drawing { svg: *svg, render: *render, recipe: None };
     let written = targets.write_scene(&scene, None, drawing)?;
     let summary = Summary {
         seed: scene.edits.last().map(|e| e.seed),

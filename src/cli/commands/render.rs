@@ -83,6 +83,7 @@ impl Arguments for RenderArgs {
 fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOptions) -> anyhow::Result<()> {
     let RenderOptions { scale: parameters, svg, targets, pattern } = options;
     let scale = parameters.scale;
+    let drawing = Drawing { svg: *svg, render: *parameters, recipe: None };
     targets.probe()?;
     if let Some(pattern) = pattern {
         pattern.place.probe()?;
@@ -111,7 +112,6 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
     reporter.stage("drawing")?;
     let (written, size) = match &scene {
         Some(scene) => {
-            let drawing = Drawing { svg: *svg, scale, recipe: None };
             let written = targets.write_scene(scene, None, drawing)?;
             (written, drawing.size_of(scene, targets.first.kind.format))
         }
@@ -127,7 +127,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
         }
     };
     if let (Some(pattern), Some(scene)) = (pattern, &scene) {
-        pattern.write_pattern(scene, *svg)?;
+        pattern.write_pattern(scene, drawing)?;
     }
     let summary = Summary {
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),

@@ -2,13 +2,14 @@
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::{Given, Layer};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::options::control::{ControlArgs, Steering};
 use crate::cli::options::files::{ForceArgs, Makes, outputs, targets};
 use crate::cli::options::pattern::PatternArgs;
+use crate::cli::options::preset::PresetArgs;
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::options::synth::{SynthBackgroundFlags, SynthFlags};
@@ -44,6 +45,8 @@ pub(crate) struct SynthArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
+    pub(crate) preset: PresetArgs,
+    #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
     pub(crate) pattern: PatternArgs,
@@ -70,6 +73,10 @@ impl Arguments for SynthArgs {
         given.add("synth", &self.background);
         given.add("render", &self.render);
         given.add("svg", &self.svg);
+    }
+
+    fn preset(&self) -> Result<Option<Layer>, Failure> {
+        self.preset.layer()
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {

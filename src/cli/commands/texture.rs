@@ -12,6 +12,7 @@ use crate::cli::options::control::{ControlArgs, Steering};
 use crate::cli::options::files::{ForceArgs, Makes, outputs, required, targets};
 use crate::cli::options::masks::MasksArgs;
 use crate::cli::options::pattern::PatternArgs;
+use crate::cli::options::preset::PresetArgs;
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::options::synth::SynthFlags;
@@ -54,6 +55,8 @@ pub(crate) struct TextureArgs {
     #[arg(long, value_name = "SVG")]
     pub(crate) again: Option<PathBuf>,
     #[command(flatten)]
+    pub(crate) preset: PresetArgs,
+    #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
     pub(crate) pattern: PatternArgs,
@@ -85,6 +88,10 @@ impl Arguments for TextureArgs {
     fn layer(&mut self) -> anyhow::Result<Option<&Layer>> {
         self.recipe = self.again.as_deref().map(Recipe::read).transpose()?;
         Ok(self.recipe.as_ref().map(|recipe| &recipe.parameters))
+    }
+
+    fn preset(&self) -> Result<Option<Layer>, Failure> {
+        self.preset.layer()
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {

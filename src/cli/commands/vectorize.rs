@@ -3,11 +3,13 @@
 use crate::cli::analysis::{Analysis, analyze};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::{Given, Layer};
+use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::files::{ForceArgs, Makes, required, targets};
 use crate::cli::options::masks::MasksArgs;
+use crate::cli::options::preset::PresetArgs;
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::output::{Drawing, Targets, say};
@@ -41,6 +43,8 @@ pub(crate) struct VectorizeArgs {
     pub(crate) output: Vec<PathBuf>,
 
     #[command(flatten)]
+    pub(crate) preset: PresetArgs,
+    #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
     pub(crate) render: RenderFlags,
@@ -59,13 +63,17 @@ impl Arguments for VectorizeArgs {
         given.add("svg", &self.svg);
     }
 
+    fn preset(&self) -> Result<Option<Layer>, Failure> {
+        self.preset.layer()
+    }
+
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
         let Self { photo, output, force, masks, .. } = *self;
         let photo = required(photo)?;
         let targets = targets(output.clone(), &force, &photo, MAKES)?;
         let analysis = Analysis::new(photo, masks, &force, &output, &resolved.parameters)?;
         let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
-        let drawing = Drawing { svg, scale: render.scale, recipe: None };
+        let drawing = Drawing { svg, render, recipe: None };
         Ok(Box::new(move |common, reporter| {
             if let Some(warning) = render.warning(targets.has(Format::Png)) {
                 reporter.warn(warning);

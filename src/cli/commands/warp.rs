@@ -7,12 +7,13 @@ use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, Kind};
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
+use crate::cli::options::render::RenderParameters;
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
 use crate::cli::output::{Drawing, Targets};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::synthesis::Made;
-use crate::cli::values::{Factors, named};
+use crate::cli::values::{Factors, named, one_of};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::control;
@@ -29,7 +30,7 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
     after_help = "\
 Examples:
   vtex warp wide.scene.json photo.lib.json --scale 1.5x1 -o wider.svg
-  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o bent.svg
+  vtex warp a.scene.json photo.lib.json --cage a.svg --to b.svg -o bent.svg
 
 Elements move, gaps are filled with new ones, and where they crowd some go. New ones are drawn by
 the scene's seed, unless --seed gives another."
@@ -52,7 +53,8 @@ pub(crate) struct WarpArgs {
     pub(crate) scale: Option<Factors>,
     /// At the edge of the new shape keep elements whole, clip them, or avoid it [keep, clip or avoid,
     /// default: as in the scene]
-    #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
+    #[arg(long, value_name = "HOW", hide_possible_values = true)]
+    #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]
     pub(crate) edge: Option<Edge>,
     /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
     /// stdout; several -o write several files [default: ./SCENE.warped.svg]
@@ -132,7 +134,8 @@ fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Resul
         inputs.extend(cages.iter().map(Input::name));
     }
     let (result, report) = warp(&before, known, &bend, *parameters, reporter)?;
-    let drawing = Drawing { svg: *svg, scale: 1.0, recipe: None };
+    let drawing =
+        Drawing { svg: *svg, render: RenderParameters { scale: 1.0, background: None }, recipe: None };
     let made = Made { command: "warp", inputs, library: None, scene: result, report };
     made.write(common, reporter, drawing, targets, None)
 }

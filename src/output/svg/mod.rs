@@ -97,21 +97,36 @@ pub struct SvgSummary {
 /// # Errors
 /// A precision out of range; a scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
 pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
-    write_with(scene, options, None, out)
+    write_with(scene, options, Extras::default(), out)
 }
 
-/// As [`write`]; the metadata also hold a recipe: how the scene was made from its inputs, in the words of
-/// the program that made it.
+/// What may be said of an SVG beside its options.
+#[derive(Clone, Copy, Debug)]
+pub struct Extras<'a> {
+    /// How the scene was made from its inputs, in the words of the program that made it; stored in the
+    /// metadata.
+    pub recipe: Option<&'a serde_json::Value>,
+    /// Whether the background is drawn; without it what is between the textons is transparent.
+    pub background: bool,
+}
+
+impl Default for Extras<'_> {
+    fn default() -> Self {
+        Self { recipe: None, background: true }
+    }
+}
+
+/// As [`write`], with what may be said beside the options.
 ///
 /// # Errors
 /// Those of [`write`].
 pub fn write_with(
     scene: &Scene,
     options: &SvgOptions,
-    recipe: Option<&serde_json::Value>,
+    extras: Extras<'_>,
     out: impl Write,
 ) -> Result<SvgSummary> {
-    let document = Document { recipe, ..Document::new(scene, options, 0.0)? };
+    let document = Document { extras, ..Document::new(scene, options, 0.0)? };
     summed(document.textons.shared_count(), out, |xml| document.write(xml))
 }
 
@@ -169,7 +184,7 @@ struct Document<'a> {
     textons: Textons<'a>,
     /// How far beyond the canvas it reaches, in pixels.
     bleed: f64,
-    recipe: Option<&'a serde_json::Value>,
+    extras: Extras<'a>,
 }
 
 impl<'a> Document<'a> {
@@ -177,7 +192,7 @@ impl<'a> Document<'a> {
         check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
         super::check_scene(scene)?;
         let textons = Textons::new(scene, options, bleed);
-        Ok(Self { scene, background: Background::new(scene), textons, bleed, recipe: None })
+        Ok(Self { scene, background: Background::new(scene), textons, bleed, extras: Extras::default() })
     }
 
     /// The canvas as it is.
@@ -229,7 +244,7 @@ impl<'a> Document<'a> {
     /// Title and metadata.
     fn write_about<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         let title = crate::output::title(self.scene);
-        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene, self.recipe))] {
+        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene, self.extras.recipe))] {
             xml.open(name);
             xml.text(&text);
             xml.close()?;
@@ -242,7 +257,9 @@ impl<'a> Document<'a> {
     fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         xml.open("defs");
         xml.line();
-        self.background.write_definitions(xml, self.bleed, 'b')?;
+        if self.extras.background {
+            self.background.write_definitions(xml, self.bleed, 'b')?;
+        }
         self.textons.write_definitions(xml)?;
         if let Some(domain) = &self.scene.domain {
             xml.open("clipPath");
@@ -260,6 +277,7 @@ impl<'a> Document<'a> {
 
     fn write_layers<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         layers(xml, self.scene.domain.as_ref().map(|d| d.edge), |xml, part| match part {
+            Part::Background if !self.extras.background => Ok(()),
             Part::Background => self.background.write_bands(xml, self.bleed, 'b'),
             Part::Secondary => self.write_secondaries(xml),
             Part::Primary => self.write_primaries(xml),

@@ -306,7 +306,7 @@ impl Made {
         let written = match target.kind.format {
             Format::Library => target.write_bytes(&self.library.to_json())?,
             _ => {
-                let drawing = Drawing { svg, scale: render.scale, recipe: self.recipe.as_ref() };
+                let drawing = Drawing { svg, render, recipe: self.recipe.as_ref() };
                 target.write_scene(&self.scene, drawing)?
             }
         };

@@ -8,7 +8,7 @@ use crate::cli::options::files::{ForceArgs, Makes, apart, check_files, outputs, 
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
 use crate::cli::output::{Place, Targets};
-use crate::cli::values::named;
+use crate::cli::values::{named, one_of};
 use clap::Args;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -55,14 +55,15 @@ pub(crate) struct InterpArgs {
     #[arg(long)]
     pub(super) back: bool,
     /// Frames in a folder are [svg or png, default: svg]
-    #[arg(long, value_name = "FORMAT", value_parser = named::<FrameFormat>)]
+    #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
+    #[arg(value_parser = one_of(&["svg", "png"], named::<FrameFormat>))]
     pub(super) format: Option<FrameFormat>,
     /// One scene only, so far along the way [0 to 1]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
     #[arg(conflicts_with_all = ["across", "frames", "fps", "back", "format"])]
     pub(super) at: Option<f64>,
     /// One scene only, that turns into the other from left to right or from top to bottom [x or y]
-    #[arg(long, value_name = "AXIS", value_parser = named::<Axis>)]
+    #[arg(long, value_name = "AXIS", value_parser = one_of(&["x", "y"], named::<Axis>), hide_possible_values = true)]
     #[arg(conflicts_with_all = ["frames", "fps", "back", "format"])]
     pub(super) across: Option<Axis>,
     #[command(flatten)]

@@ -2,6 +2,7 @@
 
 use super::arguments::{FilmKind, Interpolating, Pace, Wanted};
 use crate::cli::common::Common;
+use crate::cli::options::render::Ground;
 use crate::cli::output::{Drawing, Place, Target, Targets, Written};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
@@ -11,9 +12,9 @@ use std::path::Path;
 use std::sync::Arc;
 use vtex::interpolate::{Interpolation, across};
 use vtex::output::file::{Format, Kind};
+use vtex::output::film::Film;
 use vtex::output::reduce::GivenUp;
 use vtex::output::svg::Animation;
-use vtex::output::{film::Film, png};
 use vtex::scene::{self, Scene};
 use vtex::{Error, Progress};
 
@@ -80,7 +81,7 @@ struct Made<'a> {
 
 /// How scenes between the two are drawn.
 fn drawing(job: &Interpolating) -> Drawing<'static> {
-    Drawing { svg: job.svg, scale: job.scale.scale, recipe: None }
+    Drawing { svg: job.svg, render: job.scale, recipe: None }
 }
 
 /// One scene between the two.
@@ -157,8 +158,9 @@ fn film<'a>(
 ) -> anyhow::Result<Made<'a>> {
     let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
     let film = Film { frames: pace.played(), rate: pace.rate };
-    let opaque = from.domain.is_none() && to.domain.is_none();
-    let picture = |k: u32| png::render(&frame(reporter, &way, pace, k)?, job.scale.scale);
+    let ground = job.scale.background != Some(Ground::None);
+    let opaque = ground && from.domain.is_none() && to.domain.is_none();
+    let picture = |k: u32| drawing(job).picture(&frame(reporter, &way, pace, k)?);
     let written = match kind {
         FilmKind::Gif => Written::of(place.write(|out| film.write_gif(picture, out))?.1),
         FilmKind::Png => Written::of(place.write(|out| film.write_png(opaque, picture, out))?.1),
