@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Scene → file. `write_file` keeps the old file until the new one is complete.
     let options = svg::SvgOptions::default();
-    let summary = file::write_file(&out, false, |to| svg::write(&scene, &options, to))?;
+    let (summary, _) = file::write_file(&out, false, |to| svg::write(&scene, &options, to))?;
     println!("{}: {} elements, {} kB", out.display(), summary.elements, summary.bytes / 1000);
     Ok(())
 }

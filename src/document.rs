@@ -2,7 +2,9 @@
 
 use crate::error::{Error, Result, clip};
 use crate::gzip;
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::de::{DeserializeOwned, IgnoredAny};
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// A JSON document with a format name, a version and invariants.
@@ -34,7 +36,8 @@ pub(crate) fn read<T: Document>(path: &Path) -> Result<T> {
 /// Reads and validates a document from bytes, plain or gzip.
 pub(crate) fn from_bytes<T: Document>(bytes: &[u8], name: &str) -> Result<T> {
     let fail = |reason: String| Error::Format { name: name.into(), format: T::FORMAT, reason };
-    let json = &*gzip::unpack(bytes, u64::MAX).map_err(fail)?;
+    let json = gzip::unpack(bytes, u64::MAX).map_err(fail)?;
+    let json = &*without_seal(&json);
     // Name and version first, so that another format is told apart from a damaged file.
     #[derive(Deserialize)]
     struct Header {
@@ -59,9 +62,58 @@ pub(crate) fn from_bytes<T: Document>(bytes: &[u8], name: &str) -> Result<T> {
     Ok(document)
 }
 
+/// A document without the seal that files of vtex have as their last field, `sha256`. Where another
+/// program has ordered the fields anew it may stand anywhere.
+fn without_seal(json: &[u8]) -> Cow<'_, [u8]> {
+    const DIGITS: usize = 64;
+    let last = || {
+        let rest = json.trim_ascii_end().strip_suffix(b"}")?.trim_ascii_end().strip_suffix(b"\"")?;
+        let (rest, sum) = rest.split_at_checked(rest.len().checked_sub(DIGITS)?)?;
+        let rest = rest.strip_suffix(b"\"")?.trim_ascii_end().strip_suffix(b":")?.trim_ascii_end();
+        let rest = rest.strip_suffix(b"\"sha256\"")?.trim_ascii_end().strip_suffix(b",")?;
+        sum.iter().all(u8::is_ascii_hexdigit).then(|| [rest, b"}"].concat())
+    };
+    let anywhere = || {
+        let mut fields: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(json).ok()?;
+        fields.remove("sha256")?;
+        serde_json::to_vec(&fields).ok()
+    };
+    #[derive(Deserialize)]
+    struct Has {
+        sha256: Option<IgnoredAny>,
+    }
+    let elsewhere = || serde_json::from_slice::<Has>(json).is_ok_and(|has| has.sha256.is_some());
+    match last() {
+        Some(rest) => rest.into(),
+        None if elsewhere() => anywhere().map_or(json.into(), Into::into),
+        None => json.into(),
+    }
+}
+
 /// The document as JSON, ending in a newline.
 pub(crate) fn to_json<T: Document>(document: &T) -> Vec<u8> {
     let mut bytes = serde_json::to_vec(document).expect("documents hold nothing that JSON cannot");
     bytes.push(b'\n');
     bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_seal_is_left_out_wherever_it_stands() {
+        let sum = "0a".repeat(32);
+        let plain = r#"{"format":"x","a":{"sha256":"y"}}"#;
+        assert_eq!(without_seal(plain.as_bytes()), plain.as_bytes());
+        let sealed = format!("{},\"sha256\":\"{sum}\"}}\n", &plain[..plain.len() - 1]);
+        assert_eq!(without_seal(sealed.as_bytes()), plain.as_bytes());
+        let spread = sealed.replace(",\"sha256\":\"0", ",\n  \"sha256\": \"0").replace("}\n", "\n}\n\n");
+        assert_eq!(without_seal(spread.as_bytes()), plain.as_bytes());
+        let moved = format!("{{\"sha256\":\"{sum}\",\"format\":7,\"z\":[1.5]}}");
+        assert_eq!(&*without_seal(moved.as_bytes()), br#"{"format":7,"z":[1.5]}"#);
+        for other in ["", "}", "\"}", "[1]", "{\"sha256\":1", &sum] {
+            assert_eq!(without_seal(other.as_bytes()), other.as_bytes());
+        }
+    }
 }

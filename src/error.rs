@@ -25,11 +25,13 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// The file exists and vtex did not write it.
-    #[error("'{}' exists and was not written by vtex", path.display())]
+    /// The file exists and vtex did not write it, or not as it is.
+    #[error("'{}' exists and was {}", path.display(), if *changed { "changed since vtex wrote it" } else { "not written by vtex" })]
     Exists {
         /// The file.
         path: PathBuf,
+        /// Whether vtex wrote it, and something else has changed it since.
+        changed: bool,
     },
     /// The bytes are not an image that can be decoded.
     #[error("cannot decode '{name}' as an image: {reason}")]
@@ -244,11 +246,11 @@ impl Error {
             },
             Self::Write { path, source } => match source.kind() {
                 ErrorKind::NotFound => "the folder does not exist; create it first".into(),
-                ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose another place".into(),
-                ErrorKind::StorageFull if path == Path::new("-") => "standard output is full".into(),
-                ErrorKind::StorageFull => {
-                    "the disk is full; nothing was left behind, any old file is as it was".into()
+                ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+                    "choose a place that you may write to".into()
                 }
+                ErrorKind::StorageFull if path == Path::new("-") => "standard output is full".into(),
+                ErrorKind::StorageFull => "the disk is full: make room there, or choose another place".into(),
                 ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
                     "a folder is needed where there is a file".into()
                 }
@@ -261,6 +263,9 @@ impl Error {
             Self::TooLarge { .. } => "scale it down first, or crop a part of it".into(),
             Self::Unusable { .. } => {
                 "use a photograph of at least 32 x 32 pixels that shows the texture from above".into()
+            }
+            Self::Version { found, known, .. } if found > known => {
+                "a newer vtex wrote it: update vtex, or write the file again with this version".into()
             }
             Self::Version { .. } => "write the file again with this version of vtex".into(),
             Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
@@ -284,7 +289,15 @@ pub(crate) fn check(
     value: impl std::fmt::Display,
     allowed: &'static str,
 ) -> Result<()> {
-    if ok { Ok(()) } else { Err(Error::Parameter { name, value: value.to_string(), allowed }) }
+    if ok { Ok(()) } else { Err(Error::Parameter { name, value: short(&value.to_string()), allowed }) }
+}
+
+/// A number as few digits tell it.
+fn short(value: &str) -> String {
+    match value.parse::<f64>() {
+        Ok(number) if value.len() > 16 => format!("{number:e}"),
+        _ => clip(value),
+    }
 }
 
 /// The first characters of a hostile string, for an error message.

@@ -11,7 +11,7 @@ const ALWAYS: u64 = 64_000_000;
 const RATIO: u64 = 32;
 
 /// Whether bytes begin as gzip does.
-fn is_packed(bytes: &[u8]) -> bool {
+pub(crate) fn is_packed(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0x1f, 0x8b])
 }
 

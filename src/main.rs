@@ -17,13 +17,12 @@ fn main() -> ExitCode {
     let arguments: Vec<OsString> = raw_arguments::joined(std::env::args_os().collect());
     let choice = raw_arguments::colour_choice(&arguments);
     choice.as_choice().write_global();
-    let parsed = arguments::command_for(&arguments)
-        .color(choice.as_clap())
-        .try_get_matches_from(arguments)
-        .and_then(|matches| Cli::from_arg_matches(&matches));
+    let mut command = arguments::command_for(&arguments).color(choice.as_clap());
+    let parsed = command.try_get_matches_from_mut(&arguments);
+    let parsed = parsed.and_then(|matches| Cli::from_arg_matches(&matches));
     let outcome = match parsed {
         Ok(cli) => run(cli),
-        Err(e) => return failure::show_usage(&e).into(),
+        Err(e) => return failure::show_usage(&e, &command, &arguments).into(),
     };
     match outcome {
         Ok(()) => Exit::Success,

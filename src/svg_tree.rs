@@ -54,5 +54,10 @@ pub(crate) fn tree(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, Str
         },
         ..usvg::Options::default()
     };
-    usvg::Tree::from_xmltree(document, &options).map_err(|e| e.to_string())
+    usvg::Tree::from_xmltree(document, &options).map_err(|e| match e {
+        usvg::Error::ParsingFailed(e) => format!("it is not well-formed XML: {e}"),
+        usvg::Error::InvalidSize => "its width, height or viewBox is missing, 0 or no number".into(),
+        usvg::Error::ElementsLimitReached => "it has too many elements".into(),
+        e => e.to_string(),
+    })
 }

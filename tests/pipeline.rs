@@ -120,7 +120,7 @@ fn another_seed_gives_another_texture() {
     let library = library(&exemplar("terrazzo"));
     let with = |seed| {
         let params = SynthParams { width: 200, height: 200, seed, ..SynthParams::default() };
-        synthesize(&library, &params, &()).unwrap().primary
+        synthesize(&library, &params, &()).unwrap().layers
     };
     assert_ne!(with(1), with(2));
 }

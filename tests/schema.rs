@@ -26,6 +26,12 @@ fn published(schema: Schema, format: &str) -> Value {
     let mut value = schema.to_value();
     value["properties"]["format"]["const"] = json!(format);
     value["properties"]["version"]["const"] = json!(1);
+    // Files have it, documents in memory do not.
+    value["properties"]["sha256"] = json!({
+        "description": "SHA-256 of the file's bytes before this field, in hexadecimal. A file is replaced \
+                        without asking only while it is right.",
+        "type": "string",
+    });
     value
 }
 

@@ -104,8 +104,9 @@ fn thin(map: &mut Occupancy<'_>, wanted: &[Vec<f64>], worst: bool, random: &mut 
                 let p = map.get(textons[k]);
                 1.0 - f64::from(p.visible) / f64::from(p.cells) - MISFIT * f64::from(p.score)
             };
-            // None that would leave a larger gap than there is excess.
-            let fits = |&k: &usize| f64::from(map.get(textons[k]).visible) < 2.0 * excess;
+            // None that would leave a larger gap than there is excess; where nothing is wanted there are no gaps.
+            let none = wanted[zone][category] <= 0.0;
+            let fits = |&k: &usize| none || f64::from(map.get(textons[k]).visible) < 2.0 * excess;
             let best = candidates.into_iter().filter(fits).max_by(|a, b| badness(a).total_cmp(&badness(b)));
             let Some(k) = best else { break };
             map.remove(textons.swap_remove(k));

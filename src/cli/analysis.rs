@@ -5,19 +5,20 @@ use super::config::Parameters;
 use super::failure::Failure;
 use super::format;
 use super::hints;
-use super::input::{Input, Kind, note_read};
+use super::input::{self, Input, note_read};
 use super::models::{Store, sums_of_network};
 use super::options::engine::engine;
-use super::options::files::{ForceArgs, apart};
+use super::options::files::{ForceArgs, apart, outputs};
 use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
-use super::output::{Place, say};
+use super::output::{Place, Target, say};
 use super::progress::Reporter;
 use super::values::Name;
 use image::RgbImage;
-use std::path::Path;
+use std::path::PathBuf;
 use vtex::analyze::{Exemplar, Limits};
 use vtex::engine::{Choice, EngineOptions, Runtime, Source, choose};
 use vtex::library::{AnalyzeParams, Library};
+use vtex::output::file::{Format, Kind};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
 use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
@@ -41,12 +42,12 @@ impl Analysis {
         self.save_masks.as_ref().map_or(Ok(()), Place::probe)
     }
 
-    /// Checks what was asked for; `output` is where the result goes.
+    /// Checks what was asked for; `outputs` are where results go.
     pub(crate) fn new(
         photo: Input,
         masks: MasksArgs,
         force: &ForceArgs,
-        output: Option<&Path>,
+        outputs: &[PathBuf],
         parameters: &Parameters,
     ) -> Result<Self, Failure> {
         if let Some(path) = &masks.save_masks {
@@ -56,10 +57,11 @@ impl Analysis {
             Input::File(path) => Some(path.as_path()),
             _ => None,
         };
-        let read = [("the photograph", photo_path), ("--masks", masks.masks.as_deref())];
-        let written = [("-o", output), ("--save-masks", masks.save_masks.as_deref())];
-        apart(&[read[0], written[0], written[1]])?;
-        apart(&[read[1], written[0], written[1]])?;
+        let mut written = self::outputs(outputs);
+        written.push(("--save-masks", masks.save_masks.as_deref()));
+        for read in [("the photograph", photo_path), ("--masks", masks.masks.as_deref())] {
+            apart(&[&[read], &written[..]].concat())?;
+        }
         let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
         let sam = SamFrom::new(masks.sam);
         let from = masks_from(masks.masks, parameters.segmenter, sam)?;
@@ -68,16 +70,25 @@ impl Analysis {
     }
 }
 
+impl Analysis {
+    /// Where masks come from in the end: what [`MasksFrom::Auto`] comes to is decided.
+    pub(crate) fn masks(&self) -> MasksFrom {
+        sam_from(&self.masks).map_or_else(|| self.masks.clone(), MasksFrom::Sam)
+    }
+}
+
 /// Photograph → library; saves the masks if asked.
 pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
     reporter.stage("reading")?;
     let bytes = analysis.photo.read()?;
-    Kind::expect(&bytes, &analysis.photo, &[Kind::Image, Kind::Unknown])?;
+    input::Kind::expect(&bytes, &analysis.photo, &[input::Kind::Image, input::Kind::Unknown])?;
     let name = match &analysis.photo {
         Input::Stdin => "-".into(),
         Input::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy(),
     };
-    let exemplar = Exemplar::from_bytes(&bytes, &name, &Limits::default())?;
+    // Errors name the file as it was given.
+    let mut exemplar = Exemplar::from_bytes(&bytes, &analysis.photo.name(), &Limits::default())?;
+    exemplar.file = name.into_owned();
     drop(bytes);
     let segmenter = segmenter(common, analysis, reporter)?;
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
@@ -219,8 +230,13 @@ impl Segmenter for Saving<'_> {
         let masks = self.segmenter.segment(image, progress)?;
         if let Some(place) = self.place {
             let (width, height) = image.dimensions();
-            let bytes = masks_to_bytes(place.path(), &self.name(), width, height, &masks)?;
-            place.write(|out| out.write_all(&bytes).map_err(|e| Error::write(place.path(), e)))?;
+            // Packed where it is written, as everything is.
+            let path = place.path();
+            let gzip = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
+            let plain = if gzip { path.with_extension("") } else { path.to_owned() };
+            let bytes = masks_to_bytes(&plain, &self.name(), width, height, &masks)?;
+            let kind = Kind { format: Format::Library, gzip };
+            Target { place: place.clone(), kind }.write_bytes(&bytes)?;
         }
         Ok(masks)
     }

@@ -2,9 +2,11 @@
 
 use super::commands::Command;
 use super::options::global::Global;
+use super::short_help;
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, CommandFactory, Parser};
 use std::ffi::OsString;
+use std::io::IsTerminal;
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Yellow.on_default().bold())
@@ -14,9 +16,9 @@ const STYLES: Styles = Styles::styled()
 
 const EXAMPLES: &str = "\
 Examples:
-  vtex texture photo.jpg -o out.svg --size 1000     photograph to vector texture, in one go
-  vtex analyze photo.jpg                            photograph to photo.lib.json
-  vtex synth photo.lib.json --size 1000x600         library to photo.svg
+  vtex texture photo.jpg -o out.svg --size 1000   photograph to vector texture
+  vtex analyze photo.jpg                          photograph to photo.lib.json
+  vtex synth photo.lib.json --size 1000x600       library to photo.svg
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
 
@@ -44,6 +46,10 @@ pub(crate) fn command() -> clap::Command {
         let args: Vec<Arg> = args.map(|a| a.clone().hide(true)).collect();
         command.mut_subcommand(name, |sub| sub.args(args))
     };
+    // Categories and descriptors serve placement, and nothing is placed.
+    let command = command.mut_subcommand("vectorize", |sub| {
+        sub.mut_arg("categories", |a| a.hide(true)).mut_arg("descriptor_reach", |a| a.hide(true))
+    });
     let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "edit", &WORK[1..]);
     let command = hide(command, "render", &WORK);
@@ -59,6 +65,12 @@ pub(crate) fn command() -> clap::Command {
 /// [`command`], in which nothing else is needed beside `--dump-config`.
 pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
     let mut command = command();
+    if !std::io::stdout().is_terminal() && std::env::var_os("COLUMNS").is_none() {
+        command = command.term_width(80);
+    }
+    if short_help::asked(arguments) {
+        command = short_help::shortened(command);
+    }
     if arguments.iter().any(|a| a == "--dump-config") {
         command = command.subcommand_required(false);
         for (name, argument) in [

@@ -2,6 +2,7 @@
 
 use super::common::Common;
 use super::config::{Given, Layer, Parameters};
+use super::failure::Failure;
 use super::progress::Reporter;
 use super::values::Seed;
 
@@ -20,6 +21,14 @@ pub(crate) trait Arguments {
     /// # Errors
     /// An input that cannot be read.
     fn layer(&mut self) -> anyhow::Result<Option<&Layer>> {
+        Ok(None)
+    }
+
+    /// The preset that was asked for.
+    ///
+    /// # Errors
+    /// None of its own.
+    fn preset(&self) -> Result<Option<Layer>, Failure> {
         Ok(None)
     }
 

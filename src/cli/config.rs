@@ -5,6 +5,8 @@
 //! laid over the defaults as tables, and the result becomes a parameter struct of the library.
 
 use super::failure::Failure;
+use super::foreign::cut;
+use super::hints::allowed;
 use super::input::note_read;
 use super::nearest::nearest;
 use super::options::analyze::{AnalyzeFlags, SegmenterName};
@@ -95,7 +97,7 @@ impl Layer {
         let text = std::fs::read_to_string(path).map_err(|e| vtex::Error::read(path, e))?;
         note_read(path);
         let table: Table = text.parse().map_err(|e: toml::de::Error| {
-            Failure::usage(format!("cannot read '{}': {}", path.display(), e.to_string().trim_end()))
+            Failure::usage(format!("cannot read '{}': {}", path.display(), fault(&text, &e)))
                 .hint("'vtex --dump-config' prints a valid file")
         })?;
         Ok(Self::new(format!("'{}'", path.display()), table)?)
@@ -153,7 +155,7 @@ impl Default for Parameters {
             synth: SynthParams::default(),
             weights: None,
             svg: SvgParameters { precision: 1, expand: false, max_bytes: None },
-            render: RenderParameters { scale: 1.0 },
+            render: RenderParameters { scale: 1.0, background: None },
         }
     }
 }
@@ -171,9 +173,11 @@ impl Parameters {
                 let inner = if section.is_empty() { Some(table) } else { section_of(table, section) };
                 for (key, value) in inner.into_iter().flatten().filter(|(_, v)| !v.is_table()) {
                     let one: Table = [(key.clone(), value.clone())].into_iter().collect();
-                    parameters
-                        .lay(section, &one)
-                        .map_err(|reason| Failure::usage(format!("{place}: {key} = {value}: {reason}")))?;
+                    parameters.lay(section, &one).map_err(|reason| {
+                        let value = cut(&value.to_string(), 60);
+                        let reason = expected(section, key, reason);
+                        Failure::usage(format!("{place}: {key} = {value}: {reason}"))
+                    })?;
                 }
             }
         }
@@ -198,7 +202,7 @@ impl Parameters {
         self.synth.validate()?;
         let SvgParameters { precision, .. } = self.svg;
         check(precision <= 6, "precision", precision.to_string(), "0 to 6 decimals")?;
-        let RenderParameters { scale } = self.render;
+        let RenderParameters { scale, .. } = self.render;
         check((0.01..=100.0).contains(&scale), "scale", scale.to_string(), "0.01 to 100")
     }
 
@@ -263,6 +267,19 @@ impl Parameters {
         values
     }
 
+    /// All parameters that have a value, in sections.
+    pub(crate) fn table(&self) -> Table {
+        let known = |section: &str| {
+            let keys = keys(section);
+            let mut values = self.section(section);
+            values.retain(|key, _| keys.iter().any(|k| k.0 == *key));
+            values
+        };
+        let mut all = known("");
+        all.extend(SECTIONS[1..].iter().map(|s| ((*s).to_owned(), Value::Table(known(s)))));
+        all
+    }
+
     /// All parameters as a file for `--config`, each under its help. Those without a value are
     /// left as comments.
     pub(crate) fn dump(&self) -> String {
@@ -281,6 +298,22 @@ impl Parameters {
         }
         text
     }
+}
+
+/// What is wrong with a TOML file, and in which line.
+pub(crate) fn fault(text: &str, error: &toml::de::Error) -> String {
+    let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+    let place = line.map_or(String::new(), |line| format!("line {line}: "));
+    format!("{place}{}", error.message())
+}
+
+/// Why a value is refused: what the option's own words say, else what its help allows.
+fn expected(section: &str, key: &str, reason: String) -> String {
+    if reason.starts_with("expected") {
+        return reason;
+    }
+    let help = keys(section).into_iter().find(|k| k.0 == key).map(|k| k.1);
+    help.and_then(|help| allowed(&help)).map_or(reason, |range| format!("expected {range}"))
 }
 
 fn section_of<'a>(table: &'a Table, section: &str) -> Option<&'a Table> {

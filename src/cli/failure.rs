@@ -1,8 +1,11 @@
 //! What the user is told when something goes wrong, and the exit code that goes with it.
 
 use super::exit::Exit;
+use super::foreign::{in_lines, line};
 use super::hints::hint;
+use super::usage;
 use anstyle::{AnsiColor, Style};
+use std::ffi::OsString;
 use std::io::ErrorKind;
 use vtex::Error;
 
@@ -39,10 +42,15 @@ pub(crate) const fn label(colour: AnsiColor) -> Style {
 }
 
 /// Prints an error of the argument parser, or the help or version that was asked for.
-pub(crate) fn show_usage(error: &clap::Error) -> Exit {
-    // A closed pipe (`vtex --help | head -1`) is no failure.
-    let _ = error.print();
-    if error.use_stderr() { Exit::Usage } else { Exit::Success }
+pub(crate) fn show_usage(error: &clap::Error, command: &clap::Command, arguments: &[OsString]) -> Exit {
+    if error.use_stderr() {
+        anstream::eprint!("{}", usage::text(error, command, arguments));
+        Exit::Usage
+    } else {
+        // A closed pipe (`vtex --help | head -1`) is no failure.
+        let _ = error.print();
+        Exit::Success
+    }
 }
 
 /// What is said of an error, what the user may try, and how to exit.
@@ -61,9 +69,6 @@ pub(crate) fn explain(error: &anyhow::Error) -> (String, Option<String>, Exit) {
 /// Prints an error and its hint on stderr and says how to exit. Silent if the reader of stdout
 /// has gone.
 pub(crate) fn show(error: &anyhow::Error) -> Exit {
-    if let Some(error) = error.downcast_ref::<clap::Error>() {
-        return show_usage(error);
-    }
     if let Some(Error::Write { path, source }) = error.downcast_ref::<Error>()
         && source.kind() == ErrorKind::BrokenPipe
         && path.as_os_str() == "-"
@@ -72,10 +77,13 @@ pub(crate) fn show(error: &anyhow::Error) -> Exit {
     }
     let (message, hint, exit) = explain(error);
     let red = label(AnsiColor::Red);
+    // The signature of a network is told in lines.
+    let lines = matches!(error.downcast_ref::<Error>(), Some(Error::Network { .. }));
+    let message = if lines { in_lines(&message) } else { line(&message) };
     let mut text = format!("{red}error:{red:#} {message}\n");
     if let Some(hint) = hint {
         let cyan = label(AnsiColor::Cyan);
-        text.push_str(&format!("{cyan}hint:{cyan:#} {hint}\n"));
+        text.push_str(&format!("{cyan}hint:{cyan:#} {}\n", line(&hint)));
     }
     anstream::eprint!("{text}");
     exit

@@ -1,11 +1,14 @@
 //! File formats told by extension, and default names.
 
 use super::failure::Failure;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use vtex::output::file::{Format, Kind};
 
-/// What `texture`, `synth` and `render` can write.
+/// What `texture` can write.
+pub(crate) const OF_PHOTO: &[Format] =
+    &[Format::Svg, Format::Pdf, Format::Png, Format::Scene, Format::Library];
+/// What can be written of a scene.
 pub(crate) const OF_SCENE: &[Format] = &[Format::Svg, Format::Pdf, Format::Png, Format::Scene];
 /// What `analyze` can write.
 pub(crate) const OF_LIBRARY: &[Format] = &[Format::Library];
@@ -59,27 +62,38 @@ pub(crate) fn weights_path(beside: &Path, name: &str) -> PathBuf {
     beside.with_file_name(file)
 }
 
-/// `photo.svg` in the current folder for `some/photo.lib.json` and [`Format::Svg`].
-pub(crate) fn default_name(input: &Path, format: Format) -> PathBuf {
+/// `photo.svg` in the current folder for `some/photo.lib.json` and [`Format::Svg`]; with a word,
+/// `photo.word.svg`.
+pub(crate) fn default_name(input: &Path, word: &str, format: Format) -> PathBuf {
     let mut name = stem(input);
+    if !word.is_empty() {
+        name.push(".");
+        name.push(word);
+    }
     name.push(extensions(format)[0]);
     name.into()
 }
 
-/// `photo` for `some/photo.lib.json`.
+/// `some/photo.lib.json` for `some/photo.svg` and [`Format::Library`].
+pub(crate) fn beside(result: &Path, format: Format) -> PathBuf {
+    result.with_file_name(default_name(result, "", format))
+}
+
+/// `photo` for `some/photo.lib.json`, whatever bytes the name is made of.
 pub(crate) fn stem(input: &Path) -> OsString {
-    let mut stem = input.file_name().unwrap_or("texture".as_ref()).to_os_string();
-    if let Some(name) = input.file_name().and_then(|n| n.to_str()) {
-        let lower = name.to_ascii_lowercase();
-        let known = [".lib.json.gz", ".lib.json", ".scene.json.gz", ".scene.json"];
-        stem = match known.iter().find(|e| lower.ends_with(*e) && lower.len() > e.len()) {
-            Some(e) => name[..name.len() - e.len()].into(),
-            None => Path::new(name).file_stem().unwrap_or(name.as_ref()).into(),
-        };
-    } else if let Some(short) = input.file_stem() {
-        stem = short.into();
+    let whole = input.file_name().unwrap_or("texture".as_ref());
+    // A name without its last ending, if it is one of these.
+    let without = |name: &OsStr, endings: &[&str]| -> Option<OsString> {
+        let path = Path::new(name);
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        endings.contains(&ending.as_str()).then(|| path.file_stem().unwrap_or(name).to_owned())
+    };
+    let unpacked = without(whole, &["gz"]);
+    let document = without(unpacked.as_deref().unwrap_or(whole), &["json"]);
+    match document.and_then(|name| without(&name, &["lib", "scene"])) {
+        Some(name) => name,
+        None => Path::new(whole).file_stem().unwrap_or(whole).to_owned(),
     }
-    stem
 }
 
 #[cfg(test)]
@@ -99,12 +113,23 @@ mod tests {
 
     #[test]
     fn default_names_stand_in_the_current_folder() {
-        let name = |input: &str, format| default_name(Path::new(input), format);
+        let name = |input: &str, format| default_name(Path::new(input), "", format);
         assert_eq!(name("/x/photo.jpg", Format::Library), Path::new("photo.lib.json"));
         assert_eq!(name("y/photo.LIB.json.gz", Format::Svg), Path::new("photo.svg"));
         assert_eq!(name("my.photo.jpeg", Format::Svg), Path::new("my.photo.svg"));
         assert_eq!(name("photo", Format::Png), Path::new("photo.png"));
         assert_eq!(name(".lib.json", Format::Svg), Path::new(".lib.svg"));
+        let named = default_name(Path::new("x/photo.jpg"), "texture", Format::Svg);
+        assert_eq!(named, Path::new("photo.texture.svg"));
+        #[cfg(unix)]
+        {
+            use std::os::unix::ffi::OsStrExt;
+            let latin = |name: &[u8]| Path::new(OsStr::from_bytes(name)).to_owned();
+            for name in [&b"caf\xe9.lib.json.gz"[..], b"caf\xe9.jpg", b"caf\xe9.scene.json"] {
+                assert_eq!(default_name(&latin(name), "", Format::Svg), latin(b"caf\xe9.svg"));
+            }
+        }
+        assert_eq!(beside(Path::new("x/a.svgz"), Format::Scene), Path::new("x/a.scene.json"));
     }
 
     #[test]

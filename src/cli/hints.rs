@@ -20,13 +20,29 @@ pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
     }
 }
 
+/// What the help of an option says is allowed, in brackets at its end before the default.
+pub(crate) fn allowed(help: &str) -> Option<String> {
+    let (_, bracket) = help.trim_end().strip_suffix(']')?.rsplit_once('[')?;
+    let words = bracket.split_whitespace().collect::<Vec<_>>().join(" ");
+    let range = words.split("default:").next()?.trim_end().trim_end_matches([',', ';']).to_owned();
+    match (range.is_empty(), words.as_str()) {
+        (false, _) => Some(range),
+        (true, "default: false" | "default: true") => Some("true or false".into()),
+        (true, _) => None,
+    }
+}
+
 /// One sentence without a full stop: one that names commands and options, else the library's own.
 pub(crate) fn hint(error: &Error) -> Option<String> {
     let text = match error {
-        Error::Write { source, .. }
-            if matches!(source.kind(), ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem) =>
-        {
-            "choose another place with -o"
+        Error::Read { source, .. } if source.kind() == ErrorKind::IsADirectory => {
+            "name a file; 'vtex batch' takes folders"
+        }
+        Error::TooLarge { limit, .. } if limit.ends_with("GiB") => {
+            "no file of vtex is as large: is it the right one?"
+        }
+        Error::Version { found, known, .. } if found > known => {
+            "a newer vtex wrote it: update vtex, or write the file again with this one"
         }
         Error::Exists { .. } => "give another name with -o, or --force to replace it",
         Error::TooLarge { name, .. } if name == "size" => "ask for a smaller --size",
@@ -65,9 +81,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_is_allowed_stands_in_the_help() {
+        let found = |help| allowed(help).unwrap_or_default();
+        assert_eq!(found("Textons [1 to 1000,\n  default: 20]"), "1 to 1000");
+        assert_eq!(found("How [keep, clip or avoid, default: clip]"), "keep, clip or avoid");
+        assert_eq!(found("Mirror [default: false]"), "true or false");
+        assert_eq!((found("[default: 7]"), found("no bracket")), (String::new(), String::new()));
+    }
+
+    #[test]
     fn errors_that_options_mend_name_them() {
         for (error, option) in [
-            (Error::Exists { path: "a".into() }, "--force"),
+            (Error::Exists { path: "a".into(), changed: true }, "--force"),
             (Error::TooLarge { name: "size".into(), found: "9".into(), limit: "1".into() }, "--size"),
             (Error::Seams, "--tile"),
             (Error::Sizes { from: [1, 1], to: [2, 2] }, "--scale"),

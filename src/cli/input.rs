@@ -6,10 +6,14 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use vtex::output::file::{Format, Kind as FileKind};
 use vtex::{Error, Result};
 
 /// Most bytes read from a file or from standard input.
 const LARGEST: u64 = 2 << 30;
+
+/// Most bytes read of what is neither picture, SVG, JSON nor gzip.
+const UNKNOWN: u64 = 1 << 20;
 
 /// The files that this process has read as inputs, links resolved.
 static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -56,10 +60,8 @@ impl Input {
     pub(crate) fn read(&self) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let read = interrupt::waiting(|| match self {
-            Self::Stdin => std::io::stdin().lock().take(LARGEST + 1).read_to_end(&mut bytes),
-            Self::File(path) => {
-                std::fs::File::open(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut bytes))
-            }
+            Self::Stdin => read_known(std::io::stdin().lock(), &mut bytes),
+            Self::File(path) => std::fs::File::open(path).and_then(|f| read_known(f, &mut bytes)),
         });
         read.map_err(|e| Error::read(self.path(), e))?;
         if let Self::File(path) = self {
@@ -71,6 +73,20 @@ impl Input {
         }
         Ok(bytes)
     }
+}
+
+/// Reads all, or the beginning of what is nothing that vtex reads: that never needs to end.
+fn read_known(mut from: impl Read, bytes: &mut Vec<u8>) -> std::io::Result<()> {
+    from.by_ref().take(HEAD as u64).read_to_end(bytes)?;
+    let start = bytes.trim_ascii_start();
+    // Text may be masks or a table; packed data have no name yet.
+    let known = Kind::of(bytes) != Kind::Unknown
+        || [&b"\x1f\x8b"[..], b"{", b"<", b"\xef\xbb\xbf"]
+            .iter()
+            .any(|beginning| start.starts_with(beginning));
+    let most = if known { LARGEST + 1 } else { UNKNOWN };
+    from.take(most - HEAD as u64).read_to_end(bytes)?;
+    Ok(())
 }
 
 /// What a file holds, by its content.
@@ -109,7 +125,12 @@ impl Kind {
     /// The kind, which must be one of `wanted`; otherwise an error that says what the file is and
     /// which command reads it.
     pub(crate) fn expect(bytes: &[u8], input: &Input, wanted: &[Self]) -> Result<Self, Failure> {
-        let kind = Self::of(bytes);
+        // Of a damaged document its reader says more than anyone else.
+        let kind = match (Self::of(bytes), FileKind::from_path(input.path()).map(|k| k.format)) {
+            (Self::Unknown, Some(Format::Library)) => Self::Library,
+            (Self::Unknown, Some(Format::Scene)) => Self::Scene,
+            (kind, _) => kind,
+        };
         if wanted.contains(&kind) {
             return Ok(kind);
         }

@@ -3,12 +3,14 @@
 
 mod analysis;
 pub(crate) mod arguments;
+mod colours;
 mod command;
 mod commands;
 mod common;
 mod config;
 pub(crate) mod exit;
 pub(crate) mod failure;
+mod foreign;
 mod format;
 mod hints;
 mod input;
@@ -21,10 +23,13 @@ pub(crate) mod output;
 pub(crate) mod progress;
 pub(crate) mod raw_arguments;
 mod reading;
+mod recipe;
 pub(crate) mod resolve;
+pub(crate) mod short_help;
 mod summary;
 mod synthesis;
 mod table;
+mod usage;
 mod values;
 mod weights;
 

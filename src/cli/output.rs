@@ -1,15 +1,24 @@
 //! Where results go: files put in place as a whole, or standard output.
 
+use super::foreign::{escaped, styled};
 use super::input::was_read;
 use super::interrupt;
+use super::options::render::{Ground, RenderParameters};
 use super::options::svg::SvgParameters;
 use super::values::Bytes;
+use serde_json::Value;
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use tiny_skia::Pixmap;
 use vtex::interpolate::Interpolation;
-use vtex::output::file::{Format, Kind, gzip, write_file};
+use vtex::library::Library;
+use vtex::output::file::{Format, Kind, gzip, remove_abandoned, write_file};
 use vtex::output::reduce::{self, GivenUp};
+use vtex::output::seal::Sealed;
 use vtex::output::{pdf, png, svg};
 use vtex::scene::Scene;
 use vtex::{Error, Result};
@@ -28,10 +37,61 @@ pub(crate) struct Target {
     pub(crate) kind: Kind,
 }
 
+/// One place or several for one result, at most one of them standard output. The first names it.
+#[derive(Clone, Debug)]
+pub(crate) struct Targets {
+    pub(crate) first: Target,
+    pub(crate) others: Vec<Target>,
+}
+
+/// How a scene is drawn and written, beyond what the names ask for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drawing<'a> {
+    pub(crate) svg: SvgParameters,
+    pub(crate) render: RenderParameters,
+    /// What an SVG says of how it was made.
+    pub(crate) recipe: Option<&'a Value>,
+}
+
+impl Drawing<'_> {
+    /// A picture of a scene.
+    ///
+    /// # Errors
+    /// Those of [`png::render`].
+    pub(crate) fn picture(&self, scene: &Scene) -> Result<Pixmap> {
+        png::render_with(&self.scene(scene), self.render.scale, self.render.background != Some(Ground::None))
+    }
+
+    /// The scene with the ground that is wanted.
+    fn scene<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
+        match self.render.background {
+            Some(Ground::Colour(colour)) => {
+                let mut scene = scene.clone();
+                for field in scene.layers.iter_mut().filter_map(|layer| layer.field.as_mut()) {
+                    field.points.clear();
+                    field.fallback = colour;
+                }
+                Cow::Owned(scene)
+            }
+            _ => Cow::Borrowed(scene),
+        }
+    }
+
+    /// Size of a scene that is written in a format, in pixels: of its picture, or of its canvas where that
+    /// has no resolution.
+    pub(crate) fn size_of(&self, scene: &Scene, format: Format) -> [u32; 2] {
+        let scale = if format == Format::Png { self.render.scale } else { 1.0 };
+        [scene.width, scene.height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
+    }
+}
+
 /// What was written.
 #[derive(Debug, Default)]
 pub(crate) struct Written {
+    /// Of the first file.
     pub(crate) bytes: u64,
+    /// The other files and their bytes.
+    pub(crate) others: Vec<(PathBuf, u64)>,
     /// What the writer warns of.
     pub(crate) warnings: Vec<String>,
     /// What was given up to make it small enough.
@@ -44,6 +104,9 @@ impl Written {
         Self { bytes, ..Self::default() }
     }
 }
+
+/// The folders that were looked through for what killed processes left there.
+static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 impl Place {
     /// The path, `-` for standard output.
@@ -66,37 +129,123 @@ impl Place {
             return Ok(());
         }
         match write_file(path, *force, |_| Err::<(), _>(Error::Interrupted)) {
-            Err(Error::Interrupted) | Ok(()) => Ok(()),
+            Err(Error::Interrupted) | Ok(_) => Ok(()),
             Err(e) => Err(e),
         }
     }
 
-    /// Hands a writer to `content`. A file appears, or is replaced, only when all of it is there.
+    /// Hands a writer to `content`; what it writes is sealed. A file appears, or is replaced, only when
+    /// all of it is there.
     ///
     /// # Errors
     /// Those of `content` and of [`write_file`]; [`Error::Interrupted`].
     pub(crate) fn write<T>(&self, content: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<(T, u64)> {
-        if let Self::File { path, .. } = self
-            && was_read(path)
-        {
-            return Err(Error::write(path, io::Error::other("this command has read it as an input")));
+        if let Self::File { path, .. } = self {
+            if was_read(path) {
+                return Err(Error::write(path, io::Error::other("this command has read it as an input")));
+            }
+            let folder = path.parent().map(Path::to_owned).unwrap_or_default();
+            if SWEPT.lock().unwrap_or_else(PoisonError::into_inner).insert(folder) {
+                remove_abandoned(path);
+            }
         }
         let outcome = match self {
             Self::Stdout => interrupt::waiting(|| {
-                let mut out = Counting::new(io::BufWriter::new(io::stdout().lock()));
-                content(&mut out).and_then(|value| {
-                    out.flush().map_err(|e| Error::write(self.path(), e))?;
-                    Ok((value, out.count))
-                })
+                let fail = |e| Error::write(self.path(), e);
+                let out = Counting::new(io::BufWriter::new(io::stdout().lock()));
+                let mut out = Sealed::new(out);
+                let value = content(&mut out)?;
+                let mut out = out.finish().map_err(fail)?;
+                out.flush().map_err(fail)?;
+                Ok((value, out.count))
             }),
             Self::File { path, force } => write_file(path, *force, |out| {
                 let mut out = Counting::new(out);
                 let value = content(&mut out)?;
                 interrupt::check()?;
-                Ok((value, out.count))
+                Ok(value)
             }),
         };
-        outcome.map_err(|e| if interrupt::asked() { Error::Interrupted } else { e })
+        outcome.map_err(or_interrupted)
+    }
+}
+
+/// [`Error::Interrupted`] if the user asked to stop, whatever else that led to.
+fn or_interrupted(error: Error) -> Error {
+    if interrupt::asked() { Error::Interrupted } else { error }
+}
+
+impl Targets {
+    /// All of them.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Target> {
+        std::iter::once(&self.first).chain(&self.others)
+    }
+
+    /// Fails now if a file could not be written later.
+    ///
+    /// # Errors
+    /// As [`Place::probe`].
+    pub(crate) fn probe(&self) -> Result<()> {
+        self.all().try_for_each(|target| target.place.probe())
+    }
+
+    /// The first place, by which the result is called.
+    pub(crate) fn path(&self) -> &Path {
+        self.first.place.path()
+    }
+
+    /// Whether standard output is among them.
+    pub(crate) fn piped(&self) -> bool {
+        self.all().any(|target| target.place == Place::Stdout)
+    }
+
+    /// Whether a file of a format is among them.
+    pub(crate) fn has(&self, format: Format) -> bool {
+        self.all().any(|target| target.kind.format == format)
+    }
+
+    /// Writes a scene to all of them, and its library where a name asks for that.
+    ///
+    /// # Errors
+    /// As [`Target::write_scene`].
+    pub(crate) fn write_scene(
+        &self,
+        scene: &Scene,
+        library: Option<&Library>,
+        drawing: Drawing<'_>,
+    ) -> Result<Written> {
+        if drawing.render.background == Some(Ground::None) {
+            let able = |target: &&Target| matches!(target.kind.format, Format::Svg | Format::Png);
+            if let Some(target) = self.all().find(|target| !able(target)) {
+                let name = target.place.path().display().to_string();
+                let (value, allowed) =
+                    (format!("none for '{name}'"), "only .svg, .svgz and .png have no ground");
+                return Err(Error::Parameter { name: "background", value, allowed });
+            }
+        }
+        let mut written = self.each(|target| match (target.kind.format, library) {
+            (Format::Library, Some(library)) => target.write_bytes(&library.to_json()),
+            _ => target.write_scene(scene, drawing),
+        })?;
+        if drawing.svg.max_bytes.is_some() && !self.has(Format::Svg) {
+            written.warnings.push("--max-bytes has no effect here: it is for .svg and .svgz".into());
+        }
+        Ok(written)
+    }
+
+    /// Writes to one after the other.
+    ///
+    /// # Errors
+    /// Those of `write`.
+    pub(crate) fn each(&self, write: impl Fn(&Target) -> Result<Written>) -> Result<Written> {
+        let mut all = write(&self.first)?;
+        for target in &self.others {
+            let one = write(target)?;
+            all.others.push((target.place.path().to_owned(), one.bytes));
+            all.warnings.extend(one.warnings);
+            all.given_up = all.given_up.or(one.given_up);
+        }
+        Ok(all)
     }
 }
 
@@ -107,45 +256,41 @@ impl Target {
     /// As [`Place::write`].
     pub(crate) fn write_bytes(&self, bytes: &[u8]) -> Result<Written> {
         let fail = |e| Error::write(Path::new("-"), e);
-        let (_, count) = self.place.write(|out| {
-            if self.kind.gzip {
-                let mut packed = gzip(out);
-                packed.write_all(bytes).and_then(|()| packed.finish().map(drop)).map_err(fail)
-            } else {
-                out.write_all(bytes).map_err(fail)
-            }
-        })?;
+        let (_, count) = self.place.write(|out| self.pack(out, |out| out.write_all(bytes).map_err(fail)))?;
         Ok(Written::of(count))
     }
 
-    /// Writes a scene as what the name asks for; `scale` counts for PNG only, a limit of bytes for SVG
-    /// only.
+    /// Writes a scene as what the name asks for; the scale counts for PNG only, recipe and limit of bytes
+    /// for SVG only.
     ///
     /// # Errors
     /// As [`Place::write`], and those of the writers and of [`reduce::to_fit`].
-    pub(crate) fn write_scene(&self, scene: &Scene, svg: SvgParameters, scale: f64) -> Result<Written> {
-        let mut written = match self.kind.format {
-            Format::Svg => return self.write_svg(scene, svg, |s, o, out| svg::write(s, o, out)),
+    pub(crate) fn write_scene(&self, scene: &Scene, drawing: Drawing<'_>) -> Result<Written> {
+        let Drawing { svg, recipe, render } = drawing;
+        let scene = &*drawing.scene(scene);
+        let background = render.background != Some(Ground::None);
+        Ok(match self.kind.format {
+            Format::Svg => {
+                return self.write_svg(scene, svg, |s, o, out| {
+                    svg::write_with(s, o, svg::Extras { recipe, background }, out)
+                });
+            }
             Format::Scene | Format::Library => self.write_bytes(&scene.to_json())?,
             Format::Pdf => Written::of(self.place.write(|out| pdf::write(scene, out))?.1),
             Format::Png => {
-                let picture = png::render(scene, scale)?;
+                let picture = drawing.picture(scene)?;
                 let seed = scene.parameters.as_ref().map(|p| p.seed);
                 Written::of(self.place.write(|out| png::encode(&picture, seed, out))?.1)
             }
-        };
-        if svg.max_bytes.is_some() {
-            written.warnings.push("--max-bytes has no effect here: it is for .svg and .svgz".into());
-        }
-        Ok(written)
+        })
     }
 
-    /// Writes a scene as a pattern.
+    /// Writes a scene as a pattern; a ground may be of one colour there, but not missing.
     ///
     /// # Errors
     /// As [`Place::write`], and those of [`svg::write_pattern`] and of [`reduce::to_fit`].
-    pub(crate) fn write_pattern(&self, scene: &Scene, svg: SvgParameters) -> Result<Written> {
-        self.write_svg(scene, svg, |s, o, out| svg::write_pattern(s, o, out))
+    pub(crate) fn write_pattern(&self, scene: &Scene, drawing: Drawing<'_>) -> Result<Written> {
+        self.write_svg(&drawing.scene(scene), drawing.svg, |s, o, out| svg::write_pattern(s, o, out))
     }
 
     /// Writes the way between two scenes as an SVG that plays.
@@ -155,7 +300,7 @@ impl Target {
     pub(crate) fn write_animation(&self, way: &Interpolation, animation: &svg::Animation) -> Result<Written> {
         let (summary, bytes) =
             self.place.write(|out| self.pack(out, |w| svg::write_animation(way, animation, w)))?;
-        Ok(Written { bytes, warnings: summary.warnings, given_up: None })
+        Ok(Written { bytes, warnings: summary.warnings, ..Written::default() })
     }
 
     /// Writes a scene by `writer`, as much of it as is allowed.
@@ -168,26 +313,29 @@ impl Target {
         let options = svg.into();
         let Some(Bytes(most)) = svg.max_bytes else {
             let (summary, bytes) = self.place.write(|out| self.pack(out, |w| writer(scene, &options, w)))?;
-            return Ok(Written { bytes, warnings: summary.warnings, given_up: None });
+            return Ok(Written { bytes, warnings: summary.warnings, ..Written::default() });
         };
-        let reduced = reduce::to_fit(scene, &options, most, |scene, options| {
-            let mut out = Counting::new(io::sink());
+        let measure = |scene: &Scene, options: &svg::SvgOptions| {
+            let mut out = Sealed::new(Counting::new(io::sink()));
             self.pack(&mut out, |w| writer(scene, options, w))?;
-            Ok(out.count)
-        })?;
-        let written =
+            Ok(out.finish().map_err(|e| Error::write(Path::new("-"), e))?.count)
+        };
+        let reduced = reduce::to_fit(scene, &options, most, measure).map_err(or_interrupted)?;
+        let (summary, bytes) =
             self.place.write(|out| self.pack(out, |w| writer(&reduced.scene, &reduced.options, w)))?;
-        Ok(Written { bytes: written.1, warnings: written.0.warnings, given_up: reduced.given_up })
+        let given_up = reduced.given_up;
+        Ok(Written { bytes, warnings: summary.warnings, given_up, others: Vec::new() })
     }
 
-    /// Hands a writer to `content` that packs if the name asks for it.
+    /// Hands a writer to `content` that packs if the name asks for it; then the content is sealed here.
     fn pack<T>(&self, out: &mut dyn Write, content: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<T> {
         if !self.kind.gzip {
             return content(out);
         }
-        let mut packed = gzip(out);
+        let fail = |e| Error::write(Path::new("-"), e);
+        let mut packed = Sealed::new(gzip(out));
         let value = content(&mut packed)?;
-        packed.finish().map_err(|e| Error::write(Path::new("-"), e))?;
+        packed.finish().and_then(|packed| packed.finish()).map_err(fail)?;
         Ok(value)
     }
 }
@@ -208,14 +356,19 @@ pub(crate) fn print(data: &[u8]) -> anyhow::Result<()> {
 /// [`Error::Write`] with the path `-`.
 pub(crate) fn print_styled(text: &str) -> anyhow::Result<()> {
     let mut out = anstream::stdout().lock();
-    let printed = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let printed = out.write_all(styled(text).as_bytes()).and_then(|()| out.flush());
     printed.map_err(|e| Error::write(Path::new("-"), e))?;
     Ok(())
 }
 
-/// Says something on stderr. If that is closed there is nobody to tell.
+/// Says something on stderr, in lines. If that is closed there is nobody to tell.
 pub(crate) fn say(text: &str) {
-    let _ = writeln!(anstream::stderr().lock(), "{text}");
+    say_styled(&text.split('\n').map(escaped).collect::<Vec<_>>().join("\n"));
+}
+
+/// As [`say`], of text that may hold colours; what of it is foreign must be escaped.
+pub(crate) fn say_styled(text: &str) {
+    let _ = writeln!(anstream::stderr().lock(), "{}", styled(text));
 }
 
 /// Counts bytes, and stops when the user asks to.

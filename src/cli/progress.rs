@@ -2,8 +2,9 @@
 
 use super::common::Common;
 use super::failure::label;
+use super::foreign::line;
 use super::interrupt;
-use super::output::{Place, say};
+use super::output::{Place, say_styled};
 use anstyle::AnsiColor;
 use image::RgbImage;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -23,6 +24,7 @@ pub(crate) struct Reporter {
 }
 
 struct State {
+    bar: Whole,
     stage: &'static str,
     since: Instant,
     seconds: Vec<(&'static str, Duration)>,
@@ -30,6 +32,73 @@ struct State {
     pictures: u32,
     /// The first picture that could not be written.
     failure: Option<Error>,
+}
+
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
+/// Seconds of stages in their order, as photographs of a megapixel take them: what is before and what is
+/// after a stage is known by it. Of what is not here nothing is known.
+const STAGES: [(&str, f64); 29] = [
+    ("reading", 0.1),
+    ("loading", 0.1),
+    ("reading the image", 8.0),
+    ("finding masks", 0.1),
+    ("finding masks: coarse grid", 0.2),
+    ("finding masks: fine grid", 0.7),
+    ("finding masks: finest grid", 3.0),
+    ("merging regions", 5.6),
+    ("judging masks", 5.0),
+    ("segmentation", 5.0),
+    ("primaries", 2.2),
+    ("details", 0.8),
+    ("background", 0.3),
+    ("joining", 0.1),
+    ("outlines", 2.4),
+    ("categories", 0.1),
+    ("structure", 2.0),
+    ("carrying", 0.5),
+    ("placement", 2.0),
+    ("density", 0.5),
+    ("secondaries", 0.5),
+    ("ground", 0.2),
+    ("tuning", 30.0),
+    ("matching", 1.0),
+    ("moving", 0.5),
+    ("editing", 0.5),
+    ("comparing", 5.0),
+    ("drawing", 1.0),
+    ("writing", 0.5),
+];
+
+/// How far all the work is. It never goes back: a stage takes its part of what is left.
+#[derive(Debug, Default)]
+struct Whole {
+    /// Share done before the stage, and share of the stage.
+    before: f64,
+    part: f64,
+    /// The largest share shown.
+    shown: f64,
+}
+
+impl Whole {
+    /// Begins a stage: what stands before it in the table is over, what stands after it is to come.
+    fn enter(&mut self, stage: &str) {
+        self.before = self.shown;
+        let left = 1.0 - self.before;
+        let known = STAGES.iter().position(|(name, _)| *name == stage);
+        let weight = known.map_or(1.0, |at| STAGES[at].1);
+        // Of the stages that may come, half do.
+        let after: f64 = known.map_or(4.0, |at| STAGES[at + 1..].iter().map(|s| s.1).sum::<f64>() / 2.0);
+        self.part = left * weight / (weight + after);
+    }
+
+    /// The share done with so many steps of the stage.
+    fn share(&mut self, done: u64, total: u64) -> f64 {
+        let within = if total > 0 { (done as f64 / total as f64).min(1.0) } else { 0.0 };
+        self.shown = self.shown.max(self.before + within * self.part).min(1.0);
+        self.shown
+    }
 }
 
 impl Reporter {
@@ -47,6 +116,7 @@ impl Reporter {
             std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
         }
         let state = State {
+            bar: Whole::default(),
             stage: "",
             since: Instant::now(),
             seconds: Vec::new(),
@@ -55,7 +125,7 @@ impl Reporter {
             failure: None,
         };
         Ok(Self {
-            bar: ProgressBar::with_draw_target(None, target),
+            bar: ProgressBar::with_draw_target(Some(STEPS), target),
             talks,
             debug_folder: common.debug_folder.clone(),
             state: Mutex::new(state),
@@ -86,7 +156,7 @@ impl Reporter {
     fn talk(&self, kind: &str, colour: AnsiColor, message: &str) {
         if self.talks {
             let style = label(colour);
-            self.bar.suspend(|| say(&format!("{style}{kind}:{style:#} {message}")));
+            self.bar.suspend(|| say_styled(&format!("{style}{kind}:{style:#} {}", line(message))));
         }
     }
 
@@ -125,23 +195,19 @@ impl State {
 impl Progress for Reporter {
     fn advance(&self, stage: &'static str, done: u64, total: u64) -> bool {
         let mut state = self.state();
-        let new = state.stage != stage;
-        if new {
+        if state.stage != stage {
+            if state.stage.is_empty() && state.seconds.is_empty() {
+                let style = ProgressStyle::with_template("{spinner} [{bar:32}] {percent:>3} % {msg}");
+                let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+                self.bar.set_style(style.progress_chars("=> "));
+                // What takes long without a word is seen to go on.
+                self.bar.enable_steady_tick(Duration::from_millis(120));
+            }
             state.enter(stage);
-            self.bar.reset();
-        }
-        if total > 0 {
-            self.bar.set_length(total);
-        }
-        if new {
-            let known = "{spinner} {msg:12} [{bar:32}] {human_pos}/{human_len} {eta}";
-            let template = if total > 1 { known } else { "{spinner} {msg}" };
-            let style =
-                ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-            self.bar.set_style(style.progress_chars("=> "));
+            state.bar.enter(stage);
             self.bar.set_message(stage);
         }
-        self.bar.set_position(done);
+        self.bar.set_position((state.bar.share(done, total) * STEPS as f64) as u64);
         state.failure.is_none() && !interrupt::asked()
     }
 
@@ -166,5 +232,31 @@ impl Progress for Reporter {
         if let Err(e) = written {
             self.state().failure.get_or_insert(e);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bar_never_goes_back_and_never_restarts() {
+        let mut whole = Whole::default();
+        let mut last = 0.0;
+        let stages =
+            ["reading", "merging regions", "primaries", "outlines", "structure", "unheard of", "writing"];
+        for stage in stages.into_iter().chain(["drawing"; 3]) {
+            whole.enter(stage);
+            for (done, total) in [(0, 0), (0, 4), (2, 4), (1, 4), (4, 4), (9, 4), (0, 0)] {
+                let share = whole.share(done, total);
+                assert!((last..=1.0).contains(&share), "{stage} {done}/{total}: {last} {share}");
+                last = share;
+            }
+        }
+        assert!(last > 0.7, "{last}");
+        // A stage that takes most of the time gets most of the bar.
+        let mut whole = Whole::default();
+        whole.enter("tuning");
+        assert!(whole.share(1, 1) > 0.8);
     }
 }

@@ -32,15 +32,17 @@ impl Options {
             arguments.give(&mut given);
         }
         let config = global.config.as_deref().map(Layer::read).transpose()?;
+        let preset = asked.as_ref().map(|arguments| arguments.preset()).transpose()?.flatten();
         let layer = asked.as_mut().map(|arguments| arguments.layer()).transpose()?.flatten();
-        let parameters = Parameters::resolve(config.iter().chain(layer), &given)?;
+        let parameters = Parameters::resolve(config.iter().chain(layer).chain(&preset), &given)?;
+        let threads = parameters.threads.or(threads_of_environment()?);
         if global.dump_config {
             return Ok(Self::DumpConfig(parameters.dump()));
         }
         let asked = asked.ok_or_else(|| Failure::usage("no command is given"))?;
         let seed = parameters.seed.unwrap_or_else(Seed::chosen);
         let common = Common {
-            threads: parameters.threads,
+            threads,
             seed_chosen: parameters.seed.is_none(),
             quiet: global.quiet,
             verbosity: global.verbose,
@@ -50,9 +52,22 @@ impl Options {
         let parameters = Parameters {
             analyze: AnalyzeParams { seed: seed.0, ..parameters.analyze },
             synth: SynthParams { seed: seed.0, ..parameters.synth },
+            threads,
             ..parameters
         };
         let resolved = Resolved { parameters, seed, config, given, program: command };
         Ok(Self::Job(common, asked.job(resolved)?))
+    }
+}
+
+/// The number of threads that `VTEX_THREADS` asks for. It is no parameter: no configuration holds it.
+fn threads_of_environment() -> Result<Option<u16>, Failure> {
+    let Some(text) = std::env::var_os("VTEX_THREADS").filter(|text| !text.is_empty()) else {
+        return Ok(None);
+    };
+    let text = text.to_string_lossy();
+    match text.parse() {
+        Ok(threads @ 1..=1024) => Ok(Some(threads)),
+        _ => Err(Failure::usage(format!("VTEX_THREADS = {text}: expected 1 to 1024"))),
     }
 }

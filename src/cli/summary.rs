@@ -5,7 +5,7 @@ use super::output::{Written, print, say};
 use super::progress::Reporter;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use vtex::Progress;
 use vtex::library::Library;
@@ -22,6 +22,9 @@ pub(crate) struct Summary {
     /// The photograph, libraries or file.
     pub(crate) inputs: Vec<String>,
     pub(crate) output: String,
+    /// What was written beside it, by several -o.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) others: Vec<Other>,
     /// The file of the pattern, if one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) pattern: Option<String>,
@@ -76,6 +79,7 @@ impl Summary {
             command,
             inputs,
             output: output.display().to_string(),
+            others: written.others.into_iter().map(Other::from).collect(),
             pattern: None,
             bytes: written.bytes,
             given_up: written.given_up,
@@ -91,6 +95,19 @@ impl Summary {
             peak_memory: peak_memory(),
             warnings,
         }
+    }
+}
+
+/// A further file.
+#[derive(Debug, Serialize)]
+pub(crate) struct Other {
+    output: String,
+    bytes: u64,
+}
+
+impl From<(PathBuf, u64)> for Other {
+    fn from((path, bytes): (PathBuf, u64)) -> Self {
+        Self { output: path.display().to_string(), bytes }
     }
 }
 
@@ -224,6 +241,9 @@ impl Summary {
         }
         line.push_str(&format!(", {} in {:.2} s", bytes(self.bytes), self.seconds.total()));
         say(&line);
+        for Other { output, bytes: size } in &self.others {
+            say(&format!("{output}: {}", bytes(*size)));
+        }
         if let Some(given_up) = &self.given_up {
             say(&format!("given up to make it as small: {}", missing(given_up)));
         }

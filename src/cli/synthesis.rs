@@ -6,11 +6,15 @@ use super::failure::Failure;
 use super::options::control::Steering;
 use super::options::files::ForceArgs;
 use super::options::pattern::{PatternArgs, pattern};
+use super::options::render::RenderParameters;
 use super::options::svg::SvgParameters;
-use super::output::{Place, Target, say};
+use super::output::{Drawing, Target, Targets, say};
 use super::progress::Reporter;
 use super::summary::{Counts, Coverage, Summary};
+use serde_json::Value;
+use vtex::Progress;
 use vtex::library::Library;
+use vtex::output::file::Format;
 use vtex::scene::{Scene, SynthParams};
 use vtex::synth::{Controls, Report, synthesize_with};
 
@@ -19,7 +23,8 @@ pub(crate) struct Synthesis {
     pub(crate) parameters: SynthParams,
     pub(crate) steering: Steering,
     pub(crate) svg: SvgParameters,
-    pub(crate) target: Target,
+    pub(crate) render: RenderParameters,
+    pub(crate) targets: Targets,
     pub(crate) pattern: Option<Target>,
 }
 
@@ -28,17 +33,17 @@ impl Synthesis {
     pub(crate) fn new(
         parameters: Parameters,
         steering: Steering,
-        target: Target,
+        targets: Targets,
         pattern_args: PatternArgs,
         force: &ForceArgs,
     ) -> Result<Self, Failure> {
-        let Parameters { synth, svg, .. } = parameters;
-        let pattern = pattern(pattern_args, force, &target)?;
+        let Parameters { synth, svg, render, .. } = parameters;
+        let pattern = pattern(pattern_args, force, &targets)?;
         if pattern.is_some() && !synth.tile.both() {
             let message = "--pattern needs a texture that repeats along both axes";
             return Err(Failure::usage(message).hint("give --tile, for both axes"));
         }
-        Ok(Self { parameters: synth, steering, svg, target, pattern })
+        Ok(Self { parameters: synth, steering, svg, render, targets, pattern })
     }
 
     /// Fails now if a file could not be written later.
@@ -46,22 +51,33 @@ impl Synthesis {
     /// # Errors
     /// As [`Place::probe`].
     pub(crate) fn probe(&self) -> vtex::Result<()> {
-        self.target.place.probe()?;
+        self.targets.probe()?;
         self.pattern.as_ref().map_or(Ok(()), |p| p.place.probe())
     }
+}
+
+/// What a texture is made from.
+pub(crate) struct Origin<'a> {
+    pub(crate) command: &'static str,
+    pub(crate) inputs: Vec<String>,
+    pub(crate) libraries: &'a [Library],
+    /// How it is made from a photograph.
+    pub(crate) recipe: Option<&'a Value>,
 }
 
 /// Makes, writes and sums up a texture: the second half of `texture` too.
 pub(crate) fn finish(
     common: &Common,
     reporter: &Reporter,
-    command: &'static str,
-    inputs: Vec<String>,
-    libraries: &[Library],
+    origin: Origin<'_>,
     controls: &Controls,
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
-    let Synthesis { parameters, svg, target, pattern, .. } = synthesis;
+    let Origin { command, inputs, libraries, recipe } = origin;
+    let Synthesis { parameters, svg, render, targets, pattern, .. } = synthesis;
+    if let Some(warning) = render.warning(targets.has(Format::Png)) {
+        reporter.warn(warning);
+    }
     if common.verbosity > 1 {
         for library in libraries {
             say(&format!("{:#?}", library.source.parameters));
@@ -69,38 +85,42 @@ pub(crate) fn finish(
         say(&format!("{parameters:#?}"));
     }
     let (scene, report) = synthesize_with(libraries, parameters, controls, reporter)?;
-    let result = Made { command, inputs, scene, report };
-    result.write(common, reporter, *svg, target, pattern.as_ref())
+    let library = libraries.first();
+    let drawing = Drawing { svg: *svg, render: *render, recipe };
+    let result = Made { command, inputs, library, scene, report };
+    result.write(common, reporter, drawing, targets, pattern.as_ref())
 }
 
 /// A texture that is done.
-pub(crate) struct Made {
+pub(crate) struct Made<'a> {
     pub(crate) command: &'static str,
     pub(crate) inputs: Vec<String>,
+    /// What it was made from, where that may be written too.
+    pub(crate) library: Option<&'a Library>,
     pub(crate) scene: Scene,
     pub(crate) report: Report,
 }
 
-impl Made {
+impl Made<'_> {
     /// Writes it and sums up.
     pub(crate) fn write(
         self,
         common: &Common,
         reporter: &Reporter,
-        svg: SvgParameters,
-        target: &Target,
+        drawing: Drawing<'_>,
+        targets: &Targets,
         pattern: Option<&Target>,
     ) -> anyhow::Result<()> {
-        let Self { command, inputs, scene, report } = self;
+        let Self { command, inputs, library, scene, report } = self;
         reporter.stage("writing")?;
-        let written = target.write_scene(&scene, svg, 1.0)?;
+        let written = targets.write_scene(&scene, library, drawing)?;
         if let Some(pattern) = pattern {
-            pattern.write_pattern(&scene, svg)?;
+            pattern.write_pattern(&scene, drawing)?;
         }
         let summary = Summary {
             pattern: pattern.map(|p| p.place.path().display().to_string()),
             seed: scene.parameters.as_ref().map(|p| p.seed),
-            size: [scene.width, scene.height],
+            size: drawing.size_of(&scene, targets.first.kind.format),
             counts: Some(Counts::of_scene(&scene)),
             coverage: Some(Coverage {
                 wanted: Some(report.coverage_wanted),
@@ -111,8 +131,10 @@ impl Made {
             structure: report.structure,
             overlap: Some(report.overlap),
             repetition: Some(report.repetition),
-            ..Summary::new(command, inputs, target.place.path(), written, reporter)
+            ..Summary::new(command, inputs, targets.path(), written, reporter)
         };
-        summary.tell(common, target.place == Place::Stdout)
+        // Where a scene is changed, the seed is its own unless one was given.
+        let seed_chosen = common.seed_chosen && command != "warp";
+        summary.tell(&Common { seed_chosen, ..common.clone() }, targets.piped())
     }
 }

@@ -1,9 +1,11 @@
 //! Values of options that need reading: canvas sizes, seeds, weights.
 
+use clap::builder::{PossibleValue, TypedValueParser};
 use serde::de::Error as _;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::ffi::OsStr;
 use std::str::FromStr;
 use vtex::scene::{Tile, Weights};
 
@@ -21,14 +23,14 @@ impl FromStr for Size {
         let side = |t: &str| {
             let digits = !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit());
             let value = digits.then(|| t.parse::<u32>().ok()).flatten();
-            value
-                .filter(|v| (1..=100_000).contains(v))
-                .ok_or("expected 1000 or 1000x600, each 1 to 100000 px")
+            value.filter(|v| (1..=100_000).contains(v)).ok_or(SIZE_EXPECTED)
         };
         let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, text));
         Ok(Self { width: side(width)?, height: side(height)? })
     }
 }
+
+const SIZE_EXPECTED: &str = "expected 1000 or 1000x600, each 1 to 100000 px";
 
 impl Serialize for Size {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -44,7 +46,7 @@ impl<'de> Deserialize<'de> for Size {
             Number(u32),
             Text(String),
         }
-        let text = match Either::deserialize(deserializer)? {
+        let text = match Either::deserialize(deserializer).map_err(|_| D::Error::custom(SIZE_EXPECTED))? {
             Either::Number(side) => side.to_string(),
             Either::Text(text) => text,
         };
@@ -284,6 +286,35 @@ impl Serialize for Axes {
 impl<'de> Deserialize<'de> for Axes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
+}
+
+/// A parser of values that have names, which completions offer.
+#[derive(Clone)]
+pub(crate) struct OneOf<T> {
+    names: &'static [&'static str],
+    parse: fn(&str) -> Result<T, String>,
+}
+
+/// Values read by `parse`, with these names.
+pub(crate) fn one_of<T>(names: &'static [&'static str], parse: fn(&str) -> Result<T, String>) -> OneOf<T> {
+    OneOf { names, parse }
+}
+
+impl<T: Clone + Send + Sync + 'static> TypedValueParser for OneOf<T> {
+    type Value = T;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<T, clap::Error> {
+        self.parse.parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.names.iter().copied().map(PossibleValue::new)))
     }
 }
 

@@ -23,7 +23,7 @@ pub(crate) fn read_weights(
     };
     let path = weights_path(beside, name);
     if !path.exists() {
-        let library = default_name(beside, Format::Library);
+        let library = default_name(beside, "", Format::Library);
         let library = beside.with_file_name(library.file_name().unwrap_or_default());
         let failure =
             Failure::failed(format!("there are no weights '{name}': cannot read '{}'", path.display()));

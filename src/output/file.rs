@@ -1,5 +1,6 @@
 //! Files by kind, and writing them so that nothing is ever lost or left half done.
 
+use super::seal::{self, PAGE_BEGINNING, Sealed};
 use crate::error::{Error, Result};
 use crate::gzip;
 use flate2::write::GzEncoder;
@@ -7,9 +8,7 @@ use flate2::{Compression, GzBuilder};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
-
-/// How every page of vtex begins, its version next.
-pub(crate) const PAGE_BEGINNING: &str = "<!DOCTYPE html>\n<!-- Written by vtex ";
+use tempfile::NamedTempFile;
 
 /// What a file holds, told by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,22 +61,18 @@ pub fn gzip<W: Write>(out: W) -> GzEncoder<W> {
 
 /// Writes a file as a whole or not at all: `content` writes to a temporary file in the same
 /// folder, which then takes the place of the old one. If `content` fails, the old file stays as it
-/// was and nothing is left behind. A device or pipe is written to directly.
+/// was and nothing is left behind. A device or pipe is written to directly. Files of vtex are sealed
+/// ([`super::seal`]). Gives what `content` returns and the number of bytes written.
 ///
 /// # Errors
-/// [`Error::Exists`] if there is a file that vtex did not write, unless `force`; whatever `content`
-/// returns; [`Error::Write`].
+/// [`Error::Exists`] if there is a file that vtex did not write or that was changed since, unless
+/// `force`; whatever `content` returns; [`Error::Write`].
 pub fn write_file<T>(
     path: &Path,
     force: bool,
     content: impl FnOnce(&mut dyn Write) -> Result<T>,
-) -> Result<T> {
+) -> Result<(T, u64)> {
     let fail = |e: io::Error| Error::write(path, e);
-    // Writers do not know the path they write to.
-    let named = |e: Error| match e {
-        Error::Write { path, source } if path == Path::new("-") => fail(source),
-        other => other,
-    };
     let old = match fs::metadata(path) {
         Ok(found) => Some(found),
         Err(e) if e.kind() == io::ErrorKind::NotFound => None,
@@ -88,41 +83,140 @@ pub fn write_file<T>(
             return Err(fail(io::ErrorKind::IsADirectory.into()));
         }
         if !old.is_file() {
-            let mut out = BufWriter::new(File::options().write(true).open(path).map_err(fail)?);
-            let value = content(&mut out).map_err(named)?;
-            out.flush().map_err(fail)?;
-            return Ok(value);
+            let out = File::options().write(true).open(path).map_err(fail)?;
+            return sealed(path, &out, content);
         }
-        if !force && !is_ours(path)? {
-            return Err(Error::Exists { path: path.to_owned() });
+        if !force {
+            match found(path)? {
+                Found::Ours => {}
+                other => {
+                    let changed = other == Found::Changed;
+                    return Err(Error::Exists { path: path.to_owned(), changed });
+                }
+            }
         }
     }
     // A link stays a link: the file that it points to is replaced.
     let target = if old.is_some() { fs::canonicalize(path).map_err(fail)? } else { path.to_owned() };
-    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".vtex-").suffix(".tmp");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
+    // The system's own words where the folder is not there.
+    fs::metadata(folder_of(&target)).map_err(fail)?;
     // Without the temporary name, which tells the user nothing.
-    let temporary = builder.tempfile_in(folder).map_err(|e| fail(e.kind().into()))?;
-    let mut out = BufWriter::new(temporary);
-    let value = content(&mut out).map_err(named)?;
-    let temporary = out.into_inner().map_err(|e| fail(e.into_error()))?;
+    let temporary = temporary(folder_of(&target)).map_err(|e| fail(e.kind().into()))?;
+    let written = sealed(path, temporary.as_file(), content)?;
     if let Some(old) = old {
         temporary.as_file().set_permissions(old.permissions()).map_err(fail)?;
     }
     // Some disks say only now that they are full.
     temporary.as_file().sync_all().map_err(fail)?;
     temporary.persist(&target).map_err(|e| fail(e.error))?;
-    Ok(value)
+    Ok(written)
 }
 
-/// Whether vtex wrote a file, told by its content: an SVG or a page just as vtex begins it, a JSON
-/// document whose first field is `"format": "vtex-…"`, one of these packed, a PNG whose text says so,
-/// a GIF whose comment does, or a PDF whose information does. A file that another program saved since
-/// does not count.
-fn is_ours(path: &Path) -> Result<bool> {
+/// Writes content, sealed, to an open file.
+fn sealed<T>(
+    path: &Path,
+    file: &File,
+    content: impl FnOnce(&mut dyn Write) -> Result<T>,
+) -> Result<(T, u64)> {
+    let fail = |e: io::Error| Error::write(path, e);
+    let mut out = Sealed::new(BufWriter::new(Counting { out: file, count: 0 }));
+    let value = content(&mut out).map_err(|e| match e {
+        // Writers do not know the path they write to.
+        Error::Write { path, source } if path == Path::new("-") => fail(source),
+        other => other,
+    })?;
+    let out = out.finish().map_err(fail)?.into_inner().map_err(|e| fail(e.into_error()))?;
+    Ok((value, out.count))
+}
+
+/// Counts bytes.
+struct Counting<W> {
+    out: W,
+    count: u64,
+}
+
+impl<W: Write> Write for Counting<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = self.out.write(bytes)?;
+        self.count += n as u64;
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// The folder that a file is in.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+const PREFIX: &str = ".vtex-";
+const SUFFIX: &str = ".tmp";
+
+/// A new file beside what it is to replace. It is locked as long as it is open, so that others know that
+/// somebody is writing to it.
+fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX).suffix(SUFFIX);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
+    loop {
+        let file = builder.tempfile_in(folder)?;
+        // Where there are no locks, nobody takes a file for abandoned.
+        let locked = file.as_file().lock().is_ok();
+        // Before it was locked, another process may have taken it for abandoned.
+        if !locked || file.path().exists() {
+            return Ok(file);
+        }
+    }
+}
+
+/// Removes the temporary files that killed processes left in the folder of a file: those that nobody has
+/// locked. What cannot be removed stays.
+pub fn remove_abandoned(path: &Path) {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    for entry in fs::read_dir(folder_of(&target)).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let middle = name.to_str().and_then(|n| n.strip_prefix(PREFIX)?.strip_suffix(SUFFIX));
+        let ours = middle.is_some_and(|m| m.len() == 6 && m.bytes().all(|b| b.is_ascii_alphanumeric()));
+        if ours
+            && entry.file_type().is_ok_and(|t| t.is_file())
+            && let Ok(file) = File::open(entry.path())
+            && file.try_lock().is_ok()
+        {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// What stands at a place already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Found {
+    /// Byte for byte what vtex wrote.
+    Ours,
+    /// Begun by vtex, and changed since.
+    Changed,
+    Foreign,
+}
+
+/// What a file is: by its seal, else by how it begins.
+fn found(path: &Path) -> Result<Found> {
+    let file = File::open(path).map_err(|e| Error::read(path, e))?;
+    if seal::is_whole(file).map_err(|e| Error::read(path, e))? {
+        Ok(Found::Ours)
+    } else if is_begun(path)? {
+        Ok(Found::Changed)
+    } else {
+        Ok(Found::Foreign)
+    }
+}
+
+/// Whether vtex began a file: an SVG or a page just as vtex begins it, a JSON document whose first field
+/// is `"format": "vtex-…"`, one of these packed, a PNG whose text says so, a GIF whose comment does, or a
+/// PDF whose information does.
+fn is_begun(path: &Path) -> Result<bool> {
     const ENOUGH: usize = 4096;
     let mut start = Vec::new();
     let file = File::open(path).map_err(|e| Error::read(path, e))?;
@@ -130,7 +224,7 @@ fn is_ours(path: &Path) -> Result<bool> {
     if start.starts_with(b"%PDF-") {
         let mut whole = start;
         (&file).read_to_end(&mut whole).map_err(|e| Error::read(path, e))?;
-        return Ok(is_pdf(&whole));
+        return Ok(whole.windows(16).any(|w| w == b"/Producer (vtex "));
     }
     if start.starts_with(b"GIF89a") {
         return Ok(is_gif(&start));
@@ -165,19 +259,21 @@ fn is_gif(start: &[u8]) -> bool {
     start.windows(8).any(|w| w[..2] == [0x21, 0xfe] && w[3..] == *b"vtex ")
 }
 
-/// Whether a PDF says that vtex produced it and nothing was appended to it.
-fn is_pdf(file: &[u8]) -> bool {
-    let found = |needle: &[u8]| file.windows(needle.len()).filter(|w| *w == needle).count();
-    found(b"/Producer (vtex ") == 1 && found(b"/Producer") == 1 && found(b"%%EOF") == 1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::output::{pdf, png, svg, testing};
 
     fn put(path: &Path, force: bool, text: &str) -> Result<()> {
-        write_file(path, force, |w| w.write_all(text.as_bytes()).map_err(|e| Error::write(Path::new("-"), e)))
+        let text = |w: &mut dyn Write| w.write_all(text.as_bytes());
+        write_file(path, force, |w| text(w).map_err(|e| Error::write(Path::new("-"), e))).map(drop)
+    }
+
+    /// What is written of some content.
+    fn seal(content: &[u8]) -> Vec<u8> {
+        let mut out = Sealed::new(Vec::new());
+        out.write_all(content).unwrap();
+        out.finish().unwrap()
     }
 
     fn names(folder: &Path) -> Vec<String> {
@@ -205,14 +301,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.svg");
         put(&path, false, "old").unwrap();
-        let failed: Result<()> = write_file(&path, true, |w| {
+        let failed = write_file(&path, true, |w| {
             w.write_all(&[b'x'; 100_000]).unwrap();
-            Err(Error::write(Path::new("-"), io::ErrorKind::StorageFull.into()))
+            Err::<(), _>(Error::write(Path::new("-"), io::ErrorKind::StorageFull.into()))
         });
         let error = failed.unwrap_err();
         assert!(matches!(&error, Error::Write { path: p, .. } if p == &path), "{error}");
-        let failed: Result<()> =
-            write_file(&folder.path().join("new.svg"), false, |_| Err(Error::Interrupted));
+        let failed = write_file(&folder.path().join("new.svg"), false, |_| Err::<(), _>(Error::Interrupted));
         assert!(matches!(failed, Err(Error::Interrupted)));
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.svg"]);
@@ -225,27 +320,38 @@ mod tests {
         let scene = testing::scene(40, 40, 1);
         let mut drawn = Vec::new();
         svg::write(&scene, &svg::SvgOptions::default(), &mut drawn).unwrap();
-        let mut packed = gzip(Vec::new());
-        packed.write_all(&drawn).unwrap();
+        let pack = |bytes: &[u8]| {
+            let mut packed = gzip(Vec::new());
+            packed.write_all(bytes).unwrap();
+            packed.finish().unwrap()
+        };
         let mut picture = Vec::new();
         png::encode(&png::render(&scene, 1.0).unwrap(), None, &mut picture).unwrap();
-        let mut packed_json = gzip(Vec::new());
-        packed_json.write_all(&scene.to_json()).unwrap();
         let mut page = Vec::new();
         pdf::write(&scene, &mut page).unwrap();
-        let own = [
-            format!("{PAGE_BEGINNING}0.1.0 -->\n<html/>").into_bytes(),
-            page.clone(),
-            drawn.clone(),
-            packed.finish().unwrap(),
-            picture.clone(),
-            scene.to_json(),
-            packed_json.finish().unwrap(),
-        ];
-        for (i, content) in own.iter().enumerate() {
-            fs::write(&path, content).unwrap();
+        let web = format!("{PAGE_BEGINNING}0.1.0 -->\n<html/>").into_bytes();
+        let unsealed = [web, page, drawn.clone(), picture.clone(), scene.to_json()];
+        let own = unsealed.iter().map(|content| seal(content));
+        let own = own.chain([pack(&seal(&drawn)), pack(&seal(&scene.to_json()))]);
+        for (i, content) in own.enumerate() {
+            fs::write(&path, &content).unwrap();
             put(&path, false, "new").unwrap_or_else(|e| panic!("{i}: {e}"));
             assert_eq!(fs::read(&path).unwrap(), b"new");
+            // In place of what is in the file, one thing more or another: then it is somebody's work.
+            let appended = [&content[..], b"<!-- mine -->"].concat();
+            fs::write(&path, &appended).unwrap();
+            let refused = put(&path, false, "new");
+            assert!(matches!(refused, Err(Error::Exists { changed: true, .. })), "{i}");
+            assert_eq!(fs::read(&path).unwrap(), appended);
+        }
+        // By hand, in a text editor.
+        let text = String::from_utf8(seal(&drawn)).unwrap();
+        for (from, to) in [("Background", "Backdrop"), ("fill=\"#", "fill=\"#0"), ("</svg>\n", "</svg>")] {
+            let edited = text.replacen(from, to, 1);
+            assert_ne!(edited, text);
+            fs::write(&path, &edited).unwrap();
+            let refused = put(&path, false, "new");
+            assert!(matches!(refused, Err(Error::Exists { changed: true, .. })), "{from}");
         }
 
         let resaved = String::from_utf8(drawn).unwrap().replacen("UTF-8\"", "UTF-8\" standalone=\"no\"", 1);
@@ -253,10 +359,7 @@ mod tests {
             let at = picture.windows(5).position(|w| w == b"vtex ").unwrap();
             [&picture[..at], b"gimp ", &picture[at + 5..]].concat()
         };
-        // As a program does that keeps what was there and adds to it.
-        let appended = [&page[..], b"\n1 0 obj <</Note (mine)>> endobj\n%%EOF"].concat();
-        let foreign: [&[u8]; 10] = [
-            &appended,
+        let foreign: [&[u8]; 9] = [
             b"%PDF-1.7\n1 0 obj <</Producer (other)>> endobj\n%%EOF",
             b"",
             b"my notes",
@@ -269,11 +372,31 @@ mod tests {
         ];
         for (i, content) in foreign.iter().enumerate() {
             fs::write(&path, content).unwrap();
-            assert!(matches!(put(&path, false, "new"), Err(Error::Exists { .. })), "{i}");
+            let refused = put(&path, false, "new");
+            assert!(matches!(refused, Err(Error::Exists { changed: false, .. })), "{i}");
             assert_eq!(&fs::read(&path).unwrap(), content);
             put(&path, true, "new").unwrap();
             assert_eq!(fs::read(&path).unwrap(), b"new");
         }
+    }
+
+    #[test]
+    fn only_abandoned_files_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.svg");
+        for name in [".vtex-aB3dEf.tmp", ".vtex-mine.tmp", "vtex-aB3dEf.tmp"] {
+            fs::write(folder.path().join(name), "x").unwrap();
+        }
+        fs::create_dir(folder.path().join(".vtex-folder.tmp")).unwrap();
+        // What is being written stays.
+        write_file(&path, false, |w| {
+            w.write_all(b"begun").unwrap();
+            remove_abandoned(&path);
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"begun");
+        assert_eq!(names(folder.path()), [".vtex-folder.tmp", ".vtex-mine.tmp", "a.svg", "vtex-aB3dEf.tmp"]);
     }
 
     #[test]

@@ -14,6 +14,7 @@ pub mod pdf;
 pub mod png;
 pub mod raster_svg;
 pub mod reduce;
+pub mod seal;
 #[cfg(test)]
 mod seams;
 mod shadow;

@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Result};
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder, ImageReader};
-use std::io::Cursor;
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
+use std::io::{Cursor, ErrorKind};
 
 /// Default limit of an image's width and height, in pixels.
 pub(crate) const LARGEST_SIDE: u32 = 16_384;
@@ -49,7 +49,7 @@ pub(crate) fn decode(
     let mut inner = image::Limits::no_limits();
     inner.max_alloc = Some(limits.memory);
     reader.limits(inner);
-    let mut decoder = reader.into_decoder().map_err(|e| fail(e.to_string()))?;
+    let mut decoder = reader.into_decoder().map_err(|e| fail(reason(&e)))?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
         return Err(fail(format!("it has {width} x {height} pixels")));
@@ -70,8 +70,22 @@ pub(crate) fn decode(
     if format == image::ImageFormat::Jpeg && !jpeg_is_whole(bytes) {
         return Err(fail("the file ends in the middle of the picture".into()));
     }
-    let decoded = DynamicImage::from_decoder(decoder).map_err(|e| fail(e.to_string()))?;
+    let decoded = DynamicImage::from_decoder(decoder).map_err(|e| fail(reason(&e)))?;
     Ok((decoded, orientation))
+}
+
+/// What a decoder says, in words of people: decoders print their own types.
+fn reason(error: &ImageError) -> String {
+    let text = error.to_string();
+    if matches!(error, ImageError::IoError(e) if e.kind() == ErrorKind::UnexpectedEof)
+        || ["failed to fill whole buffer", "unexpected end", "UnexpectedEof", "end of file"]
+            .iter()
+            .any(|said| text.contains(said))
+    {
+        return "the file ends in the middle of the picture".into();
+    }
+    let types = |c: char| ['{', '}', '"'].contains(&c);
+    if text.contains(types) { "its data are damaged".into() } else { text }
 }
 
 /// Whether a JPEG's image data is followed by an end marker. Without it the decoder fills the missing

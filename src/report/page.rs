@@ -2,7 +2,7 @@
 //!
 //! The output is both HTML and well-formed XML, so it can be validated.
 
-use crate::output::file::PAGE_BEGINNING;
+use crate::output::seal::PAGE_BEGINNING;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::borrow::Cow;

@@ -1,5 +1,6 @@
 //! Scenes put together from placed elements; the exemplar's own arrangement as a scene.
 
+use super::few::limit_colours;
 use super::secondaries;
 use crate::PROGRAM;
 use crate::arrange::Arrangement;
@@ -53,7 +54,8 @@ pub(crate) fn scene(
 }
 
 /// The exemplar's own arrangement: what the library knows of the exemplar, drawn back layer by layer.
-/// Elements stand where they were found, in their own colours.
+/// Elements stand where they were found, in their own colours. Where the library was made for so many
+/// colours at most, it has no more, the fields included, which are then of one.
 pub fn reconstruct(library: &Library) -> Scene {
     let (width, height) = (library.source.width, library.source.height);
     let mut scene = empty(vec![reference(library)], width, height, Vec::new());
@@ -73,6 +75,10 @@ pub fn reconstruct(library: &Library) -> Scene {
         }
         let (name, region, field) = (layer.name.clone(), layer.region.clone(), layer.field.clone());
         scene.layers.push(Layer { name, role: layer.role, region, field, instances });
+    }
+    let most = library.source.parameters.colors as usize;
+    if most > 0 {
+        limit_colours(&mut scene, most);
     }
     scene
 }

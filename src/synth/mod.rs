@@ -7,6 +7,7 @@
 mod backdrop;
 pub(crate) mod background;
 pub(crate) mod compose;
+mod few;
 mod neighbourhoods;
 pub(crate) mod report;
 pub(crate) mod secondaries;

@@ -35,7 +35,7 @@ fn a_failure_does_not_stop_the_others_and_the_rest_is_resumed() {
     assert_eq!(run.code, Some(1));
     for said in [
         "[2/3] photos/b.png",
-        "error: b: cannot decode 'b.png'",
+        "error: photos/b.png: cannot decode 'photos/b.png'",
         "hint: ",
         "2 done, 0 skipped (done before), 1 failed",
         "1 of 3 jobs failed",
@@ -128,6 +128,7 @@ fn what_is_wrong_with_the_list_is_told_before_anything_starts() {
     jobs(&format!("{one}[job.synth]\nsize = 0")).fails(2, "job 1 of 'jobs.toml': size = 0");
     jobs(&format!("{one}threads = 2")).fails(2, "'threads'");
     jobs(&format!("{one}output = '../x'")).fails(2, "output = \"../x\" is not a file name");
+    jobs(&format!("{one}output = \"a\\nb\"")).fails(2, "is not a file name");
     jobs(&format!("{one}format = 'jpg'")).fails(2, "format = \"jpg\": expected one of svg");
     jobs(&format!("{one}{one}")).fails(2, "would have the same name, 'photo'");
     jobs("[[job]").fails(2, "cannot read 'jobs.toml'");

@@ -71,6 +71,12 @@ fn mistakes_in_the_file_are_named() {
         ("[synth]\nmoves = -2", "moves = -2", ""),
         ("[synth]\nweights = [1, 2]", "weights = [1, 2]", ""),
         ("[analyze]\nsegmenter = \"magic\"", "magic", "regions"),
+        ("[synth]\nsize = [1]", "size = [1]: expected 1000 or 1000x600", ""),
+        ("[synth]\nsize = inf", "size = inf: expected 1000 or 1000x600", ""),
+        ("[synth]\nedge = 3", "edge = 3: expected keep, clip or avoid", ""),
+        ("[synth]\ncandidates = -1", "candidates = -1: expected 1 to 1000", ""),
+        ("[synth]\nmirror = 2", "mirror = 2: expected true or false", ""),
+        ("[synth]\nrotate = 1e308", "rotate = 1e308 is out of range: 0 to 180", ""),
         ("[analyze]\nfidelity = nan", "fidelity = NaN is out of range", ""),
         ("threads = 0", "threads = 0 is out of range", ""),
         ("seed = -1", "seed = -1: expected a whole number", ""),
@@ -80,6 +86,18 @@ fn mistakes_in_the_file_are_named() {
         folder.write("a.toml", content);
         let run = folder.run("synth x.lib.json --config a.toml").fails(2, message);
         assert!(run.stderr.contains(hint), "{content}: {}", run.stderr);
+    }
+    // However long the file's lines are, what is said of them is short and on one line.
+    let long = "1".repeat(100_000);
+    for content in [
+        format!("[synth]\nsize = {long}"),
+        format!("[synth]\nweights = [{}]", ["1.0"; 9000].join(", ")),
+        format!("[synth]\nsize = \"{long}\" x"),
+        format!("{long}x = 1"),
+    ] {
+        folder.write("a.toml", &content);
+        let run = folder.run("synth x.lib.json --config a.toml").fails(2, "a.toml");
+        assert!(run.stderr.len() < 1000 && run.stderr.lines().count() <= 2, "{}", run.stderr);
     }
     folder.run("synth x.lib.json --config none.toml").fails(1, "cannot read 'none.toml'");
     folder.write("a.toml", [0xff, 0xfe, 0x00]);
@@ -93,7 +111,10 @@ fn threads_come_from_the_environment_too() {
         let output = folder.command(arguments).env("VTEX_THREADS", value).output().unwrap();
         (output.status.code(), String::from_utf8(output.stdout).unwrap())
     };
-    assert!(with("3", "--dump-config").1.contains("\nthreads = 3\n"));
+    // It is not frozen into a file that is made meanwhile.
+    assert!(with("3", "--dump-config").1.contains("\n#threads =\n"));
+    assert!(with("3", "doctor --json").1.contains("\"threads\": 3,"));
+    assert!(with("3", "doctor --json -t 4").1.contains("\"threads\": 4,"));
     assert!(with("3", "--dump-config -t 4").1.contains("\nthreads = 4\n"));
     assert_eq!(with("many", "--dump-config").0, Some(2));
 }

@@ -95,9 +95,9 @@ fn one_file_never_holds_two_things() {
 #[test]
 fn a_foreign_file_is_noticed_before_the_work() {
     let folder = Folder::new();
-    folder.write("photo.svg", "mine");
+    folder.write("photo.texture.svg", "mine");
     // The photograph is not even opened.
-    folder.run("texture photo.jpg").fails(1, "'photo.svg' exists");
+    folder.run("texture photo.jpg").fails(1, "'photo.texture.svg' exists");
 }
 
 #[test]
@@ -116,6 +116,7 @@ fn a_disk_that_fills_up_leaves_the_old_file() {
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{stderr}");
     assert!(stderr.starts_with("error: cannot write 'a.scene.json'"), "{stderr}");
+    assert!(!stderr.contains(".vtex-"), "{stderr}");
     assert_eq!(folder.read("a.scene.json"), old);
     assert_eq!(folder.names(), names);
 }
@@ -161,6 +162,7 @@ fn masks_saved_and_given_back_make_the_same_textons() {
     let library = |name: &str| {
         let mut value: serde_json::Value = serde_json::from_slice(&folder.read(name)).unwrap();
         value["source"]["segmenter"].take();
+        value["sha256"].take();
         value
     };
     assert!(library("a.lib.json")["primaries"].as_array().unwrap().len() > 5);
@@ -215,7 +217,10 @@ fn scenes_are_warped() {
     folder.write("bent.svg", page("M0 0C20 30 60-10 80 10V70H10z"));
     let run = folder.run("warp a.scene.json photo.lib.json --scale 2x1.5 --json").succeeds().json();
     assert_eq!((&run["size"], &run["seed"]), (&serde_json::json!([120, 90]), &1.into()));
-    assert_eq!((&run["output"], &run["command"]), (&"a.svg".into(), &"warp".into()));
+    assert_eq!((&run["output"], &run["command"]), (&"a.warped.svg".into(), &"warp".into()));
+    // Its seed is the scene's: there is none to tell.
+    let said = folder.run("warp a.scene.json photo.lib.json --scale 2").succeeds().stderr;
+    assert!(!said.contains("seed:"), "{said}");
     let cages = "--cage square.svg --to bent.svg --seed 5";
     let run =
         folder.run(&format!("warp a.scene.json photo.lib.json {cages} -o b.scene.json --json")).succeeds();
@@ -256,4 +261,180 @@ fn an_input_is_never_replaced_however_it_is_spelled() {
             assert_eq!(folder.read(input), before, "{arguments}");
         }
     }
+}
+
+#[test]
+fn commands_do_not_replace_what_others_made() {
+    let folder = Folder::with_library();
+    folder.run("texture photo.png --size 50").succeeds();
+    folder.run("vectorize photo.png").succeeds();
+    folder.run("synth photo.lib.json --size 50").succeeds();
+    folder.run("synth photo.lib.json --size 50 -o photo.scene.json").succeeds();
+    folder.run("edit photo.scene.json --op flatten").succeeds();
+    folder.run("warp photo.scene.json photo.lib.json --scale 1.2").succeeds();
+    folder.run("interp photo.scene.json photo.scene.json --at 0.5").succeeds();
+    assert_eq!(
+        folder.names(),
+        [
+            "photo.between.svg",
+            "photo.edited.svg",
+            "photo.lib.json",
+            "photo.png",
+            "photo.scene.json",
+            "photo.svg",
+            "photo.texture.svg",
+            "photo.vector.svg",
+            "photo.warped.svg"
+        ]
+    );
+}
+
+#[test]
+fn what_was_changed_by_hand_is_not_replaced() {
+    let folder = Folder::with_library();
+    for name in ["a.svg", "a.svgz", "a.scene.json", "a.scene.json.gz", "a.png", "a.pdf"] {
+        let synth = format!("synth photo.lib.json --size 40 -o {name}");
+        folder.run(&synth).succeeds();
+        folder.run(&synth).succeeds();
+        let mut bytes = folder.read(name);
+        if name.ends_with('z') {
+            let text = String::from_utf8(unpack(&folder.path(name))).unwrap();
+            let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+            std::io::Write::write_all(
+                &mut packed,
+                text.replace("vtex", "mine").replacen("mine", "vtex", 1).as_bytes(),
+            )
+            .unwrap();
+            bytes = packed.finish().unwrap();
+        } else {
+            let at = bytes.len() * 3 / 4;
+            bytes[at] ^= 1;
+        }
+        folder.write(name, &bytes);
+        let run = folder.run(&synth).fails(1, "was changed since vtex wrote it");
+        assert!(run.stderr.contains("--force"), "{}", run.stderr);
+        assert_eq!(folder.read(name), bytes);
+        folder.run(&format!("{synth} -f")).succeeds();
+    }
+}
+
+#[test]
+fn several_outputs_come_of_one_run() {
+    let folder = Folder::with_library();
+    let alone = |name: &str| {
+        folder.run(&format!("synth photo.lib.json --size 50 --seed 1 --scale 2 -o {name}")).succeeds();
+        folder.read(name)
+    };
+    let expected = ["1.svg", "1.png", "1.pdf", "1.scene.json.gz"].map(alone);
+    assert_eq!(image::load_from_memory(&expected[1]).unwrap().width(), 100);
+    let names = "-o 2.svg -o 2.png -o 2.pdf -o 2.scene.json.gz";
+    let run = folder.run(&format!("synth photo.lib.json --size 50 --seed 1 --scale 2 {names} --json"));
+    let told = run.succeeds().json();
+    assert_eq!((&told["output"], &told["bytes"]), (&"2.svg".into(), &expected[0].len().into()));
+    assert_eq!(told["others"][0], serde_json::json!({ "output": "2.png", "bytes": expected[1].len() }));
+    assert_eq!(["2.svg", "2.png", "2.pdf", "2.scene.json.gz"].map(|n| folder.read(n)), expected);
+    for command in [
+        "edit 1.scene.json.gz --op flatten",
+        "render 1.scene.json.gz",
+        "warp 1.scene.json.gz photo.lib.json --scale 1.1",
+        "vectorize photo.png",
+        "interp 1.scene.json.gz 1.scene.json.gz --at 0.5",
+        "interp 1.scene.json.gz 1.scene.json.gz --frames 2",
+    ] {
+        for name in ["3.svg", "3.png"] {
+            let _ = std::fs::remove_file(folder.path(name));
+        }
+        let said = folder.run(&format!("{command} -o 3.svg -o 3.png")).succeeds().stderr;
+        assert!(said.contains("3.png: "), "{said}");
+        assert!(folder.read("3.svg").starts_with(b"<?xml") && folder.read("3.png").starts_with(b"\x89PNG"));
+    }
+    // Of the photograph, its library too; what is piped is one of them.
+    let run = folder.run("texture photo.png --size 50 --seed 1 -o - -o t.lib.json --json").succeeds();
+    assert!(run.stdout.starts_with(b"<?xml") && is_document(&folder.read("t.lib.json"), "vtex-library"));
+    folder.run("synth photo.lib.json -o a.svg -o ./a.svg").fails(2, "name the same file");
+    folder.run("synth photo.lib.json -o - -o -").fails(2, "name the same file");
+    folder.run("synth photo.lib.json -o a.svg -o photo.lib.json").fails(2, "cannot tell the format");
+}
+
+#[test]
+fn library_and_scene_are_kept_if_asked_for() {
+    let folder = Folder::new();
+    folder.run("texture photo.png --size 50 --seed 1 --keep").succeeds();
+    let names = ["photo.png", "photo.texture.lib.json", "photo.texture.scene.json", "photo.texture.svg"];
+    assert_eq!(folder.names(), names);
+    // They make the same picture.
+    folder.run("synth photo.texture.lib.json --size 50 --seed 1 -o a.png").succeeds();
+    folder.run("render photo.texture.scene.json -o b.png").succeeds();
+    folder.run("render photo.texture.svg -o c.png").succeeds();
+    assert_eq!(folder.read("a.png"), folder.read("b.png"));
+    folder.run("texture photo.png --size 50 -o x.png -o y.scene.json --keep").succeeds();
+    assert!(folder.path("x.lib.json").exists() && !folder.path("x.scene.json").exists());
+    folder.feed("texture - --size 50 --keep", &photo()).fails(2, "--keep");
+}
+
+#[test]
+fn a_texture_is_made_again_from_what_it_says() {
+    let folder = Folder::new();
+    let ramp = image::GrayImage::from_fn(64, 4, |x, _| image::Luma([4 * x as u8]));
+    folder.write("ramp.png", super::support::encode(&ramp.into(), image::ImageFormat::Png));
+    let analysis = "--detail-scale 20 --fidelity 0.8 --segmenter regions --categories 3";
+    let synthesis = "--size 90x60 --rotate 15 --precision 2 --expand --density ramp.png --tile x";
+    folder.run(&format!("texture photo.png {analysis} {synthesis} -o a.svg")).succeeds();
+    folder.run("texture photo.png --again a.svg -o b.svg").succeeds();
+    assert_eq!(folder.read("a.svg"), folder.read("b.svg"));
+    folder.run("texture photo.png --again b.svg -o c.svgz").succeeds();
+    assert_eq!(unpack(&folder.path("c.svgz")), folder.read("a.svg"));
+    folder.run("texture photo.png --again c.svgz -o d.svg --max-bytes 1MB").succeeds();
+    // What else is said wins.
+    let run = folder.run("texture photo.png --again a.svg -o e.svg --size 40 --json").succeeds();
+    assert_eq!(run.json()["size"], serde_json::json!([40, 40]));
+    // Other files are not taken for those of then.
+    let turned = image::load_from_memory(&photo()).unwrap().rotate90();
+    folder.write("other.png", super::support::encode(&turned, image::ImageFormat::Png));
+    folder.run("texture other.png --again a.svg -o f.svg").fails(1, "is not the photograph");
+    folder.write("ramp.png", folder.read("other.png"));
+    folder.run("texture photo.png --again a.svg -o f.svg").fails(1, "is not the file of --density");
+    folder.run("analyze photo.png").succeeds();
+    folder.run("synth photo.lib.json --size 40 -o g.svg").succeeds();
+    for other in ["g.svg", "photo.png", "photo.lib.json"] {
+        folder.run(&format!("texture photo.png --again {other}")).fails(1, "does not say how it was made");
+    }
+}
+
+#[test]
+fn what_a_killed_process_left_is_removed_by_the_next() {
+    let folder = Folder::with_library();
+    std::fs::create_dir(folder.path("out")).unwrap();
+    for name in ["out/.vtex-0aB9zZ.tmp", "out/.vtex-notes.txt", ".vtex-0aB9zZ.tmp"] {
+        folder.write(name, "half a file");
+    }
+    folder.run("synth photo.lib.json --size 40 -o out/a.svg").succeeds();
+    let all = std::fs::read_dir(folder.path("out")).unwrap();
+    let mut names: Vec<_> = all.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    assert_eq!(names, [".vtex-notes.txt", "a.svg"]);
+    // Other folders are not looked into.
+    assert!(folder.path(".vtex-0aB9zZ.tmp").exists());
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_while_a_file_is_made_to_fit_is_one() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json --size 400 --seed 1 -o a.scene.json -o a.svg").succeeds();
+    let most = folder.read("a.svg").len() * 98 / 100;
+    let mut child = folder
+        .command(&format!("interp a.scene.json a.scene.json -o frames --frames 2000 --max-bytes {most}"))
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // From the first frame on, nearly all of the time goes into making frames fit.
+    while !folder.path("frames/frame_0001.svg").exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let mut stderr = String::new();
+    std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut stderr).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{stderr}");
+    assert!(stderr.contains("error: interrupted"), "{stderr}");
 }

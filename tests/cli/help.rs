@@ -29,7 +29,15 @@ fn help_of_every_command() {
     ] {
         let help = printed(&format!("{command} --help"));
         assert!(help.contains("Examples:\n  vtex "), "{command} has no example");
-        assert_eq!(help, printed(&format!("{command} -h")), "{command}");
+        if command != "man" && command != "models" {
+            // Short help is short: what is used most, and where the rest is.
+            let short = printed(&format!("{command} -h"));
+            let more = short.lines().position(|l| l.contains("--help' says more")).unwrap_or(99);
+            assert!(more <= 13 && short.lines().count() <= more + 1, "{command}: {short}");
+            assert!(short.len() < help.len(), "{command}");
+            assert!(short.lines().all(|l| l.chars().count() <= 80), "{command}: {short}");
+        }
+        assert!(help.lines().all(|l| l.chars().count() <= 80), "{command}: {help}");
         assert_eq!(help, printed(&format!("help {command}")), "{command}");
         insta::assert_snapshot!(command, help);
     }
@@ -97,6 +105,24 @@ fn completions_name_commands_and_options() {
         }
     }
     Folder::new().run("completions tcsh").fails(2, "tcsh");
+    // Values are offered where there are few, not files.
+    let bash = printed("completions bash");
+    for (option, values) in [
+        ("--edge", "keep clip avoid"),
+        ("--tile", "none both x y"),
+        ("--format", "svg svgz pdf png scene.json"),
+        ("--preset", "draft default fine poster"),
+        ("--method", "auto correspondence descriptor"),
+        ("--shading", "flat gradient"),
+    ] {
+        let option = format!("{option})");
+        let offered = bash.split(&option).skip(1);
+        let first: Vec<String> = offered.map(|rest| rest.chars().take(120).collect()).collect();
+        assert!(
+            first.iter().any(|rest| rest.contains(&format!("compgen -W \"{values}"))),
+            "{option}: {first:?}"
+        );
+    }
 }
 
 #[test]
@@ -115,7 +141,9 @@ fn manual_pages_are_written() {
         "vtex-models-add",
     ] {
         let page = String::from_utf8(folder.read(&format!("pages/man1/{name}.1"))).unwrap();
-        assert!(page.contains(".TH ") && page.contains(".SH OPTIONS"), "{name}");
+        assert!(page.contains(".SH OPTIONS"), "{name}");
+        let title = page.lines().find(|l| l.starts_with(".TH ")).unwrap();
+        assert!(title.starts_with(&format!(".TH {name} 1 ")) && title.contains("vtex 0."), "{title}");
     }
     let page = String::from_utf8(folder.read("pages/man1/vtex-analyze.1")).unwrap();
     assert!(page.contains("secondary\\-tolerance"), "{page}");

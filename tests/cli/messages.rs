@@ -56,6 +56,10 @@ fn wrong_usage_exits_with_2() {
         ("edit a.scene.json --op flatten -o a.scene.json", "name the same file"),
         ("warp - - --scale 2", "'-' stands for more than one file"),
         ("analyze photo.png --minimum-area 0", "minimum-area = 0 is out of range"),
+        ("synth photo.lib.json --candidates -1", "'-1' for '--candidates <NUMBER>': expected 1 to 1000"),
+        ("synth photo.lib.json --rotate x", "'x' for '--rotate <NUMBER>': expected 0 to 180"),
+        ("synth photo.lib.json --rotate 1e308", "rotate = 1e308 is out of range"),
+        ("synth photo.lib.json --threads 9999", "expected 1 to 1024"),
         ("analyze photo.png --fidelity NaN", "fidelity = NaN is out of range"),
         ("analyze photo.png --detail-sigma -1", "detail-sigma = -1 is out of range"),
         ("analyze photo.png --secondary-minimum 9 --secondary-maximum 8", "at most secondary-maximum"),
@@ -213,4 +217,111 @@ fn a_scale_without_effect_is_said() {
     let folder = Folder::with_library();
     let run = folder.run("render photo.lib.json -o a.svg --scale 2").succeeds();
     assert!(run.stderr.contains("--scale has no effect"), "{}", run.stderr);
+}
+
+#[test]
+fn messages_say_what_is_wrong_in_a_line() {
+    let folder = Folder::with_library();
+    let photo = folder.read("photo.png");
+    folder.write("cut.png", &photo[..photo.len() * 2 / 3]);
+    let mut damaged = photo.clone();
+    damaged[photo.len() / 2..photo.len() / 2 + 40].fill(0x55);
+    folder.write("damaged.png", damaged);
+    let picture = image::load_from_memory(&photo).unwrap();
+    for (name, format) in
+        [("cut.bmp", ImageFormat::Bmp), ("cut.gif", ImageFormat::Gif), ("cut.tiff", ImageFormat::Tiff)]
+    {
+        let whole = encode(&picture, format);
+        folder.write(name, &whole[..whole.len() / 2]);
+    }
+    folder.write("broken.lib.json", "[1");
+    folder.write("broken.scene.json", "{\"width\": 3");
+    folder.write("newer.scene.json", "{\"format\":\"vtex-scene\",\"version\":99}");
+    folder.write("text.svg", "<svg");
+    folder.write("empty.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"0\" height=\"0\"/>");
+    for (arguments, message, hint) in [
+        ("analyze cut.png", "'cut.png' as an image: the file ends in the middle", "complete"),
+        ("analyze damaged.png", "cannot decode 'damaged.png' as an image: ", "complete"),
+        ("analyze cut.bmp", "the file ends in the middle", ""),
+        ("analyze cut.gif", "cannot decode 'cut.gif' as an image: ", ""),
+        ("analyze cut.tiff", "cannot decode 'cut.tiff' as an image: ", ""),
+        ("analyze broken.lib.json -o new.lib.json", "holds a library, not an image", "vtex synth"),
+        ("synth broken.lib.json", "'broken.lib.json' is not a valid vtex-library file: ", "vtex analyze"),
+        ("render broken.scene.json", "'broken.scene.json' is not a valid vtex-scene file: ", "vtex synth"),
+        ("inspect broken.scene.json", "line 1 column", ""),
+        ("render newer.scene.json", "this vtex reads version", "update vtex"),
+        ("render text.svg -o a.png", "cannot draw 'text.svg': ", ""),
+        ("render empty.svg -o a.png", "width, height or viewBox", ""),
+        ("analyze photo.png -o nowhere/a.lib.json", "No such file", "create it first"),
+        ("analyze .", "cannot read '.'", "vtex batch"),
+    ] {
+        let run = folder.run(arguments).fails(1, message);
+        assert!(run.stderr.contains(hint), "{arguments}: {}", run.stderr);
+        assert!(run.stderr.lines().count() <= 2, "{}", run.stderr);
+        for inner in ["ChunkType", "entity not found", "failed to fill", "parsing failed cause", "{"] {
+            assert!(!run.stderr.contains(inner), "{arguments}: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn nothing_foreign_acts_on_the_terminal() {
+    let folder = Folder::with_library();
+    let text = String::from_utf8(folder.read("photo.lib.json")).unwrap();
+    let named =
+        text.replace("\"file\":\"photo.png\"", "\"file\":\"\\u001b[31mred\\u001b]0;title\\u0007\\u009b\"");
+    assert_ne!(named, text);
+    folder.write("named.lib.json", named);
+    let colour = text.replacen("\"colour\":\"#", "\"colour\":\"\\u001b[2J#", 1);
+    assert_ne!(colour, text);
+    folder.write("colour.lib.json", colour);
+    folder.write("xml.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"><a\u{9b}31m></svg>");
+    folder.write("a.toml", "[synth]\nedge = \"\\u001b[2J\"\n\"\\u001b[31m\" = 3\n");
+    let escape = "\u{1b}[31mx";
+    let mut lines: Vec<Vec<&str>> = [
+        "inspect named.lib.json",
+        "synth colour.lib.json",
+        "render xml.svg -o a.png",
+        "synth photo.lib.json --config a.toml",
+    ]
+    .iter()
+    .map(|line| line.split(' ').collect())
+    .collect();
+    lines.extend([
+        vec!["analyze", escape],
+        vec!["synth", "photo.lib.json", "-o", escape],
+        vec!["synth", "photo.lib.json", "--size", escape],
+        vec!["synth", "photo.lib.json", escape, "--frob"],
+        vec!["synth", "photo.lib.json", "--weights", escape],
+        vec!["edit", "a.scene.json", "--op", escape],
+        vec!["render", "photo.lib.json", "-o", "\u{1b}[31mx.png"],
+    ]);
+    for arguments in lines {
+        for colour in ["never", "always"] {
+            let output = folder.command("").args(&arguments).args(["--color", colour]).output().unwrap();
+            let printed = [output.stdout, output.stderr].concat();
+            let printed = String::from_utf8(printed).unwrap();
+            // Our own colours are all that may be left.
+            let printed = printed.replace("\u{1b}[1m\u{1b}[31merror", "error");
+            assert!(
+                !printed.contains("\u{1b}[31m") || !printed.contains("[31mx"),
+                "{arguments:?} {printed:?}"
+            );
+            assert!(!printed.contains("\u{1b}[31mred") && !printed.contains("\u{1b}[31mx"), "{printed:?}");
+            let acts = |c: char| c.is_control() && c != '\n' && (c != '\u{1b}' || colour == "never");
+            assert!(!printed.contains(acts), "{arguments:?} {printed:?}");
+            assert!(!printed.contains("\u{1b}[2J") && !printed.contains("\u{1b}]"), "{printed:?}");
+        }
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn what_never_ends_is_given_up_early() {
+    let folder = Folder::with_library();
+    let began = std::time::Instant::now();
+    folder.run("analyze /dev/urandom -o a.lib.json").fails(1, "'/dev/urandom' as an image: its format");
+    folder.run("synth /dev/zero -o a.svg").fails(1, "'/dev/zero'");
+    folder.run("synth photo.lib.json --size 40 --density /dev/urandom -o a.svg").fails(1, "/dev/urandom");
+    assert!(began.elapsed() < std::time::Duration::from_secs(5), "{:?}", began.elapsed());
 }

@@ -17,11 +17,12 @@ const PAIR: &str = "models add sam_encoder.onnx sam_decoder.onnx --engine rten -
 #[test]
 fn models_come_and_go() {
     let folder = folder(&["sam_encoder", "sam_decoder", "efficient_both"]);
-    assert_eq!(folder.run("models list --json").succeeds().json(), serde_json::json!([]));
+    let none = folder.run("models list --json").succeeds().json();
+    assert_eq!((&none["command"], &none["models"]), (&"models list".into(), &serde_json::json!([])));
     assert!(!folder.path("models").exists());
     folder.run(PAIR).succeeds();
     folder.run("models add efficient_both.onnx --engine rten --name other").succeeds();
-    let list = folder.run("models list --json").succeeds().json();
+    let list = folder.run("models list --json").succeeds().json()["models"].take();
     assert_eq!((&list[0]["name"], &list[0]["kind"]), (&"other".into(), &"EfficientSAM".into()));
     assert_eq!((&list[1]["name"], &list[1]["kind"]), (&"tiny".into(), &"SAM".into()));
     let file = &list[1]["files"][0];
@@ -142,6 +143,7 @@ fn masks_come_from_a_model_or_from_files() {
 fn the_doctor_tells_what_there_is_and_what_is_missing() {
     let folder = folder(&["sam_encoder", "sam_decoder"]);
     let report = folder.run("doctor --engine rten --threads 3 --json").succeeds().json();
+    assert_eq!(report["command"], "doctor");
     assert_eq!((&report["engine"], &report["threads"]), (&"rten".into(), &3.into()));
     assert!(report["missing"][0].as_str().unwrap().contains("vtex models add"), "{report}");
     folder.run(PAIR).succeeds();

@@ -214,3 +214,84 @@ fn axes_may_follow_after_a_space() {
         assert_eq!(scene["tile"], serde_json::json!({ "x": x, "y": y }), "{arguments}");
     }
 }
+
+#[test]
+fn eight_colours_are_eight() {
+    let folder = Folder::new();
+    // Of many colours: noise over a slope.
+    let picture = image::RgbImage::from_fn(120, 100, |x, y| {
+        let noise = (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(2_246_822_519)) >> 9;
+        image::Rgb([(2 * x) as u8, (2 * y + noise % 40) as u8, (x / 12 * 25 + noise % 30) as u8])
+    });
+    folder.write("photo.png", super::support::encode(&picture.into(), image::ImageFormat::Png));
+    for (options, most) in [("--colors 8", 8), ("--colors 8 --max-paths 40", 8), ("--colors 1", 1)] {
+        folder.run(&format!("vectorize photo.png {options} --seed 1 -o a.svg -f")).succeeds();
+        let text = String::from_utf8(folder.read("a.svg")).unwrap();
+        // In the drawing, not in the metadata, every # that is no reference begins a colour.
+        let drawing = text.split("</metadata>").nth(1).unwrap().replace("url(#", "").replace("href=\"#", "");
+        let names = drawing.split(['"', ':', ';']).filter(|part| part.starts_with('#'));
+        let mut colours: Vec<&str> = names.collect();
+        colours.sort_unstable();
+        colours.dedup();
+        assert!(!colours.is_empty() && colours.len() <= most, "{options}: {colours:?}");
+        assert!(!drawing.contains("Gradient") && !drawing.contains("stop-color"), "{options}");
+    }
+}
+
+#[test]
+fn where_nothing_is_wanted_nothing_is_placed() {
+    let folder = Folder::with_library();
+    let black = image::GrayImage::new(8, 8);
+    folder.write("black.png", super::support::encode(&black.into(), image::ImageFormat::Png));
+    for (size, seed) in [(50, 1), (90, 2), (90, 3), (200, 4)] {
+        for method in ["descriptor", "correspondence"] {
+            let run = folder.run(&format!(
+                "synth photo.lib.json --density black.png --size {size} --seed {seed} --method {method} --json"
+            ));
+            let counts = run.succeeds().json()["counts"].take();
+            assert_eq!(
+                (&counts["primaries"], &counts["secondaries"]),
+                (&0.into(), &0.into()),
+                "{size} {method}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_ground_is_as_asked_for() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json --size 80 --seed 1 -o a.scene.json").succeeds();
+    for (ground, pixel) in
+        [("rebeccapurple", [0x66, 0x33, 0x99, 255]), ("#f80", [255, 136, 0, 255]), ("none", [0; 4])]
+    {
+        folder.run(&format!("render a.scene.json --background {ground} -o a.png -o a.svg")).succeeds();
+        folder.run("render a.svg -o b.png").succeeds();
+        for name in ["a.png", "b.png"] {
+            let picture = image::load_from_memory(&folder.read(name)).unwrap().to_rgba8();
+            let count = picture.pixels().filter(|p| p.0 == pixel).count();
+            assert!(count > 500 && count < 6000, "{ground} {name}: {count}");
+        }
+    }
+    folder.write("a.toml", "[render]\nbackground = \"none\"\n");
+    folder.run("synth photo.lib.json --size 40 --config a.toml -o c.png").succeeds();
+    assert!(image::load_from_memory(&folder.read("c.png")).unwrap().color().has_alpha());
+    folder.run("render a.scene.json --background none -o c.pdf").fails(2, "only .svg, .svgz and .png");
+    folder.run("render a.scene.json --background reddish -o c.png").fails(2, "a name such as red, or none");
+}
+
+#[test]
+fn presets_set_what_they_say_and_options_win() {
+    let folder = Folder::new();
+    let dump =
+        |arguments: &str| folder.run(&format!("{arguments} --dump-config")).succeeds().text().to_owned();
+    let has = |text: &str, line: &str| text.lines().any(|l| l == line);
+    assert_eq!(dump("texture --preset default"), dump("texture"));
+    let poster = dump("vectorize --preset poster --max-paths 50");
+    assert!(has(&poster, "colors = 12") && has(&poster, "max-paths = 50"), "{poster}");
+    folder.write("a.toml", "[analyze]\nfidelity = 2.0\n[synth]\nmoves = 3\n");
+    let fine = dump("texture --config a.toml --preset fine");
+    assert!(has(&fine, "fidelity = 0.25") && has(&fine, "precision = 2"), "{fine}");
+    folder.run("texture photo.png --size 50 --preset draft").succeeds();
+    folder.run("analyze photo.png --preset best").fails(2, "expected draft, default, fine or poster");
+}

@@ -14,9 +14,14 @@ fn weights_are_written_beside_the_library_and_used_by_name() {
     let folder = Folder::with_library();
     let run = folder.run(TUNE).succeeds();
     assert!(run.stderr.contains("before") && run.stderr.contains("correlation"), "{}", run.stderr);
+    // Nobody is sent to use what is no better than what there was.
+    let kept = run.stderr.contains("no weights were found");
+    assert_eq!(!kept, run.stderr.contains("use them with"), "{}", run.stderr);
+    assert_eq!(kept, run.stderr.contains("nothing to use"), "{}", run.stderr);
     let file = folder.read("photo.tuned.weights.json");
     assert!(is_document(&file, "vtex-weights"));
-    let tuned: Value = serde_json::from_slice(&file).unwrap();
+    let mut tuned: Value = serde_json::from_slice(&file).unwrap();
+    assert!(tuned.as_object_mut().unwrap().remove("sha256").is_some());
     // The same again, on any number of threads.
     let json = folder.run(&format!("{TUNE} --threads 1 --json")).succeeds().json();
     assert_eq!((&json["tuned"], folder.read("photo.tuned.weights.json")), (&tuned, file));

@@ -3,17 +3,21 @@
 use crate::cli::analysis::{Analysis, analyze};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::{Given, Layer};
+use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
-use crate::cli::options::files::{ForceArgs, required, target};
+use crate::cli::options::files::{ForceArgs, Makes, required, targets};
 use crate::cli::options::masks::MasksArgs;
-use crate::cli::output::{Place, Target, say};
+use crate::cli::options::preset::PresetArgs;
+use crate::cli::output::{Targets, say};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{Counts, Coverage, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::output::file::Format;
+
+const MAKES: Makes = Makes { allowed: format::OF_LIBRARY, usual: Format::Library, word: "" };
 
 /// Photograph to texton library
 #[derive(Args)]
@@ -31,7 +35,9 @@ pub(crate) struct AnalyzeArgs {
     pub(crate) photo: Option<PathBuf>,
     /// Result, .lib.json or .lib.json.gz; - writes JSON to stdout [default: ./PHOTO.lib.json]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) preset: PresetArgs,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
@@ -45,30 +51,35 @@ impl Arguments for AnalyzeArgs {
         given.add("analyze", &self.analyze);
     }
 
+    fn preset(&self) -> Result<Option<Layer>, Failure> {
+        self.preset.layer()
+    }
+
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
         let Self { photo, output, force, masks, .. } = *self;
         let photo = required(photo)?;
-        let target = target(output.clone(), &force, &photo, format::OF_LIBRARY, Format::Library)?;
-        let analysis = Analysis::new(photo, masks, &force, output.as_deref(), &resolved.parameters)?;
-        Ok(Box::new(move |common, reporter| run(common, reporter, &analysis, &target)))
+        let targets = targets(output.clone(), &force, &photo, MAKES)?;
+        let analysis = Analysis::new(photo, masks, &force, &output, &resolved.parameters)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &analysis, &targets)))
     }
 }
 
-fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, target: &Target) -> anyhow::Result<()> {
-    target.place.probe()?;
+fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targets) -> anyhow::Result<()> {
+    targets.probe()?;
     analysis.probe()?;
     if common.verbosity > 1 {
         say(&format!("{:#?}", analysis.parameters));
     }
     let library = analyze(common, analysis, reporter)?;
     reporter.stage("writing")?;
-    let written = target.write_bytes(&library.to_json())?;
+    let json = library.to_json();
+    let written = targets.each(|target| target.write_bytes(&json))?;
     let summary = Summary {
         seed: Some(library.source.parameters.seed),
         size: [library.source.width, library.source.height],
         counts: Some(Counts::of_library(&library)),
         coverage: Some(Coverage { wanted: Some(library.coverage), got: None, categories: Vec::new() }),
-        ..Summary::new("analyze", vec![analysis.photo.name()], target.place.path(), written, reporter)
+        ..Summary::new("analyze", vec![analysis.photo.name()], targets.path(), written, reporter)
     };
-    summary.tell(common, target.place == Place::Stdout)
+    summary.tell(common, targets.piped())
 }

@@ -3,6 +3,7 @@
 use super::models::show;
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
+use crate::cli::foreign::escaped;
 use crate::cli::models::{Model, Store};
 use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::output::{print, print_styled};
@@ -33,6 +34,7 @@ impl Arguments for DoctorArgs {
 #[derive(Serialize)]
 struct Report {
     program: &'static str,
+    command: &'static str,
     /// `ONNX Runtime` or `rten`; none if that asked for cannot be had.
     #[serde(skip_serializing_if = "Option::is_none")]
     engine: Option<&'static str>,
@@ -106,6 +108,7 @@ fn examine(options: &EngineOptions) -> Report {
     }
     Report {
         program: vtex::PROGRAM,
+        command: "doctor",
         engine,
         version,
         library,
@@ -122,7 +125,8 @@ impl Report {
     fn show(&self) -> String {
         let head = Style::new().bold();
         let mut text = format!("{head}{}{head:#}\n\n", self.program);
-        let mut line = |name: &str, value: &str| text.push_str(&format!("{head}{name:12}{head:#} {value}\n"));
+        let mut line =
+            |name: &str, value: &str| text.push_str(&format!("{head}{name:12}{head:#} {}\n", escaped(value)));
         let version = self.version.iter().map(|v| format!(" {v}")).collect::<String>();
         line("engine", &format!("{}{version}", self.engine.unwrap_or("none")));
         for candidate in &self.libraries {
@@ -140,7 +144,7 @@ impl Report {
             text.push_str(&format!("\n{head}missing{head:#}\n"));
         }
         for what in &self.missing {
-            text.push_str(&format!("  {what}\n"));
+            text.push_str(&format!("  {}\n", escaped(what)));
         }
         text
     }

@@ -2,14 +2,15 @@
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::{Given, Parameters};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::operations::{self, Asked};
-use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
+use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Place, Target, print, say};
+use crate::cli::output::{Drawing, Targets, print, say};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
@@ -20,6 +21,8 @@ use vtex::Progress;
 use vtex::edit::{self, Files, Operation, Outcome};
 use vtex::output::file::Format;
 
+const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "edited" };
+
 /// Change a scene: thin, tint, turn, replace its elements, put shadows under them, and more
 #[derive(Args)]
 #[command(
@@ -27,7 +30,7 @@ use vtex::output::file::Format;
     after_help = "\
 Examples:
   vtex edit out.scene.json -o thin.svg --op 'thin 0.5 --layer secondary'
-  vtex edit out.scene.json -o red.scene.json --op 'tint #ff0000 --amount 0.4' --op 'shadow --length 6'
+  vtex edit out.scene.json -o red.svg --op 'tint red' --op 'shadow --length 6'
   vtex edit --list
 
 Operations are done in the order given; the scene keeps a record of them. Random choices follow the
@@ -44,12 +47,13 @@ pub(crate) struct EditArgs {
     #[arg(long)]
     pub(crate) list: bool,
     /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
-    /// stdout
-    /// [default: ./SCENE.svg]
+    /// stdout; several -o write several files [default: ./SCENE.edited.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
 }
@@ -60,11 +64,13 @@ struct Editing {
     operations: Vec<Asked>,
     seed: Option<u64>,
     svg: SvgParameters,
-    target: Target,
+    render: RenderParameters,
+    targets: Targets,
 }
 
 impl Arguments for EditArgs {
     fn give(&self, given: &mut Given) {
+        given.add("render", &self.render);
         given.add("svg", &self.svg);
     }
 
@@ -81,11 +87,11 @@ impl Editing {
     fn new(a: EditArgs, resolved: Resolved) -> anyhow::Result<Self> {
         let scene = required(a.scene)?;
         let operations = asked(&a.op)?;
-        let output = a.output.clone();
-        let target = target(a.output, &a.force, &scene, format::OF_SCENE, Format::Svg)?;
-        check_files(&[("the scene", &scene)], &[("-o", output.as_deref())])?;
-        let seed = resolved.parameters.seed.map(|s| s.0);
-        Ok(Self { scene, operations, seed, svg: resolved.parameters.svg, target })
+        check_files(&[("the scene", &scene)], &outputs(&a.output))?;
+        let targets = targets(a.output, &a.force, &scene, MAKES)?;
+        let Parameters { seed, svg, render, .. } = resolved.parameters;
+        let seed = seed.map(|s| s.0);
+        Ok(Self { scene, operations, seed, svg, render, targets })
     }
 }
 
@@ -116,8 +122,11 @@ struct Done<'a> {
 }
 
 fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Result<()> {
-    let Editing { scene: input, operations: asked, seed, svg, target } = editing;
-    target.place.probe()?;
+    let Editing { scene: input, operations: asked, seed, svg, render, targets } = editing;
+    targets.probe()?;
+    if let Some(warning) = render.warning(targets.has(Format::Png)) {
+        reporter.warn(warning);
+    }
     reporter.stage("reading")?;
     let scene = reading::scene(input)?;
     let canvas = [scene.width, scene.height];
@@ -132,14 +141,15 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
         reporter.warn(&format!("'{operation}' matches nothing: the scene stays as it was"));
     }
     reporter.stage("writing")?;
-    let written = target.write_scene(&scene, *svg, 1.0)?;
+    let drawing = Drawing { svg: *svg, render: *render, recipe: None };
+    let written = targets.write_scene(&scene, None, drawing)?;
     let summary = Summary {
         seed: scene.edits.last().map(|e| e.seed),
-        size: canvas,
+        size: drawing.size_of(&scene, targets.first.kind.format),
         counts: Some(Counts::of_scene(&scene)),
-        ..Summary::new("edit", vec![input.name()], target.place.path(), written, reporter)
+        ..Summary::new("edit", vec![input.name()], targets.path(), written, reporter)
     };
-    let piped = target.place == Place::Stdout;
+    let piped = targets.piped();
     if common.json {
         let text = serde_json::to_string_pretty(&Told { summary: &summary, operations: done })?;
         if piped {

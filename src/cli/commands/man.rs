@@ -32,7 +32,7 @@ fn run(folder: &Path, mut command: clap::Command) -> anyhow::Result<()> {
         let path = folder.join(format!("{name}.1"));
         // These pages are vtex's whoever wrote what stands there now.
         let place = Place::File { path: path.clone(), force: true };
-        let page = clap_mangen::Man::new(command.clone());
+        let page = clap_mangen::Man::new(command.clone()).source(vtex::PROGRAM);
         place.write(|out| page.render(&mut *out).map_err(|e| Error::write(&path, e)))?;
     }
     Ok(())

@@ -3,6 +3,7 @@
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
+use crate::cli::foreign::escaped;
 use crate::cli::models::{Model, State, Store};
 use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::output::{print, print_styled, say};
@@ -80,7 +81,7 @@ fn run(common: &Common, action: ModelsAction, threads: Option<u16>) -> anyhow::R
         ModelsAction::Add(a) => {
             let model = store.add(&a.files, a.name.as_str(), a.force, &engine(a.engine, threads))?;
             if common.json {
-                return json(&model);
+                return json("models add", "model", &model);
             }
             if !common.quiet {
                 let place = store.folder().join(&model.name);
@@ -91,7 +92,7 @@ fn run(common: &Common, action: ModelsAction, threads: Option<u16>) -> anyhow::R
         ModelsAction::List => {
             let models = store.models()?;
             if common.json {
-                return json(&models);
+                return json("models list", "models", &models);
             }
             if models.is_empty() && !common.quiet {
                 say(&format!("no models in '{}'", store.folder().display()));
@@ -129,7 +130,7 @@ fn verify(common: &Common, store: &Store) -> anyhow::Result<()> {
     }
     let bad = all.iter().filter(|v| v.state != State::Good).count();
     if common.json {
-        json(&all)?;
+        json("models verify", "files", &all)?;
     } else {
         let line = |v: &Verified| {
             let state = match v.state {
@@ -137,9 +138,9 @@ fn verify(common: &Common, store: &Store) -> anyhow::Result<()> {
                 State::Changed => "CHANGED",
                 State::Missing => "MISSING",
             };
-            format!("{}/{}: {state}\n", v.model, v.file)
+            format!("{}/{}: {state}", v.model, v.file)
         };
-        print(all.iter().map(line).collect::<String>().as_bytes())?;
+        print_styled(&all.iter().map(|v| escaped(&line(v)) + "\n").collect::<String>())?;
     }
     if bad > 0 {
         let failure = Failure::failed(format!("{bad} of {} files are not as they were added", all.len()));
@@ -151,21 +152,23 @@ fn verify(common: &Common, store: &Store) -> anyhow::Result<()> {
 /// A model in a few lines, for people.
 pub(super) fn show(model: &Model) -> String {
     let head = Style::new().bold();
-    let mut text = format!("{head}{}{head:#}: {}\n", model.name, model.kind);
+    let mut text = format!("{head}{}{head:#}: {}\n", escaped(&model.name), escaped(&model.kind));
     for file in &model.files {
-        let sum = &file.sha256;
         text.push_str(&format!(
-            "  {}, {}, {}\n    sha256 {sum}\n",
-            file.file,
+            "  {}, {}, {}\n    sha256 {}\n",
+            escaped(&file.file),
             file.role.title(),
-            bytes(file.bytes)
+            bytes(file.bytes),
+            escaped(&file.sha256)
         ));
     }
     text
 }
 
-fn json(value: &impl Serialize) -> anyhow::Result<()> {
-    let mut text = serde_json::to_string_pretty(value)?;
+/// Prints what a command found, under a name.
+fn json(command: &str, name: &str, value: &impl Serialize) -> anyhow::Result<()> {
+    let told = serde_json::json!({ "program": vtex::PROGRAM, "command": command, name: value });
+    let mut text = serde_json::to_string_pretty(&told)?;
     text.push('\n');
     print(text.as_bytes())
 }

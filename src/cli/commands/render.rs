@@ -6,11 +6,11 @@ use crate::cli::config::Given;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::pattern::{PatternArgs, pattern};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Place, Target, Written};
+use crate::cli::output::{Drawing, Target, Targets, Written};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{Counts, Summary};
 use clap::Args;
@@ -21,6 +21,8 @@ use vtex::output::file::Format;
 use vtex::output::{png, raster_svg};
 use vtex::scene::Scene;
 use vtex::synth::reconstruct;
+
+const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Png, word: "" };
 
 /// Library (drawn back as its exemplar), scene or SVG to picture
 #[derive(Args)]
@@ -37,9 +39,9 @@ pub(crate) struct RenderArgs {
     #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Option<PathBuf>,
     /// Result, .png; of a library or scene also .svg, .svgz, .pdf, .scene.json or .scene.json.gz;
-    /// - writes PNG to stdout [default: ./FILE.png]
+    /// - writes PNG to stdout; several -o write several files [default: ./FILE.png]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
@@ -54,7 +56,7 @@ pub(crate) struct RenderArgs {
 struct RenderOptions {
     scale: RenderParameters,
     svg: SvgParameters,
-    target: Target,
+    targets: Targets,
     pattern: Option<Target>,
 }
 
@@ -67,27 +69,26 @@ impl Arguments for RenderArgs {
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
         let Self { file, output, force, pattern: beside, .. } = *self;
         let file = required(file)?;
-        check_files(
-            &[("the input", &file)],
-            &[("-o", output.as_deref()), ("--pattern", beside.pattern.as_deref())],
-        )?;
-        let target = target(output, &force, &file, format::OF_SCENE, Format::Png)?;
-        let pattern = pattern(beside, &force, &target)?;
+        let mut written = outputs(&output);
+        written.push(("--pattern", beside.pattern.as_deref()));
+        check_files(&[("the input", &file)], &written)?;
+        let targets = targets(output, &force, &file, MAKES)?;
+        let pattern = pattern(beside, &force, &targets)?;
         let (scale, svg) = (resolved.parameters.render, resolved.parameters.svg);
-        let options = RenderOptions { scale, svg, target, pattern };
+        let options = RenderOptions { scale, svg, targets, pattern };
         Ok(Box::new(move |common, reporter| run(common, reporter, &file, &options)))
     }
 }
 
 fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOptions) -> anyhow::Result<()> {
-    let RenderOptions { scale: parameters, svg, target, pattern } = options;
+    let RenderOptions { scale: parameters, svg, targets, pattern } = options;
     let scale = parameters.scale;
-    let drawn = target.kind.format == Format::Png;
-    target.place.probe()?;
+    let drawing = Drawing { svg: *svg, render: *parameters, recipe: None };
+    targets.probe()?;
     if let Some(pattern) = pattern {
         pattern.place.probe()?;
     }
-    if let Some(warning) = parameters.warning(drawn) {
+    if let Some(warning) = parameters.warning(targets.has(Format::Png)) {
         reporter.warn(warning);
     }
     reporter.stage("reading")?;
@@ -110,11 +111,15 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
     }
     reporter.stage("drawing")?;
     let (written, size) = match &scene {
-        Some(scene) => (target.write_scene(scene, *svg, scale)?, parameters.size_of(scene, drawn)),
-        None if drawn => {
+        Some(scene) => {
+            let written = targets.write_scene(scene, None, drawing)?;
+            (written, drawing.size_of(scene, targets.first.kind.format))
+        }
+        None if targets.all().all(|t| t.kind.format == Format::Png) => {
             let picture = raster_svg::render_svg(&bytes, scale, &name, reporter)?;
-            let (_, bytes) = target.place.write(|out| png::encode(&picture, None, out))?;
-            (Written { bytes, ..Written::default() }, [picture.width(), picture.height()])
+            let write = |target: &Target| target.place.write(|out| png::encode(&picture, None, out));
+            let written = targets.each(|target| Ok(Written::of(write(target)?.1)))?;
+            (written, [picture.width(), picture.height()])
         }
         None => {
             let message = format!("'{name}' is an SVG already; it can be drawn as .png only");
@@ -122,13 +127,13 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
         }
     };
     if let (Some(pattern), Some(scene)) = (pattern, &scene) {
-        pattern.write_pattern(scene, *svg)?;
+        pattern.write_pattern(scene, drawing)?;
     }
     let summary = Summary {
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
         size,
         counts: scene.as_ref().map(Counts::of_scene),
-        ..Summary::new("render", vec![name], target.place.path(), written, reporter)
+        ..Summary::new("render", vec![name], targets.path(), written, reporter)
     };
-    summary.tell(common, target.place == Place::Stdout)
+    summary.tell(common, targets.piped())
 }

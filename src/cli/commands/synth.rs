@@ -2,22 +2,26 @@
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::{Given, Layer};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::options::control::{ControlArgs, Steering};
-use crate::cli::options::files::{ForceArgs, target};
+use crate::cli::options::files::{ForceArgs, Makes, outputs, targets};
 use crate::cli::options::pattern::PatternArgs;
+use crate::cli::options::preset::PresetArgs;
+use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::options::synth::{SynthBackgroundFlags, SynthFlags};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
-use crate::cli::synthesis::{Synthesis, finish};
+use crate::cli::synthesis::{Origin, Synthesis, finish};
 use crate::cli::weights::read_weights;
 use clap::Args;
 use std::path::PathBuf;
 use vtex::output::file::Format;
+
+const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "" };
 
 /// Texton library to vector texture
 #[derive(Args)]
@@ -37,14 +41,17 @@ pub(crate) struct SynthArgs {
     #[arg(value_name = "LIBRARY", required = true)]
     pub(crate) library: Vec<PathBuf>,
     /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
-    /// stdout
-    /// [default: ./LIBRARY.svg]
+    /// stdout; several -o write several files [default: ./LIBRARY.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) preset: PresetArgs,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
     pub(crate) pattern: PatternArgs,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
     #[command(flatten)]
@@ -64,7 +71,12 @@ impl Arguments for SynthArgs {
     fn give(&self, given: &mut Given) {
         given.add("synth", &self.synth);
         given.add("synth", &self.background);
+        given.add("render", &self.render);
         given.add("svg", &self.svg);
+    }
+
+    fn preset(&self) -> Result<Option<Layer>, Failure> {
+        self.preset.layer()
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
@@ -74,13 +86,13 @@ impl Arguments for SynthArgs {
         let Some(first) = libraries.first() else {
             return Err(Failure::usage("no input is given").into());
         };
-        let target = target(output.clone(), &force, first, format::OF_SCENE, Format::Svg)?;
+        let targets = targets(output.clone(), &force, first, MAKES)?;
         let steering = Steering::new(control, map);
         let read: Vec<_> = libraries.iter().map(|file| ("the library", file)).collect();
-        steering.check(&read, &[("-o", output.as_deref())])?;
+        steering.check(&read, &outputs(&output))?;
         steering.check_counts(libraries.len())?;
         read_weights(parameters.weights.clone(), first, &mut parameters.synth)?;
-        let synthesis = Synthesis::new(parameters, steering, target, pattern, &force)?;
+        let synthesis = Synthesis::new(parameters, steering, targets, pattern, &force)?;
         Ok(Box::new(move |common, reporter| run(common, reporter, &libraries, &synthesis)))
     }
 }
@@ -91,5 +103,6 @@ fn run(common: &Common, reporter: &Reporter, inputs: &[Input], synthesis: &Synth
     let controls = reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
     let libraries = reading::libraries(inputs)?;
     let names = inputs.iter().map(Input::name).collect();
-    finish(common, reporter, "synth", names, &libraries, &controls, synthesis)
+    let origin = Origin { command: "synth", inputs: names, libraries: &libraries, recipe: None };
+    finish(common, reporter, origin, &controls, synthesis)
 }

@@ -3,22 +3,30 @@
 use crate::cli::analysis::{Analysis, analyze};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
-use crate::cli::format;
+use crate::cli::config::{Given, Layer, Parameters};
+use crate::cli::failure::Failure;
+use crate::cli::format::{self, beside, default_name};
+use crate::cli::input::Input;
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::control::{ControlArgs, Steering};
-use crate::cli::options::files::{ForceArgs, required, target};
+use crate::cli::options::files::{ForceArgs, Makes, outputs, required, targets};
 use crate::cli::options::masks::MasksArgs;
 use crate::cli::options::pattern::PatternArgs;
+use crate::cli::options::preset::PresetArgs;
+use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::options::synth::SynthFlags;
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
-use crate::cli::synthesis::{Synthesis, finish};
+use crate::cli::recipe::{self, Recipe};
+use crate::cli::synthesis::{Origin, Synthesis, finish};
 use crate::cli::weights::read_weights;
 use clap::Args;
 use std::path::PathBuf;
-use vtex::output::file::Format;
+use vtex::Progress;
+use vtex::output::file::{Format, Kind};
+
+const MAKES: Makes = Makes { allowed: format::OF_PHOTO, usual: Format::Svg, word: "texture" };
 
 /// Photograph to vector texture, in one go
 #[derive(Args)]
@@ -27,21 +35,33 @@ use vtex::output::file::Format;
     after_help = "\
 Examples:
   vtex texture photo.jpg -o out.svg --size 1000
+  vtex texture photo.jpg -o out.svg -o out.png --keep
+  vtex texture photo.jpg --again out.svg --size 2000 -o large.svg
   vtex texture photo.jpg -o - --size 400x300 --seed 7 > out.svg"
 )]
 pub(crate) struct TextureArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
-    /// stdout
-    /// [default: ./PHOTO.svg]
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json, .scene.json.gz, .lib.json or
+    /// .lib.json.gz; - writes SVG to stdout; several -o write several files [default:
+    /// ./PHOTO.texture.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
+    /// Also write library and scene, to go on with: out.lib.json and out.scene.json beside out.svg
+    #[arg(long, help_heading = "Output")]
+    pub(crate) keep: bool,
+    /// Make it as an SVG of this command was made, to the same bytes; options given here win
+    #[arg(long, value_name = "SVG")]
+    pub(crate) again: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) preset: PresetArgs,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
     pub(crate) pattern: PatternArgs,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
     #[command(flatten)]
@@ -52,41 +72,122 @@ pub(crate) struct TextureArgs {
     pub(crate) masks: MasksArgs,
     #[command(flatten)]
     pub(crate) analyze: AnalyzeFlags,
+    /// What `again` says, once it is read.
+    #[arg(skip)]
+    pub(crate) recipe: Option<Recipe>,
 }
 
 impl Arguments for TextureArgs {
     fn give(&self, given: &mut Given) {
         given.add("analyze", &self.analyze);
         given.add("synth", &self.synth);
+        given.add("render", &self.render);
         given.add("svg", &self.svg);
     }
 
+    fn layer(&mut self) -> anyhow::Result<Option<&Layer>> {
+        self.recipe = self.again.as_deref().map(Recipe::read).transpose()?;
+        Ok(self.recipe.as_ref().map(|recipe| &recipe.parameters))
+    }
+
+    fn preset(&self) -> Result<Option<Layer>, Failure> {
+        self.preset.layer()
+    }
+
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
-        let Self { photo, output, force, pattern, control, masks, .. } = *self;
-        let Resolved { mut parameters, .. } = resolved;
+        let Self { photo, mut output, keep, force, pattern, mut control, mut masks, recipe, .. } = *self;
+        let Resolved { mut parameters, seed, .. } = resolved;
+        parameters.seed = Some(seed);
+        if let Some(recipe) = &recipe {
+            restore(recipe, &mut control, &mut masks)?;
+        }
         let photo = required(photo)?;
         read_weights(parameters.weights.clone(), &photo, &mut parameters.synth)?;
-        let target = target(output.clone(), &force, &photo, format::OF_SCENE, Format::Svg)?;
+        if keep {
+            keep_beside(&mut output, &photo)?;
+        }
+        let targets = targets(output.clone(), &force, &photo, MAKES)?;
         let steering = Steering::new(control, Vec::new());
-        let written = [("-o", output.as_deref()), ("--save-masks", masks.save_masks.as_deref())];
+        let mut written = outputs(&output);
+        written.push(("--save-masks", masks.save_masks.as_deref()));
         steering.check(&[("the photograph", &photo)], &written)?;
-        let analysis = Analysis::new(photo, masks, &force, output.as_deref(), &parameters)?;
-        let synthesis = Synthesis::new(parameters, steering, target, pattern, &force)?;
-        Ok(Box::new(move |common, reporter| run(common, reporter, &analysis, &synthesis)))
+        let analysis = Analysis::new(photo, masks, &force, &output, &parameters)?;
+        let synthesis = Synthesis::new(parameters.clone(), steering, targets, pattern, &force)?;
+        let texture = Texture { analysis, synthesis, parameters, recipe };
+        Ok(Box::new(move |common, reporter| texture.run(common, reporter)))
     }
 }
 
-fn run(
-    common: &Common,
-    reporter: &Reporter,
-    analysis: &Analysis,
-    synthesis: &Synthesis,
-) -> anyhow::Result<()> {
-    synthesis.probe()?;
-    analysis.probe()?;
-    // What is wrong with them shows before the long work.
-    let controls = reading::controls(&synthesis.steering, &synthesis.parameters, 1)?;
-    let library = analyze(common, analysis, reporter)?;
-    let inputs = vec![analysis.photo.name()];
-    finish(common, reporter, "texture", inputs, &[library], &controls, synthesis)
+/// What a recipe says of files and models, where the command line says nothing.
+fn restore(recipe: &Recipe, control: &mut ControlArgs, masks: &mut MasksArgs) -> anyhow::Result<()> {
+    let part = |role: &str| recipe.part(role).map(|part| part.file.clone());
+    if control.domain.is_none() && control.mask.is_none() {
+        (control.domain, control.mask) = (part("--domain"), part("--mask"));
+    }
+    control.density = control.density.take().or_else(|| part("--density"));
+    masks.masks = masks.masks.take().or_else(|| part("--masks"));
+    if masks.sam.model.is_none() && masks.sam.encoder.is_none() {
+        (masks.sam.encoder, masks.sam.decoder) = (part("--encoder"), part("--decoder"));
+        let name = recipe.model.as_deref().map(str::parse).transpose();
+        masks.sam.model =
+            name.map_err(|e: String| Failure::failed(format!("{}: model: {e}", recipe.place)))?;
+    }
+    Ok(())
+}
+
+/// Adds the names of library and scene, which follow that of the first result.
+fn keep_beside(outputs: &mut Vec<PathBuf>, photo: &Input) -> Result<(), Failure> {
+    let first = match (outputs.first(), photo) {
+        (Some(path), _) if path.as_os_str() != "-" => path.clone(),
+        (_, Input::File(photo)) => default_name(photo, MAKES.word, Format::Svg),
+        _ => {
+            let failure = Failure::usage("nothing says what library and scene of --keep are called");
+            return Err(failure.hint("name them, as in -o - -o a.lib.json -o a.scene.json"));
+        }
+    };
+    if outputs.is_empty() {
+        outputs.push(first.clone());
+    }
+    for format in [Format::Library, Format::Scene] {
+        let asked = |path: &PathBuf| Kind::from_path(path).is_some_and(|kind| kind.format == format);
+        if !outputs.iter().any(asked) {
+            outputs.push(beside(&first, format));
+        }
+    }
+    Ok(())
+}
+
+/// How a photograph is analyzed and its texture made.
+struct Texture {
+    analysis: Analysis,
+    synthesis: Synthesis,
+    parameters: Parameters,
+    recipe: Option<Recipe>,
+}
+
+impl Texture {
+    fn run(&self, common: &Common, reporter: &Reporter) -> anyhow::Result<()> {
+        let Self { analysis, synthesis, recipe, .. } = self;
+        synthesis.probe()?;
+        analysis.probe()?;
+        // What is wrong with them shows before the long work.
+        if let Some(recipe) = recipe {
+            recipe.check("photo", "the photograph", &analysis.photo)?;
+            for (role, file) in synthesis.steering.files() {
+                recipe.check(role, &format!("the file of {role}"), file)?;
+            }
+            if recipe.program != vtex::PROGRAM {
+                let Recipe { place, program, .. } = recipe;
+                reporter.warn(&format!("{place} was made by {program}, this is {}", vtex::PROGRAM));
+            }
+        }
+        let controls = reading::controls(&synthesis.steering, &synthesis.parameters, 1)?;
+        let library = analyze(common, analysis, reporter)?;
+        let inputs = vec![analysis.photo.name()];
+        let parameters = Parameters { synth: synthesis.parameters.clone(), ..self.parameters.clone() };
+        let made = recipe::of(&parameters, analysis.masks(), &synthesis.steering, &library, &analysis.photo)?;
+        let libraries = std::slice::from_ref(&library);
+        let origin = Origin { command: "texture", inputs, libraries, recipe: Some(&made) };
+        finish(common, reporter, origin, &controls, synthesis)
+    }
 }

@@ -163,7 +163,11 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
     if common.seed_chosen {
         say(&format!("seed: {0} (give --seed {0} for the same again)", tuned.seed));
     }
-    say(&format!("use them with 'vtex synth {} --weights {name}'", input.name()));
+    if tuned.after.objective() < tuned.before.objective() {
+        say(&format!("use them with 'vtex synth {} --weights {name}'", input.name()));
+    } else {
+        say("they are those to begin with, for no better were found: there is nothing to use");
+    }
     Ok(())
 }
 

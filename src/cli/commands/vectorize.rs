@@ -3,19 +3,25 @@
 use crate::cli::analysis::{Analysis, analyze};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::{Given, Layer};
+use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
-use crate::cli::options::files::{ForceArgs, required, target};
+use crate::cli::options::files::{ForceArgs, Makes, required, targets};
 use crate::cli::options::masks::MasksArgs;
-use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Place, Target, say};
+use crate::cli::options::preset::PresetArgs;
+use crate::cli::options::render::RenderFlags;
+use crate::cli::options::svg::SvgFlags;
+use crate::cli::output::{Drawing, Targets, say};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{Counts, Summary};
 use clap::Args;
 use std::path::PathBuf;
+use vtex::Progress;
 use vtex::output::file::Format;
 use vtex::synth::reconstruct;
+
+const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "vector" };
 
 /// The photograph itself, drawn in vectors
 #[derive(Args)]
@@ -31,12 +37,17 @@ pub(crate) struct VectorizeArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// Result, by extension .svg, .svgz, .png, .scene.json or .scene.json.gz; - writes SVG to stdout
-    /// [default: ./PHOTO.svg]
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout; several -o write several files [default: ./PHOTO.vector.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) preset: PresetArgs,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
     #[command(flatten)]
@@ -48,16 +59,27 @@ pub(crate) struct VectorizeArgs {
 impl Arguments for VectorizeArgs {
     fn give(&self, given: &mut Given) {
         given.add("analyze", &self.analyze);
+        given.add("render", &self.render);
         given.add("svg", &self.svg);
+    }
+
+    fn preset(&self) -> Result<Option<Layer>, Failure> {
+        self.preset.layer()
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
         let Self { photo, output, force, masks, .. } = *self;
         let photo = required(photo)?;
-        let target = target(output.clone(), &force, &photo, format::OF_SCENE, Format::Svg)?;
-        let analysis = Analysis::new(photo, masks, &force, output.as_deref(), &resolved.parameters)?;
-        let svg = resolved.parameters.svg;
-        Ok(Box::new(move |common, reporter| run(common, reporter, &analysis, svg, &target)))
+        let targets = targets(output.clone(), &force, &photo, MAKES)?;
+        let analysis = Analysis::new(photo, masks, &force, &output, &resolved.parameters)?;
+        let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
+        let drawing = Drawing { svg, render, recipe: None };
+        Ok(Box::new(move |common, reporter| {
+            if let Some(warning) = render.warning(targets.has(Format::Png)) {
+                reporter.warn(warning);
+            }
+            run(common, reporter, &analysis, drawing, &targets)
+        }))
     }
 }
 
@@ -65,10 +87,10 @@ fn run(
     common: &Common,
     reporter: &Reporter,
     analysis: &Analysis,
-    svg: SvgParameters,
-    target: &Target,
+    drawing: Drawing<'_>,
+    targets: &Targets,
 ) -> anyhow::Result<()> {
-    target.place.probe()?;
+    targets.probe()?;
     analysis.probe()?;
     if common.verbosity > 1 {
         say(&format!("{:#?}", analysis.parameters));
@@ -76,12 +98,12 @@ fn run(
     let library = analyze(common, analysis, reporter)?;
     let scene = reconstruct(&library);
     reporter.stage("writing")?;
-    let written = target.write_scene(&scene, svg, 1.0)?;
+    let written = targets.write_scene(&scene, None, drawing)?;
     let summary = Summary {
         seed: Some(library.source.parameters.seed),
-        size: [scene.width, scene.height],
+        size: drawing.size_of(&scene, targets.first.kind.format),
         counts: Some(Counts::of_scene(&scene)),
-        ..Summary::new("vectorize", vec![analysis.photo.name()], target.place.path(), written, reporter)
+        ..Summary::new("vectorize", vec![analysis.photo.name()], targets.path(), written, reporter)
     };
-    summary.tell(common, target.place == Place::Stdout)
+    summary.tell(common, targets.piped())
 }

@@ -6,19 +6,22 @@ use crate::cli::config::Given;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
+use crate::cli::options::render::RenderParameters;
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::Target;
+use crate::cli::output::{Drawing, Targets};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::synthesis::Made;
-use crate::cli::values::{Factors, named};
+use crate::cli::values::{Factors, named, one_of};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::control;
 use vtex::output::file::Format;
 use vtex::scene::{Edge, Scene};
 use vtex::warp::{Bend, WarpParams, warp};
+
+const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "warped" };
 
 /// Bend or stretch a scene; elements keep their size and density
 #[derive(Args)]
@@ -27,7 +30,7 @@ use vtex::warp::{Bend, WarpParams, warp};
     after_help = "\
 Examples:
   vtex warp wide.scene.json photo.lib.json --scale 1.5x1 -o wider.svg
-  vtex warp square.scene.json photo.lib.json --cage square.svg --to disc.svg -o bent.svg
+  vtex warp a.scene.json photo.lib.json --cage a.svg --to b.svg -o bent.svg
 
 Elements move, gaps are filled with new ones, and where they crowd some go. New ones are drawn by
 the scene's seed, unless --seed gives another."
@@ -50,13 +53,13 @@ pub(crate) struct WarpArgs {
     pub(crate) scale: Option<Factors>,
     /// At the edge of the new shape keep elements whole, clip them, or avoid it [keep, clip or avoid,
     /// default: as in the scene]
-    #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
+    #[arg(long, value_name = "HOW", hide_possible_values = true)]
+    #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]
     pub(crate) edge: Option<Edge>,
     /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
-    /// stdout
-    /// [default: ./SCENE.svg]
+    /// stdout; several -o write several files [default: ./SCENE.warped.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) output: Option<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
@@ -70,7 +73,7 @@ struct Warping {
     how: How,
     parameters: WarpParams,
     svg: SvgParameters,
-    target: Target,
+    targets: Targets,
 }
 
 /// What bends a scene.
@@ -99,7 +102,7 @@ impl Warping {
         let scene = required(a.scene)?;
         let libraries: Vec<Input> = a.library.into_iter().map(Input::new).collect();
         let output = a.output.clone();
-        let target = target(a.output, &a.force, &scene, format::OF_SCENE, Format::Svg)?;
+        let targets = targets(a.output, &a.force, &scene, MAKES)?;
         let how = match (a.scale, a.cage, a.to) {
             (Some(Factors(factors)), ..) => How::Scale(factors),
             (None, Some(cage), Some(to)) => How::Cage([cage, to].map(Input::new)),
@@ -113,14 +116,14 @@ impl Warping {
         if let How::Cage([cage, to]) = &how {
             read.extend([("--cage", cage), ("--to", to)]);
         }
-        check_files(&read, &[("-o", output.as_deref())])?;
-        Ok(Self { scene, libraries, how, parameters, svg, target })
+        check_files(&read, &outputs(&output))?;
+        Ok(Self { scene, libraries, how, parameters, svg, targets })
     }
 }
 
 fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Result<()> {
-    let Warping { scene, libraries, how, parameters, svg, target } = warping;
-    target.place.probe()?;
+    let Warping { scene, libraries, how, parameters, svg, targets } = warping;
+    targets.probe()?;
     reporter.stage("reading")?;
     let before = reading::scene(scene)?;
     let bend = bend(&before, how)?;
@@ -131,7 +134,10 @@ fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Resul
         inputs.extend(cages.iter().map(Input::name));
     }
     let (result, report) = warp(&before, known, &bend, *parameters, reporter)?;
-    Made { command: "warp", inputs, scene: result, report }.write(common, reporter, *svg, target, None)
+    let drawing =
+        Drawing { svg: *svg, render: RenderParameters { scale: 1.0, background: None }, recipe: None };
+    let made = Made { command: "warp", inputs, library: None, scene: result, report };
+    made.write(common, reporter, drawing, targets, None)
 }
 
 /// Scene → the way that it is bent.

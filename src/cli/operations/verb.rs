@@ -1,6 +1,7 @@
 //! The operations: their words and flags, their help, and the actions that they are.
 
 use super::fault::{self, Fault};
+use crate::cli::colours::colour;
 use crate::cli::values::named;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgAction, Command, Subcommand};
@@ -47,7 +48,7 @@ pub(super) enum Verb {
     /// Mix colours with one, in Oklab.
     #[command(after_help = "tint #ff0000 --amount 0.5 --share 0.3")]
     Tint {
-        /// the colour [#rrggbb]
+        /// the colour [#rrggbb, #rgb or a name of CSS]
         #[arg(value_name = "COLOUR", value_parser = colour)]
         colour: Colour,
         /// its share in the mixture [0 to 1, default: 0.5]
@@ -62,10 +63,10 @@ pub(super) enum Verb {
     /// Move colours like one to another, and those less like it less far; shading stays.
     #[command(after_help = "recolor --from #808080 --to #3060a0")]
     Recolor {
-        /// colour sought [#rrggbb, needed]
+        /// colour sought [#rrggbb, #rgb or a name of CSS, needed]
         #[arg(long, value_name = "COLOUR", value_parser = colour)]
         from: Colour,
-        /// colour that it becomes [#rrggbb, needed]
+        /// colour that it becomes [#rrggbb, #rgb or a name of CSS, needed]
         #[arg(long, value_name = "COLOUR", value_parser = colour)]
         to: Colour,
         /// Oklab distance up to which colours are alike; black and white are 1 apart [0.01 to 2, default:
@@ -118,7 +119,7 @@ pub(super) enum Verb {
         /// width of the line; 0 takes lines away [0 to 1000 px]
         #[arg(value_name = "WIDTH", value_parser = number, allow_negative_numbers = true)]
         width: f64,
-        /// its colour [#rrggbb]
+        /// its colour [#rrggbb, #rgb or a name of CSS]
         #[arg(value_name = "COLOUR", value_parser = colour)]
         colour: Colour,
     },
@@ -248,12 +249,4 @@ fn direction(text: &str) -> Result<Direction, String> {
         Ok(angle) => Ok(Direction::Angle(angle)),
         Err(_) => file(text).map(Direction::Map),
     }
-}
-
-/// `#rrggbb` or `#rgb`.
-fn colour(text: &str) -> Result<Colour, String> {
-    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 3 && digits.is_ascii());
-    let doubled = digits.map(|digits| digits.chars().flat_map(|c| [c, c]).collect::<String>());
-    let full = doubled.map_or_else(|| text.to_owned(), |digits| format!("#{digits}"));
-    Colour::from_hex(&full).ok_or_else(|| "no colour".into())
 }

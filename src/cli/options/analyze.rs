@@ -4,7 +4,7 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use crate::cli::values::named;
+use crate::cli::values::{named, one_of};
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use vtex::library::Shading;
@@ -70,9 +70,10 @@ pub(crate) struct AnalyzeFlags {
     pub(crate) fidelity: Option<f64>,
     /// Fill elements with one colour each, or with gradients where these tell more [flat or gradient,
     /// default: gradient]
-    #[arg(long, value_name = "HOW", value_parser = named::<Shading>)]
+    #[arg(long, value_name = "HOW", hide_possible_values = true)]
+    #[arg(value_parser = one_of(&["flat", "gradient"], named::<Shading>))]
     pub(crate) shading: Option<Shading>,
-    /// Most colours, all flat; 0: as many as there are [0 to 4096, default: 0]
+    /// Most colours, all flat, the ground of a vectorized photograph included; 0: as many as there are [0 to 4096, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) colors: Option<u32>,
     /// Most elements and details together; 0: as many as there are [0 to 10000000, default: 0]

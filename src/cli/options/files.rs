@@ -3,7 +3,7 @@
 use crate::cli::failure::Failure;
 use crate::cli::format::{self, default_name};
 use crate::cli::input::Input;
-use crate::cli::output::{Place, Target};
+use crate::cli::output::{Place, Target, Targets};
 use clap::Args;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -23,19 +23,39 @@ pub(crate) fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
     path.map(Input::new).ok_or_else(|| Failure::usage("no input is given"))
 }
 
+/// What a command writes.
+#[derive(Clone, Copy)]
+pub(crate) struct Makes {
+    /// All formats, in which the result may be written.
+    pub(crate) allowed: &'static [Format],
+    /// What is written if nothing is said.
+    pub(crate) usual: Format,
+    /// What its file is called then, after the name of the input; may be empty. Commands differ in it, so
+    /// that none replaces what another has made.
+    pub(crate) word: &'static str,
+}
+
 /// Where results go: as asked; else stdout if the input is stdin; else a file named after it.
-pub(crate) fn target(
-    output: Option<PathBuf>,
+pub(crate) fn targets(
+    outputs: Vec<PathBuf>,
     force: &ForceArgs,
     input: &Input,
-    allowed: &[Format],
-    usual: Format,
-) -> Result<Target, Failure> {
-    let path = match (output, input) {
+    makes: Makes,
+) -> Result<Targets, Failure> {
+    apart(&self::outputs(&outputs))?;
+    let mut outputs = outputs.into_iter();
+    let first = match (outputs.next(), input) {
         (Some(path), _) => path,
         (None, Input::Stdin) => Path::new("-").into(),
-        (None, Input::File(path)) => default_name(path, usual),
+        (None, Input::File(path)) => default_name(path, makes.word, makes.usual),
     };
+    let first = target(first, force, makes)?;
+    let others = outputs.map(|path| target(path, force, makes)).collect::<Result<_, _>>()?;
+    Ok(Targets { first, others })
+}
+
+/// One place.
+fn target(path: PathBuf, force: &ForceArgs, Makes { allowed, usual, .. }: Makes) -> Result<Target, Failure> {
     if path.as_os_str() == "-" {
         if usual == Format::Png && std::io::stdout().is_terminal() {
             return Err(Failure::usage("a terminal cannot show a picture").hint("name a file with --output"));
@@ -44,6 +64,11 @@ pub(crate) fn target(
     }
     let kind = format::kind_of("--output", &path, allowed)?;
     Ok(Target { place: Place::File { path, force: force.force }, kind })
+}
+
+/// The files of `-o`, with their flag.
+pub(crate) fn outputs(paths: &[PathBuf]) -> Vec<(&'static str, Option<&Path>)> {
+    paths.iter().map(|path| ("-o", Some(path.as_path()))).collect()
 }
 
 /// Refuses that a file is read and written, or standard input read twice.

@@ -12,16 +12,9 @@ pub(crate) struct Global {
     /// printed and stored]
     #[arg(long, global = true, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) seed: Option<Seed>,
-    /// Threads, of all but ONNX Runtime; results do not depend on it [1 to 1024, default: all cores]
-    #[arg(
-        short,
-        long,
-        global = true,
-        value_name = "NUMBER",
-        env = "VTEX_THREADS",
-        hide_env_values = true,
-        allow_negative_numbers = true
-    )]
+    /// Threads, of all but ONNX Runtime; results do not depend on it [1 to 1024, default:
+    /// $VTEX_THREADS, else all cores]
+    #[arg(short, long, global = true, value_name = "NUMBER", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// Print nothing but errors

@@ -8,6 +8,7 @@ pub(crate) mod files;
 pub(crate) mod global;
 pub(crate) mod masks;
 pub(crate) mod pattern;
+pub(crate) mod preset;
 pub(crate) mod render;
 pub(crate) mod svg;
 pub(crate) mod synth;

@@ -3,7 +3,7 @@
 use super::files::{ForceArgs, apart};
 use crate::cli::failure::Failure;
 use crate::cli::format;
-use crate::cli::output::{Place, Target};
+use crate::cli::output::{Place, Target, Targets};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -21,10 +21,12 @@ pub(crate) struct PatternArgs {
 pub(crate) fn pattern(
     args: PatternArgs,
     force: &ForceArgs,
-    output: &Target,
+    outputs: &Targets,
 ) -> Result<Option<Target>, Failure> {
     let Some(path) = args.pattern else { return Ok(None) };
     let kind = format::kind_of("--pattern", &path, format::OF_PATTERN)?;
-    apart(&[("the output", Some(output.place.path())), ("--pattern", Some(&path))])?;
+    for output in outputs.all() {
+        apart(&[("the output", Some(output.place.path())), ("--pattern", Some(&path))])?;
+    }
     Ok(Some(Target { place: Place::File { path, force: force.force }, kind }))
 }

@@ -1,8 +1,11 @@
 //! How a picture is drawn.
 
+use crate::cli::colours::colour;
 use clap::Args;
-use serde::{Deserialize, Serialize};
-use vtex::scene::Scene;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::str::FromStr;
+use vtex::raster::colour::Colour;
 
 /// Section `[render]`.
 #[derive(Args, Serialize)]
@@ -11,6 +14,10 @@ pub(crate) struct RenderFlags {
     /// Pixels of a PNG for each pixel of the canvas [0.01 to 100, default: 1]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) scale: Option<f64>,
+    /// Ground of one colour in place of the exemplar's, or none, so that what is between the elements is
+    /// transparent (.svg, .svgz and .png) [#rrggbb, #rgb, a name of CSS or none, default: the exemplar's]
+    #[arg(long, value_name = "COLOUR")]
+    pub(crate) background: Option<Ground>,
 }
 
 /// How a picture is drawn.
@@ -19,16 +26,46 @@ pub(crate) struct RenderFlags {
 pub(crate) struct RenderParameters {
     /// Pixels for each pixel of the canvas. 0.01 to 100.
     pub(crate) scale: f64,
+    /// What is between the elements, if not the exemplar's ground.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) background: Option<Ground>,
+}
+
+/// What is between the elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ground {
+    Colour(Colour),
+    None,
+}
+
+impl FromStr for Ground {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "none" {
+            Ok(Self::None)
+        } else {
+            colour(text).map(Self::Colour).map_err(|e| e + ", or none")
+        }
+    }
+}
+
+impl Serialize for Ground {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Colour(colour) => colour.serialize(serializer),
+            Self::None => serializer.serialize_str("none"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Ground {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
 }
 
 impl RenderParameters {
-    /// Size of what is made of a scene, in pixels: of its picture, or of its canvas where that has
-    /// no resolution.
-    pub(crate) fn size_of(&self, scene: &Scene, drawn: bool) -> [u32; 2] {
-        let scale = if drawn { self.scale } else { 1.0 };
-        [scene.width, scene.height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
-    }
-
     /// What to tell of a scale that was asked for where nothing is `drawn`.
     pub(crate) fn warning(&self, drawn: bool) -> Option<&'static str> {
         let idle = !drawn && self.scale != 1.0;

@@ -1,9 +1,22 @@
 //! How a texture is synthesised.
 
-use crate::cli::values::{Axes, Size, WeightsFrom, named};
+use crate::cli::values::{Axes, Size, WeightsFrom, named, one_of};
 use clap::Args;
 use serde::Serialize;
 use vtex::scene::{Ablation, Edge, Method};
+
+const PARTS: [&str; 10] = [
+    "secondary",
+    "overlap",
+    "density",
+    "decay",
+    "improve",
+    "growth",
+    "removal",
+    "copies",
+    "seeds",
+    "neighbourhoods",
+];
 
 /// Section `[synth]`.
 #[derive(Args, Serialize)]
@@ -15,7 +28,8 @@ pub(crate) struct SynthFlags {
     /// How elements are placed: carried from the exemplar along a field of correspondences, which keeps
     /// structure larger than a few elements; one by one by the descriptors of their neighbours; or as
     /// the library allows [auto, correspondence or descriptor, default: auto]
-    #[arg(long, value_name = "METHOD", value_parser = named::<Method>)]
+    #[arg(long, value_name = "METHOD", hide_possible_values = true)]
+    #[arg(value_parser = one_of(&["auto", "correspondence", "descriptor"], named::<Method>))]
     pub(crate) method: Option<Method>,
     /// Textons tried for each place, by descriptors [1 to 1000, default: 20]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
@@ -31,6 +45,7 @@ pub(crate) struct SynthFlags {
     /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
     /// default: none]
     #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
+    #[arg(value_parser = one_of(&Axes::NAMES, str::parse::<Axes>), hide_possible_values = true)]
     pub(crate) tile: Option<Axes>,
     /// Turn each texton by a random angle, at most this many degrees either way [0 to 180, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
@@ -44,11 +59,13 @@ pub(crate) struct SynthFlags {
     pub(crate) scale_jitter: Option<f64>,
     /// At the edge of a domain keep textons whole, clip them, or avoid it [keep, clip or avoid,
     /// default: clip]
-    #[arg(long, value_name = "HOW", value_parser = named::<Edge>)]
+    #[arg(long, value_name = "HOW", hide_possible_values = true)]
+    #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]
     pub(crate) edge: Option<Edge>,
     /// Leave parts of the method out, to see what they do: secondary, overlap, density, decay,
     /// improve, growth, removal, copies, seeds, neighbourhoods [default: none]
-    #[arg(long, value_name = "PART,...", value_parser = named::<Ablation>, value_delimiter = ',')]
+    #[arg(long, value_name = "PART,...", value_parser = one_of(&PARTS, named::<Ablation>), value_delimiter = ',')]
+    #[arg(hide_possible_values = true)]
     pub(crate) ablate: Option<Vec<Ablation>>,
 }
 

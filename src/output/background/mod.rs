@@ -45,6 +45,8 @@ pub(super) struct Background {
     /// The rows, each with the stops of each column. A column's first stop lies at its beginning,
     /// its last at the beginning of the next.
     pub(super) rows: Vec<Vec<Vec<Stop>>>,
+    /// The only colour, where there is but one.
+    pub(super) flat: Option<Colour>,
 }
 
 /// A colour at a place of a row.
@@ -60,6 +62,9 @@ impl Background {
     pub(super) fn new(scene: &Scene, own: &Field) -> Self {
         let field = Interpolant::new(own, scene.width, scene.height, scene.tile);
         let (width, height) = (f64::from(scene.width), f64::from(scene.height));
+        if own.points.is_empty() {
+            return Self::flat(width, height, own.fallback);
+        }
         let spacing = own.spacing.clamp(5.0, 1000.0);
         // Whole and half pixels are short in text.
         let step = libm::round(spacing * SAMPLE * 2.0) / 2.0;
@@ -81,7 +86,19 @@ impl Background {
         let mut columns: Vec<f64> = starts.iter().map(|&i| xs[i]).collect();
         columns.push(width);
         let row_height = height / row_count as f64;
-        Self { row_height, columns, column_width: step * COLUMN as f64, rows }
+        Self { row_height, columns, column_width: step * COLUMN as f64, rows, flat: None }
+    }
+
+    /// One colour everywhere.
+    fn flat(width: f64, height: f64, colour: Colour) -> Self {
+        let row = vec![vec![Stop { x: 0.0, colour }, Stop { x: width, colour }]];
+        Self {
+            row_height: height,
+            columns: vec![0.0, width],
+            column_width: width,
+            rows: vec![row; 2],
+            flat: Some(colour),
+        }
     }
 
     /// sRGB components (0 to 255) of row `k` at each of the ascending places `xs`, in pixels.

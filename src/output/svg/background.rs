@@ -57,6 +57,9 @@ impl Background {
         bleed: f64,
         name: &str,
     ) -> io::Result<()> {
+        if self.flat.is_some() {
+            return Ok(());
+        }
         for (k, row) in self.rows.iter().enumerate() {
             for (c, stops) in row.iter().enumerate() {
                 let start = self.columns[c];
@@ -127,6 +130,20 @@ impl Background {
     /// The bands; the outermost reach `bleed` pixels beyond the canvas.
     pub(super) fn write_bands<W: Write>(&self, xml: &mut Xml<W>, bleed: f64, name: &str) -> io::Result<()> {
         let last_row = self.rows.len() - 1;
+        if let Some(colour) = self.flat {
+            let (left, right) = self.span(0, bleed);
+            xml.open("rect");
+            if bleed > 0.0 {
+                xml.attribute("x", Number(left, DIGITS));
+                xml.attribute("y", Number(-bleed, DIGITS));
+            }
+            xml.attribute("width", Number(right - left, DIGITS));
+            xml.attribute("height", Number(self.row_height + 2.0 * bleed, DIGITS));
+            xml.attribute("fill", Paint(colour));
+            xml.close()?;
+            xml.line();
+            return Ok(());
+        }
         for first in 0..2 {
             xml.open("g");
             if first == 1 {

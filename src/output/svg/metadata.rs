@@ -18,13 +18,16 @@ struct Metadata<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<&'a SynthParams>,
     libraries: &'a [LibraryRef],
+    /// How it was made from its inputs, in the words of whoever made it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recipe: Option<&'a serde_json::Value>,
     /// What was done to it after synthesis.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     edits: &'a [EditRecord],
 }
 
 /// The metadata of a scene as JSON text.
-pub(super) fn json(scene: &Scene) -> String {
+pub(super) fn json(scene: &Scene, recipe: Option<&serde_json::Value>) -> String {
     let metadata = Metadata {
         format: "vtex-svg",
         version: 1,
@@ -35,6 +38,7 @@ pub(super) fn json(scene: &Scene) -> String {
         tile: scene.tile,
         parameters: scene.parameters.as_ref(),
         libraries: &scene.libraries,
+        recipe,
         edits: &scene.edits,
     };
     serde_json::to_string(&metadata).expect("metadata hold nothing that JSON cannot")

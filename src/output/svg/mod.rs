@@ -101,7 +101,36 @@ pub struct SvgSummary {
 /// # Errors
 /// A precision out of range; a scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
 pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
-    let document = Document::new(scene, options, 0.0)?;
+    write_with(scene, options, Extras::default(), out)
+}
+
+/// What may be said of an SVG beside its options.
+#[derive(Clone, Copy, Debug)]
+pub struct Extras<'a> {
+    /// How the scene was made from its inputs, in the words of the program that made it; stored in the
+    /// metadata.
+    pub recipe: Option<&'a serde_json::Value>,
+    /// Whether the background is drawn; without it what is between the textons is transparent.
+    pub background: bool,
+}
+
+impl Default for Extras<'_> {
+    fn default() -> Self {
+        Self { recipe: None, background: true }
+    }
+}
+
+/// As [`write`], with what may be said beside the options.
+///
+/// # Errors
+/// Those of [`write`].
+pub fn write_with(
+    scene: &Scene,
+    options: &SvgOptions,
+    extras: Extras<'_>,
+    out: impl Write,
+) -> Result<SvgSummary> {
+    let document = Document { extras, ..Document::new(scene, options, 0.0)? };
     summed(document.textons.shared_count(), out, |xml| document.write(xml))
 }
 
@@ -160,6 +189,7 @@ struct Document<'a> {
     textons: Textons<'a>,
     /// How far beyond the canvas it reaches, in pixels.
     bleed: f64,
+    extras: Extras<'a>,
 }
 
 impl<'a> Document<'a> {
@@ -171,7 +201,7 @@ impl<'a> Document<'a> {
         let backgrounds = backgrounds(fields.map(|f| f.map(|field| Background::new(scene, field))), "b");
         let layers = scene.layers.iter().map(|l| (l.name.as_str(), l.role, l.region.is_some()));
         let frames = Frame::of(layers, scene.domain.as_ref().map(|d| d.edge));
-        Ok(Self { scene, backgrounds, frames, textons, bleed })
+        Ok(Self { scene, backgrounds, frames, textons, bleed, extras: Extras::default() })
     }
 
     /// The canvas as it is.
@@ -223,7 +253,7 @@ impl<'a> Document<'a> {
     /// Title and metadata.
     fn write_about<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         let title = crate::output::title(self.scene);
-        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene))] {
+        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene, self.extras.recipe))] {
             xml.open(name);
             xml.text(&text);
             xml.close()?;
@@ -236,7 +266,7 @@ impl<'a> Document<'a> {
     fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         xml.open("defs");
         xml.line();
-        for (background, name) in self.backgrounds.iter().flatten() {
+        for (background, name) in self.backgrounds.iter().flatten().filter(|_| self.extras.background) {
             background.write_definitions(xml, self.bleed, name)?;
         }
         self.textons.write_definitions(xml)?;
@@ -259,7 +289,8 @@ impl<'a> Document<'a> {
 
     fn write_layers<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         layers::write(xml, &self.frames, |xml, k| {
-            if let Some((background, name)) = &self.backgrounds[k] {
+            if let Some((background, name)) = self.backgrounds[k].as_ref().filter(|_| self.extras.background)
+            {
                 background.write_bands(xml, self.bleed, name)?;
             }
             let layer = &self.scene.layers[k];

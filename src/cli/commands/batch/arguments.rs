@@ -6,8 +6,11 @@ use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::control::ControlArgs;
 use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::masks::SamArgs;
+use crate::cli::options::preset::PresetArgs;
+use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::options::synth::SynthFlags;
+use crate::cli::values::one_of;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -36,6 +39,7 @@ pub(crate) struct BatchArgs {
     /// What is written for each: svg, svgz, pdf, png, scene.json, scene.json.gz, lib.json,
     /// lib.json.gz [default: svg]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = "Output")]
+    #[arg(value_parser = one_of(&Extension::ALL, str::parse::<Extension>), hide_possible_values = true)]
     pub(crate) format: Option<Vec<Extension>>,
     /// Do all jobs anew, and replace existing files even if vtex did not write them
     #[arg(short, long, help_heading = "Output")]
@@ -44,6 +48,10 @@ pub(crate) struct BatchArgs {
     /// [1/1 to 10000/10000, default: 1/1]
     #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
     pub(crate) shard: Option<Shard>,
+    #[command(flatten)]
+    pub(crate) preset: PresetArgs,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
     #[command(flatten)]

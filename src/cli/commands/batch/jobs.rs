@@ -1,7 +1,7 @@
 //! The list of jobs: files, folders or a file of jobs, each with its name and parameters.
 
 use super::values::Extension;
-use crate::cli::config::{Given, Layer, Parameters};
+use crate::cli::config::{Given, Layer, Parameters, fault};
 use crate::cli::failure::Failure;
 use crate::cli::format::stem;
 use crate::cli::input::note_read;
@@ -89,7 +89,7 @@ impl JobsFile {
         let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
         note_read(path);
         let mut table: Table = text.parse().map_err(|e: toml::de::Error| {
-            Failure::usage(format!("cannot read '{}': {}", path.display(), e.to_string().trim_end()))
+            Failure::usage(format!("cannot read '{}': {}", path.display(), fault(&text, &e)))
         })?;
         let shown = format!("'{}'", path.display());
         let jobs = match table.remove("job") {
@@ -145,7 +145,10 @@ impl Entry {
 
 /// Refuses a name that would lead out of the folder for results.
 fn check_name(name: &str, place: &str) -> Result<(), Failure> {
-    let plain = !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', '\0', ':']);
+    let plain = !name.is_empty()
+        && !name.starts_with('.')
+        && !name.contains(['/', '\\', ':'])
+        && !name.contains(char::is_control);
     if plain {
         return Ok(());
     }

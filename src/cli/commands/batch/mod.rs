@@ -12,6 +12,7 @@ pub(crate) use arguments::BatchArgs;
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::config::{Given, Layer};
+use crate::cli::failure::Failure;
 use jobs::Source;
 use plan::Batch;
 
@@ -19,6 +20,7 @@ impl Arguments for BatchArgs {
     fn give(&self, given: &mut Given) {
         given.add("analyze", &self.analyze);
         given.add("synth", &self.synth);
+        given.add("render", &self.render);
         given.add("svg", &self.svg);
     }
 
@@ -27,6 +29,10 @@ impl Arguments for BatchArgs {
             self.source = Some(Source::new(&self.input)?);
         }
         Ok(self.source.as_ref().and_then(Source::defaults))
+    }
+
+    fn preset(&self) -> Result<Option<Layer>, Failure> {
+        self.preset.layer()
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {

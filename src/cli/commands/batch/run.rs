@@ -7,17 +7,22 @@ use super::tell::{Total, tell, thousandths};
 use super::values::Extension;
 use crate::cli::analysis::{Analysis, analyze, finds_masks};
 use crate::cli::common::Common;
+use crate::cli::config::Parameters;
 use crate::cli::exit::Exit;
 use crate::cli::failure::{Failure, explain};
 use crate::cli::input::{Input, Kind};
 use crate::cli::interrupt;
 use crate::cli::options::analyze::SegmenterName;
+use crate::cli::options::render::RenderParameters;
 use crate::cli::options::svg::SvgParameters;
-use crate::cli::output::{Place, Target, say};
+use crate::cli::output::{Drawing, Place, Target, say};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
+use crate::cli::recipe;
+use crate::cli::values::Seed;
 use crate::cli::weights::read_weights;
 use serde::Serialize;
+use serde_json::Value;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -41,6 +46,7 @@ struct Origin<'a> {
     analyze: Option<&'a AnalyzeParams>,
     synth: &'a SynthParams,
     svg: SvgParameters,
+    render: RenderParameters,
 }
 
 /// What finds masks, by segmenter: networks are large and read once for all jobs.
@@ -75,6 +81,8 @@ struct Run<'a> {
 struct Made {
     /// Of a photograph, the library made of it; of a library, itself.
     library: Library,
+    /// Of a photograph: how it is made.
+    recipe: Option<Value>,
     scene: Scene,
     report: Report,
 }
@@ -208,7 +216,7 @@ impl<'a> Run<'a> {
         let outcome = self.make(&reporter, is_library).and_then(|made| {
             reporter.stage("writing")?;
             for target in self.targets() {
-                let written = made.write(&target, self.job.parameters.svg)?;
+                let written = made.write(&target, self.job.parameters.svg, self.job.parameters.render)?;
                 written.iter().for_each(|warning| reporter.warn(warning));
             }
             Ok(made)
@@ -244,6 +252,7 @@ impl<'a> Run<'a> {
             analyze: (!is_library).then_some(&analyze),
             synth: &synth,
             svg: self.job.parameters.svg,
+            render: self.job.parameters.render,
         }))
     }
 
@@ -259,6 +268,7 @@ impl<'a> Run<'a> {
         // What is wrong with them shows before the long work.
         self.targets().iter().try_for_each(|target| target.place.probe())?;
         let controls = reading::controls(&self.batch.steering, &self.synth, 1)?;
+        let mut recipe = None;
         let mut libraries = if is_library {
             reporter.stage("reading")?;
             reading::libraries(std::slice::from_ref(&self.input))?
@@ -270,21 +280,35 @@ impl<'a> Run<'a> {
                 save_masks: None,
                 parameters: self.analyze.clone(),
             };
-            vec![analyze(&self.common, &analysis, reporter)?]
+            let library = analyze(&self.common, &analysis, reporter)?;
+            let parameters = Parameters {
+                seed: Some(Seed(self.synth.seed)),
+                synth: self.synth.clone(),
+                ..self.job.parameters.clone()
+            };
+            let steering = &self.batch.steering;
+            recipe = Some(recipe::of(&parameters, analysis.masks(), steering, &library, &self.input)?);
+            vec![library]
         };
         let (scene, report) = synthesize_with(&libraries, &self.synth, &controls, reporter)?;
-        Ok(Made { library: libraries.remove(0), scene, report })
+        Ok(Made { library: libraries.remove(0), recipe, scene, report })
     }
 }
 
 impl Made {
     /// Writes one of the results; what the writer warns of.
-    fn write(&self, target: &Target, svg: SvgParameters) -> vtex::Result<Vec<String>> {
+    fn write(
+        &self,
+        target: &Target,
+        svg: SvgParameters,
+        render: RenderParameters,
+    ) -> vtex::Result<Vec<String>> {
         let written = match target.kind.format {
             Format::Library => target.write_bytes(&self.library.to_json())?,
-            Format::Svg => target.write_scene(&self.scene, svg, 1.0)?,
-            // A limit of bytes is for what of the results is an SVG.
-            _ => target.write_scene(&self.scene, SvgParameters { max_bytes: None, ..svg }, 1.0)?,
+            _ => {
+                let drawing = Drawing { svg, render, recipe: self.recipe.as_ref() };
+                target.write_scene(&self.scene, drawing)?
+            }
         };
         Ok(written.warnings)
     }

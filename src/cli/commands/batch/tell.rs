@@ -3,7 +3,8 @@
 use super::record::{Record, Status};
 use crate::cli::common::Common;
 use crate::cli::failure::label;
-use crate::cli::output::{print, say};
+use crate::cli::foreign::{escaped, line};
+use crate::cli::output::{print, say, say_styled};
 use crate::cli::summary::bytes as show_bytes;
 use crate::cli::table::table;
 use anstyle::AnsiColor;
@@ -34,7 +35,7 @@ impl Total {
         let head = ["job", "seconds", "size", "primaries", "coverage", "wanted", "bytes", ""];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
         rows.extend(records.iter().map(row));
-        say(&format!("\n{}", table(&rows)));
+        say_styled(&format!("\n{}", table(&rows)));
         let Self { done, skipped, failed, .. } = self;
         let left = self.jobs - done - skipped - failed;
         let left = if left > 0 { format!(", {left} not begun or not ended") } else { String::new() };
@@ -53,9 +54,9 @@ pub(super) fn tell(common: &Common, record: &Record) -> anyhow::Result<()> {
     }
     if let Some(error) = &record.error {
         let (red, cyan) = (label(AnsiColor::Red), label(AnsiColor::Cyan));
-        say(&format!("{red}error:{red:#} {}: {error}", record.job));
+        say_styled(&format!("{red}error:{red:#} {}: {}", escaped(&record.input), line(error)));
         if let Some(hint) = &record.hint {
-            say(&format!("{cyan}hint:{cyan:#} {hint}"));
+            say_styled(&format!("{cyan}hint:{cyan:#} {}", line(hint)));
         }
     }
     Ok(())
@@ -71,7 +72,7 @@ fn row(record: &Record) -> Vec<String> {
         Status::Failed => "failed",
     };
     vec![
-        record.job.clone(),
+        escaped(&record.job),
         format!("{:.2}", record.seconds),
         record.size.map_or(String::new(), |[w, h]| format!("{w} x {h}")),
         record.primaries.map_or(String::new(), |n| n.to_string()),

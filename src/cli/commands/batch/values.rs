@@ -11,7 +11,7 @@ pub(crate) struct Extension(&'static str);
 
 impl Extension {
     /// All of them, the default first.
-    const ALL: [&'static str; 8] =
+    pub(crate) const ALL: [&'static str; 8] =
         ["svg", "svgz", "pdf", "png", "scene.json", "scene.json.gz", "lib.json", "lib.json.gz"];
 
     /// What is written if nothing is said.

@@ -61,7 +61,7 @@ pub(super) fn run(
     let subject =
         Subject { libraries: &libraries, scene: scene.as_ref(), photos: &photos, ask: hints::PHOTO };
     let (warnings, bytes) = page.place.write(|out| report::write(&subject, out))?;
-    let written = Written { bytes, warnings, given_up: None };
+    let written = Written { bytes, warnings, ..Written::default() };
     let first = libraries.first().map(|l| &l.content);
     let counts = match &scene {
         Some(scene) => Some(Counts::of_scene(&scene.content)),

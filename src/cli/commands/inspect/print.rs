@@ -2,6 +2,7 @@
 
 use crate::cli::common::Common;
 use crate::cli::failure::label;
+use crate::cli::foreign::escaped;
 use crate::cli::input::{Input, Kind};
 use crate::cli::output;
 use crate::cli::summary::{Counts, bytes as show_bytes};
@@ -14,6 +15,7 @@ use vtex::scene::{CategoryId, EditRecord, Role, Scene, SynthParams, Tile};
 /// What is said of a file.
 #[derive(Debug, Serialize)]
 struct Inspection {
+    command: &'static str,
     file: String,
     format: String,
     version: u32,
@@ -137,6 +139,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         }
     });
     Inspection {
+        command: "inspect",
         file,
         format: library.format.clone(),
         version: library.version,
@@ -203,6 +206,7 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
     let exemplars =
         scene.libraries.iter().map(|l| Exemplar { file: l.exemplar.clone(), sha256: l.sha256.clone() });
     Inspection {
+        command: "inspect",
         file,
         format: scene.format.clone(),
         version: scene.version,
@@ -260,10 +264,10 @@ impl Inspection {
         let c = &self.counts;
         let mut text = format!(
             "{head}{}{head:#}: {} {}, written by {}, {}\n\n",
-            self.file,
+            escaped(&self.file),
             self.format,
             self.version,
-            self.program,
+            escaped(&self.program),
             show_bytes(self.bytes)
         );
         let mut line =
@@ -271,10 +275,10 @@ impl Inspection {
         line("size", format!("{} x {} px", self.size[0], self.size[1]));
         for exemplar in &self.exemplars {
             let sum: String = exemplar.sha256.chars().take(12).collect();
-            line("exemplar", format!("{} (sha256 {sum}…)", exemplar.file));
+            line("exemplar", escaped(&format!("{} (sha256 {sum}…)", exemplar.file)));
         }
         if let Some(segmenter) = &self.segmenter {
-            line("segmenter", segmenter.clone());
+            line("segmenter", escaped(segmenter));
         }
         if let Some(seed) = self.seed {
             line("seed", seed.to_string());
@@ -337,14 +341,14 @@ impl Inspection {
             // The scene's own seed needs no telling.
             let own = edit.seed == self.seed.unwrap_or(0);
             let seed = if own { String::new() } else { format!(" (seed {})", edit.seed) };
-            text.push_str(&format!("{:4}  {}{seed}\n", i + 1, edit.operation));
+            text.push_str(&format!("{:4}  {}{seed}\n", i + 1, escaped(&edit.operation.to_string())));
         }
         if !self.warnings.is_empty() {
             text.push('\n');
         }
         let yellow = label(AnsiColor::Yellow);
         for warning in &self.warnings {
-            text.push_str(&format!("{yellow}warning:{yellow:#} {warning}\n"));
+            text.push_str(&format!("{yellow}warning:{yellow:#} {}\n", escaped(warning)));
         }
         text
     }

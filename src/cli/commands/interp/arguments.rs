@@ -4,16 +4,18 @@ use crate::cli::config::Parameters;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
-use crate::cli::options::files::{ForceArgs, check_files, required, target};
+use crate::cli::options::files::{ForceArgs, Makes, apart, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Place, Target};
-use crate::cli::values::named;
+use crate::cli::output::{Place, Targets};
+use crate::cli::values::{named, one_of};
 use clap::Args;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use vtex::output::file::{Format, Kind};
 use vtex::scene::{self, Axis};
+
+const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "between" };
 
 /// One scene into another: frames, an animation, or one scene between them
 #[derive(Args)]
@@ -38,9 +40,10 @@ pub(crate) struct InterpArgs {
     #[arg(value_name = "TO", required = true)]
     pub(super) to: Option<PathBuf>,
     /// Result, by extension an animation .svg, .svgz, .gif, .png or .apng, or a folder for frames;
-    /// with --at or --across .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz
+    /// with --at or --across .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; several -o write
+    /// several files [default with --at or --across: ./FROM.between.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(super) output: Option<PathBuf>,
+    pub(super) output: Vec<PathBuf>,
     /// Pictures, first and last included [2 to 10000, default: 30]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(2..=10000))]
@@ -52,14 +55,15 @@ pub(crate) struct InterpArgs {
     #[arg(long)]
     pub(super) back: bool,
     /// Frames in a folder are [svg or png, default: svg]
-    #[arg(long, value_name = "FORMAT", value_parser = named::<FrameFormat>)]
+    #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
+    #[arg(value_parser = one_of(&["svg", "png"], named::<FrameFormat>))]
     pub(super) format: Option<FrameFormat>,
     /// One scene only, so far along the way [0 to 1]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
     #[arg(conflicts_with_all = ["across", "frames", "fps", "back", "format"])]
     pub(super) at: Option<f64>,
     /// One scene only, that turns into the other from left to right or from top to bottom [x or y]
-    #[arg(long, value_name = "AXIS", value_parser = named::<Axis>)]
+    #[arg(long, value_name = "AXIS", value_parser = one_of(&["x", "y"], named::<Axis>), hide_possible_values = true)]
     #[arg(conflicts_with_all = ["frames", "fps", "back", "format"])]
     pub(super) across: Option<Axis>,
     #[command(flatten)]
@@ -92,7 +96,8 @@ fn share(text: &str) -> Result<f64, String> {
 pub(super) struct Interpolating {
     pub(super) from: Input,
     pub(super) to: Input,
-    pub(super) wanted: Wanted,
+    /// At least one.
+    pub(super) wanted: Vec<Wanted>,
     pub(super) scale: RenderParameters,
     pub(super) svg: SvgParameters,
 }
@@ -100,11 +105,22 @@ pub(super) struct Interpolating {
 /// What is wanted of the way from one scene to the other.
 pub(super) enum Wanted {
     /// One scene.
-    Scene(scene::Place, Target),
+    Scene(scene::Place, Targets),
     /// Files of their own, named by their number.
     Frames { folder: PathBuf, kind: Kind, force: bool, pace: Pace },
     /// One file that plays.
     Film { place: Place, kind: FilmKind, pace: Pace },
+}
+
+impl Wanted {
+    /// Whether it is made of pixels.
+    pub(super) fn drawn(&self) -> bool {
+        match self {
+            Self::Scene(_, targets) => targets.has(Format::Png),
+            Self::Frames { kind, .. } => kind.format == Format::Png,
+            Self::Film { kind, .. } => !matches!(kind, FilmKind::Svg { .. }),
+        }
+    }
 }
 
 /// What a film is written as.
@@ -141,20 +157,19 @@ impl Interpolating {
     /// Checks what was asked for.
     pub(super) fn new(a: InterpArgs, parameters: &Parameters) -> Result<Self, Failure> {
         let (from, to) = (required(a.from)?, required(a.to)?);
-        check_files(
-            &[("the first scene", &from), ("the second scene", &to)],
-            &[("-o", a.output.as_deref())],
-        )?;
+        check_files(&[("the first scene", &from), ("the second scene", &to)], &outputs(&a.output))?;
         let between = a.at.map(scene::Place::At).or(a.across.map(scene::Place::Across));
         let wanted = if let Some(between) = between {
-            Wanted::Scene(between, target(a.output, &a.force, &from, format::OF_SCENE, Format::Svg)?)
+            vec![Wanted::Scene(between, targets(a.output, &a.force, &from, MAKES)?)]
         } else {
             let pace = Pace { frames: a.frames.unwrap_or(30), rate: a.fps.unwrap_or(15.0), back: a.back };
-            let Some(path) = a.output else {
+            if a.output.is_empty() {
                 return Err(Failure::usage("nothing says where the animation goes")
                     .hint("give -o film.svg, film.gif or film.png, or a folder for frames"));
-            };
-            play(path, a.format, a.force.force, pace)?
+            }
+            apart(&outputs(&a.output))?;
+            let play = |path| play(path, a.format, a.force.force, pace);
+            a.output.into_iter().map(play).collect::<Result<_, _>>()?
         };
         Ok(Self { from, to, wanted, scale: parameters.render, svg: parameters.svg })
     }

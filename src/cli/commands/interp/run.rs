@@ -2,7 +2,8 @@
 
 use super::arguments::{FilmKind, Interpolating, Pace, Wanted};
 use crate::cli::common::Common;
-use crate::cli::output::{Place, Target, Written};
+use crate::cli::options::render::Ground;
+use crate::cli::output::{Drawing, Place, Target, Targets, Written};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
@@ -11,48 +12,57 @@ use std::path::Path;
 use std::sync::Arc;
 use vtex::interpolate::{Interpolation, across};
 use vtex::output::file::{Format, Kind};
+use vtex::output::film::Film;
 use vtex::output::reduce::GivenUp;
 use vtex::output::svg::Animation;
-use vtex::output::{film::Film, png};
 use vtex::scene::{self, Scene};
 use vtex::{Error, Progress};
 
 pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> anyhow::Result<()> {
     let Interpolating { from, to, wanted, .. } = job;
-    if let Wanted::Scene(_, Target { place, .. }) | Wanted::Film { place, .. } = wanted {
-        place.probe()?;
+    for wanted in wanted {
+        match wanted {
+            Wanted::Scene(_, targets) => targets.probe()?,
+            Wanted::Film { place, .. } => place.probe()?,
+            Wanted::Frames { .. } => {}
+        }
     }
     reporter.stage("reading")?;
     let scenes = [reading::scene(from)?, reading::scene(to)?].map(Arc::new);
     for warning in idle(job) {
         reporter.warn(warning);
     }
-    let made = match wanted {
-        Wanted::Scene(between, target) => one(reporter, job, &scenes, *between, target)?,
-        Wanted::Frames { folder, kind, force, pace } => {
-            frames(reporter, job, &scenes, folder, (*kind, *force), pace)?
-        }
-        Wanted::Film { place, kind, pace } => film(reporter, job, &scenes, place, *kind, pace)?,
-    };
+    let mut all = Vec::new();
+    for wanted in wanted {
+        all.push(match wanted {
+            Wanted::Scene(between, targets) => one(reporter, job, &scenes, *between, targets)?,
+            Wanted::Frames { folder, kind, force, pace } => {
+                frames(reporter, job, &scenes, folder, (*kind, *force), pace)?
+            }
+            Wanted::Film { place, kind, pace } => film(reporter, job, &scenes, place, *kind, pace)?,
+        });
+    }
+    let mut all = all.into_iter();
+    let Some(mut made) = all.next() else { return Ok(()) };
+    for Made { path, written, .. } in all {
+        made.written.others.push((path.to_owned(), written.bytes));
+        made.written.warnings.extend(written.warnings);
+    }
     let summary = Summary {
         size: made.size,
         counts: made.counts,
         ..Summary::new("interp", vec![from.name(), to.name()], made.path, made.written, reporter)
     };
-    summary.tell(common, made.path == Path::new("-"))
+    summary.tell(common, made.piped)
 }
 
 /// What to tell of options that change nothing here.
 fn idle(job: &Interpolating) -> Vec<&'static str> {
-    let svg = matches!(job.wanted, Wanted::Film { kind: FilmKind::Svg { .. }, .. });
-    let drawn = match &job.wanted {
-        Wanted::Scene(_, Target { kind, .. }) | Wanted::Frames { kind, .. } => kind.format == Format::Png,
-        Wanted::Film { .. } => !svg,
-    };
+    let svg = job.wanted.iter().all(|w| matches!(w, Wanted::Film { kind: FilmKind::Svg { .. }, .. }));
     let limit = svg && job.svg.max_bytes.is_some();
     let expand = svg && job.svg.expand;
     let warnings = [
-        job.scale.warning(drawn),
+        job.scale.warning(job.wanted.iter().any(Wanted::drawn)),
         limit.then_some("--max-bytes has no effect here: nothing of an animation can be given up"),
         expand.then_some("--expand has no effect here: an animation has all textons in full"),
     ];
@@ -65,6 +75,13 @@ struct Made<'a> {
     written: Written,
     size: [u32; 2],
     counts: Option<Counts>,
+    /// Whether standard output has carried it.
+    piped: bool,
+}
+
+/// How scenes between the two are drawn.
+fn drawing(job: &Interpolating) -> Drawing<'static> {
+    Drawing { svg: job.svg, render: job.scale, recipe: None }
 }
 
 /// One scene between the two.
@@ -73,7 +90,7 @@ fn one<'a>(
     job: &Interpolating,
     [from, to]: &[Arc<Scene>; 2],
     between: scene::Place,
-    target: &'a Target,
+    targets: &'a Targets,
 ) -> anyhow::Result<Made<'a>> {
     let scene = match between {
         scene::Place::At(t) => {
@@ -84,9 +101,10 @@ fn one<'a>(
         scene::Place::Across(axis) => across(from.clone(), to.clone(), axis, reporter)?,
     };
     reporter.stage("drawing")?;
-    let written = target.write_scene(&scene, job.svg, job.scale.scale)?;
-    let size = job.scale.size_of(&scene, target.kind.format == Format::Png);
-    Ok(Made { path: target.place.path(), written, size, counts: Some(Counts::of_scene(&scene)) })
+    let written = targets.write_scene(&scene, None, drawing(job))?;
+    let size = drawing(job).size_of(&scene, targets.first.kind.format);
+    let counts = Some(Counts::of_scene(&scene));
+    Ok(Made { path: targets.path(), written, size, counts, piped: targets.piped() })
 }
 
 /// Files of their own, one for each frame.
@@ -107,7 +125,7 @@ fn frames<'a>(
     let mut written = Written::default();
     for k in 0..count {
         let target = Target { place: Place::File { path: name(k + 1), force }, kind };
-        let one = target.write_scene(&frame(reporter, &way, pace, k)?, job.svg, job.scale.scale)?;
+        let one = target.write_scene(&frame(reporter, &way, pace, k)?, drawing(job))?;
         written.bytes += one.bytes;
         one.warnings.iter().for_each(|warning| reporter.warn(warning));
         // The most that any frame had to give up.
@@ -120,7 +138,8 @@ fn frames<'a>(
             name(count + 1).display()
         ));
     }
-    Ok(Made { path: folder, written, size: job.scale.size_of(from, drawn), counts: None })
+    let size = drawing(job).size_of(from, kind.format);
+    Ok(Made { path: folder, written, size, counts: None, piped: false })
 }
 
 /// Digits of the numbers of so many files, at least four, so that they sort by name.
@@ -139,8 +158,9 @@ fn film<'a>(
 ) -> anyhow::Result<Made<'a>> {
     let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
     let film = Film { frames: pace.played(), rate: pace.rate };
-    let opaque = from.domain.is_none() && to.domain.is_none();
-    let picture = |k: u32| png::render(&frame(reporter, &way, pace, k)?, job.scale.scale);
+    let ground = job.scale.background != Some(Ground::None);
+    let opaque = ground && from.domain.is_none() && to.domain.is_none();
+    let picture = |k: u32| drawing(job).picture(&frame(reporter, &way, pace, k)?);
     let written = match kind {
         FilmKind::Gif => Written::of(place.write(|out| film.write_gif(picture, out))?.1),
         FilmKind::Png => Written::of(place.write(|out| film.write_png(opaque, picture, out))?.1),
@@ -153,8 +173,9 @@ fn film<'a>(
             target.write_animation(&way, &animation)?
         }
     };
-    let size = job.scale.size_of(from, !matches!(kind, FilmKind::Svg { .. }));
-    Ok(Made { path: place.path(), written, size, counts: None })
+    let svg = matches!(kind, FilmKind::Svg { .. });
+    let size = drawing(job).size_of(from, if svg { Format::Svg } else { Format::Png });
+    Ok(Made { path: place.path(), written, size, counts: None, piped: *place == Place::Stdout })
 }
 
 /// Frame `k` of those played.

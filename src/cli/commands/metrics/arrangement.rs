@@ -4,6 +4,7 @@
 use super::show::{digits, tell};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
+use crate::cli::foreign::escaped;
 use crate::cli::progress::Reporter;
 use crate::cli::table::table;
 use serde::Serialize;
@@ -138,7 +139,7 @@ impl PairCorrelation {
 
 impl Found {
     fn show(&self) -> String {
-        let mut text = format!("{} and {}\n\n", self.exemplar, self.result);
+        let mut text = format!("{} and {}\n\n", escaped(&self.exemplar), escaped(&self.result));
         let cent = |v: f64| format!("{:.1} %", v * 100.0);
         let shares = |name: String, s: &Shares| vec![name, cent(s.exemplar), cent(s.result), String::new()];
         let mut rows = vec![["coverage", "exemplar", "result", ""].map(str::to_owned).to_vec()];

@@ -3,6 +3,7 @@
 use super::content::Content;
 use super::show::{digits, tell};
 use crate::cli::common::Common;
+use crate::cli::foreign::escaped;
 use crate::cli::progress::Reporter;
 use crate::cli::table::table;
 use image::RgbImage;
@@ -78,9 +79,9 @@ impl Found {
             if self.scale == 1.0 { String::new() } else { format!(", made 1/{} as large", self.scale) };
         let mut text = format!(
             "{} ({}) and {} ({}{scale})\n\n",
-            self.exemplar,
+            escaped(&self.exemplar),
             size(m.exemplar_size),
-            self.result,
+            escaped(&self.result),
             size(m.result_size)
         );
         let distance = |name: &str, value: Option<f64>, meaning: &str| {
