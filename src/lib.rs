@@ -56,6 +56,7 @@ pub mod edit;
 pub mod engine;
 pub mod geometry;
 pub mod interpolate;
+pub mod layers;
 pub mod library;
 pub mod metrics;
 pub mod output;

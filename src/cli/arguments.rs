@@ -50,6 +50,7 @@ pub(crate) fn command() -> clap::Command {
     let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS].concat());
     let command = hide(command, "interp", &WORK);
+    let command = hide(command, "layers", &WORK[1..]);
     let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
     let command = hide(command, "models", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();

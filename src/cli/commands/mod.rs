@@ -7,6 +7,7 @@ mod doctor;
 mod edit;
 mod inspect;
 mod interp;
+mod layers;
 mod man;
 mod metrics;
 mod models;
@@ -33,6 +34,7 @@ pub(crate) enum Command {
     Tune(tune::TuneArgs),
     Render(render::RenderArgs),
     Interp(interp::InterpArgs),
+    Layers(Box<layers::LayersArgs>),
     Inspect(inspect::InspectArgs),
     Metrics(metrics::MetricsArgs),
     Doctor(doctor::DoctorArgs),
@@ -55,6 +57,7 @@ impl Command {
             Self::Tune(a) => Box::new(a),
             Self::Render(a) => Box::new(a),
             Self::Interp(a) => Box::new(a),
+            Self::Layers(a) => a,
             Self::Inspect(a) => Box::new(a),
             Self::Metrics(a) => Box::new(a),
             Self::Doctor(a) => Box::new(a),
