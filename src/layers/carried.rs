@@ -78,6 +78,12 @@ impl Exemplar<'_> {
         Contacts::new(&self.map.labels, self.map.layers.len(), [false; 2]).distant() + 0.01
     }
 
+    /// Pixels of a piece that is too small to be meant: a quarter of the least that [`super::find`] leaves.
+    pub(super) fn speck(&self) -> usize {
+        let [w, h] = self.map.size();
+        (w.min(h) * w.min(h)) / 10_000
+    }
+
     /// A new map of `size` pixels, along a field of correspondences; it repeats along the axes of `wrap`.
     /// Areas are those of the exemplar.
     ///
@@ -104,7 +110,7 @@ impl Exemplar<'_> {
         let grid = size.map(|v| v.div_ceil((cell / 2).max(1)));
         let planes = carrier.voted(&depths, grid, 1, 0.6);
         let depths = Depths { size, wrap, grid, planes };
-        let labels = depths.labels(&self.map.shares(), self.most_distant());
+        let labels = depths.labels(&self.map.shares(), self.most_distant(), self.speck());
         Ok(LayerMap { labels, layers: self.map.layers.clone() })
     }
 

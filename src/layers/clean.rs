@@ -36,14 +36,26 @@ fn strongest(values: impl Iterator<Item = f32>) -> u32 {
 }
 
 /// Gives connected pieces below `least` pixels the label that most of their border touches, until none
-/// is left or one piece remains.
-pub(super) fn without_specks(map: LabelMap, count: usize, least: usize) -> LabelMap {
+/// is left or one piece remains. Pieces at a seam, which go on at the other side, stay.
+pub(super) fn without_specks(map: LabelMap, count: usize, least: usize, wrap: [bool; 2]) -> LabelMap {
     let mut map = map;
+    let size = [map.width as usize, map.height as usize];
     loop {
+        if least == 0 {
+            return map;
+        }
         let shifted = LabelMap { labels: map.labels.iter().map(|l| l + 1).collect(), ..map };
         let (pieces, labels) = components(&shifted, Connectivity::Four);
         let mut areas = vec![0usize; labels.len()];
         pieces.labels.iter().for_each(|&p| areas[p as usize] += 1);
+        for (k, &repeats) in wrap.iter().enumerate() {
+            let along = [1, size[0]][1 - k];
+            let first = (0..size[1 - k]).map(|v| v * along);
+            let last = [1, size[0]][k] * (size[k] - 1);
+            for i in first.filter(|_| repeats).flat_map(|i| [i, i + last]) {
+                areas[pieces.labels[i] as usize] = least;
+            }
+        }
         let small = |p: u32| areas[p as usize] < least;
         let mut touched = vec![0u32; labels.len() * count];
         let w = map.width as usize;
@@ -126,14 +138,19 @@ mod tests {
         map.set(4, 4, 2);
         map.set(15, 4, 0);
         map.set(16, 4, 2);
-        let clean = without_specks(map, 3, 6);
+        let clean = without_specks(map.clone(), 3, 6, [false; 2]);
         assert_eq!(clean.areas(), [200, 200]);
+        map.set(4, 4, 0);
+        map.set(0, 9, 2);
+        assert_eq!(without_specks(map.clone(), 3, 6, [false; 2]).areas(), [200, 200]);
+        assert_eq!(without_specks(map.clone(), 3, 6, [true, false]).areas(), [199, 200, 1]);
+        assert_eq!(without_specks(map, 3, 6, [false, true]).areas(), [200, 200]);
     }
 
     #[test]
     fn one_colour_stays() {
         let map = LabelMap::filled(3, 3, 1);
-        assert_eq!(without_specks(map.clone(), 2, 100), map);
+        assert_eq!(without_specks(map.clone(), 2, 100, [true; 2]), map);
     }
 
     #[test]

@@ -23,8 +23,8 @@ const BLURS: [f32; 2] = [1.0 / 256.0, 1.0 / 128.0];
 const SPECK: f64 = 4e-4;
 /// Least spread of means over an eighth of the shorter side, in Oklab.
 const LEAST_CONTRAST: f64 = 0.012;
-/// Least product of reach and thickness.
-const LEAST_EXTENT: f64 = 0.58;
+/// Least product of reach and thickness: where elements are not known, and where they are.
+const LEAST_EXTENT: [f64; 2] = [0.65, 0.55];
 /// Least thickness of three layers, in units of a 37th of the shorter side.
 const LEAST_THICKNESS: f64 = 37.0 / 38.0;
 
@@ -57,7 +57,8 @@ pub struct Decision {
     pub why: String,
     /// Spread of colours averaged over an eighth of the shorter side, in Oklab.
     pub contrast: f64,
-    /// How far differences of colour reach, times how thick two layers are: .58 or more for layers.
+    /// How far differences of colour reach, times how thick two layers are: .65 or more for layers, .55
+    /// where the elements are known.
     pub extent: f64,
 }
 
@@ -104,7 +105,8 @@ pub fn find(
     let pair = sought.split(2);
     let thick = pair.as_ref().map_or(0.0, |map| thickness(map, 2));
     advance(progress, STAGE, 2, 4)?;
-    let decided = decide(parameters.count, measured, thick, &sought, pair)?;
+    let least = LEAST_EXTENT[usize::from(elements.is_some())];
+    let decided = decide(parameters.count, (measured, thick, least), &sought, pair)?;
     advance(progress, STAGE, 3, 4)?;
 
     let order = order(&Contacts::new(&decided.0, decided.1, [false; 2]), &shares(&decided.0, decided.1));
@@ -121,8 +123,7 @@ pub fn find(
 /// Labels at the working size, how many, and why.
 fn decide(
     count: Count,
-    measured: Extent,
-    thick: f64,
+    (measured, thick, least): (Extent, f64, f64),
     sought: &Sought<'_>,
     pair: Option<LabelMap>,
 ) -> Result<(LabelMap, usize, String)> {
@@ -147,13 +148,13 @@ fn decide(
         );
         return Ok((one(), 1, why));
     }
-    let Some(pair) = pair.filter(|_| extent >= LEAST_EXTENT) else {
+    let Some(pair) = pair.filter(|_| extent >= least) else {
         let why = format!(
-            "differences of colour are those of small elements and grain ({extent:.2}, layers {LEAST_EXTENT} or more)"
+            "differences of colour are those of small elements and grain ({extent:.2}, layers {least} or more)"
         );
         return Ok((one(), 1, why));
     };
-    let reached = format!("differences of colour reach far ({extent:.2} of {LEAST_EXTENT})");
+    let reached = format!("differences of colour reach far ({extent:.2} of {least})");
     if let Some(three) = sought.split(3) {
         let thin = thickness(&three, 3);
         if thin >= LEAST_THICKNESS {
@@ -226,7 +227,7 @@ impl<'a> Sought<'a> {
             map = smoothed(&map, count, shorter as f32 * BLURS[1]);
         }
         let least = libm::ceil(SPECK * (shorter * shorter) as f64) as usize;
-        let map = without_specks(map, count, least);
+        let map = without_specks(map, count, least, [false; 2]);
         debug_assert_eq!(map.labels.len(), self.planes[0].values.len());
         shares(&map, count).iter().all(|&s| s > 0.0).then_some(map)
     }

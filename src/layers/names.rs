@@ -15,16 +15,19 @@ pub(super) fn named(colours: &[Colour]) -> Vec<Layer> {
         layers.push(Layer { name: name(colour), colour });
     }
     for i in 0..layers.len() {
-        let twins: Vec<usize> = (0..layers.len()).filter(|&j| layers[j].name == layers[i].name).collect();
-        if let &[a, b] = &twins[..] {
-            let lightness = |k: usize| layers[k].colour.to_oklab()[0];
-            let (dark, light) = if lightness(a) <= lightness(b) { (a, b) } else { (b, a) };
-            let word = layers[i].name.clone();
+        let mut twins: Vec<usize> = (0..layers.len()).filter(|&j| layers[j].name == layers[i].name).collect();
+        // Told apart by lightness, or by number where there are many.
+        let lightness = |k: &usize| layers[*k].colour.to_oklab()[0];
+        twins.sort_by(|a, b| lightness(a).total_cmp(&lightness(b)));
+        let word = layers[i].name.clone();
+        if let [dark, .., light] = twins[..]
+            && twins.len() < 4
+        {
             layers[dark].name = format!("darker {word}");
             layers[light].name = format!("lighter {word}");
-        } else if twins.len() > 2 {
+        } else if twins.len() > 3 {
             for (n, &k) in twins.iter().enumerate() {
-                layers[k].name = format!("{} {}", layers[k].name, n + 1);
+                layers[k].name = format!("{word} {}", n + 1);
             }
         }
     }
@@ -153,5 +156,9 @@ mod tests {
         }
         let layers = named(&[Colour([140; 3]), Colour([120; 3])]);
         assert_eq!([&layers[0].name[..], &layers[1].name[..]], ["lighter grey", "darker grey"]);
+        let three = named(&[130, 120, 140].map(|v| Colour([v; 3])));
+        assert_eq!([0, 1, 2].map(|k| &three[k].name[..]), ["grey", "darker grey", "lighter grey"]);
+        let four = named(&[130, 120, 140, 110].map(|v| Colour([v; 3])));
+        assert_eq!(four[3].name, "grey 1");
     }
 }

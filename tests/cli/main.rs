@@ -8,6 +8,7 @@ mod edit;
 mod files;
 mod help;
 mod interp;
+mod layers;
 mod messages;
 mod metrics;
 mod models;

@@ -1,6 +1,7 @@
 //! Regions around a painted one: from the top layer down (the paper, fig. 12).
 
 use super::super::map::Region;
+use super::super::regions::depth;
 use super::assignment::Assigned;
 use super::patches::Patches;
 use super::pyramid::doubled;
@@ -12,6 +13,8 @@ use crate::sampling::stream;
 
 /// Levels from the finest: few, so that what is painted stays where it is.
 const LEVELS: usize = 2;
+/// Cells by which a border may move from where it is painted, on each level.
+const BAND: [f32; LEVELS] = [2.0, 1.0];
 
 /// The region above, once it is optimised.
 struct Above {
@@ -68,7 +71,7 @@ fn around(k: usize, exemplar: &Region, start: Region, above: Option<&Region>, se
             false => doubled(&above.region, starts[level].size),
         };
         let model = level_model(&models, level);
-        let mut free = vec![true; region.inside.len()];
+        let mut free: Vec<bool> = depth(&starts[level]).iter().map(|d| d.abs() <= BAND[level]).collect();
         if let Some(under) = &under {
             for i in (0..free.len()).filter(|&i| under[level].inside[i]) {
                 (free[i], region.inside[i]) = (false, true);

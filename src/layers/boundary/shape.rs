@@ -146,42 +146,45 @@ pub(super) fn fill(region: &mut Region, values: &[f32], bounds: &Bounds<'_>) -> 
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::blur::Plane;
     use super::super::super::testing::{clouds, nested};
     use super::super::patches::distance;
     use super::*;
     use crate::sampling::stream;
 
+    /// Rough rust on 2/5 of a square.
+    fn rust(seed: u64) -> Region {
+        let soft = clouds([96, 96], seed);
+        let mut random = stream(seed, "rust", 0);
+        let rough = (0..96 * 96).map(|i| 9.0 * soft.values[i] + random.range(-0.6, 0.6) as f32).collect();
+        let rough = Plane { size: [96; 2], values: rough }.blurred(1.0, [false; 2]);
+        let mut region = Region { size: [96; 2], wrap: [false; 2], inside: vec![false; 96 * 96] };
+        fill(&mut region, &rough.values, &Bounds { free: None, area: AREA });
+        region
+    }
+
+    const AREA: usize = 96 * 96 * 2 / 5;
+
     #[test]
     fn borders_come_to_look_like_the_exemplars() {
-        // Rough rust, from a soft blob and from a disc of the same area.
-        let soft = nested([96, 96], 2, 8);
-        let fine = clouds([96, 96], 3).blurred(0.0, [false; 2]);
-        let mut random = stream(4, "rust", 0);
-        let rough = (0..96 * 96)
-            .map(|i| soft.labels[i] as f32 + 9.0 * fine.values[i] + random.range(-0.3, 0.3) as f32);
-        let rough: Vec<f32> = super::super::super::blur::Plane { size: [96; 2], values: rough.collect() }
-            .blurred(1.0, [false; 2])
-            .values;
-        let mut exemplar = Region { size: [96; 2], wrap: [false; 2], inside: vec![false; 96 * 96] };
-        let area = 96 * 96 * 2 / 5;
-        fill(&mut exemplar, &rough, &Bounds { free: None, area });
-        let model = Model::new(exemplar, 15);
-        let disc: Vec<f32> = (0..96 * 96)
-            .map(|i| {
-                let d = [(i % 96) as f32 - 47.5, (i / 96) as f32 - 47.5];
-                -(d[0] * d[0] + d[1] * d[1])
-            })
-            .collect();
-        for values in [disc, clouds([96, 96], 9).values] {
+        let model = Model::new(rust(4), 15);
+        let of = |region: &Region| distance(&Patches::new(region, 15), &model.patches);
+        // As far as another piece of the same rust is; nothing new can be expected to come nearer.
+        let floor = of(&rust(5));
+        let disc = |i: usize| {
+            let d = [(i % 96) as f32 - 47.5, (i / 96) as f32 - 47.5];
+            -(d[0] * d[0] + d[1] * d[1])
+        };
+        let blob = clouds([96, 96], 9).blurred(6.0, [false; 2]).values;
+        for values in [(0..96 * 96).map(disc).collect(), blob] {
             let mut region = Region { size: [96; 2], wrap: [false; 2], inside: vec![false; 96 * 96] };
-            let bounds = Bounds { free: None, area };
+            let bounds = Bounds { free: None, area: AREA };
             fill(&mut region, &values, &bounds);
-            let of = |region: &Region| distance(&Patches::new(region, 15), &model.patches);
             let before = of(&region);
             optimise(&mut region, &model, &bounds, &mut stream(1, "test", 0));
             let after = of(&region);
-            assert!(after <= 0.5 * before, "{before} {after}");
-            assert_eq!(region.area(), area);
+            assert!(before - after >= 0.5 * (before - floor), "{before} {after} {floor}");
+            assert_eq!(region.area(), AREA);
         }
     }
 
