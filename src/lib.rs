@@ -60,6 +60,7 @@ pub mod layers;
 pub mod library;
 pub mod metrics;
 pub mod output;
+pub mod pixels;
 pub mod procedural;
 pub mod raster;
 pub mod report;

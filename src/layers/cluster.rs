@@ -5,7 +5,7 @@ use crate::sampling::stream;
 /// Samples that centres are fitted to, at most.
 const SAMPLES: usize = 20_000;
 /// Beginnings, of which the best is kept.
-const STARTS: u64 = 3;
+const STARTS: u64 = 6;
 /// Iterations at most.
 const ITERATIONS: usize = 25;
 
@@ -13,13 +13,11 @@ const ITERATIONS: usize = 25;
 /// distance; fewer if there are fewer distinct points.
 pub(super) fn centres(points: &[[f32; 3]], count: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut best: Option<(f64, Vec<[f32; 3]>)> = None;
+    // Spread evenly, so that seeds differ in where they begin only; odd, so that columns are not skipped.
+    let step = points.len().div_ceil(SAMPLES) | 1;
+    let samples: Vec<[f32; 3]> = points.iter().step_by(step).copied().collect();
     for start in 0..STARTS {
         let mut random = stream(seed, "layers/clusters", start);
-        let samples: Vec<[f32; 3]> = if points.len() <= SAMPLES {
-            points.to_vec()
-        } else {
-            (0..SAMPLES).map(|_| points[random.index(points.len())]).collect()
-        };
         let Some(&first) = samples.get(random.index(samples.len())) else { return Vec::new() };
         let mut found = vec![first];
         while found.len() < count {

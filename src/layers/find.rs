@@ -27,6 +27,8 @@ const LEAST_CONTRAST: f64 = 0.012;
 const LEAST_EXTENT: [f64; 2] = [0.65, 0.55];
 /// Least thickness of three layers, in units of a 37th of the shorter side.
 const LEAST_THICKNESS: f64 = 37.0 / 38.0;
+/// Least difference of the mean colours of any two of three layers, in Oklab.
+const LEAST_DIFFERENCE: f32 = 0.02;
 
 /// How many layers there are to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -155,7 +157,7 @@ fn decide(
         return Ok((one(), 1, why));
     };
     let reached = format!("differences of colour reach far ({extent:.2} of {least})");
-    if let Some(three) = sought.split(3) {
+    if let Some(three) = sought.split(3).filter(|map| sought.difference(map, 3) >= LEAST_DIFFERENCE) {
         let thin = thickness(&three, 3);
         if thin >= LEAST_THICKNESS {
             return Ok((
@@ -185,15 +187,19 @@ fn assembled(
     order.iter().enumerate().for_each(|(new, &old)| rank[old] = new as u32);
     let labels = map.labels.iter().map(|&l| rank[l as usize]).collect();
     let map = LabelMap { labels, ..*map };
-    let mut sums = vec![([0f64; 3], 0.0f64); order.len()];
+    let colours: Vec<Colour> = means(&map, order.len(), planes).into_iter().map(Colour::from_oklab).collect();
+    LayerMap { labels: enlarged(&map, order.len(), size, factor), layers: named(&colours) }
+}
+
+/// The mean colour of each layer, in Oklab.
+fn means(map: &LabelMap, count: usize, planes: &[Plane; 3]) -> Vec<[f32; 3]> {
+    let mut sums = vec![([0f64; 3], 0.0f64); count];
     for (i, &l) in map.labels.iter().enumerate() {
         let (sum, n) = &mut sums[l as usize];
         (0..3).for_each(|c| sum[c] += f64::from(planes[c].values[i]));
         *n += 1.0;
     }
-    let colours: Vec<Colour> =
-        sums.iter().map(|(sum, n)| Colour::from_oklab(sum.map(|v| (v / n.max(1.0)) as f32))).collect();
-    LayerMap { labels: enlarged(&map, order.len(), size, factor), layers: named(&colours) }
+    sums.iter().map(|(sum, n)| sum.map(|v| (v / n.max(1.0)) as f32)).collect()
 }
 
 /// What is clustered.
@@ -214,6 +220,18 @@ impl<'a> Sought<'a> {
         Self { size, points, planes, seed }
     }
 
+    /// The least difference of the mean colours of two layers.
+    fn difference(&self, map: &LabelMap, count: usize) -> f32 {
+        let colours = means(map, count, self.planes);
+        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
+        let differences = pairs.map(|(a, b)| {
+            let squares: f32 =
+                (0..3).map(|c| (colours[a][c] - colours[b][c]) * (colours[a][c] - colours[b][c])).sum();
+            libm::sqrtf(squares)
+        });
+        differences.fold(f32::INFINITY, f32::min)
+    }
+
     /// So many layers with smooth borders; none if not so many can be told apart.
     fn split(&self, count: usize) -> Option<LabelMap> {
         let centres = centres(&self.points, count, self.seed);
@@ -228,7 +246,6 @@ impl<'a> Sought<'a> {
         }
         let least = libm::ceil(SPECK * (shorter * shorter) as f64) as usize;
         let map = without_specks(map, count, least, [false; 2]);
-        debug_assert_eq!(map.labels.len(), self.planes[0].values.len());
         shares(&map, count).iter().all(|&s| s > 0.0).then_some(map)
     }
 }

@@ -20,6 +20,7 @@ fn help_of_every_command() {
         "tune",
         "render",
         "layers",
+        "raster",
         "inspect",
         "metrics",
         "batch",
@@ -50,6 +51,7 @@ fn every_option_says_its_range_or_default() {
         "tune",
         "render",
         "layers",
+        "raster",
         "metrics",
         "batch",
     ] {

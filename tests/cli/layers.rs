@@ -182,8 +182,13 @@ fn maps_that_are_none_are_refused() {
     folder.run("layers rust.png -o rust.png").fails(2, "name the same file");
     folder.run("layers missing.png").fails(1, "cannot read");
     folder.run("layers").fails(2, "<INPUT>");
-    // Discs on noisy ground have no layers, and the message says why.
-    folder.run("layers photo.png -o x.png").fails(1, "has a single layer: ");
+    // Grain has no layers, and the message says why.
+    let grain = |x: u32, y: u32| {
+        (x.wrapping_mul(x ^ 0x9e37) ^ y.wrapping_mul(y ^ 0x79b9)).wrapping_mul(2_654_435_761)
+    };
+    let grain = RgbImage::from_fn(200, 180, |x, y| Rgb([(grain(x, y) >> 24) as u8; 3]));
+    folder.write("grain.png", encode(&grain.into(), ImageFormat::Png));
+    folder.run("layers grain.png -o x.png").fails(1, "has a single layer: ");
 }
 
 #[test]

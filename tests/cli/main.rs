@@ -14,6 +14,7 @@ mod metrics;
 mod models;
 mod output;
 mod page;
+mod raster;
 mod stages;
 mod support;
 mod tune;

@@ -11,6 +11,7 @@ mod layers;
 mod man;
 mod metrics;
 mod models;
+mod raster;
 mod render;
 mod synth;
 mod texture;
@@ -35,6 +36,7 @@ pub(crate) enum Command {
     Render(render::RenderArgs),
     Interp(interp::InterpArgs),
     Layers(Box<layers::LayersArgs>),
+    Raster(raster::RasterArgs),
     Inspect(inspect::InspectArgs),
     Metrics(metrics::MetricsArgs),
     Doctor(doctor::DoctorArgs),
@@ -58,6 +60,7 @@ impl Command {
             Self::Render(a) => Box::new(a),
             Self::Interp(a) => Box::new(a),
             Self::Layers(a) => a,
+            Self::Raster(a) => Box::new(a),
             Self::Inspect(a) => Box::new(a),
             Self::Metrics(a) => Box::new(a),
             Self::Doctor(a) => Box::new(a),
