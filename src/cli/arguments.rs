@@ -56,6 +56,8 @@ pub(crate) fn command() -> clap::Command {
     let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS].concat());
     let command = hide(command, "interp", &WORK);
+    let command = hide(command, "layers", &WORK[1..]);
+    let command = hide(command, "raster", &WORK[1..]);
     let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
     let command = hide(command, "models", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();
@@ -84,6 +86,7 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("warp", "library"),
             ("tune", "library"),
             ("render", "file"),
+            ("raster", "photo"),
             ("interp", "from"),
             ("interp", "to"),
             ("inspect", "file"),

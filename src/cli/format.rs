@@ -39,6 +39,11 @@ pub(crate) fn check_masks_name(path: &Path) -> Result<(), Failure> {
     check_name("--save-masks", path, &[".png", ".json", ".json.gz"])
 }
 
+/// Checks that a layer map can be written under a name, given for `flag`.
+pub(crate) fn check_map_name(flag: &str, path: &Path) -> Result<(), Failure> {
+    check_name(flag, path, &[".png", ".svg", ".json"])
+}
+
 /// Checks that a page can be written under a name.
 pub(crate) fn check_page_name(path: &Path) -> Result<(), Failure> {
     check_name("--output", path, &[".htm", ".html"])

@@ -10,6 +10,7 @@ use std::time::Duration;
 use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::reduce::GivenUp;
+use vtex::raster::colour::Colour;
 use vtex::scene::{Method, Role, Scene};
 use vtex::statistics::{Overlap, Repetition};
 use vtex::synth::{CategoryReport, Structure};
@@ -42,6 +43,9 @@ pub(crate) struct Summary {
     pub(crate) counts: Option<Counts>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) coverage: Option<Coverage>,
+    /// The layers of a map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) layers: Option<LayersReport>,
     /// How primaries were placed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) method: Option<Method>,
@@ -87,6 +91,7 @@ impl Summary {
             size: [0; 2],
             counts: None,
             coverage: None,
+            layers: None,
             method: None,
             structure: None,
             overlap: None,
@@ -171,6 +176,30 @@ pub(crate) struct Coverage {
     pub(crate) categories: Vec<CategoryReport>,
 }
 
+/// The layers of a map, from bottom to top.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct LayersReport {
+    pub(crate) names: Vec<String>,
+    pub(crate) colours: Vec<Colour>,
+    /// Shares of the area in the input, 0 to 1.
+    pub(crate) wanted: Vec<f64>,
+    /// The same in the result.
+    pub(crate) got: Vec<f64>,
+    /// Why there are so many, where they were found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) why: Option<String>,
+}
+
+impl LayersReport {
+    /// Names and areas, and why, in a line.
+    fn told(&self) -> String {
+        let each =
+            self.names.iter().zip(&self.got).map(|(name, share)| format!("{name} {:.1} %", 100.0 * share));
+        let why = self.why.as_ref().map_or(String::new(), |why| format!(" ({why})"));
+        format!("layers from bottom to top: {}{why}", each.collect::<Vec<_>>().join(", "))
+    }
+}
+
 /// Seconds by stage.
 #[derive(Debug)]
 pub(crate) struct Seconds(pub(crate) Vec<(&'static str, Duration)>);
@@ -243,6 +272,9 @@ impl Summary {
         say(&line);
         for Other { output, bytes: size } in &self.others {
             say(&format!("{output}: {}", bytes(*size)));
+        }
+        if let Some(layers) = &self.layers {
+            say(&layers.told());
         }
         if let Some(given_up) = &self.given_up {
             say(&format!("given up to make it as small: {}", missing(given_up)));

@@ -9,6 +9,7 @@ mod background;
 mod coverage;
 pub mod file;
 pub mod film;
+pub mod layer_map;
 #[cfg(feature = "pdf")]
 pub mod pdf;
 pub mod png;

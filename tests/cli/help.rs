@@ -19,6 +19,8 @@ fn help_of_every_command() {
         "edit",
         "tune",
         "render",
+        "layers",
+        "raster",
         "inspect",
         "metrics",
         "batch",
@@ -47,9 +49,20 @@ fn help_of_every_command() {
 
 #[test]
 fn every_option_says_its_range_or_default() {
-    for command in
-        ["texture", "vectorize", "analyze", "synth", "warp", "edit", "tune", "render", "metrics", "batch"]
-    {
+    for command in [
+        "texture",
+        "vectorize",
+        "analyze",
+        "synth",
+        "warp",
+        "edit",
+        "tune",
+        "render",
+        "layers",
+        "raster",
+        "metrics",
+        "batch",
+    ] {
         let help = printed(&format!("{command} --help")).replace(['\n'], " ");
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
         for part in help.split(" --").skip(1) {

@@ -7,9 +7,11 @@ mod doctor;
 mod edit;
 mod inspect;
 mod interp;
+mod layers;
 mod man;
 mod metrics;
 mod models;
+mod raster;
 mod render;
 mod synth;
 mod texture;
@@ -33,6 +35,8 @@ pub(crate) enum Command {
     Tune(tune::TuneArgs),
     Render(render::RenderArgs),
     Interp(interp::InterpArgs),
+    Layers(Box<layers::LayersArgs>),
+    Raster(raster::RasterArgs),
     Inspect(inspect::InspectArgs),
     Metrics(metrics::MetricsArgs),
     Doctor(doctor::DoctorArgs),
@@ -55,6 +59,8 @@ impl Command {
             Self::Tune(a) => Box::new(a),
             Self::Render(a) => Box::new(a),
             Self::Interp(a) => Box::new(a),
+            Self::Layers(a) => a,
+            Self::Raster(a) => Box::new(a),
             Self::Inspect(a) => Box::new(a),
             Self::Metrics(a) => Box::new(a),
             Self::Doctor(a) => Box::new(a),

@@ -1,0 +1,243 @@
+//! The arguments of `vtex layers`, and what they ask for.
+
+use crate::cli::failure::Failure;
+use crate::cli::format;
+use crate::cli::input::Input;
+use crate::cli::options::files::{ForceArgs, apart, check_files};
+use crate::cli::output::Place;
+use crate::cli::values::{Axes, Size, named};
+use clap::Args;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use vtex::layers::{Count, FindParams};
+
+/// Layers of a photograph, and new maps of them: rust on paint, moss on rock
+#[derive(Args)]
+#[command(
+    override_usage = "vtex layers [OPTIONS] <INPUT>\n       vtex layers [OPTIONS] --heights <FILE>",
+    after_help = "\
+Examples:
+  vtex layers rust.jpg -o map.png --size 1000 --save-layers layers.png
+  vtex layers layers.png -o map.svg --size 1000x600 --tile
+  vtex layers rust.jpg -o map.png --sketch strokes.png
+  vtex layers rust.jpg -o map.png --keep old.png --hole hole.png
+  vtex layers --heights terrain16.png -o new.png --size 2000
+
+Layers lie one on the other: the region of a layer holds all layers above it. A layer map is a
+picture with one flat colour for each layer; the PNG of vtex lists them in its palette, bottom first."
+)]
+pub(crate) struct LayersArgs {
+    /// A photograph, or a layer map: a picture in 2 to 6 flat colours; - reads stdin
+    #[arg(value_name = "INPUT", required_unless_present_any = ["heights", "dump_config"])]
+    pub(super) input: Option<PathBuf>,
+    /// The new map, by extension .png, .svg or .json; - writes PNG to stdout
+    /// [default: ./INPUT.layers.png]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(super) output: Option<PathBuf>,
+    /// Also write the layers of the photograph as a map of its size: .png, .svg or .json
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(super) save_layers: Option<PathBuf>,
+    /// Write 16-bit grey values that rise within each layer, from its border with the layer below to
+    /// that with the layer above; .png only
+    #[arg(long, help_heading = "Output")]
+    pub(super) continuous: bool,
+    #[command(flatten)]
+    pub(super) force: ForceArgs,
+    /// Number of layers [auto, or 1 to 6, default: auto]
+    #[arg(long, value_name = "COUNT", value_parser = count, help_heading = "Layers of the photograph")]
+    pub(super) layers: Option<Count>,
+    /// Their order: the layers found, counted from 0 at the bottom, from the new bottom to the new top
+    /// [default: the one in which layers that are not next to each other touch least]
+    #[arg(long, value_name = "LAYER,...", value_delimiter = ',', help_heading = "Layers of the photograph")]
+    pub(super) layer_order: Option<Vec<usize>>,
+    /// A painted map of the photograph's size in place of the layers found
+    #[arg(long, value_name = "FILE", help_heading = "Layers of the photograph", conflicts_with = "layers")]
+    pub(super) layer_map: Option<PathBuf>,
+    /// Size of the map, 1000 or 1000x600 [1 to 16384 px each, default: as the input]
+    #[arg(long, value_name = "SIZE", help_heading = "The new map")]
+    pub(super) size: Option<Size>,
+    /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
+    /// default: none]
+    #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
+    #[arg(help_heading = "The new map")]
+    pub(super) tile: Option<Axes>,
+    /// How: carried from the photograph along a field of correspondences, or by making borders alike
+    /// [correspondence or boundary, default: correspondence]
+    #[arg(long, value_name = "METHOD", value_parser = named::<Method>, help_heading = "The new map")]
+    pub(super) layer_method: Option<Method>,
+    /// Strokes in the colours of the layers on a transparent or white ground: they stay, layers below
+    /// them appear around them
+    #[arg(long, value_name = "FILE", help_heading = "Given maps (they set the size)")]
+    #[arg(conflicts_with_all = ["keep", "control", "layer_method"])]
+    pub(super) sketch: Option<PathBuf>,
+    /// A map in the colours of the layers, kept outside --hole
+    #[arg(long, value_name = "FILE", help_heading = "Given maps (they set the size)", requires = "hole")]
+    #[arg(conflicts_with_all = ["control", "layer_method"])]
+    pub(super) keep: Option<PathBuf>,
+    /// The part of --keep to fill anew: white, or opaque in a picture with transparency
+    #[arg(long, value_name = "FILE", help_heading = "Given maps (they set the size)", requires = "keep")]
+    pub(super) hole: Option<PathBuf>,
+    /// A map made by hand in the colours of the layers; where layers touch that do not in the
+    /// photograph, thin strips of those between are laid
+    #[arg(long, value_name = "FILE", help_heading = "Given maps (they set the size)")]
+    #[arg(conflicts_with = "layer_method")]
+    pub(super) control: Option<PathBuf>,
+    /// Heights as a grey picture, best with 16 bits: new terrain in place of a map, .png with 16 bits
+    #[arg(long, value_name = "FILE", help_heading = "Terrain")]
+    #[arg(conflicts_with_all = [
+        "input", "save_layers", "layers", "layer_order", "layer_map", "layer_method", "sketch", "keep", "control",
+    ])]
+    pub(super) heights: Option<PathBuf>,
+}
+
+/// How a new map is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Method {
+    #[default]
+    Correspondence,
+    Boundary,
+}
+
+fn count(text: &str) -> Result<Count, String> {
+    if text == "auto" {
+        return Ok(Count::Auto);
+    }
+    let fixed = text.parse().ok().filter(|n| (1..=6).contains(n));
+    fixed.map(Count::Fixed).ok_or_else(|| "expected auto, or a number from 1 to 6".into())
+}
+
+/// What a map is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MapFormat {
+    Png,
+    Svg,
+    Json,
+}
+
+/// A file and what is written there.
+pub(super) struct MapTarget {
+    pub(super) place: Place,
+    pub(super) format: MapFormat,
+}
+
+/// What is made of what.
+pub(super) struct Mapping {
+    pub(super) from: From,
+    pub(super) size: Option<[usize; 2]>,
+    pub(super) wrap: [bool; 2],
+    pub(super) seed: u64,
+    pub(super) target: MapTarget,
+}
+
+/// What a map is made from.
+pub(super) enum From {
+    Heights(Input),
+    Layers(Box<Layered>),
+}
+
+/// The layers of a photograph or map, and what is made of them.
+pub(super) struct Layered {
+    pub(super) input: Input,
+    pub(super) parameters: FindParams,
+    /// A painted map in place of layers found.
+    pub(super) painted: Option<Input>,
+    pub(super) save: Option<MapTarget>,
+    pub(super) continuous: bool,
+    pub(super) wanted: Wanted,
+}
+
+/// What is made of layers.
+pub(super) enum Wanted {
+    New(Method),
+    Sketch(Input),
+    Fill { keep: Input, hole: Input },
+    Control(Input),
+}
+
+impl Mapping {
+    /// Checks what was asked for.
+    pub(super) fn new(a: LayersArgs, seed: u64) -> Result<Self, Failure> {
+        let input = a.heights.clone().or(a.input.clone()).map(Input::new);
+        let Some(input) = input else { return Err(Failure::usage("no input is given")) };
+        let files: Vec<(&str, Input)> = [
+            ("--layer-map", &a.layer_map),
+            ("--sketch", &a.sketch),
+            ("--keep", &a.keep),
+            ("--hole", &a.hole),
+            ("--control", &a.control),
+        ]
+        .into_iter()
+        .filter_map(|(name, path)| Some((name, Input::new(path.clone()?))))
+        .collect();
+        let mut read: Vec<(&str, &Input)> = files.iter().map(|(name, file)| (*name, file)).collect();
+        read.push(("the input", &input));
+        let written = [("-o", a.output.as_deref()), ("--save-layers", a.save_layers.as_deref())];
+        check_files(&read, &written)?;
+        apart(&written)?;
+
+        let grey = a.continuous || a.heights.is_some();
+        let ending = if a.heights.is_some() { "terrain" } else { "layers" };
+        let target = target(a.output, a.force.force, &input, ending)?;
+        if grey && target.format != MapFormat::Png {
+            return Err(Failure::usage("values of 16 bits can be written as .png only")
+                .hint("give -o a name that ends in .png, or leave out --continuous"));
+        }
+        let size = a.size.map(|s| [s.width as usize, s.height as usize]);
+        let wrap = a.tile.map_or([false; 2], |t| [t.0.x, t.0.y]);
+        if a.heights.is_some() {
+            return Ok(Self { from: From::Heights(input), size, wrap, seed, target });
+        }
+        let save = a.save_layers.map(|path| {
+            let format = format_of("--save-layers", &path)?;
+            Ok(MapTarget { place: Place::File { path, force: a.force.force }, format })
+        });
+        let wanted = match (a.sketch, a.keep, a.hole, a.control) {
+            (Some(sketch), ..) => Wanted::Sketch(Input::new(sketch)),
+            (_, Some(keep), Some(hole), _) => Wanted::Fill { keep: Input::new(keep), hole: Input::new(hole) },
+            (.., Some(control)) => Wanted::Control(Input::new(control)),
+            _ => Wanted::New(a.layer_method.unwrap_or_default()),
+        };
+        let parameters = FindParams { count: a.layers.unwrap_or_default(), order: a.layer_order, seed };
+        let layered = Layered {
+            input,
+            parameters,
+            painted: a.layer_map.map(Input::new),
+            save: save.transpose()?,
+            continuous: a.continuous,
+            wanted,
+        };
+        Ok(Self { from: From::Layers(Box::new(layered)), size, wrap, seed, target })
+    }
+}
+
+/// Where a map goes: as asked; else stdout if the input is stdin; else a file named after it.
+fn target(output: Option<PathBuf>, force: bool, input: &Input, ending: &str) -> Result<MapTarget, Failure> {
+    let path = match (output, input) {
+        (Some(path), _) => path,
+        (None, Input::Stdin) => "-".into(),
+        (None, Input::File(path)) => {
+            let mut name = format::stem(path);
+            name.push(format!(".{ending}.png"));
+            name.into()
+        }
+    };
+    if path.as_os_str() == "-" {
+        return Ok(MapTarget { place: Place::Stdout, format: MapFormat::Png });
+    }
+    let format = format_of("--output", &path)?;
+    Ok(MapTarget { place: Place::File { path, force }, format })
+}
+
+/// What a file name asks for.
+fn format_of(flag: &str, path: &Path) -> Result<MapFormat, Failure> {
+    format::check_map_name(flag, path)?;
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    Ok(if name.ends_with(".png") {
+        MapFormat::Png
+    } else if name.ends_with(".svg") {
+        MapFormat::Svg
+    } else {
+        MapFormat::Json
+    })
+}

@@ -1,0 +1,93 @@
+//! Regions around a painted one: from the top layer down (the paper, fig. 12).
+
+use super::super::map::Region;
+use super::super::regions::depth;
+use super::assignment::Assigned;
+use super::patches::Patches;
+use super::pyramid::doubled;
+use super::shape::{Bounds, Model, Votes, fill, optimise};
+use super::{SIDES, nested::pyramid};
+use crate::error::Result;
+use crate::progress::{Progress, advance};
+use crate::sampling::stream;
+
+/// Levels from the finest: few, so that what is painted stays where it is.
+const LEVELS: usize = 2;
+/// Cells by which a border may move from where it is painted, on each level.
+const BAND: [f32; LEVELS] = [2.0, 1.0];
+
+/// The region above, once it is optimised.
+struct Above {
+    region: Region,
+    model: Model,
+    last: Option<(Patches, Vec<Assigned>)>,
+}
+
+/// Regions from S_1 up with borders like those of `exemplar`, each where it is `painted` and, below the
+/// top, as far around the one above as in the exemplar.
+///
+/// # Errors
+/// [`crate::Error::Interrupted`].
+pub(in super::super) fn outlined(
+    exemplar: &[Region],
+    painted: &[Region],
+    seed: u64,
+    progress: &dyn Progress,
+) -> Result<Vec<Region>> {
+    let mut above: Option<Above> = None;
+    let mut found = Vec::new();
+    for k in (0..exemplar.len()).rev() {
+        advance(progress, "borders", found.len() as u64, exemplar.len() as u64)?;
+        let mut start = painted[k].clone();
+        if let Some(above) = &above {
+            let votes = above.last.as_ref().map(|(patches, assigned)| {
+                Votes::new(&above.region, patches, assigned, &above.model, &exemplar[k])
+            });
+            for i in 0..start.inside.len() {
+                let likely = votes.as_ref().and_then(|v| v.share(i)).is_some_and(|share| share > 0.5);
+                start.inside[i] |= likely || above.region.inside[i];
+            }
+        }
+        let next = around(k, &exemplar[k], start, above.as_ref().map(|a| &a.region), seed);
+        found.push(next.region.clone());
+        above = Some(next);
+    }
+    found.reverse();
+    Ok(found)
+}
+
+/// A region from its start, coarse to fine; what the one above covers stays inside.
+fn around(k: usize, exemplar: &Region, start: Region, above: Option<&Region>, seed: u64) -> Above {
+    let shortest = exemplar.size.into_iter().chain(start.size).min().unwrap_or(1);
+    let levels = (0..LEVELS).take_while(|l| shortest >> l >= 16).count().max(1);
+    let models = pyramid(exemplar, levels);
+    let starts = pyramid(&start, levels);
+    let under = above.map(|a| pyramid(a, levels));
+    let mut above =
+        Above { region: starts[levels - 1].clone(), model: level_model(&models, levels - 1), last: None };
+    for level in (0..levels).rev() {
+        let mut region = match level + 1 == levels {
+            true => starts[level].clone(),
+            false => doubled(&above.region, starts[level].size),
+        };
+        let model = level_model(&models, level);
+        let mut free: Vec<bool> = depth(&starts[level]).iter().map(|d| d.abs() <= BAND[level]).collect();
+        if let Some(under) = &under {
+            for i in (0..free.len()).filter(|&i| under[level].inside[i]) {
+                (free[i], region.inside[i]) = (false, true);
+            }
+        }
+        let bounds = Bounds { free: Some(&free), area: starts[level].area() };
+        let values: Vec<f32> = region.inside.iter().map(|&v| if v { 1.0 } else { 0.0 }).collect();
+        fill(&mut region, &values, &bounds);
+        let mut random = stream(seed, "layers/sketch", (k * LEVELS + level) as u64);
+        let last = optimise(&mut region, &model, &bounds, &mut random);
+        above = Above { region, model, last };
+    }
+    above
+}
+
+/// The model of a level.
+fn level_model(models: &[Region], level: usize) -> Model {
+    Model::new(models[level].clone(), SIDES[usize::from(level > 0)])
+}

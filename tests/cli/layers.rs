@@ -1,0 +1,251 @@
+//! `vtex layers`: maps found, made anew and given.
+
+use super::support::{Folder, encode};
+use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage};
+use serde_json::json;
+
+const COLOURS: [[u8; 3]; 3] = [[190, 190, 185], [150, 90, 50], [60, 110, 60]];
+
+/// A label from 0 to 2, in rings and blobs some 60 pixels across.
+fn label(x: u32, y: u32) -> usize {
+    let [x, y] = [f64::from(x), f64::from(y)];
+    let v = (x / 23.0).sin() + (y / 19.0 + x / 60.0).sin() + ((x - y) / 37.0).cos();
+    (((v + 3.0) / 2.0) as usize).min(2)
+}
+
+/// A folder with `rust.png`, a photograph of 200 × 180 pixels in `count` layers with grain, and
+/// `painted.png`, its layers.
+fn surface(count: usize) -> Folder {
+    let folder = Folder::new();
+    let of = |x, y| COLOURS[label(x, y).min(count - 1)];
+    let photo = RgbImage::from_fn(200, 180, |x, y| {
+        let noise = (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(40_503_000)) >> 20 & 31;
+        Rgb(of(x, y).map(|v| v + noise as u8))
+    });
+    folder.write("rust.png", encode(&photo.into(), ImageFormat::Png));
+    let painted = RgbImage::from_fn(200, 180, |x, y| Rgb(of(x, y)));
+    folder.write("painted.png", encode(&painted.into(), ImageFormat::Png));
+    folder
+}
+
+fn open(folder: &Folder, name: &str) -> RgbImage {
+    image::load_from_memory(&folder.read(name)).unwrap().into_rgb8()
+}
+
+#[test]
+fn a_photograph_becomes_a_map_of_any_size() {
+    let folder = surface(2);
+    let run = folder.run("layers rust.png -o map.png --size 300x250 --seed 1 --save-layers found.png --json");
+    let summary = run.succeeds().json();
+    assert_eq!(summary["size"], json!([300, 250]));
+    let layers = &summary["layers"];
+    assert_eq!(layers["names"].as_array().unwrap().len(), 2, "{layers}");
+    assert!(layers["why"].is_string());
+    for (wanted, got) in layers["wanted"].as_array().unwrap().iter().zip(layers["got"].as_array().unwrap()) {
+        assert!((wanted.as_f64().unwrap() - got.as_f64().unwrap()).abs() < 0.02, "{layers}");
+    }
+    // What was saved is read again as a map, and so is the result.
+    let found = open(&folder, "found.png");
+    let same = found.enumerate_pixels().filter(|(x, y, p)| (p.0[2] > 120) == (label(*x, *y) == 0)).count();
+    assert!(same > 200 * 180 * 9 / 10, "{same}");
+    folder.run("layers found.png -o again.svg --size 300x250 --seed 1 --tile").succeeds();
+    folder.run("layers map.png -o again.json --seed 1").succeeds();
+    let json: serde_json::Value = serde_json::from_slice(&folder.read("again.json")).unwrap();
+    assert_eq!((&json["format"], &json["width"]), (&json!("vtex-layers"), &json!(300)));
+    let told = folder.run("layers rust.png -o map.png --seed 1").succeeds().stderr;
+    assert!(told.contains("layers from bottom to top: ") && told.contains("reach far"), "{told}");
+}
+
+#[test]
+fn bytes_depend_on_nothing_but_the_seed() {
+    let folder = surface(3);
+    for method in ["correspondence", "boundary"] {
+        let run = |name: &str, rest: &str| {
+            folder.run(&format!("layers painted.png -o {name} --layer-method {method} {rest}")).succeeds();
+            folder.read(name)
+        };
+        let one = run("a.png", "--seed 5 --threads 1");
+        assert!(one == run("b.png", "--seed 5 --threads 4"), "{method}");
+        assert!(one != run("c.png", "--seed 6"), "{method}");
+    }
+}
+
+#[test]
+fn layers_are_counted_ordered_and_painted() {
+    let folder = surface(2);
+    let names = |rest: &str| {
+        let json = folder.run(&format!("layers rust.png -o - --json --seed 1 {rest}")).succeeds().stderr;
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        json["layers"]["names"].as_array().unwrap().clone()
+    };
+    let plain = names("--layers 2");
+    let turned = names("--layers 2 --layer-order 1,0");
+    assert_eq!([&plain[0], &plain[1]], [&turned[1], &turned[0]]);
+    assert_eq!(names("--layer-map painted.png").len(), 2);
+    let refused = |rest: &str, code, message: &str| {
+        folder.run(&format!("layers rust.png -o x.png {rest}")).fails(code, message);
+        assert!(!folder.path("x.png").exists());
+    };
+    refused("--layers 7", 2, "from 1 to 6");
+    refused("--layers 1", 1, "has a single layer");
+    refused("--layers 2 --layer-order 0,2", 2, "layer-order = 0,2 is out of range");
+    refused("--layers 2 --layer-map painted.png", 2, "cannot be used with");
+    let flat = RgbImage::from_fn(200, 180, |x, _| Rgb([if x < 90 { 40 } else { 200 }; 3]));
+    folder.write("flat.png", encode(&flat.into(), ImageFormat::Png));
+    folder.run("layers flat.png --layers 4 -o x.png").fails(1, "has 2 flat colours, not 4 layers");
+}
+
+#[test]
+fn strokes_stay_where_they_are() {
+    let folder = surface(3);
+    folder.run("layers painted.png -o map.png --seed 1").succeeds();
+    let json = folder.run("layers painted.png -o map.json --seed 1 --json").succeeds().json();
+    let top = json["layers"]["colours"][2].as_str().unwrap().to_owned();
+    let rgb: Vec<u8> = (0..3).map(|c| u8::from_str_radix(&top[2 * c + 1..2 * c + 3], 16).unwrap()).collect();
+    let top = Rgb([rgb[0], rgb[1], rgb[2]]);
+    let stroke = |x: u32, y: u32| (60..90).contains(&x) && (20..150).contains(&y);
+    let sketch = RgbImage::from_fn(240, 170, |x, y| if stroke(x, y) { top } else { Rgb([255; 3]) });
+    folder.write("sketch.png", encode(&sketch.into(), ImageFormat::Png));
+    folder.run("layers painted.png -o out.png --sketch sketch.png --seed 2").succeeds();
+    let out = open(&folder, "out.png");
+    assert_eq!(out.dimensions(), (240, 170));
+    let count = |f: &dyn Fn(bool, bool) -> bool| {
+        out.enumerate_pixels().filter(|(x, y, p)| f(**p == top, stroke(*x, *y))).count() as f64
+    };
+    let overlap = count(&|a, b| a && b) / count(&|a, b| a || b);
+    assert!(overlap >= 0.7, "{overlap}");
+    folder
+        .run("layers painted.png -o x.png --sketch sketch.png --size 100")
+        .fails(1, "'sketch.png' has 240 x 170 pixels, --size asks for 100 x 100");
+    let blank = RgbImage::from_pixel(50, 50, Rgb([255; 3]));
+    folder.write("blank.png", encode(&blank.into(), ImageFormat::Png));
+    folder.run("layers painted.png -o x.png --sketch blank.png").fails(1, "nothing is painted");
+    folder
+        .run("layers painted.png -o x.png --sketch rust.png")
+        .fails(1, "it is painted in other colours than");
+}
+
+#[test]
+fn outside_a_hole_every_pixel_stays() {
+    let folder = surface(3);
+    folder.run("layers painted.png -o old.png --seed 1").succeeds();
+    let inside = |x: u32, y: u32| (x as i32 - 100).pow(2) + (y as i32 - 80).pow(2) < 1600;
+    let hole = GrayImage::from_fn(200, 180, |x, y| Luma([if inside(x, y) { 255 } else { 0 }]));
+    folder.write("hole.png", encode(&hole.into(), ImageFormat::Png));
+    folder.run("layers painted.png -o new.png --keep old.png --hole hole.png --seed 3").succeeds();
+    let [old, new] = ["old.png", "new.png"].map(|name| open(&folder, name));
+    let changed = |within: bool| {
+        old.enumerate_pixels()
+            .filter(|(x, y, p)| inside(*x, *y) == within && *p != new.get_pixel(*x, *y))
+            .count()
+    };
+    assert_eq!(changed(false), 0);
+    assert!(changed(true) > 200, "{}", changed(true));
+    for (name, value, size, message) in [
+        ("all.png", 255, (200, 180), "it covers everything"),
+        ("none.png", 0, (200, 180), "it is empty"),
+        ("small.png", 255, (20, 18), "'small.png' has 20 x 18 pixels, 'old.png' has 200 x 180"),
+    ] {
+        folder.write(
+            name,
+            encode(&GrayImage::from_pixel(size.0, size.1, Luma([value])).into(), ImageFormat::Png),
+        );
+        folder.run(&format!("layers painted.png -o x.png --keep old.png --hole {name}")).fails(1, message);
+    }
+    folder.run("layers painted.png -o x.png --keep old.png").fails(2, "--hole");
+    folder.run("layers painted.png -o old.png --keep old.png --hole hole.png").fails(2, "name the same file");
+}
+
+#[test]
+fn maps_that_are_none_are_refused() {
+    let folder = surface(2);
+    let many = RgbImage::from_fn(200, 180, |x, y| Rgb([(x / 10 * 12) as u8, (y / 12 * 16) as u8, 0]));
+    folder.write("many.png", encode(&many.into(), ImageFormat::Png));
+    folder.write("one.png", encode(&RgbImage::from_pixel(200, 180, Rgb([9; 3])).into(), ImageFormat::Png));
+    folder.write(
+        "small.png",
+        encode(&RgbImage::from_fn(20, 18, |x, _| Rgb([x as u8 / 10 * 90; 3])).into(), ImageFormat::Png),
+    );
+    let refused = |rest: &str, code, message: &str| {
+        folder.run(&format!("layers rust.png -o x.png {rest}")).fails(code, message);
+        assert!(!folder.path("x.png").exists());
+    };
+    refused("--layer-map many.png", 1, "it has 300 colours");
+    refused("--layer-map one.png", 1, "it has a single colour");
+    refused("--layer-map small.png", 1, "it has 20 x 18 pixels, the photograph 200 x 180");
+    refused("--control many.png", 1, "of its pixels have none of the colours");
+    refused("--size 20000", 1, "is too large");
+    refused("--size 0", 2, "1 to 100000 px");
+    folder.run("layers one.png -o x.png").fails(1, "it has a single colour");
+    folder.run("layers rust.png -o x.svg --continuous").fails(2, ".png only");
+    folder.run("layers rust.png -o x.pdf").fails(2, "cannot tell the format");
+    folder.run("layers rust.png -o rust.png").fails(2, "name the same file");
+    folder.run("layers missing.png").fails(1, "cannot read");
+    folder.run("layers").fails(2, "<INPUT>");
+    // Grain has no layers, and the message says why.
+    let grain = |x: u32, y: u32| {
+        (x.wrapping_mul(x ^ 0x9e37) ^ y.wrapping_mul(y ^ 0x79b9)).wrapping_mul(2_654_435_761)
+    };
+    let grain = RgbImage::from_fn(200, 180, |x, y| Rgb([(grain(x, y) >> 24) as u8; 3]));
+    folder.write("grain.png", encode(&grain.into(), ImageFormat::Png));
+    folder.run("layers grain.png -o x.png").fails(1, "has a single layer: ");
+}
+
+#[test]
+fn a_map_made_by_hand_is_kept() {
+    let folder = surface(3);
+    folder.run("layers painted.png -o map.png --seed 1").succeeds();
+    folder.run("layers painted.png -o same.png --control map.png --seed 1").succeeds();
+    assert_eq!(open(&folder, "same.png"), open(&folder, "map.png"));
+}
+
+#[test]
+fn values_rise_within_layers() {
+    let folder = surface(2);
+    folder.run("layers painted.png -o map.png --seed 1").succeeds();
+    folder.run("layers painted.png -o rise.png --continuous --seed 1").succeeds();
+    let rise = image::load_from_memory(&folder.read("rise.png")).unwrap();
+    assert_eq!(rise.color(), image::ColorType::L16);
+    let (rise, map) = (rise.into_luma16(), open(&folder, "map.png"));
+    let upper = rise.enumerate_pixels().find(|(.., p)| p.0[0] >= 32768).unwrap();
+    let colour = *map.get_pixel(upper.0, upper.1);
+    for (x, y, p) in rise.enumerate_pixels() {
+        assert_eq!(p.0[0] >= 32768, *map.get_pixel(x, y) == colour, "{x} {y}");
+    }
+}
+
+#[test]
+fn terrain_has_sixteen_bits_in_and_out() {
+    let folder = Folder::new();
+    let height = |x: u32, y: u32| {
+        let [x, y] = [f64::from(x), f64::from(y)];
+        (20_000.0 + 9_000.0 * ((x / 17.0).sin() + (y / 23.0 + x / 50.0).cos())) as u16
+    };
+    let terrain = ImageBuffer::from_fn(160, 140, |x, y| Luma([height(x, y)]));
+    folder.write("terrain.png", encode(&DynamicImage::ImageLuma16(terrain.clone()), ImageFormat::Png));
+    folder.run("layers --heights terrain.png -o new.png --size 300x200 --tile --seed 4").succeeds();
+    let new = image::load_from_memory(&folder.read("new.png")).unwrap();
+    assert_eq!((new.color(), new.width(), new.height()), (image::ColorType::L16, 300, 200));
+    let quantiles = |mut all: Vec<u16>| {
+        all.sort_unstable();
+        (0..200).map(|k| f64::from(all[k * all.len() / 200])).collect::<Vec<_>>()
+    };
+    let [own, theirs] = [new.into_luma16().into_raw(), terrain.into_raw()].map(quantiles);
+    let distance: f64 = own.iter().zip(&theirs).map(|(a, b)| (a - b).abs()).sum::<f64>() / 200.0;
+    assert!(distance / 36_000.0 < 0.05, "{distance}");
+    let flat = ImageBuffer::from_pixel(64, 64, Luma([500u16]));
+    folder.write("flat.png", encode(&DynamicImage::ImageLuma16(flat), ImageFormat::Png));
+    folder.run("layers --heights flat.png -o x.png").fails(1, "all heights are equal");
+    let unsound = ImageBuffer::from_fn(64, 64, |x, _| Rgb([if x == 9 { f32::NAN } else { x as f32 }; 3]));
+    folder.write("nan.tiff", encode(&DynamicImage::ImageRgb32F(unsound), ImageFormat::Tiff));
+    folder.run("layers --heights nan.tiff -o x.png").fails(1, "64 of its heights are not numbers");
+    folder.run("layers --heights terrain.png -o x.svg").fails(2, ".png only");
+    folder.run("layers photo.png --heights terrain.png -o x.png").fails(2, "cannot be used with");
+    folder.run("layers --heights terrain.png --layers 2 -o x.png").fails(2, "cannot be used with");
+}
+
+#[test]
+fn other_files_are_told_apart() {
+    let folder = Folder::with_library();
+    folder.run("layers photo.lib.json -o x.png").fails(1, "holds a library, not an image");
+}
