@@ -9,7 +9,7 @@ use crate::cli::progress::Reporter;
 use crate::cli::table::table;
 use serde::Serialize;
 use vtex::library::Library;
-use vtex::scene::{CategoryId, Scene};
+use vtex::scene::{CategoryId, LibraryId, Scene};
 use vtex::statistics::{
     Correlation, Difference, Groups, Layout, Repetition, largest_categories, neighbour_distance,
 };
@@ -120,7 +120,7 @@ fn coverage(library: &Library, scene: &Scene, number: u32) -> (Shares, Vec<Categ
 impl PairCorrelation {
     fn new(library: &Library, layout: &Layout, unit: f64) -> Self {
         let largest = largest_categories(library);
-        let curves = |layout: &Layout| Correlation::new(layout, 0, &largest, unit);
+        let curves = |layout: &Layout| Correlation::new(layout, LibraryId::default(), &largest, unit);
         let (wanted, got) = (curves(&Layout::of_library(library)), curves(layout));
         let bins = wanted.curves.first().map_or(0, |c| c.pairs.len());
         let end = |k: usize| (k + 1) as f64 * Correlation::REACH * unit / bins as f64;
