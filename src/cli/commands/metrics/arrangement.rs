@@ -77,12 +77,12 @@ pub(super) fn run(
         let message = format!("'{result}' was not made from '{exemplar}': it names another exemplar");
         return Err(Failure::failed(message).hint("give the library that the scene was made from").into());
     };
-    let number = number as u32;
+    let number = LibraryId(number as u32);
     let (coverage, categories) = coverage(library, scene, number);
     let unit = neighbour_distance(library);
     let mut layout = Layout::of_scene(scene);
     layout.centres.retain(|c| c.library == number);
-    layout.centres.iter_mut().for_each(|c| c.library = 0);
+    layout.centres.iter_mut().for_each(|c| c.library = LibraryId::default());
     let placeable = library.primaries().iter().filter(|p| !p.clipped).count();
     let found = Found {
         program: vtex::PROGRAM,
@@ -101,7 +101,7 @@ pub(super) fn run(
 }
 
 /// Of all, and of each category.
-fn coverage(library: &Library, scene: &Scene, number: u32) -> (Shares, Vec<CategoryShares>) {
+fn coverage(library: &Library, scene: &Scene, number: LibraryId) -> (Shares, Vec<CategoryShares>) {
     let pixels = vtex::output::coverage(scene);
     let canvas = (vtex::output::inside(scene) as f64).max(1.0);
     let share = |category: CategoryId| pixels.get(&(number, category)).map_or(0.0, |n| *n as f64 / canvas);
