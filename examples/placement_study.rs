@@ -282,7 +282,12 @@ impl Exemplar {
     fn read(path: &Path) -> Outcome<Self> {
         let library = Library::read(path)?;
         let (categories, unit) = (largest_categories(&library), neighbour_distance(&library));
-        let correlation = Correlation::new(&Layout::of_library(&library), 0, &categories, unit);
+        let correlation = Correlation::new(
+            &Layout::of_library(&library),
+            vtex::scene::LibraryId::default(),
+            &categories,
+            unit,
+        );
         let name = stem(path);
         Ok(Self { name, path: path.to_owned(), library, categories, unit, correlation })
     }
@@ -297,7 +302,7 @@ impl Exemplar {
     }
 
     fn correlation_of(&self, layout: &Layout) -> Correlation {
-        Correlation::new(layout, 0, &self.categories, self.unit)
+        Correlation::new(layout, vtex::scene::LibraryId::default(), &self.categories, self.unit)
     }
 
     /// Differences between the left and the right half, and between the upper and the lower half.

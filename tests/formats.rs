@@ -200,7 +200,7 @@ fn origin(node: Node<'_, '_>) -> (u32, u32) {
 fn a_reader_finds_category_source_and_order_of_every_texton() {
     let mut mixed = shaped(Edge::Clip);
     mixed.libraries.push(mixed.libraries[0].clone());
-    mixed.elements.iter_mut().step_by(2).for_each(|t| t.library = 1);
+    mixed.elements.iter_mut().step_by(2).for_each(|t| t.library.0 = 1);
     for (scene, options) in
         [scene(), &mixed].into_iter().flat_map(|s| [(s, SvgOptions::default()), (s, EXPANDED)])
     {
@@ -215,7 +215,7 @@ fn a_reader_finds_category_source_and_order_of_every_texton() {
         };
         assert!(layer("background").children().any(|n| n.is_element()));
         let check = |node: Node<'_, '_>, element: &Element| {
-            assert_eq!(origin(node), (element.source.unwrap().0, element.library));
+            assert_eq!(origin(node), (element.source.unwrap().0, element.library.0));
         };
         let textons = |i: &Instance| scene.element(i);
 

@@ -8,6 +8,7 @@ use crate::library::AnalyzeParams;
 use crate::parallel;
 use crate::raster::{Connectivity, LabelMap, Mask, components};
 use image::{RgbImage, imageops};
+use std::ops::Deref;
 
 /// Photographs with more pixels than this get one cell per pixel by default. Their smallest
 /// elements are larger.
@@ -20,6 +21,19 @@ const SPATIAL_DEVIATION: f32 = 0.8;
 const COLOUR_FALLOFF: f32 = 20.0;
 /// A primary that keeps a smaller share of its area than this is resampled without smoothing.
 const LEAST_KEPT: f64 = 0.8;
+
+/// Something in cells, where the same in pixels is as it stands: an image, a map of labels or a mask of
+/// cells, parameters whose lengths and areas count cells.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Cells<T>(pub(super) T);
+
+impl<T> Deref for Cells<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.0
+    }
+}
 
 /// Number of cells along each side of a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -46,30 +60,30 @@ impl Grid {
     }
 
     /// Centroid of a mask of cells, in pixels.
-    pub(super) fn centroid(self, mask: &Mask) -> [f64; 2] {
+    pub(super) fn centroid(self, mask: &Cells<Mask>) -> [f64; 2] {
         let centre = mask.centroid().map_or([0.0; 2], Into::into);
         centre.map(|v| to_four_digits(v / self.along()))
     }
 
     /// Area of a mask of cells in pixels, rounded, at least 1.
-    pub(super) fn pixel_area(self, mask: &Mask) -> u32 {
+    pub(super) fn pixel_area(self, mask: &Cells<Mask>) -> u32 {
         (libm::round(f64::from(mask.area()) / self.area()) as u32).max(1)
     }
 
     /// The photograph enlarged to the grid, with edges sharpened to those of vector shapes. Drawing
     /// them at pixel resolution blurs them again.
-    pub(super) fn image(self, image: &RgbImage) -> RgbImage {
+    pub(super) fn image(self, image: &RgbImage) -> Cells<RgbImage> {
         if self.cells == 1 {
-            return image.clone();
+            return Cells(image.clone());
         }
         let (w, h) = (image.width() * self.cells, image.height() * self.cells);
-        steepened(&imageops::resize(image, w, h, imageops::FilterType::CatmullRom))
+        Cells(steepened(&imageops::resize(image, w, h, imageops::FilterType::CatmullRom)))
     }
 
     /// The parameters for details and secondaries, with areas and lengths converted to cells.
-    pub(super) fn params(self, params: &AnalyzeParams) -> AnalyzeParams {
+    pub(super) fn params(self, params: &AnalyzeParams) -> Cells<AnalyzeParams> {
         let area = self.cells * self.cells;
-        AnalyzeParams {
+        Cells(AnalyzeParams {
             // Colour steps between neighbouring cells shrink with their distance.
             detail_scale: params.detail_scale * self.along(),
             detail_sigma: params.detail_sigma * self.along(),
@@ -77,16 +91,21 @@ impl Grid {
             secondary_minimum: params.secondary_minimum * area,
             secondary_maximum: params.secondary_maximum * area,
             ..params.clone()
-        }
+        })
     }
 
     /// Upsamples a label map from pixels to cells. Near a border between labels, each cell takes a
     /// weighted vote of the pixels around it; weights fall with distance and with the difference in
     /// colour to `fine`: joint bilateral upsampling (Kopf et al. 2007). Connected labels above 0 stay
     /// connected.
-    pub(super) fn labels(self, image: &RgbImage, fine: &RgbImage, labels: &LabelMap) -> LabelMap {
+    pub(super) fn labels(
+        self,
+        image: &RgbImage,
+        fine: &Cells<RgbImage>,
+        labels: &LabelMap,
+    ) -> Cells<LabelMap> {
         if self.cells == 1 {
-            return labels.clone();
+            return Cells(labels.clone());
         }
         let k = self.cells;
         let mut map = LabelMap::filled(labels.width * k, labels.height * k, 0);
@@ -105,7 +124,7 @@ impl Grid {
             (0..labels.labels.len()).filter(|&i| labels.labels[i] != 0 && lost(labels.labels[i])).collect();
         thin.into_iter().for_each(|i| self.as_pixel(labels, &mut map, i));
         self.restore_disconnected(labels, &mut map);
-        map
+        Cells(map)
     }
 
     /// Assigns a pixel's label to all its cells.
@@ -186,7 +205,7 @@ impl Grid {
 
     /// Downsamples a label map from cells to pixels. A pixel is labelled if at least half of its cells
     /// are; it takes the label of one of them.
-    pub(super) fn pixels(self, map: &LabelMap) -> LabelMap {
+    pub(super) fn pixels(self, map: &Cells<LabelMap>) -> LabelMap {
         let k = self.cells;
         let mut pixels = LabelMap::filled(map.width / k, map.height / k, 0);
         for y in 0..pixels.height {
@@ -347,7 +366,7 @@ mod tests {
         let grid = Grid { cells: 2 };
         let mut map = LabelMap::filled(6, 4, 0);
         [(0, 0), (2, 1), (3, 0), (4, 2), (5, 2), (5, 3)].into_iter().for_each(|(x, y)| map.set(x, y, 3));
-        assert_eq!(grid.pixels(&map).labels, [0, 3, 0, 0, 0, 3]);
+        assert_eq!(grid.pixels(&Cells(map)).labels, [0, 3, 0, 0, 0, 3]);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! first, until no union reduces it. This is region merging after Mumford and Shah (Koepfler, Lopez
 //! and Morel 1994), with bytes in place of border lengths and with flat or linear-gradient fills.
 
-use super::grid::Grid;
+use super::grid::{Cells, Grid};
 use super::moments::Moments;
 use super::rate_distortion::{RateDistortion, SECONDARY_BYTES};
 use crate::disjoint_sets::DisjointSets;
@@ -22,24 +22,33 @@ const DETAIL_BYTES: f64 = 45.0;
 
 /// The linear gradient that fills a region (coordinates in pixels), or `None` if a flat fill is
 /// cheaper.
-pub(super) fn gradient(image: &RgbImage, mask: &Mask, cost: RateDistortion, grid: Grid) -> Option<Gradient> {
+pub(super) fn gradient(
+    image: &Cells<RgbImage>,
+    mask: &Cells<Mask>,
+    cost: RateDistortion,
+    grid: Grid,
+) -> Option<Gradient> {
     let origin = mask.centroid()?.into();
     let sums = Moments::new(image, mask, origin);
     if cost.of_region(&sums).1 { sums.gradient(mask, origin, grid) } else { None }
 }
 
 /// Joins the details of one primary; the result still tiles it.
-pub(super) fn join(image: &RgbImage, details: &[Mask], cost: RateDistortion) -> Vec<Mask> {
+pub(super) fn join(
+    image: &Cells<RgbImage>,
+    details: &[Cells<Mask>],
+    cost: RateDistortion,
+) -> Vec<Cells<Mask>> {
     unite(image, details, cost, DETAIL_BYTES, u32::MAX)
 }
 
 /// Joins secondaries, which have flat fills, up to unions of `largest` cells.
 pub(super) fn join_secondaries(
-    image: &RgbImage,
-    secondaries: &[Mask],
+    image: &Cells<RgbImage>,
+    secondaries: &[Cells<Mask>],
     cost: RateDistortion,
     largest: u32,
-) -> Vec<Mask> {
+) -> Vec<Cells<Mask>> {
     unite(
         image,
         secondaries,
@@ -51,12 +60,18 @@ pub(super) fn join_secondaries(
 
 /// Joins disjoint masks while this reduces the cost. `shape` is the bytes of one shape, not counting
 /// its border.
-fn unite(image: &RgbImage, masks: &[Mask], cost: RateDistortion, shape: f64, largest: u32) -> Vec<Mask> {
+fn unite(
+    image: &Cells<RgbImage>,
+    masks: &[Cells<Mask>],
+    cost: RateDistortion,
+    shape: f64,
+    largest: u32,
+) -> Vec<Cells<Mask>> {
     if masks.len() < 2 {
         return masks.to_vec();
     }
     let origin = masks[0].centroid().map_or([0.0; 2], Into::into);
-    let mut areas: Vec<u32> = masks.iter().map(Mask::area).collect();
+    let mut areas: Vec<u32> = masks.iter().map(|m| m.area()).collect();
     let mut regions: Vec<Option<Moments>> =
         masks.iter().map(|m| Some(Moments::new(image, m, origin))).collect();
     let mut borders = borders(masks);
@@ -104,7 +119,10 @@ fn unite(image: &RgbImage, masks: &[Mask], cost: RateDistortion, shape: f64, lar
 }
 
 /// Joins neighbours of the same colour.
-pub(super) fn join_alike(details: &[Mask], colour: impl Fn(&Mask) -> Colour) -> Vec<Mask> {
+pub(super) fn join_alike(
+    details: &[Cells<Mask>],
+    colour: impl Fn(&Cells<Mask>) -> Colour,
+) -> Vec<Cells<Mask>> {
     let colours: Vec<Colour> = details.iter().map(colour).collect();
     let mut sets = DisjointSets::new(details.len());
     for (a, neighbours) in borders(details).iter().enumerate() {
@@ -116,17 +134,17 @@ pub(super) fn join_alike(details: &[Mask], colour: impl Fn(&Mask) -> Colour) -> 
 }
 
 /// The unions, in the order of their first masks.
-fn united(masks: &[Mask], mut sets: DisjointSets) -> Vec<Mask> {
+fn united(masks: &[Cells<Mask>], mut sets: DisjointSets) -> Vec<Cells<Mask>> {
     let (of, count) = sets.indices();
     let mut spans = vec![Vec::new(); count];
     for (mask, set) in masks.iter().zip(of) {
         spans[set as usize].extend_from_slice(mask.spans());
     }
-    spans.into_iter().map(Mask::from_spans).collect()
+    spans.into_iter().map(|spans| Cells(Mask::from_spans(spans))).collect()
 }
 
 /// For each mask, the neighbouring masks and the length of their common border, in cells.
-fn borders(masks: &[Mask]) -> Vec<BTreeMap<usize, u32>> {
+fn borders(masks: &[Cells<Mask>]) -> Vec<BTreeMap<usize, u32>> {
     let mut rows: BTreeMap<i32, Vec<(i32, i32, usize)>> = BTreeMap::new();
     for (i, mask) in masks.iter().enumerate() {
         for s in mask.spans() {
@@ -167,11 +185,11 @@ mod tests {
     use image::Rgb;
 
     /// Columns of a picture 40 pixels wide and 30 high.
-    fn column(x0: i32, x1: i32) -> Mask {
-        Mask::from_spans((0..30).map(|y| Span { y, x0, x1 }).collect())
+    fn column(x0: i32, x1: i32) -> Cells<Mask> {
+        Cells(Mask::from_spans((0..30).map(|y| Span { y, x0, x1 }).collect()))
     }
 
-    fn columns(width: i32) -> Vec<Mask> {
+    fn columns(width: i32) -> Vec<Cells<Mask>> {
         (0..40 / width).map(|k| column(k * width, (k + 1) * width)).collect()
     }
 
@@ -180,7 +198,8 @@ mod tests {
 
     #[test]
     fn equal_neighbours_become_one_and_unlike_ones_stay() {
-        let image = RgbImage::from_fn(40, 30, |x, _| Rgb(if x < 20 { [200, 40, 40] } else { [30, 60, 190] }));
+        let image =
+            Cells(RgbImage::from_fn(40, 30, |x, _| Rgb(if x < 20 { [200, 40, 40] } else { [30, 60, 190] })));
         let joined = join(&image, &columns(5), COST);
         assert_eq!(joined, [column(0, 20), column(20, 40)]);
         assert_eq!(join(&image, &columns(5), RateDistortion { error_per_byte: 0.0, ..COST }).len(), 8);
@@ -189,7 +208,7 @@ mod tests {
 
     #[test]
     fn steps_of_a_slope_become_one_gradient() {
-        let image = RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90]));
+        let image = Cells(RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90])));
         let joined = join(&image, &columns(5), COST);
         assert_eq!(joined, [column(0, 40)]);
         let g = gradient(&image, &joined[0], COST, Grid { cells: 1 }).unwrap();
@@ -209,7 +228,7 @@ mod tests {
 
     #[test]
     fn secondaries_stay_flat_and_within_the_largest_area() {
-        let image = RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90]));
+        let image = Cells(RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90])));
         let count = |error_per_byte, largest| {
             let joined =
                 join_secondaries(&image, &columns(5), RateDistortion { error_per_byte, ..COST }, largest);
@@ -221,7 +240,8 @@ mod tests {
 
     #[test]
     fn neighbours_of_one_colour_become_one() {
-        let colour = |m: &Mask| Colour([if m.contains(12, 0) || m.contains(17, 0) { 9 } else { 200 }; 3]);
+        let colour =
+            |m: &Cells<Mask>| Colour([if m.contains(12, 0) || m.contains(17, 0) { 9 } else { 200 }; 3]);
         let joined = join_alike(&columns(5), colour);
         assert_eq!(joined, [column(0, 10), column(10, 20), column(20, 40)]);
     }
@@ -240,7 +260,7 @@ mod tests {
             .collect();
         let inside = (1..4).map(|y| Span { y, x0: 1, x1: 4 }).collect();
         let far = vec![Span { y: 9, x0: 0, x1: 5 }];
-        let found = borders(&[ring, inside, far].map(Mask::from_spans));
+        let found = borders(&[ring, inside, far].map(|spans| Cells(Mask::from_spans(spans))));
         assert_eq!(found, [BTreeMap::from([(1, 12)]), BTreeMap::from([(0, 12)]), BTreeMap::new()]);
     }
 }

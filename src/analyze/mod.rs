@@ -34,7 +34,7 @@ use crate::raster::{LabelMap, Mask};
 use crate::scene::Tile;
 use crate::scene::field::Interpolant;
 use crate::segment::{Segmenter, Smoothed, details};
-use grid::Grid;
+use grid::{Cells, Grid};
 use image::RgbImage;
 use rate_distortion::RateDistortion;
 use shapes::Style;
@@ -88,6 +88,7 @@ pub fn analyze(
     promote(&mut primaries, &mut cells, &patches.promoted, grid);
     let count = cells.labels.iter().max().map_or(0, |m| *m as usize);
     let primary_masks = Mask::all_of_labels(&cells, count + 1).split_off(1);
+    let primary_masks: Vec<Cells<Mask>> = primary_masks.into_iter().map(Cells).collect();
     progress.picture("primaries", &|| crate::raster::picture::outlines(image, &primaries));
 
     advance(progress, "details", 0, count as u64)?;
@@ -95,11 +96,12 @@ pub fn analyze(
     let clean = own_colours(&fine, &cells, grid, params);
     let smoothed = Smoothed::new(&clean, in_cells.detail_sigma);
     let details = crate::parallel::map(&primary_masks, |mask| {
-        details(&smoothed, mask, in_cells.detail_scale, in_cells.detail_minimum)
+        let details = details(&smoothed, mask, in_cells.detail_scale, in_cells.detail_minimum);
+        details.into_iter().map(Cells).collect::<Vec<_>>()
     });
 
     advance(progress, "background", 0, 1)?;
-    let textons = grid.pixels(&any_texton(&cells, patches.secondaries.iter()));
+    let textons = grid.pixels(&any_texton(&cells, &patches.secondaries));
     let background = background::palette(image, &primaries, &textons, params);
     progress.picture("background", &|| pictures::background(image, &textons, &background));
     let interpolant = Interpolant::new(&background, width, height, Tile::default());
@@ -180,15 +182,20 @@ pub fn analyze(
 const FINEST_UNMIXED: f64 = 0.2;
 
 /// The enlarged image, in which cells along the borders of primaries have the colour of their side.
-fn own_colours(fine: &RgbImage, cells: &LabelMap, grid: Grid, params: &AnalyzeParams) -> RgbImage {
+fn own_colours(
+    fine: &Cells<RgbImage>,
+    cells: &Cells<LabelMap>,
+    grid: Grid,
+    params: &AnalyzeParams,
+) -> Cells<RgbImage> {
     if params.fidelity < FINEST_UNMIXED { fine.clone() } else { unmixed(fine, cells, grid) }
 }
 
 /// Adds promoted patches to the primaries, on both the pixel and the cell map.
-fn promote(primaries: &mut LabelMap, cells: &mut LabelMap, promoted: &[Mask], grid: Grid) {
+fn promote(primaries: &mut LabelMap, cells: &mut Cells<LabelMap>, promoted: &[Cells<Mask>], grid: Grid) {
     let first = cells.labels.iter().max().map_or(0, |m| *m) + 1;
     for (k, mask) in promoted.iter().enumerate() {
-        cells.fill(mask, first + k as u32);
+        cells.0.fill(mask, first + k as u32);
     }
     for (label, new) in primaries.labels.iter_mut().zip(grid.pixels(cells).labels) {
         if *label == 0 && new >= first {
@@ -198,15 +205,15 @@ fn promote(primaries: &mut LabelMap, cells: &mut LabelMap, promoted: &[Mask], gr
 }
 
 /// A map with a label above 0 wherever there is a texton.
-fn any_texton<'a>(primaries: &LabelMap, secondaries: impl Iterator<Item = &'a Mask>) -> LabelMap {
-    let mut map = primaries.clone();
+fn any_texton(primaries: &Cells<LabelMap>, secondaries: &[Cells<Mask>]) -> Cells<LabelMap> {
+    let mut map = primaries.0.clone();
     for mask in secondaries {
         map.fill(mask, 1);
     }
-    map
+    Cells(map)
 }
 
-fn touches_border(mask: &Mask, width: u32, height: u32) -> bool {
+fn touches_border(mask: &Cells<Mask>, width: u32, height: u32) -> bool {
     mask.bounds()
         .is_some_and(|(x0, y0, x1, y1)| x0 <= 0 || y0 <= 0 || x1 >= width as i32 || y1 >= height as i32)
 }

@@ -2,7 +2,7 @@
 //!
 //! The sums of two disjoint regions add up to those of their union, so a union is cheap to evaluate.
 
-use super::grid::Grid;
+use super::grid::{Cells, Grid};
 use crate::geometry::STEP;
 use crate::raster::Mask;
 use crate::raster::colour::Colour;
@@ -39,7 +39,7 @@ struct Trend {
 
 impl Moments {
     /// Sums over those pixels of a mask that lie inside the image.
-    pub(super) fn new(image: &RgbImage, mask: &Mask, origin: [f64; 2]) -> Self {
+    pub(super) fn new(image: &Cells<RgbImage>, mask: &Cells<Mask>, origin: [f64; 2]) -> Self {
         let mut sums = Self::default();
         let (width, height) = (image.width() as i32, image.height() as i32);
         for (x, y) in mask.pixels().filter(|&(x, y)| x >= 0 && y >= 0 && x < width && y < height) {
@@ -128,7 +128,7 @@ impl Moments {
 
     /// The best linear gradient over `mask`, whose sums about `origin` these are. `None` if its colours
     /// hardly change.
-    pub(super) fn gradient(&self, mask: &Mask, origin: [f64; 2], cells: Grid) -> Option<Gradient> {
+    pub(super) fn gradient(&self, mask: &Cells<Mask>, origin: [f64; 2], cells: Grid) -> Option<Gradient> {
         let Trend { along, slope, .. } = self.trend()?;
         let mean = self.place.map(|v| v / self.count);
         let reach = |x: i32, y: i32| {
@@ -153,8 +153,12 @@ mod tests {
     use crate::raster::Span;
     use image::Rgb;
 
-    fn square(side: i32) -> Mask {
-        Mask::from_spans((0..side).map(|y| Span { y, x0: 0, x1: side }).collect())
+    fn rows(spans: Vec<Span>) -> Cells<Mask> {
+        Cells(Mask::from_spans(spans))
+    }
+
+    fn square(side: i32) -> Cells<Mask> {
+        rows((0..side).map(|y| Span { y, x0: 0, x1: side }).collect())
     }
 
     #[test]
@@ -166,9 +170,9 @@ mod tests {
                 let t = (x - 20.0) * u + (y - 20.0) * v;
                 [120.0 + 2.0 * t, 90.0 - 1.5 * t, 100.0]
             };
-            let image = RgbImage::from_fn(40, 40, |x, y| {
+            let image = Cells(RgbImage::from_fn(40, 40, |x, y| {
                 Rgb(at(f64::from(x) + 0.5, f64::from(y) + 0.5).map(|v| libm::round(v) as u8))
-            });
+            }));
             let (mask, origin) = (square(40), [20.0, 20.0]);
             let sums = Moments::new(&image, &mask, origin);
             assert!(sums.gradient_error() < 0.001 * sums.flat_error());
@@ -182,8 +186,8 @@ mod tests {
 
     #[test]
     fn sums_of_parts_are_those_of_the_whole() {
-        let image = RgbImage::from_fn(12, 12, |x, y| Rgb([(x * 20) as u8, (y * 13 + x) as u8, 77]));
-        let part = |a, b| Mask::from_spans((a..b).map(|y| Span { y, x0: 0, x1: 12 }).collect());
+        let image = Cells(RgbImage::from_fn(12, 12, |x, y| Rgb([(x * 20) as u8, (y * 13 + x) as u8, 77])));
+        let part = |a, b| rows((a..b).map(|y| Span { y, x0: 0, x1: 12 }).collect());
         let origin = [6.0, 6.0];
         let both =
             Moments::new(&image, &part(0, 5), origin).with(&Moments::new(&image, &part(5, 12), origin));
@@ -194,16 +198,16 @@ mod tests {
 
     #[test]
     fn what_is_flat_or_a_line_has_no_gradient() {
-        let image = RgbImage::from_pixel(9, 9, Rgb([40, 50, 60]));
+        let image = Cells(RgbImage::from_pixel(9, 9, Rgb([40, 50, 60])));
         assert!(
             Moments::new(&image, &square(9), [4.0; 2])
                 .gradient(&square(9), [4.0; 2], Grid { cells: 1 })
                 .is_none()
         );
-        let line = Mask::from_spans(vec![Span { y: 3, x0: 0, x1: 9 }]);
+        let line = rows(vec![Span { y: 3, x0: 0, x1: 9 }]);
         let sums = Moments::new(&image, &line, [4.0; 2]);
         assert!(sums.gradient(&line, [4.0; 2], Grid { cells: 1 }).is_none() && sums.gradient_error() < 1e-6);
-        let empty = Moments::new(&image, &Mask::from_spans(Vec::new()), [0.0; 2]);
+        let empty = Moments::new(&image, &rows(Vec::new()), [0.0; 2]);
         assert_eq!((empty.flat_error(), empty.gradient_error()), (0.0, 0.0));
     }
 }

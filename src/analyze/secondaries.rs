@@ -1,6 +1,7 @@
 //! Secondaries: small patches of uniform colour between the primaries.
 
 use super::candidates::{Lab, spans_image};
+use super::grid::Cells;
 use super::neighbours::{edge_lengths, quantile};
 use crate::library::AnalyzeParams;
 use crate::parallel;
@@ -12,15 +13,19 @@ use std::collections::BTreeMap;
 /// Result of the flood fill between the primaries.
 pub(super) struct Patches {
     /// Small patches, in the order of their first pixel.
-    pub(super) secondaries: Vec<Mask>,
+    pub(super) secondaries: Vec<Cells<Mask>>,
     /// Patches as large and as distinct as the primaries, which become primaries.
-    pub(super) promoted: Vec<Mask>,
+    pub(super) promoted: Vec<Cells<Mask>>,
 }
 
 /// Flood fills the area between the primaries. Patches as large as the median primary, with a rim as
 /// strong, are promoted to primaries. Patches within the permitted range of sizes become
 /// secondaries. All others are background.
-pub(super) fn find(image: &RgbImage, primaries: &LabelMap, params: &AnalyzeParams) -> Patches {
+pub(super) fn find(
+    image: &Cells<RgbImage>,
+    primaries: &Cells<LabelMap>,
+    params: &Cells<AnalyzeParams>,
+) -> Patches {
     let (w, h) = (image.width() as i32, image.height() as i32);
     let mut regions = flood(image, &|i| primaries.labels[i] != 0, params.secondary_tolerance);
     join_fragments(image, &mut regions, params.secondary_minimum);
@@ -41,12 +46,12 @@ pub(super) fn find(image: &RgbImage, primaries: &LabelMap, params: &AnalyzeParam
             let length = f64::from(cracks) * std::f64::consts::FRAC_PI_4;
             let compact = 4.0 * std::f64::consts::PI * f64::from(area) > 0.2 * length * length;
             if compact && f64::from(rim) >= 0.8 * typical_rim {
-                patches.promoted.push(mask);
+                patches.promoted.push(Cells(mask));
                 continue;
             }
         }
         if (params.secondary_minimum..=params.secondary_maximum).contains(&area) {
-            patches.secondaries.push(mask);
+            patches.secondaries.push(Cells(mask));
         }
     }
     patches

@@ -5,7 +5,7 @@
 //! painted after it. The largest is the base, painted with the primary's whole outline.
 
 use super::edges::Edges;
-use super::grid::{Grid, to_four_digits};
+use super::grid::{Cells, Grid, to_four_digits};
 use super::joining;
 use super::palette::Palette;
 use super::rate_distortion::RateDistortion;
@@ -30,7 +30,7 @@ const SIDE_UNDERLAP: f64 = 0.15;
 /// A flat patch between the primaries.
 #[derive(Clone)]
 pub(super) struct Patch {
-    pub(super) mask: Mask,
+    pub(super) mask: Cells<Mask>,
     /// Median colour of its pixels.
     pub(super) colour: Colour,
     /// Its colour minus the background's at its centroid, per component.
@@ -40,7 +40,7 @@ pub(super) struct Patch {
 /// All pieces of an exemplar, disjoint.
 pub(super) struct Pieces {
     /// The details of each primary, which tile it.
-    pub(super) details: Vec<Vec<Mask>>,
+    pub(super) details: Vec<Vec<Cells<Mask>>>,
     /// The secondaries.
     pub(super) secondaries: Vec<Patch>,
 }
@@ -63,7 +63,12 @@ pub(super) struct Shapes {
 }
 
 /// Patches with their median colours, and these relative to the background field.
-pub(super) fn patches(image: &RgbImage, masks: Vec<Mask>, grid: Grid, field: &Interpolant) -> Vec<Patch> {
+pub(super) fn patches(
+    image: &Cells<RgbImage>,
+    masks: Vec<Cells<Mask>>,
+    grid: Grid,
+    field: &Interpolant,
+) -> Vec<Patch> {
     let found = crate::parallel::map(&masks, |mask| {
         let (colour, [x, y]) = (median(image, mask), grid.centroid(mask));
         let (own, behind) = (colour.to_f64(), field.at(x, y));
@@ -77,19 +82,24 @@ pub(super) fn patches(image: &RgbImage, masks: Vec<Mask>, grid: Grid, field: &In
 }
 
 /// Median colour of the pixels of a mask.
-pub(super) fn median(image: &RgbImage, mask: &Mask) -> Colour {
+pub(super) fn median(image: &Cells<RgbImage>, mask: &Cells<Mask>) -> Colour {
     colour::median(mask.pixels().map(|(x, y)| image.get_pixel(x as u32, y as u32).0)).unwrap_or_default()
 }
 
 /// Traces and fits all outlines. Colours are taken from `image` (cells), edges from `photo` (pixels).
-pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, style: &Style<'_>) -> Shapes {
+pub(super) fn outlines(
+    photo: &RgbImage,
+    image: &Cells<RgbImage>,
+    pieces: &Pieces,
+    style: &Style<'_>,
+) -> Shapes {
     let (grid, (width, height)) = (style.grid, image.dimensions());
     let mut map = LabelMap::filled(width, height, 0);
     // Labels of one primary form a group; every secondary is a group of its own.
     let mut groups = vec![0u32];
-    let mut ordered: Vec<Vec<&Mask>> = Vec::new();
+    let mut ordered: Vec<Vec<&Cells<Mask>>> = Vec::new();
     for (k, details) in pieces.details.iter().enumerate() {
-        let mut details: Vec<&Mask> = details.iter().collect();
+        let mut details: Vec<&Cells<Mask>> = details.iter().collect();
         details.sort_by_key(|m| std::cmp::Reverse(m.area()));
         for mask in &details {
             map.fill(mask, groups.len() as u32);
@@ -103,7 +113,7 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
         map.fill(&patch.mask, groups.len() as u32);
         groups.push((primary_count + k) as u32 + 1);
     }
-    let all: Vec<&Mask> = ordered.iter().flatten().copied().collect();
+    let all: Vec<&Cells<Mask>> = ordered.iter().flatten().copied().collect();
     let medians = crate::parallel::map(&all, |m| median(image, m));
     let of_patches = pieces.secondaries.iter().map(|p| p.colour);
     let colours = [None].into_iter().chain(medians.iter().copied().chain(of_patches).map(Some)).collect();
@@ -128,7 +138,7 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
     let mut primaries = Vec::with_capacity(primary_count);
     let mut label = 1;
     for (k, details) in ordered.iter().enumerate() {
-        let mask = Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect());
+        let mask = Cells(Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect()));
         let colours: Vec<Colour> =
             (label - 1..).take(details.len()).map(|i| style.palette.nearest(medians[i])).collect();
         let base = colours.first().copied().unwrap_or_default();
@@ -180,7 +190,7 @@ pub(super) fn outlines(photo: &RgbImage, image: &RgbImage, pieces: &Pieces, styl
 }
 
 /// The outline of a mask traced on its own, scaled to the mask's area.
-fn alone(mask: &Mask, grid: Grid) -> Outline {
+fn alone(mask: &Cells<Mask>, grid: Grid) -> Outline {
     let Some((x0, y0, x1, y1)) = mask.bounds() else { return Outline::default() };
     let mut map = LabelMap::filled((x1 - x0 + 2) as u32, (y1 - y0 + 2) as u32, 0);
     let corner = (1 - x0, 1 - y0);

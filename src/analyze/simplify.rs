@@ -1,6 +1,6 @@
 //! Simplification: joins and drops pieces until the drawing is worth its bytes.
 
-use super::grid::Grid;
+use super::grid::{Cells, Grid};
 use super::joining;
 use super::palette::Palette;
 use super::rate_distortion::RateDistortion;
@@ -14,8 +14,8 @@ use image::RgbImage;
 /// above 0, the cost of a byte rises until at most that many shapes remain; a warning says if the
 /// primaries alone exceed it.
 pub(super) fn simplify(
-    image: &RgbImage,
-    details: &[Vec<Mask>],
+    image: &Cells<RgbImage>,
+    details: &[Vec<Cells<Mask>>],
     patches: Vec<Patch>,
     params: &AnalyzeParams,
     grid: Grid,
@@ -45,7 +45,7 @@ pub(super) fn simplify(
 /// Clusters the colours of all pieces into a palette of `colors` entries, and joins neighbouring
 /// details that share an entry.
 pub(super) fn reduce_colours(
-    image: &RgbImage,
+    image: &Cells<RgbImage>,
     mut pieces: Pieces,
     params: &AnalyzeParams,
 ) -> (Pieces, Palette) {
@@ -53,7 +53,7 @@ pub(super) fn reduce_colours(
     if count == 0 {
         return (pieces, Palette::new(&[], 0, params.seed));
     }
-    let masks: Vec<&Mask> = pieces.details.iter().flatten().collect();
+    let masks: Vec<&Cells<Mask>> = pieces.details.iter().flatten().collect();
     let mut colours = parallel::map(&masks, |m| (shapes::median(image, m), m.area()));
     colours.extend(pieces.secondaries.iter().map(|p| (p.colour, p.mask.area())));
     let palette = Palette::new(&colours, count, params.seed);

@@ -4,7 +4,7 @@
 //! along the rim of a texton, as a detail or a secondary. Drawing a smooth outline mixes the colours
 //! again, so nothing is lost. Edges are still located in the photograph.
 
-use super::grid::Grid;
+use super::grid::{Cells, Grid};
 use crate::raster::LabelMap;
 use image::{Rgb, RgbImage};
 
@@ -22,10 +22,10 @@ const LEAST_OWN_SHARE: [f32; 2] = [0.2, 0.3];
 const LINE_TOLERANCE: [f32; 2] = [8.0, 0.2];
 
 /// The enlarged image with the mixed cells along label borders replaced.
-pub(super) fn unmixed(image: &RgbImage, labels: &LabelMap, grid: Grid) -> RgbImage {
+pub(super) fn unmixed(image: &Cells<RgbImage>, labels: &Cells<LabelMap>, grid: Grid) -> Cells<RgbImage> {
     let depth = (DEPTH * grid.cells) as u8;
     let rings = rings(labels, depth);
-    let mut clean = image.clone();
+    let mut clean = image.0.clone();
     // From the inner rings outwards: cleaned inner cells tell the outer ones their colour.
     for ring in (1..=depth).rev() {
         let before = clean.clone();
@@ -39,7 +39,7 @@ pub(super) fn unmixed(image: &RgbImage, labels: &LabelMap, grid: Grid) -> RgbIma
             }
         }
     }
-    clean
+    Cells(clean)
 }
 
 /// The ring of each cell: 1 at the border of its label, 2 next to a cell of ring 1 of the same label,
@@ -189,7 +189,7 @@ mod tests {
                 *pixel = dark;
             }
         }
-        let clean = unmixed(&image, &labels, Grid { cells: 1 });
+        let clean = unmixed(&Cells(image), &Cells(labels.clone()), Grid { cells: 1 });
         let kept = (0..1600).filter(|&i| rings[i] == 1 && labels.labels[i] == 1);
         assert!(kept.clone().count() > 40);
         for i in kept {

@@ -4,7 +4,7 @@ use super::Draw;
 use super::selection::Chosen;
 use super::textons::{change, selected_mut};
 use crate::raster::colour::Colour;
-use crate::scene::{CategoryId, Element, Gradient, Instance, InstanceId, Scene, Shape};
+use crate::scene::{CategoryId, Element, Gradient, Instance, InstanceId, LibraryId, Scene, Shape};
 use std::collections::BTreeMap;
 
 /// Mixes `amount` of a colour into those of a share of what is selected.
@@ -92,7 +92,7 @@ fn toned(tones: &[(f32, [f32; 3])], lab: [f32; 3]) -> [f32; 3] {
 }
 
 /// Library and category; a step of lightness and none where there are no categories.
-type Key = (u32, Option<CategoryId>);
+type Key = (LibraryId, Option<CategoryId>);
 
 /// The group of a texton that belongs to a category.
 fn key_of(element: &Element) -> Option<Key> {
@@ -117,7 +117,7 @@ fn means(scene: &Scene, steps: usize) -> BTreeMap<Key, [f32; 3]> {
         let mut below = 0.0;
         for (key, _, area) in &mut all {
             let step = (below + *area / 2.0) / whole * steps as f64;
-            *key = Some((step as u32, None));
+            *key = Some((LibraryId(step as u32), None));
             below += *area;
         }
     }

@@ -13,7 +13,7 @@ use crate::library::Library;
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::field::Interpolant;
-use crate::scene::{Element, ElementId, Instance, LibraryRef, Scene};
+use crate::scene::{Element, ElementId, Instance, LibraryId, LibraryRef, Scene};
 use crate::synth::{element, reference};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -221,11 +221,12 @@ fn standing_in(instance: &Instance, new: &Candidate, own: &SecondMoments, turned
 }
 
 /// The number of a library among those of the scene, which then lists it.
-fn number_of(scene: &mut Scene, library: &Library) -> u32 {
+fn number_of(scene: &mut Scene, library: &Library) -> LibraryId {
     let wanted: LibraryRef = reference(library);
     let known = scene.libraries.iter().position(|l| *l == wanted);
-    known.unwrap_or_else(|| {
+    let index = known.unwrap_or_else(|| {
         scene.libraries.push(wanted);
         scene.libraries.len() - 1
-    }) as u32
+    });
+    LibraryId(index as u32)
 }

@@ -118,8 +118,8 @@ fn holds(
     match condition {
         Condition::Among { identity, numbers, wanted } => {
             let number = match identity {
-                Identity::Category => element.category.map(|c| c.0.into()),
-                Identity::Library => Some(element.library),
+                Identity::Category => element.category.map(|c| u32::from(c.0)),
+                Identity::Library => Some(element.library.0),
                 Identity::Id => Some(instance.id.0),
             };
             number.is_some_and(|n| numbers.contains(&n)) == *wanted

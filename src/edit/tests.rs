@@ -442,6 +442,6 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
         // Bars become the most elongated of the ovals, whose axes are as three to one.
         assert!(new.elongation() > 2.4, "{}", new.elongation());
     }
-    let used = after.elements.iter().filter(|t| t.library == 1);
+    let used = after.elements.iter().filter(|t| t.library.0 == 1);
     assert!(used.count() >= 1);
 }

@@ -9,6 +9,7 @@
 
 use crate::geometry::{NearPoints, Point, Table, assign, shortest_offset};
 use crate::parallel;
+use crate::scene::{CategoryId, LibraryId};
 
 /// Number of textons up to which all partners are considered.
 const EXACT: usize = 3000;
@@ -35,7 +36,7 @@ pub(super) struct Properties {
     /// Mean colour, in Oklab.
     pub(super) colour: [f32; 3],
     /// Library and category, for primaries.
-    pub(super) category: Option<(u32, u16)>,
+    pub(super) category: Option<(LibraryId, CategoryId)>,
 }
 
 /// The plane in which textons are matched.

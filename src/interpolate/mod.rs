@@ -37,8 +37,8 @@ use crate::geometry::{Point, Vec2};
 use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::scene::{
-    Between, EditRecord, Element, ElementId, Instance, InstanceId, Layer, LibraryRef, Place, Recorded, Scene,
-    Tile,
+    Between, EditRecord, Element, ElementId, Instance, InstanceId, Layer, LibraryId, LibraryRef, Place,
+    Recorded, Scene, Tile,
 };
 use background::untiled;
 use effects::Effects;
@@ -62,7 +62,7 @@ pub struct Interpolation {
     domain: Option<DomainTween>,
     /// The libraries of both scenes, and for each scene the indices of its own in this list.
     libraries: Vec<LibraryRef>,
-    indices: [Vec<u32>; 2],
+    indices: [Vec<LibraryId>; 2],
 }
 
 /// How many textons of a layer have a partner.
@@ -224,7 +224,7 @@ impl Interpolation {
                     let index = instance.element.index();
                     let element = *used[side][index].get_or_insert_with(|| {
                         let element = &self.scenes[side].elements[index];
-                        let library = self.indices[side][element.library as usize];
+                        let library = self.indices[side][element.library.index()];
                         scene.add(Element { library, ..element.clone() })
                     });
                     Instance { id, element, ..instance }

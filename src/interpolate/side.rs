@@ -7,7 +7,7 @@ use super::ring::{Ring, moments, transformed};
 use crate::geometry::{Affine, Outline, Point};
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::scene::{Element, Gradient, Instance, LibraryRef, Scene};
+use crate::scene::{Element, Gradient, Instance, LibraryId, LibraryRef, Scene};
 
 /// Largest distance between a polygon and its curve, in pixels.
 const FLAT: f64 = 0.05;
@@ -17,7 +17,7 @@ pub(super) struct Side<'a> {
     pub(super) scene: &'a Scene,
     flat: Vec<FlatTexton>,
     /// Index of each of its libraries in the combined list.
-    pub(super) libraries: Vec<u32>,
+    pub(super) libraries: Vec<LibraryId>,
 }
 
 /// A texton in its own coordinates, flattened to polygons.
@@ -45,10 +45,11 @@ impl<'a> Side<'a> {
     pub(super) fn new(scene: &'a Scene, libraries: &mut Vec<LibraryRef>) -> Self {
         let index = |reference: &LibraryRef| {
             let found = libraries.iter().position(|l| l == reference);
-            found.unwrap_or_else(|| {
+            let index = found.unwrap_or_else(|| {
                 libraries.push(reference.clone());
                 libraries.len() - 1
-            }) as u32
+            });
+            LibraryId(index as u32)
         };
         let known = scene.libraries.iter().map(index).collect();
         Self { scene, flat: parallel::map(&scene.elements, FlatTexton::new), libraries: known }
@@ -63,7 +64,7 @@ impl<'a> Side<'a> {
             at: affine * flat_texton.centre,
             size: libm::sqrt((flat_texton.area * affine.determinant()).abs()),
             colour: instance.colour.map_or(flat_texton.colour, Colour::to_oklab),
-            category: element.category.map(|c| (self.libraries[element.library as usize], c.0)),
+            category: element.category.map(|c| (self.libraries[element.library.index()], c)),
         }
     }
 

@@ -12,7 +12,7 @@ use super::ring::{Ring, sine_cosine, turned};
 use super::side::{Placed, Side, same};
 use crate::geometry::{Affine, Outline, Point, Vec2};
 use crate::sampling::Stream;
-use crate::scene::{Element, Instance, InstanceId, Scene, Shape};
+use crate::scene::{Element, Instance, InstanceId, LibraryId, Scene, Shape};
 
 /// Duration in which an unmatched texton vanishes or appears, as a share of the whole time.
 const FADE: f64 = 0.35;
@@ -250,7 +250,7 @@ impl Pair {
             opacity: opacities[0] + (opacities[1] - opacities[0]) * t,
         };
         let element = Element {
-            library: ends.libraries[side][nearer.library as usize],
+            library: ends.libraries[side][nearer.library.index()],
             source: nearer.source,
             category: nearer.category,
             fragment: false,
@@ -266,5 +266,5 @@ impl Pair {
 /// The two scenes, and for each the indices of its libraries in the combined list.
 pub(super) struct Ends<'a> {
     pub(super) scenes: [&'a Scene; 2],
-    pub(super) libraries: [&'a [u32]; 2],
+    pub(super) libraries: [&'a [LibraryId]; 2],
 }

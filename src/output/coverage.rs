@@ -3,7 +3,7 @@
 use super::png::{Region, path_of};
 use crate::geometry::{Affine, Rect};
 use crate::parallel;
-use crate::scene::{CategoryId, Scene};
+use crate::scene::{CategoryId, LibraryId, Scene};
 use std::collections::BTreeMap;
 use tiny_skia::{Color, FillRule, Paint, Path, PixmapMut, Transform};
 
@@ -13,12 +13,12 @@ const BAND: u32 = 256;
 /// Number of pixels, of those that [`inside`] counts, in which a primary of a category is on top:
 /// by library and category, in order. Pixels are counted by their centres. Categories without a
 /// texton in the scene are left out.
-pub fn coverage(scene: &Scene) -> BTreeMap<(u32, CategoryId), u64> {
-    let mut pixels: BTreeMap<(u32, CategoryId), u64> = BTreeMap::new();
+pub fn coverage(scene: &Scene) -> BTreeMap<(LibraryId, CategoryId), u64> {
+    let mut pixels: BTreeMap<(LibraryId, CategoryId), u64> = BTreeMap::new();
     for element in &scene.elements {
         pixels.extend(element.category.map(|c| ((element.library, c), 0)));
     }
-    let keys: Vec<(u32, CategoryId)> = pixels.keys().copied().collect();
+    let keys: Vec<(LibraryId, CategoryId)> = pixels.keys().copied().collect();
     let shapes: Vec<Option<(Path, Rect, u32)>> = parallel::map(&scene.elements, |element| {
         let key = (element.library, element.category?);
         let number = keys.binary_search(&key).ok()? as u32 + 1;
@@ -134,7 +134,7 @@ mod tests {
         let counted: Vec<_> = coverage(&scene).into_iter().collect();
         assert_eq!(
             counted,
-            [(3, 150), (7, 0), (300, 150)].map(|(category, n)| ((0, CategoryId(category)), n))
+            [(3, 150), (7, 0), (300, 150)].map(|(category, n)| ((LibraryId(0), CategoryId(category)), n))
         );
     }
 }

@@ -3,7 +3,7 @@
 use super::groups::Group;
 use super::neighbours::nearest;
 use crate::library::Library;
-use crate::scene::{CategoryId, Instance, Role, Scene};
+use crate::scene::{CategoryId, Instance, LibraryId, Role, Scene};
 use crate::statistics::{Correlation, Layout, largest_categories, neighbour_distance};
 use serde::Serialize;
 
@@ -71,15 +71,15 @@ pub(super) fn all(group: &Group<'_>, scene: Option<&Scene>) -> Vec<Distribution>
 }
 
 /// The primaries of a scene that come from one exemplar.
-fn layout(scene: &Scene, references: &[u32]) -> Layout {
+fn layout(scene: &Scene, references: &[LibraryId]) -> Layout {
     let mut layout = Layout::of_scene(scene);
     layout.centres.retain(|c| references.contains(&c.library));
-    layout.centres.iter_mut().for_each(|c| c.library = 0);
+    layout.centres.iter_mut().for_each(|c| c.library = LibraryId::default());
     layout
 }
 
 /// Areas of the placed textons of one layer that come from one exemplar.
-fn areas(scene: &Scene, references: &[u32], role: Role) -> Sample {
+fn areas(scene: &Scene, references: &[LibraryId], role: Role) -> Sample {
     let own: Vec<f64> = scene
         .elements
         .iter()
@@ -188,8 +188,9 @@ fn frequent(layout: Option<&Layout>) -> Vec<CategoryId> {
 }
 
 fn curves(layouts: &[Option<Layout>; 2], categories: &[CategoryId], unit: f64) -> Vec<Distribution> {
-    let [exemplar, result] =
-        layouts.each_ref().map(|l| l.as_ref().map(|l| Correlation::new(l, 0, categories, unit).curves));
+    let [exemplar, result] = layouts
+        .each_ref()
+        .map(|l| l.as_ref().map(|l| Correlation::new(l, LibraryId::default(), categories, unit).curves));
     let count = exemplar.as_ref().or(result.as_ref()).map_or(0, Vec::len);
     let values = |curves: &Option<Vec<crate::statistics::Curve>>, i: usize| {
         let known = curves.as_ref()?[i].values();

@@ -2,7 +2,7 @@
 
 use super::{Named, Subject};
 use crate::library::Library;
-use crate::scene::{ElementId, Field, Instance, InstanceId, Layer, LibraryRef, Role, Scene};
+use crate::scene::{ElementId, Field, Instance, InstanceId, Layer, LibraryId, LibraryRef, Role, Scene};
 use crate::synth;
 
 /// One exemplar with its library, the part of the scene made from it, or both.
@@ -12,7 +12,7 @@ pub(super) struct Group<'a> {
     /// The library, if the report has it.
     pub(super) library: Option<&'a Named<Library>>,
     /// Its indices in [`Scene::libraries`]; empty if the scene was not made from it.
-    pub(super) references: Vec<u32>,
+    pub(super) references: Vec<LibraryId>,
 }
 
 /// The exemplars that libraries and scene refer to, without duplicates.
@@ -43,15 +43,16 @@ impl<'a> Group<'a> {
         let Some(scene) = subject.scene else { return groups };
         for (i, exemplar) in scene.content.libraries.iter().enumerate() {
             let fits = |g: &Self| {
-                let explained = g.library.is_none_or(|l| explains(&l.content, &scene.content, i as u32));
+                let explained =
+                    g.library.is_none_or(|l| explains(&l.content, &scene.content, LibraryId(i as u32)));
                 g.exemplar.sha256 == exemplar.sha256 && explained
             };
             match groups.iter().position(fits) {
-                Some(known) => groups[known].references.push(i as u32),
+                Some(known) => groups[known].references.push(LibraryId(i as u32)),
                 None => groups.push(Self {
                     exemplar: exemplar.clone(),
                     library: None,
-                    references: vec![i as u32],
+                    references: vec![LibraryId(i as u32)],
                 }),
             }
         }
@@ -93,7 +94,7 @@ impl<'a> Group<'a> {
 
 /// Whether the textons that a scene has from an exemplar are those of this library. Several libraries
 /// may be made from one photograph with different parameters.
-fn explains(library: &Library, scene: &Scene, reference: u32) -> bool {
+fn explains(library: &Library, scene: &Scene, reference: LibraryId) -> bool {
     scene.elements.iter().filter(|e| e.library == reference).all(|element| {
         let known = element.source.map(|source| library.elements.get(source.index()));
         // The source of small elements of old scenes is not known.

@@ -84,8 +84,12 @@ mod tests {
     use crate::statistics::Centre;
 
     fn layout(points: &[[f64; 2]], size: f64, tile: bool) -> Layout {
-        let centre =
-            |at: &[f64; 2]| Centre { library: 0, source: ElementId(0), category: CategoryId(0), at: *at };
+        let centre = |at: &[f64; 2]| Centre {
+            library: Default::default(),
+            source: ElementId(0),
+            category: CategoryId(0),
+            at: *at,
+        };
         let tile = Tile { x: tile, y: tile };
         Layout { size: [size; 2], tile, centres: points.iter().map(centre).collect() }
     }

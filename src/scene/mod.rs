@@ -140,8 +140,8 @@ pub struct LibraryRef {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Element {
-    /// Index of its library in [`Scene::libraries`].
-    pub library: u32,
+    /// Its library, by index in [`Scene::libraries`].
+    pub library: LibraryId,
     /// Its index in that library; `None` if it is not known, as for small elements of scenes of
     /// version 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -192,6 +192,26 @@ impl Element {
     /// The same element with other shapes.
     pub(crate) fn with_shapes(&self, shapes: Vec<Shape>) -> Self {
         Self { silhouette: self.silhouette.clone(), shapes, ..*self }
+    }
+}
+
+/// Index of a library in [`Scene::libraries`], or in the list of libraries that something is made from.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(transparent)]
+pub struct LibraryId(pub u32);
+
+impl LibraryId {
+    /// The index in its list.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl std::fmt::Display for LibraryId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.fmt(f)
     }
 }
 

@@ -1,6 +1,8 @@
 //! Scenes of the three layers of a homogeneous photograph, for tests.
 
-use super::{CategoryId, Element, ElementId, Field, Instance, LibraryRef, Role, Scene, Shape, Tile};
+use super::{
+    CategoryId, Element, ElementId, Field, Instance, LibraryId, LibraryRef, Role, Scene, Shape, Tile,
+};
 use crate::geometry::Outline;
 use crate::raster::colour::Colour;
 
@@ -38,7 +40,7 @@ pub(crate) fn flat(colour: Colour) -> Field {
 /// An element of the first library with one shape.
 pub(crate) fn element(source: u32, category: Option<u16>, outline: Outline, colour: Colour) -> Element {
     Element {
-        library: 0,
+        library: LibraryId(0),
         source: Some(ElementId(source)),
         category: category.map(CategoryId),
         fragment: false,

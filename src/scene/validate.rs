@@ -19,7 +19,7 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
         p.validate().map_err(|e| format!("parameters: {e}"))?;
     }
     for (i, e) in s.elements.iter().enumerate() {
-        if e.library as usize >= s.libraries.len() {
+        if e.library.index() >= s.libraries.len() {
             return Err(format!("elements[{i}].library is {}, there are {}", e.library, s.libraries.len()));
         }
         if let Some(fault) = crate::element::fault(&e.shapes) {

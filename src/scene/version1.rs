@@ -2,7 +2,7 @@
 
 use super::{
     CategoryId, Domain, EditRecord, Element, ElementId, Field, Gradient, Instance, InstanceId, Layer,
-    LibraryRef, Role, Scene, Shadow, Shape, Stroke, SynthParams, Tile,
+    LibraryId, LibraryRef, Role, Scene, Shadow, Shape, Stroke, SynthParams, Tile,
 };
 use crate::geometry::Outline;
 use crate::raster::colour::Colour;
@@ -107,7 +107,7 @@ impl From<Texton> for Element {
             .into_iter()
             .map(|p| Shape { gradient: p.gradient, ..Shape::new(p.outline, p.colour) });
         Self {
-            library: old.library,
+            library: LibraryId(old.library),
             // Primaries come first among a library's elements. How many there are is not known here, so
             // the index of a secondary is not either.
             source: old.category.map(|_| ElementId(old.source)),

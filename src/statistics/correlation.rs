@@ -11,6 +11,7 @@
 use super::{Layout, wrapped};
 use crate::element::CategoryId;
 use crate::library::Library;
+use crate::scene::LibraryId;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -66,7 +67,7 @@ impl Correlation {
 
     /// Of the centres within a layout that belong to `categories` of a library; `unit` is the mean
     /// neighbour distance, in pixels. All counts are 0 if it is not positive.
-    pub fn new(layout: &Layout, library: u32, categories: &[CategoryId], unit: f64) -> Self {
+    pub fn new(layout: &Layout, library: LibraryId, categories: &[CategoryId], unit: f64) -> Self {
         let period = layout.period();
         let slot = |c: CategoryId| categories.iter().position(|k| *k == c);
         let mut points: Vec<(usize, [f64; 2])> = layout
@@ -238,7 +239,7 @@ mod tests {
 
     fn layout(size: [f64; 2], torus: bool, points: &[(u16, [f64; 2])]) -> Layout {
         let centre = |&(category, at): &(u16, [f64; 2])| Centre {
-            library: 0,
+            library: LibraryId(0),
             source: ElementId(0),
             category: CategoryId(category),
             at,
@@ -261,7 +262,7 @@ mod tests {
         for _ in 0..60 {
             let mut layout = layout(size, torus, &scatter(size, 240, &mut random));
             layout.tile = tile.unwrap_or(layout.tile);
-            let one = Correlation::new(&layout, 0, &ids([0, 1, 2]), 1.5);
+            let one = Correlation::new(&layout, LibraryId(0), &ids([0, 1, 2]), 1.5);
             match &mut sum {
                 Some(sum) => sum.add(&one),
                 None => sum = Some(one),
@@ -296,7 +297,7 @@ mod tests {
             let [a, b] = [400, 900].map(|n| {
                 Correlation::new(
                     &layout(size, false, &scatter(size, n, &mut random)),
-                    0,
+                    LibraryId(0),
                     &ids([0, 1, 2]),
                     1.0,
                 )
@@ -313,8 +314,9 @@ mod tests {
         let points: Vec<(u16, [f64; 2])> =
             (0..900).map(|i| (0, [f64::from(i % 30) + 0.5, f64::from(i / 30) + 0.5])).collect();
         for torus in [false, true] {
-            let g =
-                Correlation::new(&layout([30.0; 2], torus, &points), 0, &ids([0]), 1.0).curves[0].values();
+            let g = Correlation::new(&layout([30.0; 2], torus, &points), LibraryId(0), &ids([0]), 1.0).curves
+                [0]
+            .values();
             let g: Vec<f64> = g.into_iter().map(Option::unwrap).collect();
             // Bins of 0.25: none below 1, four at 1, four at √2, none from 1.5 to 2, four at 2.
             let density = |k: usize, pairs: f64| {
@@ -337,7 +339,7 @@ mod tests {
         // Every third disc has a companion of another category beside it.
         let mut points: Vec<(u16, [f64; 2])> = discs.iter().map(|p| (4, *p)).collect();
         points.extend(discs.iter().step_by(3).map(|p| (2, [p[0] + 0.1, p[1]])));
-        let found = Correlation::new(&layout([40.0; 2], false, &points), 0, &ids([4, 2]), 1.0);
+        let found = Correlation::new(&layout([40.0; 2], false, &points), LibraryId(0), &ids([4, 2]), 1.0);
         assert_eq!(
             found.curves.iter().map(|c| c.categories).collect::<Vec<_>>(),
             [ids([4, 4]), ids([4, 2]), ids([2, 2])]
@@ -351,20 +353,20 @@ mod tests {
         assert_eq!(found.difference(&found).unwrap().rms, 0.0);
         let mixed: Vec<(u16, [f64; 2])> =
             points.iter().map(|p| (if random.chance(0.25) { 2 } else { 4 }, p.1)).collect();
-        let other = Correlation::new(&layout([40.0; 2], false, &mixed), 0, &ids([4, 2]), 1.0);
+        let other = Correlation::new(&layout([40.0; 2], false, &mixed), LibraryId(0), &ids([4, 2]), 1.0);
         let apart = found.difference(&other).unwrap();
         assert!(apart.rms > 2.0 * apart.noise, "{apart:?}");
     }
 
     #[test]
     fn nothing_and_too_little_have_no_difference() {
-        let empty = Correlation::new(&layout([10.0; 2], true, &[]), 0, &ids([0, 1]), 1.0);
+        let empty = Correlation::new(&layout([10.0; 2], true, &[]), LibraryId(0), &ids([0, 1]), 1.0);
         assert_eq!(empty.difference(&empty), None);
         // Wider than the canvas can tell.
         let point = [(0, [1.0, 1.0]), (0, [2.0, 2.0])];
-        let small = Correlation::new(&layout([3.0; 2], false, &point), 0, &ids([0]), 100.0);
+        let small = Correlation::new(&layout([3.0; 2], false, &point), LibraryId(0), &ids([0]), 100.0);
         assert_eq!(small.curves[0].values(), vec![None; BINS]);
-        let none = Correlation::new(&layout([3.0; 2], false, &point), 0, &ids([0]), 0.0);
+        let none = Correlation::new(&layout([3.0; 2], false, &point), LibraryId(0), &ids([0]), 0.0);
         assert_eq!(none.difference(&none), None);
     }
 }

@@ -7,6 +7,7 @@ use super::{Centre, Layout};
 use crate::element::ElementId;
 use crate::geometry::{NearPoints, Point, shortest_offset};
 use crate::parallel;
+use crate::scene::LibraryId;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -53,7 +54,7 @@ impl Groups {
             .centres
             .iter()
             .filter_map(|&centre| {
-                let (there, _) = known.get(centre.library as usize)?.get(&centre.source)?;
+                let (there, _) = known.get(centre.library.index())?.get(&centre.source)?;
                 Some(Placed { centre, offset: Point::new(centre.at[0] - there.x, centre.at[1] - there.y) })
             })
             .collect();
@@ -69,7 +70,7 @@ impl Groups {
         let kept: Vec<bool> = (0..placed.len())
             .map(|i| {
                 let (own, others) = (&placed[i], &near[i]);
-                let wanted = &known[own.centre.library as usize][&own.centre.source].1;
+                let wanted = &known[own.centre.library.index()][&own.centre.source].1;
                 others.len() == NEIGHBOURS
                     && others.iter().all(|&j| {
                         tied(own, &placed[j as usize]) && wanted.contains(&placed[j as usize].centre.source)
@@ -156,7 +157,7 @@ fn connected(near: &[Vec<u32>], joined: impl Fn(usize, usize) -> bool) -> Vec<Ve
 /// The primaries that two groups have in common, for all pairs of groups that have more than
 /// [`UNSEEN`].
 fn copies(groups: &[Vec<u32>], placed: &[Placed]) -> Vec<Vec<[u32; 2]>> {
-    let mut holders: BTreeMap<(u32, ElementId), Vec<(usize, u32)>> = BTreeMap::new();
+    let mut holders: BTreeMap<(LibraryId, ElementId), Vec<(usize, u32)>> = BTreeMap::new();
     for (g, group) in groups.iter().enumerate().filter(|(_, group)| group.len() > UNSEEN) {
         for &i in group {
             let c = &placed[i as usize].centre;
@@ -209,7 +210,7 @@ mod tests {
     fn exemplar() -> Layout {
         let mut random = stream(1, "groups test", 0);
         let centre = |source| Centre {
-            library: 0,
+            library: LibraryId(0),
             source: ElementId(source),
             category: CategoryId(0),
             at: [random.range(0.0, 100.0), random.range(0.0, 100.0)],

@@ -19,13 +19,13 @@ pub use repetition::{Copies, Repetition};
 
 use crate::element::{CategoryId, ElementId};
 use crate::library::{Element, Library};
-use crate::scene::{Scene, Tile};
+use crate::scene::{LibraryId, Scene, Tile};
 
 /// A primary that stands somewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Centre {
-    /// Index of its library.
-    pub library: u32,
+    /// Its library.
+    pub library: LibraryId,
     /// Its index among the primaries of its library.
     pub source: ElementId,
     /// Its category there.
@@ -66,7 +66,7 @@ impl Layout {
         let size = [library.source.width, library.source.height].map(f64::from);
         let wrap = library.arrangement.periodic;
         let centre = |(i, p): (usize, &Element)| Centre {
-            library: 0,
+            library: LibraryId(0),
             source: ElementId::after(i),
             category: p.category.unwrap_or_default(),
             at: p.centroid,

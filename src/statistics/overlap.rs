@@ -43,7 +43,7 @@ impl Overlap {
             if let Some(mask) = fragments.get(i.element.index())? {
                 return Some(Stamp { mask, transform: i.affine() });
             }
-            let mask = masks.get(element.library as usize)?.get(element.source?.index())?;
+            let mask = masks.get(element.library.index())?.get(element.source?.index())?;
             Some(Stamp { mask, transform: i.affine() })
         };
         let stamps: Vec<Stamp<'_>> = scene.individuals().filter_map(stamp).collect();

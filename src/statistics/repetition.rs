@@ -3,6 +3,7 @@
 use super::{Layout, neighbour_distance, wrapped};
 use crate::element::ElementId;
 use crate::library::Library;
+use crate::scene::LibraryId;
 use crate::scene::Scene;
 use serde::Serialize;
 
@@ -48,7 +49,7 @@ impl Repetition {
     /// Of an arrangement; `units` are the mean neighbour distances of the libraries, in pixels.
     pub fn new(layout: &Layout, placeable: usize, units: &[f64]) -> Self {
         let period = layout.period();
-        let mut placed: Vec<((u32, ElementId), [f64; 2])> = layout
+        let mut placed: Vec<((LibraryId, ElementId), [f64; 2])> = layout
             .centres
             .iter()
             .map(|c| ((c.library, c.source), [0, 1].map(|k| wrapped(c.at[k], period[k]))))
@@ -62,7 +63,7 @@ impl Repetition {
             found.textons += 1;
             most = most.max(copies.len());
             let places: Vec<[f64; 2]> = copies.iter().map(|c| c.1).collect();
-            let unit = units.get(copies[0].0.0 as usize).copied().unwrap_or(1.0);
+            let unit = units.get(copies[0].0.0.index()).copied().unwrap_or(1.0);
             let nearest = nearest(&places, period);
             relative.extend(nearest.iter().map(|d| d / unit));
             pixels.extend(nearest);
@@ -130,7 +131,7 @@ mod tests {
 
     fn layout(tile: Tile, centres: &[(u32, u32, f64, f64)]) -> Layout {
         let centre = |&(library, source, x, y): &(u32, u32, f64, f64)| Centre {
-            library,
+            library: LibraryId(library),
             source: ElementId(source),
             category: CategoryId(0),
             at: [x, y],

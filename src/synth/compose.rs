@@ -10,8 +10,8 @@ use crate::geometry::{Affine, Outline};
 use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::scene::{
-    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryRef, Role, Scene, SynthParams,
-    Tile,
+    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, LibraryRef, Role, Scene,
+    SynthParams, Tile,
 };
 use std::collections::BTreeMap;
 
@@ -31,7 +31,7 @@ pub(crate) fn scene(
     scene.tile = params.tile;
     scene.domain = controls.domain.clone().map(|outline| Domain { outline, edge: params.edge });
     let mut known: Vec<Known<'_>> =
-        libraries.iter().enumerate().map(|(k, l)| Known::new(k as u32, l)).collect();
+        libraries.iter().enumerate().map(|(k, l)| Known::new(LibraryId(k as u32), l)).collect();
     let model = arrangement.cells.model();
     for p in secondaries {
         let element = known[p.library].secondary(&mut scene, p.secondary);
@@ -59,7 +59,7 @@ pub(crate) fn scene(
 pub fn reconstruct(library: &Library) -> Scene {
     let (width, height) = (library.source.width, library.source.height);
     let mut scene = empty(vec![reference(library)], width, height, Vec::new());
-    let mut known = Known::new(0, library);
+    let mut known = Known::new(LibraryId(0), library);
     let mut next = 0;
     for layer in &library.layers {
         let mut instances = Vec::with_capacity(layer.instances.len());
@@ -134,7 +134,7 @@ pub(crate) fn instance(
 /// Which of a library's elements a scene holds already, and where.
 pub(crate) struct Known<'a> {
     /// Which library of the scene.
-    number: u32,
+    number: LibraryId,
     library: &'a Library,
     /// Index in the scene of each of the library's elements.
     elements: Vec<Option<ElementId>>,
@@ -144,12 +144,12 @@ pub(crate) struct Known<'a> {
 }
 
 impl<'a> Known<'a> {
-    fn new(number: u32, library: &'a Library) -> Self {
+    fn new(number: LibraryId, library: &'a Library) -> Self {
         Self { number, library, elements: vec![None; library.elements.len()], alike: BTreeMap::new() }
     }
 
     /// Those that a scene holds already.
-    pub(crate) fn of(number: u32, library: &'a Library, scene: &Scene) -> Self {
+    pub(crate) fn of(number: LibraryId, library: &'a Library, scene: &Scene) -> Self {
         let mut known = Self::new(number, library);
         let own = |e: &&Element| e.library == number && !e.fragment;
         for (i, element) in scene.elements.iter().enumerate().filter(|(_, e)| own(e)) {
@@ -192,7 +192,7 @@ impl<'a> Known<'a> {
 
 /// An element of the library that has the given number in a scene, shifted so that its centroid in
 /// whole pixels is at (0, 0).
-pub(crate) fn element(number: u32, library: &Library, source: ElementId) -> Element {
+pub(crate) fn element(number: LibraryId, library: &Library, source: ElementId) -> Element {
     let own = &library.elements[source.index()];
     let [x, y] = own.origin().map(f64::from);
     let shift = Affine::translate((-x, -y));

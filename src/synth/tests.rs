@@ -410,7 +410,7 @@ mod carried {
         for i in scene.primary() {
             let library = scene.element(i).library;
             let x = i.transform[4];
-            assert!((80.0..320.0).contains(&x) || library == u32::from(x > 200.0), "{x} {library}");
+            assert!((80.0..320.0).contains(&x) || library.0 == u32::from(x > 200.0), "{x} {library}");
         }
         let covered = |low: f32, high: f32| {
             let controls = Controls { density: Some(map(vec![low, high])), ..Controls::default() };

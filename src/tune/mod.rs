@@ -32,6 +32,7 @@ use crate::library::Library;
 use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::sampling::stream;
+use crate::scene::LibraryId;
 use crate::scene::{LibraryRef, SynthParams, Weights};
 use crate::statistics::{Correlation, Layout, Overlap, Repetition, largest_categories, neighbour_distance};
 use crate::synth::primaries_alone;
@@ -118,7 +119,8 @@ impl<'a> Judge<'a> {
     fn new(library: &'a Library, params: &'a TuneParams) -> Self {
         let categories = largest_categories(library);
         let unit = neighbour_distance(library);
-        let exemplar = Correlation::new(&Layout::of_library(library), 0, &categories, unit);
+        let exemplar =
+            Correlation::new(&Layout::of_library(library), LibraryId::default(), &categories, unit);
         Self { library, params, categories, unit, exemplar }
     }
 
@@ -144,7 +146,10 @@ impl<'a> Judge<'a> {
             repetition: Repetition::of_scene(&scene, libraries).near,
             correlation: 0.0,
         };
-        Ok(Sample { terms, correlation: Correlation::new(&layout, 0, &self.categories, self.unit) })
+        Ok(Sample {
+            terms,
+            correlation: Correlation::new(&layout, LibraryId::default(), &self.categories, self.unit),
+        })
     }
 
     /// Mean terms of several canvases; their pairs are put together first.

@@ -39,7 +39,7 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
         |library: &Library| fail(&library.source.file, "its elements are not those of the scene".into());
     for instance in scene.instances() {
         let element = scene.element(instance);
-        let library = &found[element.library as usize];
+        let library = &found[element.library.index()];
         let known = element.source.and_then(|source| library.elements.get(source.index()));
         let Some(known) = known.filter(|e| e.category == element.category) else {
             return Err(strange(library));
@@ -68,7 +68,7 @@ fn with_sources<'a>(scene: &'a Scene, libraries: &[Library]) -> Cow<'a, Scene> {
     let shapes: Vec<BTreeMap<String, ElementId>> = shapes.collect();
     let mut scene = scene.clone();
     for element in scene.elements.iter_mut().filter(|e| e.source.is_none()) {
-        let known = shapes.get(element.library as usize);
+        let known = shapes.get(element.library.index());
         element.source = known.and_then(|shapes| shapes.get(&element.outline().to_string()).copied());
     }
     Cow::Owned(scene)
@@ -82,7 +82,7 @@ pub(super) fn variant(model: &Model, instance: &Instance, element: &Element) -> 
 /// The element of one of the scene's textons.
 fn placeable(model: &Model, element: &Element) -> PlaceableId {
     let number = element.source.map_or(0, |source| source.0);
-    PlaceableId(model.sources[element.library as usize].elements.start + number)
+    PlaceableId(model.sources[element.library.index()].elements.start + number)
 }
 
 /// The variant of each of a scene's textons that is a fragment, which the model then knows.
@@ -126,7 +126,7 @@ pub(super) fn parts(scene: &Scene, bend: &Bend, libraries: usize) -> Vec<Control
         if (0.0..1.0).contains(&x) && (0.0..1.0).contains(&y) {
             let cell = (y * height as f64) as usize * width + (x * width as f64) as usize;
             if part[cell].is_none() {
-                part[cell] = Some(element.library);
+                part[cell] = Some(element.library.0);
                 queue.push_back(cell);
             }
         }

@@ -106,7 +106,7 @@ pub(super) fn secondaries<'s>(
         let centre = before[cell];
         let [dx, dy] = [0, 1].map(|k| [x, y][k] - f64::from(centre[k]));
         let place = [f64::from(after[cell][0]) + dx, f64::from(after[cell][1]) + dy];
-        let library = element.library as usize;
+        let library = element.library.index();
         let first = libraries[library].primaries().len();
         let Some(number) = element.source.and_then(|s| s.index().checked_sub(first)) else { continue };
         let placed = Placed {

@@ -24,7 +24,7 @@ use crate::error::Result;
 use crate::library::Library;
 use crate::progress::{Progress, advance};
 use crate::scene::field::Interpolant;
-use crate::scene::{Domain, Edge, Instance, InstanceId, Method, Role, Scene, SynthParams, Tile};
+use crate::scene::{Domain, Edge, Instance, InstanceId, LibraryId, Method, Role, Scene, SynthParams, Tile};
 use crate::synth::compose::{self, Known};
 use crate::synth::{Report, check_canvas};
 
@@ -112,7 +112,7 @@ pub fn warp(
         ..scene.clone()
     };
     let mut known: Vec<Known<'_>> =
-        libraries.iter().enumerate().map(|(k, l)| Known::of(k as u32, l, scene)).collect();
+        libraries.iter().enumerate().map(|(k, l)| Known::of(LibraryId(k as u32), l, scene)).collect();
     let ids = scene.instances().map(|i| i.id.0);
     let mut next = InstanceId(ids.max().map_or(0, |id| id.wrapping_add(1)));
     for secondary in secondaries {

@@ -138,7 +138,7 @@ fn libraries_stay_apart() {
     let strays = after.primary().iter().filter(|i| {
         let library = after.elements[i.element.index()].library;
         let (x, middle) = (i.transform[4], 1.5 * 130.0);
-        if library == 0 { x > middle + 40.0 } else { x < middle - 40.0 }
+        if library.0 == 0 { x > middle + 40.0 } else { x < middle - 40.0 }
     });
     assert!(strays.count() * 50 < after.primary().len());
     let error = warp(&before, vec![one], &bend, WarpParams::default(), &()).unwrap_err();

@@ -276,7 +276,7 @@ fn several_libraries_are_kept_apart() {
     let mut reference = scene.content.libraries[0].clone();
     reference.sha256 = second.source.sha256.clone();
     scene.content.libraries.push(reference);
-    scene.content.elements.iter_mut().for_each(|e| e.library = e.source.unwrap().0 % 2);
+    scene.content.elements.iter_mut().for_each(|e| e.library.0 = e.source.unwrap().0 % 2);
     let libraries = [made.libraries[0].clone(), Named { name: "second.lib.json".into(), content: second }];
     let (text, _) = page(&libraries, Some(&scene), &made.photos());
     let data = parts(&text).data;

@@ -12,7 +12,7 @@ use crate::geometry::{Affine, FittedMap, Outline, PlanarMap};
 use crate::library::{self, Library};
 use crate::parallel;
 use crate::raster::{LabelMap, Mask, Span};
-use crate::scene::{Element, ElementId, Shape, pixels};
+use crate::scene::{Element, ElementId, LibraryId, Shape, pixels};
 
 /// How packed an exemplar is, from 0 to 1, in which fragments may touch other primaries.
 const PACKED: f64 = 0.65;
@@ -138,7 +138,7 @@ fn fragment(
     let patch = |(k, (detail, _)): (usize, &(&Shape, Mask))| painted(detail, moved(&stacked[k + 2]));
     let patches = details.iter().enumerate().map(patch).filter(|p| !p.outline.is_empty());
     let painted = Element {
-        library: known.library as u32,
+        library: LibraryId(known.library as u32),
         source: Some(ElementId(known.index)),
         category: primary.category,
         fragment: true,

@@ -10,7 +10,7 @@ use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Library};
 use vtex::raster::colour::Colour;
-use vtex::scene::{CategoryId, EditRecord, Role, Scene, SynthParams, Tile};
+use vtex::scene::{CategoryId, EditRecord, LibraryId, Role, Scene, SynthParams, Tile};
 
 /// What is said of a file.
 #[derive(Debug, Serialize)]
@@ -97,7 +97,7 @@ struct Quantiles {
 #[derive(Debug, Serialize)]
 struct CategoryLine {
     #[serde(skip_serializing_if = "Option::is_none")]
-    library: Option<u32>,
+    library: Option<LibraryId>,
     category: CategoryId,
     colour: Colour,
     primaries: usize,

@@ -9,7 +9,7 @@ use crate::cli::progress::Reporter;
 use crate::cli::table::table;
 use serde::Serialize;
 use vtex::library::Library;
-use vtex::scene::{CategoryId, Scene};
+use vtex::scene::{CategoryId, LibraryId, Scene};
 use vtex::statistics::{
     Correlation, Difference, Groups, Layout, Repetition, largest_categories, neighbour_distance,
 };
@@ -77,12 +77,12 @@ pub(super) fn run(
         let message = format!("'{result}' was not made from '{exemplar}': it names another exemplar");
         return Err(Failure::failed(message).hint("give the library that the scene was made from").into());
     };
-    let number = number as u32;
+    let number = LibraryId(number as u32);
     let (coverage, categories) = coverage(library, scene, number);
     let unit = neighbour_distance(library);
     let mut layout = Layout::of_scene(scene);
     layout.centres.retain(|c| c.library == number);
-    layout.centres.iter_mut().for_each(|c| c.library = 0);
+    layout.centres.iter_mut().for_each(|c| c.library = LibraryId::default());
     let placeable = library.primaries().iter().filter(|p| !p.clipped).count();
     let found = Found {
         program: vtex::PROGRAM,
@@ -101,7 +101,7 @@ pub(super) fn run(
 }
 
 /// Of all, and of each category.
-fn coverage(library: &Library, scene: &Scene, number: u32) -> (Shares, Vec<CategoryShares>) {
+fn coverage(library: &Library, scene: &Scene, number: LibraryId) -> (Shares, Vec<CategoryShares>) {
     let pixels = vtex::output::coverage(scene);
     let canvas = (vtex::output::inside(scene) as f64).max(1.0);
     let share = |category: CategoryId| pixels.get(&(number, category)).map_or(0.0, |n| *n as f64 / canvas);
@@ -120,7 +120,7 @@ fn coverage(library: &Library, scene: &Scene, number: u32) -> (Shares, Vec<Categ
 impl PairCorrelation {
     fn new(library: &Library, layout: &Layout, unit: f64) -> Self {
         let largest = largest_categories(library);
-        let curves = |layout: &Layout| Correlation::new(layout, 0, &largest, unit);
+        let curves = |layout: &Layout| Correlation::new(layout, LibraryId::default(), &largest, unit);
         let (wanted, got) = (curves(&Layout::of_library(library)), curves(layout));
         let bins = wanted.curves.first().map_or(0, |c| c.pairs.len());
         let end = |k: usize| (k + 1) as f64 * Correlation::REACH * unit / bins as f64;
