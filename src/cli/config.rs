@@ -7,7 +7,7 @@
 use super::failure::Failure;
 use super::foreign::cut;
 use super::hints::allowed;
-use super::input::note_read;
+use super::input::read_text;
 use super::nearest::nearest;
 use super::options::analyze::{AnalyzeFlags, SegmenterName};
 use super::options::global::Global;
@@ -94,8 +94,7 @@ pub(crate) struct Layer {
 impl Layer {
     /// Reads a configuration file.
     pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| vtex::Error::read(path, e))?;
-        note_read(path);
+        let text = read_text(path)?;
         let table: Table = text.parse().map_err(|e: toml::de::Error| {
             Failure::usage(format!("cannot read '{}': {}", path.display(), fault(&text, &e)))
                 .hint("'vtex --dump-config' prints a valid file")

@@ -38,7 +38,7 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         Error::Read { source, .. } if source.kind() == ErrorKind::IsADirectory => {
             "name a file; 'vtex batch' takes folders"
         }
-        Error::TooLarge { limit, .. } if limit.ends_with("GiB") => {
+        Error::TooLarge { limit, .. } if limit.ends_with("GiB") || limit == "16 MiB" => {
             "no file of vtex is as large: is it the right one?"
         }
         Error::Version { found, known, .. } if found > known => {

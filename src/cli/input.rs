@@ -30,6 +30,23 @@ pub(crate) fn was_read(path: &Path) -> bool {
     path.canonicalize().is_ok_and(|path| READ.lock().unwrap_or_else(PoisonError::into_inner).contains(&path))
 }
 
+/// Reads a text that people write, such as a configuration.
+///
+/// # Errors
+/// [`Error::Read`], also of what is not UTF-8; [`Error::TooLarge`] beyond 16 MiB.
+pub(crate) fn read_text(path: &Path) -> Result<String> {
+    const MOST: u64 = 16 << 20;
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(|e| Error::read(path, e))?;
+    file.take(MOST + 1).read_to_string(&mut text).map_err(|e| Error::read(path, e))?;
+    if text.len() as u64 > MOST {
+        let (found, limit) = ("more than 16 MiB of text".into(), "16 MiB".into());
+        return Err(Error::TooLarge { name: path.display().to_string(), found, limit });
+    }
+    note_read(path);
+    Ok(text)
+}
+
 /// Where input comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Input {

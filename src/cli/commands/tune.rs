@@ -27,7 +27,7 @@ use vtex::tune::{Terms, TuneParams, TunedWeights, tune};
     after_help = "\
 Examples:
   vtex tune photo.lib.json
-  vtex tune photo.lib.json --name thorough --seeds 10 --evaluations 2000 --seed 7
+  vtex tune photo.lib.json --name slow --seeds 10 --evaluations 2000 --seed 7
 
 Weights are written beside the library, as photo.tuned.weights.json. Nothing uses them unless
 asked to: vtex synth photo.lib.json --weights tuned"

@@ -4,7 +4,7 @@ use super::values::Extension;
 use crate::cli::config::{Given, Layer, Parameters, fault};
 use crate::cli::failure::Failure;
 use crate::cli::format::stem;
-use crate::cli::input::note_read;
+use crate::cli::input::read_text;
 use crate::cli::options::analyze::SegmenterName;
 use crate::cli::options::masks::MasksFrom;
 use std::collections::BTreeMap;
@@ -86,8 +86,7 @@ impl Source {
 
 impl JobsFile {
     fn read(path: &Path) -> anyhow::Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
-        note_read(path);
+        let text = read_text(path)?;
         let mut table: Table = text.parse().map_err(|e: toml::de::Error| {
             Failure::usage(format!("cannot read '{}': {}", path.display(), fault(&text, &e)))
         })?;

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 Examples:
   vtex inspect photo.lib.json
   vtex inspect out.scene.json --json | jq .counts
-  vtex inspect photo.lib.json out.scene.json -o report.html --exemplar photo.jpg"
+  vtex inspect photo.lib.json out.scene.json -o page.html --exemplar photo.jpg"
 )]
 pub(crate) struct InspectArgs {
     /// A library or scene, plain or gzip; - reads stdin. For a page also a scene and the libraries
