@@ -14,7 +14,7 @@ use crate::sampling::stream;
 /// Levels from the finest: few, so that what is painted stays where it is.
 const LEVELS: usize = 2;
 /// Cells by which a border may move from where it is painted, on each level.
-const BAND: [f32; LEVELS] = [2.0, 1.0];
+const BAND: [f32; LEVELS] = [1.5, 0.6];
 
 /// The region above, once it is optimised.
 struct Above {
