@@ -20,7 +20,7 @@ use vtex::output::file::{Format, Kind, gzip, remove_abandoned, write_file};
 use vtex::output::reduce::{self, GivenUp};
 use vtex::output::seal::Sealed;
 use vtex::output::{pdf, png, svg};
-use vtex::scene::Scene;
+use vtex::scene::{Field, Scene};
 use vtex::{Error, Result};
 
 /// A file or standard output.
@@ -59,22 +59,20 @@ impl Drawing<'_> {
     /// # Errors
     /// Those of [`png::render`].
     pub(crate) fn picture(&self, scene: &Scene) -> Result<Pixmap> {
-        png::render_with(&self.scene(scene), self.render.scale, self.render.background != Some(Ground::None))
+        png::render(&self.scene(scene), self.render.scale)
     }
 
     /// The scene with the ground that is wanted.
     fn scene<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
-        match self.render.background {
-            Some(Ground::Colour(colour)) => {
-                let mut scene = scene.clone();
-                for field in scene.layers.iter_mut().filter_map(|layer| layer.field.as_mut()) {
-                    field.points.clear();
-                    field.fallback = colour;
-                }
-                Cow::Owned(scene)
-            }
-            _ => Cow::Borrowed(scene),
+        let Some(ground) = self.render.background else { return Cow::Borrowed(scene) };
+        let mut scene = scene.clone();
+        for layer in &mut scene.layers {
+            layer.field = layer.field.take().and_then(|field| match ground {
+                Ground::Colour(colour) => Some(Field { points: Vec::new(), fallback: colour, ..field }),
+                Ground::None => None,
+            });
         }
+        Cow::Owned(scene)
     }
 
     /// Size of a scene that is written in a format, in pixels: of its picture, or of its canvas where that
@@ -214,15 +212,6 @@ impl Targets {
         library: Option<&Library>,
         drawing: Drawing<'_>,
     ) -> Result<Written> {
-        if drawing.render.background == Some(Ground::None) {
-            let able = |target: &&Target| matches!(target.kind.format, Format::Svg | Format::Png);
-            if let Some(target) = self.all().find(|target| !able(target)) {
-                let name = target.place.path().display().to_string();
-                let (value, allowed) =
-                    (format!("none for '{name}'"), "only .svg, .svgz and .png have no ground");
-                return Err(Error::Parameter { name: "background", value, allowed });
-            }
-        }
         let mut written = self.each(|target| match (target.kind.format, library) {
             (Format::Library, Some(library)) => target.write_bytes(&library.to_json()),
             _ => target.write_scene(scene, drawing),
@@ -266,14 +255,11 @@ impl Target {
     /// # Errors
     /// As [`Place::write`], and those of the writers and of [`reduce::to_fit`].
     pub(crate) fn write_scene(&self, scene: &Scene, drawing: Drawing<'_>) -> Result<Written> {
-        let Drawing { svg, recipe, render } = drawing;
+        let Drawing { svg, recipe, .. } = drawing;
         let scene = &*drawing.scene(scene);
-        let background = render.background != Some(Ground::None);
         Ok(match self.kind.format {
             Format::Svg => {
-                return self.write_svg(scene, svg, |s, o, out| {
-                    svg::write_with(s, o, svg::Extras { recipe, background }, out)
-                });
+                return self.write_svg(scene, svg, |s, o, out| svg::write_with_recipe(s, o, recipe, out));
             }
             Format::Scene | Format::Library => self.write_bytes(&scene.to_json())?,
             Format::Pdf => Written::of(self.place.write(|out| pdf::write(scene, out))?.1),

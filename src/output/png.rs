@@ -31,14 +31,6 @@ const BAND: usize = 256;
 /// A scale that is not above 0; a scene that breaks its invariants; [`Error::TooLarge`] beyond 2³⁰
 /// pixels.
 pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
-    render_with(scene, scale, true)
-}
-
-/// As [`render`]; without the background what is between the textons is transparent.
-///
-/// # Errors
-/// Those of [`render`].
-pub fn render_with(scene: &Scene, scale: f64, with_background: bool) -> Result<Pixmap> {
     super::check_scene(scene)?;
     let (canvas_width, canvas_height) = (f64::from(scene.width), f64::from(scene.height));
     let (width, height) = picture_size(canvas_width, canvas_height, scale, "scene")?;
@@ -48,7 +40,7 @@ pub fn render_with(scene: &Scene, scale: f64, with_background: bool) -> Result<P
         limit: "what one picture in memory can hold".into(),
     })?;
     let scale = [f64::from(width) / canvas_width, f64::from(height) / canvas_height];
-    let picture = Picture::new(scene, scale, with_background);
+    let picture = Picture::new(scene, scale);
     let row = width as usize * 4;
     parallel::for_chunks(pixmap.data_mut(), row * BAND, |i, data| {
         let rows = data.len() / row;
@@ -162,7 +154,7 @@ struct Placed<'a> {
 }
 
 impl<'a> Picture<'a> {
-    fn new(scene: &'a Scene, scale: [f64; 2], with_background: bool) -> Self {
+    fn new(scene: &'a Scene, scale: [f64; 2]) -> Self {
         let drawings = parallel::map(&scene.elements, |element| Drawing {
             base: path_of(&element.base().outline),
             details: element
@@ -189,11 +181,7 @@ impl<'a> Picture<'a> {
             })
         };
         let layers = scene.layers.iter().map(|layer| DrawnLayer {
-            background: layer
-                .field
-                .as_ref()
-                .filter(|_| with_background)
-                .map(|field| Background::new(scene, field)),
+            background: layer.field.as_ref().map(|field| Background::new(scene, field)),
             region: layer.region.as_ref().map(|outline| Region::new(scene, outline, scale)),
             clipped: scene.is_clipped(layer),
             instances: layer.instances.iter().flat_map(&place).collect(),

@@ -15,7 +15,7 @@ pub(crate) struct RenderFlags {
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) scale: Option<f64>,
     /// Ground of one colour in place of the exemplar's, or none, so that what is between the elements is
-    /// transparent (.svg, .svgz and .png) [#rrggbb, #rgb, a name of CSS or none, default: the exemplar's]
+    /// transparent [#rrggbb, #rgb, a name of CSS or none, default: the exemplar's]
     #[arg(long, value_name = "COLOUR")]
     pub(crate) background: Option<Ground>,
 }

@@ -170,7 +170,7 @@ fn gradual(gradient: &Gradient) -> Paint {
             fr: 0.0,
             cx: x1,
             cy: y1,
-            cr: (x2 - x1).hypot(y2 - y1),
+            cr: libm::hypotf(x2 - x1, y2 - y1),
             transform,
             spread_method,
             stops,

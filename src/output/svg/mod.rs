@@ -101,36 +101,21 @@ pub struct SvgSummary {
 /// # Errors
 /// A precision out of range; a scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
 pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
-    write_with(scene, options, Extras::default(), out)
+    write_with_recipe(scene, options, None, out)
 }
 
-/// What may be said of an SVG beside its options.
-#[derive(Clone, Copy, Debug)]
-pub struct Extras<'a> {
-    /// How the scene was made from its inputs, in the words of the program that made it; stored in the
-    /// metadata.
-    pub recipe: Option<&'a serde_json::Value>,
-    /// Whether the background is drawn; without it what is between the textons is transparent.
-    pub background: bool,
-}
-
-impl Default for Extras<'_> {
-    fn default() -> Self {
-        Self { recipe: None, background: true }
-    }
-}
-
-/// As [`write`], with what may be said beside the options.
+/// As [`write()`]; `recipe` says how the scene was made from its inputs, in the words of the program that
+/// made it, and is stored in the metadata.
 ///
 /// # Errors
-/// Those of [`write`].
-pub fn write_with(
+/// Those of [`write()`].
+pub fn write_with_recipe(
     scene: &Scene,
     options: &SvgOptions,
-    extras: Extras<'_>,
+    recipe: Option<&serde_json::Value>,
     out: impl Write,
 ) -> Result<SvgSummary> {
-    let document = Document { extras, ..Document::new(scene, options, 0.0)? };
+    let document = Document { recipe, ..Document::new(scene, options, 0.0)? };
     summed(document.textons.shared_count(), out, |xml| document.write(xml))
 }
 
@@ -189,7 +174,8 @@ struct Document<'a> {
     textons: Textons<'a>,
     /// How far beyond the canvas it reaches, in pixels.
     bleed: f64,
-    extras: Extras<'a>,
+    /// What the metadata say of how the scene was made.
+    recipe: Option<&'a serde_json::Value>,
 }
 
 impl<'a> Document<'a> {
@@ -201,7 +187,7 @@ impl<'a> Document<'a> {
         let backgrounds = backgrounds(fields.map(|f| f.map(|field| Background::new(scene, field))), "b");
         let layers = scene.layers.iter().map(|l| (l.name.as_str(), l.role, l.region.is_some()));
         let frames = Frame::of(layers, scene.domain.as_ref().map(|d| d.edge));
-        Ok(Self { scene, backgrounds, frames, textons, bleed, extras: Extras::default() })
+        Ok(Self { scene, backgrounds, frames, textons, bleed, recipe: None })
     }
 
     /// The canvas as it is.
@@ -253,7 +239,7 @@ impl<'a> Document<'a> {
     /// Title and metadata.
     fn write_about<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         let title = crate::output::title(self.scene);
-        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene, self.extras.recipe))] {
+        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene, self.recipe))] {
             xml.open(name);
             xml.text(&text);
             xml.close()?;
@@ -266,7 +252,7 @@ impl<'a> Document<'a> {
     fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         xml.open("defs");
         xml.line();
-        for (background, name) in self.backgrounds.iter().flatten().filter(|_| self.extras.background) {
+        for (background, name) in self.backgrounds.iter().flatten() {
             background.write_definitions(xml, self.bleed, name)?;
         }
         self.textons.write_definitions(xml)?;
@@ -289,8 +275,7 @@ impl<'a> Document<'a> {
 
     fn write_layers<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         layers::write(xml, &self.frames, |xml, k| {
-            if let Some((background, name)) = self.backgrounds[k].as_ref().filter(|_| self.extras.background)
-            {
+            if let Some((background, name)) = self.backgrounds[k].as_ref() {
                 background.write_bands(xml, self.bleed, name)?;
             }
             let layer = &self.scene.layers[k];
