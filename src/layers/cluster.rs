@@ -13,9 +13,14 @@ const ITERATIONS: usize = 25;
 /// distance; fewer if there are fewer distinct points.
 pub(super) fn centres(points: &[[f32; 3]], count: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut best: Option<(f64, Vec<[f32; 3]>)> = None;
-    // Spread evenly, so that seeds differ in where they begin only; odd, so that columns are not skipped.
-    let step = points.len().div_ceil(SAMPLES) | 1;
-    let samples: Vec<[f32; 3]> = points.iter().step_by(step).copied().collect();
+    // The same for all seeds, which differ in where they begin only.
+    let count_of_samples = points.len().min(SAMPLES);
+    let mut place = stream(0, "layers/samples", 0);
+    let sample = |k: usize| {
+        let [from, to] = [k, k + 1].map(|k| k * points.len() / count_of_samples);
+        points[from + place.index(to - from)]
+    };
+    let samples: Vec<[f32; 3]> = (0..count_of_samples).map(sample).collect();
     for start in 0..STARTS {
         let mut random = stream(seed, "layers/clusters", start);
         let Some(&first) = samples.get(random.index(samples.len())) else { return Vec::new() };

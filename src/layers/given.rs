@@ -301,7 +301,7 @@ mod tests {
         let map = exemplar(3, 3);
         let keep = painted([180, 150], 3, 4);
         let hole: Vec<bool> = (0..180 * 150)
-            .map(|i| ((i % 180) as f64 - 90.0).powi(2) + ((i / 180) as f64 - 70.0).powi(2) < 1300.0)
+            .map(|i| (i as i64 % 180 - 90).pow(2) + (i as i64 / 180 - 70).pow(2) < 1300)
             .collect();
         let exemplar = Exemplar { map: &map, photograph: None };
         let made = exemplar.filled(&keep, &hole, [false; 2], 5, &()).unwrap();

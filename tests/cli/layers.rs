@@ -9,7 +9,7 @@ const COLOURS: [[u8; 3]; 3] = [[190, 190, 185], [150, 90, 50], [60, 110, 60]];
 /// A label from 0 to 2, in rings and blobs some 60 pixels across.
 fn label(x: u32, y: u32) -> usize {
     let [x, y] = [f64::from(x), f64::from(y)];
-    let v = (x / 23.0).sin() + (y / 19.0 + x / 60.0).sin() + ((x - y) / 37.0).cos();
+    let v = libm::sin(x / 23.0) + libm::sin(y / 19.0 + x / 60.0) + libm::cos((x - y) / 37.0);
     (((v + 3.0) / 2.0) as usize).min(2)
 }
 
@@ -219,7 +219,7 @@ fn terrain_has_sixteen_bits_in_and_out() {
     let folder = Folder::new();
     let height = |x: u32, y: u32| {
         let [x, y] = [f64::from(x), f64::from(y)];
-        (20_000.0 + 9_000.0 * ((x / 17.0).sin() + (y / 23.0 + x / 50.0).cos())) as u16
+        (20_000.0 + 9_000.0 * (libm::sin(x / 17.0) + libm::cos(y / 23.0 + x / 50.0))) as u16
     };
     let terrain = ImageBuffer::from_fn(160, 140, |x, y| Luma([height(x, y)]));
     folder.write("terrain.png", encode(&DynamicImage::ImageLuma16(terrain.clone()), ImageFormat::Png));
