@@ -36,6 +36,7 @@ fn texts_mean_operations() {
             Action::Orient { direction: Direction::Map("C:\\x.png".into()), strength: 0.5 },
         ),
         ("tint #f00", Action::Tint { colour: colour("#ff0000"), amount: 0.5, share: 1.0 }),
+        ("tint Red", Action::Tint { colour: colour("#ff0000"), amount: 0.5, share: 1.0 }),
         (
             "recolor --to #102030 --from #fff",
             Action::Recolor { from: colour("#ffffff"), to: colour("#102030"), reach: 0.2 },
@@ -140,8 +141,8 @@ fn faults_are_told_with_what_would_be_right() {
     for (text, message, hint) in [
         ("", "it is empty", "thin, density"),
         ("tnit #fff", "there is no operation 'tnit'", "did you mean 'tint'? the operations are thin,"),
-        ("tint", "COLOUR is missing (#rrggbb)", "tint COLOUR [--amount NUMBER]"),
-        ("tint red", "COLOUR = red is no colour", "#rrggbb"),
+        ("tint", "COLOUR is missing (#rrggbb, #rgb or a name of CSS)", "tint COLOUR [--amount NUMBER]"),
+        ("tint reddish", "COLOUR = reddish is no colour", "#rrggbb"),
         ("tint #fff --amout 1", "'tint' has no flag '--amout'", "did you mean '--amount'?"),
         ("tint #fff --amount", "--amount needs a value", "0 to 1"),
         (

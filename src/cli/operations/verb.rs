@@ -1,7 +1,7 @@
 //! The operations: their words and flags, their help, and the actions that they are.
 
 use super::fault::{self, Fault};
-use crate::cli::colours::colour;
+use crate::cli::colours;
 use crate::cli::values::named;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgAction, Command, Subcommand};
@@ -249,4 +249,9 @@ fn direction(text: &str) -> Result<Direction, String> {
         Ok(angle) => Ok(Direction::Angle(angle)),
         Err(_) => file(text).map(Direction::Map),
     }
+}
+
+/// A colour, as the command line reads it.
+fn colour(text: &str) -> Result<Colour, String> {
+    colours::colour(text).map_err(|_| "no colour".into())
 }
