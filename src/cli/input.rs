@@ -96,11 +96,10 @@ impl Input {
 fn read_known(mut from: impl Read, bytes: &mut Vec<u8>) -> std::io::Result<()> {
     from.by_ref().take(HEAD as u64).read_to_end(bytes)?;
     let start = bytes.trim_ascii_start();
-    // Text may be masks or a table; packed data have no name yet.
-    let known = Kind::of(bytes) != Kind::Unknown
-        || [&b"\x1f\x8b"[..], b"{", b"<", b"\xef\xbb\xbf"]
-            .iter()
-            .any(|beginning| start.starts_with(beginning));
+    let begins = |beginnings: &[&[u8]]| beginnings.iter().any(|b| start.starts_with(b));
+    // Text may be masks or a table, and holds no zeros; packed data have no name yet.
+    let text = !bytes.contains(&0) && begins(&[b"{", b"<", b"\xef\xbb\xbf"]);
+    let known = Kind::of(bytes) != Kind::Unknown || text || begins(&[b"\x1f\x8b"]);
     let most = if known { LARGEST + 1 } else { UNKNOWN };
     from.take(most - HEAD as u64).read_to_end(bytes)?;
     Ok(())
@@ -180,6 +179,20 @@ const HEAD: usize = 4096;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_nothing_known_is_read_no_further_than_need_be() {
+        let read = |beginning: &[u8]| {
+            let mut bytes = Vec::new();
+            read_known(beginning.chain(std::io::repeat(0)).take(3 << 20), &mut bytes).unwrap();
+            bytes.len() as u64
+        };
+        assert_eq!((read(b""), read(b"noise"), read(b" {")), (UNKNOWN, UNKNOWN, UNKNOWN));
+        assert_eq!((read(b"\x89PNG\r\n\x1a\n"), read(b"\x1f\x8b")), (3 << 20, 3 << 20));
+        let mut bytes = Vec::new();
+        read_known(std::io::repeat(b'{').take(3 << 20), &mut bytes).unwrap();
+        assert_eq!(bytes.len(), 3 << 20);
+    }
 
     #[test]
     fn content_tells_the_kind() {
