@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 
 /// Of each command: its options in the order of their use, each with a few words.
-const COMMON: [(&str, &[(&str, &str)]); 14] = [
+const COMMON: [(&str, &[(&str, &str)]); 16] = [
     (
         "texture",
         &[
@@ -104,6 +104,28 @@ const COMMON: [(&str, &[(&str, &str)]); 14] = [
             ("frames", "Pictures"),
             ("back", "Play there and back"),
             ("at", "One scene only, 0 to 1"),
+        ],
+    ),
+    (
+        "layers",
+        &[
+            ("input", "A photograph or a layer map; - reads stdin"),
+            ("output", "The new map: .png, .svg, .json"),
+            ("size", "Canvas, px: 1000 or 1000x600"),
+            ("tile", "Repeat without a seam"),
+            ("layers", "Number of layers, 1 to 6"),
+            ("seed", "The same number, the same map"),
+        ],
+    ),
+    (
+        "raster",
+        &[
+            ("photo", "The photograph; - reads stdin"),
+            ("output", "Result: .png"),
+            ("size", "Canvas, px: 1000 or 1000x600"),
+            ("tile", "Repeat without a seam"),
+            ("method", "correspondence, tsvq or tsvq-soft"),
+            ("seed", "The same number, the same picture"),
         ],
     ),
     (

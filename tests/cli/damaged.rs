@@ -11,19 +11,21 @@ fn value() -> Value {
 fn broken_invariants_are_named() {
     let folder = Folder::new();
     type Change = fn(&mut Value);
-    let changes: [(Change, &str); 17] = [
-        (|v| v["version"] = json!(2), "version 2; this vtex reads version 1"),
+    let changes: [(Change, &str); 19] = [
+        (|v| v["version"] = json!(3), "version 3; this vtex reads version 2"),
         (|v| v["format"] = json!("vtex-something"), "vtex-something"),
         (|v| v["coverage"] = json!(1.5), "coverage = 1.5"),
         (|v| v["coverage"] = json!(null), "null"),
         (|v| v["extra"] = json!(1), "unknown field `extra`"),
-        (|v| v["primaries"][0]["category"] = json!(60000), "primaries[0].category is 60000"),
-        (|v| v["primaries"][1]["id"] = json!(0), "primaries[1].id is 0"),
-        (|v| v["primaries"][0]["outline"] = json!("M0 0L1e300 0 1 1z"), "out of range"),
-        (|v| v["primaries"][0]["outline"] = json!("M0 0Lnan 0z"), "line 1"),
-        (|v| v["primaries"][0]["outline"] = json!(""), "primaries[0] is empty"),
-        (|v| v["primaries"][0]["centroid"] = json!([-5, 1e9]), "outside the exemplar"),
-        (|v| v["primaries"][0]["colour"] = json!("red"), "'red' is not a colour"),
+        (|v| v["elements"][0]["category"] = json!(60000), "elements[0].category is 60000"),
+        (|v| v["layers"][2]["instances"][0]["element"] = json!(4_000_000), "instances[0].element is 4000000"),
+        (|v| v["layers"][1]["name"] = json!("primary"), "layers[2].name 'primary' is empty or used twice"),
+        (|v| v["elements"][0]["shapes"] = json!([]), "elements[0] has no shapes"),
+        (|v| v["elements"][0]["shapes"][0]["outline"] = json!("M0 0L1e300 0 1 1z"), "out of range"),
+        (|v| v["elements"][0]["shapes"][0]["outline"] = json!("M0 0Lnan 0z"), "line 1"),
+        (|v| v["elements"][0]["shapes"][0]["outline"] = json!(""), "elements[0] is empty"),
+        (|v| v["elements"][0]["centroid"] = json!([-5, 1e9]), "outside the exemplar"),
+        (|v| v["elements"][0]["colour"] = json!("red"), "'red' is not a colour"),
         (|v| v["source"]["width"] = json!(4_000_000_000u32), "4000000000"),
         (
             |v| v["arrangement"]["runs"] = json!([0, 4_294_967_295u32, 0, 4_294_967_295u32]),
@@ -31,7 +33,7 @@ fn broken_invariants_are_named() {
         ),
         (|v| v["arrangement"]["runs"] = json!([4_000_000_000u32, 1]), "names primary 4000000000"),
         (|v| v["descriptor_half"] = json!(4_000_000_000u32), "descriptor_half"),
-        (|v| v["background"]["sites"][0]["x"] = json!(1e300), "background.sites[0]"),
+        (|v| v["layers"][0]["field"]["points"][0]["x"] = json!(1e300), "layers[0].field.points[0]"),
     ];
     for (change, message) in changes {
         let mut library = value();
@@ -91,10 +93,16 @@ fn scenes_are_checked_too() {
     let changes: [(Change, &str); 6] = [
         (|v| v["version"] = json!(9), "version 9"),
         (|v| v["width"] = json!(4_000_000_000u32), "4000000000"),
-        (|v| v["primary"][0]["texton"] = json!(4_000_000_000u32), "primary[0].texton"),
-        (|v| v["primary"][0]["transform"][4] = json!(1e300), "transform is out of range"),
-        (|v| v["primary"][1]["id"] = v["primary"][0]["id"].clone(), "used twice"),
-        (|v| v["textons"][0]["library"] = json!(7), "textons[0].library is 7"),
+        (
+            |v| v["layers"][2]["instances"][0]["element"] = json!(4_000_000_000u32),
+            "layers[2].instances[0].element",
+        ),
+        (|v| v["layers"][2]["instances"][0]["transform"][4] = json!(1e300), "transform is out of range"),
+        (
+            |v| v["layers"][2]["instances"][1]["id"] = v["layers"][2]["instances"][0]["id"].clone(),
+            "used twice",
+        ),
+        (|v| v["elements"][0]["library"] = json!(7), "elements[0].library is 7"),
     ];
     for (change, message) in changes {
         let mut bad = scene.clone();

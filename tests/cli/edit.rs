@@ -29,15 +29,18 @@ fn what_was_done_is_told_by_inspect() {
     let tint = json!({ "tint": { "colour": "#ff0000", "amount": 0.5, "share": 1.0 } });
     let large = json!([{ "compare": { "quantity": "area", "comparison": "more", "limit": 20.0 } }]);
     let records = json!([
-        { "operation": { "edit": { "action": thin, "layers": "secondary" } }, "seed": 5 },
+        { "operation": { "edit": { "action": thin, "layer": "secondary" } }, "seed": 5 },
         { "operation": { "edit": { "action": tint, "where": large } }, "seed": 9 },
     ]);
     assert_eq!(told["edits"], records);
     let run = folder.run("inspect c.scene.json.gz").succeeds();
     let text = run.text();
-    assert!(text.contains("   1  thin keep=0.5 order=blue-noise layers=secondary\n"), "{text}");
+    assert!(text.contains("   1  thin keep=0.5 order=blue-noise layer=secondary\n"), "{text}");
     assert!(text.contains("   2  tint amount=0.5 colour=#ff0000 share=1 where area>20 (seed 9)\n"), "{text}");
     assert!(folder.run("inspect a.scene.json --json").succeeds().json().get("edits").is_none());
+    let unknown = edit(&folder, "a.scene.json -o d.scene.json", &["thin 0.5 --layer secondry"]);
+    let run = unknown.fails(1, "the scene has no layer 'secondry'");
+    assert!(run.stderr.contains("--layer takes background, secondary, primary"), "{}", run.stderr);
 }
 
 #[test]

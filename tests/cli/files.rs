@@ -165,7 +165,7 @@ fn masks_saved_and_given_back_make_the_same_textons() {
         value["sha256"].take();
         value
     };
-    assert!(library("a.lib.json")["primaries"].as_array().unwrap().len() > 5);
+    assert!(library("a.lib.json")["elements"].as_array().unwrap().len() > 5);
     assert_eq!(library("a.lib.json"), library("b.lib.json"));
 }
 

@@ -168,7 +168,7 @@ fn a_warp_that_cannot_be_says_why() {
         ("photo.lib.json --cage square.svg --to crossed.svg", "crosses itself", "undo the crossing"),
         ("photo.lib.json --cage two.svg --to square.svg", "it has 2 rings", "a cage is one ring"),
         ("photo.lib.json --cage photo.png --to square.svg", "holds an image, not an SVG", "a cage is drawn"),
-        ("other.lib.json --scale 2", "its textons are not those of the scene", "made from"),
+        ("other.lib.json --scale 2", "its elements are not those of the scene", "made from"),
         ("photo.lib.json photo.lib.json --scale 2", "the scene was made without it", "made from"),
         ("photo.png --scale 2", "'photo.png' holds an image, not a library", "vtex analyze"),
     ] {

@@ -30,9 +30,9 @@ fn the_summary_counts_what_was_written() {
     let summary = run.json();
     let scene: serde_json::Value = serde_json::from_slice(&folder.read("a.scene.json")).unwrap();
     let length = |v: &serde_json::Value| v.as_array().unwrap().len();
-    assert_eq!(summary["counts"]["primaries"], length(&scene["primary"]));
-    assert_eq!(summary["counts"]["secondaries"], length(&scene["secondary"]));
-    assert_eq!(summary["counts"]["background"], length(&scene["background"]["points"]));
+    assert_eq!(summary["counts"]["primaries"], length(&scene["layers"][2]["instances"]));
+    assert_eq!(summary["counts"]["secondaries"], length(&scene["layers"][1]["instances"]));
+    assert_eq!(summary["counts"]["background"], length(&scene["layers"][0]["field"]["points"]));
     assert_eq!(summary["bytes"], folder.read("a.scene.json").len());
     assert_eq!(summary["seed"], scene["parameters"]["seed"]);
     assert_eq!(summary["size"], serde_json::json!([120, 90]));
@@ -181,7 +181,7 @@ fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     let [most, pattern] = ["c.svg", "d.svg"].map(|name| folder.read(name).len());
     assert!(most < folder.read("a.svg").len() && pattern < folder.read("b.svg").len());
     let run = folder.run(&format!("{fine} -o e.svg --max-bytes {most} --json")).succeeds();
-    let cost = serde_json::json!({ "decimals": 1, "tolerance": 0.0, "details": 0, "secondaries": 0 });
+    let cost = serde_json::json!({ "decimals": 1, "tolerance": 0.0, "details": 0, "elements": 0 });
     assert_eq!((&run.json()["given_up"], &run.json()["bytes"]), (&cost, &most.into()));
     assert_eq!(folder.read("e.svg"), folder.read("c.svg"));
     let told = folder.run(&format!("{fine} -o e.svg --max-bytes {most}")).succeeds().stderr;

@@ -155,7 +155,6 @@ fn faults_are_told_with_what_would_be_right() {
         ("thin", "nothing says how much to keep", "such as: thin 0.5"),
         ("thin 2", "KEEP = 2 is out of range: 0 to 1", "KEEP takes 0 to 1"),
         ("thin 0.5 --order bluenoise", "is none of blue-noise, random, area", "did you mean 'blue-noise'?"),
-        ("thin 0.5 --layer secondry", "--layer = secondry", "did you mean 'secondary'?"),
         ("thin 0.5 --layer background", "'thin' cannot be done to the background", "tint, recolor, palette"),
         ("jitter --move 0", "nothing says what to change", "jitter --move 4"),
         ("delete --where colour=3", "'colour' is nothing that textons have", "did you mean"),
