@@ -11,21 +11,21 @@ use vtex::segment::{MasksFile, Regions, Segmenter, masks_to_bytes};
 use vtex::synth::{reconstruct, synthesize};
 use vtex::tune::{TuneParams, TunedWeights, tune};
 
-/// File name, schema, and the value of the field `format`.
-fn schemas() -> [(&'static str, Schema, &'static str); 4] {
+/// File name, schema, and the values of the fields `format` and `version`.
+fn schemas() -> [(&'static str, Schema, &'static str, u32); 4] {
     [
-        ("library", schema_for!(Library), Library::FORMAT),
-        ("scene", schema_for!(Scene), Scene::FORMAT),
-        ("weights", schema_for!(TunedWeights), TunedWeights::FORMAT),
-        ("masks", MasksFile::json_schema(), "vtex-masks"),
+        ("library", schema_for!(Library), Library::FORMAT, Library::VERSION),
+        ("scene", schema_for!(Scene), Scene::FORMAT, Scene::VERSION),
+        ("weights", schema_for!(TunedWeights), TunedWeights::FORMAT, TunedWeights::VERSION),
+        ("masks", MasksFile::json_schema(), "vtex-masks", 1),
     ]
 }
 
 /// The schema as it is published.
-fn published(schema: Schema, format: &str) -> Value {
+fn published(schema: Schema, format: &str, version: u32) -> Value {
     let mut value = schema.to_value();
     value["properties"]["format"]["const"] = json!(format);
-    value["properties"]["version"]["const"] = json!(1);
+    value["properties"]["version"]["const"] = json!(version);
     // Files have it, documents in memory do not.
     value["properties"]["sha256"] = json!({
         "description": "SHA-256 of the file's bytes before this field, in hexadecimal. A file is replaced \
@@ -37,9 +37,9 @@ fn published(schema: Schema, format: &str) -> Value {
 
 #[test]
 fn committed_schemas_are_current() {
-    for (name, schema, format) in schemas() {
+    for (name, schema, format, version) in schemas() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("schema/{name}.schema.json"));
-        let text = serde_json::to_string_pretty(&published(schema, format)).unwrap() + "\n";
+        let text = serde_json::to_string_pretty(&published(schema, format, version)).unwrap() + "\n";
         if std::env::var_os("VTEX_BLESS").is_some() {
             std::fs::write(&path, &text).unwrap();
         }
@@ -152,7 +152,7 @@ fn written() -> Vec<(Value, Value)> {
     let params = TuneParams { synth: params, seeds: 1, evaluations: 10 };
     let tuned = tune(&library, &params, &()).unwrap();
     let files = [library.to_json(), scene.to_json(), tuned.to_json(), masks, reconstruct(&library).to_json()];
-    let schemas = schemas().map(|(_, schema, format)| published(schema, format));
+    let schemas = schemas().map(|(_, schema, format, version)| published(schema, format, version));
     let order = [0, 1, 2, 3, 1].map(|i| schemas[i].clone());
     files.iter().map(|bytes| serde_json::from_slice(bytes).unwrap()).zip(order).collect()
 }

@@ -39,7 +39,7 @@ fn what_was_done_is_told_by_inspect() {
     assert!(text.contains("   2  tint amount=0.5 colour=#ff0000 share=1 where area>20 (seed 9)\n"), "{text}");
     assert!(folder.run("inspect a.scene.json --json").succeeds().json().get("edits").is_none());
     let unknown = edit(&folder, "a.scene.json -o d.scene.json", &["thin 0.5 --layer secondry"]);
-    let run = unknown.fails(1, "the scene has no layer 'secondry'");
+    let run = unknown.fails(2, "the scene has no layer 'secondry'");
     assert!(run.stderr.contains("--layer takes background, secondary, primary"), "{}", run.stderr);
 }
 
