@@ -36,13 +36,13 @@ pub(crate) fn read<T: Document>(path: &Path) -> Result<T> {
 /// Reads and validates a document from bytes, plain or gzip.
 pub(crate) fn from_bytes<T: Document>(bytes: &[u8], name: &str) -> Result<T> {
     let fail = |reason: String| Error::Format { name: name.into(), format: T::FORMAT, reason };
-    let json = gzip::unpack(bytes, u64::MAX).map_err(fail)?;
-    let json = &*without_seal(&json);
+    let json = &*gzip::unpack(bytes, u64::MAX).map_err(fail)?;
     // Name and version first, so that another format is told apart from a damaged file.
     #[derive(Deserialize)]
     struct Header {
         format: Option<String>,
         version: Option<u64>,
+        sha256: Option<IgnoredAny>,
     }
     let header: Header = serde_json::from_slice(json).map_err(|e| fail(e.to_string()))?;
     match header.format.as_deref() {
@@ -51,6 +51,7 @@ pub(crate) fn from_bytes<T: Document>(bytes: &[u8], name: &str) -> Result<T> {
         None => return Err(fail("it has no field 'format'".into())),
     }
     let Some(version) = header.version else { return Err(fail("it has no field 'version'".into())) };
+    let json = &*if header.sha256.is_some() { without_seal(json) } else { json.into() };
     let known = u64::from(T::VERSION);
     let read =
         if version == known { Some(serde_json::from_slice(json)) } else { T::read_older(version, json) };
@@ -78,16 +79,7 @@ fn without_seal(json: &[u8]) -> Cow<'_, [u8]> {
         fields.remove("sha256")?;
         serde_json::to_vec(&fields).ok()
     };
-    #[derive(Deserialize)]
-    struct Has {
-        sha256: Option<IgnoredAny>,
-    }
-    let elsewhere = || serde_json::from_slice::<Has>(json).is_ok_and(|has| has.sha256.is_some());
-    match last() {
-        Some(rest) => rest.into(),
-        None if elsewhere() => anywhere().map_or(json.into(), Into::into),
-        None => json.into(),
-    }
+    last().or_else(anywhere).map_or(json.into(), Into::into)
 }
 
 /// The document as JSON, ending in a newline.

@@ -10,6 +10,7 @@ use crate::scene::{Condition, Identity, Instance, Layer, Operation, Quantity, Sc
 type Test<'a> = (&'a Condition, Option<&'a Region>);
 
 /// What of each layer of a scene is selected.
+#[derive(Clone)]
 pub(super) struct Chosen {
     pub(super) layers: Vec<ChosenLayer>,
 }

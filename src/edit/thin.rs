@@ -17,10 +17,18 @@ pub(super) fn retain(scene: &mut Scene, chosen: &Chosen, keep: impl Fn(&Scene, &
 
 /// Keeps the instances that are marked, in painting order.
 fn keep_marked(scene: &mut Scene, marks: &[bool]) {
-    let mut marks = marks.iter();
+    let mut rest = marks;
     for layer in &mut scene.layers {
-        layer.instances.retain(|_| marks.next().is_some_and(|mark| *mark));
+        let (own, others) = rest.split_at(layer.instances.len());
+        retain_marked(&mut layer.instances, own);
+        rest = others;
     }
+}
+
+/// Keeps the items that are marked.
+fn retain_marked<T>(items: &mut Vec<T>, marks: &[bool]) {
+    let mut marks = marks.iter();
+    items.retain(|_| marks.next().is_some_and(|mark| *mark));
 }
 
 /// Keeps each texton with the probability that a map has where it stands.
@@ -46,7 +54,7 @@ pub(super) fn thin(
     minimum_area: Option<f64>,
     draw: &Draw,
 ) {
-    let mut chosen = Chosen { layers: chosen.layers.clone() };
+    let mut chosen = chosen.clone();
     if let Some(least) = minimum_area {
         let moments = measured(scene);
         let large = |i: &Instance| moments[i.element.index()].moved(i.affine()).area >= least;
@@ -57,10 +65,8 @@ pub(super) fn thin(
                 .zip(&chosen.instances)
                 .map(|(i, chosen)| !chosen || large(i))
                 .collect();
-            let mut marks = stays.iter();
-            layer.instances.retain(|_| marks.next().is_some_and(|mark| *mark));
-            let mut marks = stays.iter();
-            chosen.instances.retain(|_| marks.next().is_some_and(|mark| *mark));
+            retain_marked(&mut layer.instances, &stays);
+            retain_marked(&mut chosen.instances, &stays);
         }
         change(scene, &chosen, |element, size| {
             let large = |s: &&Shape| s.outline.area() * size * size >= least;

@@ -8,6 +8,7 @@ mod line;
 mod shape;
 #[cfg(test)]
 mod tests;
+pub(crate) mod version1;
 
 pub use gradient::{Gradient, GradientKind, Stop};
 pub use line::{Cap, Join, Line};

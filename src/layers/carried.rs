@@ -9,10 +9,10 @@ use super::blur::oklab_planes;
 use super::map::{Contacts, LayerMap};
 use super::regions::{Depths, depth};
 use crate::correspondence::{CHANNELS, Field, Page, Request, find};
-use crate::error::{Error, Result, check};
+use crate::error::{Error, Result};
 use crate::parallel;
 use crate::progress::Progress;
-use crate::raster::LARGEST_SIDE;
+use crate::raster::check_size;
 use image::RgbImage;
 
 /// Cells along the shorter side of an exemplar.
@@ -32,17 +32,6 @@ pub struct Exemplar<'a> {
     /// The photograph that they belong to, if there is one. Its colours keep structure that labels do not
     /// show.
     pub photograph: Option<&'a RgbImage>,
-}
-
-/// Refuses canvases without pixels, and those beyond the limit of pictures.
-pub(super) fn check_size(size: [usize; 2]) -> Result<()> {
-    let side = size[0].max(size[1]);
-    check(size[0].min(size[1]) > 0, "size", format!("{}x{}", size[0], size[1]), "1 px or more on each side")?;
-    if side <= LARGEST_SIDE as usize {
-        return Ok(());
-    }
-    let found = format!("{} x {} pixels", size[0], size[1]);
-    Err(Error::TooLarge { name: "size".into(), found, limit: format!("{LARGEST_SIDE} pixels on each side") })
 }
 
 impl Exemplar<'_> {
@@ -111,7 +100,7 @@ impl Exemplar<'_> {
         let planes = carrier.voted(&depths, grid, 1, 0.6);
         let depths = Depths { size, wrap, grid, planes };
         let labels = depths.labels(&self.map.shares(), self.most_distant(), self.speck());
-        Ok(LayerMap { labels, layers: self.map.layers.clone() })
+        Ok(self.map.with(labels))
     }
 
     /// The exemplar as the search sees it.

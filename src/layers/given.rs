@@ -3,12 +3,12 @@
 
 use super::blur::Plane;
 use super::boundary::{Job, Start, nested, outlined};
-use super::carried::{Exemplar, check_size};
+use super::carried::Exemplar;
 use super::map::{LayerMap, Region};
 use super::regions::{Depths, depth};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
-use crate::raster::LabelMap;
+use crate::raster::{LabelMap, check_size};
 
 impl Exemplar<'_> {
     /// A new map of `size` pixels by the boundary optimisation of the paper; it repeats along the axes of
@@ -32,7 +32,7 @@ impl Exemplar<'_> {
         let made = nested(&job, progress)?;
         let labels =
             on_canvas(&made, size, wrap).labels(&self.map.shares(), self.most_distant(), self.speck());
-        Ok(LayerMap { labels, layers: self.map.layers.clone() })
+        Ok(self.map.with(labels))
     }
 
     /// A map around a sketch: pixels of `sketch` have a label where they are painted. Painted shapes keep
@@ -65,10 +65,7 @@ impl Exemplar<'_> {
         let painted: Vec<Region> = (1..count).map(|k| covered(sketch, size, cells, wrap, k as u32)).collect();
         let made = outlined(&self.regions(), &painted, seed, progress)?;
         let shares = shares_of(&made);
-        Ok(LayerMap {
-            labels: on_canvas(&made, size, wrap).labels(&shares, self.most_distant(), 0),
-            layers: self.map.layers.clone(),
-        })
+        Ok(self.map.with(on_canvas(&made, size, wrap).labels(&shares, self.most_distant(), 0)))
     }
 
     /// A map made by hand: its labels, of the areas that they have. Where more layers touch that are not next
@@ -80,11 +77,11 @@ impl Exemplar<'_> {
         self.check()?;
         let size = [map.width as usize, map.height as usize];
         check_size(size)?;
-        let given = LayerMap { labels: map.clone(), layers: self.map.layers.clone() };
+        let given = self.map.with(map.clone());
         let planes = (1..given.layers.len()).map(|k| depth(&given.region(k, wrap))).collect();
         let labels =
             Depths { size, wrap, grid: size, planes }.labels(&given.shares(), self.most_distant(), 0);
-        Ok(LayerMap { labels, ..given })
+        Ok(self.map.with(labels))
     }
 
     /// `keep` with the pixels of a hole filled anew; outside it is the same pixel by pixel. Areas in the
@@ -120,12 +117,9 @@ impl Exemplar<'_> {
         let count = self.map.layers.len();
         let own = self.regions();
         let cells = size.map(|v| v.div_ceil(self.cell()));
-        let labels: Vec<Option<u32>> = keep.labels.iter().map(|&l| Some(l)).collect();
-        let regions: Vec<Region> =
-            (1..count).map(|k| covered(&labels, size, cells, wrap, k as u32)).collect();
-        let free = covered(&hole.iter().map(|&h| h.then_some(1)).collect::<Vec<_>>(), size, cells, wrap, 1);
+        let regions = regions_of(keep, count, cells, wrap);
         // A cell that the hole touches at all may change.
-        let free: Vec<bool> = (0..free.inside.len()).map(|i| touched(hole, size, cells, i)).collect();
+        let free: Vec<bool> = (0..cells[0] * cells[1]).map(|i| touched(hole, size, cells, i)).collect();
         let outside = |region: &Region| (0..free.len()).filter(|&i| !free[i] && region.inside[i]).count();
         let open = free.iter().filter(|&&f| f).count();
         let shares: Vec<f64> = cumulative(&self.map.shares())
@@ -138,19 +132,21 @@ impl Exemplar<'_> {
         let made = nested(&job, progress)?;
         let depths = on_canvas(&made, size, wrap);
         let made = depths.labels(&shares_of(&made), 1.0, 0);
-        Ok(LayerMap {
-            labels: joined(keep, hole, &made, count, self.cell(), wrap),
-            layers: self.map.layers.clone(),
-        })
+        Ok(self.map.with(joined(keep, hole, &made, count, self.cell(), wrap)))
     }
 
     /// The regions from S_1 up, cell by cell.
     fn regions(&self) -> Vec<Region> {
-        let size = self.map.size();
-        let cells = size.map(|v| (v / self.cell()).max(1));
-        let labels: Vec<Option<u32>> = self.map.labels.labels.iter().map(|&l| Some(l)).collect();
-        (1..self.map.layers.len()).map(|k| covered(&labels, size, cells, [false; 2], k as u32)).collect()
+        let cells = self.map.size().map(|v| (v / self.cell()).max(1));
+        regions_of(&self.map.labels, self.map.layers.len(), cells, [false; 2])
     }
+}
+
+/// The regions of a map of `count` layers from S_1 up, cell by cell.
+fn regions_of(map: &LabelMap, count: usize, cells: [usize; 2], wrap: [bool; 2]) -> Vec<Region> {
+    let size = [map.width as usize, map.height as usize];
+    let labels: Vec<Option<u32>> = map.labels.iter().map(|&l| Some(l)).collect();
+    (1..count).map(|k| covered(&labels, size, cells, wrap, k as u32)).collect()
 }
 
 /// Share of each layer and all above it, from S_1 up.

@@ -44,6 +44,11 @@ impl Region {
 }
 
 impl LayerMap {
+    /// Other labels of the same layers.
+    pub(super) fn with(&self, labels: LabelMap) -> Self {
+        Self { labels, layers: self.layers.clone() }
+    }
+
     /// Width and height, in pixels.
     pub fn size(&self) -> [usize; 2] {
         [self.labels.width as usize, self.labels.height as usize]

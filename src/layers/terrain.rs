@@ -1,11 +1,11 @@
 //! Heights: new terrain from a height map.
 
 use super::blur::Plane;
-use super::carried::{CELLS, Carrier, check_size, deviation};
+use super::carried::{CELLS, Carrier, deviation};
 use crate::correspondence::{CHANNELS, Page, Request, find};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
-use crate::raster::{Limits, decode};
+use crate::raster::{Limits, check_size, decode};
 use image::DynamicImage;
 
 /// What the slope weighs against the height, and the layer.

@@ -1,8 +1,7 @@
 //! Validation of libraries.
 
 use super::{LARGEST_SIDE, Library, Role};
-use crate::error::clip;
-use crate::geometry::Outline;
+use crate::scene::{check_layer, check_spacing};
 use std::collections::BTreeSet;
 
 /// Checks every reference, range and total of a library.
@@ -76,19 +75,12 @@ fn validate_layers(l: &Library) -> Result<(), String> {
     let mut names = BTreeSet::new();
     for (k, layer) in l.layers.iter().enumerate() {
         let at = format!("layers[{k}]");
-        if layer.name.is_empty() || !names.insert(&layer.name) {
-            return Err(format!("{at}.name '{}' is empty or used twice", clip(&layer.name)));
-        }
-        if layer.region.as_ref().is_some_and(Outline::is_empty) {
-            return Err(format!("{at}.region is empty"));
-        }
+        check_layer(&at, &layer.name, layer.region.as_ref(), &mut names)?;
         if layer.spacing.is_some_and(|s| !(0.0..=f64::from(LARGEST_SIDE)).contains(&s)) {
             return Err(format!("{at}.spacing is out of range"));
         }
         if let Some(field) = &layer.field {
-            if !(field.spacing >= 1.0 && field.spacing <= f64::from(LARGEST_SIDE)) {
-                return Err(format!("{at}.field.spacing = {} is out of range", field.spacing));
-            }
+            check_spacing(&at, field, f64::from(LARGEST_SIDE))?;
             if let Some(i) = field.points.iter().position(|p| !(p.x.abs() < 1e6 && p.y.abs() < 1e6)) {
                 return Err(format!("{at}.field.points[{i}] lies far outside the exemplar"));
             }

@@ -4,6 +4,7 @@ use super::{
     AnalyzeParams, Arrangement, Category, CategoryId, Element, Gradient, Guide, Library, Shape, Source,
     SourceKind,
 };
+use crate::element::version1::{Detail, shapes};
 use crate::geometry::Outline;
 use crate::raster::colour::Colour;
 use crate::scene::{ControlPoint, Field};
@@ -59,15 +60,6 @@ struct Primary {
     #[serde(default)]
     clipped: bool,
     details: Vec<Detail>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Detail {
-    outline: Outline,
-    colour: Colour,
-    #[serde(default)]
-    gradient: Option<Gradient>,
 }
 
 #[derive(Deserialize)]
@@ -136,11 +128,6 @@ impl TryFrom<Version1> for Library {
 
 impl From<Primary> for Element {
     fn from(old: Primary) -> Self {
-        let base = Shape { gradient: old.gradient, ..Shape::new(old.outline, old.base) };
-        let details = old
-            .details
-            .into_iter()
-            .map(|d| Shape { gradient: d.gradient, ..Shape::new(d.outline, d.colour) });
         Self {
             category: Some(old.category),
             colour: old.colour,
@@ -150,7 +137,7 @@ impl From<Primary> for Element {
             compactness: Some(old.compactness),
             clipped: old.clipped,
             silhouette: None,
-            shapes: std::iter::once(base).chain(details).collect(),
+            shapes: shapes(old.outline, old.base, old.gradient, old.details),
         }
     }
 }

@@ -10,11 +10,11 @@ mod scan;
 mod tsvq;
 
 use crate::correspondence::{CHANNELS, Page, Request, find};
-use crate::error::{Error, Result, check};
+use crate::error::{Error, Result};
 use crate::parallel;
 use crate::progress::Progress;
 use crate::raster::colour::oklab;
-use crate::raster::{LARGEST_SIDE, LabelMap};
+use crate::raster::{LabelMap, check_size};
 use image::{Rgb, RgbImage};
 
 /// Side of the cells of the field, in pixels.
@@ -30,17 +30,6 @@ pub enum Leaf {
     Exact,
     /// The mean of its pixels, as in the paper: softer.
     Mean,
-}
-
-/// Refuses sizes out of range.
-fn check_size(size: [usize; 2]) -> Result<()> {
-    let text = || format!("{}x{}", size[0], size[1]);
-    check(size[0].min(size[1]) > 0, "size", text(), "1 px or more on each side")?;
-    if size[0].max(size[1]) <= LARGEST_SIDE as usize {
-        return Ok(());
-    }
-    let limit = format!("{LARGEST_SIDE} pixels on each side");
-    Err(Error::TooLarge { name: "size".into(), found: format!("{} pixels", text()), limit })
 }
 
 /// A new picture of `size` pixels, pixel by pixel in scan order; it repeats along both axes.

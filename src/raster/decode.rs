@@ -1,6 +1,6 @@
 //! Decoding of common image formats, within limits.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
 use std::io::{Cursor, ErrorKind};
@@ -105,4 +105,16 @@ fn jpeg_is_whole(bytes: &[u8]) -> bool {
         }
     }
     rest.windows(2).rev().any(|w| w == [0xff, 0xd9])
+}
+/// Refuses canvases without pixels, and those with a side beyond [`LARGEST_SIDE`].
+///
+/// # Errors
+/// [`Error::Parameter`], [`Error::TooLarge`].
+pub(crate) fn check_size([width, height]: [usize; 2]) -> Result<()> {
+    check(width.min(height) > 0, "size", format!("{width}x{height}"), "1 px or more on each side")?;
+    if width.max(height) <= LARGEST_SIDE as usize {
+        return Ok(());
+    }
+    let found = format!("{width} x {height} pixels");
+    Err(Error::TooLarge { name: "size".into(), found, limit: format!("{LARGEST_SIDE} pixels on each side") })
 }

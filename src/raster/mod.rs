@@ -13,7 +13,7 @@ pub mod picture;
 pub use components::{Connectivity, components, components_of_mask};
 pub use control_map::ControlMap;
 pub use decode::Limits;
-pub(crate) use decode::{LARGEST_SIDE, decode};
+pub(crate) use decode::{LARGEST_SIDE, check_size, decode};
 pub use distance::squared_distance;
 pub use labels::LabelMap;
 pub use mask::{Mask, Span};

@@ -19,6 +19,7 @@ pub use effects::{Shadow, Stroke};
 pub use operation::{Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder};
 pub use parameters::{Ablation, Method, SynthParams, Weights};
 pub use tile::Tile;
+pub(crate) use validate::{check_layer, check_spacing};
 
 use crate::document::{self, Document};
 use crate::element;
@@ -312,6 +313,25 @@ impl Scene {
     /// Serialises the scene as JSON, ending in a newline.
     pub fn to_json(&self) -> Vec<u8> {
         document::to_json(self)
+    }
+
+    /// A scene of the given size in pixels, without elements, parameters, domain and edits. It does not
+    /// tile.
+    pub(crate) fn new([width, height]: [u32; 2], libraries: Vec<LibraryRef>, layers: Vec<Layer>) -> Self {
+        Self {
+            format: Self::FORMAT.into(),
+            version: Self::VERSION,
+            width,
+            height,
+            tile: Tile::default(),
+            parameters: None,
+            program: crate::PROGRAM.into(),
+            libraries,
+            elements: Vec::new(),
+            layers,
+            domain: None,
+            edits: Vec::new(),
+        }
     }
 
     /// The three layers of a homogeneous texture: a background with the given field, secondary and

@@ -1,14 +1,12 @@
 //! Scenes of the three layers of a homogeneous photograph, for tests.
 
-use super::{
-    CategoryId, Element, ElementId, Field, Instance, LibraryId, LibraryRef, Role, Scene, Shape, Tile,
-};
+use super::{CategoryId, Element, ElementId, Field, Instance, LibraryId, LibraryRef, Role, Scene, Shape};
 use crate::geometry::Outline;
 use crate::raster::colour::Colour;
 
 /// A scene of one library without parameters, domain and edits.
 pub(crate) fn scene(
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     elements: Vec<Element>,
     secondary: Vec<Instance>,
     primary: Vec<Instance>,
@@ -16,20 +14,8 @@ pub(crate) fn scene(
 ) -> Scene {
     let mut layers = Scene::three_layers(field);
     (layers[1].instances, layers[2].instances) = (secondary, primary);
-    Scene {
-        format: Scene::FORMAT.into(),
-        version: Scene::VERSION,
-        width,
-        height,
-        tile: Tile::default(),
-        parameters: None,
-        program: crate::PROGRAM.into(),
-        libraries: vec![LibraryRef { exemplar: "test.jpg".into(), sha256: "0".repeat(64) }],
-        elements,
-        layers,
-        domain: None,
-        edits: Vec::new(),
-    }
+    let library = LibraryRef { exemplar: "test.jpg".into(), sha256: "0".repeat(64) };
+    Scene { elements, ..Scene::new(size, vec![library], layers) }
 }
 
 /// A field of one colour without control points.

@@ -1,6 +1,7 @@
 //! Validation of scenes.
 
 use super::{Field, Scene, SynthParams};
+use crate::error::clip;
 use crate::geometry::Outline;
 use std::collections::BTreeSet;
 
@@ -29,14 +30,12 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
     let (mut ids, mut names) = (BTreeSet::new(), BTreeSet::new());
     for (k, layer) in s.layers.iter().enumerate() {
         let at = format!("layers[{k}]");
-        if layer.name.is_empty() || !names.insert(&layer.name) {
-            return Err(format!("{at}.name '{}' is empty or used twice", crate::error::clip(&layer.name)));
-        }
-        if layer.region.as_ref().is_some_and(Outline::is_empty) {
-            return Err(format!("{at}.region is empty"));
-        }
+        check_layer(&at, &layer.name, layer.region.as_ref(), &mut names)?;
         if let Some(field) = &layer.field {
-            validate_field(&at, field)?;
+            check_spacing(&at, field, 1e6)?;
+            if let Some(i) = field.points.iter().position(|p| !(p.x.abs() < 1e7 && p.y.abs() < 1e7)) {
+                return Err(format!("{at}.field.points[{i}] is out of range"));
+            }
         }
         for (i, instance) in layer.instances.iter().enumerate() {
             let at = format_args!("{at}.instances[{i}]");
@@ -64,14 +63,22 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
     Ok(())
 }
 
-fn validate_field(layer: &str, field: &Field) -> Result<(), String> {
-    if !(field.spacing >= 1.0 && field.spacing <= 1e6) {
-        return Err(format!("{layer}.field.spacing = {} is out of range", field.spacing));
+/// Checks what layers of libraries and of scenes have in common: a name of its own among `names`, and a
+/// region, if any, that is not empty. `at` is its place in the file.
+pub(crate) fn check_layer<'a>(
+    at: &str,
+    name: &'a str,
+    region: Option<&Outline>,
+    names: &mut BTreeSet<&'a str>,
+) -> Result<(), String> {
+    if name.is_empty() || !names.insert(name) {
+        return Err(format!("{at}.name '{}' is empty or used twice", clip(name)));
     }
-    for (i, p) in field.points.iter().enumerate() {
-        if !(p.x.abs() < 1e7 && p.y.abs() < 1e7) {
-            return Err(format!("{layer}.field.points[{i}] is out of range"));
-        }
-    }
-    Ok(())
+    if region.is_some_and(Outline::is_empty) { Err(format!("{at}.region is empty")) } else { Ok(()) }
+}
+
+/// Checks the distance between control points of a layer's field: 1 to `most` pixels.
+pub(crate) fn check_spacing(at: &str, field: &Field, most: f64) -> Result<(), String> {
+    let sound = field.spacing >= 1.0 && field.spacing <= most;
+    if sound { Ok(()) } else { Err(format!("{at}.field.spacing = {} is out of range", field.spacing)) }
 }

@@ -2,8 +2,9 @@
 
 use super::{
     CategoryId, Domain, EditRecord, Element, ElementId, Field, Gradient, Instance, InstanceId, Layer,
-    LibraryId, LibraryRef, Role, Scene, Shadow, Shape, Stroke, SynthParams, Tile,
+    LibraryId, LibraryRef, Role, Scene, Shadow, Stroke, SynthParams, Tile,
 };
+use crate::element::version1::{Detail, shapes};
 use crate::geometry::Outline;
 use crate::raster::colour::Colour;
 use serde::Deserialize;
@@ -46,16 +47,7 @@ struct Texton {
     #[serde(default)]
     gradient: Option<Gradient>,
     #[serde(default)]
-    details: Vec<Patch>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Patch {
-    outline: Outline,
-    colour: Colour,
-    #[serde(default)]
-    gradient: Option<Gradient>,
+    details: Vec<Detail>,
 }
 
 #[derive(Deserialize)]
@@ -101,11 +93,6 @@ impl From<Version1> for Scene {
 
 impl From<Texton> for Element {
     fn from(old: Texton) -> Self {
-        let base = Shape { gradient: old.gradient, ..Shape::new(old.outline, old.colour) };
-        let details = old
-            .details
-            .into_iter()
-            .map(|p| Shape { gradient: p.gradient, ..Shape::new(p.outline, p.colour) });
         Self {
             library: LibraryId(old.library),
             // Primaries come first among a library's elements. How many there are is not known here, so
@@ -114,7 +101,7 @@ impl From<Texton> for Element {
             category: old.category.map(CategoryId),
             fragment: old.fragment,
             silhouette: None,
-            shapes: std::iter::once(base).chain(details).collect(),
+            shapes: shapes(old.outline, old.colour, old.gradient, old.details),
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use super::few::limit_colours;
 use super::secondaries;
-use crate::PROGRAM;
 use crate::arrange::Arrangement;
 use crate::arrange::controls::Controls;
 use crate::arrange::variation::Variation;
@@ -11,7 +10,7 @@ use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::scene::{
     Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, LibraryRef, Role, Scene,
-    SynthParams, Tile,
+    SynthParams,
 };
 use std::collections::BTreeMap;
 
@@ -26,7 +25,7 @@ pub(crate) fn scene(
 ) -> Scene {
     let references = libraries.iter().map(reference).collect();
     let layers = Scene::three_layers(background);
-    let mut scene = empty(references, params.width, params.height, layers);
+    let mut scene = Scene::new([params.width, params.height], references, layers);
     scene.parameters = Some(params.clone());
     scene.tile = params.tile;
     scene.domain = controls.domain.clone().map(|outline| Domain { outline, edge: params.edge });
@@ -58,7 +57,7 @@ pub(crate) fn scene(
 /// colours at most, it has no more, the fields included, which are then of one.
 pub fn reconstruct(library: &Library) -> Scene {
     let (width, height) = (library.source.width, library.source.height);
-    let mut scene = empty(vec![reference(library)], width, height, Vec::new());
+    let mut scene = Scene::new([width, height], vec![reference(library)], Vec::new());
     let mut known = Known::new(LibraryId(0), library);
     let mut next = 0;
     for layer in &library.layers {
@@ -85,23 +84,6 @@ pub fn reconstruct(library: &Library) -> Scene {
 
 pub(crate) fn reference(library: &Library) -> LibraryRef {
     LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
-}
-
-fn empty(libraries: Vec<LibraryRef>, width: u32, height: u32, layers: Vec<Layer>) -> Scene {
-    Scene {
-        format: Scene::FORMAT.into(),
-        version: Scene::VERSION,
-        width,
-        height,
-        tile: Tile::default(),
-        parameters: None,
-        program: PROGRAM.into(),
-        libraries,
-        elements: Vec::new(),
-        layers,
-        domain: None,
-        edits: Vec::new(),
-    }
 }
 
 /// Appends an instance to the layer of a role; ids count through all layers.

@@ -10,7 +10,7 @@ use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Library};
 use vtex::raster::colour::Colour;
-use vtex::scene::{CategoryId, EditRecord, LibraryId, Role, Scene, SynthParams, Tile};
+use vtex::scene::{CategoryId, EditRecord, Field, LibraryId, Role, Scene, SynthParams, Tile};
 
 /// What is said of a file.
 #[derive(Debug, Serialize)]
@@ -153,13 +153,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         layers: library
             .layers
             .iter()
-            .map(|l| LayerLine {
-                name: l.name.clone(),
-                role: l.role,
-                elements: l.instances.len(),
-                points: l.field.as_ref().map(|f| f.points.len()),
-                region: l.region.is_some(),
-            })
+            .map(|l| LayerLine::new(&l.name, l.role, l.instances.len(), l.field.as_ref(), l.region.is_some()))
             .collect(),
         counts: Counts::of_library(library),
         coverage: library.coverage,
@@ -220,13 +214,7 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         layers: scene
             .layers
             .iter()
-            .map(|l| LayerLine {
-                name: l.name.clone(),
-                role: l.role,
-                elements: l.instances.len(),
-                points: l.field.as_ref().map(|f| f.points.len()),
-                region: l.region.is_some(),
-            })
+            .map(|l| LayerLine::new(&l.name, l.role, l.instances.len(), l.field.as_ref(), l.region.is_some()))
             .collect(),
         counts: Counts::of_scene(scene),
         coverage: covered.values().sum::<u64>() as f64 / canvas,
@@ -243,6 +231,12 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         synth: scene.parameters.clone(),
         edits: scene.edits.clone(),
         warnings: Vec::new(),
+    }
+}
+
+impl LayerLine {
+    fn new(name: &str, role: Role, elements: usize, field: Option<&Field>, region: bool) -> Self {
+        Self { name: name.to_owned(), role, elements, points: field.map(|f| f.points.len()), region }
     }
 }
 
