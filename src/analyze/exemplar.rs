@@ -3,6 +3,7 @@
 //! Colour profiles are ignored: every image is taken for sRGB.
 
 use crate::error::{Error, Result};
+use crate::layers::LayerMap;
 use crate::raster::{self, Limits};
 use image::{DynamicImage, GrayAlphaImage, RgbImage, RgbaImage};
 use sha2::{Digest, Sha256};
@@ -17,6 +18,8 @@ pub struct Exemplar {
     pub file: String,
     /// SHA-256 of the file, in hexadecimal.
     pub sha256: String,
+    /// A layer map of its size that was painted, in place of layers found. Usually `None`.
+    pub layers: Option<LayerMap>,
     /// Conversions that the user may not expect, one sentence each. Usually empty.
     pub warnings: Vec<String>,
 }
@@ -61,7 +64,7 @@ impl Exemplar {
             let colour = crate::raster::colour::Colour(first);
             return Err(unusable(format!("every pixel has the colour {colour}, there is no texture to see")));
         }
-        Ok(Self { image, file: name.into(), sha256: sha256(bytes), warnings })
+        Ok(Self { image, file: name.into(), sha256: sha256(bytes), layers: None, warnings })
     }
 }
 

@@ -20,6 +20,7 @@ mod rate_distortion;
 mod secondaries;
 mod shapes;
 mod simplify;
+mod strata;
 mod unmix;
 
 pub use crate::library::AnalyzeParams;
@@ -38,6 +39,7 @@ use grid::{Cells, Grid};
 use image::RgbImage;
 use rate_distortion::RateDistortion;
 use shapes::Style;
+use strata::Strata;
 use unmix::unmixed;
 
 /// Analyses an exemplar: finds its textons with `segmenter`, and derives their shapes, colours,
@@ -90,6 +92,8 @@ pub fn analyze(
     let primary_masks = Mask::all_of_labels(&cells, count + 1).split_off(1);
     let primary_masks: Vec<Cells<Mask>> = primary_masks.into_iter().map(Cells).collect();
     progress.picture("primaries", &|| crate::raster::picture::outlines(image, &primaries));
+
+    let strata = Strata::new(exemplar, &primaries, params, progress)?;
 
     advance(progress, "details", 0, count as u64)?;
     // From here on shapes take the colours of `clean`; only edges are located in the photograph.
@@ -151,6 +155,8 @@ pub fn analyze(
     }
     let spacing = secondaries::spacing(&centres(&shapes.secondaries), &primaries);
     let elements: Vec<Element> = primary_textons.into_iter().chain(shapes.secondaries).collect();
+    let maps = [&primaries, &textons];
+    let layers = strata.layers(exemplar, maps, &elements, (background, spacing), params);
     let library = Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
@@ -163,11 +169,12 @@ pub fn analyze(
             segmenter: segmenter.name(),
             parameters: params.clone(),
             program: crate::PROGRAM.into(),
+            layers: strata.why,
             warnings,
         },
         // An empty sum of floats is -0; folding from 0 avoids it.
         coverage: categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0),
-        layers: Library::three_layers(&elements, background, spacing),
+        layers,
         elements,
         categories,
         arrangement: Arrangement { periodic: params.wrap, ..Arrangement::from_labels(&primaries) },

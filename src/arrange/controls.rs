@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result, check};
 use crate::geometry::Outline;
-use crate::raster::ControlMap;
+use crate::raster::{ControlMap, LabelMap};
 
 /// What steers synthesis beside its parameters. All maps are stretched over the canvas. The
 /// default steers nothing.
@@ -16,6 +16,17 @@ pub struct Controls {
     /// How much of each library there is, 0 to 1: one map for each of several libraries. What they
     /// say counts relative to their sum. None for a single library.
     pub shares: Vec<ControlMap>,
+    /// What leads the large structure of a single library; by default chance.
+    pub lead: Option<Lead>,
+}
+
+/// What leads the large structure. Placement by correspondences follows it.
+#[derive(Clone, Debug)]
+pub enum Lead {
+    /// The stratum of each pixel, by its number in the library.
+    Strata(LabelMap),
+    /// Lightness, 0 to 1. Its distribution is matched to that of the exemplar.
+    Lightness(ControlMap),
 }
 
 impl Controls {

@@ -120,7 +120,7 @@ pub(crate) fn arrange<'a>(
     }
     let (mut correspondence, mut structure) = (None, None);
     if method == Method::Correspondence {
-        let found = Correspondence::new(libraries, model, &grid, &region, params, progress)?;
+        let found = Correspondence::new((libraries, controls), model, &grid, &region, params, progress)?;
         let carried = found.carry(libraries, model, &grid, &region, params, progress)?;
         // Where descriptors go on, they begin with what stands beside.
         let begin = |variant: VariantId| match model.element(variant).fragment {

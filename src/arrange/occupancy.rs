@@ -299,6 +299,13 @@ impl<'a> Occupancy<'a> {
         filled.any(|i| self.owner[i] == Owner::placed(id))
     }
 
+    /// The element on top at a place of the canvas, if one stands there.
+    pub(crate) fn top(&self, [x, y]: [i32; 2]) -> Option<PlaceableId> {
+        let cell = self.grid.cell([x + self.grid.margin[0], y + self.grid.margin[1]])?;
+        let id = self.owner[cell].as_placed()?;
+        Some(self.model.element_of(self.get(id).variant))
+    }
+
     /// Whether an element stands on a cell.
     pub(crate) fn taken(&self, i: usize) -> bool {
         self.owner[i].as_placed().is_some()

@@ -6,9 +6,11 @@ use super::failure::Failure;
 use super::format;
 use super::hints;
 use super::input::{self, Input, note_read};
+use super::layer_maps;
 use super::models::{Store, sums_of_network};
 use super::options::engine::engine;
 use super::options::files::{ForceArgs, apart, outputs};
+use super::options::layers::{LayerFiles, LayerFilesArgs};
 use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
 use super::output::{Place, Target, say};
 use super::progress::Reporter;
@@ -22,6 +24,7 @@ use vtex::output::file::{Format, Kind};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
 use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
+use vtex::synth::layer_map;
 use vtex::{Error, Progress};
 
 /// How a photograph is analyzed.
@@ -30,22 +33,24 @@ pub(crate) struct Analysis {
     pub(crate) masks: MasksFrom,
     pub(crate) engine: EngineOptions,
     pub(crate) save_masks: Option<Place>,
+    pub(crate) layers: LayerFiles,
     pub(crate) parameters: AnalyzeParams,
 }
 
 impl Analysis {
-    /// Fails now if the masks could not be saved later.
+    /// Fails now if masks or layers could not be saved later.
     ///
     /// # Errors
     /// As [`Place::probe`].
     pub(crate) fn probe(&self) -> vtex::Result<()> {
-        self.save_masks.as_ref().map_or(Ok(()), Place::probe)
+        self.save_masks.as_ref().map_or(Ok(()), Place::probe)?;
+        self.layers.save.as_ref().map_or(Ok(()), |target| target.place.probe())
     }
 
     /// Checks what was asked for; `outputs` are where results go.
     pub(crate) fn new(
         photo: Input,
-        masks: MasksArgs,
+        (masks, layers): (MasksArgs, LayerFilesArgs),
         force: &ForceArgs,
         outputs: &[PathBuf],
         parameters: &Parameters,
@@ -59,14 +64,16 @@ impl Analysis {
         };
         let mut written = self::outputs(outputs);
         written.push(("--save-masks", masks.save_masks.as_deref()));
-        for read in [("the photograph", photo_path), ("--masks", masks.masks.as_deref())] {
+        written.push(layers.written());
+        for read in [("the photograph", photo_path), ("--masks", masks.masks.as_deref()), layers.read()] {
             apart(&[&[read], &written[..]].concat())?;
         }
         let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
         let sam = SamFrom::new(masks.sam);
         let from = masks_from(masks.masks, parameters.segmenter, sam)?;
         let engine = engine(masks.engine, parameters.threads);
-        Ok(Self { photo, masks: from, engine, save_masks, parameters: parameters.analyze.clone() })
+        let layers = layers.files(force.force)?;
+        Ok(Self { photo, masks: from, engine, save_masks, layers, parameters: parameters.analyze.clone() })
     }
 }
 
@@ -90,9 +97,15 @@ pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
     let mut exemplar = Exemplar::from_bytes(&bytes, &analysis.photo.name(), &Limits::default())?;
     exemplar.file = name.into_owned();
     drop(bytes);
+    if let Some(painted) = &analysis.layers.painted {
+        exemplar.layers = Some(layer_maps::read(painted)?.layers()?);
+    }
     let segmenter = segmenter(common, analysis, reporter)?;
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
     let library = vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?;
+    if let Some(save) = &analysis.layers.save {
+        save.write(&layer_map(&library), [library.arrangement.periodic; 2], None)?;
+    }
     if let Some(hint) = hints::of_library(&library) {
         reporter.hint(hint);
     }

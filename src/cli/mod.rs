@@ -15,6 +15,7 @@ mod format;
 mod hints;
 mod input;
 pub(crate) mod interrupt;
+mod layer_maps;
 mod models;
 mod nearest;
 mod operations;

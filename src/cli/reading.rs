@@ -1,11 +1,13 @@
 //! Files read as what they are to be: scenes, libraries, controls.
 
+use super::failure::Failure;
 use super::input::{Input, Kind};
-use super::options::control::{DomainFrom, Steering};
+use super::layer_maps;
+use super::options::control::{DomainFrom, LeadFrom, Steering};
 use vtex::control;
 use vtex::library::Library;
-use vtex::scene::{Scene, SynthParams};
-use vtex::synth::Controls;
+use vtex::scene::{Method, Scene, SynthParams};
+use vtex::synth::{Controls, Lead, layer_map};
 
 /// Reads the files that steer the synthesis of so many libraries.
 pub(crate) fn controls(
@@ -43,7 +45,38 @@ pub(crate) fn controls(
     let maps = maps.collect::<anyhow::Result<Vec<_>>>()?;
     let maps: Vec<(&str, &[u8])> = maps.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
     let shares = if maps.is_empty() { Vec::new() } else { control::shares(&maps, libraries)? };
-    Ok(Controls { domain, density, shares })
+    // What is wrong with it shows before the long work.
+    match &steering.lead {
+        Some(_) if parameters.method == Method::Descriptor => {
+            let failure = Failure::usage("--control and --guide lead placement by correspondences");
+            return Err(failure.hint("leave out --method descriptor").into());
+        }
+        Some(LeadFrom::Layers(file @ Input::File(_))) => drop(layer_maps::read(file)?),
+        _ => {}
+    }
+    Ok(Controls { domain, density, shares, lead: None })
+}
+
+/// Reads what leads the large structure of a library, if anything does.
+pub(crate) fn lead(steering: &Steering, library: &Library) -> anyhow::Result<Option<Lead>> {
+    Ok(match &steering.lead {
+        None => None,
+        Some(LeadFrom::Layers(_)) if !library.is_layered() => {
+            let failure = Failure::failed("the library has a single layer, so --control has nothing to lead");
+            return Err(failure
+                .hint("analyze the photograph with --layers 2, or a painted --layer-map")
+                .into());
+        }
+        Some(LeadFrom::Layers(file)) => {
+            Some(Lead::Strata(layer_maps::read(file)?.in_colours_of(&layer_map(library))?))
+        }
+        Some(LeadFrom::Lightness(file)) => {
+            let bytes = file.read()?;
+            Kind::expect(&bytes, file, &[Kind::Image, Kind::Unknown])
+                .map_err(|failure| failure.hint("a guide is a picture, such as a photograph"))?;
+            Some(Lead::Lightness(control::level(&bytes, &file.name())?))
+        }
+    })
 }
 
 /// Reads a scene.

@@ -13,7 +13,7 @@ use vtex::output::reduce::GivenUp;
 use vtex::raster::colour::Colour;
 use vtex::scene::{Method, Role, Scene};
 use vtex::statistics::{Overlap, Repetition};
-use vtex::synth::{CategoryReport, Structure};
+use vtex::synth::{CategoryReport, Report, Structure, layer_map};
 
 /// The summary of a command.
 #[derive(Debug, Serialize)]
@@ -191,11 +191,39 @@ pub(crate) struct LayersReport {
 }
 
 impl LayersReport {
+    /// Those of a library: of its exemplar, if it has several or it was decided that it has one.
+    pub(crate) fn of_library(library: &Library) -> Option<Self> {
+        let map = layer_map(library);
+        let why = library.source.layers.clone();
+        (map.layers.len() > 1 || why.is_some()).then(|| Self {
+            names: map.layers.iter().map(|l| l.name.clone()).collect(),
+            colours: map.layers.iter().map(|l| l.colour).collect(),
+            wanted: map.shares(),
+            got: map.shares(),
+            why,
+        })
+    }
+
+    /// Those of a texture; none if it has none.
+    pub(crate) fn of_texture(report: &Report) -> Option<Self> {
+        let strata = &report.strata;
+        (!strata.is_empty()).then(|| Self {
+            names: strata.iter().map(|s| s.name.clone()).collect(),
+            colours: strata.iter().map(|s| s.colour).collect(),
+            wanted: strata.iter().map(|s| s.area_wanted).collect(),
+            got: strata.iter().map(|s| s.area).collect(),
+            why: None,
+        })
+    }
+
     /// Names and areas, and why, in a line.
     fn told(&self) -> String {
+        let why = self.why.as_ref().map_or(String::new(), |why| format!(" ({why})"));
+        if self.names.len() == 1 {
+            return format!("one layer{why}");
+        }
         let each =
             self.names.iter().zip(&self.got).map(|(name, share)| format!("{name} {:.1} %", 100.0 * share));
-        let why = self.why.as_ref().map_or(String::new(), |why| format!(" ({why})"));
         format!("layers from bottom to top: {}{why}", each.collect::<Vec<_>>().join(", "))
     }
 }

@@ -10,7 +10,7 @@ use super::options::render::RenderParameters;
 use super::options::svg::SvgParameters;
 use super::output::{Drawing, Target, Targets, say};
 use super::progress::Reporter;
-use super::summary::{Counts, Coverage, Summary};
+use super::summary::{Counts, Coverage, LayersReport, Summary};
 use serde_json::Value;
 use vtex::Progress;
 use vtex::library::Library;
@@ -117,6 +117,7 @@ impl Made<'_> {
         if let Some(pattern) = pattern {
             pattern.write_pattern(&scene, drawing)?;
         }
+        let layers = LayersReport::of_texture(&report);
         let summary = Summary {
             pattern: pattern.map(|p| p.place.path().display().to_string()),
             seed: scene.parameters.as_ref().map(|p| p.seed),
@@ -127,6 +128,7 @@ impl Made<'_> {
                 got: Some(report.coverage),
                 categories: report.categories,
             }),
+            layers,
             method: Some(report.method),
             structure: report.structure,
             overlap: Some(report.overlap),

@@ -13,6 +13,8 @@ pub(super) struct Atlas {
     pub(super) features: Vec<i16>,
     /// Whether a cell can be a source.
     pub(super) inside: Vec<bool>,
+    /// Group of each cell; none if that of its page says it.
+    groups: Option<Vec<u8>>,
     pub(super) pages: Vec<Sheet>,
 }
 
@@ -32,6 +34,7 @@ struct Level {
     size: [usize; 2],
     features: Vec<[f32; CHANNELS]>,
     inside: Option<Vec<bool>>,
+    groups: Option<Vec<u8>>,
 }
 
 impl Level {
@@ -40,6 +43,7 @@ impl Level {
         let size = self.size.map(|v| (v / 2).max(1));
         let mut features = Vec::with_capacity(size[0] * size[1]);
         let mut inside = self.inside.as_ref().map(|_| Vec::with_capacity(size[0] * size[1]));
+        let mut groups = self.groups.as_ref().map(|_| Vec::with_capacity(size[0] * size[1]));
         for y in 0..size[1] {
             for x in 0..size[0] {
                 let at = |dx: usize, dy: usize| {
@@ -52,9 +56,12 @@ impl Level {
                 if let (Some(new), Some(old)) = (&mut inside, &self.inside) {
                     new.push(four.iter().all(|&i| old[i]));
                 }
+                if let (Some(new), Some(old)) = (&mut groups, &self.groups) {
+                    new.push(most_frequent(four.map(|i| old[i])));
+                }
             }
         }
-        Self { size, features, inside }
+        Self { size, features, inside, groups }
     }
 }
 
@@ -63,7 +70,12 @@ impl Atlas {
     pub(super) fn pyramid(pages: &[Page]) -> Vec<Self> {
         let mut levels: Vec<Level> = pages
             .iter()
-            .map(|p| Level { size: p.size, features: p.features.clone(), inside: p.inside.clone() })
+            .map(|p| Level {
+                size: p.size,
+                features: p.features.clone(),
+                inside: p.inside.clone(),
+                groups: p.groups.clone(),
+            })
             .collect();
         let groups: Vec<u8> = pages.iter().map(|p| p.group).collect();
         let mut pyramid = vec![Self::new(&levels, &groups)];
@@ -77,8 +89,10 @@ impl Atlas {
         while pyramid.len() < MOST_LEVELS && goes_on(&levels) {
             levels = levels.iter().map(Level::reduced).collect();
             let coarser = Self::new(&levels, &groups);
-            let has = |g: &u8| coarser.sources_of(*g).next().is_some();
-            if !groups.iter().all(has) {
+            if !(0..=coarser.last_group()).all(|g| {
+                let has = |atlas: &Self| atlas.sources_of(g).next().is_some();
+                has(&coarser) || !has(&pyramid[0])
+            }) {
                 break;
             }
             pyramid.push(coarser);
@@ -93,6 +107,7 @@ impl Atlas {
             stride,
             features: vec![0; stride * rows * CHANNELS],
             inside: vec![false; stride * rows],
+            groups: levels.first().and_then(|l| l.groups.as_ref()).map(|_| vec![0; stride * rows]),
             pages: Vec::new(),
         };
         let mut top = 0;
@@ -114,6 +129,9 @@ impl Atlas {
                     let real = within(x, w) && within(y, h);
                     let inside = level.inside.as_ref().is_none_or(|i| i[py * w + px]);
                     atlas.inside[(top + y) * stride + x] = real && inside;
+                    if let (Some(all), Some(own)) = (&mut atlas.groups, &level.groups) {
+                        all[(top + y) * stride + x] = own[py * w + px];
+                    }
                 }
             }
             atlas.pages.push(Sheet { group, top: top + REACH, size: level.size, rim });
@@ -124,10 +142,13 @@ impl Atlas {
 
     /// All cells of a group that can be sources, in order.
     pub(super) fn sources_of(&self, group: u8) -> impl Iterator<Item = u32> + '_ {
-        self.pages.iter().filter(move |p| p.group == group).flat_map(move |p| {
+        let pages = self.pages.iter().filter(move |p| self.groups.is_some() || p.group == group);
+        pages.flat_map(move |p| {
             (0..p.size[1]).flat_map(move |y| {
                 let start = (p.top + y) * self.stride + REACH;
-                (start..start + p.size[0]).filter(|&i| self.inside[i]).map(|i| i as u32)
+                let inside = (start..start + p.size[0]).filter(|&i| self.inside[i]);
+                let own = inside.filter(move |&i| self.groups.as_ref().is_none_or(|g| g[i] == group));
+                own.map(|i| i as u32)
             })
         })
     }
@@ -141,12 +162,19 @@ impl Atlas {
 
     /// The largest number of a group.
     pub(super) fn last_group(&self) -> u8 {
-        self.pages.iter().map(|p| p.group).max().unwrap_or(0)
+        let last = match &self.groups {
+            Some(groups) => groups.iter().copied().max(),
+            None => self.pages.iter().map(|p| p.group).max(),
+        };
+        last.unwrap_or(0)
     }
 
-    /// Group of the page of a cell.
+    /// Group of a cell.
     pub(super) fn group(&self, cell: u32) -> u8 {
-        self.pages[self.page(cell)].group
+        match &self.groups {
+            Some(groups) => groups[cell as usize],
+            None => self.pages[self.page(cell)].group,
+        }
     }
 
     /// Number of the page of a cell.
@@ -209,6 +237,12 @@ pub(super) fn distance(a: &[i16], a_row: usize, b: &[i16], b_row: usize, limit: 
         }
     }
     sum
+}
+
+/// The most frequent of four groups; of equals the highest, because upper layers are thin.
+fn most_frequent(four: [u8; 4]) -> u8 {
+    let count = |group: u8| four.iter().filter(|&&g| g == group).count();
+    four.into_iter().max_by_key(|&g| (count(g), g)).unwrap_or(0)
 }
 
 /// A feature as it is stored.

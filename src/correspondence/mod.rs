@@ -70,8 +70,10 @@ const LEAST_ISLAND: u32 = 10;
 
 /// An exemplar, or an exemplar turned or mirrored, cell by cell.
 pub(crate) struct Page {
-    /// Which group of pages it belongs to; cells of the canvas may be restricted to a group.
+    /// The group that its cells belong to; cells of the canvas may be restricted to a group.
     pub(crate) group: u8,
+    /// The group of each cell, in place of one for all. All pages have them, or none has.
+    pub(crate) groups: Option<Vec<u8>>,
     /// Size in cells.
     pub(crate) size: [usize; 2],
     /// Features row by row, each of deviation about 1.
@@ -87,7 +89,7 @@ pub(crate) struct Request<'a> {
     pub(crate) size: [usize; 2],
     /// Along which axes the canvas repeats.
     pub(crate) wrap: [bool; 2],
-    /// The group of pages that each cell takes its source from; none if there is one group.
+    /// The group that each cell takes its source from; none if there is one group.
     pub(crate) groups: Option<Vec<u8>>,
     /// Cells that need a source; none if all do.
     pub(crate) active: Option<Vec<bool>>,
@@ -113,7 +115,7 @@ pub(crate) struct Field {
 /// Name of the stage.
 const STAGE: &str = "structure";
 
-/// The field of a canvas. Needs a page with a cell inside for each group that is asked for.
+/// The field of a canvas. Needs a cell inside of each group that is asked for.
 ///
 /// # Errors
 /// [`crate::Error::Interrupted`].

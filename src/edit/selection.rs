@@ -39,8 +39,7 @@ impl Chosen {
         };
         let moments = if conditions.iter().any(measures) { measured(scene) } else { Vec::new() };
         let asked = operation.layer.as_deref();
-        let is_asked =
-            |layer: &Layer| asked.is_none_or(|name| name == layer.name || name == layer.role.name());
+        let is_asked = |layer: &Layer| asked.is_none_or(|name| is_called(layer, name));
         if let Some(name) = asked.filter(|_| !scene.layers.iter().any(is_asked)) {
             let known = scene.layers.iter().map(|layer| layer.name.clone()).collect();
             return Err(EditFault::NoLayer { name: name.into(), known });
@@ -95,6 +94,13 @@ impl Chosen {
         };
         self.layers.iter().map(of).sum()
     }
+}
+
+/// Whether a layer is meant by a name: its own, the words that its own begins with, or that of its role.
+/// The layers of a stratum have its name and a word, so its name means all of them.
+fn is_called(layer: &Layer, name: &str) -> bool {
+    let begins = |rest: &str| rest.is_empty() || rest.starts_with(' ');
+    name == layer.role.name() || layer.name.strip_prefix(name).is_some_and(begins)
 }
 
 /// Where the centre of an element lies: its origin, on the canvas where the scene repeats.

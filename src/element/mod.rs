@@ -16,7 +16,8 @@ pub use shape::Shape;
 
 use crate::geometry::{Outline, Rect};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Index of an element in the list of its library or scene.
 #[derive(
@@ -85,6 +86,30 @@ impl Role {
     pub fn is_individual(self) -> bool {
         self == Self::Primary
     }
+}
+
+/// Reads the shapes of an element. Most elements have one, and a list that grows step by step would take
+/// room for four.
+pub(crate) fn deserialize_shapes<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Shape>, D::Error> {
+    struct Shapes;
+
+    impl<'de> Visitor<'de> for Shapes {
+        type Value = Vec<Shape>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("a list of shapes")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<Shape>, A::Error> {
+            let mut shapes = Vec::with_capacity(1);
+            while let Some(shape) = list.next_element()? {
+                shapes.push(shape);
+            }
+            Ok(shapes)
+        }
+    }
+
+    deserializer.deserialize_seq(Shapes)
 }
 
 /// Bounding box of shapes; empty at the origin if there are none.

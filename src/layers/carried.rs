@@ -5,13 +5,13 @@
 //! cells around a place vote for how deep it lies in each region. Labels follow by rank, so
 //! regions are nested and their areas exact.
 
-use super::blur::oklab_planes;
 use super::map::{Contacts, LayerMap};
 use super::regions::{Depths, depth};
 use crate::correspondence::{CHANNELS, Field, Page, Request, find};
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::progress::Progress;
+use crate::raster::blur::oklab_planes;
 use crate::raster::check_size;
 use image::RgbImage;
 
@@ -146,7 +146,7 @@ impl Exemplar<'_> {
             channels[..used].iter_mut().flatten().for_each(|v| *v *= unit);
         }
         let features = (0..cells).map(|i| std::array::from_fn(|c| channels[c][i])).collect();
-        Page { group: 0, size, features, inside: None }
+        Page { group: 0, groups: None, size, features, inside: None }
     }
 }
 

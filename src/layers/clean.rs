@@ -1,7 +1,7 @@
 //! Label maps without ragged borders and specks.
 
-use super::blur::Plane;
 use crate::parallel;
+use crate::raster::blur::Plane;
 use crate::raster::{Connectivity, LabelMap, components};
 
 /// Each pixel takes the label that has most weight under a Gaussian of deviation `sigma` pixels;

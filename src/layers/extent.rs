@@ -7,9 +7,9 @@
 //! elements the second. Where elements are known, what they would give if they were scattered at
 //! random is taken off the first.
 
-use super::blur::Plane;
 use super::map::Contacts;
 use crate::raster::LabelMap;
+use crate::raster::blur::Plane;
 
 /// Shares of the shorter side over which means are taken.
 const WINDOWS: [usize; 2] = [8, 32];

@@ -1,6 +1,5 @@
 //! A photograph's layers: how many there are, where, and in which order.
 
-use super::blur::{Plane, oklab_planes};
 use super::clean::{enlarged, smoothed, without_specks};
 use super::cluster::{centres, nearest};
 use super::extent::{Extent, extent, thickness};
@@ -10,6 +9,7 @@ use super::order::order;
 use crate::error::{Error, Result, check};
 use crate::progress::{Progress, advance};
 use crate::raster::LabelMap;
+use crate::raster::blur::{Plane, oklab_planes};
 use crate::raster::colour::Colour;
 use image::RgbImage;
 

@@ -1,13 +1,13 @@
 //! New maps from given ones: borders of the exemplar's look for a map made by boundary optimisation,
 //! around a sketch, and within a hole.
 
-use super::blur::Plane;
 use super::boundary::{Job, Start, nested, outlined};
 use super::carried::Exemplar;
 use super::map::{LayerMap, Region};
 use super::regions::{Depths, depth};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
+use crate::raster::blur::Plane;
 use crate::raster::{LabelMap, check_size};
 
 impl Exemplar<'_> {
@@ -143,7 +143,7 @@ impl Exemplar<'_> {
 }
 
 /// The regions of a map of `count` layers from S_1 up, cell by cell.
-fn regions_of(map: &LabelMap, count: usize, cells: [usize; 2], wrap: [bool; 2]) -> Vec<Region> {
+pub(super) fn regions_of(map: &LabelMap, count: usize, cells: [usize; 2], wrap: [bool; 2]) -> Vec<Region> {
     let size = [map.width as usize, map.height as usize];
     let labels: Vec<Option<u32>> = map.labels.iter().map(|&l| Some(l)).collect();
     (1..count).map(|k| covered(&labels, size, cells, wrap, k as u32)).collect()
@@ -194,7 +194,7 @@ fn touched(set: &[bool], size: [usize; 2], cells: [usize; 2], cell: usize) -> bo
 }
 
 /// Regions of cells on a canvas of pixels.
-fn on_canvas(regions: &[Region], size: [usize; 2], wrap: [bool; 2]) -> Depths {
+pub(super) fn on_canvas(regions: &[Region], size: [usize; 2], wrap: [bool; 2]) -> Depths {
     let soft = |region: &Region| {
         let plane = Plane { size: region.size, values: depth(region) };
         plane.blurred(0.6, wrap).values

@@ -11,7 +11,6 @@
 //! Works badly where two phenomena lie side by side without nesting, and where a layer has a
 //! recognisable shape: only the local look of borders is kept.
 
-mod blur;
 mod boundary;
 mod carried;
 mod clean;
@@ -23,8 +22,10 @@ mod given;
 mod map;
 mod names;
 mod order;
+mod outlines;
 mod picture;
 mod regions;
+mod settled;
 mod terrain;
 
 pub use boundary::shape_distance;

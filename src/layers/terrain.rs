@@ -1,10 +1,10 @@
 //! Heights: new terrain from a height map.
 
-use super::blur::Plane;
 use super::carried::{CELLS, Carrier, deviation};
 use crate::correspondence::{CHANNELS, Page, Request, find};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
+use crate::raster::blur::Plane;
 use crate::raster::{Limits, check_size, decode};
 use image::DynamicImage;
 
@@ -156,7 +156,7 @@ impl Terrain {
             channel.iter_mut().for_each(|v| *v = (*v - mean) * unit);
         }
         let features = (0..cells).map(|i| std::array::from_fn(|c| channels[c][i])).collect();
-        Page { group: 0, size, features, inside: None }
+        Page { group: 0, groups: None, size, features, inside: None }
     }
 
     /// Heights brought to the histogram of these, keeping their order.

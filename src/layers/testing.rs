@@ -1,7 +1,7 @@
 //! For tests: weathered surfaces with the exact map of their layers.
 
-use super::blur::Plane;
 use crate::raster::LabelMap;
+use crate::raster::blur::Plane;
 use crate::sampling::stream;
 use image::{Rgb, RgbImage};
 

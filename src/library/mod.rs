@@ -2,7 +2,9 @@
 
 mod arrangement;
 mod guide;
+mod instance;
 mod parameters;
+mod strata;
 #[cfg(test)]
 pub(crate) mod testing;
 mod validate;
@@ -10,13 +12,15 @@ mod version1;
 
 pub use arrangement::Arrangement;
 pub use guide::{Guide, Picture};
+pub use instance::Instance;
 pub use parameters::{AnalyzeParams, Shading};
+pub use strata::Stratum;
 
 use crate::document::{self, Document};
 use crate::element;
 pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
 use crate::error::Result;
-use crate::geometry::{Affine, Outline};
+use crate::geometry::Outline;
 use crate::raster::colour::Colour;
 use crate::scene::Field;
 use schemars::JsonSchema;
@@ -86,6 +90,10 @@ pub struct Source {
     pub parameters: AnalyzeParams,
     /// Name and version of the program that made the library.
     pub program: String,
+    /// Why the exemplar has as many strata as it has: a clause without a full stop. `None` if nothing
+    /// was decided.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layers: Option<String>,
     /// Warnings of the analysis, one sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
@@ -121,6 +129,7 @@ pub struct Element {
     pub silhouette: Option<Outline>,
     /// Its shapes at its position in the exemplar, in painting order; at least one. The first covers the
     /// whole. Each extends a little underneath later ones.
+    #[serde(deserialize_with = "element::deserialize_shapes")]
     pub shapes: Vec<Shape>,
 }
 
@@ -157,6 +166,9 @@ pub struct Layer {
     /// The part of the exemplar that it fills; `None` for all of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub region: Option<Outline>,
+    /// Its colour in layer maps, for a background with a region or layers above it that have one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour: Option<Colour>,
     /// Colours sampled between the elements: the control points of a colour field.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field: Option<Field>,
@@ -172,34 +184,7 @@ impl Layer {
     /// A layer named after its role, with nothing in it.
     pub fn new(role: Role) -> Self {
         let name = role.name().into();
-        Self { name, role, region: None, field: None, spacing: None, instances: Vec::new() }
-    }
-}
-
-/// An element where it stands in the exemplar.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Instance {
-    /// Index in [`Library::elements`].
-    pub element: ElementId,
-    /// Coefficients a b c d e f of the affine map from the element to its place: x' = ax + cy + e,
-    /// y' = bx + dy + f. Default: the element is where its shapes say.
-    #[serde(default = "identity", skip_serializing_if = "is_identity")]
-    pub transform: [f64; 6],
-}
-
-fn identity() -> [f64; 6] {
-    Affine::IDENTITY.as_coeffs()
-}
-
-fn is_identity(transform: &[f64; 6]) -> bool {
-    *transform == identity()
-}
-
-impl Instance {
-    /// An element where its shapes say.
-    pub fn of(element: ElementId) -> Self {
-        Self { element, transform: identity() }
+        Self { name, role, region: None, colour: None, field: None, spacing: None, instances: Vec::new() }
     }
 }
 
@@ -239,15 +224,6 @@ impl Library {
     /// Index of the secondary with the given number among the secondaries.
     pub(crate) fn secondary_id(&self, number: u32) -> ElementId {
         ElementId::after(self.primary_count() + number as usize)
-    }
-
-    /// The field of the lowest background layer: colours sampled between the elements.
-    ///
-    /// # Panics
-    /// If there is none, which [`Library::read`] excludes.
-    pub fn background(&self) -> &Field {
-        let field = self.layers.iter().find_map(|layer| layer.field.as_ref());
-        field.expect("a library has a background")
     }
 
     /// Typical distance between neighbouring secondaries, in pixels; 0 if it is not known.

@@ -49,6 +49,12 @@ pub struct AnalyzeParams {
     pub cells: u32,
     /// Whether the exemplar tiles, that is, its opposite borders join. Default false.
     pub wrap: bool,
+    /// Number of nested layers, such as rust on paint. 1 to 6, or 0 (the default) for one to three, by the
+    /// photograph.
+    pub layers: u32,
+    /// The layers found, counted from 0 at the bottom, listed from the new bottom to the new top. Empty
+    /// (the default) for the order in which layers that are not next to each other touch least.
+    pub layer_order: Vec<u32>,
 }
 
 /// Fills of details and primaries.
@@ -84,6 +90,8 @@ impl Default for AnalyzeParams {
             max_paths: 0,
             cells: 0,
             wrap: false,
+            layers: 0,
+            layer_order: Vec::new(),
         }
     }
 }
@@ -114,6 +122,7 @@ impl AnalyzeParams {
         integer("colors", self.colors, 0..=4096, "0 to 4096")?;
         integer("max-paths", self.max_paths, 0..=10_000_000, "0 to 10000000")?;
         integer("cells", self.cells, 0..=4, "0 to 4")?;
+        integer("layers", self.layers, 0..=6, "auto, off, or 1 to 6")?;
         real("fidelity", self.fidelity, 0.05..=5.0, "0.05 to 5 px")?;
         check(
             self.secondary_minimum <= self.secondary_maximum,

@@ -87,6 +87,7 @@ pub(crate) fn library(map: &LabelMap) -> Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
         source: Source {
+            layers: None,
             kind: SourceKind::Photograph,
             file: "test.png".into(),
             width: w,
@@ -171,7 +172,7 @@ impl Library {
     /// Takes all primaries away.
     pub(crate) fn without_primaries(mut self) -> Self {
         let secondaries = self.secondaries().to_vec();
-        let (background, spacing) = (self.background().clone(), self.secondary_spacing());
+        let (background, spacing) = (self.background().into_owned(), self.secondary_spacing());
         self.layers = Self::three_layers(&secondaries, background, spacing);
         self.elements = secondaries;
         self.arrangement.runs = vec![0, self.arrangement.width * self.arrangement.height];
@@ -182,9 +183,45 @@ impl Library {
     /// Puts other secondaries in the place of its own.
     pub(crate) fn with_secondaries(self, secondaries: Vec<Element>) -> Self {
         let mut library = self.without_secondaries();
-        let (background, spacing) = (library.background().clone(), library.secondary_spacing());
+        let (background, spacing) = (library.background().into_owned(), library.secondary_spacing());
         library.elements.extend(secondaries);
         library.layers = Self::three_layers(&library.elements, background, spacing);
         library
     }
+}
+
+/// [`guided`] with two strata: what lies right of the middle is another, in a lighter background.
+pub(crate) fn layered(map: &LabelMap) -> Library {
+    let mut library = guided(map);
+    let middle = f64::from(map.width / 2);
+    let right = Mask::from_spans(
+        (0..map.height as i32)
+            .map(|y| crate::raster::Span { y, x0: map.width as i32 / 2, x1: map.width as i32 })
+            .collect(),
+    );
+    let plain = library.layers.clone();
+    let mut layers = Vec::new();
+    for (k, name) in ["paint", "rust"].into_iter().enumerate() {
+        for layer in &plain {
+            let mut layer = layer.clone();
+            layer.name = match layer.role {
+                Role::Background => name.into(),
+                role => format!("{name} {}", role.name()),
+            };
+            layer
+                .instances
+                .retain(|i| (library.elements[i.element.index()].centroid[0] >= middle) == (k == 1));
+            if layer.role == Role::Background {
+                let value = [60, 180][k];
+                layer.colour = Some(Colour([value; 3]));
+                layer.region = (k == 1).then(|| outline(&right));
+                if let Some(field) = &mut layer.field {
+                    field.points.iter_mut().for_each(|p| p.colour = Colour([value; 3]));
+                }
+            }
+            layers.push(layer);
+        }
+    }
+    library.layers = layers;
+    library
 }

@@ -105,6 +105,7 @@ impl TryFrom<Version1> for Library {
             format: Self::FORMAT.into(),
             version: Self::VERSION,
             source: Source {
+                layers: None,
                 kind: SourceKind::Photograph,
                 file: s.file,
                 width: s.width,

@@ -5,40 +5,13 @@
 //! Borders are traced once and shared.
 
 use crate::error::{Error, Result};
-use crate::geometry::{Affine, FittedMap, Outline, PathText, PlanarMap, write_path};
+use crate::geometry::{Outline, PathText, write_path};
 use crate::layers::LayerMap;
 use crate::output::png::failed;
 use crate::output::svg::BEGINNING;
 use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
-
-/// Largest distance of an outline from the border between pixels, in pixels.
-const TOLERANCE: f64 = 0.5;
-/// How far outlines go on beyond an edge at which the map repeats, in pixels.
-const MARGIN: usize = 24;
-
-/// The outlines of the regions of all layers but the bottom one, in pixels; region i holds layer i and
-/// all above it. Where the map repeats they go on a little beyond its edges.
-pub fn outlines(map: &LayerMap, wrap: [bool; 2]) -> Vec<Outline> {
-    let [w, h] = map.size();
-    let margin = [0, 1].map(|k| if wrap[k] { MARGIN } else { 0 });
-    let [fw, fh] = [w + 2 * margin[0], h + 2 * margin[1]];
-    // Label 0 has no outline in a planar map, so labels are counted from 1.
-    let label = |i: usize| {
-        let [x, y] = [(i % fw + margin[0] * w - margin[0]) % w, (i / fw + margin[1] * h - margin[1]) % h];
-        map.labels.labels[y * w + x] + 1
-    };
-    let labels: Vec<u32> = (0..fw * fh).map(label).collect();
-    let planar = PlanarMap::trace(fw as u32, fh as u32, &labels);
-    let fitted = FittedMap::new(planar, TOLERANCE, map.layers.len(), map.layers.len(), |l| l);
-    let back = Affine::translate((-(margin[0] as f64), -(margin[1] as f64)));
-    let region = |k: usize| {
-        let outline = fitted.outlines(1, |l| u32::from(l > k as u32)).swap_remove(1);
-        Outline::new(&(back * outline.path())).unwrap_or_default()
-    };
-    (1..map.layers.len()).map(region).collect()
-}
 
 /// Writes a map as an indexed PNG.
 ///
@@ -97,7 +70,7 @@ pub fn write_svg(map: &LayerMap, wrap: [bool; 2], mut out: impl Write) -> Result
          viewBox=\"0 0 {w} {h}\">\n<title>Layers</title>\n",
         env!("CARGO_PKG_VERSION")
     );
-    let paths = outlines(map, wrap);
+    let paths = map.outlines(wrap);
     for (k, layer) in map.layers.iter().enumerate() {
         let path = match k.checked_sub(1) {
             None => format!("M0 0H{w}V{h}H0z"),
@@ -152,7 +125,7 @@ struct DescribedLayer<'a> {
 /// # Errors
 /// As [`write_png`].
 pub fn write_json(map: &LayerMap, wrap: [bool; 2], seed: Option<u64>, mut out: impl Write) -> Result<()> {
-    let paths = outlines(map, wrap);
+    let paths = map.outlines(wrap);
     let shares = map.shares();
     let layer = |(k, layer): (usize, &'_ crate::layers::Layer)| (k, layer.name.clone(), layer.colour);
     let named: Vec<_> = map.layers.iter().enumerate().map(layer).collect();
@@ -267,7 +240,7 @@ mod tests {
         assert!(layers[0]["region"].is_null() && layers[1]["region"].is_string());
         let sum: f64 = layers.iter().map(|l| l["share"].as_f64().unwrap()).sum();
         assert!((sum - 1.0).abs() < 1e-9);
-        let areas: Vec<f64> = outlines(&map, [false; 2]).iter().map(Outline::area).collect();
+        let areas: Vec<f64> = map.outlines([false; 2]).iter().map(Outline::area).collect();
         let shares = map.shares();
         assert!((areas[0] / 8000.0 - shares[1] - shares[2]).abs() < 0.01);
         assert!((areas[1] / 8000.0 - shares[2]).abs() < 0.01);

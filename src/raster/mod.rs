@@ -1,6 +1,7 @@
 //! Pixels: decoding, label maps, run-length masks, components, distances, colour spaces.
 //! Knows nothing of curves.
 
+pub(crate) mod blur;
 pub mod colour;
 mod components;
 mod control_map;

@@ -4,6 +4,7 @@
 mod edits;
 mod effects;
 pub mod field;
+mod joined;
 mod operation;
 mod parameters;
 pub(crate) mod pixels;
@@ -16,6 +17,7 @@ mod version1;
 pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
 pub use edits::{Axis, Between, EditRecord, Place, Recorded};
 pub use effects::{Shadow, Stroke};
+pub(crate) use joined::joined;
 pub use operation::{Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder};
 pub use parameters::{Ablation, Method, SynthParams, Weights};
 pub use tile::Tile;
@@ -157,6 +159,7 @@ pub struct Element {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub silhouette: Option<Outline>,
     /// Its shapes, in painting order; at least one.
+    #[serde(deserialize_with = "element::deserialize_shapes")]
     pub shapes: Vec<Shape>,
 }
 

@@ -5,10 +5,9 @@
 //! clouds and stains keep their contrast.
 
 use crate::geometry::wrapped;
-use crate::library::Library;
-use crate::raster::LabelMap;
-use crate::scene::Tile;
+use crate::library::{Element, Library};
 use crate::scene::field::Interpolant;
+use crate::scene::{Field, Tile};
 
 /// Least share of a block that is ground.
 const LEAST: f64 = 0.15;
@@ -29,17 +28,26 @@ pub(super) struct Backdrop {
     wrap: bool,
 }
 
+/// The ground that a backdrop is for: all of it, or that of one stratum.
+pub(super) struct Ground<'a> {
+    /// Colours sampled there.
+    pub(super) field: &'a Field,
+    /// Whether a pixel belongs to it.
+    pub(super) holds: &'a dyn Fn(u32, u32) -> bool,
+    /// The secondaries on it.
+    pub(super) secondaries: Vec<&'a Element>,
+}
+
 impl Backdrop {
-    /// Of a library and its arrangement.
-    pub(super) fn new(library: &Library, labels: &LabelMap) -> Self {
-        let b = library.background();
+    /// Of some ground of a library's exemplar.
+    pub(super) fn new(library: &Library, ground: &Ground<'_>) -> Self {
         let (width, height) = (library.source.width, library.source.height);
-        let sites = Interpolant::new(b, width, height, Tile::default());
-        let side = b.spacing.max(8.0);
+        let sites = Interpolant::new(ground.field, width, height, Tile::default());
+        let side = ground.field.spacing.max(8.0);
         let blocks = [width, height].map(|v| (f64::from(v) / side) as usize + 1);
         let wrap = library.arrangement.periodic;
         let mut this = Self { sites, side, blocks, added: vec![[0.0; 3]; blocks[0] * blocks[1]], wrap };
-        this.added = this.unexplained(library, labels);
+        this.added = this.unexplained(library, ground);
         this
     }
 
@@ -83,22 +91,21 @@ impl Backdrop {
 
     /// For each block the mean of the photograph's ground less that of secondaries and sites, as far as
     /// bare ground can make up for it; smoothed, for secondaries lie across blocks.
-    fn unexplained(&self, library: &Library, labels: &LabelMap) -> Vec<[f64; 3]> {
+    fn unexplained(&self, library: &Library, ground: &Ground<'_>) -> Vec<[f64; 3]> {
         let Some(guide) = &library.guide else { return self.added.clone() };
         let mut photo = vec![[0.0; 4]; self.added.len()];
         let cell = f64::from(guide.cell);
         for (column, row, colour) in guide.picture.0.enumerate_pixels() {
             let at = [column, row].map(|v| (f64::from(v) + 0.5) * cell);
             let [x, y] = at.map(|v| v as u32);
-            let ground = labels.at(i64::from(x), i64::from(y)) == Some(0);
-            if ground {
+            if x < library.source.width && y < library.source.height && (ground.holds)(x, y) {
                 let sum = &mut photo[self.block_at(at)];
                 (0..3).for_each(|c| sum[c] += cell * cell * f64::from(colour.0[c]));
                 sum[3] += cell * cell;
             }
         }
         let mut covered = vec![[0.0; 4]; self.added.len()];
-        for s in library.secondaries() {
+        for s in &ground.secondaries {
             let (sum, area) = (&mut covered[self.block_at(s.centroid)], f64::from(s.area));
             (0..3).for_each(|c| sum[c] += area * f64::from(s.colour.0[c]));
             sum[3] += area;
@@ -146,7 +153,12 @@ mod tests {
         // The palette of the library knows two grey values; the guide's ground is darker on the left.
         let map = mosaic(200, 15.0, 0.6, 1);
         let library = guided(&map).without_secondaries();
-        let backdrop = Backdrop::new(&library, &map);
+        let ground = Ground {
+            field: &library.background(),
+            holds: &|x, y| map.get(x, y) == 0,
+            secondaries: Vec::new(),
+        };
+        let backdrop = Backdrop::new(&library, &ground);
         let (left, right) = (backdrop.at([20.0, 100.0])[0], backdrop.at([180.0, 100.0])[0]);
         let known = |x: f64| 40.0 + x * 60.0 / 200.0;
         // Both are further from the palette than may be added, or right.

@@ -1,6 +1,6 @@
 //! The background field's control points (paper §3.2.3).
 
-use super::backdrop::Backdrop;
+use super::backdrop::{Backdrop, Ground};
 use crate::arrange::correspondence::Correspondence;
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::region::Region;
@@ -8,6 +8,7 @@ use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::{ControlPoint, Field, SynthParams};
+use std::borrow::Cow;
 
 /// How far control points reach beyond a border of the canvas, in spacings.
 const MARGIN: f64 = 2.0;
@@ -24,15 +25,20 @@ pub(crate) fn field(
     correspondence: Option<&Correspondence>,
     params: &SynthParams,
 ) -> Field {
-    let spacings = libraries.iter().map(|l| l.background().spacing);
+    let palettes = palettes(libraries);
+    let spacings = palettes.iter().map(|palette| palette.spacing);
     let usual = spacings.fold(f64::INFINITY, f64::min) * if correspondence.is_some() { FINER } else { 1.0 };
     let spacing = params.background_spacing.unwrap_or(usual);
-    let mut field = Field { spacing, fallback: libraries[0].background().fallback, points: Vec::new() };
-    if libraries.iter().all(|l| l.background().points.is_empty()) {
+    let mut field = Field { spacing, fallback: palettes[0].fallback, points: Vec::new() };
+    if palettes.iter().all(|palette| palette.points.is_empty()) {
         return field;
     }
     let backdrops = correspondence.map(|c| {
-        let of = libraries.iter().zip(c.labels()).map(|(library, labels)| Backdrop::new(library, labels));
+        let of = libraries.iter().zip(&palettes).zip(c.labels()).map(|((library, palette), labels)| {
+            let holds = |x: u32, y: u32| labels.get(x, y) == 0;
+            let secondaries = library.secondaries().iter().collect();
+            Backdrop::new(library, &Ground { field: palette, holds: &holds, secondaries })
+        });
         (c, of.collect::<Vec<_>>())
     });
     let mut random = stream(params.seed, "synth/background", 0);
@@ -52,30 +58,35 @@ pub(crate) fn field(
                 let (library, place) = correspondence.origin(map.model(), [x, y]);
                 Colour::from_f64(backdrops[library].at(place))
             }
-            None => colour(libraries, &map.region, [x, y], &mut random),
+            None => colour(&palettes, &map.region, [x, y], &mut random),
         };
         field.points.push(ControlPoint { x, y, colour });
     }
     field
 }
 
+/// The backgrounds of libraries.
+pub(crate) fn palettes(libraries: &[Library]) -> Vec<Cow<'_, Field>> {
+    libraries.iter().map(Library::background).collect()
+}
+
 /// A colour of the palette, or of several mixed by the shares of their libraries at a point.
 pub(crate) fn colour(
-    libraries: &[Library],
+    palettes: &[Cow<'_, Field>],
     region: &Region<'_>,
     point: [f64; 2],
     random: &mut Stream,
 ) -> Colour {
-    let drawn = |library: &Library, random: &mut Stream| {
-        let sites = &library.background().points;
-        if sites.is_empty() { library.background().fallback } else { sites[random.index(sites.len())].colour }
+    let drawn = |palette: &Field, random: &mut Stream| {
+        let sites = &palette.points;
+        if sites.is_empty() { palette.fallback } else { sites[random.index(sites.len())].colour }
     };
-    if let [library] = libraries {
-        return drawn(library, random);
+    if let [palette] = palettes {
+        return drawn(palette, random);
     }
     let mut mixed = [0.0; 3];
-    for (library, share) in libraries.iter().zip(region.shares(point)) {
-        let colour = drawn(library, random).to_f64();
+    for (palette, share) in palettes.iter().zip(region.shares(point)) {
+        let colour = drawn(palette, random).to_f64();
         (0..3).for_each(|k| mixed[k] += share * colour[k]);
     }
     Colour::from_f64(mixed)

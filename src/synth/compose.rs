@@ -2,6 +2,7 @@
 
 use super::few::limit_colours;
 use super::secondaries;
+use super::strata::Strata;
 use crate::arrange::Arrangement;
 use crate::arrange::controls::Controls;
 use crate::arrange::variation::Variation;
@@ -9,10 +10,13 @@ use crate::geometry::{Affine, Outline};
 use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::scene::{
-    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, LibraryRef, Role, Scene,
-    SynthParams,
+    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, LibraryRef, Scene, SynthParams,
 };
 use std::collections::BTreeMap;
+
+/// Places of the layers of elements among those of a stratum.
+const SECONDARY: usize = 1;
+const PRIMARY: usize = 2;
 
 /// The scene of an arrangement. Elements are listed in the order in which they first appear.
 pub(crate) fn scene(
@@ -21,10 +25,13 @@ pub(crate) fn scene(
     controls: &Controls,
     arrangement: &Arrangement<'_>,
     secondaries: &[secondaries::Placed],
-    background: Field,
+    (background, strata): (Field, Option<Strata>),
 ) -> Scene {
     let references = libraries.iter().map(reference).collect();
-    let layers = Scene::three_layers(background);
+    let layers = match &strata {
+        Some(strata) => strata.layers(),
+        None => Scene::three_layers(background),
+    };
     let mut scene = Scene::new([params.width, params.height], references, layers);
     scene.parameters = Some(params.clone());
     scene.tile = params.tile;
@@ -35,7 +42,8 @@ pub(crate) fn scene(
     for p in secondaries {
         let element = known[p.library].secondary(&mut scene, p.secondary);
         let variation = &model.variations[usize::from(p.variation)];
-        push(&mut scene, Role::Secondary, element, p.at, variation, Some(p.colour));
+        let stratum = strata.as_ref().map_or(0, |strata| strata.of_secondary(p));
+        push(&mut scene, (stratum, SECONDARY), element, p.at, variation, Some(p.colour));
     }
     for p in &arrangement.placed {
         let placed = &model[p.element];
@@ -47,7 +55,9 @@ pub(crate) fn scene(
                 (element, &model.variations[usize::from(p.variation)])
             }
         };
-        push(&mut scene, Role::Primary, element, p.at, variation, None);
+        let of = |strata: &Strata| strata.of_primary(&libraries[0], arrangement, p.element, p.at);
+        let stratum = strata.as_ref().map_or(0, of);
+        push(&mut scene, (stratum, PRIMARY), element, p.at, variation, None);
     }
     scene
 }
@@ -86,17 +96,18 @@ pub(crate) fn reference(library: &Library) -> LibraryRef {
     LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
 }
 
-/// Appends an instance to the layer of a role; ids count through all layers.
+/// Appends an instance to a layer of a stratum; ids count through all layers.
 fn push(
     scene: &mut Scene,
-    role: Role,
+    (stratum, layer): (usize, usize),
     element: ElementId,
     at: [i32; 2],
     variation: &Variation,
     colour: Option<Colour>,
 ) {
     let id = InstanceId(scene.count() as u32);
-    scene.layer_mut(role).instances.push(instance(id, element, at, variation, colour));
+    let layer = &mut scene.layers[stratum * Strata::LAYERS + layer];
+    layer.instances.push(instance(id, element, at, variation, colour));
 }
 
 /// An element at a place of the canvas.

@@ -11,14 +11,16 @@ mod few;
 mod neighbourhoods;
 pub(crate) mod report;
 pub(crate) mod secondaries;
+mod strata;
 #[cfg(test)]
 mod tests;
 
-pub use crate::arrange::controls::Controls;
+pub use crate::arrange::controls::{Controls, Lead};
 pub use crate::arrange::correspondence::Structure;
 pub use compose::reconstruct;
 pub(crate) use compose::{element, reference};
 pub use report::{CategoryReport, Report};
+pub use strata::{StratumReport, layer_map};
 
 use crate::arrange::correspondence::no_guide;
 use crate::arrange::model::Model;
@@ -28,6 +30,7 @@ use crate::library::Library;
 use crate::progress::{Progress, advance};
 use crate::scene::field::Interpolant;
 use crate::scene::{Ablation, Method, Scene, SynthParams, Weights};
+use strata::Strata;
 
 /// Largest canvas, in pixels.
 const LARGEST_CANVAS: u64 = 400_000_000;
@@ -76,8 +79,10 @@ pub fn synthesize_with(
     let secondaries = secondaries::place(libraries, &arrangement.cells, &interpolant, correspondence, params);
     advance(progress, "ground", 2, 2)?;
 
-    let scene = compose::scene(libraries, params, controls, &arrangement, &secondaries, field);
-    let report = Report::new(libraries, &arrangement, &scene);
+    let strata = Strata::new(libraries, controls, &arrangement, &field, params)?;
+    let nested = strata.as_ref().map_or_else(Vec::new, |strata| strata.report.clone());
+    let scene = compose::scene(libraries, params, controls, &arrangement, &secondaries, (field, strata));
+    let report = Report { strata: nested, ..Report::new(libraries, &arrangement, &scene) };
     Ok((scene, report))
 }
 
@@ -113,7 +118,7 @@ pub(crate) fn primaries_alone(
     let canvas = f64::from(params.width) * f64::from(params.height);
     let covered = arrangement.covered_before.iter().map(|&cells| cells as f64 / canvas).collect();
     let field = crate::scene::Field { spacing: 1.0, fallback: Default::default(), points: Vec::new() };
-    Ok((compose::scene(libraries, params, &controls, &arrangement, &[], field), covered))
+    Ok((compose::scene(libraries, params, &controls, &arrangement, &[], (field, None)), covered))
 }
 
 /// An error if the canvas is too large.

@@ -1,5 +1,6 @@
 //! How close a synthesised scene came to its exemplar, in figures.
 
+use super::strata::StratumReport;
 use crate::arrange::Arrangement;
 use crate::arrange::correspondence::Structure;
 use crate::library::Library;
@@ -17,6 +18,8 @@ pub struct Report {
     pub coverage: f64,
     /// The same by category, library by library in their order.
     pub categories: Vec<CategoryReport>,
+    /// The nested layers of the canvas, from bottom to top; empty if it has none.
+    pub strata: Vec<StratumReport>,
     /// Primary textons placed.
     pub primaries: usize,
     /// Different primaries among them.
@@ -68,6 +71,7 @@ impl Report {
         let categories: Vec<CategoryReport> = all.enumerate().map(category).collect();
         let sum = |of: fn(&CategoryReport) -> f64| categories.iter().map(of).sum::<f64>();
         Self {
+            strata: Vec::new(),
             coverage_wanted: if plain { libraries[0].coverage } else { sum(|c| c.wanted) },
             coverage: sum(|c| c.got),
             categories,

@@ -7,7 +7,7 @@ use crate::arrange::sites::Sites;
 use crate::library::Library;
 use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::field::Interpolant;
-use crate::scene::{ControlPoint, Field, Instance, Role, Scene, SynthParams, Tile};
+use crate::scene::{ControlPoint, Field, Instance, Role, Scene, SynthParams, Tile, joined};
 use crate::synth::background;
 use crate::synth::secondaries::{self, CELL, Finder, Placed};
 use std::collections::BTreeMap;
@@ -37,7 +37,10 @@ pub(super) fn field(
     bend: &Bend,
     params: &SynthParams,
 ) -> Field {
-    let old = scene.layers.iter().find_map(|l| l.field.as_ref()).unwrap_or(libraries[0].background());
+    let palettes = background::palettes(libraries);
+    let fields = scene.layers.iter().filter_map(|l| Some((l.region.as_ref(), l.field.as_ref()?)));
+    let old = joined(&fields.collect::<Vec<_>>());
+    let old = old.as_deref().unwrap_or(&palettes[0]);
     let spacing = old.spacing;
     let mut field = Field { points: Vec::new(), ..old.clone() };
     let held: Vec<&ControlPoint> = old.points.iter().filter(|p| bend.holds([p.x, p.y])).collect();
@@ -57,7 +60,7 @@ pub(super) fn field(
     for point in scattered(canvas, MARGIN * spacing, spacing, &mut random) {
         if !near.any_within(whole(point), SPARSE * spacing) {
             let [x, y] = point.map(|v| libm::round(v * 100.0) / 100.0);
-            let colour = background::colour(libraries, &map.region, [x, y], &mut random);
+            let colour = background::colour(&palettes, &map.region, [x, y], &mut random);
             field.points.push(ControlPoint { x, y, colour });
         }
     }

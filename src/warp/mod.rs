@@ -63,7 +63,7 @@ pub fn warp(
     let (libraries, scene) = carried::matched(scene, libraries)?;
     let scene = &*scene;
     let shares = if libraries.len() > 1 { carried::parts(scene, bend, libraries.len()) } else { Vec::new() };
-    let controls = Controls { domain: bend.domain(scene), density: None, shares };
+    let controls = Controls { domain: bend.domain(scene), density: None, shares, lead: None };
 
     // Textons of the scene are varied as its own seed says.
     let mut model = Model::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });

@@ -249,3 +249,113 @@ fn other_files_are_told_apart() {
     let folder = Folder::with_library();
     folder.run("layers photo.lib.json -o x.png").fails(1, "holds a library, not an image");
 }
+
+/// A folder with `rust.png` and its library of two layers.
+fn analyzed() -> Folder {
+    let folder = surface(2);
+    let arguments = "analyze rust.png --segmenter regions --seed 1 --save-layers found.png --json";
+    let summary = folder.run(arguments).succeeds().json();
+    assert_eq!(summary["layers"]["names"].as_array().unwrap().len(), 2, "{summary}");
+    assert!(summary["layers"]["why"].as_str().unwrap().contains("reach far"));
+    folder
+}
+
+#[test]
+fn textures_have_the_layers_of_their_photograph() {
+    let folder = analyzed();
+    let synth = "synth rust.lib.json --size 260x200 --seed 2 -f";
+    let summary = folder.run(&format!("{synth} -o a.svg -o a.scene.json --json")).succeeds().json();
+    let layers = &summary["layers"];
+    for (wanted, got) in layers["wanted"].as_array().unwrap().iter().zip(layers["got"].as_array().unwrap()) {
+        assert!((wanted.as_f64().unwrap() - got.as_f64().unwrap()).abs() < 0.03, "{layers}");
+    }
+    let name = layers["names"][1].as_str().unwrap();
+    let svg = String::from_utf8(folder.read("a.svg")).unwrap();
+    for role in ["", " secondary", " primary"] {
+        assert!(svg.contains(&format!("inkscape:label=\"{name}{role}\"")), "{name}{role}");
+    }
+    folder.run(&format!("{synth} -o b.svg --threads 1")).succeeds();
+    assert_eq!(folder.read("a.svg"), folder.read("b.svg"));
+    // The name of a layer stands for all that is in it.
+    let operation = format!("tint #00f --layer '{name}'");
+    let edit = folder.command("edit a.scene.json -o c.svg --op").arg(operation).output().unwrap();
+    assert!(edit.status.success(), "{}", String::from_utf8_lossy(&edit.stderr));
+    assert_ne!(folder.read("c.svg"), folder.read("a.svg"));
+    // A library has its layers, which can be made anew; without them there is one.
+    folder.run("layers rust.lib.json -o map.png --size 150 --seed 1").succeeds();
+    assert_eq!(open(&folder, "map.png").dimensions(), (150, 150));
+    folder.run("analyze rust.png --segmenter regions --layers off -o one.lib.json").succeeds();
+    folder.run("layers one.lib.json -o map.png -f").fails(1, "single layer");
+    folder.run("layers rust.lib.json -o map.png -f --layers 3").fails(2, "has its layers already");
+}
+
+#[test]
+fn maps_and_pictures_lead_a_texture() {
+    let folder = analyzed();
+    let colours: Vec<Rgb<u8>> = {
+        let mut all: Vec<_> = open(&folder, "found.png").pixels().copied().collect();
+        all.sort_by_key(|p| p.0);
+        all.dedup();
+        all
+    };
+    let map = RgbImage::from_fn(40, 30, |x, _| colours[usize::from(x >= 20)]);
+    folder.write("map.png", encode(&map.into(), ImageFormat::Png));
+    let synth = "synth rust.lib.json --size 240x180 --seed 2 -f";
+    folder.run(&format!("{synth} -o led.png --control map.png")).succeeds();
+    let led = open(&folder, "led.png");
+    let near = |p: &Rgb<u8>, c: &Rgb<u8>| (0..3).map(|k| p.0[k].abs_diff(c.0[k]) as u32).sum::<u32>();
+    let right = led.enumerate_pixels().filter(|(x, _, p)| {
+        let own = usize::from(*x >= 120);
+        near(p, &colours[own]) < near(p, &colours[1 - own])
+    });
+    let right = right.count() as f64 / (240.0 * 180.0);
+    assert!(right > 0.9, "{right}");
+    let ramp = GrayImage::from_fn(30, 30, |_, y| Luma([y as u8 * 8]));
+    folder.write("ramp.png", encode(&DynamicImage::from(ramp), ImageFormat::Png));
+    folder.run(&format!("{synth} -o guided.png --guide ramp.png")).succeeds();
+    let guided = open(&folder, "guided.png");
+    let light = |rows: std::ops::Range<u32>| {
+        let rows = rows.flat_map(|y| (0..240).map(move |x| (x, y)));
+        rows.map(|(x, y)| u64::from(guided.get_pixel(x, y).0[1])).sum::<u64>()
+    };
+    assert!(light(120..180) > light(0..60) + 60 * 240 * 20);
+
+    for (arguments, code, wanted) in [
+        ("--control ramp.png", 1, "none of the colours"),
+        ("--control rust.lib.json", 1, "a layer map is a picture"),
+        ("--control none.png", 1, "none.png"),
+        ("--control map.png --guide ramp.png", 2, "cannot be used with"),
+        ("--control map.png --method descriptor", 2, "by correspondences"),
+        ("--guide rust.lib.json", 1, "picture"),
+    ] {
+        folder.run(&format!("{synth} -o x.png {arguments}")).fails(code, wanted);
+    }
+    folder.run("analyze rust.png --segmenter regions --layers off -o one.lib.json").succeeds();
+    folder.run("synth one.lib.json -o x.png --control map.png").fails(1, "give --layers 2");
+}
+
+#[test]
+fn painted_layers_take_the_place_of_those_found() {
+    let folder = surface(3);
+    let analyze = "analyze rust.png --segmenter regions --seed 1 -f";
+    let summary = folder.run(&format!("{analyze} --layer-map painted.png --json")).succeeds().json();
+    assert_eq!(summary["layers"]["why"], json!("as painted"));
+    assert_eq!(summary["layers"]["names"].as_array().unwrap().len(), 3);
+    let names = |arguments: &str| {
+        folder.run(&format!("{analyze} {arguments} --json")).succeeds().json()["layers"]["names"].clone()
+    };
+    let (found, turned) = (names("--layers 3"), names("--layers 3 --layer-order 2,1,0"));
+    assert_eq!(found[0], turned[2], "{found} {turned}");
+    let small = RgbImage::from_fn(20, 20, |x, _| Rgb(COLOURS[usize::from(x > 9)]));
+    folder.write("small.png", encode(&small.into(), ImageFormat::Png));
+    for (arguments, code, wanted) in [
+        ("--layer-map small.png", 1, "it has 20 x 20 pixels, the photograph 200 x 180"),
+        ("--layer-map rust.png", 1, "colours"),
+        ("--layers 7", 2, "expected auto, off, or a number from 1 to 6"),
+        ("--layers 2 --layer-order 0,2", 2, "every layer is listed once"),
+        ("--layers 2 --layer-map painted.png", 2, "cannot be used with"),
+        ("--save-layers found.txt", 2, ".png, .svg or .json"),
+    ] {
+        folder.run(&format!("{analyze} {arguments}")).fails(code, wanted);
+    }
+}

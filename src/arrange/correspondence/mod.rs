@@ -10,10 +10,12 @@ mod arrivals;
 mod exchange;
 mod fragments;
 mod holes;
+mod lead;
 mod pages;
 mod secondaries;
 mod shares;
 
+use super::controls::Controls;
 use super::grid::{Grid, Part};
 use super::model::{Model, VariantId};
 use super::region::Region;
@@ -27,6 +29,7 @@ use crate::scene::{Edge, SynthParams};
 use alike::Alike;
 use arrivals::Plan;
 use image::{Rgb, RgbImage};
+use lead::Lead;
 use pages::Pages;
 pub(crate) use secondaries::Arrived;
 use serde::Serialize;
@@ -76,14 +79,16 @@ impl Correspondence {
     /// # Errors
     /// [`Error::Parameter`] if a library has no guide, [`Error::Interrupted`].
     pub(super) fn new(
-        libraries: &[Library],
+        (libraries, controls): (&[Library], &Controls),
         model: &Model,
         grid: &Grid,
         region: &Region<'_>,
         params: &SynthParams,
         progress: &dyn Progress,
     ) -> Result<Self> {
-        let pages = Pages::new(libraries, model).ok_or_else(no_guide)?;
+        let lead = Lead::new(libraries, controls);
+        let classes = lead.as_ref().map(Lead::of_exemplar);
+        let pages = Pages::new(libraries, model, classes).ok_or_else(no_guide)?;
         let wrap = [params.tile.x, params.tile.y];
         let margin = wrap.map(|w| if w { 0 } else { MARGIN });
         let cells =
@@ -91,7 +96,10 @@ impl Correspondence {
         let size = [cells(0, params.width), cells(1, params.height)];
         let place =
             |x: usize, y: usize| [0, 1].map(|k| ([x, y][k] as i32 - margin[k]) * pages.cell + pages.cell / 2);
-        let groups = shares::libraries(grid, region, model, params.seed, size, place);
+        let groups = match &lead {
+            Some(lead) => Some(lead.of_cells([params.width, params.height], size, place)),
+            None => shares::libraries(grid, region, model, params.seed, size, place),
+        };
         let active = shares::active(grid, region, size, place);
         let request = Request { pages: &pages.pages, size, wrap, groups, active, seed: params.seed };
         let field = find(&request, progress)?;
@@ -170,6 +178,11 @@ impl Correspondence {
         (usize::from(source.page), place)
     }
 
+    /// Side of a cell, in pixels.
+    pub(crate) fn cell(&self) -> i32 {
+        self.pages.cell
+    }
+
     /// Which primary stands where in each exemplar.
     pub(crate) fn labels(&self) -> &[LabelMap] {
         &self.pages.labels
@@ -181,6 +194,21 @@ impl Correspondence {
         let sheet = &self.pages.sheets[page];
         let place = sheet.exemplar(model, there).unwrap_or([0, 0]);
         (sheet.library, place.map(|v| f64::from(v) + 0.5))
+    }
+
+    /// The labels of the exemplar's pixels where the cells of the canvas come from. `labels` are those of the
+    /// only library.
+    pub(crate) fn labels_of_cells(&self, model: &Model, labels: &LabelMap, canvas: [u32; 2]) -> LabelMap {
+        let [width, height] = canvas.map(|v| v.div_ceil(self.pages.cell as u32));
+        let mut cells = LabelMap::filled(width, height, 0);
+        for y in 0..height {
+            for x in 0..width {
+                let middle = [x, y].map(|v| f64::from(v as i32 * self.pages.cell + self.pages.cell / 2));
+                let (_, place) = self.origin(model, middle);
+                cells.set(x, y, labels.at(place[0] as i64, place[1] as i64).unwrap_or(0));
+            }
+        }
+        cells
     }
 
     /// The guides' colours where the field points.

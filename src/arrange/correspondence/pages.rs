@@ -12,6 +12,9 @@ const MOST_VARIED: usize = 8;
 const FARTHEST: f32 = 3.0;
 /// What a distance of [`FARTHEST`] weighs against a deviation of colour.
 const BORDER_WEIGHT: f32 = 0.6;
+/// How much further apart the colours of strata are than they are in the exemplar, as a share of the
+/// difference of their means: cells of one stratum come from that stratum.
+const STRATA_APART: f32 = 0.5;
 /// How far an exemplar that wraps is continued, as a share of its side.
 const CONTINUED: f64 = 0.35;
 
@@ -49,6 +52,8 @@ struct Surface<'a> {
     unit: f32,
     /// Signed distance of each pixel to the nearest border, as [`border_distances`] gives it.
     borders: Vec<f32>,
+    /// The class of each pixel, if cells of the canvas take their sources from a class.
+    classes: Option<&'a LabelMap>,
 }
 
 impl Sheet {
@@ -70,10 +75,17 @@ impl Sheet {
             .area
             .map(|v| if self.is_exemplar() { (v + cell - 1) / cell } else { v / cell }.max(1) as usize);
         let cells = (0..size[1] as i32).flat_map(|y| (0..size[0] as i32).map(move |x| [x * cell, y * cell]));
+        let groups = exemplar.classes.map(|classes| {
+            let class = |first: [i32; 2]| {
+                let at = self.exemplar(model, first.map(|v| v + cell / 2));
+                at.and_then(|[x, y]| classes.at(i64::from(x), i64::from(y))).unwrap_or(0) as u8
+            };
+            cells.clone().map(class).collect()
+        });
         let (features, inside) = cells.map(|first| self.feature(model, first, cell, exemplar)).unzip();
         // A cell of the plain page that sticks out of the exemplar still counts.
         let inside = (self.variation != 0).then_some(inside);
-        Page { group: self.library as u8, size, features, inside }
+        Page { group: self.library as u8, groups, size, features, inside }
     }
 
     /// Features of the cell with the given first pixel, and whether all of it shows the exemplar.
@@ -176,13 +188,13 @@ fn nearest_copy(v: i32, near: i32, period: i32) -> i32 {
 }
 
 impl Pages {
-    /// The pages of libraries; none if one of them has no guide.
-    pub(super) fn new(libraries: &[Library], model: &Model) -> Option<Self> {
+    /// The pages of libraries; none if one of them has no guide. `classes` are those of the pixels of the
+    /// only exemplar, if cells of the canvas take their sources from a class.
+    pub(super) fn new(libraries: &[Library], model: &Model, classes: Option<&LabelMap>) -> Option<Self> {
         let guides: Vec<&Guide> = libraries.iter().map(|l| l.guide.as_ref()).collect::<Option<_>>()?;
         let cell = guides.iter().map(|g| g.cell).min()? as i32;
         let labels: Vec<LabelMap> = libraries.iter().map(|l| l.arrangement.to_labels()).collect();
-        let colours: Vec<Vec<[f32; 3]>> =
-            guides.iter().map(|g| g.picture.0.pixels().map(|p| oklab(p.0)).collect()).collect();
+        let colours: Vec<Vec<[f32; 3]>> = libraries.iter().zip(&guides).map(|(l, g)| colours(l, g)).collect();
         let unit = 1.0 / joint_deviation(&colours).max(1e-3);
         // An odd step, for every second variation is mirrored.
         let step = model.variations.len().div_ceil(MOST_VARIED) | 1;
@@ -195,6 +207,7 @@ impl Pages {
                 colours: &colours[k],
                 unit,
                 borders: border_distances(map, cell as f32 * FARTHEST),
+                classes,
             };
             for variation in (0..model.variations.len()).step_by(step) {
                 let sheet = Sheet::new(k, model, variation, size, library.arrangement.periodic);
@@ -204,6 +217,31 @@ impl Pages {
         }
         Some(this)
     }
+}
+
+/// The colours of a guide in Oklab, those of strata further apart.
+fn colours(library: &Library, guide: &Guide) -> Vec<[f32; 3]> {
+    let mut colours: Vec<[f32; 3]> = guide.picture.0.pixels().map(|p| oklab(p.0)).collect();
+    if !library.is_layered() {
+        return colours;
+    }
+    let labels = library.strata_labels();
+    let middle = |v: u32, size: u32| (v * guide.cell + guide.cell / 2).min(size - 1);
+    let of = guide
+        .picture
+        .0
+        .enumerate_pixels()
+        .map(|(x, y, _)| labels.get(middle(x, labels.width), middle(y, labels.height)) as usize);
+    let of: Vec<usize> = of.collect();
+    let mut means = vec![[0f32; 4]; library.strata().len()];
+    for (colour, &k) in colours.iter().zip(&of) {
+        (0..3).for_each(|c| means[k][c] += colour[c]);
+        means[k][3] += 1.0;
+    }
+    for (colour, &k) in colours.iter_mut().zip(&of) {
+        (0..3).for_each(|c| colour[c] += STRATA_APART * means[k][c] / means[k][3]);
+    }
+    colours
 }
 
 /// Size of the page of a variation, in pixels.

@@ -8,11 +8,12 @@ use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::files::{ForceArgs, Makes, required, targets};
+use crate::cli::options::layers::LayerFilesArgs;
 use crate::cli::options::masks::MasksArgs;
 use crate::cli::options::preset::PresetArgs;
 use crate::cli::output::{Targets, say};
 use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Coverage, Summary};
+use crate::cli::summary::{Counts, Coverage, LayersReport, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::output::file::Format;
@@ -43,6 +44,8 @@ pub(crate) struct AnalyzeArgs {
     #[command(flatten)]
     pub(crate) masks: MasksArgs,
     #[command(flatten)]
+    pub(crate) layer_files: LayerFilesArgs,
+    #[command(flatten)]
     pub(crate) analyze: AnalyzeFlags,
 }
 
@@ -56,10 +59,10 @@ impl Arguments for AnalyzeArgs {
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
-        let Self { photo, output, force, masks, .. } = *self;
+        let Self { photo, output, force, masks, layer_files, .. } = *self;
         let photo = required(photo)?;
         let targets = targets(output.clone(), &force, &photo, MAKES)?;
-        let analysis = Analysis::new(photo, masks, &force, &output, &resolved.parameters)?;
+        let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &resolved.parameters)?;
         Ok(Box::new(move |common, reporter| run(common, reporter, &analysis, &targets)))
     }
 }
@@ -79,6 +82,7 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
         size: [library.source.width, library.source.height],
         counts: Some(Counts::of_library(&library)),
         coverage: Some(Coverage { wanted: Some(library.coverage), got: None, categories: Vec::new() }),
+        layers: LayersReport::of_library(&library),
         ..Summary::new("analyze", vec![analysis.photo.name()], targets.path(), written, reporter)
     };
     summary.tell(common, targets.piped())

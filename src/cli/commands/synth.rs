@@ -100,8 +100,9 @@ impl Arguments for SynthArgs {
 fn run(common: &Common, reporter: &Reporter, inputs: &[Input], synthesis: &Synthesis) -> anyhow::Result<()> {
     synthesis.probe()?;
     reporter.stage("reading")?;
-    let controls = reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
+    let mut controls = reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
     let libraries = reading::libraries(inputs)?;
+    controls.lead = reading::lead(&synthesis.steering, &libraries[0])?;
     let names = inputs.iter().map(Input::name).collect();
     let origin = Origin { command: "synth", inputs: names, libraries: &libraries, recipe: None };
     finish(common, reporter, origin, &controls, synthesis)

@@ -10,6 +10,7 @@ use crate::cli::input::Input;
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::control::{ControlArgs, Steering};
 use crate::cli::options::files::{ForceArgs, Makes, outputs, required, targets};
+use crate::cli::options::layers::LayerFilesArgs;
 use crate::cli::options::masks::MasksArgs;
 use crate::cli::options::pattern::PatternArgs;
 use crate::cli::options::preset::PresetArgs;
@@ -71,6 +72,8 @@ pub(crate) struct TextureArgs {
     #[command(flatten)]
     pub(crate) masks: MasksArgs,
     #[command(flatten)]
+    pub(crate) layer_files: LayerFilesArgs,
+    #[command(flatten)]
     pub(crate) analyze: AnalyzeFlags,
     /// What `again` says, once it is read.
     #[arg(skip)]
@@ -95,7 +98,9 @@ impl Arguments for TextureArgs {
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
-        let Self { photo, mut output, keep, force, pattern, mut control, mut masks, recipe, .. } = *self;
+        let Self {
+            photo, mut output, keep, force, pattern, mut control, mut masks, layer_files, recipe, ..
+        } = *self;
         let Resolved { mut parameters, seed, .. } = resolved;
         parameters.seed = Some(seed);
         if let Some(recipe) = &recipe {
@@ -111,7 +116,7 @@ impl Arguments for TextureArgs {
         let mut written = outputs(&output);
         written.push(("--save-masks", masks.save_masks.as_deref()));
         steering.check(&[("the photograph", &photo)], &written)?;
-        let analysis = Analysis::new(photo, masks, &force, &output, &parameters)?;
+        let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &parameters)?;
         let synthesis = Synthesis::new(parameters.clone(), steering, targets, pattern, &force)?;
         let texture = Texture { analysis, synthesis, parameters, recipe };
         Ok(Box::new(move |common, reporter| texture.run(common, reporter)))
@@ -125,6 +130,9 @@ fn restore(recipe: &Recipe, control: &mut ControlArgs, masks: &mut MasksArgs) ->
         (control.domain, control.mask) = (part("--domain"), part("--mask"));
     }
     control.density = control.density.take().or_else(|| part("--density"));
+    if control.control.is_none() && control.guide.is_none() {
+        (control.control, control.guide) = (part("--control"), part("--guide"));
+    }
     masks.masks = masks.masks.take().or_else(|| part("--masks"));
     if masks.sam.model.is_none() && masks.sam.encoder.is_none() {
         (masks.sam.encoder, masks.sam.decoder) = (part("--encoder"), part("--decoder"));
@@ -181,8 +189,9 @@ impl Texture {
                 reporter.warn(&format!("{place} was made by {program}, this is {}", vtex::PROGRAM));
             }
         }
-        let controls = reading::controls(&synthesis.steering, &synthesis.parameters, 1)?;
+        let mut controls = reading::controls(&synthesis.steering, &synthesis.parameters, 1)?;
         let library = analyze(common, analysis, reporter)?;
+        controls.lead = reading::lead(&synthesis.steering, &library)?;
         let inputs = vec![analysis.photo.name()];
         let parameters = Parameters { synth: synthesis.parameters.clone(), ..self.parameters.clone() };
         let made = recipe::of(&parameters, analysis.masks(), &synthesis.steering, &library, &analysis.photo)?;

@@ -8,6 +8,7 @@ use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::files::{ForceArgs, Makes, required, targets};
+use crate::cli::options::layers::LayerFilesArgs;
 use crate::cli::options::masks::MasksArgs;
 use crate::cli::options::preset::PresetArgs;
 use crate::cli::options::render::RenderFlags;
@@ -53,6 +54,8 @@ pub(crate) struct VectorizeArgs {
     #[command(flatten)]
     pub(crate) masks: MasksArgs,
     #[command(flatten)]
+    pub(crate) layer_files: LayerFilesArgs,
+    #[command(flatten)]
     pub(crate) analyze: AnalyzeFlags,
 }
 
@@ -68,10 +71,10 @@ impl Arguments for VectorizeArgs {
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
-        let Self { photo, output, force, masks, .. } = *self;
+        let Self { photo, output, force, masks, layer_files, .. } = *self;
         let photo = required(photo)?;
         let targets = targets(output.clone(), &force, &photo, MAKES)?;
-        let analysis = Analysis::new(photo, masks, &force, &output, &resolved.parameters)?;
+        let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &resolved.parameters)?;
         let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
         let drawing = Drawing { svg, render, recipe: None };
         Ok(Box::new(move |common, reporter| {

@@ -87,4 +87,25 @@ pub(crate) struct AnalyzeFlags {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) wrap: Option<bool>,
+    /// Nested layers, such as rust on paint: found if the photograph has them, none, or a number [auto,
+    /// off, or 1 to 6, default: auto]
+    #[arg(long, value_name = "COUNT", value_parser = layer_count, help_heading = "Layers of the photograph")]
+    pub(crate) layers: Option<u32>,
+    /// Their order: the layers found, counted from 0 at the bottom, from the new bottom to the new top
+    /// [default: the one in which layers that are not next to each other touch least]
+    #[arg(long, value_name = "LAYER,...", value_delimiter = ',', help_heading = "Layers of the photograph")]
+    pub(crate) layer_order: Option<Vec<u32>>,
+}
+
+/// A number of layers as the parameters have it: 0 stands for auto.
+pub(crate) fn layer_count(text: &str) -> Result<u32, String> {
+    match text {
+        "auto" => Ok(0),
+        "off" => Ok(1),
+        number => number
+            .parse()
+            .ok()
+            .filter(|count| (1..=6).contains(count))
+            .ok_or_else(|| "expected auto, off, or a number from 1 to 6".into()),
+    }
 }

@@ -20,6 +20,12 @@ pub(crate) struct ControlArgs {
     /// Density relative to the photograph's: a grey picture, black 0, middle grey 1, white 2
     #[arg(long, value_name = "FILE")]
     pub(crate) density: Option<PathBuf>,
+    /// Layers as in a map, in the colours of the library's layers (see 'vtex layers')
+    #[arg(long, value_name = "FILE")]
+    pub(crate) control: Option<PathBuf>,
+    /// Light and dark as in another picture
+    #[arg(long, value_name = "FILE", conflicts_with = "control")]
+    pub(crate) guide: Option<PathBuf>,
 }
 
 /// Files that steer synthesis.
@@ -27,6 +33,7 @@ pub(crate) struct ControlArgs {
 pub(crate) struct Steering {
     pub(crate) domain: Option<DomainFrom>,
     pub(crate) density: Option<Input>,
+    pub(crate) lead: Option<LeadFrom>,
     pub(crate) maps: Vec<Input>,
 }
 
@@ -37,12 +44,21 @@ pub(crate) enum DomainFrom {
     Mask(Input),
 }
 
+/// What leads large structure.
+#[derive(Debug)]
+pub(crate) enum LeadFrom {
+    Layers(Input),
+    Lightness(Input),
+}
+
 impl Steering {
     pub(crate) fn new(control: ControlArgs, maps: Vec<PathBuf>) -> Self {
+        let layers = control.control.map(|path| LeadFrom::Layers(Input::new(path)));
         let shape = control.domain.map(|path| DomainFrom::Shape(Input::new(path)));
         Self {
             domain: shape.or(control.mask.map(|path| DomainFrom::Mask(Input::new(path)))),
             density: control.density.map(Input::new),
+            lead: layers.or(control.guide.map(|path| LeadFrom::Lightness(Input::new(path)))),
             maps: maps.into_iter().map(Input::new).collect(),
         }
     }
@@ -54,7 +70,11 @@ impl Steering {
             DomainFrom::Mask(file) => ("--mask", file),
         });
         let density = self.density.iter().map(|file| ("--density", file));
-        domain.chain(density).chain(self.maps.iter().map(|file| ("--map", file)))
+        let lead = self.lead.iter().map(|lead| match lead {
+            LeadFrom::Layers(file) => ("--control", file),
+            LeadFrom::Lightness(file) => ("--guide", file),
+        });
+        domain.chain(density).chain(lead).chain(self.maps.iter().map(|file| ("--map", file)))
     }
 
     /// Refuses that a file is read and written, or standard input read twice.
@@ -68,6 +88,11 @@ impl Steering {
 
     /// Refuses a number of maps that does not fit the libraries.
     pub(crate) fn check_counts(&self, libraries: usize) -> Result<(), Failure> {
+        if let (Some(lead), 2..) = (&self.lead, libraries) {
+            let flag = if matches!(lead, LeadFrom::Layers(_)) { "--control" } else { "--guide" };
+            return Err(Failure::usage(format!("{flag} is for a single library, {libraries} are given"))
+                .hint("make a texture of each library, or say by --map which is where"));
+        }
         let most = Controls::MOST_LIBRARIES;
         let maps = self.maps.len();
         let message = match (libraries, maps) {

@@ -6,6 +6,7 @@ pub(crate) mod control;
 pub(crate) mod engine;
 pub(crate) mod files;
 pub(crate) mod global;
+pub(crate) mod layers;
 pub(crate) mod masks;
 pub(crate) mod pattern;
 pub(crate) mod preset;

@@ -1,6 +1,5 @@
 //! Region after region, each within the one below (the paper, §3.3).
 
-use super::super::blur::Plane;
 use super::super::map::Region;
 use super::SIDES;
 use super::assignment::Assigned;
@@ -9,6 +8,7 @@ use super::pyramid::{doubled, halved};
 use super::shape::{Bounds, Model, Votes, fill, optimise};
 use crate::error::Result;
 use crate::progress::{Progress, advance};
+use crate::raster::blur::Plane;
 use crate::sampling::stream;
 
 /// Levels from the finest.

@@ -146,10 +146,10 @@ pub(super) fn fill(region: &mut Region, values: &[f32], bounds: &Bounds<'_>) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::blur::Plane;
     use super::super::super::testing::{clouds, nested};
     use super::super::patches::distance;
     use super::*;
+    use crate::raster::blur::Plane;
     use crate::sampling::stream;
 
     /// Rough rust on 2/5 of a square.

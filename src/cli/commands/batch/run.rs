@@ -13,6 +13,7 @@ use crate::cli::failure::{Failure, explain};
 use crate::cli::input::{Input, Kind};
 use crate::cli::interrupt;
 use crate::cli::options::analyze::SegmenterName;
+use crate::cli::options::layers::LayerFiles;
 use crate::cli::options::render::RenderParameters;
 use crate::cli::options::svg::SvgParameters;
 use crate::cli::output::{Drawing, Place, Target, say};
@@ -267,13 +268,14 @@ impl<'a> Run<'a> {
     fn make(&self, reporter: &Reporter, is_library: bool) -> anyhow::Result<Made> {
         // What is wrong with them shows before the long work.
         self.targets().iter().try_for_each(|target| target.place.probe())?;
-        let controls = reading::controls(&self.batch.steering, &self.synth, 1)?;
+        let mut controls = reading::controls(&self.batch.steering, &self.synth, 1)?;
         let mut recipe = None;
         let mut libraries = if is_library {
             reporter.stage("reading")?;
             reading::libraries(std::slice::from_ref(&self.input))?
         } else {
             let analysis = Analysis {
+                layers: LayerFiles::default(),
                 photo: self.input.clone(),
                 masks: self.job.masks.clone(),
                 engine: self.batch.engine.clone(),
@@ -290,6 +292,7 @@ impl<'a> Run<'a> {
             recipe = Some(recipe::of(&parameters, analysis.masks(), steering, &library, &self.input)?);
             vec![library]
         };
+        controls.lead = reading::lead(&self.batch.steering, &libraries[0])?;
         let (scene, report) = synthesize_with(&libraries, &self.synth, &controls, reporter)?;
         Ok(Made { library: libraries.remove(0), recipe, scene, report })
     }

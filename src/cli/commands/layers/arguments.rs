@@ -3,12 +3,13 @@
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
+use crate::cli::layer_maps::{MapFormat, MapTarget};
 use crate::cli::options::files::{ForceArgs, apart, check_files};
 use crate::cli::output::Place;
 use crate::cli::values::{Axes, Size, named};
 use clap::Args;
 use serde::Deserialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use vtex::layers::{Count, FindParams};
 
 /// Layers of a photograph, and new maps of them: rust on paint, moss on rock
@@ -18,6 +19,7 @@ use vtex::layers::{Count, FindParams};
     after_help = "\
 Examples:
   vtex layers rust.jpg -o map.png --size 1000 --save-layers layers.png
+  vtex layers rust.lib.json -o map.png --size 1000 --seed 3
   vtex layers layers.png -o map.svg --size 1000x600 --tile
   vtex layers rust.jpg -o map.png --sketch strokes.png
   vtex layers rust.jpg -o map.png --keep old.png --hole hole.png
@@ -27,7 +29,7 @@ Layers lie one on the other: the region of a layer holds all layers above it. A 
 picture with one flat colour for each layer; the PNG of vtex lists them in its palette, bottom first."
 )]
 pub(crate) struct LayersArgs {
-    /// A photograph, or a layer map: a picture in 2 to 6 flat colours; - reads stdin
+    /// A photograph, its library, or a layer map: a picture in 2 to 6 flat colours; - reads stdin
     #[arg(value_name = "INPUT", required_unless_present_any = ["heights", "dump_config"])]
     pub(super) input: Option<PathBuf>,
     /// The new map, by extension .png, .svg or .json; - writes PNG to stdout
@@ -107,20 +109,6 @@ fn count(text: &str) -> Result<Count, String> {
     fixed.map(Count::Fixed).ok_or_else(|| "expected auto, or a number from 1 to 6".into())
 }
 
-/// What a map is written as.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum MapFormat {
-    Png,
-    Svg,
-    Json,
-}
-
-/// A file and what is written there.
-pub(super) struct MapTarget {
-    pub(super) place: Place,
-    pub(super) format: MapFormat,
-}
-
 /// What is made of what.
 pub(super) struct Mapping {
     pub(super) from: From,
@@ -188,10 +176,7 @@ impl Mapping {
         if a.heights.is_some() {
             return Ok(Self { from: From::Heights(input), size, wrap, seed, target });
         }
-        let save = a.save_layers.map(|path| {
-            let format = format_of("--save-layers", &path)?;
-            Ok(MapTarget { place: Place::File { path, force: a.force.force }, format })
-        });
+        let save = a.save_layers.map(|path| MapTarget::file("--save-layers", path, a.force.force));
         let wanted = match (a.sketch, a.keep, a.hole, a.control) {
             (Some(sketch), ..) => Wanted::Sketch(Input::new(sketch)),
             (_, Some(keep), Some(hole), _) => Wanted::Fill { keep: Input::new(keep), hole: Input::new(hole) },
@@ -225,19 +210,5 @@ fn target(output: Option<PathBuf>, force: bool, input: &Input, ending: &str) -> 
     if path.as_os_str() == "-" {
         return Ok(MapTarget { place: Place::Stdout, format: MapFormat::Png });
     }
-    let format = format_of("--output", &path)?;
-    Ok(MapTarget { place: Place::File { path, force }, format })
-}
-
-/// What a file name asks for.
-fn format_of(flag: &str, path: &Path) -> Result<MapFormat, Failure> {
-    format::check_map_name(flag, path)?;
-    let name = path.to_string_lossy().to_ascii_lowercase();
-    Ok(if name.ends_with(".png") {
-        MapFormat::Png
-    } else if name.ends_with(".svg") {
-        MapFormat::Svg
-    } else {
-        MapFormat::Json
-    })
+    MapTarget::file("--output", path, force)
 }

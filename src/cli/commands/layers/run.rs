@@ -1,6 +1,6 @@
 //! Layers found or read, and the map that is made of them.
 
-use super::arguments::{From, Layered, MapFormat, MapTarget, Mapping, Method, Wanted};
+use super::arguments::{From, Layered, Mapping, Method, Wanted};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::input::{Input, Kind};
@@ -10,9 +10,11 @@ use crate::cli::summary::{LayersReport, Summary};
 use image::RgbImage;
 use vtex::analyze::{Exemplar as Photograph, Limits};
 use vtex::layers::{
-    Decision, Exemplar, Found, LayerMap, LayerPicture, Terrain, continuous, find, hole as read_hole,
+    Count, Exemplar, Found, LayerMap, LayerPicture, Terrain, continuous, find, hole as read_hole,
 };
-use vtex::output::layer_map::{write_grey, write_json, write_png, write_svg};
+use vtex::library::Library;
+use vtex::output::layer_map::write_grey;
+use vtex::synth::layer_map;
 use vtex::{Progress, Result};
 
 pub(super) fn run(common: &Common, reporter: &Reporter, job: &Mapping) -> anyhow::Result<()> {
@@ -67,20 +69,27 @@ fn terrain(reporter: &Reporter, job: &Mapping, input: &Input) -> anyhow::Result<
 struct Known {
     photograph: Option<RgbImage>,
     map: LayerMap,
-    decision: Option<Decision>,
+    /// Why there are as many layers, if it was decided.
+    why: Option<String>,
 }
 
 fn layers(reporter: &Reporter, job: &Mapping, layered: &Layered) -> anyhow::Result<Made> {
     reporter.stage("reading")?;
-    let (name, bytes) = read(&layered.input)?;
+    let bytes = layered.input.read()?;
+    Kind::expect(&bytes, &layered.input, &[Kind::Image, Kind::Library, Kind::Unknown])
+        .map_err(|failure| failure.hint("layers are found in photographs, layer maps and libraries"))?;
+    let name = layered.input.name();
     let mut inputs = vec![name.clone()];
-    let known = known(reporter, layered, &name, &bytes, &mut inputs)?;
+    let known = match Kind::of(&bytes) {
+        Kind::Library => of_library(layered, &Library::from_bytes(&bytes, &name)?)?,
+        _ => known(reporter, layered, &name, &bytes, &mut inputs)?,
+    };
     drop(bytes);
     if let Some(save) = &layered.save {
-        write(save, &known.map, [false; 2], job.seed)?;
+        save.write(&known.map, [false; 2], Some(job.seed))?;
     }
     if known.map.layers.len() < 2 {
-        let why = known.decision.as_ref().map_or(String::new(), |d| format!(": {}", d.why));
+        let why = known.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
         return Err(Failure::failed(format!("'{name}' has a single layer{why}"))
             .hint("give --layers 2 to split it all the same, or paint its layers and give --layer-map")
             .into());
@@ -93,16 +102,31 @@ fn layers(reporter: &Reporter, job: &Mapping, layered: &Layered) -> anyhow::Resu
         let values: Vec<u16> = values.iter().map(|v| (v / most * 65535.0).round() as u16).collect();
         job.target.place.write(|out| write_grey(made.size(), &values, Some(job.seed), out))?.1
     } else {
-        write(&job.target, &made, job.wrap, job.seed)?
+        job.target.write(&made, job.wrap, Some(job.seed))?
     };
     let report = LayersReport {
         names: made.layers.iter().map(|l| l.name.clone()).collect(),
         colours: made.layers.iter().map(|l| l.colour).collect(),
         wanted: known.map.shares(),
         got: made.shares(),
-        why: known.decision.map(|d| d.why),
+        why: known.why,
     };
     Ok(Made { inputs, size: made.size(), layers: Some(report), bytes })
+}
+
+/// The layers of a library, with the colours of its guide in place of the photograph.
+fn of_library(layered: &Layered, library: &Library) -> anyhow::Result<Known> {
+    let Layered { painted, parameters, .. } = layered;
+    if painted.is_some() || parameters.count != Count::Auto || parameters.order.is_some() {
+        return Err(Failure::usage("a library has its layers already")
+            .hint("give --layers, --layer-order and --layer-map to 'vtex analyze'")
+            .into());
+    }
+    let photograph = library.guide.as_ref().map(|guide| {
+        let (width, height) = (library.source.width, library.source.height);
+        RgbImage::from_fn(width, height, |x, y| *guide.picture.0.get_pixel(x / guide.cell, y / guide.cell))
+    });
+    Ok(Known { photograph, map: layer_map(library), why: library.source.layers.clone() })
 }
 
 /// The layers of the input: found, painted, or those of a layer map.
@@ -128,7 +152,7 @@ fn known(
                 .hint("leave out --layers: a layer map has a layer for each colour")
                 .into());
         }
-        return Ok(Known { photograph: None, map: reordered(map)?, decision: None });
+        return Ok(Known { photograph: None, map: reordered(map)?, why: None });
     }
     drop(picture);
     let photograph = Photograph::from_bytes(bytes, name, &Limits::default())?;
@@ -138,10 +162,10 @@ fn known(
         let (name, bytes) = read(painted)?;
         let map = LayerPicture::from_bytes(&bytes, &name, &Limits::default())?.layers()?;
         inputs.push(name);
-        return Ok(Known { photograph: Some(image), map: reordered(map)?, decision: None });
+        return Ok(Known { photograph: Some(image), map: reordered(map)?, why: None });
     }
     let Found { map, decision } = find(&image, None, &layered.parameters, reporter)?;
-    Ok(Known { photograph: Some(image), map, decision: Some(decision) })
+    Ok(Known { photograph: Some(image), map, why: Some(decision.why) })
 }
 
 /// Makes what is wanted.
@@ -215,14 +239,4 @@ fn check_size(job: &Mapping, picture: &LayerPicture) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
-}
-
-/// Writes a map.
-fn write(target: &MapTarget, map: &LayerMap, wrap: [bool; 2], seed: u64) -> Result<u64> {
-    let written = target.place.write(|out| match target.format {
-        MapFormat::Png => write_png(map, Some(seed), out),
-        MapFormat::Svg => write_svg(map, wrap, out),
-        MapFormat::Json => write_json(map, wrap, Some(seed), out),
-    })?;
-    Ok(written.1)
 }

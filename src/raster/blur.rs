@@ -1,25 +1,25 @@
 //! Gaussian blur of planes, and pictures made smaller.
 
+use super::colour::{Colour, linear};
 use crate::parallel;
-use crate::raster::colour::{Colour, linear};
 use image::RgbImage;
 
 /// A plane of values, row by row.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Plane {
-    pub(super) size: [usize; 2],
-    pub(super) values: Vec<f32>,
+pub(crate) struct Plane {
+    pub(crate) size: [usize; 2],
+    pub(crate) values: Vec<f32>,
 }
 
 impl Plane {
     /// The value nearest to a place.
-    pub(super) fn at(&self, x: usize, y: usize) -> f32 {
+    pub(crate) fn at(&self, x: usize, y: usize) -> f32 {
         self.values[y * self.size[0] + x]
     }
 
     /// The plane under a Gaussian of deviation `sigma` pixels, mirrored at its borders or continued where
     /// it repeats.
-    pub(super) fn blurred(&self, sigma: f32, wrap: [bool; 2]) -> Self {
+    pub(crate) fn blurred(&self, sigma: f32, wrap: [bool; 2]) -> Self {
         if sigma < 0.2 {
             return self.clone();
         }
@@ -60,13 +60,13 @@ impl Plane {
 
 /// Oklab of a picture, one plane for each component, in blocks of `factor` pixels whose linear light
 /// is averaged. Blocks that do not fit are left out.
-pub(super) fn oklab_planes(image: &RgbImage, factor: usize) -> [Plane; 3] {
+pub(crate) fn oklab_planes(image: &RgbImage, factor: usize) -> [Plane; 3] {
     let size = [image.width() as usize / factor, image.height() as usize / factor];
     let mut colours = vec![[0f32; 3]; size[0] * size[1]];
     parallel::for_chunks(&mut colours, size[0], |y, row| {
         for (x, out) in row.iter_mut().enumerate() {
             if factor == 1 {
-                *out = crate::raster::colour::oklab(image.get_pixel(x as u32, y as u32).0);
+                *out = super::colour::oklab(image.get_pixel(x as u32, y as u32).0);
                 continue;
             }
             let mut sum = [0f32; 3];
@@ -77,7 +77,7 @@ pub(super) fn oklab_planes(image: &RgbImage, factor: usize) -> [Plane; 3] {
                     (0..3).for_each(|c| sum[c] += linear(rgb[c]));
                 }
             }
-            let mean = sum.map(|v| crate::raster::colour::encoded(v / (factor * factor) as f32));
+            let mean = sum.map(|v| super::colour::encoded(v / (factor * factor) as f32));
             *out = Colour(mean).to_oklab();
         }
     });

@@ -1,0 +1,130 @@
+//! Classes that lead the search: a cell of the canvas takes its source from the pixels of its own class.
+
+use crate::arrange::controls::{self, Controls};
+use crate::library::Library;
+use crate::raster::blur::Plane;
+use crate::raster::colour::oklab;
+use crate::raster::{ControlMap, LabelMap};
+
+/// Classes of lightness.
+const BANDS: usize = 6;
+/// Blur of the exemplar's lightness before it is divided into classes, in cells of the guide.
+const BLUR: f32 = 2.0;
+/// Share of the exemplar below which a class is too rare to take sources from.
+const LEAST: f64 = 5e-4;
+
+/// Classes of the exemplar and of the canvas.
+pub(super) struct Lead<'a> {
+    exemplar: LabelMap,
+    canvas: Canvas<'a>,
+    /// For each class the one that takes its place, itself unless it is too rare in the exemplar.
+    known: Vec<u8>,
+}
+
+/// What says the class of a place of the canvas.
+enum Canvas<'a> {
+    Strata(&'a LabelMap),
+    Lightness(&'a ControlMap),
+}
+
+impl<'a> Lead<'a> {
+    /// What the controls lead a single library by; none if they do not.
+    pub(super) fn new(libraries: &[Library], controls: &'a Controls) -> Option<Self> {
+        let [library] = libraries else { return None };
+        let (exemplar, canvas, count) = match controls.lead.as_ref()? {
+            controls::Lead::Strata(map) => {
+                (library.strata_labels(), Canvas::Strata(map), library.strata().len())
+            }
+            controls::Lead::Lightness(map) => (bands_of(library)?, Canvas::Lightness(map), BANDS),
+        };
+        let mut areas = exemplar.areas();
+        areas.resize(count, 0);
+        let least = LEAST * exemplar.labels.len() as f64;
+        let nearest = |class: usize| {
+            let known = (0..count).filter(|&k| f64::from(areas[k]) >= least);
+            known.min_by_key(|k| k.abs_diff(class)).unwrap_or(0) as u8
+        };
+        Some(Self { exemplar, canvas, known: (0..count).map(nearest).collect() })
+    }
+
+    /// The class of each pixel of the exemplar.
+    pub(super) fn of_exemplar(&self) -> &LabelMap {
+        &self.exemplar
+    }
+
+    /// The class of each cell of a field of `size` cells, given the middle of each in pixels of the canvas.
+    pub(super) fn of_cells(
+        &self,
+        canvas: [u32; 2],
+        size: [usize; 2],
+        place: impl Fn(usize, usize) -> [i32; 2],
+    ) -> Vec<u8> {
+        let cells = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+        let places = cells.map(|(x, y)| [0, 1].map(|k| place(x, y)[k].clamp(0, canvas[k] as i32 - 1)));
+        let classes: Vec<u8> = match self.canvas {
+            Canvas::Strata(map) => {
+                let at = |v: i32, k: usize| {
+                    let [own, all] = [[map.width, map.height][k], canvas[k]].map(u64::from);
+                    (v as u64 * own / all) as u32
+                };
+                places.map(|p| map.get(at(p[0], 0), at(p[1], 1)) as u8).collect()
+            }
+            Canvas::Lightness(map) => {
+                let canvas = canvas.map(f64::from);
+                let values: Vec<f32> = places.map(|p| map.at(p.map(f64::from), canvas) as f32).collect();
+                bands(&values).into_iter().map(|band| band as u8).collect()
+            }
+        };
+        let last = self.known.len().saturating_sub(1);
+        classes.into_iter().map(|class| self.known[usize::from(class).min(last)]).collect()
+    }
+}
+
+/// Classes of lightness of an exemplar, pixel by pixel; none without a guide.
+fn bands_of(library: &Library) -> Option<LabelMap> {
+    let guide = library.guide.as_ref()?;
+    let picture = &guide.picture.0;
+    let size = [picture.width() as usize, picture.height() as usize];
+    let values = picture.pixels().map(|p| oklab(p.0)[0]).collect();
+    let wrap = [library.arrangement.periodic; 2];
+    let classes = bands(&Plane { size, values }.blurred(BLUR, wrap).values);
+    let (width, height) = (library.source.width, library.source.height);
+    let of = |i: usize| {
+        let [x, y] = [i % width as usize, i / width as usize].map(|v| v / guide.cell as usize);
+        classes[y * size[0] + x]
+    };
+    Some(LabelMap { width, height, labels: (0..width as usize * height as usize).map(of).collect() })
+}
+
+/// For each value its class, by its rank: as many of each, but for equal values, which stay together.
+fn bands(values: &[f32]) -> Vec<u32> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut classes = vec![0; values.len()];
+    let mut before = 0;
+    for equal in order.chunk_by(|&a, &b| values[a] == values[b]) {
+        // The middle rank, doubled.
+        let rank = 2 * before + equal.len();
+        let class = (rank * BANDS / (2 * values.len())).min(BANDS - 1);
+        equal.iter().for_each(|&i| classes[i] = class as u32);
+        before += equal.len();
+    }
+    classes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_are_of_equal_size_and_equal_values_stay_together() {
+        let values: Vec<f32> = (0..600).map(|i| ((i * 7) % 600) as f32).collect();
+        let classes = bands(&values);
+        for class in 0..BANDS as u32 {
+            assert_eq!(classes.iter().filter(|&&c| c == class).count(), 100);
+        }
+        assert!(classes.iter().zip(&values).all(|(&c, &v)| c == v as u32 / 100));
+        let flat = bands(&[0.5; 40]);
+        assert!(flat.iter().all(|&c| c == flat[0]));
+    }
+}

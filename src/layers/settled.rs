@@ -1,0 +1,60 @@
+//! Layer maps whose borders go around elements.
+
+use super::carried::Exemplar;
+use super::given::{on_canvas, regions_of};
+use super::map::LayerMap;
+use crate::error::Result;
+use crate::raster::{LabelMap, check_size};
+
+impl LayerMap {
+    /// Smallest area of an element that borders go around, in pixels: a 10,000th of the squared shorter
+    /// side of the exemplar. Smaller ones would make borders ragged.
+    pub(crate) fn least_element([w, h]: [u32; 2]) -> u32 {
+        let shorter = w.min(h);
+        (shorter * shorter / 10_000).max(1)
+    }
+
+    /// The layer of most pixels of each element. `elements` has the label k + 1 for element k, and the
+    /// size of the map.
+    pub(crate) fn layers_of(&self, elements: &LabelMap, count: usize) -> Vec<u8> {
+        let layers = self.layers.len();
+        let mut areas = vec![0u32; count * layers];
+        for (&element, &layer) in elements.labels.iter().zip(&self.labels.labels) {
+            if let Some(element) = (element as usize).checked_sub(1) {
+                areas[element * layers + layer as usize] += 1;
+            }
+        }
+        // The first of equals is the lowest.
+        let most = |own: &[u32]| (0..layers).rev().max_by_key(|&k| own[k]).unwrap_or(0) as u8;
+        areas.chunks(layers).map(most).collect()
+    }
+
+    /// The map with each element in one layer. `elements` gives the layer of the element at a pixel, if
+    /// there is one that counts.
+    pub(crate) fn settled(&self, elements: impl Fn(usize) -> Option<u8>) -> Self {
+        let labels = self.labels.labels.iter().enumerate();
+        let labels = labels.map(|(i, &label)| elements(i).map_or(label, u32::from)).collect();
+        self.with(LabelMap { labels, ..self.labels })
+    }
+}
+
+impl Exemplar<'_> {
+    /// A new map of `size` pixels from the labels of coarse cells, smooth and with the areas of the
+    /// exemplar; it repeats along the axes of `wrap`.
+    ///
+    /// # Errors
+    /// As [`Exemplar::carried`].
+    pub(crate) fn smoothed_cells(
+        &self,
+        cells: &LabelMap,
+        size: [usize; 2],
+        wrap: [bool; 2],
+    ) -> Result<LayerMap> {
+        self.check()?;
+        check_size(size)?;
+        let count = self.map.layers.len();
+        let grid = [cells.width as usize, cells.height as usize];
+        let depths = on_canvas(&regions_of(cells, count, grid, wrap), size, wrap);
+        Ok(self.map.with(depths.labels(&self.map.shares(), self.most_distant(), self.speck())))
+    }
+}
