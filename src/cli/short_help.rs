@@ -33,6 +33,7 @@ const COMMON: [(&str, &[(&str, &str)]); 16] = [
             ("output", "Result: .lib.json or .lib.json.gz"),
             ("segmenter", "auto, texton, regions, felzenszwalb or sam"),
             ("masks", "Use the masks of a file"),
+            ("layers", "Nested layers: auto, off, or 1 to 6"),
             ("preset", "draft, fine or poster"),
             ("seed", "The same number, the same library"),
         ],

@@ -21,6 +21,8 @@ const LIGHTNESS: f32 = 0.5;
 const BLURS: [f32; 2] = [1.0 / 256.0, 1.0 / 128.0];
 /// Smallest piece of a layer, as a share of the squared shorter side.
 const SPECK: f64 = 4e-4;
+/// Shortest side, in pixels, of a photograph whose layers are told from its elements.
+const LEAST_SIDE: usize = 128;
 /// Least spread of means over an eighth of the shorter side, in Oklab.
 const LEAST_CONTRAST: f64 = 0.012;
 /// Least product of reach and thickness: where elements are not known, and where they are.
@@ -33,7 +35,7 @@ const LEAST_DIFFERENCE: f32 = 0.02;
 /// How many layers there are to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Count {
-    /// One, two or three, by the photograph.
+    /// One, two or three, by the photograph; one if a side is below 128 pixels.
     #[default]
     Auto,
     /// So many, 1 to [`MOST_LAYERS`].
@@ -108,7 +110,11 @@ pub fn find(
     let thick = pair.as_ref().map_or(0.0, |map| thickness(map, 2));
     advance(progress, STAGE, 2, 4)?;
     let least = LEAST_EXTENT[usize::from(elements.is_some())];
-    let decided = decide(parameters.count, (measured, thick, least), &sought, pair)?;
+    let decided = if parameters.count == Count::Auto && shorter < LEAST_SIDE {
+        (sought.one(), 1, format!("a photograph of less than {LEAST_SIDE} px hardly shows any"))
+    } else {
+        decide(parameters.count, (measured, thick, least), &sought, pair)?
+    };
     advance(progress, STAGE, 3, 4)?;
 
     let order = order(&Contacts::new(&decided.0, decided.1, [false; 2]), &shares(&decided.0, decided.1));
@@ -129,7 +135,7 @@ fn decide(
     sought: &Sought<'_>,
     pair: Option<LabelMap>,
 ) -> Result<(LabelMap, usize, String)> {
-    let one = || LabelMap::filled(sought.size[0] as u32, sought.size[1] as u32, 0);
+    let one = || sought.one();
     if let Count::Fixed(count) = count {
         let map = match count {
             1 => Some(one()),
@@ -220,6 +226,11 @@ impl<'a> Sought<'a> {
         Self { size, points, planes, seed }
     }
 
+    /// A single layer.
+    fn one(&self) -> LabelMap {
+        LabelMap::filled(self.size[0] as u32, self.size[1] as u32, 0)
+    }
+
     /// The least difference of the mean colours of two layers.
     fn difference(&self, map: &LabelMap, count: usize) -> f32 {
         let colours = means(map, count, self.planes);
@@ -305,7 +316,8 @@ mod tests {
         let mut random = stream(1, "grain", 0);
         let grain = RgbImage::from_fn(200, 200, |_, _| image::Rgb([random.below(256) as u8; 3]));
         let light = RgbImage::from_fn(200, 200, |x, y| image::Rgb([(100 + (x + y) / 50) as u8; 3]));
-        for photo in [grain, light] {
+        let (small, _) = surface([120, 160], 2, 7);
+        for photo in [grain, light, small] {
             let found = find(&photo, None, &auto(1), &()).unwrap();
             assert_eq!(found.map.layers.len(), 1, "{:?}", found.decision);
             assert!(!found.decision.why.ends_with('.'));

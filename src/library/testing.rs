@@ -216,7 +216,9 @@ pub(crate) fn layered(map: &LabelMap) -> Library {
                 layer.colour = Some(Colour([value; 3]));
                 layer.region = (k == 1).then(|| outline(&right));
                 if let Some(field) = &mut layer.field {
-                    field.points.iter_mut().for_each(|p| p.colour = Colour([value; 3]));
+                    let x = middle * (0.5 + k as f64);
+                    let point = |y: f64| ControlPoint { x, y, colour: Colour([value; 3]) };
+                    field.points = [0.25, 0.75].map(|v| point(v * f64::from(map.height))).to_vec();
                 }
             }
             layers.push(layer);

@@ -24,7 +24,7 @@ use serde::Serialize;
 /// Cells of the guide over which the difference across a border is compared with that of one cell.
 const FAR: u32 = 4;
 /// Shares of that difference at and below which a border is soft, and at and above which it is crisp.
-const SOFT: [f64; 2] = [0.35, 0.7];
+const SOFT: [f64; 2] = [0.25, 0.6];
 /// How far control points of a background reach beyond the pixels of its stratum, in spacings.
 const BEYOND: f64 = 1.5;
 

@@ -18,7 +18,7 @@ fn broken_invariants_are_named() {
         (|v| v["coverage"] = json!(null), "null"),
         (|v| v["extra"] = json!(1), "unknown field `extra`"),
         (|v| v["elements"][0]["category"] = json!(60000), "elements[0].category is 60000"),
-        (|v| v["layers"][2]["instances"][0]["element"] = json!(4_000_000), "instances[0].element is 4000000"),
+        (|v| v["layers"][2]["instances"][0] = json!(4_000_000), "instances[0].element is 4000000"),
         (|v| v["layers"][1]["name"] = json!("primary"), "layers[2].name 'primary' is empty or used twice"),
         (|v| v["elements"][0]["shapes"] = json!([]), "elements[0] has no shapes"),
         (|v| v["elements"][0]["shapes"][0]["outline"] = json!("M0 0L1e300 0 1 1z"), "out of range"),

@@ -4,8 +4,9 @@ use super::layer_map;
 use crate::document::Document as _;
 use crate::library::Library;
 use crate::library::testing::{guided, layered, mosaic};
+use crate::raster::colour::Colour;
 use crate::raster::{ControlMap, LabelMap};
-use crate::scene::{Method, Role, Scene, SynthParams, Tile, pixels};
+use crate::scene::{ControlPoint, Method, Role, Scene, SynthParams, Tile, pixels};
 use crate::synth::{Controls, Lead, Report, reconstruct, synthesize_with};
 
 fn params(seed: u64) -> SynthParams {
@@ -77,36 +78,40 @@ fn a_map_leads_the_strata() {
         inside.labels[i] == at
     });
     let same = same.count() as f64 / (260.0 * 210.0);
-    assert!(same > 0.93, "{same}");
+    assert!(same > 0.9, "{same}");
     assert!((report.strata[1].area_wanted - given.areas()[1] as f64 / (26.0 * 21.0)).abs() < 0.01);
-    // Elements come from the stratum on which they stand.
-    let own = library.strata_of_elements();
-    let foreign = |layer: usize, stratum: u8| {
-        let foreign = |i: &&crate::scene::Instance| {
-            scene.element(i).source.is_some_and(|source| own[source.index()] != stratum)
+    // Elements stand where their stratum is.
+    for (layer, stratum) in [(2, 0), (5, 1)] {
+        let place = |i: &crate::scene::Instance| {
+            let [x, y] = [i.transform[4], i.transform[5]].map(|v| (v / 10.0).max(0.0) as u32);
+            given.get(x.min(25), y.min(20))
         };
-        scene.layers[layer].instances.iter().filter(foreign).count()
-    };
-    for (layer, stratum) in [(1, 0), (4, 1)] {
-        let count = scene.layers[layer].instances.len();
-        assert!(count > 20 && foreign(layer, stratum) * 10 < count, "{} {count}", foreign(layer, stratum));
+        let instances = &scene.layers[layer].instances;
+        let astray = instances.iter().filter(|i| place(i) != stratum).count();
+        assert!(instances.len() > 10 && astray * 5 < instances.len(), "{astray} {}", instances.len());
     }
 }
 
 #[test]
 fn light_and_dark_lead() {
     // The ground of the exemplar grows lighter to the right; here it is to grow lighter downwards.
-    let library = guided(&mosaic(200, 13.0, 0.4, 1));
+    let mut library = guided(&LabelMap::filled(200, 200, 0));
+    let ground = |i: u32| {
+        let [x, y] = [i % 10 * 20 + 10, i / 10 * 20 + 10];
+        ControlPoint { x: x.into(), y: y.into(), colour: Colour([40 + (x * 60 / 200) as u8; 3]) }
+    };
+    library.layers[0].field.as_mut().unwrap().points = (0..100).map(ground).collect();
     let ramp = ControlMap::new(1, 8, (0..8).map(|v| v as f32 / 7.0).collect());
     let controls = Controls { lead: ramp.map(Lead::Lightness), ..Controls::default() };
-    let mean = |scene: &Scene, lower: bool| {
+    let scene = run(&library, &params(2), &controls).0;
+    let mean = |rows: std::ops::Range<f64>| {
         let points = &scene.layers[0].field.as_ref().unwrap().points;
-        let half = |y: f64| if lower { (140.0..210.0).contains(&y) } else { (0.0..70.0).contains(&y) };
-        let values: Vec<f64> = points.iter().filter(|p| half(p.y)).map(|p| p.colour.to_f64()[0]).collect();
+        let own = points.iter().filter(|p| rows.contains(&p.y));
+        let values: Vec<f64> = own.map(|p| p.colour.to_f64()[0]).collect();
         values.iter().sum::<f64>() / values.len() as f64
     };
-    let led = run(&library, &params(2), &controls).0;
-    assert!(mean(&led, true) > mean(&led, false) + 10.0, "{} {}", mean(&led, true), mean(&led, false));
+    let (upper, lower) = (mean(0.0..70.0), mean(140.0..210.0));
+    assert!(lower > upper + 25.0, "{upper} {lower}");
 }
 
 #[test]
