@@ -15,6 +15,8 @@ const MOST_KNOWN: usize = 1 << 16;
 /// Levels at most, and the shortest side of the coarsest.
 const LEVELS: usize = 6;
 const COARSEST: u32 = 16;
+/// Scans of each level. In the second, what is across the seams is made already.
+const SCANS: usize = 2;
 /// Pixels from the middle of a neighbourhood to its border, on the level and on the next coarser one.
 const REACH: [i64; 2] = [3, 1];
 
@@ -85,7 +87,7 @@ pub(super) fn scanned(
     }
     let mut coarser: Option<Level> = None;
     let mut colours = Vec::new();
-    let rows: u64 = (0..known.len()).map(|l| (size[1] >> l) as u64).sum();
+    let rows: u64 = (0..known.len()).map(|l| (SCANS * (size[1] >> l).max(1)) as u64).sum();
     let mut done = 0;
     for level in (0..known.len()).rev() {
         let exemplar = &known[level];
@@ -99,7 +101,7 @@ pub(super) fn scanned(
         let means = (leaf == Leaf::Mean).then(|| book.means_of(&middles, &exemplar.pixels));
         colours = vec![0u32; made.pixels.len()];
         let mut vector = Vec::with_capacity(length);
-        for y in 0..size[1] {
+        for y in (0..SCANS).flat_map(|_| 0..size[1]) {
             advance(progress, "pixels", done, rows)?;
             done += 1;
             for x in 0..size[0] {
