@@ -1,6 +1,7 @@
 //! The texton library: the result of analysing an exemplar (`*.lib.json`).
 
 mod arrangement;
+mod categories;
 mod guide;
 mod parameters;
 #[cfg(test)]
@@ -9,6 +10,7 @@ mod validate;
 mod version1;
 
 pub use arrangement::Arrangement;
+pub use categories::Categories;
 pub use guide::{Guide, Picture};
 pub use parameters::{AnalyzeParams, Shading};
 

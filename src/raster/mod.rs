@@ -2,6 +2,7 @@
 //! Knows nothing of curves.
 
 pub mod colour;
+pub mod colour_names;
 mod components;
 mod control_map;
 mod decode;
