@@ -2,9 +2,9 @@
 //!
 //! `cargo run --release --example readme_pictures [FOLDER]`, by default `docs/images`
 
-use image::RgbImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::imageops::{self, FilterType as Scaling};
+use image::{ImageBuffer, Luma, RgbImage};
 use std::error::Error;
 use std::fs::File;
 use std::io::BufWriter;
@@ -15,7 +15,9 @@ use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 use vtex::engine::{EngineOptions, Runtime};
 use vtex::library::Library;
 use vtex::output::png;
+use vtex::procedural::{self, Kind, SceneParams};
 use vtex::scene::{Scene, SynthParams};
+use vtex::segment::MasksFile;
 use vtex::segment::texton::Texton;
 use vtex::synth::{reconstruct, synthesize};
 
@@ -23,22 +25,81 @@ use vtex::synth::{reconstruct, synthesize};
 const GAP: u32 = 8;
 /// Height of the pictures that show a whole texture, in pixels.
 const HEIGHT: u32 = 200;
+/// Side of the pictures of the gallery, in pixels.
+const CELL: u32 = 100;
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
 fn main() -> Outcome {
     let folder = std::env::args_os().nth(1).map_or("docs/images".into(), PathBuf::from);
     std::fs::create_dir_all(&folder)?;
-    for name in ["terrazzo", "flowers", "leaves", "pebbles"] {
-        let photo = open(name)?;
-        let library = library(&photo, &())?;
-        let scene = scene(&library, 1024, 512, &())?;
-        let small = imageops::resize(&photo.image, HEIGHT, HEIGHT, Scaling::Lanczos3);
-        let result = draw(&scene, f64::from(HEIGHT) / 512.0)?;
-        save(&row(&[small, result]), &folder.join(format!("{name}.png")))?;
+    let photo = open("terrazzo")?;
+    let scene = scene(&library(&photo, &())?, 1024, 512, &())?;
+    let small = imageops::resize(&photo.image, HEIGHT, HEIGHT, Scaling::Lanczos3);
+    let result = draw(&scene, f64::from(HEIGHT) / 512.0)?;
+    save(&row(&[small, result]), &folder.join("terrazzo.png"))?;
+    for (k, kinds) in Kind::ALL[..12].chunks(4).enumerate() {
+        gallery(kinds, &folder.join(format!("gallery-{}.png", k + 1)))?;
     }
     zoom(&folder.join("zoom.png"))?;
-    stages(&folder.join("stages.png"))
+    stages(&folder.join("stages.png"))?;
+    fails(&folder.join("fails.png"))
+}
+
+/// A generated scene, and its exemplar with a name.
+fn generated(params: &SceneParams) -> Outcome<(procedural::Exemplar, Exemplar)> {
+    let scene = procedural::generate(params)?;
+    let mut png = Vec::new();
+    scene.image.write_with_encoder(PngEncoder::new(&mut png))?;
+    let exemplar = Exemplar::from_bytes(&png, "generated.png", &Limits::default())?;
+    Ok((scene, exemplar))
+}
+
+/// A part of a generated exemplar of each kind, beside a texture made from the whole.
+fn gallery(kinds: &[Kind], path: &Path) -> Outcome {
+    let mut parts = Vec::new();
+    for &kind in kinds {
+        let coverage = match kind {
+            Kind::Concrete | Kind::MudStones | Kind::Flowers => 0.25,
+            Kind::Worktop | Kind::Gravel | Kind::Meadow => 0.8,
+            _ => 0.5,
+        };
+        let params = SceneParams { kind, coverage, seed: 3, size: 40.0, ..SceneParams::default() };
+        let (_, exemplar) = generated(&params)?;
+        let texture = draw(&scene(&library(&exemplar, &())?, 512, 512, &())?, 1.0)?;
+        for picture in [&exemplar.image, &texture] {
+            let part = imageops::crop_imm(picture, 96, 96, 320, 320).to_image();
+            parts.push(imageops::resize(&part, CELL, CELL, Scaling::CatmullRom));
+        }
+    }
+    save(&row(&parts), path)
+}
+
+/// A crowded exemplar, the texture that is made of it, and the one made with the true masks.
+fn fails(path: &Path) -> Outcome {
+    let params = SceneParams {
+        kind: Kind::Leaves,
+        coverage: 0.9,
+        contrast: 0.25,
+        seed: 5,
+        size: 90.0,
+        ..SceneParams::default()
+    };
+    let (truth, exemplar) = generated(&params)?;
+    let labels = ImageBuffer::<Luma<u16>, Vec<u16>>::from_fn(512, 512, |x, y| {
+        Luma([truth.instances.labels[(y * 512 + x) as usize] as u16])
+    });
+    let mut png = Vec::new();
+    labels.write_with_encoder(PngEncoder::new(&mut png))?;
+    let masks = MasksFile::from_bytes(png, "truth.png")?;
+    let corrected = analyze(&exemplar, &masks, &AnalyzeParams::default(), &())?;
+    let mut parts = vec![exemplar.image.clone()];
+    for library in [library(&exemplar, &())?, corrected] {
+        parts.push(draw(&scene(&library, 512, 512, &())?, 1.0)?);
+    }
+    let parts: Vec<RgbImage> =
+        parts.iter().map(|part| imageops::resize(part, HEIGHT, HEIGHT, Scaling::CatmullRom)).collect();
+    save(&row(&parts), path)
 }
 
 fn open(name: &str) -> Outcome<Exemplar> {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// Result of every fallible function of the library.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// What can go wrong. [`Error::hint`] says what to try.
+/// Errors of the library. [`Error::hint`] says what to try.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -46,9 +46,9 @@ pub enum Error {
     TooLarge {
         /// File name or the parameter concerned.
         name: String,
-        /// What was found, with its unit.
+        /// The value found, with its unit.
         found: String,
-        /// What is allowed, with its unit.
+        /// The values allowed, with their unit.
         limit: String,
     },
     /// The image cannot be analysed (too small, without any variation …).
@@ -66,7 +66,7 @@ pub enum Error {
         name: String,
         /// The format expected, such as `vtex-library`.
         format: &'static str,
-        /// What is wrong and where.
+        /// The fault and its place.
         reason: String,
     },
     /// The file was written by a version of the format that is not known here.
@@ -124,11 +124,11 @@ pub enum Error {
     Control {
         /// File name.
         name: String,
-        /// What it is used as, such as `a shape`.
+        /// Its use, such as `a shape`.
         role: &'static str,
         /// Why not.
         reason: String,
-        /// What to try, as of [`Error::hint`].
+        /// A hint, as [`Error::hint`] gives it.
         advice: &'static str,
     },
     /// A neural network cannot be loaded, recognised or run.
@@ -138,7 +138,7 @@ pub enum Error {
         name: String,
         /// Why.
         reason: String,
-        /// What to try, as of [`Error::hint`].
+        /// A hint, as [`Error::hint`] gives it.
         advice: &'static str,
     },
     /// ONNX Runtime's shared library cannot be found, loaded or used.
@@ -164,7 +164,7 @@ pub enum Error {
     Edit {
         /// The operation as text.
         operation: String,
-        /// What is wrong with it.
+        /// Its fault.
         fault: EditFault,
     },
     /// Nothing that can be given up makes a file small enough.
@@ -177,7 +177,7 @@ pub enum Error {
     },
 }
 
-/// What is wrong with an operation on a scene.
+/// A fault of an operation on a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EditFault {
@@ -192,7 +192,7 @@ pub enum EditFault {
         low: f64,
         /// The most allowed.
         high: f64,
-        /// What it is measured in; empty for plain numbers.
+        /// Its unit; empty for plain numbers.
         unit: &'static str,
     },
     /// Thinning is told neither a share nor a smallest area.
@@ -234,7 +234,7 @@ impl Error {
         Self::Write { path: path.to_owned(), source }
     }
 
-    /// What may be tried, in one sentence without a full stop. It names no commands and no options: those
+    /// A hint, in one sentence without a full stop. It names no commands and no options: those
     /// are the program's.
     pub fn hint(&self) -> Option<String> {
         use std::io::ErrorKind;

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use image::RgbImage;
 
-/// What the caller of a long function is told, and may answer.
+/// Reports from a long function to its caller, who may stop it.
 ///
 /// The library draws nothing and asks nothing: a program that wants a progress bar, a way to
 /// interrupt, or a picture of each stage implements this trait. `()` implements it and ignores all.

@@ -13,7 +13,7 @@ use vtex::raster::colour::Colour;
 use vtex::scene::{Domain, Edge, Element, Instance, Role, Scene, Shadow, Stroke, SynthParams, Tile};
 use vtex::synth::synthesize;
 
-const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true };
+const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true, css: false };
 const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
 const XLINK: &str = "http://www.w3.org/1999/xlink";
 
@@ -94,7 +94,7 @@ fn by_poppler(scene: &Scene, resolution: u32) -> Option<Rgb> {
 }
 
 /// The scene with soft shadows and lines.
-fn dressed() -> Scene {
+fn styled() -> Scene {
     let mut scene = scene().clone();
     let shadow = Shadow { offset: [3.0, 4.5], opacity: 0.5, blur: 4.0 };
     let mut layers = scene.layers.iter_mut().rev();
@@ -109,7 +109,7 @@ fn dressed() -> Scene {
 
 #[test]
 fn all_formats_agree() {
-    for scene in [scene(), &shaped(Edge::Clip), &shaped(Edge::Keep), &dressed()] {
+    for scene in [scene(), &shaped(Edge::Clip), &shaped(Edge::Keep), &styled()] {
         let picture = on_white(&png::render(scene, 1.0).unwrap());
         let drawn = |bytes: &[u8]| on_white(&raster_svg::render_svg(bytes, 1.0, "test", &()).unwrap());
         let plain = svg_of(scene, &SvgOptions::default());
@@ -225,8 +225,13 @@ fn a_reader_finds_category_source_and_order_of_every_texton() {
         assert_eq!(primaries.len(), scene.individuals().count());
         for (node, instance) in primaries.into_iter().zip(scene.individuals()) {
             assert_eq!(node.attribute("id"), Some(&format!("p{}", instance.id)[..]));
-            let category = textons(instance).category.map(|c| c.to_string());
-            assert_eq!(node.attribute("data-category"), category.as_deref());
+            let category = textons(instance).category.unwrap();
+            let several = if scene.libraries.len() > 1 {
+                format!("-{}", textons(instance).library)
+            } else {
+                String::new()
+            };
+            assert_eq!(node.attribute("class"), Some(&format!("category-{category}{several}")[..]));
             check(node, textons(instance));
         }
         // Secondaries have one element each; that of a copy follows its original.

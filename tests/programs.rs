@@ -138,7 +138,7 @@ fn shaped(mut scene: Scene) -> Scene {
     scene
 }
 
-fn dressed(mut scene: Scene) -> Scene {
+fn styled(mut scene: Scene) -> Scene {
     let shadow = Shadow { offset: [3.0, 4.5], opacity: 0.4, blur: 5.0 };
     let mut layers = scene.layers.iter_mut().rev();
     let primary = &mut layers.next().unwrap().instances;
@@ -182,7 +182,7 @@ fn cases() -> Vec<Case> {
         Case::of("tile", &tile),
         pattern(&tile),
         Case::of("domain", &shaped(plain.clone())),
-        Case::of("shadows", &dressed(plain.clone())),
+        Case::of("shadows", &styled(plain.clone())),
         animation(&plain, &scene(6, Tile::default())),
     ]
 }

@@ -1,8 +1,8 @@
-//! The commands and links of the README work.
+//! The commands and links of the README and of the pages in `docs/` work.
 #![cfg(all(unix, feature = "cli"))]
 
 use image::{GrayImage, Luma, Rgb, RgbImage};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 fn root() -> &'static Path {
@@ -11,6 +11,17 @@ fn root() -> &'static Path {
 
 fn readme() -> String {
     std::fs::read_to_string(root().join("README.md")).unwrap()
+}
+
+/// The pages for users and their places: the README, the tour, then those that go on from it.
+fn pages() -> Vec<(PathBuf, String)> {
+    let mut pages = vec![root().join("README.md"), root().join("docs/tour.md")];
+    let docs = std::fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let mut others: Vec<PathBuf> = docs.filter(|p| p.extension().is_some_and(|e| e == "md")).collect();
+    others.retain(|page| !pages.contains(page));
+    others.sort();
+    pages.extend(others);
+    pages.into_iter().map(|page| (page.clone(), std::fs::read_to_string(page).unwrap())).collect()
 }
 
 /// Lines of the `sh` blocks that stand beneath a mark `<!-- tour -->`, in order.
@@ -42,7 +53,8 @@ fn steering(folder: &Path) {
         cage("M0 0C250 120 550 120 800 0V300C550 420 250 420 0 300z"),
     )
     .unwrap();
-    let jobs = readme().split("```toml\n").nth(1).unwrap().split("```").next().unwrap().to_owned();
+    let tour = std::fs::read_to_string(root().join("docs/tour.md")).unwrap();
+    let jobs = tour.split("```toml\n").nth(1).unwrap().split("```").next().unwrap().to_owned();
     std::fs::write(folder.join("jobs.toml"), jobs).unwrap();
     let fade = GrayImage::from_fn(256, 2, |x, _| Luma([x as u8]));
     fade.save(folder.join("fade.png")).unwrap();
@@ -66,9 +78,9 @@ fn the_tour_runs() {
     steering(folder.path());
     let program = Path::new(env!("CARGO_BIN_EXE_vtex")).parent().unwrap();
     let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
-    let text = readme();
-    let lines = tour(&text);
-    assert!(lines.len() > 12, "{lines:?}");
+    let pages = pages();
+    let lines: Vec<&str> = pages.iter().flat_map(|(_, text)| tour(text)).collect();
+    assert!(lines.len() > 60, "{lines:?}");
     for line in lines {
         let mut shell = Command::new("sh");
         shell.args(["-c", line]).current_dir(folder.path()).env("PATH", &path).stdin(Stdio::null());
@@ -92,19 +104,27 @@ fn the_tour_runs() {
 
 #[test]
 fn links_lead_somewhere_and_pictures_are_small() {
-    let text = readme();
     let mut links = 0;
-    for part in text.split("](").skip(1) {
+    let pages = pages();
+    let parts = pages.iter().flat_map(|(page, text)| text.split("](").skip(1).map(move |part| (page, part)));
+    for (page, part) in parts {
         let target = part.split(')').next().unwrap();
         if target.starts_with("https://") {
             continue;
         }
         links += 1;
-        let file = root().join(target);
-        let size = std::fs::metadata(&file).unwrap_or_else(|e| panic!("{target}: {e}")).len();
+        let file = page.parent().unwrap().join(target);
+        let size =
+            std::fs::metadata(&file).unwrap_or_else(|e| panic!("{}: {target}: {e}", page.display())).len();
         assert!(!target.ends_with(".png") || size < 200_000, "{target} has {size} bytes");
     }
-    assert!(links > 10);
+    assert!(links > 30);
+}
+
+#[test]
+fn the_readme_is_short() {
+    let words = readme().split_whitespace().count();
+    assert!(words < 1500, "{words} words");
 }
 
 #[test]

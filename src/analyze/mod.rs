@@ -6,6 +6,7 @@
 mod background;
 mod candidates;
 mod categories;
+mod doubts;
 mod edges;
 mod exemplar;
 mod grid;
@@ -136,8 +137,7 @@ pub fn analyze(
             [r, g, b, f64::from(p.area), p.compactness.unwrap_or(0.0)]
         })
         .collect();
-    let (ids, categories) =
-        categories::cluster(&features, params.categories as usize, image_area, params.seed);
+    let (ids, categories) = categories::divide(&features, params.categories, image_area, params.seed);
     let mut primary_textons = shapes.primaries;
     for ((p, &id), mask) in primary_textons.iter_mut().zip(&ids).zip(&primary_masks) {
         p.category = Some(id);
@@ -149,7 +149,7 @@ pub fn analyze(
     let descriptor_half = descriptor_half(&centroids, width, height, params.descriptor_reach);
     progress.picture("descriptors", &|| pictures::descriptors(&primaries, &ids, &centroids, descriptor_half));
 
-    warn_about(&primary_textons, &mut warnings);
+    doubts::about(&masks, &primary_textons, &mut warnings);
     for warning in &warnings {
         progress.warn(warning);
     }
@@ -239,23 +239,4 @@ fn descriptor_half(centroids: &[[f64; 2]], width: u32, height: u32, reach: f64) 
     }
     let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
     (libm::round(reach * mean) as u32).clamp(1, most.max(1))
-}
-
-fn warn_about(primaries: &[Element], warnings: &mut Vec<String>) {
-    let placed = primaries.iter().filter(|p| !p.clipped).count();
-    if primaries.is_empty() {
-        warnings.push(
-            "no primary texton was found: the result holds background and secondaries only \
-             (try another segmenter, masks of your own, or a photograph with distinct elements)"
-                .into(),
-        );
-    } else if placed == 0 {
-        warnings.push(
-            "every primary texton is cut by the border: none can be placed (use a larger photograph)".into(),
-        );
-    } else if placed < 10 {
-        warnings.push(format!(
-            "only {placed} primary textons can be placed: repetition will show (use a larger photograph)"
-        ));
-    }
 }

@@ -1,4 +1,4 @@
-//! What stands near a place: ids by the squares that their boxes touch.
+//! Elements near a place: ids by the squares that their boxes touch.
 
 use super::grid::Grid;
 use super::occupancy::PlacedId;

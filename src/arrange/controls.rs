@@ -1,10 +1,10 @@
-//! What steers synthesis beside its parameters.
+//! Shapes and maps that steer synthesis.
 
 use crate::error::{Error, Result, check};
 use crate::geometry::Outline;
 use crate::raster::{ControlMap, LabelMap};
 
-/// What steers synthesis beside its parameters. All maps are stretched over the canvas. The
+/// Shapes and maps that steer synthesis. All maps are stretched over the canvas. The
 /// default steers nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Controls {

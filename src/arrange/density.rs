@@ -26,7 +26,7 @@ const PATIENCE: u32 = 12;
 const MORE_OVERLAP: f64 = 0.04;
 /// How much a copy of the same texton nearby lowers a candidate's rank.
 const COPY_PENALTY: f64 = 0.5;
-/// How much a cell of overlap outweighs a cell of free ground.
+/// How much a cell of overlap outweighs a free cell.
 const OVERLAP_COST: f64 = 3.0;
 /// How much a bad fit counts for removal, against being hidden altogether.
 const MISFIT: f64 = 0.5;
@@ -69,6 +69,9 @@ pub(super) fn correct(
     let mut wanted = map.region.wanted(map.model());
     for (zone, wanted) in wanted.iter_mut().enumerate().filter(|(zone, _)| map.region.is_settled(*zone)) {
         *wanted = map.covered[zone].iter().map(|&cells| cells as f64).collect();
+    }
+    if map.region.zone_count() > 1 {
+        map.count_overhang();
     }
     counts.removed = thin(map, &wanted, !params.without(Ablation::Removal), &mut random);
     if !params.without(Ablation::Growth) {
@@ -127,7 +130,7 @@ fn zone_of(map: &Occupancy<'_>, variant: VariantId, at: [i32; 2]) -> Option<usiz
     spans.flat_map(|&s| map.grid.parts(s, at)).flat_map(|part| part.canvas).find_map(zone)
 }
 
-/// What every category lacks in every zone.
+/// The deficit of every category in every zone.
 struct Deficit<'w> {
     wanted: &'w [Vec<f64>],
     /// Area of the smallest texton of each category.
@@ -141,7 +144,7 @@ impl Deficit<'_> {
         if deficit > 0.5 * self.smallest[category] { deficit } else { 0.0 }
     }
 
-    /// What is lacking of each category in each zone, zone by zone.
+    /// The deficit of each category in each zone, zone by zone.
     fn all(&self, map: &Occupancy<'_>) -> Vec<f64> {
         let zones = 0..self.wanted.len();
         zones.flat_map(|z| (0..self.smallest.len()).map(move |c| self.of(map, z, c))).collect()
@@ -276,8 +279,8 @@ fn candidate(
 
 /// How well a texton fits at a place: mean distance to what stands, as a share of the largest
 /// told apart, less the share of it that overlaps, weighted; and that share alone. Only cells on
-/// the canvas count, and a good part of the texton has to be there. Land in which its library has
-/// no part counts as taken.
+/// the canvas count, and a good part of the texton has to be there. Cells in which its library has
+/// no part count as taken.
 fn fit(map: &Occupancy<'_>, clearance: &Clearance, variant: VariantId, at: [i32; 2]) -> (f64, f64) {
     const NOT_THERE: (f64, f64) = (f64::NEG_INFINITY, 1.0);
     if !map.allows(variant, at) {

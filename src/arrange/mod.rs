@@ -1,4 +1,4 @@
-//! What stands where: libraries and control in, placed elements out.
+//! Placement: libraries and control in, placed elements out.
 //!
 //! Elements are carried from the exemplar along a correspondence field ([`correspondence`]), or placed
 //! by their descriptors until nothing is asked for any more ([`descriptor`]); where both are needed,
@@ -42,9 +42,9 @@ const WIDEST_MARGIN: i32 = 256;
 /// of them can go.
 const FIXED_SCORE: f32 = 1.0;
 
-/// What placement is to do.
+/// A placement to be made.
 pub(crate) struct Task<'a> {
-    /// What elements are taken from; the model is made of these.
+    /// Libraries that elements are taken from; the model is made of these.
     pub(crate) libraries: &'a [Library],
     pub(crate) controls: &'a Controls,
     pub(crate) params: &'a SynthParams,
@@ -78,19 +78,19 @@ pub(crate) struct Placed {
     pub(crate) fixed: Option<usize>,
 }
 
-/// What placement comes to.
+/// The result of placement.
 pub(crate) struct Arrangement<'a> {
     /// The elements that can be seen, in painting order.
     pub(crate) placed: Vec<Placed>,
-    /// What stands on each cell.
+    /// The element on each cell.
     pub(crate) cells: Occupancy<'a>,
     /// The field that elements were carried along, if any.
     pub(crate) correspondence: Option<Correspondence>,
-    /// What was carried along it.
+    /// The islands and elements that came along it.
     pub(crate) structure: Option<Structure>,
-    /// What descriptors did.
+    /// Counts of placement by descriptors.
     pub(crate) descriptors: descriptor::Counts,
-    /// What the correction of density did.
+    /// Counts of the correction of density.
     pub(crate) correction: density::Counts,
     /// Cells covered by each category before density was corrected.
     pub(crate) covered_before: Vec<u64>,

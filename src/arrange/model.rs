@@ -1,4 +1,4 @@
-//! What placement derives from libraries once: the elements that may be placed, their shapes, and the
+//! Data that placement derives from libraries once: the elements that may be placed, their shapes, and the
 //! exemplars' runs.
 //!
 //! A *variant* is an element in one of its variations (turned, mirrored, scaled). Variants are numbered
@@ -63,7 +63,7 @@ pub(crate) struct Placeable {
     pub(crate) fragment: Option<u32>,
 }
 
-/// What belongs to one library.
+/// One library.
 pub(crate) struct Source {
     /// Indices of its elements.
     pub(crate) elements: Range<u32>,
@@ -92,7 +92,7 @@ pub(crate) struct Model {
     pub(crate) wanted: Vec<f64>,
     /// The variations; the first is none.
     pub(crate) variations: Vec<Variation>,
-    /// What is painted of each fragment.
+    /// The painted part of each fragment.
     pub(crate) fragments: Vec<Element>,
     shapes: Vec<OnceLock<Shape>>,
 }
@@ -258,7 +258,7 @@ impl Model {
         part
     }
 
-    /// What decides which of two variants is painted first: the larger, and fragments before all.
+    /// The order in which variants are painted: the larger, and fragments before all.
     pub(crate) fn depth(&self, variant: VariantId) -> u32 {
         if self.element(variant).fragment.is_some() { u32::MAX } else { self.shape(variant).area }
     }
@@ -268,7 +268,7 @@ impl Model {
         PlaceableId(variant.0 / self.variations.len() as u32)
     }
 
-    /// What is known of the element of a variant.
+    /// The element of a variant, with its origin and category.
     pub(crate) fn element(&self, variant: VariantId) -> &Placeable {
         &self[self.element_of(variant)]
     }

@@ -1,4 +1,4 @@
-//! What stands on the canvas and in a margin around it, cell by cell.
+//! The canvas and a margin around it, cell by cell.
 //!
 //! Cells are canvas pixels. Besides its state every cell knows its owner, so elements can be taken
 //! away again. What it costs to place or remove one depends on its size, never on the canvas.
@@ -18,7 +18,7 @@ pub(crate) struct PlacedId(pub(crate) u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct RequestId(pub(super) u32);
 
-/// What a cell belongs to: a placed element, a request, or nothing.
+/// The owner of a cell: a placed element, a request, or nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Owner(u32);
 
@@ -66,21 +66,23 @@ pub(crate) struct Standing {
     pub(super) removed: bool,
 }
 
-/// What stands on a canvas.
+/// A canvas and the elements that stand on it.
 pub(crate) struct Occupancy<'a> {
     model: &'a Model,
-    /// What is wanted where.
+    /// Where elements are wanted.
     pub(crate) region: Region<'a>,
     /// The cells.
     pub(crate) grid: Grid,
     /// [`UNDEFINED`], [`EMPTY`], or category + 1, of requests and placed elements alike.
     pub(super) state: Vec<u16>,
-    /// What each cell belongs to.
+    /// The owner of each cell.
     pub(super) owner: Vec<Owner>,
     /// All elements ever placed.
     pub(super) placed: Vec<Standing>,
     /// Visible cells to be filled, by zone and category.
     pub(super) covered: Vec<Vec<u64>>,
+    /// Whether cells where nothing is wanted count to the zone of the element that covers them.
+    counts_overhang: bool,
     bins: Bins,
 }
 
@@ -93,6 +95,7 @@ impl<'a> Occupancy<'a> {
             owner: vec![Owner::NONE; grid.len()],
             placed: Vec::new(),
             covered: vec![vec![0; model.members.len()]; region.zone_count()],
+            counts_overhang: false,
             bins: Bins::new(&grid),
             region,
             grid,
@@ -109,6 +112,7 @@ impl<'a> Occupancy<'a> {
             owner: self.grid.rows_of(&self.owner, rows),
             placed: self.placed.iter().map(|p| Standing { at: place(p.at), ..*p }).collect(),
             covered: self.covered.clone(),
+            counts_overhang: self.counts_overhang,
             bins: Bins::new(&grid),
             region: self.region.band(&self.grid, rows),
             grid,
@@ -133,9 +137,33 @@ impl<'a> Occupancy<'a> {
         &self.placed[id.0 as usize]
     }
 
-    /// The zone of a cell of `canvas`; none if it is elsewhere or not to be filled.
-    fn zone(&self, i: usize, canvas: &Range<usize>) -> Option<usize> {
-        if canvas.contains(&i) { self.region.zone(i) } else { None }
+    /// The zone to which a visible cell of an element counts; none if it is not on `canvas` or not to be
+    /// filled.
+    fn zone_of_cell(&self, i: usize, canvas: &Range<usize>, element: [i32; 2]) -> Option<usize> {
+        let zone = if canvas.contains(&i) { self.region.zone(i)? } else { return None };
+        if !self.counts_overhang || self.region.level(zone) > 0.0 {
+            return Some(zone);
+        }
+        let home = self.grid.canvas_cell(element).and_then(|i| self.region.zone(i));
+        Some(home.filter(|&home| home == zone + 1).unwrap_or(zone))
+    }
+
+    /// From now on, cells where nothing is wanted count to the sparsest zone in which something is, if an
+    /// element of that zone covers them. Nothing else makes up for elements that reach over its border:
+    /// between any other two zones as many reach over from both sides.
+    pub(super) fn count_overhang(&mut self) {
+        self.counts_overhang = true;
+        self.covered.iter_mut().flatten().for_each(|cells| *cells = 0);
+        let [width, height] = self.grid.canvas().map(|v| v as i32);
+        let margin = self.grid.margin;
+        for [x, y] in (0..height).flat_map(|y| (0..width).map(move |x| [x, y])) {
+            let i = self.grid.index(x + margin[0], y + margin[1]);
+            let Some(id) = self.owner[i].as_placed() else { continue };
+            let Standing { variant, at, .. } = *self.get(id);
+            if let Some(zone) = self.zone_of_cell(i, &(i..i + 1), at) {
+                self.covered[zone][self.model.element(variant).category] += 1;
+            }
+        }
     }
 
     /// Whether a place lies on the canvas and is to be filled.
@@ -201,10 +229,10 @@ impl<'a> Occupancy<'a> {
     fn own(&mut self, i: usize, id: PlacedId, canvas: &Range<usize>) {
         let placed = &mut self.placed[id.0 as usize];
         placed.visible += 1;
-        let element = self.model.element(placed.variant);
+        let (element, at) = (self.model.element(placed.variant), placed.at);
         self.owner[i] = Owner::placed(id);
         self.state[i] = element.code;
-        if let Some(zone) = self.zone(i, canvas) {
+        if let Some(zone) = self.zone_of_cell(i, canvas, at) {
             self.covered[zone][element.category] += 1;
         }
     }
@@ -213,8 +241,8 @@ impl<'a> Occupancy<'a> {
     fn release(&mut self, i: usize, id: PlacedId, canvas: &Range<usize>) {
         let below = &mut self.placed[id.0 as usize];
         below.visible -= 1;
-        let category = self.model.element(below.variant).category;
-        if let Some(zone) = self.zone(i, canvas) {
+        let (category, at) = (self.model.element(below.variant).category, below.at);
+        if let Some(zone) = self.zone_of_cell(i, canvas, at) {
             self.covered[zone][category] -= 1;
         }
     }

@@ -1,4 +1,4 @@
-//! What is wanted where: the shape to fill, local density, and the part of each library.
+//! Where elements are wanted: the shape to fill, local density, and the part of each library.
 //!
 //! Density is corrected by *zones*: the cells whose density lies in the same of a few steps. That
 //! makes a map of densities as many small tasks of the kind that a plain canvas is one of.
@@ -24,11 +24,11 @@ const FULLEST: f64 = 0.95;
 /// A library has no part in a cell where its share is smaller.
 const LEAST_SHARE: f64 = 0.04;
 
-/// What is wanted where.
+/// The shape to fill, the density and the share of each library at each place.
 pub(crate) struct Region<'a> {
     controls: &'a Controls,
     canvas: [f64; 2],
-    /// What becomes of textons at the edge.
+    /// Treatment of elements at the edge.
     pub(crate) edge: Edge,
     /// Zone of each cell; none where all of the canvas is one.
     zones: Option<Vec<u8>>,

@@ -157,7 +157,7 @@ impl Sites {
     }
 }
 
-/// What lies nearest to one site.
+/// The cells nearest to one site.
 pub(crate) struct Cell {
     site: usize,
     centre: [i32; 2],

@@ -94,3 +94,32 @@ fn bands_put_together_make_one_sound_map() {
         }
     }
 }
+
+#[test]
+fn cells_over_the_border_of_nothing_count_to_their_element() {
+    // Density rises from 0 over 600 px: nothing is wanted left of the 19th pixel, an eighth up to the 56th.
+    let library = library(&mosaic(120, 15.0, 0.9, 17));
+    let density = crate::raster::ControlMap::new(600, 1, (0..600).map(|x| x as f32 / 300.0).collect());
+    let controls = Controls { density, ..Controls::default() };
+    let p = params(600, 60, 17);
+    let model = Model::new(std::slice::from_ref(&library), &p);
+    let grid = Grid::around(&model, &p);
+    let region = Region::new(&grid, &controls, p.edge, false);
+    let [mx, my] = grid.margin;
+    let mut map = Occupancy::new(&model, region, grid);
+    let largest = model.members.iter().flatten().max_by_key(|&&p| model.plain(p).area).unwrap();
+    let variant = model.in_variation(*largest, 0);
+    let covered = |map: &Occupancy<'_>, zone: usize| map.covered[zone].iter().sum::<u64>();
+    let id = map.stand(variant, [mx + 21, my + 30], 0.0, |_| {});
+    let area = covered(&map, 0) + covered(&map, 1);
+    assert!(covered(&map, 0) > 0 && covered(&map, 1) > 0);
+    map.count_overhang();
+    assert_eq!([covered(&map, 0), covered(&map, 1)], [0, area]);
+    // Elements that come and go later are counted alike; those far away and those of nothing are not moved.
+    let other = map.stand(variant, [mx + 5, my + 30], 0.0, |_| {});
+    assert!(covered(&map, 0) > 0);
+    map.remove(other);
+    assert_eq!([covered(&map, 0), covered(&map, 1)], [0, area]);
+    map.remove(id);
+    assert!(map.covered.iter().flatten().all(|&cells| cells == 0));
+}

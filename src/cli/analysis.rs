@@ -182,7 +182,7 @@ pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow:
     })
 }
 
-/// What runs the network that is part of the program: ONNX Runtime only if asked for by name, so
+/// The engine of the network that is part of the program: ONNX Runtime only if asked for by name, so
 /// that masks do not depend on what else is installed.
 fn for_texton(engine: &EngineOptions) -> EngineOptions {
     let unnamed = engine.runtime == Runtime::Auto && engine.library.is_none();

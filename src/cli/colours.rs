@@ -47,7 +47,7 @@ const NAMES: [(&str, u32); 148] = [
 /// Reads a colour.
 ///
 /// # Errors
-/// What a colour looks like.
+/// The notation of a colour.
 pub(crate) fn colour(text: &str) -> Result<Colour, String> {
     let digits = text.strip_prefix('#').filter(|digits| digits.len() == 3 && digits.is_ascii());
     let doubled = digits.map(|digits| digits.chars().flat_map(|c| [c, c]).collect::<String>());

@@ -1,4 +1,4 @@
-//! What a command is: arguments that become a job.
+//! Commands: arguments that become a job.
 
 use super::common::Common;
 use super::config::{Given, Layer, Parameters};
@@ -39,7 +39,7 @@ pub(crate) trait Arguments {
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job>;
 }
 
-/// What a job is made from besides the arguments of its command.
+/// The sources of a job besides the arguments of its command.
 pub(crate) struct Resolved {
     /// All parameters; those of analysis and synthesis have the seed below.
     pub(crate) parameters: Parameters,

@@ -1,8 +1,8 @@
-//! What all commands share.
+//! Options that all commands share.
 
 use std::path::PathBuf;
 
-/// What all commands share.
+/// Options that all commands share.
 #[derive(Clone, Debug)]
 pub(crate) struct Common {
     /// Threads to use, if said.

@@ -39,7 +39,7 @@ pub(crate) struct Parameters {
     pub(crate) render: RenderParameters,
 }
 
-/// What the command line gives, a table for each section.
+/// The parameters on the command line, a table for each section.
 #[derive(Debug, Default)]
 pub(crate) struct Given(Table);
 
@@ -153,7 +153,7 @@ impl Default for Parameters {
             analyze: AnalyzeParams::default(),
             synth: SynthParams::default(),
             weights: None,
-            svg: SvgParameters { precision: 1, expand: false, max_bytes: None },
+            svg: SvgParameters { precision: 1, expand: false, css: false, max_bytes: None },
             render: RenderParameters { scale: 1.0, background: None },
         }
     }
@@ -299,7 +299,7 @@ impl Parameters {
     }
 }
 
-/// What is wrong with a TOML file, and in which line.
+/// The fault of a TOML file, and its line.
 pub(crate) fn fault(text: &str, error: &toml::de::Error) -> String {
     let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
     let place = line.map_or(String::new(), |line| format!("line {line}: "));

@@ -1,4 +1,4 @@
-//! What the user is told when something goes wrong, and the exit code that goes with it.
+//! Messages for the user when something goes wrong, and their exit codes.
 
 use super::exit::Exit;
 use super::foreign::{in_lines, line};
@@ -29,7 +29,7 @@ impl Failure {
         Self { message: message.into(), hint: None, exit: Exit::Failed }
     }
 
-    /// What the user may try, in one sentence without a full stop.
+    /// A hint, in one sentence without a full stop.
     pub(crate) fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
@@ -53,7 +53,7 @@ pub(crate) fn show_usage(error: &clap::Error, command: &clap::Command, arguments
     }
 }
 
-/// What is said of an error, what the user may try, and how to exit.
+/// The message of an error, its hint and its exit code.
 pub(crate) fn explain(error: &anyhow::Error) -> (String, Option<String>, Exit) {
     match error.downcast_ref::<Error>() {
         Some(e @ Error::Interrupted) => (e.to_string(), hint(e), Exit::Interrupted),
@@ -77,7 +77,7 @@ pub(crate) fn show(error: &anyhow::Error) -> Exit {
     }
     let (message, hint, exit) = explain(error);
     let red = label(AnsiColor::Red);
-    // The signature of a network is told in lines.
+    // The signature of a network is reported in lines.
     let lines = matches!(error.downcast_ref::<Error>(), Some(Error::Network { .. }));
     let message = if lines { in_lines(&message) } else { line(&message) };
     let mut text = format!("{red}error:{red:#} {message}\n");

@@ -27,7 +27,7 @@ pub(crate) fn line(text: &str) -> String {
     if count <= LONGEST {
         return plain;
     }
-    // What went wrong often stands at the end.
+    // The cause often stands at the end.
     let end = LONGEST / 3;
     let beginning: String = plain.chars().take(LONGEST - end).collect();
     let end: String = plain.chars().skip(count - end).collect();

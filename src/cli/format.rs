@@ -1,18 +1,18 @@
-//! File formats told by extension, and default names.
+//! File formats by extension, and default names.
 
 use super::failure::Failure;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use vtex::output::file::{Format, Kind};
 
-/// What `texture` can write.
+/// Formats of `texture`.
 pub(crate) const OF_PHOTO: &[Format] =
     &[Format::Svg, Format::Pdf, Format::Png, Format::Scene, Format::Library];
-/// What can be written of a scene.
+/// Formats of a scene.
 pub(crate) const OF_SCENE: &[Format] = &[Format::Svg, Format::Pdf, Format::Png, Format::Scene];
-/// What `analyze` can write.
+/// Formats of `analyze`.
 pub(crate) const OF_LIBRARY: &[Format] = &[Format::Library];
-/// What `--pattern` can write.
+/// Formats of `--pattern`.
 pub(crate) const OF_PATTERN: &[Format] = &[Format::Svg];
 
 fn extensions(format: Format) -> &'static [&'static str] {

@@ -1,14 +1,14 @@
-//! What the user may try after an error of the library, in the words of the command line.
+//! Hints after an error of the library, in the words of the command line.
 
 use std::io::ErrorKind;
 use vtex::Error;
 use vtex::error::EditFault;
 use vtex::library::Library;
 
-/// What a page says of a photograph that was not found.
+/// The note of a page on a photograph that was not found.
 pub(crate) const PHOTO: &str = "Name it with --exemplar.";
 
-/// What may help where analysis found other elements than were wanted.
+/// Hints where analysis found other elements than wanted.
 pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
     let (primaries, most) = (library.primaries().len(), library.source.parameters.max_paths as usize);
     if primaries == 0 {
@@ -20,7 +20,7 @@ pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
     }
 }
 
-/// What the help of an option says is allowed, in brackets at its end before the default.
+/// The values that the help of an option allows, in brackets at its end before the default.
 pub(crate) fn allowed(help: &str) -> Option<String> {
     let (_, bracket) = help.trim_end().strip_suffix(']')?.rsplit_once('[')?;
     let words = bracket.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -64,7 +64,7 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         Error::Edit { fault: EditFault::NoLayer { known, .. }, .. } => {
             return Some(format!("--layer takes {}", known.join(", ")));
         }
-        Error::Sizes { .. } => "make both with the same --size, or stretch one with 'vtex warp --scale'",
+        Error::Sizes { .. } => "make both with the same --size, or stretch one with 'vtex warp --stretch'",
         Error::Seams => "make the texture with --tile, for both axes",
         Error::MaxBytes { smallest, .. } => {
             return Some(format!(

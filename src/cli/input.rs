@@ -105,7 +105,7 @@ fn read_known(mut from: impl Read, bytes: &mut Vec<u8>) -> std::io::Result<()> {
     Ok(())
 }
 
-/// What a file holds, by its content.
+/// The kind of a file, by its content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Library,

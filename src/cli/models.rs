@@ -38,7 +38,7 @@ pub(crate) struct ModelFile {
     pub(crate) sha256: String,
 }
 
-/// What a file is for.
+/// The purpose of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum FileRole {
@@ -106,7 +106,7 @@ impl Store {
         let mut names = Vec::new();
         for entry in entries {
             let entry = entry.map_err(|e| Error::read(&self.folder, e))?;
-            // What is being added, or was left by a crash, begins with a dot.
+            // Files that are being added, or that a crash left, begin with a dot.
             if let Ok(name) = entry.file_name().into_string()
                 && !name.starts_with('.')
                 && entry.path().join(DESCRIPTION).is_file()
@@ -123,7 +123,7 @@ impl Store {
         self.names()?.iter().map(|name| self.model(name)).collect()
     }
 
-    /// What is known of a model.
+    /// Facts about a model.
     pub(crate) fn model(&self, name: &str) -> anyhow::Result<Model> {
         let path = self.folder.join(name).join(DESCRIPTION);
         let text = match fs::read(&path) {

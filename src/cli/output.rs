@@ -49,7 +49,7 @@ pub(crate) struct Targets {
 pub(crate) struct Drawing<'a> {
     pub(crate) svg: SvgParameters,
     pub(crate) render: RenderParameters,
-    /// What an SVG says of how it was made.
+    /// The recipe that an SVG states.
     pub(crate) recipe: Option<&'a Value>,
 }
 
@@ -62,12 +62,12 @@ impl Drawing<'_> {
         png::render(&self.scene(scene), self.render.scale)
     }
 
-    /// The scene with the ground that is wanted.
+    /// The scene with the background that is wanted.
     fn scene<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
-        let Some(ground) = self.render.background else { return Cow::Borrowed(scene) };
+        let Some(background) = self.render.background else { return Cow::Borrowed(scene) };
         let mut scene = scene.clone();
         for layer in &mut scene.layers {
-            layer.field = layer.field.take().and_then(|field| match ground {
+            layer.field = layer.field.take().and_then(|field| match background {
                 Ground::Colour(colour) => Some(Field { points: Vec::new(), fallback: colour, ..field }),
                 Ground::None => None,
             });
@@ -83,16 +83,16 @@ impl Drawing<'_> {
     }
 }
 
-/// What was written.
+/// A written file.
 #[derive(Debug, Default)]
 pub(crate) struct Written {
     /// Of the first file.
     pub(crate) bytes: u64,
     /// The other files and their bytes.
     pub(crate) others: Vec<(PathBuf, u64)>,
-    /// What the writer warns of.
+    /// Warnings of the writer.
     pub(crate) warnings: Vec<String>,
-    /// What was given up to make it small enough.
+    /// Reductions that made it small enough.
     pub(crate) given_up: Option<GivenUp>,
 }
 
@@ -271,7 +271,7 @@ impl Target {
         })
     }
 
-    /// Writes a scene as a pattern; a ground may be of one colour there, but not missing.
+    /// Writes a scene as a pattern; a background may be of one colour there, but not missing.
     ///
     /// # Errors
     /// As [`Place::write`], and those of [`svg::write_pattern`] and of [`reduce::to_fit`].

@@ -1,4 +1,4 @@
-//! What the user sees while work goes on: bars, warnings, pictures of the stages.
+//! Progress for the user: bars, warnings, pictures of the stages.
 
 use super::common::Common;
 use super::failure::label;
@@ -93,7 +93,7 @@ impl Whole {
         self.part = left * weight / (weight + after);
     }
 
-    /// The share done with so many steps of the stage.
+    /// The share done after a number of steps of the stage.
     fn share(&mut self, done: u64, total: u64) -> f64 {
         let within = if total > 0 { (done as f64 / total as f64).min(1.0) } else { 0.0 };
         self.shown = self.shown.max(self.before + within * self.part).min(1.0);
@@ -200,7 +200,7 @@ impl Progress for Reporter {
                 let style = ProgressStyle::with_template("{spinner} [{bar:32}] {percent:>3} % {msg}");
                 let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
                 self.bar.set_style(style.progress_chars("=> "));
-                // What takes long without a word is seen to go on.
+                // The clock goes on in stages that report rarely.
                 self.bar.enable_steady_tick(Duration::from_millis(120));
             }
             state.enter(stage);

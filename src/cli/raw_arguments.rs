@@ -1,4 +1,4 @@
-//! What is sought in the command line before it is parsed.
+//! Arguments that are sought before the command line is parsed.
 
 use super::options::global::When;
 use super::values::Axes;

@@ -9,7 +9,7 @@ use vtex::library::Library;
 use vtex::scene::{Method, Scene, SynthParams};
 use vtex::synth::{Controls, Lead, layer_map};
 
-/// Reads the files that steer the synthesis of so many libraries.
+/// Reads the files that steer the synthesis of a number of libraries.
 pub(crate) fn controls(
     steering: &Steering,
     parameters: &SynthParams,
@@ -25,7 +25,8 @@ pub(crate) fn controls(
     let domain = match &steering.domain {
         None => None,
         Some(DomainFrom::Shape(file)) => {
-            let (name, bytes) = read(file, Kind::Svg, "a shape is an SVG; a picture is given with --mask")?;
+            let (name, bytes) =
+                read(file, Kind::Svg, "a shape is an SVG; a picture is given with --domain-mask")?;
             Some(control::shape(&bytes, &name, canvas)?)
         }
         Some(DomainFrom::Mask(file)) => {
@@ -91,7 +92,7 @@ pub(crate) fn scene(input: &Input) -> anyhow::Result<Scene> {
 pub(crate) fn libraries(inputs: &[Input]) -> anyhow::Result<Vec<Library>> {
     let read = |input: &Input| {
         let bytes = input.read()?;
-        // What is nothing known may still be a damaged library, and reading it says where.
+        // An unknown file may still be a damaged library, and reading it says where.
         Kind::expect(&bytes, input, &[Kind::Library, Kind::Unknown])?;
         Ok(Library::from_bytes(&bytes, &input.name())?)
     };

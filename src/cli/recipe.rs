@@ -56,7 +56,7 @@ pub(crate) fn of(
         anyhow::Ok(())
     };
     for (role, file) in steering.files() {
-        // What comes through a pipe is gone.
+        // Bytes from a pipe are gone.
         if let Input::File(path) = file {
             add(role, path)?;
         }

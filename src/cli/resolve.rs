@@ -10,7 +10,7 @@ use super::values::Seed;
 use vtex::library::AnalyzeParams;
 use vtex::scene::SynthParams;
 
-/// What is to be done.
+/// The job to be done.
 pub(crate) enum Options {
     /// Print the parameters.
     DumpConfig(String),

@@ -1,4 +1,4 @@
-//! What `-h` says: a few lines for each command. `--help` says all.
+//! The text of `-h`: a few lines for each command. `--help` lists everything.
 
 use std::ffi::OsString;
 

@@ -1,4 +1,4 @@
-//! What was done, in JSON for programs and in a line or two for people.
+//! Summaries, in JSON for programs and in a line or two for people.
 
 use super::common::Common;
 use super::output::{Written, print, say};
@@ -23,7 +23,7 @@ pub(crate) struct Summary {
     /// The photograph, libraries or file.
     pub(crate) inputs: Vec<String>,
     pub(crate) output: String,
-    /// What was written beside it, by several -o.
+    /// Files written beside it, by several -o.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) others: Vec<Other>,
     /// The file of the pattern, if one was asked for.
@@ -31,7 +31,7 @@ pub(crate) struct Summary {
     pub(crate) pattern: Option<String>,
     /// Bytes of the output.
     pub(crate) bytes: u64,
-    /// What was given up to stay within --max-bytes.
+    /// Reductions to stay within --max-bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) given_up: Option<GivenUp>,
     /// The seed, where one matters.
@@ -49,7 +49,7 @@ pub(crate) struct Summary {
     /// How primaries were placed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) method: Option<Method>,
-    /// What came along the field of correspondences.
+    /// Counts of the field of correspondences.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) structure: Option<Structure>,
     /// How much primaries hide of one another.
@@ -217,7 +217,7 @@ impl LayersReport {
     }
 
     /// Names and areas, and why, in a line.
-    fn told(&self) -> String {
+    fn in_words(&self) -> String {
         let why = self.why.as_ref().map_or(String::new(), |why| format!(" ({why})"));
         if self.names.len() == 1 {
             return format!("one layer{why}");
@@ -302,7 +302,7 @@ impl Summary {
             say(&format!("{output}: {}", bytes(*size)));
         }
         if let Some(layers) = &self.layers {
-            say(&layers.told());
+            say(&layers.in_words());
         }
         if let Some(given_up) = &self.given_up {
             say(&format!("given up to make it as small: {}", missing(given_up)));
@@ -328,7 +328,7 @@ impl Summary {
     }
 }
 
-/// What a reduced file lacks, in a line.
+/// The reductions of a file, in a line.
 fn missing(given_up: &GivenUp) -> String {
     let GivenUp { decimals, tolerance, details, elements } = *given_up;
     let digits = if decimals == 1 { "1 decimal".into() } else { format!("{decimals} decimals") };
@@ -342,7 +342,7 @@ fn missing(given_up: &GivenUp) -> String {
     line
 }
 
-/// What came along a field of correspondences, in a line.
+/// Counts of a field of correspondences, in a line.
 fn carried(s: &Structure) -> String {
     format!(
         "{} islands brought {} primaries whole and {} in part, {} others and {} fragments ({:.1} % of the \
@@ -357,7 +357,7 @@ fn carried(s: &Structure) -> String {
     )
 }
 
-/// What placement came to, in a line.
+/// Counts of placement, in a line.
 fn placement(overlap: &Overlap, repetition: &Repetition) -> String {
     let mut line = format!(
         "{:.1} % of primaries hidden, {} of {} used, one at most {:.1} %",
@@ -407,8 +407,8 @@ mod tests {
         let overlap = Overlap { hidden: 0.0123, buried: 0.0 };
         let mut repetition =
             Repetition { textons: 40, placeable: 44, largest_share: 0.031, near: 0.1, copies: None };
-        let told = placement(&overlap, &repetition);
-        assert_eq!(told, "1.2 % of primaries hidden, 40 of 44 used, one at most 3.1 %");
+        let line = placement(&overlap, &repetition);
+        assert_eq!(line, "1.2 % of primaries hidden, 40 of 44 used, one at most 3.1 %");
         repetition.copies = Some(vtex::statistics::Copies {
             shortest: 20.4,
             shortest_neighbours: 1.0,

@@ -56,7 +56,7 @@ impl Synthesis {
     }
 }
 
-/// What a texture is made from.
+/// The sources of a texture.
 pub(crate) struct Origin<'a> {
     pub(crate) command: &'static str,
     pub(crate) inputs: Vec<String>,
@@ -95,7 +95,7 @@ pub(crate) fn finish(
 pub(crate) struct Made<'a> {
     pub(crate) command: &'static str,
     pub(crate) inputs: Vec<String>,
-    /// What it was made from, where that may be written too.
+    /// The library that it was made from, where that may be written too.
     pub(crate) library: Option<&'a Library>,
     pub(crate) scene: Scene,
     pub(crate) report: Report,

@@ -1,4 +1,4 @@
-//! What the argument parser says, in the words of the help.
+//! Messages of the argument parser, in the words of the help.
 
 use super::foreign::styled;
 use super::hints::allowed;
@@ -9,14 +9,14 @@ use std::ffi::OsString;
 /// An error of the parser as text. Where a value cannot be read it says what is allowed: of numbers the
 /// parser knows their type alone, not their range.
 pub(crate) fn text(error: &clap::Error, command: &clap::Command, arguments: &[OsString]) -> String {
-    let told = error.render().ansi().to_string();
+    let rendered = error.render().ansi().to_string();
     let own = |context: Option<&ContextValue>| match context {
         Some(ContextValue::String(text)) => Some(text.clone()),
         _ => None,
     };
     let foreign = arguments.iter().any(|a| a.to_string_lossy().chars().any(char::is_control));
     // Colours of ours cannot be told from colours of theirs.
-    let plain = if foreign { styled(&error.render().to_string()) } else { styled(&told) };
+    let plain = if foreign { styled(&error.render().to_string()) } else { styled(&rendered) };
     if error.kind() != ErrorKind::ValueValidation {
         return plain;
     }

@@ -41,14 +41,14 @@ const REACH: usize = PATCH / 2;
 /// A feature of 1 as it is stored.
 const UNIT: f32 = 64.0;
 
-/// What one taken as often as all others on average costs, as a share of the squared deviation.
+/// The cost of a source taken as often as all others on average, as a share of the squared deviation.
 const OCCURRENCE: f32 = 0.03;
-/// What a source costs more that no cell around continues: a share of its distance, and a share of the
+/// The extra cost of a source that no cell around continues: a share of its distance, and a share of the
 /// squared deviation. One that some of the eight continue costs as much less.
 const ALONE: [f32; 2] = [0.3, 0.04];
 /// Levels, from the finest, on which it costs that; on coarser ones structure is still to be found.
 const COHERENT: usize = 2;
-/// What a source costs more of which a copy is beside, as a share of the squared deviation; less with
+/// The extra cost of a source with a copy beside it, as a share of the squared deviation; less with
 /// distance. Only where all sources are compared: later, islands are too large to make way.
 const COPY: f32 = 0.3;
 /// Shortest side of the coarsest level of the smallest page, in cells.
@@ -82,7 +82,7 @@ pub(crate) struct Page {
     pub(crate) inside: Option<Vec<bool>>,
 }
 
-/// What is to be filled.
+/// The canvas to be filled.
 pub(crate) struct Request<'a> {
     pub(crate) pages: &'a [Page],
     /// Size in cells.
@@ -176,7 +176,7 @@ pub(crate) fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Fie
     })
 }
 
-/// What is told of the work, row by row, and whether it is to stop.
+/// Reports of the work, row by row; the answer says whether it is to stop.
 struct Watch<'p> {
     progress: &'p dyn Progress,
     done: AtomicU64,
@@ -188,7 +188,7 @@ impl Watch<'_> {
     /// Tells of a row of cells that is about to be done; false if nothing is to be done any more.
     fn goes_on(&self, cells: usize) -> bool {
         let done = self.done.fetch_add(cells as u64, Ordering::Relaxed) + cells as u64;
-        // Told of every so many cells only.
+        // Reported after every few cells only.
         const EVERY: u64 = 1 << 14;
         if done / EVERY != (done - cells as u64) / EVERY
             && !self.progress.advance(STAGE, done.min(self.work), self.work)

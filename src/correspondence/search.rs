@@ -118,7 +118,7 @@ impl Canvas {
         let all: Vec<Vec<u32>> = (0..groups).map(|g| atlas.compared(g as u8)).collect();
         let this = &*self;
         let copies = exhaustive.then(|| Copies::new(this, atlas));
-        // What it was, if the work is stopped.
+        // The earlier field, if the work is stopped.
         let mut found: Vec<(u32, i32)> =
             this.sources.iter().copied().zip(this.costs.iter().copied()).collect();
         parallel::for_chunks(&mut found, this.size[0], |y, found| {

@@ -1,4 +1,4 @@
-//! What the sources around a cell say of its features, and histograms brought to the exemplar's.
+//! Votes of the sources around a cell on its features, and histograms brought to the exemplar's.
 
 use super::atlas::Atlas;
 use super::canvas::Canvas;

@@ -8,7 +8,7 @@ use crate::raster::ControlMap;
 use crate::scene::{Action, Condition, Direction, Operation};
 use std::collections::BTreeMap;
 
-/// What operations need besides themselves, by the names that they give.
+/// Files that operations need, by the names in the operations.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
     /// Maps of `density` and `orient`, 0 to 1.

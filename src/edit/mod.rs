@@ -6,12 +6,12 @@
 //! A texton that several instances share is copied when only some of them change.
 
 mod colours;
-mod dress;
 mod files;
 mod order;
 mod place;
 mod replace;
 mod selection;
+mod style;
 #[cfg(test)]
 mod tests;
 mod textons;
@@ -29,7 +29,7 @@ use crate::scene::{EditRecord, InstanceId, Recorded, Scene};
 use selection::Chosen;
 use serde::Serialize;
 
-/// What an operation came to.
+/// The outcome of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Outcome {
     /// Elements, or points of fields, that it was for: those selected; of `recolor` those that
@@ -122,11 +122,11 @@ fn act(
         }
         Action::Palette { colours, .. } => colours::palette(scene, chosen, colours),
         Action::Shadow { angle, length, opacity, blur } => {
-            dress::shadow(scene, chosen, *angle, *length, *opacity, *blur);
+            style::shadow(scene, chosen, *angle, *length, *opacity, *blur);
         }
-        Action::Outline { width, colour } => dress::outline(scene, chosen, *width, *colour),
-        Action::Flatten => dress::flatten(scene, chosen),
-        Action::Simplify { tolerance } => dress::simplify(scene, chosen, *tolerance),
+        Action::Outline { width, colour } => style::outline(scene, chosen, *width, *colour),
+        Action::Flatten => style::flatten(scene, chosen),
+        Action::Simplify { tolerance } => style::simplify(scene, chosen, *tolerance),
         Action::Replace { library } => return Ok(replace::replace(scene, chosen, files.library(library)?)),
     }
     Ok(chosen.count())

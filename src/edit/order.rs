@@ -86,7 +86,7 @@ fn eliminated(
 }
 
 /// The distance at which points crowd one another when `goal` are to be left: twice the largest radius
-/// of so many discs in the area.
+/// of that number of discs in the area.
 fn reach(points: &[Point], periods: [Option<f64>; 2], goal: usize) -> f64 {
     let length = |period: Option<f64>, at: &dyn Fn(&Point) -> f64| {
         let low = points.iter().map(at).fold(f64::INFINITY, f64::min);

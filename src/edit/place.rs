@@ -29,7 +29,7 @@ fn put(instance: &mut Instance, about: Affine, by: [f64; 2], periods: [Option<f6
 /// origin comes onto the canvas.
 pub(super) fn set(instance: &mut Instance, map: [f64; 6], periods: [Option<f64>; 2]) {
     let along = |v: f64, period: Option<f64>| {
-        // What is rounded may come to lie on the far edge.
+        // A rounded place may lie on the far edge.
         wrapped(libm::round(wrapped(v, period) * 100.0) / 100.0, period)
     };
     let [a, b, c, d, x, y] = map;

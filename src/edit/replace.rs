@@ -7,7 +7,7 @@
 
 use super::selection::Chosen;
 use super::textons::{measured, size};
-use super::{dress, place};
+use super::{place, style};
 use crate::geometry::{Affine, Outline, SecondMoments, edges};
 use crate::library::Library;
 use crate::parallel;
@@ -22,7 +22,7 @@ use std::ops::Range;
 const CANDIDATES: usize = 16;
 /// Side of the raster on which overlap is counted.
 const SIDE: usize = 32;
-/// What part of the raster's side a square of the shape's area has; the ends of what is more than six
+/// Side of a square of the shape's area, as a share of the raster's side; the ends of what is more than six
 /// times as long as broad stick out and do not count.
 const SPAN: f64 = 0.4;
 
@@ -84,7 +84,7 @@ struct Candidate {
     stencil: Stencil,
 }
 
-/// What shapes are compared by first: logarithms of elongation and area, the latter of less weight
+/// Features by which shapes are compared first: logarithms of elongation and area, the latter of less weight
 /// because size is adapted, and compactness.
 fn key(outline: &Outline, moments: &SecondMoments) -> [f64; 3] {
     [libm::log(moments.elongation()), 0.15 * libm::log(moments.area), outline.compactness()]
@@ -142,7 +142,7 @@ impl Index {
 
     /// The candidate that fits best, and whether it is turned by half; none if there is none.
     fn best(&self, element: &Element, moments: &SecondMoments) -> Option<(usize, bool)> {
-        // What encloses nothing has no shape.
+        // An outline that encloses nothing has no shape.
         if moments.area <= 0.0 {
             return None;
         }
@@ -194,7 +194,7 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) -> 
             let (new, own) = (&index.0[candidate], &moments[old.index()]);
             let (before, at) = (size(instance), instance.affine() * own.centroid);
             place::set(instance, standing_in(instance, new, own, turned), periods);
-            dress::keep_widths(instance, before);
+            style::keep_widths(instance, before);
             replaced += 1;
             instance.element = *numbers.entry(source).or_insert_with(|| {
                 elements.push(new.element.clone());
@@ -202,8 +202,8 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) -> 
             });
             let difference = library.elements[source.index()].difference;
             instance.colour = field.as_ref().zip(difference).map(|(field, difference)| {
-                let ground = field.at(at.x, at.y);
-                Colour::from_f64(std::array::from_fn(|c| ground[c] + f64::from(difference[c])))
+                let beneath = field.at(at.x, at.y);
+                Colour::from_f64(std::array::from_fn(|c| beneath[c] + f64::from(difference[c])))
             });
         }
     }

@@ -9,7 +9,7 @@ use crate::scene::{Condition, Identity, Instance, Layer, Operation, Quantity, Sc
 /// A condition and the shape that it names.
 type Test<'a> = (&'a Condition, Option<&'a Region>);
 
-/// What of each layer of a scene is selected.
+/// The selected elements of each layer of a scene.
 #[derive(Clone)]
 pub(super) struct Chosen {
     pub(super) layers: Vec<ChosenLayer>,

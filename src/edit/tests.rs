@@ -1,4 +1,4 @@
-//! What every operation holds to.
+//! Rules that every operation keeps.
 
 use super::*;
 use crate::geometry::{Affine, Outline, SecondMoments, parse_path, shortest_offset};
@@ -285,9 +285,11 @@ fn colours_change_for_those_selected_and_no_others() {
     // A texton of which some are tinted is there twice.
     let some = one(on("primary", tint([255, 0, 0], 0.5, 0.5)));
     assert_eq!(some.elements.len(), 5);
-    let ground = one(on("background", tint([0; 3], 0.5, 1.0)));
-    assert!(ground.field().points.iter().all(|p| p.colour.0[0] < 90) && ground.field().fallback.0[0] < 90);
-    assert_eq!(ground.elements, scene().elements);
+    let background = one(on("background", tint([0; 3], 0.5, 1.0)));
+    assert!(
+        background.field().points.iter().all(|p| p.colour.0[0] < 90) && background.field().fallback.0[0] < 90
+    );
+    assert_eq!(background.elements, scene().elements);
 }
 
 #[test]
@@ -297,7 +299,7 @@ fn recolouring_keeps_shading_and_leaves_what_is_unlike() {
     assert_eq!(red.base().colour, Colour::from_hex("#3c50b4").unwrap());
     assert_eq!(red.details()[0].colour, Colour([240; 3]), "the light detail is unlike");
     assert_eq!(other.base().colour, Colour([40, 60, 150]));
-    // What has no such colour does not count, and nothing happens to it.
+    // Elements without such a colour do not count, and nothing happens to it.
     let (same, outcomes) = edited(&scene(), &[recolor([0, 255, 0], [0; 3], 0.1).into()]);
     assert_eq!((outcomes[0].matched, same.elements), (0, scene().elements));
     let red = edited(&scene(), &[recolor([180, 60, 50], [0; 3], 0.05).into()]).1[0].matched;
@@ -346,11 +348,11 @@ fn without_categories_a_palette_follows_lightness() {
 fn shadows_and_lines_have_the_size_asked_for_on_the_canvas() {
     let line = |width| Action::Outline { width, colour: Colour([16, 32, 48]) };
     let twice = Action::Scale { factor: 2.0 };
-    let dressed = edited(&scene(), &[twice.into(), shadow(90.0, 8.0, 0.4, 6.0).into(), line(3.0).into()]).0;
-    let all = || dressed.primary().iter().chain(dressed.secondary());
+    let styled = edited(&scene(), &[twice.into(), shadow(90.0, 8.0, 0.4, 6.0).into(), line(3.0).into()]).0;
+    let all = || styled.primary().iter().chain(styled.secondary());
     assert!(all().all(|i| i.shadow.unwrap().offset == [0.0, 8.0]));
     assert!(all().all(|i| i.shadow.unwrap().blur == 3.0 && i.stroke.unwrap().width == 1.5));
-    let none = edited(&dressed, &[on("primary", shadow(45.0, 5.0, 0.0, 5.0)), line(0.0).into()]).0;
+    let none = edited(&styled, &[on("primary", shadow(45.0, 5.0, 0.0, 5.0)), line(0.0).into()]).0;
     assert!(none.primary().iter().all(|i| i.shadow.is_none()) && none.secondary()[0].shadow.is_some());
     assert!(none.primary().iter().chain(none.secondary()).all(|i| i.stroke.is_none()));
 }
@@ -415,8 +417,8 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
     assert!(library.primaries().iter().filter(|p| !p.clipped).count() > 12);
     let replace = on("primary", Action::Replace { library: "ovals".into() });
     let files = |library| Files { libraries: [("ovals".into(), library)].into(), ..Files::default() };
-    let dress = on("primary", Action::Outline { width: 2.0, colour: Colour([0; 3]) });
-    let after = apply(scene(), &[dress, replace.clone()], &files(library.clone()), None).unwrap().0;
+    let line_around = on("primary", Action::Outline { width: 2.0, colour: Colour([0; 3]) });
+    let after = apply(scene(), &[line_around, replace.clone()], &files(library.clone()), None).unwrap().0;
     assert_eq!((after.libraries.len(), after.secondary().len()), (2, 240));
     // Lines stay as wide as they were, whatever the size that the new textons have in their library.
     for instance in after.primary() {

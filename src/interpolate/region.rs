@@ -14,12 +14,12 @@ const MOST: f64 = 2000.0;
 /// corners that sampling cuts off lie outside the canvas.
 const AROUND: f64 = 8.0;
 
-/// What part of the canvas something fills.
+/// The part of the canvas that something fills.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Extent<'a> {
     /// All of it.
     Whole,
-    /// What lies in an outline.
+    /// The inside of an outline.
     Of(&'a Outline),
     /// None of it.
     Nothing,

@@ -1,6 +1,7 @@
 //! The texton library: the result of analysing an exemplar (`*.lib.json`).
 
 mod arrangement;
+mod categories;
 mod guide;
 mod instance;
 mod parameters;
@@ -11,6 +12,7 @@ mod validate;
 mod version1;
 
 pub use arrangement::Arrangement;
+pub use categories::Categories;
 pub use guide::{Guide, Picture};
 pub use instance::Instance;
 pub use parameters::{AnalyzeParams, Shading};

@@ -1,5 +1,6 @@
 //! Parameters of analysis, as stored in the library.
 
+use super::categories::Categories;
 use crate::error::{Result, check};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -25,8 +26,8 @@ pub struct AnalyzeParams {
     pub secondary_minimum: u32,
     /// Area of the largest secondary. 1 to 100 000, default 300.
     pub secondary_maximum: u32,
-    /// Largest number of categories of primaries. 1 to 1000, default 15.
-    pub categories: u32,
+    /// Number of categories of primaries. 1 to 1000, default 15.
+    pub categories: Categories,
     /// Half the side of descriptors, in mean distances between neighbours. 0.5 to 10, default 2.25.
     pub descriptor_reach: f64,
     /// Distance between background sites. 4 to 1000, default 25.
@@ -80,7 +81,7 @@ impl Default for AnalyzeParams {
             secondary_tolerance: 0.055,
             secondary_minimum: 3,
             secondary_maximum: 300,
-            categories: 15,
+            categories: Categories::AtMost(15),
             descriptor_reach: 2.25,
             background_spacing: 25.0,
             background_margin: 5.0,
@@ -115,7 +116,9 @@ impl AnalyzeParams {
         real("secondary-tolerance", self.secondary_tolerance, 0.0..=1.0, "0 to 1")?;
         integer("secondary-minimum", self.secondary_minimum, 1..=10_000, "1 to 10000 px")?;
         integer("secondary-maximum", self.secondary_maximum, 1..=100_000, "1 to 100000 px")?;
-        integer("categories", self.categories, 1..=1000, "1 to 1000")?;
+        if let Categories::AtMost(number) = self.categories {
+            integer("categories", number, 1..=1000, "auto or 1 to 1000")?;
+        }
         real("descriptor-reach", self.descriptor_reach, 0.5..=10.0, "0.5 to 10")?;
         real("background-spacing", self.background_spacing, 4.0..=1000.0, "4 to 1000 px")?;
         real("background-margin", self.background_margin, 0.0..=100.0, "0 to 100 px")?;

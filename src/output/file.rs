@@ -10,7 +10,7 @@ use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
-/// What a file holds, told by its name.
+/// The content of a file, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// `.svg`, `.svgz`.
@@ -25,10 +25,10 @@ pub enum Format {
     Library,
 }
 
-/// What a file holds and whether it is packed.
+/// The content of a file, and whether it is packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
-    /// What it holds.
+    /// Its content.
     pub format: Format,
     /// Whether that is packed as gzip.
     pub gzip: bool,
@@ -191,7 +191,7 @@ pub fn remove_abandoned(path: &Path) {
     }
 }
 
-/// What stands at a place already.
+/// A file that stands at a place already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Found {
     /// Byte for byte what vtex wrote.
@@ -201,7 +201,7 @@ enum Found {
     Foreign,
 }
 
-/// What a file is: by its seal, else by how it begins.
+/// The kind of a file: by its seal, else by its beginning.
 fn found(path: &Path) -> Result<Found> {
     let file = File::open(path).map_err(|e| Error::read(path, e))?;
     if seal::is_whole(file).map_err(|e| Error::read(path, e))? {
@@ -269,7 +269,7 @@ mod tests {
         write_file(path, force, |w| text(w).map_err(|e| Error::write(Path::new("-"), e))).map(drop)
     }
 
-    /// What is written of some content.
+    /// The bytes written of some content.
     fn seal(content: &[u8]) -> Vec<u8> {
         let mut out = Sealed::new(Vec::new());
         out.write_all(content).unwrap();
@@ -388,7 +388,7 @@ mod tests {
             fs::write(folder.path().join(name), "x").unwrap();
         }
         fs::create_dir(folder.path().join(".vtex-folder.tmp")).unwrap();
-        // What is being written stays.
+        // A file that is being written stays.
         write_file(&path, false, |w| {
             w.write_all(b"begun").unwrap();
             remove_abandoned(&path);

@@ -2,17 +2,18 @@
 //!
 //! All writers see one finished type, [`crate::scene::Scene`], and know nothing of how it came to
 //! be. [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale,
-//! [`film`] writes pictures that play, [`raster_svg`] draws any SVG, [`reduce`] finds what of a scene fits in so many bytes, [`file`] puts
-//! what they write safely in its place.
+//! [`raster_animation`] writes GIFs and PNGs that play, [`raster_svg`] draws any SVG, [`reduce`] reduces a scene to a number of bytes, [`file`] replaces
+//! files safely.
 
 mod background;
+mod categories;
 mod coverage;
 pub mod file;
-pub mod film;
 pub mod layer_map;
 #[cfg(feature = "pdf")]
 pub mod pdf;
 pub mod png;
+pub mod raster_animation;
 pub mod raster_svg;
 pub mod reduce;
 pub mod seal;
@@ -23,6 +24,7 @@ pub mod svg;
 #[cfg(test)]
 mod testing;
 
+pub use categories::{SceneCategory, categories};
 pub use coverage::{coverage, inside};
 
 use crate::document::Document;
@@ -59,7 +61,7 @@ fn title(scene: &Scene) -> String {
     if names.is_empty() { what.into() } else { format!("{what} from {}", names.join(", ")) }
 }
 
-/// What editors and viewers call a layer: its name with a capital letter.
+/// The label of a layer in editors and viewers: its name with a capital letter.
 fn label(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())

@@ -1,5 +1,5 @@
 //! The seal of a file: a SHA-256 of its own bytes, by which a file that nobody has changed since it was
-//! written is told from one that somebody has worked on.
+//! written is distinguished from one that somebody has worked on.
 //!
 //! It stands where the format has room for remarks, at the end, because files are written as they are
 //! made: a comment in SVG, HTML and PDF, a text chunk in PNG, a comment in GIF, the last field of a JSON
@@ -15,7 +15,7 @@ use std::io::{self, BufRead, BufReader, Read, Write};
 pub(crate) const PAGE_BEGINNING: &str = "<!DOCTYPE html>\n<!-- Written by vtex ";
 /// How every JSON document of vtex begins.
 const DOCUMENT_BEGINNING: &str = "{\"format\":\"vtex-";
-/// Bytes by which a format is told; none of the beginnings is longer.
+/// Bytes by which a format is recognised; none of the beginnings is longer.
 const HEAD: usize = 64;
 /// The end of every PNG: an empty chunk.
 const PNG_END: &[u8] = b"\0\0\0\0IEND\xaeB`\x82";
@@ -51,7 +51,7 @@ impl Format {
         }
     }
 
-    /// What a file ends with, before which the seal stands.
+    /// The end of a file, before which the seal stands.
     fn end(self) -> &'static [u8] {
         match self {
             Self::Markup => b"",
@@ -143,7 +143,7 @@ impl<W: Write> Sealed<W> {
         Ok(out)
     }
 
-    /// Decides on the format, and writes the bytes by which it was told.
+    /// Decides on the format, and writes the bytes by which it was recognised.
     fn begin(&mut self) -> io::Result<()> {
         if self.format.is_some() {
             return Ok(());
@@ -190,7 +190,7 @@ pub(super) fn is_whole(mut file: impl Read) -> io::Result<bool> {
     }
     let mut unpacked = GzDecoder::new(BufReader::new(all));
     let sealed = whole(&mut unpacked).unwrap_or(false);
-    // What follows the packed data is not theirs.
+    // Bytes after the packed data are not theirs.
     Ok(sealed && unpacked.into_inner().fill_buf()?.is_empty())
 }
 

@@ -22,7 +22,7 @@ fn by_svg(scene: &Scene, options: SvgOptions, scale: f64) -> Pixmap {
 /// All ways of drawing, by name.
 fn pictures(scene: &Scene, scale: f64) -> [(&'static str, Pixmap); 3] {
     // Precise enough to compare single pixels.
-    let fine = SvgOptions { precision: 2, expand: false };
+    let fine = SvgOptions { precision: 2, ..SvgOptions::default() };
     let expanded = SvgOptions { expand: true, ..fine };
     [
         ("png", render(scene, scale).unwrap()),
@@ -208,7 +208,7 @@ fn a_pattern_shows_the_tile_again_and_again() {
 #[test]
 fn shadows_and_lines_are_alike_in_all_writers_and_cross_the_seams() {
     for tile in TILES {
-        let scene = testing::dressed(testing::tiled(SIZE.0, SIZE.1, 9, tile));
+        let scene = testing::styled(testing::tiled(SIZE.0, SIZE.1, 9, tile));
         let (dx, dy) = half(tile);
         let moved = testing::moved(scene.clone(), f64::from(dx), f64::from(dy));
         let all = pictures(&scene, 1.0);

@@ -36,7 +36,7 @@ pub(super) struct Layer {
 /// Element, blur and opacity.
 pub(super) type Key = (ElementId, u64, u64);
 
-/// What a shadow looks like before it is put in its place.
+/// The shape of a shadow before it is put in its place.
 pub(super) fn key(instance: &Instance, shadow: &Shadow) -> Key {
     (instance.element, shadow.blur.to_bits(), shadow.opacity.to_bits())
 }
@@ -109,7 +109,7 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<Layer> {
         else {
             continue;
         };
-        // What all up to this one darken together.
+        // The darkness of all up to this one together.
         let together = opacity * f64::from(k) / f64::from(count);
         let alone = 1.0 - (1.0 - together) / (1.0 - before);
         before = together;

@@ -52,7 +52,7 @@ fn gradient(radius: f64, base: [f64; 3], rng: &mut Stream) -> Gradient {
     Gradient::linear(from, to, [colour(base, 40.0, rng), colour(base, 40.0, rng)])
 }
 
-/// Overlapping stones with details, holes, turns and mirrors over small chips on a cloudy ground.
+/// Overlapping stones with details, holes, turns and mirrors over small chips on a cloudy background.
 /// Some textons stand often, some once, one nowhere; some instances hang over the border.
 pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
     let mut rng = stream(seed, "output/test-scene", 0);
@@ -180,7 +180,7 @@ pub(super) fn moved(mut scene: Scene, dx: f64, dy: f64) -> Scene {
 }
 
 /// The scene with shadows under its primaries and some of its secondaries, and lines along some of both.
-pub(super) fn dressed(mut scene: Scene) -> Scene {
+pub(super) fn styled(mut scene: Scene) -> Scene {
     let layers = scene.layers.iter_mut().rev();
     let all = layers.flat_map(|l| l.instances.iter_mut().map(|i| (i, l.role.is_individual())));
     for (k, (instance, primary)) in all.enumerate() {

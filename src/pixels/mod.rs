@@ -19,10 +19,10 @@ use image::{Rgb, RgbImage};
 
 /// Side of the cells of the field, in pixels.
 const CELL: usize = 2;
-/// What the contrast within a cell weighs against a deviation of colour.
+/// Weight of the contrast within a cell against a deviation of colour.
 const GRAIN: f32 = 0.4;
 
-/// What a leaf of a codebook gives.
+/// The entry in a leaf of a codebook.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Leaf {
     /// The pixel of its most similar neighbourhood. The default.

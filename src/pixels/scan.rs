@@ -52,7 +52,7 @@ impl Level {
         self.pixels[y as usize * self.size[0] + x as usize]
     }
 
-    /// What is known of a pixel before it is made: the pixels before it within 7 × 7, and 3 × 3 of the
+    /// The known neighbourhood of a pixel before it is made: the pixels before it within 7 × 7, and 3 × 3 of the
     /// coarser level.
     fn neighbourhood(&self, coarser: Option<&Self>, x: i64, y: i64, to: &mut Vec<f32>) {
         for dy in -REACH[0]..=0 {

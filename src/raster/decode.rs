@@ -74,7 +74,7 @@ pub(crate) fn decode(
     Ok((decoded, orientation))
 }
 
-/// What a decoder says, in words of people: decoders print their own types.
+/// The message of a decoder in plain words: decoders print their own types.
 fn reason(error: &ImageError) -> String {
     let text = error.to_string();
     if matches!(error, ImageError::IoError(e) if e.kind() == ErrorKind::UnexpectedEof)

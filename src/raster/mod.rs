@@ -3,6 +3,7 @@
 
 pub(crate) mod blur;
 pub mod colour;
+pub mod colour_names;
 mod components;
 mod control_map;
 mod decode;

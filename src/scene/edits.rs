@@ -10,13 +10,13 @@ use std::fmt::{self, Display, Formatter};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EditRecord {
-    /// What was done.
+    /// The operation.
     pub operation: Recorded,
     /// The seed of its random choices.
     pub seed: u64,
 }
 
-/// What was done to a scene. As text it reads like `tint amount=0.5 colour=#ff0000 share=1`.
+/// An operation that was applied to a scene. As text it reads like `tint amount=0.5 colour=#ff0000 share=1`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Recorded {

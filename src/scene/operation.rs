@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Operation {
-    /// What is done.
+    /// The action.
     pub action: Action,
     /// The layers that are selected, by name or role ([`Role::name`](super::Role::name)), with the
     /// points of their fields. Default: the elements of all layers, and no fields.
@@ -27,7 +27,7 @@ impl From<Action> for Operation {
     }
 }
 
-/// What is done. Lengths in pixels of the canvas, angles in degrees, clockwise on the screen, shares
+/// An action on elements. Lengths in pixels of the canvas, angles in degrees, clockwise on the screen, shares
 /// 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
@@ -66,9 +66,9 @@ pub enum Action {
     },
     /// Colours like one are moved to another, those less like it less far, in Oklab.
     Recolor {
-        /// What is sought.
+        /// The colour that is replaced.
         from: Colour,
-        /// What it becomes.
+        /// The colour that replaces it.
         to: Colour,
         /// Oklab distance up to which colours are moved. 0.01 to 2.
         reach: f64,
@@ -171,13 +171,13 @@ pub enum Direction {
     Map(String),
 }
 
-/// What a texton must fulfil to be selected.
+/// A condition that an element must fulfil to be selected.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Condition {
     /// One of some numbers is its own, or none is.
     Among {
-        /// What is compared.
+        /// The property that is compared.
         identity: Identity,
         /// The numbers.
         numbers: Vec<u32>,
@@ -186,7 +186,7 @@ pub enum Condition {
     },
     /// A quantity is larger or smaller than a limit.
     Compare {
-        /// What is compared.
+        /// The property that is compared.
         quantity: Quantity,
         /// How.
         comparison: Comparison,
@@ -202,7 +202,7 @@ pub enum Condition {
     },
 }
 
-/// What tells textons apart by number.
+/// Properties of elements that are whole numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Identity {
@@ -214,7 +214,7 @@ pub enum Identity {
     Id,
 }
 
-/// What is measured of a texton where it stands.
+/// Properties of an element that are measured where it stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {

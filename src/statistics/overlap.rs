@@ -210,7 +210,7 @@ mod tests {
         // The other way round all of the small one is hidden, across the border of two bands too.
         let two = of(&[at(&small, 22.0, 62.0), at(&large, 20.0, 60.0)]);
         assert!((two.hidden - 16.0 / 116.0).abs() < 1e-12 && two.buried == 0.5, "{two:?}");
-        // What is off the canvas counts for nothing: 50 px of each are on it, of the lower ones none
+        // Pixels off the canvas count for nothing: 50 px of each are on it, of the lower ones none
         // can be seen.
         let three = of(&[at(&large, -5.0, 0.0), at(&large, -5.0, 0.0), at(&large, 200.0, 0.0)]);
         assert_eq!(three, Overlap { hidden: 0.5, buried: 0.5 });

@@ -22,9 +22,9 @@ pub struct TunedWeights {
     pub library: LibraryRef,
     /// The weights.
     pub weights: Weights,
-    /// What the default weights come to, on scenes that the search has not seen.
+    /// Terms of the default weights, on scenes that the search has not seen.
     pub before: Terms,
-    /// What these weights come to, on the same scenes.
+    /// Terms of these weights, on the same scenes.
     pub after: Terms,
     /// Width and height of the scenes, in pixels.
     pub size: [u32; 2],

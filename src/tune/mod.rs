@@ -1,6 +1,6 @@
 //! The weights of the score searched for one library.
 //!
-//! What the weights are to bring about is more than area. For each set of weights primaries are
+//! The weights are judged by more than area. For each set of weights primaries are
 //! placed on several canvases, and the objective is a weighted sum of four terms ([`Terms`]):
 //!
 //! * *coverage*, category by category, as placement alone leaves it. After density has been
@@ -77,7 +77,7 @@ impl TuneParams {
     }
 }
 
-/// What a set of weights comes to; of each less is better.
+/// Terms of a set of weights; of each, less is better.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Terms {
@@ -100,7 +100,7 @@ impl Terms {
     }
 }
 
-/// What a library is compared with.
+/// The measures of a library that scenes are compared with.
 struct Judge<'a> {
     library: &'a Library,
     params: &'a TuneParams,
@@ -109,7 +109,7 @@ struct Judge<'a> {
     exemplar: Correlation,
 }
 
-/// What one canvas adds to the terms.
+/// The part of one canvas in the terms.
 struct Sample {
     terms: Terms,
     correlation: Correlation,

@@ -35,7 +35,7 @@ impl Bend {
         Ok(Self { canvas, how: How::Scaled(factors) })
     }
 
-    /// What a cage holds follows it as it becomes another, on a canvas of a given size, in pixels.
+    /// The content of a cage follows it as it becomes another, on a canvas of a given size, in pixels.
     /// A scene that fills all of its canvas is cut out by the first cage and fills the second; one
     /// that fills a domain has its domain bent.
     ///

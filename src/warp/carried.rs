@@ -1,4 +1,4 @@
-//! What a scene knows of the libraries that it was made from.
+//! The knowledge of a scene about the libraries that it was made from.
 
 use super::Bend;
 use crate::arrange::model::{Model, PlaceableId, VariantId};

@@ -8,9 +8,9 @@
 //!
 //! Works badly where much is squeezed into little: rows and rings that the scene has are broken.
 
+mod background;
 mod bend;
 mod carried;
-mod ground;
 #[cfg(test)]
 mod tests;
 
@@ -36,7 +36,7 @@ const NO_STRETCH: f64 = 1.02;
 pub struct WarpParams {
     /// Seed of what fills the gaps. Default: that of the scene.
     pub seed: Option<u64>,
-    /// What becomes of textons at the edge of the new shape. Default: as in the scene.
+    /// Treatment of elements at the edge of the new shape. Default: as in the scene.
     pub edge: Option<Edge>,
 }
 
@@ -95,10 +95,10 @@ pub fn warp(
     let (cells, model) = (&arrangement.cells, arrangement.cells.model());
 
     advance(progress, "ground", 0, 2)?;
-    let field = ground::field(scene, &libraries, cells, bend, &params);
+    let field = background::field(scene, &libraries, cells, bend, &params);
     let interpolant = Interpolant::new(&field, width, height, Tile::default());
     advance(progress, "ground", 1, 2)?;
-    let secondaries = ground::secondaries(scene, &libraries, cells, &interpolant, bend, &params);
+    let secondaries = background::secondaries(scene, &libraries, cells, &interpolant, bend, &params);
     advance(progress, "ground", 2, 2)?;
 
     let mut result = Scene {
@@ -117,8 +117,8 @@ pub fn warp(
     let mut next = InstanceId(ids.max().map_or(0, |id| id.wrapping_add(1)));
     for secondary in secondaries {
         let instance = match secondary {
-            ground::Secondary::Carried { instance, place } => moved(instance, place),
-            ground::Secondary::New(p) => {
+            background::Secondary::Carried { instance, place } => moved(instance, place),
+            background::Secondary::New(p) => {
                 let element = known[p.library].secondary(&mut result, p.secondary);
                 let variation = &model.variations[usize::from(p.variation)];
                 compose::instance(fresh(&mut next), element, p.at, variation, Some(p.colour))

@@ -1,4 +1,4 @@
-//! What a warp keeps, fills and thins.
+//! A warp keeps, fills and thins.
 
 use super::*;
 use crate::geometry::{Outline, Point, parse_path};
@@ -60,8 +60,8 @@ fn density_stays_when_the_canvas_grows_or_shrinks() {
         let size = [f64::from(after.width), f64::from(after.height)];
         assert!((size[0] - 260.0 * factors[0]).abs() < 1.0 && (size[1] - 200.0 * factors[1]).abs() < 1.0);
         assert!((report.coverage - coverage).abs() < 0.03, "{factors:?}: {} {coverage}", report.coverage);
-        let ground = factors[0] * factors[1] * before.secondary().len() as f64;
-        let share = after.secondary().len() as f64 / ground;
+        let wanted = factors[0] * factors[1] * before.secondary().len() as f64;
+        let share = after.secondary().len() as f64 / wanted;
         assert!((0.75..1.3).contains(&share), "{factors:?}: {share}");
         // Control points also lie around the canvas.
         let around = |scene: &Scene| {
@@ -71,7 +71,7 @@ fn density_stays_when_the_canvas_grows_or_shrinks() {
         };
         let share = around(&after) / around(&before);
         assert!((0.5..1.6).contains(&share), "{factors:?}: {share}");
-        // What has come along stands where it should, in its own size.
+        // Carried elements stand where they should, in their own size.
         let old = by_id(before.primary());
         let mut carried = 0;
         for instance in after.primary() {

@@ -85,7 +85,10 @@ fn one_file_never_holds_two_things() {
             "warp a.scene.json p.lib.json --scale 2 -o a.scene.json --force",
             "the scene and -o name the same file",
         ),
-        ("texture photo.png --mask m.png --save-masks m.png", "--mask and --save-masks name the same file"),
+        (
+            "texture photo.png --mask m.png --save-masks m.png",
+            "--domain-mask and --save-masks name the same file",
+        ),
     ] {
         folder.run(command).fails(2, message);
     }

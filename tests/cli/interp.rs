@@ -14,18 +14,18 @@ fn scenes() -> Folder {
 #[test]
 fn frames_are_files_and_those_of_another_film_are_told() {
     let folder = scenes();
-    folder.run("interp a.scene.json b.scene.json -o film --frames 3").succeeds();
+    folder.run("interp a.scene.json b.scene.json -o animation --frames 3").succeeds();
     let names = || {
-        let all = std::fs::read_dir(folder.path("film")).unwrap();
+        let all = std::fs::read_dir(folder.path("animation")).unwrap();
         let mut names: Vec<String> = all.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     };
     assert_eq!(names(), ["frame_0001.svg", "frame_0002.svg", "frame_0003.svg"]);
     folder.run("render a.scene.json -o a.svg").succeeds();
-    assert!(folder.read("film/frame_0001.svg") == folder.read("a.svg"));
-    let shorter = folder.run("interp a.scene.json b.scene.json -o film --frames 2").succeeds();
-    assert!(shorter.stderr.contains("frames of another film"), "{}", shorter.stderr);
+    assert!(folder.read("animation/frame_0001.svg") == folder.read("a.svg"));
+    let shorter = folder.run("interp a.scene.json b.scene.json -o animation --frames 2").succeeds();
+    assert!(shorter.stderr.contains("frames of another animation"), "{}", shorter.stderr);
     let back =
         folder.run("interp a.scene.json b.scene.json -o pictures --frames 3 --back --format png --json");
     assert_eq!(back.succeeds().json()["size"], serde_json::json!([60, 60]));
@@ -43,7 +43,9 @@ fn films_are_what_their_names_say() {
         folder.run(&format!("interp a.scene.json b.scene.json -o {name} --frames 2")).succeeds();
         assert!(folder.read(name).starts_with(beginning), "{name}");
     }
-    folder.run("interp a.scene.json b.scene.json -o film.pdf").fails(2, "cannot tell the kind of animation");
+    folder
+        .run("interp a.scene.json b.scene.json -o animation.pdf")
+        .fails(2, "cannot tell the kind of animation");
     folder.run("interp a.scene.json b.scene.json -o f.gif --format png").fails(2, "--format is for frames");
     folder.run("synth photo.lib.json -o c.scene.json --size 50 --seed 2").succeeds();
     folder.run("interp a.scene.json c.scene.json -o f.gif").fails(1, "different sizes");

@@ -34,7 +34,7 @@ fn wrong_usage_exits_with_2() {
         ("synth photo.lib.json --tile x --pattern p.svg", "both axes"),
         ("synth photo.lib.json --tile --pattern p.png", "--pattern a name that ends in .svg or .svgz"),
         ("synth photo.lib.json -o p.svg --tile --pattern p.svg", "name the same file"),
-        ("synth photo.lib.json --domain a.svg --mask a.png", "--mask"),
+        ("synth photo.lib.json --domain a.svg --domain-mask a.png", "--domain-mask"),
         ("synth photo.lib.json --map a.png", "--map is for several libraries"),
         ("synth photo.lib.json b.lib.json", "2 libraries are given, and nothing that says which is where"),
         (
@@ -47,7 +47,7 @@ fn wrong_usage_exits_with_2() {
         ("warp a.scene.json photo.lib.json", "nothing says how to bend the scene"),
         ("warp a.scene.json photo.lib.json --scale 0.01", "expected 1.5 or 1.5x2, each 0.1 to 10"),
         ("warp a.scene.json photo.lib.json --cage a.svg", "--to"),
-        ("warp a.scene.json photo.lib.json --cage a.svg --to b.svg --scale 2", "--scale"),
+        ("warp a.scene.json photo.lib.json --cage a.svg --to b.svg --stretch 2", "--stretch"),
         ("warp a.scene.json", "<LIBRARY>"),
         ("edit a.scene.json", "nothing says what to do to the scene"),
         ("edit --op flatten", "no input is given"),
@@ -126,7 +126,7 @@ fn files_that_do_not_steer_say_so_before_the_work() {
     let libraries = "photo.lib.json photo.lib.json photo.lib.json";
     for (arguments, message, hint) in [
         ("--domain none.svg", "cannot read 'none.svg'", "spelling"),
-        ("--domain photo.png", "'photo.png' holds an image, not an SVG", "--mask"),
+        ("--domain photo.png", "'photo.png' holds an image, not an SVG", "--domain-mask"),
         ("--domain text.txt", "'text.txt' cannot be used as a shape", "must be an SVG"),
         ("--domain open.svg", "its path is open", "end its path data with Z"),
         ("--domain two.svg", "it holds 2 shapes, one is needed", "join"),

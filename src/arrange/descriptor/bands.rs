@@ -59,7 +59,7 @@ pub(super) struct Window<'a> {
     requests: usize,
 }
 
-/// What was done in a window.
+/// The changes made in a window.
 pub(super) struct Filled {
     rows: Range<i32>,
     /// Elements and requests that the whole map had when the window was made.
@@ -99,7 +99,7 @@ impl<'a> Window<'a> {
         Self { map, rows, placed, requests }
     }
 
-    /// What the whole map has to know.
+    /// The changes that the whole map takes over.
     pub(super) fn filled(self, whole: &TargetMap<'_>) -> Filled {
         let Self { mut map, rows, placed, requests } = self;
         let place = |at: [i32; 2]| whole.grid().canonical([at[0], at[1] + rows.start]);

@@ -45,7 +45,7 @@ const COPY_PENALTY: f64 = 0.3;
 /// Name of the stage.
 const STAGE: &str = "placement";
 
-/// What placement by descriptors did.
+/// Counts of placement by descriptors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     /// Requests tried.

@@ -59,7 +59,7 @@ impl<'m, 'a> Scorer<'m, 'a> {
     }
 
     /// No place gives a variant a higher score than this: all of it on the region, as far as it
-    /// reaches, and the rest on ground of which nothing is known.
+    /// reaches, and the rest on cells of which nothing is known.
     pub(super) fn bound(&self, variant: VariantId) -> f64 {
         let w = self.weights;
         let area = f64::from(self.cells.model().shape(variant).area);

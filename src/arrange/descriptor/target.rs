@@ -23,7 +23,7 @@ pub(super) struct Request {
 
 /// The target map.
 pub(super) struct TargetMap<'a> {
-    /// What stands.
+    /// The standing elements.
     pub(super) cells: Occupancy<'a>,
     pub(super) requests: Vec<Request>,
     /// Weight of each request in the draw.

@@ -20,7 +20,7 @@ use vtex::output::file::Format;
 
 const MAKES: Makes = Makes { allowed: format::OF_LIBRARY, usual: Format::Library, word: "" };
 
-/// Photograph to texton library
+/// Photograph to library
 #[derive(Args)]
 #[command(
     override_usage = "vtex analyze [OPTIONS] <PHOTO>",

@@ -58,7 +58,7 @@ pub(crate) struct EditArgs {
     pub(crate) svg: SvgFlags,
 }
 
-/// What is done to which scene, and where the result goes.
+/// Operations, their scene, and the place of the result.
 struct Editing {
     scene: Input,
     operations: Vec<Asked>,
@@ -165,7 +165,7 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
     summary.tell(&Common { seed_chosen: false, debug_folder: None, ..*common }, piped)
 }
 
-/// What an operation came to.
+/// The outcome of an operation.
 fn line(done: &Done<'_>) -> String {
     let Done { operation, outcome: Outcome { matched, removed } } = done;
     let removed = if *removed > 0 { format!(", {removed} removed") } else { String::new() };

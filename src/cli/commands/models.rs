@@ -52,7 +52,7 @@ pub(crate) enum ModelsAction {
     },
 }
 
-/// What a model is made of.
+/// The files of a model.
 #[derive(Args)]
 pub(crate) struct ModelsAddArgs {
     /// The ONNX files, in any order, and those with their weights if these are apart
@@ -167,8 +167,8 @@ pub(super) fn show(model: &Model) -> String {
 
 /// Prints what a command found, under a name.
 fn json(command: &str, name: &str, value: &impl Serialize) -> anyhow::Result<()> {
-    let told = serde_json::json!({ "program": vtex::PROGRAM, "command": command, name: value });
-    let mut text = serde_json::to_string_pretty(&told)?;
+    let report = serde_json::json!({ "program": vtex::PROGRAM, "command": command, name: value });
+    let mut text = serde_json::to_string_pretty(&report)?;
     text.push('\n');
     print(text.as_bytes())
 }

@@ -20,7 +20,7 @@ use vtex::output::file::Format;
 use vtex::output::png::encode_rgb;
 use vtex::pixels::{Leaf, by_numbers, carried, scanned};
 
-/// Photograph to pixels of any size: a baseline, and a ground for other work
+/// Photograph to pixels of any size: a baseline, and a background for other work
 #[derive(Args)]
 #[command(
     override_usage = "vtex raster [OPTIONS] <PHOTO>",
@@ -66,7 +66,7 @@ pub(crate) enum Method {
     TsvqSoft,
 }
 
-/// What is made of what.
+/// The source and the result.
 struct Making {
     photo: Input,
     control: Option<[Input; 2]>,

@@ -75,7 +75,7 @@ pub(crate) struct TextureArgs {
     pub(crate) layer_files: LayerFilesArgs,
     #[command(flatten)]
     pub(crate) analyze: AnalyzeFlags,
-    /// What `again` says, once it is read.
+    /// The recipe of `again`, once it is read.
     #[arg(skip)]
     pub(crate) recipe: Option<Recipe>,
 }
@@ -123,11 +123,11 @@ impl Arguments for TextureArgs {
     }
 }
 
-/// What a recipe says of files and models, where the command line says nothing.
+/// Files and models of a recipe, where the command line names none.
 fn restore(recipe: &Recipe, control: &mut ControlArgs, masks: &mut MasksArgs) -> anyhow::Result<()> {
     let part = |role: &str| recipe.part(role).map(|part| part.file.clone());
     if control.domain.is_none() && control.mask.is_none() {
-        (control.domain, control.mask) = (part("--domain"), part("--mask"));
+        (control.domain, control.mask) = (part("--domain"), part("--domain-mask").or_else(|| part("--mask")));
     }
     control.density = control.density.take().or_else(|| part("--density"));
     if control.control.is_none() && control.guide.is_none() {
@@ -178,7 +178,7 @@ impl Texture {
         let Self { analysis, synthesis, recipe, .. } = self;
         synthesis.probe()?;
         analysis.probe()?;
-        // What is wrong with them shows before the long work.
+        // Faults in them show before the long work.
         if let Some(recipe) = recipe {
             recipe.check("photo", "the photograph", &analysis.photo)?;
             for (role, file) in synthesis.steering.files() {

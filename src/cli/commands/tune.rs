@@ -107,7 +107,7 @@ struct Summary<'a> {
     output: String,
     /// Bytes written.
     bytes: u64,
-    /// What was written.
+    /// The written file.
     tuned: &'a TunedWeights,
     seconds: Seconds,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -171,7 +171,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
     Ok(())
 }
 
-/// What the search has changed, term by term; of all less is better.
+/// The changes by the search, term by term; of all, less is better.
 fn table(tuned: &TunedWeights) -> String {
     let w = &tuned.weights;
     let weights = [w.target, w.uncovered, w.empty, w.mismatched, w.same_overlap].map(|v| v.to_string());

@@ -29,7 +29,7 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
     override_usage = "vtex warp [OPTIONS] <SCENE> <LIBRARY>...",
     after_help = "\
 Examples:
-  vtex warp wide.scene.json photo.lib.json --scale 1.5x1 -o wider.svg
+  vtex warp wide.scene.json photo.lib.json --stretch 1.5x1 -o wider.svg
   vtex warp a.scene.json photo.lib.json --cage a.svg --to b.svg -o bent.svg
 
 Elements move, gaps are filled with new ones, and where they crowd some go. New ones are drawn by
@@ -49,7 +49,7 @@ pub(crate) struct WarpArgs {
     #[arg(long, value_name = "FILE", requires = "cage")]
     pub(crate) to: Option<PathBuf>,
     /// Stretch the canvas: 1.5 or 1.5x2 [0.1 to 10 each]
-    #[arg(long, value_name = "FACTOR")]
+    #[arg(long = "stretch", alias = "scale", value_name = "FACTOR")]
     pub(crate) scale: Option<Factors>,
     /// At the edge of the new shape keep elements whole, clip them, or avoid it [keep, clip or avoid,
     /// default: as in the scene]
@@ -76,7 +76,7 @@ struct Warping {
     targets: Targets,
 }
 
-/// What bends a scene.
+/// The means that bend a scene.
 enum How {
     /// Factors along x and y.
     Scale([f64; 2]),

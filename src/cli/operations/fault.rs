@@ -1,4 +1,4 @@
-//! What is wrong with the text of an operation, and what would be right.
+//! Faults in the text of an operation, and their corrections.
 
 use crate::cli::nearest::nearest;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -6,7 +6,7 @@ use clap::{Arg, Command};
 use std::error::Error;
 use vtex::error::EditFault;
 
-/// What is wrong, and what to try.
+/// A fault and a hint.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{reason}")]
 pub(super) struct Fault {
@@ -43,12 +43,12 @@ pub(super) fn name(argument: &Arg) -> String {
     argument.get_long().map_or_else(|| value_name(argument), |long| format!("--{long}"))
 }
 
-/// What follows a flag.
+/// The value of a flag.
 pub(super) fn value_name(argument: &Arg) -> String {
     argument.get_value_names().into_iter().flatten().map(ToString::to_string).collect()
 }
 
-/// What may be given for an argument: the end of its help, such as `0 to 1, default: 0.5`.
+/// The allowed values of an argument: the end of its help, such as `0 to 1, default: 0.5`.
 fn range(argument: &Arg) -> String {
     let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
     let range = help.rsplit_once('[').map(|(_, range)| range.trim_end_matches(']'));
@@ -66,12 +66,12 @@ pub(super) fn usage(verb: &Command) -> String {
     std::iter::once(verb.get_name().to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
-/// How an operation is used, to be told.
+/// The usage of an operation, for messages.
 pub(super) fn example(verb: &Command) -> String {
     verb.get_after_help().map(|example| format!("such as: {example}")).unwrap_or_default()
 }
 
-/// What the parser finds wrong with an operation.
+/// The fault that the parser finds in an operation.
 pub(super) fn of_parser(error: &clap::Error, verb: &Command) -> Fault {
     let context = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => text.clone(),
@@ -120,7 +120,7 @@ pub(super) fn of_parser(error: &clap::Error, verb: &Command) -> Fault {
     }
 }
 
-/// What the library finds wrong with an operation.
+/// The fault that the library finds in an operation.
 pub(super) fn of_operation(fault: &EditFault, verb: &Command) -> Fault {
     let advice = match fault {
         EditFault::Range { name: wrong, value, .. } => {

@@ -102,7 +102,7 @@ fn help_names_the_true_ranges() {
     let line = Line::command();
     let mut checked = 0;
     for verb in line.get_subcommands() {
-        // What is needed beside the parameter looked at.
+        // Arguments needed beside the parameter under test.
         let needed = |but: &str| {
             let words = verb.get_arguments().filter(|a| a.get_id() != but && a.is_required_set());
             let words = words.map(|a| {
@@ -178,7 +178,7 @@ proptest::proptest! {
     #[test]
     fn any_text_is_an_operation_or_a_fault(text in "\\PC*|(tint|thin|move|jitter) [a-z0-9#.=<>|,' -]{0,60}") {
         if let Ok(asked) = parse(&text, palette) {
-            // What was understood once is understood again, and can be recorded.
+            // A parsed operation is parsed alike again, and can be recorded.
             proptest::prop_assert_eq!(&parse(text.trim(), palette).unwrap(), &asked);
             let record = serde_json::to_string(&asked.operation).unwrap();
             proptest::prop_assert_eq!(serde_json::from_str::<Operation>(&record).unwrap(), asked.operation);

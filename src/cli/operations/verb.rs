@@ -9,10 +9,10 @@ use serde::de::DeserializeOwned;
 use vtex::edit::{Action, Direction, ThinOrder};
 use vtex::raster::colour::Colour;
 
-/// What is done. Help ends in what may be given; `after_help` is an example.
+/// Verbs of operations. Help ends in the allowed values; `after_help` is an example.
 #[derive(Debug, Subcommand)]
 pub(super) enum Verb {
-    /// Take textons away: the small ones go, and of what is left a share of each layer is kept.
+    /// Take elements away: the small ones go, and of what is left a share of each layer is kept.
     #[command(after_help = "thin 0.5 --layer secondary")]
     Thin {
         /// share kept [0 to 1]
@@ -22,18 +22,18 @@ pub(super) enum Verb {
         /// the smallest [blue-noise, random, area, default: blue-noise]
         #[arg(long, value_name = "WORD", value_parser = choice::<ThinOrder>(&["blue-noise", "random", "area"]))]
         order: Option<ThinOrder>,
-        /// smaller textons go, and smaller details of those that stay [0 to 1000000000 px of area]
+        /// smaller elements go, and smaller details of those that stay [0 to 1000000000 px of area]
         #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
         min_area: Option<f64>,
     },
-    /// Keep each texton with the probability of a grey picture where it stands: white all, black none.
+    /// Keep each element with the probability of a grey picture where it stands: white all, black none.
     #[command(after_help = "density fade.png --layer primary")]
     Density {
         /// the picture, stretched over the canvas [a file]
         #[arg(value_name = "MAP", value_parser = file)]
         map: String,
     },
-    /// Turn the longer axis of each texton towards a direction. Round ones stay as they are.
+    /// Turn the longer axis of each element towards a direction. Round ones stay as they are.
     #[command(after_help = "orient 30 --strength 0.8")]
     Orient {
         /// clockwise from the right: 0 lies, 90 stands; or a grey picture, black 0 to white 180
@@ -55,7 +55,7 @@ pub(super) enum Verb {
         #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
         #[arg(default_value = "0.5")]
         amount: f64,
-        /// share of the textons tinted, chosen at random [0 to 1, default: 1]
+        /// share of the elements tinted, chosen at random [0 to 1, default: 1]
         #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
         #[arg(default_value = "1")]
         share: f64,
@@ -83,7 +83,7 @@ pub(super) enum Verb {
         #[arg(value_name = "FILE", value_parser = file)]
         file: String,
     },
-    /// Put a shadow under each texton; it falls on what lies below and on nothing above.
+    /// Put a shadow under each element; it falls on what lies below and on nothing above.
     #[command(after_help = "shadow --angle 60 --length 6 --layer primary")]
     Shadow {
         /// where it falls, clockwise from the right [-360 to 360 degrees, default: 45]
@@ -103,7 +103,7 @@ pub(super) enum Verb {
         #[arg(default_value = "5")]
         blur: f64,
     },
-    /// Drop the details: each texton gets the mean of its colours.
+    /// Drop the details: each element gets the mean of its colours.
     #[command(after_help = "flatten")]
     Flatten,
     /// Draw outlines again with fewer points, and drop the details that are smaller than that.
@@ -113,7 +113,7 @@ pub(super) enum Verb {
         #[arg(value_name = "PX", value_parser = number, allow_negative_numbers = true)]
         tolerance: f64,
     },
-    /// Draw a line along each texton's outline.
+    /// Draw a line along each element's outline.
     #[command(after_help = "outline 1.5 #202020 --layer primary")]
     Outline {
         /// width of the line; 0 takes lines away [0 to 1000 px]
@@ -123,7 +123,7 @@ pub(super) enum Verb {
         #[arg(value_name = "COLOUR", value_parser = colour)]
         colour: Colour,
     },
-    /// Replace each texton by the one of another library whose shape fits best; it takes its place, size
+    /// Replace each element by the one of another library whose shape fits best; it takes its place, size
     /// and direction.
     #[command(after_help = "replace other.lib.json --layer primary")]
     Replace {
@@ -131,7 +131,7 @@ pub(super) enum Verb {
         #[arg(value_name = "LIBRARY", value_parser = file)]
         library: String,
     },
-    /// Move textons.
+    /// Move elements.
     #[command(after_help = "move 20 -5 --where category=3")]
     Move {
         /// to the right [-1000000 to 1000000 px]
@@ -141,21 +141,21 @@ pub(super) enum Verb {
         #[arg(value_name = "Y", value_parser = number, allow_negative_numbers = true)]
         y: f64,
     },
-    /// Make textons larger or smaller, each about its own centre.
+    /// Make elements larger or smaller, each about its own centre.
     #[command(after_help = "scale 1.3 --where 'area<200'")]
     Scale {
         /// the factor [0.01 to 100]
         #[arg(value_name = "FACTOR", value_parser = number, allow_negative_numbers = true)]
         factor: f64,
     },
-    /// Turn textons, each about its own centre.
+    /// Turn elements, each about its own centre.
     #[command(after_help = "rotate 90 --layer primary")]
     Rotate {
         /// clockwise [-360 to 360 degrees]
         #[arg(value_name = "DEGREES", value_parser = number, allow_negative_numbers = true)]
         angle: f64,
     },
-    /// Move, turn and scale each texton at random.
+    /// Move, turn and scale each element at random.
     #[command(after_help = "jitter --move 4 --rotate 15 --scale 10")]
     Jitter {
         /// at most so far [0 to 1000000 px, default: 0]
@@ -171,10 +171,10 @@ pub(super) enum Verb {
         #[arg(default_value = "0")]
         scale: f64,
     },
-    /// Take textons away.
+    /// Take elements away.
     #[command(after_help = "delete --where 'area<30'")]
     Delete,
-    /// Keep the textons whose centre lies inside a shape, or outside.
+    /// Keep the elements whose centre lies inside a shape, or outside.
     #[command(after_help = "mask disc.svg --keep outside")]
     Mask {
         /// an SVG with one path, fitted to the canvas, or a picture, white inside [a file]

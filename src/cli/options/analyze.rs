@@ -7,9 +7,9 @@
 use crate::cli::values::{named, one_of};
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
-use vtex::library::Shading;
+use vtex::library::{Categories, Shading};
 
-/// What finds the masks.
+/// The segmenter that finds the masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum SegmenterName {
@@ -25,11 +25,11 @@ pub(crate) enum SegmenterName {
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Analysis (lengths in pixels of the photograph)")]
 pub(crate) struct AnalyzeFlags {
-    /// What finds the textons: auto is sam if a model was added, else texton [auto, texton, regions,
+    /// Segmenter that finds the elements: auto is sam if a model was added, else texton [auto, texton, regions,
     /// felzenszwalb or sam, default: auto]
     #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true, help_heading = "Segmentation")]
     pub(crate) segmenter: Option<SegmenterName>,
-    /// Smallest primary texton, px of area [1 to 1000000, default: 5]
+    /// Smallest primary, px of area [1 to 1000000, default: 5]
     #[arg(long, visible_alias = "min-area", value_name = "PX", allow_negative_numbers = true)]
     pub(crate) minimum_area: Option<u32>,
     /// Scale of details: larger means fewer [0 to 10000, default: 10]
@@ -41,26 +41,27 @@ pub(crate) struct AnalyzeFlags {
     /// Smallest detail, px of area [1 to 10000, default: 3]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) detail_minimum: Option<u32>,
-    /// Colour difference within a secondary texton, a share [0 to 1, default: 0.055]
+    /// Colour difference within a secondary, a share [0 to 1, default: 0.055]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub(crate) secondary_tolerance: Option<f64>,
-    /// Smallest secondary texton, px of area [1 to 10000, default: 3]
+    /// Smallest secondary, px of area [1 to 10000, default: 3]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) secondary_minimum: Option<u32>,
-    /// Largest secondary texton, px of area [1 to 100000, default: 300]
+    /// Largest secondary, px of area [1 to 100000, default: 300]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) secondary_maximum: Option<u32>,
-    /// Categories of primary textons [1 to 1000, default: 15]
+    /// Categories of elements: a number, or as many as there are colours [auto or 1 to 1000,
+    /// default: 15]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
-    pub(crate) categories: Option<u32>,
-    /// How far a texton sees, in mean distances between textons [0.5 to 10,
+    pub(crate) categories: Option<Categories>,
+    /// How far an element sees, in mean distances between elements [0.5 to 10,
     /// default: 2.25]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) descriptor_reach: Option<f64>,
     /// Distance between background colours, px [4 to 1000, default: 25]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) background_spacing: Option<f64>,
-    /// Strip around textons that is not background, px [0 to 100,
+    /// Strip around elements that is not background, px [0 to 100,
     /// default: 5]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) background_margin: Option<f64>,
@@ -73,7 +74,7 @@ pub(crate) struct AnalyzeFlags {
     #[arg(long, value_name = "HOW", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["flat", "gradient"], named::<Shading>))]
     pub(crate) shading: Option<Shading>,
-    /// Most colours, all flat, the ground of a vectorized photograph included; 0: as many as there are [0 to 4096, default: 0]
+    /// Most colours, all flat, the background of a vectorized photograph included; 0: as many as there are [0 to 4096, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) colors: Option<u32>,
     /// Most elements and details together; 0: as many as there are [0 to 10000000, default: 0]

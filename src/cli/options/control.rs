@@ -15,7 +15,7 @@ pub(crate) struct ControlArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "mask")]
     pub(crate) domain: Option<PathBuf>,
     /// Fill what is white in a picture, or opaque where it is partly transparent
-    #[arg(long, value_name = "FILE")]
+    #[arg(long = "domain-mask", alias = "mask", value_name = "FILE")]
     pub(crate) mask: Option<PathBuf>,
     /// Density relative to the photograph's: a grey picture, black 0, middle grey 1, white 2
     #[arg(long, value_name = "FILE")]
@@ -67,7 +67,7 @@ impl Steering {
     pub(crate) fn files(&self) -> impl Iterator<Item = (&'static str, &Input)> {
         let domain = self.domain.iter().map(|d| match d {
             DomainFrom::Shape(file) => ("--domain", file),
-            DomainFrom::Mask(file) => ("--mask", file),
+            DomainFrom::Mask(file) => ("--domain-mask", file),
         });
         let density = self.density.iter().map(|file| ("--density", file));
         let lead = self.lead.iter().map(|lead| match lead {

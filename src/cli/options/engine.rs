@@ -1,14 +1,14 @@
-//! What networks run on.
+//! The engine that runs networks.
 
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use vtex::engine::{EngineOptions, Runtime};
 
-/// What networks run on.
+/// The engine that runs networks.
 #[derive(Args)]
 #[command(next_help_heading = "Networks")]
 pub(crate) struct EngineArgs {
-    /// What runs networks: ONNX Runtime where it is found, or rten, which is part of vtex [auto,
+    /// Engine that runs networks: ONNX Runtime where it is found, or rten, which is part of vtex [auto,
     /// onnxruntime or rten, default: auto]
     #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true)]
     pub(crate) engine: Option<EngineName>,
@@ -18,7 +18,7 @@ pub(crate) struct EngineArgs {
     pub(crate) onnxruntime: Option<PathBuf>,
 }
 
-/// What runs networks.
+/// An engine that runs networks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum EngineName {
     #[default]
@@ -28,7 +28,7 @@ pub(crate) enum EngineName {
     Rten,
 }
 
-/// What networks run on.
+/// The engine that runs networks.
 pub(crate) fn engine(args: EngineArgs, threads: Option<u16>) -> EngineOptions {
     let runtime = match args.engine.unwrap_or_default() {
         EngineName::Auto => Runtime::Auto,

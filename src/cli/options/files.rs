@@ -23,14 +23,14 @@ pub(crate) fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
     path.map(Input::new).ok_or_else(|| Failure::usage("no input is given"))
 }
 
-/// What a command writes.
+/// The result of a command.
 #[derive(Clone, Copy)]
 pub(crate) struct Makes {
     /// All formats, in which the result may be written.
     pub(crate) allowed: &'static [Format],
-    /// What is written if nothing is said.
+    /// The default format.
     pub(crate) usual: Format,
-    /// What its file is called then, after the name of the input; may be empty. Commands differ in it, so
+    /// The default ending of its file's name, after the name of the input; may be empty. Commands differ in it, so
     /// that none replaces what another has made.
     pub(crate) word: &'static str,
 }

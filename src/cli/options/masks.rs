@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(next_help_heading = "Segmentation")]
 pub(crate) struct MasksArgs {
-    /// Use the masks of a file: a label PNG (8 or 16 bits, 0 is ground) or vtex's own JSON
+    /// Use the masks of a file: a label PNG (8 or 16 bits, 0 is background) or vtex's own JSON
     #[arg(long, value_name = "FILE", conflicts_with = "segmenter")]
     pub(crate) masks: Option<PathBuf>,
     /// Save the masks found: .masks.json, .masks.json.gz (exact) or .png (labels)
@@ -59,7 +59,7 @@ pub(crate) enum SamFrom {
 }
 
 impl SamFrom {
-    /// What was said of it, if anything.
+    /// The user's words about it, if any.
     pub(crate) fn new(args: SamArgs) -> Option<Self> {
         let files: Vec<PathBuf> = args.encoder.into_iter().chain(args.decoder).collect();
         if files.is_empty() {

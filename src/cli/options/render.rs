@@ -26,12 +26,12 @@ pub(crate) struct RenderFlags {
 pub(crate) struct RenderParameters {
     /// Pixels for each pixel of the canvas. 0.01 to 100.
     pub(crate) scale: f64,
-    /// What is between the elements, if not the exemplar's ground.
+    /// Background between the elements, if not the exemplar's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) background: Option<Ground>,
 }
 
-/// What is between the elements.
+/// The background between the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Ground {
     Colour(Colour),
@@ -66,7 +66,7 @@ impl<'de> Deserialize<'de> for Ground {
 }
 
 impl RenderParameters {
-    /// What to tell of a scale that was asked for where nothing is `drawn`.
+    /// The note on a scale that was asked for where nothing is `drawn`.
     pub(crate) fn warning(&self, drawn: bool) -> Option<&'static str> {
         let idle = !drawn && self.scale != 1.0;
         idle.then_some("--scale has no effect here: only pictures made of pixels have a resolution")

@@ -12,10 +12,14 @@ pub(crate) struct SvgFlags {
     /// Decimals of numbers in an SVG [0 to 6, default: 1]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) precision: Option<u8>,
-    /// Write textons in full, not as <symbol> and <use> [default: false]
+    /// Write elements in full, not as <symbol> and <use> [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) expand: Option<bool>,
+    /// Write CSS rules into an SVG, by which categories are recoloured [default: false]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    #[arg(hide_possible_values = true)]
+    pub(crate) css: Option<bool>,
     /// Most bytes of an SVG, as 5MB, 800kB or a number: gives up decimals, then fineness of outlines,
     /// then what is seen least [1 to 1000000000000, default: no limit]
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
@@ -28,15 +32,18 @@ pub(crate) struct SvgFlags {
 pub(crate) struct SvgParameters {
     /// Decimals of numbers. 0 to 6.
     pub(crate) precision: u8,
-    /// Whether textons are written in full wherever they stand.
+    /// Whether elements are written in full wherever they stand.
     pub(crate) expand: bool,
+    /// Whether categories have style rules.
+    #[serde(default)]
+    pub(crate) css: bool,
     /// Most bytes of the file, if there is a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) max_bytes: Option<Bytes>,
 }
 
 impl From<SvgParameters> for SvgOptions {
-    fn from(SvgParameters { precision, expand, .. }: SvgParameters) -> Self {
-        Self { precision, expand }
+    fn from(SvgParameters { precision, expand, css, .. }: SvgParameters) -> Self {
+        Self { precision, expand, css }
     }
 }

@@ -47,17 +47,17 @@ pub(crate) struct SynthFlags {
     #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
     #[arg(value_parser = one_of(&Axes::NAMES, str::parse::<Axes>), hide_possible_values = true)]
     pub(crate) tile: Option<Axes>,
-    /// Turn each texton by a random angle, at most this many degrees either way [0 to 180, default: 0]
+    /// Turn each element by a random angle, at most this many degrees either way [0 to 180, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) rotate: Option<f64>,
-    /// Mirror half of the textons [default: false]
+    /// Mirror half of the elements [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) mirror: Option<bool>,
-    /// Change each texton's size at random, at most this many per cent either way [0 to 50, default: 0]
+    /// Change each element's size at random, at most this many per cent either way [0 to 50, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) scale_jitter: Option<f64>,
-    /// At the edge of a domain keep textons whole, clip them, or avoid it [keep, clip or avoid,
+    /// At the edge of a domain keep elements whole, clip them, or avoid it [keep, clip or avoid,
     /// default: clip]
     #[arg(long, value_name = "HOW", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]

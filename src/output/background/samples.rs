@@ -134,7 +134,7 @@ impl Samples {
     }
 }
 
-/// What component `c` of a row may be so that all samples stay within the bound: or, where the
+/// The range of component `c` of a row in which all samples stay within the bound: or, where the
 /// field has too sharp a peak for that, within the least that is possible.
 fn range(wanted: &[(f64, [f64; 3])], c: usize, mut bound: f64) -> (f64, f64) {
     loop {

@@ -14,7 +14,7 @@ use crate::raster::colour::Colour;
 const CANDIDATES: usize = 4;
 /// Most whole values of a component that a stop chooses from.
 const VALUES: usize = 8;
-/// What leaving the corridor costs: far more than any distance within.
+/// The cost of leaving the corridor: far more than any distance within.
 const PENALTY: f64 = 1000.0;
 
 /// A sample that becomes a stop, and the values that each of its components may have.

@@ -9,9 +9,9 @@ use crate::scene::Tile;
 const HARSH: ([f64; 3], f64) = ([110.0, 70.0, 45.0], 90.0);
 const CALM: ([f64; 3], f64) = ([120.0, 115.0, 100.0], 12.0);
 
-/// A scene of ground alone whose colours lie on a line through a colour, as those of photographs
+/// A scene of background alone whose colours lie on a line through a colour, as those of photographs
 /// do, up to `spread` from it.
-fn ground(width: u32, height: u32, (centre, spread): ([f64; 3], f64), tile: Tile) -> Scene {
+fn scene_of(width: u32, height: u32, (centre, spread): ([f64; 3], f64), tile: Tile) -> Scene {
     let mut scene = testing::tiled(width, height, 1, tile);
     scene.layers.iter_mut().for_each(|layer| layer.instances.clear());
     let mut rng = crate::sampling::stream(2, "output/ground", 0);
@@ -58,22 +58,23 @@ fn stop_count(scene: &Scene) -> usize {
 
 #[test]
 fn near_to_the_field() {
-    let (mean, most, _) = distance(&ground(300, 300, CALM, Tile::default()));
+    let (mean, most, _) = distance(&scene_of(300, 300, CALM, Tile::default()));
     assert!(mean < 0.8 && most < 3.0, "{mean} {most}");
-    let (mean, most, far) = distance(&ground(300, 300, HARSH, Tile::default()));
+    let (mean, most, far) = distance(&scene_of(300, 300, HARSH, Tile::default()));
     assert!(mean < 0.9 && most < 9.0 && far < 0.003, "{mean} {most} {far}");
 }
 
 #[test]
 fn few_stops() {
-    let [calm, harsh] = [CALM, HARSH].map(|colours| stop_count(&ground(300, 300, colours, Tile::default())));
+    let [calm, harsh] =
+        [CALM, HARSH].map(|colours| stop_count(&scene_of(300, 300, colours, Tile::default())));
     // In so many pixels: a stop is 40 bytes.
     assert!(calm < 330 && harsh < 680, "{calm} {harsh}");
 }
 
 #[test]
 fn an_even_ground_needs_two_stops_a_row() {
-    let mut scene = ground(300, 300, CALM, Tile::default());
+    let mut scene = scene_of(300, 300, CALM, Tile::default());
     scene.field_mut().points.clear();
     let grid = self::grid(&scene);
     assert!(grid.rows.iter().flatten().all(|stops| stops.len() == 2));
@@ -82,7 +83,7 @@ fn an_even_ground_needs_two_stops_a_row() {
 
 #[test]
 fn stops_ascend_and_columns_join() {
-    let grid = self::grid(&ground(1100, 60, HARSH, Tile::default()));
+    let grid = self::grid(&scene_of(1100, 60, HARSH, Tile::default()));
     assert!(grid.columns.len() == 4 && grid.columns[3] == 1100.0);
     for row in &grid.rows {
         assert!(row.iter().flatten().is_sorted_by(|a, b| a.x <= b.x));
@@ -100,7 +101,7 @@ fn stops_ascend_and_columns_join() {
 fn periodic_where_the_scene_tiles() {
     // An odd and an even number of rows.
     for height in [110, 200] {
-        let scene = ground(310, height, HARSH, Tile { x: true, y: true });
+        let scene = scene_of(310, height, HARSH, Tile { x: true, y: true });
         let grid = self::grid(&scene);
         let [first, last] = [0, grid.rows.len() - 1]
             .map(|k| grid.rows[k].iter().flatten().map(|s| (s.x, s.colour)).collect::<Vec<_>>());
@@ -116,7 +117,7 @@ fn periodic_where_the_scene_tiles() {
 fn any_size_has_a_grid() {
     for (width, height) in [(1, 1), (1, 400), (400, 1), (2, 3)] {
         for tile in [Tile::default(), Tile { x: true, y: true }] {
-            let grid = self::grid(&ground(width, height, HARSH, tile));
+            let grid = self::grid(&scene_of(width, height, HARSH, tile));
             assert!(grid.rows.len() >= 2 && grid.rows.iter().flatten().all(|stops| stops.len() >= 2));
         }
     }

@@ -125,7 +125,7 @@ fn insert(text: &str, key: &str, added: &str) -> Option<String> {
     Some(format!("{before}{key}\n  {added}{after}"))
 }
 
-/// What a packed stream holds.
+/// The content of a packed stream.
 fn content_of(object: &[u8]) -> Option<String> {
     const BEGINNING: &[u8] = b"stream\n";
     let at = object.windows(BEGINNING.len()).position(|w| w == BEGINNING)?;

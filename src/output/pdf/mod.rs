@@ -129,7 +129,7 @@ fn clip_path(scene: &Scene, outline: &Outline) -> Option<PdfPath> {
     clip.finish()
 }
 
-/// What `content` draws, as a graphic of its own.
+/// The drawing of `content` as a graphic of its own.
 fn layer(surface: &mut Surface<'_>, content: impl FnOnce(&mut Surface<'_>)) -> Graphic {
     let mut builder = surface.stream_builder();
     let mut inner = builder.surface();

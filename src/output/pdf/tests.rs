@@ -1,4 +1,4 @@
-//! What every PDF of vtex holds to; how it looks is compared in `tests/formats.rs`.
+//! Rules that every PDF of vtex keeps; its look is compared in `tests/formats.rs`.
 
 use super::*;
 use crate::output::testing;
@@ -31,7 +31,7 @@ fn vectors_only_with_title_and_producer() {
     assert_eq!(count(&bytes(&scene), "/MediaBox [0 0 14400 "), 1);
 }
 
-/// What the object of a number holds, unpacked.
+/// The content of the object of a number, unpacked.
 fn object(file: &[u8], number: usize) -> String {
     let mark = format!("\n{number} 0 obj\n");
     let at = file.windows(mark.len()).position(|w| w == mark.as_bytes()).unwrap();

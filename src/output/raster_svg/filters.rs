@@ -1,4 +1,4 @@
-//! What filters and repeated patterns of an SVG cost to draw, estimated before it is drawn.
+//! The cost of drawing filters and repeated patterns of an SVG, estimated beforehand.
 //!
 //! Drawing cannot be interrupted, and 200 bytes can ask for hours: a wide `feMorphology` looks at a
 //! million pixels for each pixel, `feTurbulence` adds any number of octaves.

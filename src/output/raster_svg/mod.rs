@@ -46,7 +46,7 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
         return Err(fail(TOO_SLOW.into()));
     }
     let parse = |text: &str| svg_tree::document(text).and_then(|d| svg_tree::tree(&d));
-    // Why something of so many elements cannot be parsed.
+    // Why an SVG of that number of elements cannot be parsed.
     let refused = |reason: String, elements: u64| {
         let most = pieces::MOST;
         fail(if elements <= most {
@@ -87,7 +87,7 @@ pub(super) fn weight(text: &str) -> u64 {
     Pieces::new(text, &svg_tree::document(text).unwrap()).weight()
 }
 
-/// What of a document is not drawn, in words.
+/// The parts of a document that are not drawn, in words.
 fn left_out(document: &Document<'_>, name: &str) -> Option<String> {
     let count = |what: &str| document.descendants().filter(|n| n.tag_name().name() == what).count();
     let counts = [(count("image"), "<image>"), (count("text"), "<text>")];

@@ -22,7 +22,7 @@ const DEPTH: usize = 32;
 const CLIP: &str =
     "<g fill=\"#fff\" fill-opacity=\"1\" fill-rule=\"nonzero\" stroke=\"none\" visibility=\"visible\">";
 
-/// What a piece of an SVG is for.
+/// The purpose of a piece of an SVG.
 pub(super) enum Step {
     /// An SVG to be drawn over what there is, with its elements.
     Draw { text: String, weight: u64 },
@@ -211,7 +211,7 @@ impl<'a> Pieces<'a> {
         })
     }
 
-    /// What is within the clip path of a group, if it is made of bare shapes.
+    /// The content of the clip path of a group, if it is made of bare shapes.
     fn clip_of(&self, node: Node<'_, '_>) -> Option<&'a str> {
         const PLACE: [&str; 13] =
             ["id", "d", "x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "points", "transform"];

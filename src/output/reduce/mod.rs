@@ -1,6 +1,6 @@
-//! Scene → scene whose SVG takes no more than so many bytes.
+//! Scene → scene whose SVG stays within a number of bytes.
 //!
-//! What can be given up stands on a ladder, that which is seen least first: decimals of numbers;
+//! Reductions stand on a ladder, the least visible first: decimals of numbers;
 //! outlines drawn with fewer pieces, a little off what they were; the least visible details and
 //! secondaries, a share of all at a time; and, the more of these, outlines further off. A bisection finds the first step of
 //! the ladder whose file fits. Primaries and the background always stay as they are.
@@ -24,7 +24,7 @@ const LADDER: [(f64, usize); 5] = [(0.1, 20), (0.15, 30), (0.2, 40), (0.3, 50), 
 /// In how many steps details and secondaries are left out.
 const SHARES: usize = 60;
 
-/// What was given up to make a file small enough.
+/// Reductions that made a file small enough.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct GivenUp {
     /// Digits after the decimal point that are left.
@@ -40,11 +40,11 @@ pub struct GivenUp {
 /// A scene that fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reduced<'a> {
-    /// What to write.
+    /// The scene to write.
     pub scene: Cow<'a, Scene>,
     /// How to write it.
     pub options: SvgOptions,
-    /// What it lacks; nothing where the scene fits as it is.
+    /// Its reductions; none where the scene fits as it is.
     pub given_up: Option<GivenUp>,
 }
 

@@ -40,7 +40,7 @@ impl Ranks {
                 all.push((seen / bytes(&detail.outline), Place::Detail(t, d)));
             }
         }
-        // What an instance costs: a reference and a share of the definition where there is one.
+        // The cost of an instance: a reference and a share of the definition where there is one.
         let own_bytes: Vec<f64> = (scene.elements.iter().zip(&uses))
             .map(|(element, &uses)| {
                 let whole = bytes(element.outline());
@@ -57,11 +57,12 @@ impl Ranks {
                 let element = scene.element(instance);
                 let affine = instance.affine();
                 let at = affine * element.outline().bounds().center();
-                let ground = field.as_ref().map_or(Colour::default(), |f| Colour::from_f64(f.at(at.x, at.y)));
-                let contrast = distance(instance.colour.unwrap_or(element.base().colour), ground);
+                let beneath =
+                    field.as_ref().map_or(Colour::default(), |f| Colour::from_f64(f.at(at.x, at.y)));
+                let contrast = distance(instance.colour.unwrap_or(element.base().colour), beneath);
                 let area = element.outline().area() * affine.determinant().abs();
                 let own: f64 =
-                    element.details().iter().map(|p| p.outline.area() * distance(p.colour, ground)).sum();
+                    element.details().iter().map(|p| p.outline.area() * distance(p.colour, beneath)).sum();
                 let bytes = own_bytes[instance.element.index()];
                 all.push(((area * contrast + own) / bytes, Place::Instance(k, i)));
             }

@@ -6,7 +6,7 @@
 //! the middles of the sides of a polygon run parabolas that touch its sides. As `T` commands these need
 //! but one point each, and the numbers of one path can be turned into those of another one by one.
 //!
-//! What grows or shrinks does so as a path too: Chromium would make a layer of its own of everything
+//! Elements that grow or shrink are animated as paths too: Chromium would make a layer of its own of everything
 //! whose transform is animated, and thousands of them are more than it can paint.
 //!
 //! Gradients on textons are drawn in their mean colours, shadows with a sharp edge. The painting order
@@ -325,7 +325,7 @@ fn write_fields<W: Write>(
     }
 }
 
-/// What of it is another in the second scene, as a part of a rule.
+/// Its properties that differ in the second scene, as a part of a rule.
 fn brush_rule(rule: &mut String, brush: &Brush) {
     // Writing into a String cannot fail.
     match brush {

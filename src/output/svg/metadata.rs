@@ -1,5 +1,6 @@
-//! What a written SVG says of itself.
+//! Metadata of an SVG.
 
+use crate::output::categories::SceneCategory;
 use crate::scene::{EditRecord, LibraryRef, Scene, SynthParams, Tile};
 use serde::Serialize;
 
@@ -18,16 +19,23 @@ struct Metadata<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<&'a SynthParams>,
     libraries: &'a [LibraryRef],
+    /// Those of the elements in the file.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    categories: &'a [SceneCategory],
     /// How it was made from its inputs, in the words of whoever made it.
     #[serde(skip_serializing_if = "Option::is_none")]
     recipe: Option<&'a serde_json::Value>,
-    /// What was done to it after synthesis.
+    /// Operations applied after synthesis.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     edits: &'a [EditRecord],
 }
 
 /// The metadata of a scene as JSON text.
-pub(super) fn json(scene: &Scene, recipe: Option<&serde_json::Value>) -> String {
+pub(super) fn json(
+    scene: &Scene,
+    categories: &[SceneCategory],
+    recipe: Option<&serde_json::Value>,
+) -> String {
     let metadata = Metadata {
         format: "vtex-svg",
         version: 1,
@@ -38,6 +46,7 @@ pub(super) fn json(scene: &Scene, recipe: Option<&serde_json::Value>) -> String 
         tile: scene.tile,
         parameters: scene.parameters.as_ref(),
         libraries: &scene.libraries,
+        categories,
         recipe,
         edits: &scene.edits,
     };

@@ -10,7 +10,8 @@
 //! their original: primaries as a `<use>` of it, secondaries in full.
 //!
 //! Layers become groups with the layer's name; a region becomes a clip path. A reader finds of every
-//! element of a layer of individuals its *category* in `data-category` of its group; its *source*, the
+//! element of a layer of individuals its *category* in the class of its group (`category-2`, or
+//! `category-2-1` for category 2 of library 1 where there are several); its *source*, the
 //! index among the elements of its library, in the id of its definition, or of its first path where it
 //! stands once (`t12` is element 12 with a category, `s340` element 340 without one, `t12-1` that of
 //! library 1, counted from 0 as in the metadata, where there are several); in an expanded file in
@@ -25,6 +26,7 @@
 
 mod animation;
 mod background;
+mod css;
 mod gradients;
 mod layers;
 mod metadata;
@@ -37,6 +39,7 @@ mod xml;
 pub use animation::{Animation, write_animation};
 
 use super::background::Background;
+use super::categories::{SceneCategory, class};
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::scene::{Instance, Scene};
@@ -73,15 +76,18 @@ pub struct SvgOptions {
     /// Write every texton as plain paths where it stands, without `<symbol>`, `<use>` and
     /// transforms, for programs that know none of these. Default false.
     pub expand: bool,
+    /// Write a style rule for each category, with custom properties that shift its hue and lightness.
+    /// Default false.
+    pub css: bool,
 }
 
 impl Default for SvgOptions {
     fn default() -> Self {
-        Self { precision: 1, expand: false }
+        Self { precision: 1, expand: false, css: false }
     }
 }
 
-/// What was written.
+/// Counts of a written file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SvgSummary {
     /// Length of the file.
@@ -92,7 +98,7 @@ pub struct SvgSummary {
     pub drawn: u64,
     /// Textons defined once and placed by reference.
     pub shared_textons: u64,
-    /// What the user should know.
+    /// Warnings for the user, a sentence each.
     pub warnings: Vec<String>,
 }
 
@@ -166,15 +172,18 @@ fn too_much(drawn: Drawn) -> Option<String> {
     ))
 }
 
-/// What is written, and how.
+/// A scene made ready to be written.
 struct Document<'a> {
     scene: &'a Scene,
     backgrounds: Vec<NamedField>,
     frames: Vec<Frame>,
     textons: Textons<'a>,
+    categories: Vec<SceneCategory>,
+    /// Whether categories have style rules.
+    css: bool,
     /// How far beyond the canvas it reaches, in pixels.
     bleed: f64,
-    /// What the metadata say of how the scene was made.
+    /// The recipe in the metadata: how the scene was made.
     recipe: Option<&'a serde_json::Value>,
 }
 
@@ -182,12 +191,14 @@ impl<'a> Document<'a> {
     fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Result<Self> {
         check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
         super::check_scene(scene)?;
-        let textons = Textons::new(scene, options, bleed);
+        let categories = crate::output::categories(scene);
+        let textons = Textons::new(scene, &categories, options, bleed);
         let fields = scene.layers.iter().map(|layer| layer.field.as_ref());
         let backgrounds = backgrounds(fields.map(|f| f.map(|field| Background::new(scene, field))), "b");
         let layers = scene.layers.iter().map(|l| (l.name.as_str(), l.role, l.region.is_some()));
         let frames = Frame::of(layers, scene.domain.as_ref().map(|d| d.edge));
-        Ok(Self { scene, backgrounds, frames, textons, bleed, recipe: None })
+        let css = options.css;
+        Ok(Self { scene, backgrounds, frames, textons, categories, css, bleed, recipe: None })
     }
 
     /// The canvas as it is.
@@ -236,12 +247,19 @@ impl<'a> Document<'a> {
         xml.attribute("xmlns:inkscape", "http://www.inkscape.org/namespaces/inkscape");
     }
 
-    /// Title and metadata.
+    /// Title, metadata and style rules.
     fn write_about<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         let title = crate::output::title(self.scene);
-        for (name, text) in [("title", title), ("metadata", metadata::json(self.scene, self.recipe))] {
+        let metadata = metadata::json(self.scene, &self.categories, self.recipe);
+        for (name, text) in [("title", title), ("metadata", metadata)] {
             xml.open(name);
             xml.text(&text);
+            xml.close()?;
+            xml.line();
+        }
+        if self.css {
+            xml.open("style");
+            xml.raw_text(&css::rules(self.scene, &self.categories))?;
             xml.close()?;
             xml.line();
         }
@@ -313,6 +331,14 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
+    /// The category of an individual element, as the class of its group.
+    fn write_category<W: Write>(&self, xml: &mut Xml<W>, instance: &Instance) {
+        let element = self.scene.element(instance);
+        if let Some(class) = class(self.scene, element) {
+            xml.attribute("class", class);
+        }
+    }
+
     /// Elements each in a group with its id.
     fn write_individuals<W: Write>(&self, xml: &mut Xml<W>, instances: &[Instance]) -> io::Result<()> {
         for instance in instances {
@@ -345,14 +371,13 @@ impl<'a> Document<'a> {
             Some((shift, _)) => {
                 xml.open("g");
                 xml.attribute("data-copy-of", format_args!("p{}", instance.id));
+                self.write_category(xml, instance);
                 self.textons.write_instance(xml, instance, shift, true)?;
             }
             None => {
                 xml.open("g");
                 xml.attribute("id", format_args!("p{}", instance.id));
-                if let Some(category) = self.scene.element(instance).category {
-                    xml.attribute("data-category", category.0);
-                }
+                self.write_category(xml, instance);
                 self.textons.write_instance(xml, instance, Vec2::ZERO, true)?;
             }
         }

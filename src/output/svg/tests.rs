@@ -1,4 +1,4 @@
-//! What every SVG of vtex holds to.
+//! Rules that every SVG of vtex keeps.
 
 use super::*;
 use crate::output::raster_svg::render_svg;
@@ -14,7 +14,7 @@ fn text(scene: &Scene, options: &SvgOptions) -> (String, SvgSummary) {
     (String::from_utf8(bytes).unwrap(), summary)
 }
 
-const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true };
+const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true, css: false };
 
 fn named<'a>(document: &'a Document<'_>, name: &str) -> Vec<Node<'a, 'a>> {
     document.descendants().filter(|n| n.has_tag_name(("http://www.w3.org/2000/svg", name))).collect()
@@ -126,9 +126,36 @@ fn layers_in_order_with_a_group_for_each_primary() {
     for (group, instance) in groups.iter().zip(scene.primary()) {
         assert!(group.has_tag_name(("http://www.w3.org/2000/svg", "g")));
         assert_eq!(group.attribute("id"), Some(&format!("p{}", instance.id)[..]));
-        let category = scene.element(instance).category.map(|c| c.to_string());
-        assert_eq!(group.attribute("data-category"), category.as_deref());
+        let class = scene.element(instance).category.map(|c| format!("category-{c}"));
+        assert_eq!(group.attribute("class"), class.as_deref());
     }
+}
+
+#[test]
+fn categories_have_names_colours_and_rules() {
+    let scene = testing::scene(400, 300, 2);
+    let (plain, _) = text(&scene, &SvgOptions::default());
+    let (styled, _) = text(&scene, &SvgOptions { css: true, ..SvgOptions::default() });
+    let document = Document::parse(&styled).unwrap();
+    let style = named(&document, "style")[0].text().unwrap();
+    let metadata = named(&document, "metadata")[0].text().unwrap();
+    let metadata: serde_json::Value = serde_json::from_str(metadata).unwrap();
+    let listed = metadata["categories"].as_array().unwrap();
+    assert!(listed.len() > 1);
+    for entry in listed {
+        let class = format!("category-{}", entry["category"]);
+        let shown = document.descendants().filter(|n| n.attribute("class") == Some(&class)).count();
+        assert_eq!(entry["elements"].as_u64(), Some(shown as u64));
+        let (name, colour) = (entry["name"].as_str().unwrap(), entry["colour"].as_str().unwrap());
+        let twins = listed.iter().filter(|other| other["name"] == entry["name"]).count();
+        assert_eq!(twins, 1, "{name}");
+        assert!(style.contains(&format!(".{class}{{filter:")) && style.contains(&format!("{name} {colour}")));
+    }
+    // Everything but the rules is the same, and nothing is filtered before a hue is set.
+    let (before, rest) = styled.split_once("<style>").unwrap();
+    let after = rest.split_once("</style>\n").unwrap().1;
+    assert_eq!(format!("{before}{after}"), plain);
+    assert!(style.lines().all(|line| !line.starts_with('.') || line.contains("hue-rotate(var(--hue-")));
 }
 
 #[test]
@@ -158,14 +185,16 @@ fn each_texton_used_twice_is_defined_once() {
 
 #[test]
 fn limits_of_viewers_are_told_with_what_helps() {
-    let told = |elements, references| too_much(Drawn { elements, references }).unwrap_or_default();
-    assert_eq!(told(999_999, 499_999), "");
-    assert!(told(1_000_000, 0).contains("resvg stops at 1000000") && !told(1_000_000, 0).contains("librsvg"));
+    let warned = |elements, references| too_much(Drawn { elements, references }).unwrap_or_default();
+    assert_eq!(warned(999_999, 499_999), "");
     assert!(
-        told(900_000, 500_000).contains("librsvg stops at 500000")
-            && told(900_000, 500_000).contains("--expand")
+        warned(1_000_000, 0).contains("resvg stops at 1000000") && !warned(1_000_000, 0).contains("librsvg")
     );
-    let both = told(2_000_000, 600_000);
+    assert!(
+        warned(900_000, 500_000).contains("librsvg stops at 500000")
+            && warned(900_000, 500_000).contains("--expand")
+    );
+    let both = warned(2_000_000, 600_000);
     assert!(
         both.contains("2000000 elements") && both.contains("librsvg") && !both.contains("--expand"),
         "{both}"
@@ -186,7 +215,7 @@ fn ids_stay_unique_where_sources_do_not() {
 #[test]
 fn shared_and_expanded_look_alike() {
     let scene = testing::scene(400, 300, 4);
-    let fine = SvgOptions { precision: 2, expand: false };
+    let fine = SvgOptions { precision: 2, ..SvgOptions::default() };
     let [shared, expanded] = [fine, SvgOptions { expand: true, ..fine }]
         .map(|options| render_svg(text(&scene, &options).0.as_bytes(), 1.0, "test", &()).unwrap());
     let pairs = shared.data().iter().zip(expanded.data());
@@ -217,10 +246,11 @@ fn metadata_come_back() {
 #[test]
 fn more_digits_more_bytes_and_nothing_lost_at_two() {
     let scene = testing::scene(300, 300, 6);
-    let bytes: Vec<u64> =
-        (0..=4).map(|precision| text(&scene, &SvgOptions { precision, expand: false }).1.bytes).collect();
+    let bytes: Vec<u64> = (0..=4)
+        .map(|precision| text(&scene, &SvgOptions { precision, ..SvgOptions::default() }).1.bytes)
+        .collect();
     assert!(bytes.is_sorted() && bytes[0] < bytes[1] && bytes[1] < bytes[2], "{bytes:?}");
-    let (text, _) = text(&scene, &SvgOptions { precision: 2, expand: false });
+    let (text, _) = text(&scene, &SvgOptions { precision: 2, ..SvgOptions::default() });
     let document = Document::parse(&text).unwrap();
     for (i, element) in scene.elements.iter().enumerate() {
         let id = format!("{}{i}", if element.category.is_some() { 't' } else { 's' });
@@ -231,7 +261,7 @@ fn more_digits_more_bytes_and_nothing_lost_at_two() {
         let path = node.descendants().find_map(|n| n.attribute("d")).unwrap();
         assert_eq!(serde_json::to_value(element.outline()).unwrap(), path);
     }
-    let wrong = write(&scene, &SvgOptions { precision: 7, expand: false }, std::io::sink());
+    let wrong = write(&scene, &SvgOptions { precision: 7, ..SvgOptions::default() }, std::io::sink());
     assert!(matches!(wrong, Err(Error::Parameter { name: "precision", .. })));
 }
 
@@ -268,7 +298,7 @@ fn failing_writers_are_reported() {
     );
 }
 
-/// The whole text of a scene on an even ground, by its hash. `VTEX_BLESS=1` stores a new one.
+/// The whole text of a scene on an even background, by its hash. `VTEX_BLESS=1` stores a new one.
 #[test]
 fn golden() {
     use sha2::{Digest, Sha256};

@@ -6,9 +6,12 @@ use super::number::{Number, Paint, list};
 use super::xml::{Drawn, Xml};
 use crate::element::{Cap, Join, Line};
 use crate::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
+use crate::output::categories::SceneCategory;
 use crate::output::shadow::{self, Layer, Shadows};
 use crate::raster::colour::Colour;
-use crate::scene::{Element, ElementId, Gradient, Instance, Scene, Shadow, Shape, Stroke};
+use crate::scene::{
+    CategoryId, Element, ElementId, Gradient, Instance, LibraryId, Scene, Shadow, Shape, Stroke,
+};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
@@ -26,10 +29,12 @@ pub(super) struct Textons<'a> {
     inherits: Vec<bool>,
     /// Bounding boxes; none where nothing is copied.
     bounds: Vec<Rect>,
-    /// What is drawn of each where it is defined.
+    /// The elements and references drawn of each where it is defined.
     drawn: Vec<Cell<Drawn>>,
-    /// What each is called where it is defined.
+    /// The id of each where it is defined.
     ids: Vec<String>,
+    /// Names of categories.
+    names: BTreeMap<(LibraryId, CategoryId), String>,
     /// Number of the next gradient.
     gradients: Cell<u64>,
     shadows: Shadows,
@@ -39,10 +44,10 @@ pub(super) struct Textons<'a> {
     outlined: Vec<bool>,
 }
 
-/// What the outline of a texton is painted with.
+/// The paint of an element's outline.
 #[derive(Clone, Copy)]
 enum Base<'a> {
-    /// What its parent says.
+    /// The paint of its parent.
     Inherited,
     Colour(Colour),
     /// A colour, and the gradient in its place.
@@ -58,14 +63,20 @@ impl<'a> Base<'a> {
 
 impl<'a> Textons<'a> {
     /// Decides which textons are shared.
-    pub(super) fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Self {
+    pub(super) fn new(
+        scene: &'a Scene,
+        categories: &[SceneCategory],
+        options: &SvgOptions,
+        bleed: f64,
+    ) -> Self {
         // A stroked path keeps its paint, unless an instance has a colour of its own.
         let inherits =
             scene.elements.iter().map(|t| t.details().is_empty() && t.base().line.is_none()).collect();
         let bounds =
             if scene.tile.any() { scene.elements.iter().map(Element::bounds).collect() } else { Vec::new() };
         let shared = vec![false; scene.elements.len()];
-        let SvgOptions { precision, expand } = *options;
+        let SvgOptions { precision, expand, .. } = *options;
+        let names = categories.iter().map(|c| ((c.library, c.category), c.name.clone())).collect();
         let (ids, gradients) = (ids(scene), Cell::new(0));
         let drawn = vec![Cell::default(); scene.elements.len()];
         let (shadows, shared_shadows) = (Shadows::new(scene), BTreeMap::new());
@@ -80,6 +91,7 @@ impl<'a> Textons<'a> {
             bounds,
             drawn,
             ids,
+            names,
             gradients,
             shadows,
             shared_shadows,
@@ -133,6 +145,11 @@ impl<'a> Textons<'a> {
         self.scene.copies(bounds.inflate(reach, reach))
     }
 
+    /// The name of an element's category, if it has one.
+    pub(super) fn category_name(&self, element: &Element) -> Option<&str> {
+        self.names.get(&(element.library, element.category?)).map(String::as_str)
+    }
+
     /// Whether every texton is written in full where it stands.
     pub(super) fn expands(&self) -> bool {
         self.expand
@@ -178,7 +195,7 @@ impl<'a> Textons<'a> {
                 xml.attribute("id", id);
                 xml.attribute("overflow", "visible");
                 xml.open("title");
-                xml.text(&title(element));
+                xml.text(&title(element, self.category_name(element)));
                 xml.close()?;
                 let base = if self.inherits[i] { Base::Inherited } else { Base::new(element.paint(None)) };
                 self.write_paths(xml, i, base, None)?;
@@ -382,7 +399,7 @@ impl<'a> Textons<'a> {
         if let Some(index) = source {
             self.write_source(xml, index);
         }
-        // What takes its paint from elsewhere is filled.
+        // A shape that takes its paint from elsewhere is filled.
         let line = shape.line.as_ref().filter(|_| !matches!(fill, Base::Inherited));
         let kind = if line.is_some() { "stroke" } else { "fill" };
         match (fill, id) {
@@ -509,10 +526,11 @@ fn ids(scene: &Scene) -> Vec<String> {
     scene.elements.iter().enumerate().map(id).collect()
 }
 
-/// What editors call an element among their symbols.
-fn title(element: &Element) -> String {
+/// The title of an element among the symbols of an editor.
+fn title(element: &Element, category_name: Option<&str>) -> String {
     let part = if element.fragment { "Part of element" } else { "Element" };
     let number = element.source.map_or(String::new(), |source| format!(" {}", source.0));
     let category = element.category.map_or(String::new(), |c| format!(", category {}", c.0));
-    format!("{part}{number}{category}")
+    let name = category_name.map_or(String::new(), |name| format!(" ({name})"));
+    format!("{part}{number}{category}{name}")
 }

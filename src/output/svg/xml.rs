@@ -6,7 +6,7 @@ use std::io::{self, Write};
 /// Bytes gathered before they are handed on.
 const BUFFER: usize = 1 << 16;
 
-/// What a viewer meets that follows every `<use>`.
+/// The elements and references that a viewer meets which follows every `<use>`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Drawn {
     pub(super) elements: u64,
@@ -15,7 +15,7 @@ pub(super) struct Drawn {
 }
 
 impl Drawn {
-    /// What was added since `before`.
+    /// The difference to `before`.
     pub(super) fn since(self, before: Self) -> Self {
         Self { elements: self.elements - before.elements, references: self.references - before.references }
     }
@@ -57,7 +57,7 @@ impl<W: Write> Xml<W> {
         self.drawn.references += used.references;
     }
 
-    /// What a viewer meets in all that is written so far.
+    /// The elements and references that a viewer meets so far.
     pub(super) fn drawn(&self) -> Drawn {
         self.drawn
     }

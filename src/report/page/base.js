@@ -24,7 +24,9 @@ const el = (name, attributes, ...children) => make(null, name, attributes, child
 const vector = (name, attributes, ...children) =>
   make("http://www.w3.org/2000/svg", name, attributes, children);
 
-const integer = (v) => Math.round(v).toLocaleString("en").replaceAll(",", "\u2009");
+// Thousands are set apart by narrow spaces at which no line breaks.
+const integer = (v) => Math.round(v).toLocaleString("en").replaceAll(",", "\u202f");
+const area = (v) => `${integer(v)}\u202fpx²`;
 const percent = (v, digits = 1) => `${(100 * v).toFixed(digits)}\u202f%`;
 const short = (v) => String(Number(v.toPrecision(4)));
 const plural = (n, one, many) => `${integer(n)} ${n === 1 ? one : many}`;

@@ -8,7 +8,7 @@ let thumbs = { pictures: new Map(), addresses: [] };
 async function cutOut(picture) {
   const text = await textOf(picture);
   const pieces = new Map();
-  for (const match of text.matchAll(/<g id="p(\d+)" data-category="\d+">([^]*?)<\/g>/g)) {
+  for (const match of text.matchAll(/<g id="p(\d+)" class="category-\d+">([^]*?)<\/g>/g)) {
     pieces.set(Number(match[1]), match[2]);
   }
   return pieces;
@@ -31,7 +31,7 @@ function makeThumb(texton, usual) {
   const scale = shown / size;
   const times = scene && group().in_scene ? `, placed ${texton.placed}×` : "";
   const cut = texton.clipped ? ", cut by the border" : "";
-  const about = `Primary ${texton.source}, ${integer(texton.area)} px²${times}${cut}`;
+  const about = `Primary ${texton.source}, ${area(texton.area)}${times}${cut}`;
   const image = el("img", {
     alt: "",
     loading: "lazy",
@@ -94,7 +94,7 @@ function makeCard(category, usual, most) {
         title: "Its colour in maps",
       })),
     el("p", { class: "faint" },
-      [known, placed, `${integer(category.area)} px² on average`].filter(Boolean).join(" · ")),
+      [known, placed, `${area(category.area)} on average`].filter(Boolean).join(" · ")),
     ...makeBars(category, most),
     list, more);
 }
@@ -107,6 +107,7 @@ async function makeCategories() {
   makeSurroundings();
   cards.replaceChildren();
   const categories = about?.categories ?? [];
+  byId("categories-legend").hidden = categories.length === 0;
   if (categories.length === 0) {
     byId("categories-lead").textContent = "There are no primaries, so there are no categories.";
     return;

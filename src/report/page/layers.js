@@ -39,7 +39,7 @@ function layerText(pane, layer) {
   if (layer === "primary") {
     const instances = pane.picture === "result" ? group()?.instances ?? {} : {};
     const gone = [...hidden.categories].map((id) =>
-      instances[id] ? instances[id].map((i) => `#p${i}`).join() : `[data-category="${id}"]`);
+      instances[id] ? instances[id].map((i) => `#p${i}`).join() : `.category-${id}`);
     style = gone.filter(Boolean).map((which) => `${which}{display:none}`).join("");
     // The first path of a primary is its base, those after it are its details, but for the line along its
     // outline; definitions and the layers of a shadow are paths beside each other, too.

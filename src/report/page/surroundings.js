@@ -180,7 +180,7 @@ async function showSurroundings() {
   const placed = about.in_scene ? `, placed ${texton.placed}×` : "";
   box.replaceChildren(
     el("h3", { id: "surroundings-head" }, `Around primary ${texton.source}`),
-    el("p", { class: "faint" }, `Category ${texton.category}, ${integer(texton.area)} px²${placed}`
+    el("p", { class: "faint" }, `Category ${texton.category}, ${area(texton.area)}${placed}`
       + `${texton.clipped ? ", cut by the border, so never placed" : ""}. Window ${2 * found.half} × ${2 * found.half} px; `
       + "textons that stick out of it belong to the descriptor."),
     views,

@@ -36,7 +36,7 @@ pub(crate) struct BatchArgs {
     /// Folder for results, named after their inputs, made if need be
     #[arg(long, value_name = "DIR", required = true, help_heading = "Output")]
     pub(crate) out_dir: Option<PathBuf>,
-    /// What is written for each: svg, svgz, pdf, png, scene.json, scene.json.gz, lib.json,
+    /// Formats written for each: svg, svgz, pdf, png, scene.json, scene.json.gz, lib.json,
     /// lib.json.gz [default: svg]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = "Output")]
     #[arg(value_parser = one_of(&Extension::ALL, str::parse::<Extension>), hide_possible_values = true)]

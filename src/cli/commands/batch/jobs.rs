@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 use vtex::Error;
 
-/// What the names of pictures in a folder end in.
+/// Extensions of pictures in a folder.
 const PICTURES: [&str; 13] =
     ["png", "jpg", "jpeg", "tif", "tiff", "webp", "bmp", "gif", "pnm", "ppm", "pgm", "pbm", "pam"];
 
@@ -57,7 +57,7 @@ struct Entry {
 }
 
 impl Source {
-    /// What the arguments name.
+    /// The inputs that the arguments name.
     ///
     /// # Errors
     /// A file of jobs that cannot be read, or stands beside other inputs.

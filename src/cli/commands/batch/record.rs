@@ -1,4 +1,4 @@
-//! What was done, a line of JSON for each job, so that a batch can go on where it ended.
+//! The record of a batch, a line of JSON for each job, so that it can go on where it ended.
 
 use super::values::Shard;
 use serde::{Deserialize, Serialize};

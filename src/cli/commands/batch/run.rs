@@ -50,7 +50,7 @@ struct Origin<'a> {
     render: RenderParameters,
 }
 
-/// What finds masks, by segmenter: networks are large and read once for all jobs.
+/// Segmenters by name: networks are large and read once for all jobs.
 #[derive(Default)]
 struct Finders(RefCell<BTreeMap<SegmenterName, String>>);
 
@@ -95,7 +95,7 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
     let mine: Vec<&BatchJob> = all.filter(|(i, _)| batch.shard.holds(*i)).map(|(_, job)| job).collect();
     let finders = Finders::default();
     let began = Instant::now();
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     for (i, job) in mine.iter().enumerate() {
         if interrupt::asked() {
             break;
@@ -108,9 +108,9 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
             records.add(&record)?;
         }
         tell(common, &record)?;
-        told.push(record);
+        reported.push(record);
     }
-    let count = |status| told.iter().filter(|r: &&Record| r.status == status).count();
+    let count = |status| reported.iter().filter(|r: &&Record| r.status == status).count();
     let total = Total {
         program: vtex::PROGRAM,
         command: "batch",
@@ -121,7 +121,7 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
         failed: count(Status::Failed),
         seconds: thousandths(began.elapsed().as_secs_f64()),
     };
-    total.tell(common, &told)?;
+    total.tell(common, &reported)?;
     interrupt::check()?;
     if total.failed > 0 {
         let failure = Failure::failed(format!("{} of {} jobs failed", total.failed, total.jobs));
@@ -266,7 +266,7 @@ impl<'a> Run<'a> {
     }
 
     fn make(&self, reporter: &Reporter, is_library: bool) -> anyhow::Result<Made> {
-        // What is wrong with them shows before the long work.
+        // Faults in them show before the long work.
         self.targets().iter().try_for_each(|target| target.place.probe())?;
         let mut controls = reading::controls(&self.batch.steering, &self.synth, 1)?;
         let mut recipe = None;

@@ -1,4 +1,4 @@
-//! How jobs ended, told.
+//! Reports on how jobs ended.
 
 use super::record::{Record, Status};
 use crate::cli::common::Common;

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::str::FromStr;
 use vtex::output::file::Kind;
 
-/// What follows the name of a file that is written.
+/// The extension of a written file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Extension(&'static str);
 
@@ -14,7 +14,7 @@ impl Extension {
     pub(crate) const ALL: [&'static str; 8] =
         ["svg", "svgz", "pdf", "png", "scene.json", "scene.json.gz", "lib.json", "lib.json.gz"];
 
-    /// What is written if nothing is said.
+    /// The default formats.
     pub(crate) const DEFAULT: Self = Self(Self::ALL[0]);
 
     pub(crate) fn as_str(self) -> &'static str {

@@ -14,7 +14,7 @@ use vtex::library::Library;
 use vtex::report::{self, Named, Photo, Subject};
 use vtex::scene::Scene;
 
-/// What a page shows beside libraries and scene, and where it goes.
+/// Additions of a page to libraries and scene, and its place.
 pub(super) struct PageOptions {
     exemplars: Vec<Input>,
     place: Place,
@@ -88,7 +88,7 @@ pub(super) fn run(
 /// Libraries, and the scene if there is one.
 type Contents = (Vec<Named<Library>>, Option<Named<Scene>>);
 
-/// What the inputs hold.
+/// The content of the inputs.
 fn read(inputs: &[Input]) -> anyhow::Result<Contents> {
     let (mut libraries, mut scene) = (Vec::new(), None);
     for input in inputs {

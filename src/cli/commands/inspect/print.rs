@@ -1,4 +1,4 @@
-//! What a library or a scene holds, printed.
+//! Printing of libraries and scenes.
 
 use crate::cli::common::Common;
 use crate::cli::failure::label;
@@ -8,11 +8,12 @@ use crate::cli::output;
 use crate::cli::summary::{Counts, bytes as show_bytes};
 use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
-use vtex::library::{AnalyzeParams, Library};
+use vtex::library::{AnalyzeParams, Category, Library};
 use vtex::raster::colour::Colour;
+use vtex::raster::colour_names;
 use vtex::scene::{CategoryId, EditRecord, Field, LibraryId, Role, Scene, SynthParams, Tile};
 
-/// What is said of a file.
+/// The report on a file.
 #[derive(Debug, Serialize)]
 struct Inspection {
     command: &'static str,
@@ -36,7 +37,7 @@ struct Inspection {
     counts: Counts,
     /// Share of the picture that primaries cover, 0 to 1.
     coverage: f64,
-    /// Areas of the textons, in pixels.
+    /// Areas of the elements, in pixels.
     areas: Areas,
     /// Typical distances, in pixels.
     spacing: Spacing,
@@ -45,7 +46,7 @@ struct Inspection {
     analyze: Option<AnalyzeParams>,
     #[serde(skip_serializing_if = "Option::is_none")]
     synth: Option<SynthParams>,
-    /// What was done to a scene after it was made, in order.
+    /// Operations applied to a scene, in order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     edits: Vec<EditRecord>,
     warnings: Vec<String>,
@@ -99,6 +100,8 @@ struct CategoryLine {
     #[serde(skip_serializing_if = "Option::is_none")]
     library: Option<LibraryId>,
     category: CategoryId,
+    /// A plain name for its colour.
+    name: String,
     colour: Colour,
     primaries: usize,
     /// Those that the border does not cut.
@@ -125,16 +128,22 @@ pub(super) fn run(common: &Common, input: &Input) -> anyhow::Result<()> {
 
 fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
     let source = &library.source;
-    let categories = library.categories.iter().enumerate().map(|(i, category)| {
+    let colour = |category: &Category| {
+        let [r, g, b, ..] = category.centre;
+        Colour::from_f64([r, g, b])
+    };
+    let colours: Vec<Colour> = library.categories.iter().map(colour).collect();
+    let names = colour_names::distinct(&colours);
+    let categories = library.categories.iter().zip(names).enumerate().map(|(i, (category, name))| {
         let members = || library.primaries().iter().filter(|p| p.category.is_some_and(|c| c.index() == i));
-        let [r, g, b, area, _] = category.centre;
         CategoryLine {
             library: None,
             category: CategoryId(i as u16),
-            colour: Colour::from_f64([r, g, b]),
+            name,
+            colour: colours[i],
             primaries: members().count(),
             whole: Some(members().filter(|p| !p.clipped).count()),
-            mean_area: area,
+            mean_area: category.centre[3],
             coverage: category.coverage,
         }
     });
@@ -177,23 +186,18 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
     let area = |i: &vtex::scene::Instance| scene.element(i).outline().area() * i.affine().determinant().abs();
     let covered = vtex::output::coverage(scene);
     let canvas = (vtex::output::inside(scene) as f64).max(1.0);
-    let categories = covered.iter().map(|(&(library, category), &pixels)| {
-        let same = |t: &vtex::scene::Element| t.library == library && t.category == Some(category);
-        let members = || scene.individuals().filter(|i| same(scene.element(i)));
-        let count = members().count();
-        let mut mean = [0.0; 3];
-        for instance in members() {
-            let element = scene.element(instance);
-            let colour = instance.colour.unwrap_or(element.base().colour).to_f64();
-            mean = [0, 1, 2].map(|k| mean[k] + colour[k] / count as f64);
-        }
+    let categories = vtex::output::categories(scene).into_iter().map(|c| {
+        let same = |t: &vtex::scene::Element| t.library == c.library && t.category == Some(c.category);
+        let members = scene.individuals().filter(|i| same(scene.element(i)));
+        let pixels = covered.get(&(c.library, c.category)).copied().unwrap_or(0);
         CategoryLine {
-            library: (scene.libraries.len() > 1).then_some(library),
-            category,
-            colour: Colour::from_f64(mean),
-            primaries: count,
+            library: (scene.libraries.len() > 1).then_some(c.library),
+            category: c.category,
+            name: c.name,
+            colour: c.colour,
+            primaries: c.elements,
             whole: None,
-            mean_area: members().map(area).sum::<f64>() / count.max(1) as f64,
+            mean_area: members.map(area).sum::<f64>() / c.elements.max(1) as f64,
             coverage: pixels as f64 / canvas,
         }
     });
@@ -309,7 +313,7 @@ impl Inspection {
             text.push('\n');
             let several = self.categories.iter().any(|c| c.library.is_some());
             let whole = self.categories.iter().any(|c| c.whole.is_some());
-            let mut titles = vec!["category", "colour", "primaries"];
+            let mut titles = vec!["category", "colour", "name", "primaries"];
             if whole {
                 titles.push("whole");
             }
@@ -320,7 +324,7 @@ impl Inspection {
                     Some(library) if several => format!("{library}:{}", c.category),
                     _ => c.category.to_string(),
                 };
-                let mut row = vec![name, c.colour.to_string(), c.primaries.to_string()];
+                let mut row = vec![name, c.colour.to_string(), c.name.clone(), c.primaries.to_string()];
                 row.extend(c.whole.map(|n| n.to_string()));
                 row.extend([format!("{:.0} px", c.mean_area), format!("{:.2} %", c.coverage * 100.0)]);
                 rows.push(row);

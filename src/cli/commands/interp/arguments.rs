@@ -23,8 +23,8 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
     override_usage = "vtex interp [OPTIONS] <FROM> <TO>",
     after_help = "\
 Examples:
-  vtex interp a.scene.json b.scene.json -o film.gif --frames 30 --back
-  vtex interp a.scene.json b.scene.json -o film.svg --frames 60
+  vtex interp a.scene.json b.scene.json -o animation.gif --frames 30 --back
+  vtex interp a.scene.json b.scene.json -o animation.svg --frames 60
   vtex interp a.scene.json b.scene.json -o frames --format png --scale 2
   vtex interp a.scene.json b.scene.json -o half.svg --at 0.5
   vtex interp a.scene.json b.scene.json -o blend.svg --across x
@@ -74,7 +74,7 @@ pub(crate) struct InterpArgs {
     pub(super) svg: SvgFlags,
 }
 
-/// What frames in a folder are.
+/// Formats of frames in a folder.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum FrameFormat {
@@ -102,14 +102,14 @@ pub(super) struct Interpolating {
     pub(super) svg: SvgParameters,
 }
 
-/// What is wanted of the way from one scene to the other.
+/// The result wanted from two scenes.
 pub(super) enum Wanted {
     /// One scene.
     Scene(scene::Place, Targets),
     /// Files of their own, named by their number.
     Frames { folder: PathBuf, kind: Kind, force: bool, pace: Pace },
     /// One file that plays.
-    Film { place: Place, kind: FilmKind, pace: Pace },
+    Animation { place: Place, kind: AnimationKind, pace: Pace },
 }
 
 impl Wanted {
@@ -118,14 +118,14 @@ impl Wanted {
         match self {
             Self::Scene(_, targets) => targets.has(Format::Png),
             Self::Frames { kind, .. } => kind.format == Format::Png,
-            Self::Film { kind, .. } => !matches!(kind, FilmKind::Svg { .. }),
+            Self::Animation { kind, .. } => !matches!(kind, AnimationKind::Svg { .. }),
         }
     }
 }
 
-/// What a film is written as.
+/// Formats of an animation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FilmKind {
+pub(super) enum AnimationKind {
     Svg { gzip: bool },
     Gif,
     Png,
@@ -165,7 +165,7 @@ impl Interpolating {
             let pace = Pace { frames: a.frames.unwrap_or(30), rate: a.fps.unwrap_or(15.0), back: a.back };
             if a.output.is_empty() {
                 return Err(Failure::usage("nothing says where the animation goes")
-                    .hint("give -o film.svg, film.gif or film.png, or a folder for frames"));
+                    .hint("give -o animation.svg, animation.gif or animation.png, or a folder for frames"));
             }
             apart(&outputs(&a.output))?;
             let play = |path| play(path, a.format, a.force.force, pace);
@@ -175,22 +175,22 @@ impl Interpolating {
     }
 }
 
-/// A film, or frames in a folder, by the name of the output.
+/// An animation, or frames in a folder, by the name of the output.
 fn play(path: PathBuf, format: Option<FrameFormat>, force: bool, pace: Pace) -> Result<Wanted, Failure> {
     let name = path.to_string_lossy().to_ascii_lowercase();
     let known = [
-        (".svg", FilmKind::Svg { gzip: false }),
-        (".svgz", FilmKind::Svg { gzip: true }),
-        (".gif", FilmKind::Gif),
-        (".png", FilmKind::Png),
-        (".apng", FilmKind::Png),
+        (".svg", AnimationKind::Svg { gzip: false }),
+        (".svgz", AnimationKind::Svg { gzip: true }),
+        (".gif", AnimationKind::Gif),
+        (".png", AnimationKind::Png),
+        (".apng", AnimationKind::Png),
     ];
     let found = known.iter().find(|(ending, _)| name.ends_with(ending)).filter(|_| !path.is_dir());
     match found {
         Some(_) if format.is_some() => {
             Err(Failure::usage("--format is for frames in a folder").hint("give -o the name of a folder"))
         }
-        Some(&(_, kind)) => Ok(Wanted::Film { place: Place::File { path, force }, kind, pace }),
+        Some(&(_, kind)) => Ok(Wanted::Animation { place: Place::File { path, force }, kind, pace }),
         None if is_folder(&path) => {
             let format = match format.unwrap_or(FrameFormat::Svg) {
                 FrameFormat::Svg => Format::Svg,

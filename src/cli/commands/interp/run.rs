@@ -1,6 +1,6 @@
 //! Frames, an animation, or a scene between two.
 
-use super::arguments::{FilmKind, Interpolating, Pace, Wanted};
+use super::arguments::{AnimationKind, Interpolating, Pace, Wanted};
 use crate::cli::common::Common;
 use crate::cli::options::render::Ground;
 use crate::cli::output::{Drawing, Place, Target, Targets, Written};
@@ -12,7 +12,7 @@ use std::path::Path;
 use std::sync::Arc;
 use vtex::interpolate::{Interpolation, across};
 use vtex::output::file::{Format, Kind};
-use vtex::output::film::Film;
+use vtex::output::raster_animation::RasterAnimation;
 use vtex::output::reduce::GivenUp;
 use vtex::output::svg::Animation;
 use vtex::scene::{self, Scene};
@@ -23,7 +23,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
     for wanted in wanted {
         match wanted {
             Wanted::Scene(_, targets) => targets.probe()?,
-            Wanted::Film { place, .. } => place.probe()?,
+            Wanted::Animation { place, .. } => place.probe()?,
             Wanted::Frames { .. } => {}
         }
     }
@@ -39,7 +39,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
             Wanted::Frames { folder, kind, force, pace } => {
                 frames(reporter, job, &scenes, folder, (*kind, *force), pace)?
             }
-            Wanted::Film { place, kind, pace } => film(reporter, job, &scenes, place, *kind, pace)?,
+            Wanted::Animation { place, kind, pace } => animation(reporter, job, &scenes, place, *kind, pace)?,
         });
     }
     let mut all = all.into_iter();
@@ -56,9 +56,10 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
     summary.tell(common, made.piped)
 }
 
-/// What to tell of options that change nothing here.
+/// Notes on options that change nothing here.
 fn idle(job: &Interpolating) -> Vec<&'static str> {
-    let svg = job.wanted.iter().all(|w| matches!(w, Wanted::Film { kind: FilmKind::Svg { .. }, .. }));
+    let svg =
+        job.wanted.iter().all(|w| matches!(w, Wanted::Animation { kind: AnimationKind::Svg { .. }, .. }));
     let limit = svg && job.svg.max_bytes.is_some();
     let expand = svg && job.svg.expand;
     let warnings = [
@@ -69,7 +70,7 @@ fn idle(job: &Interpolating) -> Vec<&'static str> {
     warnings.into_iter().flatten().collect()
 }
 
-/// What was written where.
+/// The written files.
 struct Made<'a> {
     path: &'a Path,
     written: Written,
@@ -134,7 +135,7 @@ fn frames<'a>(
     }
     if name(count + 1).exists() {
         reporter.warn(&format!(
-            "the folder holds frames of another film as well, from '{}' on",
+            "the folder holds frames of another animation as well, from '{}' on",
             name(count + 1).display()
         ));
     }
@@ -142,29 +143,29 @@ fn frames<'a>(
     Ok(Made { path: folder, written, size, counts: None, piped: false })
 }
 
-/// Digits of the numbers of so many files, at least four, so that they sort by name.
+/// Digits of the numbers of these files, at least four, so that they sort by name.
 fn digits(count: u32) -> usize {
     count.to_string().len().max(4)
 }
 
 /// One file that plays.
-fn film<'a>(
+fn animation<'a>(
     reporter: &Reporter,
     job: &Interpolating,
     [from, to]: &[Arc<Scene>; 2],
     place: &'a Place,
-    kind: FilmKind,
+    kind: AnimationKind,
     pace: &Pace,
 ) -> anyhow::Result<Made<'a>> {
     let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
-    let film = Film { frames: pace.played(), rate: pace.rate };
-    let ground = job.scale.background != Some(Ground::None);
-    let opaque = ground && from.domain.is_none() && to.domain.is_none();
+    let animation = RasterAnimation { frames: pace.played(), rate: pace.rate };
+    let with_background = job.scale.background != Some(Ground::None);
+    let opaque = with_background && from.domain.is_none() && to.domain.is_none();
     let picture = |k: u32| drawing(job).picture(&frame(reporter, &way, pace, k)?);
     let written = match kind {
-        FilmKind::Gif => Written::of(place.write(|out| film.write_gif(picture, out))?.1),
-        FilmKind::Png => Written::of(place.write(|out| film.write_png(opaque, picture, out))?.1),
-        FilmKind::Svg { gzip } => {
+        AnimationKind::Gif => Written::of(place.write(|out| animation.write_gif(picture, out))?.1),
+        AnimationKind::Png => Written::of(place.write(|out| animation.write_png(opaque, picture, out))?.1),
+        AnimationKind::Svg { gzip } => {
             reporter.stage("drawing")?;
             // As long as the way is in pictures, back not included.
             let seconds = f64::from(pace.frames) / pace.rate;
@@ -173,7 +174,7 @@ fn film<'a>(
             target.write_animation(&way, &animation)?
         }
     };
-    let svg = matches!(kind, FilmKind::Svg { .. });
+    let svg = matches!(kind, AnimationKind::Svg { .. });
     let size = drawing(job).size_of(from, if svg { Format::Svg } else { Format::Png });
     Ok(Made { path: place.path(), written, size, counts: None, piped: *place == Place::Stdout })
 }

@@ -67,7 +67,7 @@ pub(crate) struct LayersArgs {
     /// [correspondence or boundary, default: correspondence]
     #[arg(long, value_name = "METHOD", value_parser = named::<Method>, help_heading = "The new map")]
     pub(super) layer_method: Option<Method>,
-    /// Strokes in the colours of the layers on a transparent or white ground: they stay, layers below
+    /// Strokes in the colours of the layers on a transparent or white background: they stay, layers below
     /// them appear around them
     #[arg(long, value_name = "FILE", help_heading = "Given maps (they set the size)")]
     #[arg(conflicts_with_all = ["keep", "control", "layer_method"])]
@@ -109,7 +109,7 @@ fn count(text: &str) -> Result<Count, String> {
     fixed.map(Count::Fixed).ok_or_else(|| "expected auto, or a number from 1 to 6".into())
 }
 
-/// What is made of what.
+/// The source and the result.
 pub(super) struct Mapping {
     pub(super) from: From,
     pub(super) size: Option<[usize; 2]>,
@@ -118,7 +118,7 @@ pub(super) struct Mapping {
     pub(super) target: MapTarget,
 }
 
-/// What a map is made from.
+/// The source of a map.
 pub(super) enum From {
     Heights(Input),
     Layers(Box<Layered>),
@@ -135,7 +135,7 @@ pub(super) struct Layered {
     pub(super) wanted: Wanted,
 }
 
-/// What is made of layers.
+/// The result to be made of layers.
 pub(super) enum Wanted {
     New(Method),
     Sketch(Input),

@@ -37,7 +37,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Mapping) -> anyhow
     summary.tell(common, job.target.place == Place::Stdout)
 }
 
-/// What was written.
+/// The written file.
 struct Made {
     inputs: Vec<String>,
     size: [usize; 2],

@@ -14,7 +14,7 @@ use vtex::statistics::{
     Correlation, Difference, Groups, Layout, Repetition, largest_categories, neighbour_distance,
 };
 
-/// What is told of them.
+/// The report on them.
 #[derive(Serialize)]
 struct Found {
     program: &'static str,

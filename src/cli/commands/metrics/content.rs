@@ -1,10 +1,10 @@
-//! What the files hold that are compared.
+//! The content of compared files.
 
 use crate::cli::input::{Input, Kind};
 use vtex::library::Library;
 use vtex::scene::Scene;
 
-/// What a file holds.
+/// The content of a file.
 pub(super) enum Content {
     Library(Box<Library>),
     Scene(Box<Scene>),
@@ -20,7 +20,7 @@ impl Content {
             Kind::Library => Self::Library(Box::new(Library::from_bytes(&bytes, &name)?)),
             Kind::Scene => Self::Scene(Box::new(Scene::from_bytes(&bytes, &name)?)),
             Kind::Svg => Self::Svg(bytes),
-            // What is nothing known may still be a damaged picture, and decoding it says so.
+            // An unknown file may still be a damaged picture, and decoding it says so.
             Kind::Image | Kind::Unknown => Self::Image(bytes),
         })
     }

@@ -13,7 +13,7 @@ use vtex::analyze::{Exemplar, Limits};
 use vtex::metrics::{self, Metrics};
 use vtex::output::{png, raster_svg};
 
-/// What is told of them.
+/// The report on them.
 #[derive(Serialize)]
 struct Found {
     program: &'static str,

@@ -1,4 +1,4 @@
-//! What is found, printed.
+//! Printing of metrics.
 
 use crate::cli::common::Common;
 use crate::cli::output::{print, print_styled};

@@ -14,18 +14,18 @@ use tiny_skia::Pixmap;
 
 /// How pictures follow one another. They play again and again.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Film {
+pub struct RasterAnimation {
     /// Number of pictures, at least 1.
     pub frames: u32,
     /// Pictures in a second, 0.1 to 100. GIF counts in hundredths of a second, so its pace is rounded.
     pub rate: f64,
 }
 
-/// Pictures looked at for the palette; an odd number, so that of a film that plays there and back the
+/// Pictures looked at for the palette; an odd number, so that of an animation that plays there and back the
 /// one in which it turns is among them.
 const LOOKS: u32 = 5;
 
-impl Film {
+impl RasterAnimation {
     fn check(&self) -> Result<()> {
         check(self.frames > 0, "frames", self.frames, "at least 1")?;
         check((0.1..=100.0).contains(&self.rate), "fps", self.rate, "0.1 to 100")
@@ -88,7 +88,7 @@ impl Film {
     /// `opaque` says that nothing shows through any picture. `frame` draws picture k.
     ///
     /// # Errors
-    /// As [`Film::write_gif`].
+    /// As [`RasterAnimation::write_gif`].
     pub fn write_png(
         &self,
         opaque: bool,
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
     use tiny_skia::{Color, Paint, Rect, Shader, Transform};
 
-    /// A square that goes from left to right over a shaded ground.
+    /// A square that goes from left to right over a shaded background.
     fn picture(k: u32) -> Pixmap {
         let mut pixmap = Pixmap::new(40, 30).unwrap();
         for (i, pixel) in pixmap.pixels_mut().iter_mut().enumerate() {
@@ -148,12 +148,12 @@ mod tests {
         pixmap
     }
 
-    const FILM: Film = Film { frames: 5, rate: 12.5 };
+    const ANIMATION: RasterAnimation = RasterAnimation { frames: 5, rate: 12.5 };
 
     #[test]
     fn a_gif_plays_what_was_drawn() {
         let mut bytes = Vec::new();
-        FILM.write_gif(|k| Ok(picture(k)), &mut bytes).unwrap();
+        ANIMATION.write_gif(|k| Ok(picture(k)), &mut bytes).unwrap();
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut decoder = options.read_info(&bytes[..]).unwrap();
@@ -168,7 +168,7 @@ mod tests {
         }
         assert_eq!(count, 5);
         let mut again = Vec::new();
-        FILM.write_gif(|k| Ok(picture(k)), &mut again).unwrap();
+        ANIMATION.write_gif(|k| Ok(picture(k)), &mut again).unwrap();
         assert!(bytes == again);
     }
 
@@ -183,7 +183,7 @@ mod tests {
         };
         for (frames, rate) in [(4, 10.0), (3, 10.0)] {
             let mut bytes = Vec::new();
-            Film { frames, rate }.write_gif(plain, &mut bytes).unwrap();
+            RasterAnimation { frames, rate }.write_gif(plain, &mut bytes).unwrap();
             let mut options = gif::DecodeOptions::new();
             options.set_color_output(gif::ColorOutput::RGBA);
             let mut decoder = options.read_info(&bytes[..]).unwrap();
@@ -196,7 +196,7 @@ mod tests {
         // There and back in twenty pictures: the one in which it turns is the eleventh.
         let turning = |k: u32| plain(if k == 10 { 2 } else { 0 });
         let mut bytes = Vec::new();
-        Film { frames: 20, rate: 10.0 }.write_gif(turning, &mut bytes).unwrap();
+        RasterAnimation { frames: 20, rate: 10.0 }.write_gif(turning, &mut bytes).unwrap();
         let mut decoder = gif::DecodeOptions::new().read_info(&bytes[..]).unwrap();
         let palette = decoder.global_palette().unwrap().to_vec();
         assert!(palette.chunks(3).any(|c| c[2] > 200 && c[0] < 40));
@@ -207,7 +207,7 @@ mod tests {
     fn a_png_plays_what_was_drawn() {
         for opaque in [true, false] {
             let mut bytes = Vec::new();
-            FILM.write_png(opaque, |k| Ok(picture(k)), &mut bytes).unwrap();
+            ANIMATION.write_png(opaque, |k| Ok(picture(k)), &mut bytes).unwrap();
             let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
             assert_eq!(reader.info().animation_control().unwrap().num_frames, 5);
             let mut data = vec![0; reader.output_buffer_size().unwrap()];
@@ -221,9 +221,9 @@ mod tests {
     #[test]
     fn a_pace_out_of_range_is_refused() {
         for rate in [0.0, 101.0, f64::NAN] {
-            let film = Film { frames: 2, rate };
+            let animation = RasterAnimation { frames: 2, rate };
             assert!(matches!(
-                film.write_gif(|k| Ok(picture(k)), Vec::new()),
+                animation.write_gif(|k| Ok(picture(k)), Vec::new()),
                 Err(Error::Parameter { name: "fps", .. })
             ));
         }

@@ -1,4 +1,4 @@
-//! What textons are drawn with: shadows, lines, fewer details, simpler outlines.
+//! The style of elements: shadows, lines, fewer details, simpler outlines.
 
 use super::colours::mean;
 use super::selection::Chosen;

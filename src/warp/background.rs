@@ -1,4 +1,4 @@
-//! What lies beneath the primaries, carried along: secondaries and the background's control points.
+//! Layers below the primaries, carried along: secondaries and the background's control points.
 
 use super::carried;
 use super::{Bend, NO_STRETCH};
