@@ -9,7 +9,7 @@ mod categories;
 mod edges;
 mod exemplar;
 mod grid;
-mod guide;
+pub(crate) mod guide;
 mod joining;
 mod kmeans;
 mod moments;

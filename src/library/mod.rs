@@ -10,7 +10,7 @@ mod version1;
 
 pub use arrangement::Arrangement;
 pub use guide::{Guide, Picture};
-pub use parameters::{AnalyzeParams, Shading};
+pub use parameters::{AnalyzeParams, Grouping, Shading};
 
 use crate::document::{self, Document};
 use crate::element;

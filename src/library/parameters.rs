@@ -49,6 +49,34 @@ pub struct AnalyzeParams {
     pub cells: u32,
     /// Whether the exemplar tiles, that is, its opposite borders join. Default false.
     pub wrap: bool,
+    /// Which shapes of a drawing are one element. Default auto.
+    #[serde(skip_serializing_if = "Grouping::is_auto")]
+    pub elements: Grouping,
+    /// Whether what cannot be read of a drawing is left out, rather than refused. Default false.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub lenient: bool,
+}
+
+/// Which shapes of a drawing are one element.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Grouping {
+    /// Groups that are small against the page; else the connected pieces of paths that lie within one
+    /// another, touch, or are much nearer to each other than to all else.
+    #[default]
+    Auto,
+    /// Each outermost group that does not hold the whole drawing; other shapes by their pieces.
+    Group,
+    /// Each path, with all its pieces.
+    Path,
+    /// Each connected piece of a path: an outer ring with what lies inside.
+    Piece,
+}
+
+impl Grouping {
+    fn is_auto(&self) -> bool {
+        *self == Self::Auto
+    }
 }
 
 /// Fills of details and primaries.
@@ -84,6 +112,8 @@ impl Default for AnalyzeParams {
             max_paths: 0,
             cells: 0,
             wrap: false,
+            elements: Grouping::Auto,
+            lenient: false,
         }
     }
 }

@@ -3,6 +3,7 @@
 
 pub mod colour;
 mod components;
+pub(crate) mod contact;
 mod control_map;
 mod decode;
 mod distance;
