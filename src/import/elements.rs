@@ -19,7 +19,7 @@ const WITHIN: f64 = 0.75;
 /// How many times as far as the parts of an element are from one another elements are.
 const APART: f64 = 2.2;
 /// Largest distance of the parts of an element, as a share of the page's side.
-pub(super) const NEAREST: f64 = 0.014;
+pub(super) const NEAREST: f64 = 0.016;
 
 /// What is known of the pieces.
 pub(super) struct Known<'a> {

@@ -53,7 +53,7 @@ pub struct ImportParams {
 pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Progress) -> Result<Library> {
     params.analyze.validate()?;
     advance(progress, "drawing", 0, 4)?;
-    let page = read::read(bytes, name, params.analyze.lenient)?;
+    let mut page = read::read(bytes, name, params.analyze.lenient)?;
     advance(progress, "drawing", 1, 4)?;
     let split = matches!(params.analyze.elements, Grouping::Auto | Grouping::Piece);
     let all = page.items.iter().enumerate();
@@ -64,9 +64,14 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     pieces.retain(|p| !p.parts.is_empty());
     let scale = assemble::scale(&page, &pieces);
     let picture = assemble::picture(&page, scale);
-    let wrap = params.wrap.unwrap_or_else(|| periodic::is_periodic(&picture));
-    advance(progress, "drawing", 2, 4)?;
     let (background, pieces) = assemble::background(&page, pieces);
+    let (wrap, remark) = match params.wrap {
+        Some(wrap) => (wrap, None),
+        None if periodic::is_periodic(&picture) => (true, None),
+        None => repeated_anyway(&page, &pieces),
+    };
+    page.warnings.extend(remark);
+    advance(progress, "drawing", 2, 4)?;
     let pieces = if wrap { Torus::new(page.size).whole(pieces) } else { pieces };
     advance(progress, "drawing", 3, 4)?;
     let origin = Origin { bytes, name, params, wrap, scale, picture, background };
@@ -76,4 +81,20 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     }
     advance(progress, "drawing", 4, 4)?;
     Ok(library)
+}
+
+/// Fewest whole pieces of a page that need not be repeated as it is.
+const FEWEST: usize = 8;
+
+/// Whether a page whose borders do not join is repeated all the same, because too little on it is whole;
+/// and what is said of it.
+fn repeated_anyway(page: &read::Page, pieces: &[pieces::Piece]) -> (bool, Option<String>) {
+    let inside = clip::page(page.size);
+    let whole = pieces.iter().filter(|p| inside.contains_rect(p.bounds())).count();
+    if whole >= FEWEST {
+        return (false, None);
+    }
+    let remark =
+        "the borders of the page do not join, but few shapes on it are whole: it is repeated as it is";
+    (true, Some(remark.into()))
 }

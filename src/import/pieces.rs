@@ -3,7 +3,7 @@
 use super::clip::rings;
 use super::paint::Paint;
 use super::read::{Fill, Item, Stroke};
-use crate::geometry::{BezPath, Rect, is_simple};
+use crate::geometry::{BezPath, Point, Rect, is_simple};
 use kurbo::{ParamCurve, PathSeg, Shape as _};
 
 /// Rings of a path above which it is not taken apart.
@@ -72,6 +72,15 @@ fn subpaths(path: &BezPath) -> Vec<BezPath> {
     split.map(|elements| BezPath::from_vec(elements.to_vec())).filter(|p| p.elements().len() > 1).collect()
 }
 
+/// Some places on a ring, each with the length that it stands for.
+fn places(ring: &BezPath) -> Vec<(Point, f64)> {
+    let mut all: Vec<(Point, f64)> =
+        ring.segments().map(|s| (s.eval(0.5), s.start().distance(s.end()))).collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    all.truncate(9);
+    all
+}
+
 /// A ring of a filled path.
 struct Ring {
     path: BezPath,
@@ -99,10 +108,17 @@ fn filled(path: &BezPath, fill: &Fill, split: bool) -> Vec<BezPath> {
     }
     for i in 0..all.len() {
         all[i].outermost = i;
-        let place = all[i].path.segments().next().map_or(all[i].bounds.center(), |s| s.eval(0.5));
+        let places = places(&all[i].path);
         for k in 0..i {
-            let around = all[k].bounds.contains(place) && all[k].path.contains(place);
-            if around {
+            let ring = &all[k];
+            let near = ring.bounds.overlaps(all[i].bounds);
+            let inside = |p: Point| ring.bounds.contains(p) && ring.path.contains(p);
+            // Some places may lie on the ring itself.
+            let sum = |all: bool| {
+                let counted = places.iter().filter(|(p, _)| all || inside(*p));
+                counted.map(|(_, length)| length).sum::<f64>()
+            };
+            if near && sum(false) > 0.5 * sum(true) {
                 all[i].depth += 1;
                 if all[i].depth == 1 {
                     all[i].outermost = all[k].outermost;

@@ -16,6 +16,10 @@ const AREA: f64 = 0.02;
 /// Most pieces at the borders that are compared with one another.
 const MOST: usize = 4_000;
 
+/// Largest share of a piece that sticks out of the page because its author forgot to draw it on the other
+/// side too.
+const FORGOTTEN: f64 = 0.3;
+
 /// A page whose opposite borders join.
 pub(super) struct Torus {
     pub(super) size: [f64; 2],
@@ -51,11 +55,16 @@ impl Torus {
 
     /// Makes pieces whole.
     pub(super) fn whole(&self, pieces: Vec<Piece>) -> Vec<Piece> {
-        let mut pieces = self.once(pieces);
-        let lines: Vec<bool> = pieces.iter().map(|p| self.goes_on(p, &pieces)).collect();
+        let (mut pieces, repeated) = self.once(pieces);
+        let sticks_out: Vec<bool> = pieces.iter().map(|p| self.sticks_out(&p.bounds())).collect();
+        let cut: Vec<bool> = (0..pieces.len())
+            .map(|k| sticks_out[k] && !repeated[k] && !self.is_forgotten(k, &pieces))
+            .collect();
+        let cut: Vec<bool> =
+            (0..pieces.len()).map(|k| cut[k] && !self.goes_on(&pieces[k], &pieces)).collect();
         let clip = Clip::rect(page(self.size));
-        for (piece, keep) in pieces.iter_mut().zip(lines) {
-            if !keep && self.sticks_out(&piece.bounds()) {
+        for (piece, cut) in pieces.iter_mut().zip(cut) {
+            if cut {
                 piece.parts = piece.parts.iter().filter_map(|part| clipped(part, &clip)).collect();
             }
         }
@@ -68,12 +77,14 @@ impl Torus {
         b.x0 < -near || b.y0 < -near || b.x1 > self.size[0] + near || b.y1 > self.size[1] + near
     }
 
-    /// Leaves out the copies of pieces that are drawn at several borders.
-    fn once(&self, mut pieces: Vec<Piece>) -> Vec<Piece> {
+    /// Leaves out the copies of pieces that are drawn at several borders. Gives for each that is left
+    /// whether it had one.
+    fn once(&self, pieces: Vec<Piece>) -> (Vec<Piece>, Vec<bool>) {
         let bounds: Vec<Rect> = pieces.iter().map(Piece::bounds).collect();
         let outside: Vec<usize> = (0..pieces.len()).filter(|&i| self.sticks_out(&bounds[i])).collect();
+        let mut repeated = vec![false; pieces.len()];
         if outside.len() > MOST {
-            return pieces;
+            return (pieces, repeated);
         }
         let areas: Vec<f64> = pieces.iter().map(|p| p.parts.iter().map(|q| q.path.area()).sum()).collect();
         let mut copy = vec![false; pieces.len()];
@@ -93,14 +104,29 @@ impl Torus {
                     && (areas[a] - areas[b]).abs() <= AREA * areas[a].abs().max(self.same * self.same)
                     && alike(&pieces[a], &pieces[b]);
                 copy[b] |= alike;
+                repeated[a] |= alike;
             }
         }
-        let mut index = 0;
-        pieces.retain(|_| {
-            index += 1;
-            !copy[index - 1]
-        });
-        pieces
+        let kept = pieces.into_iter().zip(repeated).zip(copy).filter(|(_, copy)| !copy);
+        kept.map(|(kept, _)| kept).unzip()
+    }
+
+    /// Whether a piece sticks out by a little and was not drawn at the other side: nothing of its paint
+    /// is there. Its author forgot the copy.
+    fn is_forgotten(&self, k: usize, all: &[Piece]) -> bool {
+        let b = all[k].bounds();
+        let over = [-b.x0, b.x1 - self.size[0], -b.y0, b.y1 - self.size[1]];
+        let sides = [b.width(), b.width(), b.height(), b.height()];
+        if over.iter().zip(sides).any(|(over, side)| *over > FORGOTTEN * side) {
+            return false;
+        }
+        let shifts: [Shift; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
+        let missing = |(over, shift): (&f64, Shift)| {
+            let there = b + self.vector(shift);
+            let met = |other: &Piece| alike(other, &all[k]) && other.bounds().overlaps(there);
+            *over <= self.near || !all.iter().any(met)
+        };
+        over.iter().zip(shifts).all(missing)
     }
 
     /// Whether a stroked piece that leaves the page comes back at the other side on lines of its own
@@ -108,11 +134,8 @@ impl Torus {
     fn goes_on(&self, piece: &Piece, all: &[Piece]) -> bool {
         let [Part { path, paint, stroke: Some(stroke) }] = &piece.parts[..] else { return false };
         let like = |p: &&Piece| matches!(&p.parts[..], [q] if q.stroke.is_some() && q.paint == *paint);
-        let near: Vec<(Vec<Point>, f64)> = all
-            .iter()
-            .filter(like)
-            .map(|p| (points(&p.parts[0].path, stroke.width / 4.0), p.parts[0].bounds().area()))
-            .collect();
+        let near: Vec<Vec<Point>> =
+            all.iter().filter(like).map(|p| points(&p.parts[0].path, stroke.width / 8.0)).collect();
         let inside = page(self.size);
         let outside = points(path, stroke.width / 4.0).into_iter().filter(|p| !inside.contains(*p));
         let back = |p: Point| {
@@ -120,7 +143,7 @@ impl Torus {
             Point::new(wrap(p.x, self.size[0]), wrap(p.y, self.size[1]))
         };
         let mut outside = outside.map(back);
-        outside.all(|p| near.iter().any(|(line, _)| line.iter().any(|q| p.distance(*q) < stroke.width / 2.0)))
+        outside.all(|p| near.iter().any(|line| line.iter().any(|q| p.distance(*q) < 0.2 * stroke.width)))
     }
 
     /// Joins halves that were cut by a border along it.

@@ -10,6 +10,8 @@ fn minus(shift: Shift) -> Shift {
     shift.map(|v| -v)
 }
 
+/// Neighbours of a pixel, those at corners last.
+const AROUND: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
 /// No mask.
 const NONE: u32 = u32::MAX;
 
@@ -88,7 +90,9 @@ impl Ground {
             let mut next = Vec::new();
             for &i in &front {
                 let at = [i as i32 % self.size[0], i as i32 / self.size[0]];
-                for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {
+                // Every second step goes to corners too, so that what is reached grows as an octagon.
+                let around = if step % 2 == 0 { 4 } else { 8 };
+                for (dx, dy) in AROUND.into_iter().take(around) {
                     let Some((n, across)) = self.place([at[0] + dx, at[1] + dy]) else { continue };
                     let own = (masks[i], shifts[i].map(i32::from));
                     // The copy as seen from the neighbour's page.
