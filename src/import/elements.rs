@@ -17,7 +17,9 @@ const LARGEST: f64 = 0.6;
 /// Least share of a piece that lies on or under another of the same element.
 const WITHIN: f64 = 0.75;
 /// How many times as far as the parts of an element are from one another elements are.
-const APART: f64 = 2.2;
+const APART: f64 = 1.8;
+/// Distances below this, in pixels, are not told apart.
+const FINEST: u16 = 2;
 /// Largest distance of the parts of an element, as a share of the page's side.
 pub(super) const NEAREST: f64 = 0.016;
 
@@ -166,11 +168,12 @@ impl Known<'_> {
         }
         let most = NEAREST * libm::sqrt(self.size[0] * self.size[1]);
         let reach = gaps.last().copied()?;
-        let steps = gaps.windows(2).map(|w| (f64::from(w[1]) / f64::from(w[0].max(1)), w[0]));
         // Beyond the last is all that was not found to be near.
-        let last = (most * 2.0 / f64::from(reach.max(1)), reach);
+        let beyond = libm::ceil(2.0 * most) as u16;
+        let next = gaps.iter().copied().skip(1).chain([beyond.max(reach)]);
+        let step = |(own, next): (u16, u16)| (f64::from(next) / f64::from(own.max(FINEST)), own);
         let short = |&(ratio, gap): &(f64, u16)| ratio >= APART && f64::from(gap) <= most && gap > 0;
-        let best = steps.chain([last]).filter(short).max_by(|a, b| a.0.total_cmp(&b.0));
+        let best = gaps.iter().copied().zip(next).map(step).filter(short).last();
         best.map(|(_, gap)| gap)
     }
 }

@@ -8,17 +8,18 @@ use crate::raster::Mask;
 use crate::sampling::{Stream, stream};
 use crate::scene::SynthParams;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Elements with which each may change places.
-const PARTNERS: usize = 24;
+const PARTNERS: usize = 12;
 /// Largest ratio of the sizes of elements that change places.
-const RATIO: f64 = 1.7;
+const RATIO: f64 = 1.4;
 /// Places tried for each element that shifts.
 const SHIFTS: usize = 10;
 /// Largest shift at once, as a share of the mean distance between elements.
-const FARTHEST: f64 = 0.3;
-/// Rounds of shifts.
-const ROUNDS: usize = 3;
+const FARTHEST: f64 = 0.22;
+/// Clearances that shifted elements are given, the first that fits, in units of that of the exemplar.
+const CLEARANCES: [f64; 3] = [2.0, 1.5, 1.0];
 /// Angles of elements that may be turned at will.
 const TURNS: usize = 24;
 /// Largest share of the canvas, in pixels, that is looked at at once.
@@ -37,7 +38,7 @@ pub(super) struct Exchange<'a> {
     /// Number of the placed element on each pixel, from 1.
     cells: Vec<u32>,
     /// Pixels of elements, turned, around their middles.
-    turned: BTreeMap<(usize, usize), Mask>,
+    turned: BTreeMap<(usize, usize), Arc<Mask>>,
 }
 
 impl<'a> Exchange<'a> {
@@ -69,11 +70,11 @@ impl<'a> Exchange<'a> {
     }
 
     /// The pixels of an element in a map, and the whole pixels by which they are moved.
-    fn mask(&mut self, p: &Placed) -> (Mask, [i32; 2]) {
+    fn mask(&mut self, p: &Placed) -> (Arc<Mask>, [i32; 2]) {
         let [a, b, c, d, e, f] = p.map.as_coeffs();
         let shift = [e, f].map(|v| libm::round(v) as i32);
         if a == 1.0 && b == 0.0 {
-            return (self.known.masks[p.element].clone(), shift);
+            return (Arc::clone(&self.known.masks[p.element]), shift);
         }
         // Turned about the origin by one of the angles; the shift is apart.
         let step = libm::round(libm::atan2(b, a) / std::f64::consts::TAU * 3600.0);
@@ -81,9 +82,9 @@ impl<'a> Exchange<'a> {
         let own = &self.library.elements[p.element];
         let mask = self.turned.entry(key).or_insert_with(|| {
             let turn = Affine::new([a, b, c, d, 0.0, 0.0]);
-            of_shapes(&own.shapes.iter().map(|s| s.moved(turn)).collect::<Vec<_>>())
+            Arc::new(of_shapes(&own.shapes.iter().map(|s| s.moved(turn)).collect::<Vec<_>>()))
         });
-        (mask.clone(), shift)
+        (Arc::clone(mask), shift)
     }
 
     /// Lets all elements stand, in painting order.
@@ -130,21 +131,32 @@ impl<'a> Exchange<'a> {
         }
     }
 
-    /// Whether an element would keep its distance from all others.
-    fn fits(&mut self, p: &Placed) -> bool {
+    /// Whether an element would keep a distance from all others, in units of that in the exemplar.
+    fn fits(&mut self, p: &Placed, clearance: f64) -> bool {
         let (mask, shift) = self.mask(p);
-        let reach = self.known.clearance;
-        let free = |at: [i32; 2]| self.cell(at).is_none_or(|i| self.cells[i] == 0);
-        // Where one row of the mask is looked at, rows above and below it are looked at more coarsely.
-        mask.spans().iter().all(|s| {
-            let (x0, x1, y) = (s.x0 + shift[0], s.x1 + shift[0], s.y + shift[1]);
-            let row = (x0 - reach..x1 + reach).all(|x| free([x, y]));
-            let near = libm::round(0.7 * f64::from(reach)) as i32;
-            row && [-reach, -near, near, reach].iter().all(|dy| {
-                let beside = if dy.abs() == reach { 0 } else { near };
-                (x0 - beside..x1 + beside).all(|x| free([x, y + dy]))
+        let reach = libm::ceil(clearance * f64::from(self.known.clearance)) as i32;
+        let near = libm::round(0.7 * f64::from(reach)) as i32;
+        // The mask itself first, for there it is most likely to fail.
+        let rows = [(0, reach), (-near, near), (near, near), (-reach, 0), (reach, 0)];
+        rows.iter().all(|&(dy, beside)| {
+            let spans = mask.spans().iter();
+            spans.into_iter().all(|s| {
+                self.is_free(s.x0 + shift[0] - beside, s.x1 + shift[0] + beside, s.y + shift[1] + dy)
             })
         })
+    }
+
+    /// Whether nothing stands in a stretch of a row.
+    fn is_free(&self, x0: i32, x1: i32, y: i32) -> bool {
+        let (low, high) = (x0 - self.first[0], x1 - self.first[0]);
+        if low >= 0
+            && high <= self.size[0]
+            && let Some(i) = self.cell([x0, y])
+            && let Some(row) = self.cells.get(i..i + (high - low) as usize)
+        {
+            return row.iter().all(|cell| *cell == 0);
+        }
+        (x0..x1).all(|x| self.cell([x, y]).is_none_or(|i| self.cells[i] == 0))
     }
 
     /// Changes places, shifts and turns elements; `share` of those that are free take part.
@@ -159,10 +171,8 @@ impl<'a> Exchange<'a> {
         for n in 0..all.len() {
             self.exchange(placed, &all, n, &mut random);
         }
-        for _ in 0..ROUNDS {
-            for &i in &all {
-                self.shift(placed, i, share, &mut random);
-            }
+        for &i in &all {
+            self.shift(placed, i, share, &mut random);
         }
     }
 
@@ -179,18 +189,19 @@ impl<'a> Exchange<'a> {
             let b = all[random.index(all.len())];
             let other = extent(&placed[b]);
             let same = self.known.equal[placed[a].element].0 == self.known.equal[placed[b].element].0;
-            if a == b || same || own.max(other) > RATIO * own.min(other) {
+            let zones = [a, b].map(|i| self.zone(&placed[i]));
+            if a == b || same || zones[0] != zones[1] || own.max(other) > RATIO * own.min(other) {
                 continue;
             }
             let (old_a, old_b) = (placed[a], placed[b]);
             self.write(&old_a, 0, a as u32 + 1);
             self.write(&old_b, 0, b as u32 + 1);
             let new_a = self.at(&old_a, self.middle(&old_b), random);
-            let fits_a = self.fits(&new_a);
+            let fits_a = self.fits(&new_a, 1.0);
             if fits_a {
                 self.write(&new_a, a as u32 + 1, 0);
                 let new_b = self.at(&old_b, self.middle(&old_a), random);
-                if self.fits(&new_b) {
+                if self.fits(&new_b, 1.0) {
                     self.write(&new_b, b as u32 + 1, 0);
                     (placed[a], placed[b]) = (new_a, new_b);
                     return;
@@ -208,15 +219,27 @@ impl<'a> Exchange<'a> {
         self.write(&old, 0, i as u32 + 1);
         let middle = self.middle(&old);
         let reach = share * FARTHEST * self.known.spacing;
+        let mut tried = Vec::new();
         for _ in 0..SHIFTS {
             let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));
-            let new = self.at(&old, middle + by, random);
-            if by.hypot() <= reach && self.fits(&new) {
-                placed[i] = new;
-                break;
-            }
+            tried.push(self.at(&old, middle + by, random));
         }
+        let found = CLEARANCES.iter().find_map(|&c| tried.iter().find(|new| self.fits(new, c)).copied());
+        placed[i] = found.unwrap_or(old);
         self.write(&placed[i].clone(), i as u32 + 1, 0);
+    }
+
+    /// Whether an element lies on the canvas, on its border, or beyond: elements change places within one
+    /// of these, so that the canvas keeps its share of each.
+    fn zone(&self, p: &Placed) -> u8 {
+        let b = p.map.transform_rect_bbox(self.known.bounds[p.element]);
+        let axis = |wrap: bool, low: f64, high: f64, size: i32| match (low >= 0.0, high <= f64::from(size)) {
+            _ if wrap => 0,
+            (true, true) => 0,
+            _ if high <= 0.0 || low >= f64::from(size) => 2,
+            _ => 1,
+        };
+        axis(self.wrap[0], b.x0, b.x1, self.canvas[0]).max(axis(self.wrap[1], b.y0, b.y1, self.canvas[1]))
     }
 
     fn middle(&self, p: &Placed) -> Point {

@@ -8,6 +8,7 @@ use crate::raster::Mask;
 use crate::raster::contact::Ground;
 use crate::scene::{Instance, Scene, Shape, pixels};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// How far equal elements may differ, in pixels.
 const EQUAL: f64 = 0.12;
@@ -26,7 +27,7 @@ pub(super) struct Known {
     /// Bounds of each, in the exemplar.
     pub(super) bounds: Vec<Rect>,
     /// Pixels of each, where they stand in the exemplar; those of one that runs on are none.
-    pub(super) masks: Vec<Mask>,
+    pub(super) masks: Vec<Arc<Mask>>,
     /// Whether each touches no other and does not run on.
     pub(super) free: Vec<bool>,
     /// Angles by which equal elements are turned, in radians; by the first element.
@@ -71,7 +72,7 @@ impl Known {
         Self {
             equal,
             bounds,
-            masks,
+            masks: masks.into_iter().map(Arc::new).collect(),
             free,
             angles,
             clearance: i32::from(usual).clamp(2, 40) * 3 / 4,
