@@ -70,7 +70,7 @@ fn a_drawing_of_many_kinds_of_shapes_is_read_and_drawn_back() {
     // Equal elements are listed once: a flower, a leaf, two suns, three stems.
     assert_eq!(reconstruct(&library).elements.len(), 7);
     let again = Library::from_bytes(&library.to_json(), "again").unwrap();
-    assert_eq!(again, library);
+    assert!(again.to_json() == library.to_json(), "what is stored is read again");
 }
 
 #[test]
@@ -154,7 +154,7 @@ fn what_cannot_be_read_is_named_or_left_out() {
 
 #[test]
 fn hostile_drawings_end_in_an_error_or_a_library() {
-    for bytes in [&b""[..], b"<svg", b"<svg/>", b"{}", &[0xff, 0xfe, 0, 1]] {
+    for bytes in [&b""[..], b"<svg", b"<html/>", b"{}", &[0xff, 0xfe, 0, 1]] {
         assert!(read(bytes).is_err());
     }
     // A path that cannot be drawn is an error, or draws nothing.
@@ -178,7 +178,7 @@ fn hostile_drawings_end_in_an_error_or_a_library() {
     });
     assert!(read(&svg(&format!("<defs>{uses}</defs><use xlink:href='#u12'/>"))).is_err());
     let cycle = r##"<g id="a"><use xlink:href="#b"/></g><g id="b"><use xlink:href="#a"/></g><circle cx="50" cy="40" r="9"/>"##;
-    assert!(read(&svg(cycle)).is_ok_and(|l| l.primaries().len() == 1));
+    assert!(read(&svg(cycle)).unwrap_err().to_string().contains("lead back to themselves"));
     let outside = r#"<use xlink:href="file:///etc/passwd#a"/><circle cx="50" cy="40" r="9"/>"#;
     assert!(read(&svg(outside)).is_ok_and(|l| l.primaries().len() == 1));
     let many = format!("<g>{}</g>", r#"<path d="M1 1h1v1z"/>"#.repeat(450_000));

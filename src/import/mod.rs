@@ -24,6 +24,7 @@ mod shapes;
 mod torus;
 
 pub use crate::library::Grouping;
+pub use read::CONVERT;
 
 use crate::error::Result;
 use crate::library::{AnalyzeParams, Library};

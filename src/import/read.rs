@@ -20,7 +20,7 @@ const FURTHEST: f64 = 100.0;
 /// Largest side of a page, in units of the drawing.
 const LARGEST_PAGE: f64 = 1e6;
 /// Advice where something cannot be read.
-pub(super) const CONVERT: &str = "turn it into plain shapes in the program that made it, or delete it";
+pub const CONVERT: &str = "turn it into plain shapes in the program that made it, or delete it";
 
 /// A drawing as it was read; coordinates are those of its page.
 pub(super) struct Page {
@@ -87,7 +87,13 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool) -> Result<Page> {
     if nodes > MOST_NODES {
         return Err(too_many(name, nodes, MOST_NODES));
     }
-    let tree = svg_tree::tree(&document).map_err(fail)?;
+    let tree = svg_tree::tree(&document).map_err(|reason| {
+        if reason.contains("nodes limit") {
+            let reason = "its references lead back to themselves, or unfold to too many shapes";
+            return fault(name, reason, "replace its <use> elements by copies of what they show");
+        }
+        fail(reason)
+    })?;
     let size = [tree.size().width(), tree.size().height()].map(f64::from);
     if size.iter().any(|v| !(1e-3..=LARGEST_PAGE).contains(v)) {
         let reason = format!("its page has {} x {} units", size[0], size[1]);

@@ -3,7 +3,7 @@
 use super::pieces::{Part, Piece};
 use super::read::Stroke;
 use crate::element::{Cap, Join, Line, Shape};
-use crate::geometry::{Affine, BezPath, Curve, Outline};
+use crate::geometry::{Affine, BezPath, Curve, Outline, PathEl, Point, STEP};
 use kurbo::Shape as _;
 use resvg::usvg::{LineCap, LineJoin};
 
@@ -18,7 +18,7 @@ fn shape(part: &Part, map: Affine) -> Option<Shape> {
     let base = match &part.stroke {
         Some(stroke) => {
             let size = libm::sqrt(map.determinant().abs());
-            Shape::stroked(line(&path, stroke, size)?, part.paint.colour)?
+            Shape::stroked(line(&on_grid(&path), stroke, size)?, part.paint.colour)?
         }
         None => Shape::new(Outline::new(&path)?, part.paint.colour),
     };
@@ -30,9 +30,24 @@ fn shape(part: &Part, map: Affine) -> Option<Shape> {
     Some(Shape { gradient, opacity: part.paint.opacity.clamp(0.0, 1.0), ..base })
 }
 
+/// A path on the grid of outlines, as files store it.
+fn on_grid(path: &BezPath) -> BezPath {
+    let snap = |p: Point| Point::new(libm::round(p.x / STEP) * STEP, libm::round(p.y / STEP) * STEP);
+    path.iter()
+        .map(|element| match element {
+            PathEl::MoveTo(p) => PathEl::MoveTo(snap(p)),
+            PathEl::LineTo(p) => PathEl::LineTo(snap(p)),
+            PathEl::QuadTo(a, p) => PathEl::QuadTo(snap(a), snap(p)),
+            PathEl::CurveTo(a, b, p) => PathEl::CurveTo(snap(a), snap(b), snap(p)),
+            PathEl::ClosePath => PathEl::ClosePath,
+        })
+        .collect()
+}
+
 /// A stroke along a path, its lengths `size` times as large.
 pub(super) fn line(path: &BezPath, stroke: &Stroke, size: f64) -> Option<Line> {
-    let width = (stroke.width * size).clamp(1e-3, Line::WIDEST);
+    let short = |v: f64| libm::round(v * 1e4) / 1e4;
+    let width = short(stroke.width * size).clamp(1e-3, Line::WIDEST);
     Some(Line {
         width,
         cap: match stroke.cap {
@@ -46,8 +61,8 @@ pub(super) fn line(path: &BezPath, stroke: &Stroke, size: f64) -> Option<Line> {
             LineJoin::Bevel => Join::Bevel,
         },
         miter_limit: stroke.miter_limit.clamp(1.0, 1e6),
-        dashes: stroke.dashes.iter().map(|d| d * size).collect(),
-        dash_offset: stroke.dash_offset * size,
+        dashes: stroke.dashes.iter().map(|d| short(d * size)).collect(),
+        dash_offset: short(stroke.dash_offset * size),
         ..Line::new(Curve::new(path.clone())?, width)
     })
 }

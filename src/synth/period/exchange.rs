@@ -2,7 +2,7 @@
 
 use super::known::{Known, of_shapes};
 use super::{Placed, size_of};
-use crate::geometry::{Affine, Point, Rect, Vec2};
+use crate::geometry::{Affine, Point, Rect, Vec2, shortest_offset};
 use crate::library::Library;
 use crate::raster::Mask;
 use crate::sampling::{Stream, stream};
@@ -11,9 +11,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Elements with which each may change places.
-const PARTNERS: usize = 12;
+const PARTNERS: usize = 16;
 /// Largest ratio of the sizes of elements that change places.
 const RATIO: f64 = 1.4;
+/// Distance, in mean distances between elements, within which no two equal ones come to stand, if there
+/// are partners enough.
+const COPIES: f64 = 1.4;
+/// Elements above which copies are not looked for.
+const MOST_COMPARED: usize = 4_000;
 /// Places tried for each element that shifts.
 const SHIFTS: usize = 10;
 /// Largest shift at once, as a share of the mean distance between elements.
@@ -194,6 +199,11 @@ impl<'a> Exchange<'a> {
                 continue;
             }
             let (old_a, old_b) = (placed[a], placed[b]);
+            let copies = self.has_copy(placed, all, &old_a, self.middle(&old_b), [a, b])
+                || self.has_copy(placed, all, &old_b, self.middle(&old_a), [a, b]);
+            if copies {
+                continue;
+            }
             self.write(&old_a, 0, a as u32 + 1);
             self.write(&old_b, 0, b as u32 + 1);
             let new_a = self.at(&old_a, self.middle(&old_b), random);
@@ -211,6 +221,19 @@ impl<'a> Exchange<'a> {
             self.write(&old_a, a as u32 + 1, 0);
             self.write(&old_b, b as u32 + 1, 0);
         }
+    }
+
+    /// Whether an equal element, of others than two, stands near a place.
+    fn has_copy(&self, placed: &[Placed], all: &[usize], p: &Placed, at: Point, but: [usize; 2]) -> bool {
+        let class = self.known.equal[p.element].0;
+        let reach = COPIES * self.known.spacing;
+        let size = self.canvas.map(f64::from);
+        let period = [0, 1].map(|k| self.wrap[k].then_some(size[k]));
+        all.len() <= MOST_COMPARED
+            && all.iter().any(|&i| {
+                let equal = self.known.equal[placed[i].element].0 == class && !but.contains(&i);
+                equal && shortest_offset(at, self.middle(&placed[i]), period).hypot() < reach
+            })
     }
 
     /// Moves an element a little, and turns it if others of its kind are turned.
