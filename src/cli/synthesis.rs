@@ -41,6 +41,8 @@ impl Synthesis {
     ) -> Result<Self, Failure> {
         let Parameters { synth, sized, svg, render, .. } = parameters;
         let pattern = pattern(pattern_args, force, &targets)?;
+        // What steers is fitted to the canvas.
+        let sized = sized || steering.files().next().is_some();
         if pattern.is_some() && !synth.tile.both() {
             let message = "--pattern needs a texture that repeats along both axes";
             return Err(Failure::usage(message).hint("give --tile, for both axes"));
