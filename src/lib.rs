@@ -56,6 +56,7 @@ pub mod element;
 #[cfg(feature = "onnx")]
 pub mod engine;
 pub mod geometry;
+pub mod import;
 pub mod interpolate;
 pub mod layers;
 pub mod library;

@@ -5,7 +5,7 @@ use crate::raster::colour::{encoded, linear};
 use image::{Rgb, RgbImage};
 
 /// The guide of an exemplar. Colours are averaged in linear light, as seen from far away.
-pub(super) fn guide(image: &RgbImage) -> Guide {
+pub(crate) fn guide(image: &RgbImage) -> Guide {
     let (width, height) = image.dimensions();
     let cell = Guide::cell_for(width, height);
     let mean = |column: u32, row: u32| {

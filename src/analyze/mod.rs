@@ -10,7 +10,7 @@ mod doubts;
 mod edges;
 mod exemplar;
 mod grid;
-mod guide;
+pub(crate) mod guide;
 mod joining;
 mod kmeans;
 mod moments;

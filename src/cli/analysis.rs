@@ -19,6 +19,7 @@ use image::RgbImage;
 use std::path::PathBuf;
 use vtex::analyze::{Exemplar, Limits};
 use vtex::engine::{Choice, EngineOptions, Runtime, Source, choose};
+use vtex::import::{ImportParams, import};
 use vtex::library::{AnalyzeParams, Library};
 use vtex::output::file::{Format, Kind};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
@@ -35,6 +36,8 @@ pub(crate) struct Analysis {
     pub(crate) save_masks: Option<Place>,
     pub(crate) layers: LayerFiles,
     pub(crate) parameters: AnalyzeParams,
+    /// Whether the exemplar tiles if it is a drawing; `None` to find out.
+    pub(crate) wrap: Option<bool>,
 }
 
 impl Analysis {
@@ -73,7 +76,8 @@ impl Analysis {
         let from = masks_from(masks.masks, parameters.segmenter, sam)?;
         let engine = engine(masks.engine, parameters.threads);
         let layers = layers.files(force.force)?;
-        Ok(Self { photo, masks: from, engine, save_masks, layers, parameters: parameters.analyze.clone() })
+        let (wrap, parameters) = (parameters.wrap.given(), parameters.analyze.clone());
+        Ok(Self { photo, masks: from, engine, save_masks, layers, parameters, wrap })
     }
 }
 
@@ -88,11 +92,18 @@ impl Analysis {
 pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
     reporter.stage("reading")?;
     let bytes = analysis.photo.read()?;
-    input::Kind::expect(&bytes, &analysis.photo, &[input::Kind::Image, input::Kind::Unknown])?;
+    let wanted = [input::Kind::Image, input::Kind::Svg, input::Kind::Unknown];
+    let kind = input::Kind::expect(&bytes, &analysis.photo, &wanted)?;
     let name = match &analysis.photo {
         Input::Stdin => "-".into(),
         Input::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy(),
     };
+    if kind == input::Kind::Svg {
+        let params = ImportParams { wrap: analysis.wrap, analyze: analysis.parameters.clone() };
+        let mut library = import(&bytes, &analysis.photo.name(), &params, reporter)?;
+        library.source.file = name.into_owned();
+        return Ok(library);
+    }
     // Errors name the file as it was given.
     let mut exemplar = Exemplar::from_bytes(&bytes, &analysis.photo.name(), &Limits::default())?;
     exemplar.file = name.into_owned();

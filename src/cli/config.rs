@@ -14,7 +14,7 @@ use super::options::global::Global;
 use super::options::render::{RenderFlags, RenderParameters};
 use super::options::svg::{SvgFlags, SvgParameters};
 use super::options::synth::{SynthBackgroundFlags, SynthFlags};
-use super::values::{Axes, FiveWeights, Name, Seed, Size, WeightsFrom};
+use super::values::{Axes, FiveWeights, Name, Seed, Size, WeightsFrom, Wrap};
 use clap::Args;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -32,7 +32,11 @@ pub(crate) struct Parameters {
     pub(crate) threads: Option<u16>,
     pub(crate) segmenter: SegmenterName,
     pub(crate) analyze: AnalyzeParams,
+    /// Whether the exemplar tiles; `analyze` holds what it is of a photograph.
+    pub(crate) wrap: Wrap,
     pub(crate) synth: SynthParams,
+    /// Whether the size of the canvas was given.
+    pub(crate) sized: bool,
     /// Where the weights of `synth` are to be read from, if not given as numbers.
     pub(crate) weights: Option<Name>,
     pub(crate) svg: SvgParameters,
@@ -151,7 +155,9 @@ impl Default for Parameters {
             threads: None,
             segmenter: SegmenterName::default(),
             analyze: AnalyzeParams::default(),
+            wrap: Wrap::default(),
             synth: SynthParams::default(),
+            sized: false,
             weights: None,
             svg: SvgParameters { precision: 1, expand: false, css: false, max_bytes: None },
             render: RenderParameters { scale: 1.0, background: None },
@@ -216,11 +222,13 @@ impl Parameters {
             }
             "analyze" => {
                 take(&mut values, "segmenter", |v| self.segmenter = v)?;
+                take(&mut values, "wrap", |v| self.wrap = v)?;
+                self.analyze.wrap = self.wrap.given() == Some(true);
                 self.analyze = over(&self.analyze, values)?;
             }
             "synth" => {
                 take(&mut values, "size", |Size { width, height }| {
-                    (self.synth.width, self.synth.height) = (width, height);
+                    (self.synth.width, self.synth.height, self.sized) = (width, height, true);
                 })?;
                 take(&mut values, "tile", |Axes(tile)| self.synth.tile = tile)?;
                 take(&mut values, "weights", |v| match v {
@@ -244,6 +252,9 @@ impl Parameters {
             "analyze" => {
                 let mut t = table(Table::try_from(&AnalyzeParams { seed: 0, ..self.analyze.clone() }));
                 t.insert("segmenter".into(), Value::try_from(self.segmenter).expect("a name"));
+                t.insert("wrap".into(), Value::try_from(self.wrap).expect("a word"));
+                t.insert("elements".into(), Value::try_from(self.analyze.elements).expect("a name"));
+                t.insert("lenient".into(), self.analyze.lenient.into());
                 t
             }
             "synth" => {

@@ -64,6 +64,12 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         Error::Edit { fault: EditFault::NoLayer { known, .. }, .. } => {
             return Some(format!("--layer takes {}", known.join(", ")));
         }
+        Error::Control { role: "a drawing", advice, .. } if *advice == vtex::import::CONVERT => {
+            return Some(format!("{advice}; --lenient leaves it out"));
+        }
+        Error::Parameter { name: "size", value, .. } if value.contains("the drawing repeats") => {
+            "give another --size, or --method correspondence, which fits any"
+        }
         Error::Sizes { .. } => "make both with the same --size, or stretch one with 'vtex warp --stretch'",
         Error::Seams => "make the texture with --tile, for both axes",
         Error::MaxBytes { smallest, .. } => {

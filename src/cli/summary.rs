@@ -58,6 +58,9 @@ pub(crate) struct Summary {
     /// How often the same primaries come back.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) repetition: Option<Repetition>,
+    /// Share of the places that repeat a drawing's own period.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) period: Option<f64>,
     /// Seconds by stage, in the order of the stages.
     pub(crate) seconds: Seconds,
     /// Most memory used, in bytes, where the system tells.
@@ -96,6 +99,7 @@ impl Summary {
             structure: None,
             overlap: None,
             repetition: None,
+            period: None,
             seconds: Seconds(seconds),
             peak_memory: peak_memory(),
             warnings,
@@ -291,8 +295,12 @@ impl Summary {
         line.push_str(match self.method {
             Some(Method::Correspondence) => ", by correspondences",
             Some(Method::Descriptor) => ", by descriptors",
+            Some(Method::Period) => ", by the drawing's period",
             Some(Method::Auto) | None => "",
         });
+        if let Some(share) = self.period {
+            line.push_str(&format!(" ({:.0} % of the places repeat it)", 100.0 * share));
+        }
         if let Some(pattern) = &self.pattern {
             line.push_str(&format!(", pattern in {pattern}"));
         }

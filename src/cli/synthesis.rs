@@ -13,7 +13,7 @@ use super::progress::Reporter;
 use super::summary::{Counts, Coverage, LayersReport, Summary};
 use serde_json::Value;
 use vtex::Progress;
-use vtex::library::Library;
+use vtex::library::{Library, SourceKind};
 use vtex::output::file::Format;
 use vtex::scene::{Scene, SynthParams};
 use vtex::synth::{Controls, Report, synthesize_with};
@@ -21,6 +21,8 @@ use vtex::synth::{Controls, Report, synthesize_with};
 /// How a texture is made and written.
 pub(crate) struct Synthesis {
     pub(crate) parameters: SynthParams,
+    /// Whether the size of the canvas was given.
+    pub(crate) sized: bool,
     pub(crate) steering: Steering,
     pub(crate) svg: SvgParameters,
     pub(crate) render: RenderParameters,
@@ -37,13 +39,15 @@ impl Synthesis {
         pattern_args: PatternArgs,
         force: &ForceArgs,
     ) -> Result<Self, Failure> {
-        let Parameters { synth, svg, render, .. } = parameters;
+        let Parameters { synth, sized, svg, render, .. } = parameters;
         let pattern = pattern(pattern_args, force, &targets)?;
+        // What steers is fitted to the canvas.
+        let sized = sized || steering.files().next().is_some();
         if pattern.is_some() && !synth.tile.both() {
             let message = "--pattern needs a texture that repeats along both axes";
             return Err(Failure::usage(message).hint("give --tile, for both axes"));
         }
-        Ok(Self { parameters: synth, steering, svg, render, targets, pattern })
+        Ok(Self { parameters: synth, sized, steering, svg, render, targets, pattern })
     }
 
     /// Fails now if a file could not be written later.
@@ -65,6 +69,21 @@ pub(crate) struct Origin<'a> {
     pub(crate) recipe: Option<&'a Value>,
 }
 
+/// The canvas of a periodic drawing, unless a size was given: some whole periods, about as large as that of
+/// other textures.
+pub(crate) fn canvas(parameters: &SynthParams, sized: bool, libraries: &[Library]) -> SynthParams {
+    let mut parameters = parameters.clone();
+    if let ([library], false) = (libraries, sized)
+        && library.source.kind == SourceKind::Drawing
+        && library.arrangement.periodic
+    {
+        let [w, h] = [library.source.width, library.source.height];
+        let periods = |side: u32| (1000 + side / 2).div_euclid(side).max(2);
+        (parameters.width, parameters.height) = (w * periods(w), h * periods(h));
+    }
+    parameters
+}
+
 /// Makes, writes and sums up a texture: the second half of `texture` too.
 pub(crate) fn finish(
     common: &Common,
@@ -74,7 +93,8 @@ pub(crate) fn finish(
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
     let Origin { command, inputs, libraries, recipe } = origin;
-    let Synthesis { parameters, svg, render, targets, pattern, .. } = synthesis;
+    let Synthesis { parameters, svg, render, targets, pattern, sized, .. } = synthesis;
+    let parameters = &canvas(parameters, *sized, libraries);
     if let Some(warning) = render.warning(targets.has(Format::Png)) {
         reporter.warn(warning);
     }
@@ -133,6 +153,7 @@ impl Made<'_> {
             structure: report.structure,
             overlap: Some(report.overlap),
             repetition: Some(report.repetition),
+            period: report.period,
             ..Summary::new(command, inputs, targets.path(), written, reporter)
         };
         // Where a scene is changed, the seed is its own unless one was given.

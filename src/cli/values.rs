@@ -54,6 +54,65 @@ impl<'de> Deserialize<'de> for Size {
     }
 }
 
+/// Whether an exemplar tiles: `auto`, `on` or `off`; also `true` and `false`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Wrap {
+    #[default]
+    Auto,
+    On,
+    Off,
+}
+
+impl Wrap {
+    pub(crate) const NAMES: [&'static str; 3] = ["auto", "on", "off"];
+
+    /// What was said; `None` if it is to be found out.
+    pub(crate) fn given(self) -> Option<bool> {
+        match self {
+            Self::Auto => None,
+            Self::On => Some(true),
+            Self::Off => Some(false),
+        }
+    }
+}
+
+impl FromStr for Wrap {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            "on" | "true" => Ok(Self::On),
+            "off" | "false" => Ok(Self::Off),
+            _ => Err("expected auto, on or off".into()),
+        }
+    }
+}
+
+impl Serialize for Wrap {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.given() {
+            Some(wrap) => serializer.serialize_bool(wrap),
+            None => serializer.serialize_str("auto"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Wrap {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Either {
+            Bool(bool),
+            Text(String),
+        }
+        match Either::deserialize(deserializer)? {
+            Either::Bool(wrap) => Ok(if wrap { Self::On } else { Self::Off }),
+            Either::Text(text) => text.parse().map_err(D::Error::custom),
+        }
+    }
+}
+
 /// `1.5` or `1.5x2`: factors along x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Factors(pub(crate) [f64; 2]);

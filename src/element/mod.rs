@@ -6,6 +6,7 @@
 mod gradient;
 mod line;
 mod shape;
+mod similar;
 #[cfg(test)]
 mod tests;
 pub(crate) mod version1;
@@ -13,6 +14,7 @@ pub(crate) mod version1;
 pub use gradient::{Gradient, GradientKind, Stop};
 pub use line::{Cap, Join, Line};
 pub use shape::Shape;
+pub(crate) use similar::similarity;
 
 use crate::geometry::{Outline, Rect};
 use schemars::JsonSchema;

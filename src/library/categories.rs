@@ -21,6 +21,14 @@ impl Categories {
     /// Most categories that [`Categories::Auto`] makes.
     pub const MOST_BY_COLOUR: u32 = 40;
 
+    /// Most categories there may be.
+    pub(crate) fn most(self) -> usize {
+        match self {
+            Self::Auto => Self::MOST_BY_COLOUR as usize,
+            Self::AtMost(number) => number as usize,
+        }
+    }
+
     fn checked(number: u64) -> Result<Self, &'static str> {
         if (1..=1000).contains(&number) { Ok(Self::AtMost(number as u32)) } else { Err(EXPECTED) }
     }

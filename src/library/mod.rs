@@ -15,7 +15,7 @@ pub use arrangement::Arrangement;
 pub use categories::Categories;
 pub use guide::{Guide, Picture};
 pub use instance::Instance;
-pub use parameters::{AnalyzeParams, Shading};
+pub use parameters::{AnalyzeParams, Grouping, Shading};
 pub use strata::Stratum;
 
 use crate::document::{self, Document};

@@ -56,6 +56,34 @@ pub struct AnalyzeParams {
     /// The layers found, counted from 0 at the bottom, listed from the new bottom to the new top. Empty
     /// (the default) for the order in which layers that are not next to each other touch least.
     pub layer_order: Vec<u32>,
+    /// Which shapes of a drawing are one element. Default auto.
+    #[serde(skip_serializing_if = "Grouping::is_auto")]
+    pub elements: Grouping,
+    /// Whether what cannot be read of a drawing is left out, rather than refused. Default false.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub lenient: bool,
+}
+
+/// Which shapes of a drawing are one element.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Grouping {
+    /// Groups that are small against the page; else the connected pieces of paths that lie within one
+    /// another, touch, or are much nearer to each other than to all else.
+    #[default]
+    Auto,
+    /// Each outermost group that does not hold the whole drawing; other shapes by their pieces.
+    Group,
+    /// Each path, with all its pieces.
+    Path,
+    /// Each connected piece of a path: an outer ring with what lies inside.
+    Piece,
+}
+
+impl Grouping {
+    fn is_auto(&self) -> bool {
+        *self == Self::Auto
+    }
 }
 
 /// Fills of details and primaries.
@@ -93,6 +121,8 @@ impl Default for AnalyzeParams {
             wrap: false,
             layers: 0,
             layer_order: Vec::new(),
+            elements: Grouping::Auto,
+            lenient: false,
         }
     }
 }

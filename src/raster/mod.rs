@@ -5,6 +5,7 @@ pub(crate) mod blur;
 pub mod colour;
 pub mod colour_names;
 mod components;
+pub(crate) mod contact;
 mod control_map;
 mod decode;
 mod distance;

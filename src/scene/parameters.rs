@@ -37,13 +37,17 @@ pub struct SynthParams {
     pub edge: Edge,
     /// Parts of the method that are left out, for experiments. Default none.
     pub ablate: Vec<Ablation>,
+    /// Share of the movable elements that leave their place in the period, for [`Method::Period`]: 0
+    /// repeats the exemplar exactly. 0 to 1. Default: 0 for a regular exemplar, 1 for another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variation: Option<f64>,
 }
 
 /// How primaries are placed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// `correspondence` if every library has a guide and no option is set that only `descriptor`
+    /// `period` for one periodic drawing; else `correspondence` if every library has a guide and no option is set that only `descriptor`
     /// supports (weights of the score, parts of its method left out); otherwise `descriptor`.
     #[default]
     Auto,
@@ -52,6 +56,9 @@ pub enum Method {
     Correspondence,
     /// Elements are drawn one by one to match the descriptors of their neighbours (paper §3.2.1).
     Descriptor,
+    /// The exemplar's own period is repeated, and its movable elements are exchanged, moved and turned.
+    /// For one periodic drawing.
+    Period,
 }
 
 /// A part of the method that can be left out.
@@ -135,6 +142,7 @@ impl Default for SynthParams {
             scale_jitter: 0.0,
             edge: Edge::default(),
             ablate: Vec::new(),
+            variation: None,
         }
     }
 }
@@ -160,6 +168,8 @@ impl SynthParams {
         if let Some(spacing) = self.background_spacing {
             check((4.0..=1000.0).contains(&spacing), "background-spacing", spacing, "4 to 1000 px")?;
         }
+        let variation = self.variation.unwrap_or(0.0);
+        check((0.0..=1.0).contains(&variation), "variation", variation, "0 to 1")?;
         check((0.0..=180.0).contains(&self.rotate), "rotate", self.rotate, "0 to 180 degrees")?;
         check(
             (0.0..=50.0).contains(&self.scale_jitter),

@@ -1,16 +1,18 @@
 //! Scenes put together from placed elements; the exemplar's own arrangement as a scene.
 
 use super::few::limit_colours;
+use super::period::share_equal;
 use super::secondaries;
 use super::strata::Strata;
 use crate::arrange::Arrangement;
 use crate::arrange::controls::Controls;
 use crate::arrange::variation::Variation;
 use crate::geometry::{Affine, Outline};
-use crate::library::Library;
+use crate::library::{Library, SourceKind};
 use crate::raster::colour::Colour;
 use crate::scene::{
-    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, LibraryRef, Scene, SynthParams,
+    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, LibraryRef, Scene,
+    SynthParams, Tile,
 };
 use std::collections::BTreeMap;
 
@@ -84,6 +86,12 @@ pub fn reconstruct(library: &Library) -> Scene {
         }
         let (name, region, field) = (layer.name.clone(), layer.region.clone(), layer.field.clone());
         scene.layers.push(Layer { name, role: layer.role, region, field, instances });
+    }
+    if library.source.kind == SourceKind::Drawing {
+        let wrap = library.arrangement.periodic;
+        scene.tile = Tile { x: wrap, y: wrap };
+        share_equal(&mut scene, library);
+        return scene;
     }
     let most = library.source.parameters.colors as usize;
     if most > 0 {

@@ -9,6 +9,7 @@ pub(crate) mod background;
 pub(crate) mod compose;
 mod few;
 mod neighbourhoods;
+mod period;
 pub(crate) mod report;
 pub(crate) mod secondaries;
 mod strata;
@@ -65,8 +66,11 @@ pub fn synthesize_with(
     controls.validate(libraries.len())?;
     check_canvas(params)?;
 
-    let method = method(libraries, params)?;
+    let method = method(libraries, params, controls)?;
     let params = &SynthParams { method, ..params.clone() };
+    if method == Method::Period {
+        return period::synthesize(&libraries[0], params, controls, progress);
+    }
     let mut model = Model::new(libraries, params);
     let task = Task { libraries, controls, params, method, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;
@@ -90,12 +94,19 @@ pub fn synthesize_with(
 ///
 /// # Errors
 /// [`Error::Parameter`] if correspondences are asked for and a library has no guide.
-fn method(libraries: &[Library], params: &SynthParams) -> Result<Method> {
+fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<Method> {
+    let periodic = period::applies(libraries, params, controls);
     let guided = libraries.iter().all(|l| l.guide.is_some());
     // Parts that correspondences have too.
     let of_both = |part: &Ablation| *part == Ablation::Secondary;
     let plain = params.weights == Weights::default() && params.ablate.iter().all(of_both);
     match params.method {
+        Method::Auto if periodic && plain => Ok(Method::Period),
+        Method::Period if !periodic => Err(Error::Parameter {
+            name: "method",
+            value: "period".into(),
+            allowed: "for one drawing whose borders join, without a map of densities, turned or mirrored elements",
+        }),
         Method::Auto if guided && plain => Ok(Method::Correspondence),
         Method::Auto => Ok(Method::Descriptor),
         Method::Correspondence if !guided => Err(no_guide()),

@@ -44,6 +44,9 @@ pub struct Report {
     pub overlap: Overlap,
     /// How often the same primaries come back.
     pub repetition: Repetition,
+    /// Share of the places that repeat the exemplar's own period, if that was repeated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub period: Option<f64>,
 }
 
 /// Coverage of one category.
@@ -87,6 +90,7 @@ impl Report {
             structure: arrangement.structure,
             overlap: Overlap::of_scene(scene, libraries),
             repetition: Repetition::of_scene(scene, libraries),
+            period: None,
         }
     }
 }

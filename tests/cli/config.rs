@@ -15,7 +15,7 @@ fn a_dump_holds_every_parameter_and_reads_back_as_itself() {
         "weights = [0.5, -0.4, -0.2, -0.5, -0.5]",
         "precision = 1",
         "scale = 1.0",
-        "wrap = false",
+        "wrap = \"auto\"",
     ] {
         assert!(dump.lines().any(|l| l == key), "{key} is not in:\n{dump}");
     }

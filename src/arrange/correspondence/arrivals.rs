@@ -8,7 +8,7 @@
 use super::Correspondence;
 use crate::arrange::grid::Grid;
 use crate::arrange::model::{Model, PlaceableId, VariantId};
-use crate::library::Library;
+use crate::library::{Library, SourceKind};
 use crate::parallel;
 use crate::raster::{LabelMap, Mask};
 use std::collections::BTreeMap;
@@ -77,6 +77,8 @@ pub(super) struct Plan<'g> {
     pub(super) rows: Vec<Vec<(i32, i32, u32)>>,
     /// How packed each exemplar is, 0 to 1.
     packings: Vec<f64>,
+    /// Whether elements of each exemplar may lie on others: not where it is a drawing in which none touch.
+    apart: Vec<bool>,
 }
 
 /// A run of pixels of a row that come from one primary: first column, end, its variant and place.
@@ -117,9 +119,11 @@ impl<'g> Plan<'g> {
             }
         }
         let rows = votes.iter().map(|row| row.iter().map(of).collect()).collect();
-        let exemplars = libraries.iter().zip(&correspondence.pages.labels);
-        let packings = exemplars.map(|(library, labels)| packing(library, labels)).collect();
-        Self { grid, pixels, arrivals, rows, packings }
+        let exemplars = || libraries.iter().zip(&correspondence.pages.labels);
+        let packings = exemplars().map(|(library, labels)| packing(library, labels)).collect();
+        let drawn = |library: &Library| library.source.kind == SourceKind::Drawing;
+        let apart = exemplars().map(|(library, labels)| drawn(library) && !touch(labels)).collect();
+        Self { grid, pixels, arrivals, rows, packings, apart }
     }
 
     /// How packed the exemplar of a variant is, 0 to 1.
@@ -128,7 +132,10 @@ impl<'g> Plan<'g> {
     }
 
     /// Most of a variant that may lie on others, as a share of the most for packed exemplars.
-    fn closeness(&self, model: &Model, variant: VariantId) -> f64 {
+    pub(super) fn closeness(&self, model: &Model, variant: VariantId) -> f64 {
+        if self.apart[model.element(variant).library] {
+            return 0.0;
+        }
         self.packing(model, variant).max(LOOSEST)
     }
 
@@ -229,6 +236,15 @@ impl<'g> Plan<'g> {
             }
         }
     }
+}
+
+/// Whether any two primaries of a map touch.
+fn touch(labels: &LabelMap) -> bool {
+    let differ = |a: u32, b: u32| a > 0 && b > 0 && a != b;
+    let rows = (0..labels.height).map(|y| labels.row(y));
+    let beside = rows.clone().any(|row| row.windows(2).any(|w| differ(w[0], w[1])));
+    let above = rows.clone().zip(rows.skip(1)).any(|(a, b)| a.iter().zip(b).any(|(a, b)| differ(*a, *b)));
+    beside || above
 }
 
 /// How packed an exemplar is, 0 to 1: by how much primaries touch, or how much they cover, or how much

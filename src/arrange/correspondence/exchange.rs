@@ -67,7 +67,8 @@ pub(super) fn exchange(
                 return None;
             }
             let others = plan.taken_beside(there, mask, at);
-            (f64::from(others) <= ON_OTHERS * f64::from(there.area())).then_some((both / either, other))
+            let most = if plan.closeness(model, variant) > 0.0 { ON_OTHERS } else { 0.0 };
+            (f64::from(others) <= most * f64::from(there.area())).then_some((both / either, other))
         };
         let area = f64::from(model.plain(own).area);
         let candidates = alike.of(own, AREA * area..area / AREA, CANDIDATES, first);

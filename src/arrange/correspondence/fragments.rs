@@ -9,7 +9,7 @@ use super::holes::Hole;
 use crate::arrange::grid::Grid;
 use crate::arrange::model::{Model, VariantId};
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap};
-use crate::library::{self, Library};
+use crate::library::{self, Library, SourceKind};
 use crate::parallel;
 use crate::raster::{LabelMap, Mask, Span};
 use crate::scene::{Element, ElementId, LibraryId, Shape, pixels};
@@ -50,6 +50,10 @@ pub(super) fn find(
 ) -> Vec<Fragment> {
     let made = parallel::map(holes, |hole| {
         let a = &plan.arrivals[hole.arrival as usize];
+        // Half a motif would be seen at once.
+        if libraries[model.element(a.variant).library].source.kind == SourceKind::Drawing {
+            return None;
+        }
         let wide = widened(plan, &hole.mask, (cell / 2).max(1));
         if plan.packing(model, a.variant) < PACKED && touches(plan, &wide) > TOUCHING * f64::from(wide.area())
         {

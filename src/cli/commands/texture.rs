@@ -20,7 +20,7 @@ use crate::cli::options::synth::SynthFlags;
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::recipe::{self, Recipe};
-use crate::cli::synthesis::{Origin, Synthesis, finish};
+use crate::cli::synthesis::{Origin, Synthesis, canvas, finish};
 use crate::cli::weights::read_weights;
 use clap::Args;
 use std::path::PathBuf;
@@ -193,7 +193,8 @@ impl Texture {
         let library = analyze(common, analysis, reporter)?;
         controls.lead = reading::lead(&synthesis.steering, &library)?;
         let inputs = vec![analysis.photo.name()];
-        let parameters = Parameters { synth: synthesis.parameters.clone(), ..self.parameters.clone() };
+        let synth = canvas(&synthesis.parameters, synthesis.sized, std::slice::from_ref(&library));
+        let parameters = Parameters { synth, ..self.parameters.clone() };
         let made = recipe::of(&parameters, analysis.masks(), &synthesis.steering, &library, &analysis.photo)?;
         let libraries = std::slice::from_ref(&library);
         let origin = Origin { command: "texture", inputs, libraries, recipe: Some(&made) };

@@ -4,10 +4,10 @@
 //! line is told apart from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
-use crate::cli::values::{named, one_of};
+use crate::cli::values::{Wrap, named, one_of};
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
-use vtex::library::{Categories, Shading};
+use vtex::library::{Categories, Grouping, Shading};
 
 /// The segmenter that finds the masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
@@ -84,10 +84,23 @@ pub(crate) struct AnalyzeFlags {
     /// photograph [0 to 4, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) cells: Option<u32>,
-    /// The photograph tiles: opposite borders join [default: false]
-    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    /// The exemplar tiles: opposite borders join. auto: a drawing whose borders are seen to join, no
+    /// photograph [auto, on or off; alone: on; default: auto]
+    #[arg(long, value_name = "WHETHER", num_args = 0..=1, require_equals = true, default_missing_value = "on")]
     #[arg(hide_possible_values = true)]
-    pub(crate) wrap: Option<bool>,
+    #[arg(value_parser = one_of(&Wrap::NAMES, str::parse::<Wrap>))]
+    pub(crate) wrap: Option<Wrap>,
+    /// Which shapes of a drawing are one element: small groups, and pieces that belong together by
+    /// their places; each group; each path; each connected piece [auto, group, path or piece, default:
+    /// auto]
+    #[arg(long, value_name = "HOW", hide_possible_values = true, help_heading = "Drawings")]
+    #[arg(value_parser = one_of(&["auto", "group", "path", "piece"], named::<Grouping>))]
+    pub(crate) elements: Option<Grouping>,
+    /// Leave out what cannot be read of a drawing: raster images, filters, masks, pattern fills
+    /// [default: false]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    #[arg(hide_possible_values = true, help_heading = "Drawings")]
+    pub(crate) lenient: Option<bool>,
     /// Nested layers, such as rust on paint: found if the photograph has them, none, or a number [auto,
     /// off, or 1 to 6, default: auto]
     #[arg(long, value_name = "COUNT", value_parser = layer_count, help_heading = "Layers of the photograph")]

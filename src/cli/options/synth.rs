@@ -26,11 +26,16 @@ pub(crate) struct SynthFlags {
     #[arg(long, value_name = "SIZE")]
     pub(crate) size: Option<Size>,
     /// How elements are placed: carried from the exemplar along a field of correspondences, which keeps
-    /// structure larger than a few elements; one by one by the descriptors of their neighbours; or as
-    /// the library allows [auto, correspondence or descriptor, default: auto]
+    /// structure larger than a few elements; one by one by the descriptors of their neighbours; by the
+    /// period of a drawing whose borders join; or as the library allows [auto, correspondence,
+    /// descriptor or period, default: auto]
     #[arg(long, value_name = "METHOD", hide_possible_values = true)]
-    #[arg(value_parser = one_of(&["auto", "correspondence", "descriptor"], named::<Method>))]
+    #[arg(value_parser = one_of(&["auto", "correspondence", "descriptor", "period"], named::<Method>))]
     pub(crate) method: Option<Method>,
+    /// Share of a periodic drawing's free elements that leave their places: 0 repeats its period exactly
+    /// [0 to 1, default: 0 for a regular drawing, else 1]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    pub(crate) variation: Option<f64>,
     /// Textons tried for each place, by descriptors [1 to 1000, default: 20]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) candidates: Option<u32>,

@@ -205,7 +205,8 @@ impl<'a> Run<'a> {
     fn complete(&self, record: &mut Record, records: &Records) -> anyhow::Result<()> {
         let bytes = self.input.read()?;
         let is_library =
-            Kind::expect(&bytes, &self.input, &[Kind::Library, Kind::Image, Kind::Unknown])? == Kind::Library;
+            Kind::expect(&bytes, &self.input, &[Kind::Library, Kind::Image, Kind::Svg, Kind::Unknown])?
+                == Kind::Library;
         record.key = self.key(&bytes, is_library)?;
         drop(bytes);
         let files: Vec<String> = self.job.files().collect();
@@ -281,6 +282,7 @@ impl<'a> Run<'a> {
                 engine: self.batch.engine.clone(),
                 save_masks: None,
                 parameters: self.analyze.clone(),
+                wrap: self.job.parameters.wrap.given(),
             };
             let library = analyze(&self.common, &analysis, reporter)?;
             let parameters = Parameters {

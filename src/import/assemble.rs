@@ -1,0 +1,336 @@
+//! Pieces → library: elements, their layers, the map of them, the guide.
+
+use super::ImportParams;
+use super::categories::categorise;
+use super::clip::{Clip, page as page_of};
+use super::elements::{Known, NEAREST, elements};
+use super::offsets::{Offsets, Shift, minus};
+use super::pieces::Piece;
+use super::read::Page;
+use super::shapes::shapes;
+use super::torus::Torus;
+use crate::analyze::guide::guide;
+use crate::element;
+use crate::geometry::{Affine, Outline, Rect};
+use crate::library::{
+    AnalyzeParams, Arrangement, Element, ElementId, Instance, Layer, Library, Role, Shape, Source, SourceKind,
+};
+use crate::parallel;
+use crate::raster::colour::Colour;
+use crate::raster::contact::Ground;
+use crate::raster::{LabelMap, Mask};
+use crate::scene::{Field, pixels};
+use image::{Rgb, RgbImage};
+use kurbo::Shape as _;
+use resvg::usvg::Transform;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+
+/// Least length of a page's shorter side, in pixels.
+const LEAST_SIDE: f64 = 200.0;
+/// Largest length of its longer side.
+const MOST_SIDE: f64 = 4096.0;
+/// Longest side to which a page is enlarged for the sake of small pieces.
+const ENLARGED: f64 = 1600.0;
+/// Cells of the guide across the median piece.
+const CELLS: f64 = 8.0;
+/// How far what is cut at a border reaches beyond it, in pixels, so that copies leave no gap.
+const UNDERLAP: f64 = 0.4;
+/// Least share of the page that a background covers.
+const COVERS: f64 = 0.995;
+
+/// What else the library is made from.
+pub(super) struct Origin<'a> {
+    pub(super) bytes: &'a [u8],
+    pub(super) name: &'a str,
+    pub(super) params: &'a ImportParams,
+    pub(super) wrap: bool,
+    pub(super) scale: [u32; 2],
+    pub(super) picture: RgbImage,
+    pub(super) background: Colour,
+}
+
+/// Size of the page, in pixels of the library.
+pub(super) fn scale(page: &Page, pieces: &[Piece]) -> [u32; 2] {
+    let [short, long] = [page.size[0].min(page.size[1]), page.size[0].max(page.size[1])];
+    let mut extents: Vec<f64> = pieces
+        .iter()
+        .map(Piece::bounds)
+        .filter(|b| b.width() < 0.9 * page.size[0] || b.height() < 0.9 * page.size[1])
+        .map(|b| libm::sqrt(b.width().max(1e-6) * b.height().max(1e-6)))
+        .collect();
+    extents.sort_by(f64::total_cmp);
+    let median = extents.get(extents.len() / 2).copied().unwrap_or(short);
+    let for_pieces = (2.0 * CELLS / median.max(1e-6)).min(ENLARGED / long);
+    let mut factor = libm::ceil((LEAST_SIDE / short).max(for_pieces)).max(1.0);
+    if long * factor > MOST_SIDE {
+        factor = MOST_SIDE / long;
+    }
+    page.size.map(|v| libm::round(v * factor).max(1.0) as u32)
+}
+
+/// The drawing over white, as resvg draws it.
+pub(super) fn picture(page: &Page, [width, height]: [u32; 2]) -> RgbImage {
+    let Some(mut pixmap) = tiny_skia::Pixmap::new(width, height) else {
+        return RgbImage::from_pixel(width, height, Rgb([255; 3]));
+    };
+    pixmap.fill(tiny_skia::Color::WHITE);
+    let [sx, sy] = [0, 1].map(|k| ([width, height][k] as f64 / page.size[k]) as f32);
+    resvg::render(&page.tree, Transform::from_scale(sx, sy), &mut pixmap.as_mut());
+    RgbImage::from_fn(width, height, |x, y| {
+        let p = pixmap.pixels()[(y * width + x) as usize];
+        Rgb([p.red(), p.green(), p.blue()])
+    })
+}
+
+/// The colour of the page, and the pieces that lie on it. Without one, drawings lie on white.
+pub(super) fn background(page: &Page, pieces: Vec<Piece>) -> (Colour, Vec<Piece>) {
+    let clip = Clip::rect(page_of(page.size));
+    let whole = page.size[0] * page.size[1];
+    let covers = |piece: &Piece| {
+        let [part] = &piece.parts[..] else { return false };
+        let plain = part.stroke.is_none() && part.paint.gradient.is_none() && part.paint.opacity >= 1.0;
+        let b = part.path.bounding_box();
+        let wide = b.width() >= COVERS * page.size[0] && b.height() >= COVERS * page.size[1];
+        plain && wide && clip.apply(&part.path).area().abs() >= COVERS * whole
+    };
+    match pieces.iter().rposition(covers) {
+        Some(k) => (pieces[k].parts[0].paint.colour, pieces.into_iter().skip(k + 1).collect()),
+        None => (Colour([255; 3]), pieces),
+    }
+}
+
+/// An element that is being put together.
+struct Draft {
+    shapes: Vec<Shape>,
+    layer: usize,
+    /// Place in the painting order.
+    order: usize,
+    mask: Mask,
+    /// Whether it runs on beyond the borders of the page.
+    endless: bool,
+}
+
+pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Library {
+    let Origin { wrap, scale: [width, height], .. } = origin;
+    let size = [f64::from(width), f64::from(height)];
+    let map = Affine::scale_non_uniform(size[0] / page.size[0], size[1] / page.size[1]);
+    let drafts = drafts(page, pieces, &origin, map, size);
+    let mut labels = LabelMap::filled(width, height, 0);
+    for (k, draft) in drafts.iter().enumerate() {
+        paint(&mut labels, &draft.mask, k as u32 + 1, wrap);
+    }
+    let areas = labels.areas();
+    let pixels = size[0] * size[1];
+    let seen = |k: usize| areas.get(k + 1).map_or(0.0, |a| f64::from(*a));
+    let mut made: Vec<Element> = drafts.iter().map(|d| element(d, size, wrap)).collect();
+    let shares: Vec<f64> = (0..made.len()).map(|k| seen(k) / pixels).collect();
+    let params = &origin.params.analyze;
+    let categories = categorise(&mut made, &shares, params.categories.most());
+    let coverage = categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0);
+    let spacing = libm::sqrt(pixels / (made.len().max(1) as f64));
+    let most = width.min(height) / 2;
+    let mut warnings = page.warnings.clone();
+    if made.is_empty() {
+        warnings.push("the drawing holds nothing but a background".into());
+    }
+    let analyze = AnalyzeParams { wrap, ..params.clone() };
+    Library {
+        format: Library::FORMAT.into(),
+        version: Library::VERSION,
+        source: Source {
+            kind: SourceKind::Drawing,
+            file: origin.name.into(),
+            width,
+            height,
+            sha256: Sha256::digest(origin.bytes).iter().map(|b| format!("{b:02x}")).collect(),
+            segmenter: "drawing".into(),
+            parameters: analyze,
+            program: crate::PROGRAM.into(),
+            layers: None,
+            warnings,
+        },
+        layers: layers(page, &drafts, origin.background),
+        elements: made,
+        categories,
+        coverage,
+        arrangement: Arrangement { periodic: wrap, ..Arrangement::from_labels(&labels) },
+        descriptor_half: (libm::round(params.descriptor_reach * spacing) as u32).clamp(1, most.max(1)),
+        guide: Some(guide(&origin.picture)),
+    }
+}
+
+/// The elements in painting order, layer by layer.
+fn drafts(page: &Page, pieces: &[Piece], origin: &Origin<'_>, map: Affine, size: [f64; 2]) -> Vec<Draft> {
+    let torus = Torus::new(page.size);
+    let wrap = origin.wrap;
+    let pixels = size[0] / page.size[0];
+    let cut: Vec<bool> = pieces
+        .iter()
+        .map(|p| wrap && p.parts.iter().any(|part| part.stroke.is_none() && torus.is_cut(&part.path)))
+        .collect();
+    let drawn: Vec<(Vec<Shape>, Mask)> = parallel::map(pieces, |piece| {
+        let shapes = shapes(piece, map);
+        let mask = mask(&shapes, size, wrap);
+        (shapes, mask)
+    });
+    let masks: Vec<Mask> = drawn.iter().map(|d| d.1.clone()).collect();
+    let sides = size.map(|v| v as i32);
+    let (ground, mut contacts) = Ground::new(sides, wrap, &masks);
+    let reach = 2.5 * NEAREST * libm::sqrt(size[0] * size[1]);
+    ground.near(libm::ceil(reach).min(400.0) as u16, &mut contacts);
+    let known = Known {
+        page,
+        pieces,
+        cut: cut.clone(),
+        bounds: drawn.iter().map(|d| element::bounds(&d.0)).collect(),
+        areas: masks.iter().map(Mask::area).collect(),
+        contacts,
+        size,
+    };
+    let mut sets = elements(&known, origin.params.analyze.elements);
+    endless(&known, &mut sets);
+    // What was cut reaches beyond the border.
+    let widened = |k: usize| -> Vec<Shape> {
+        if !cut[k] {
+            return drawn[k].0.clone();
+        }
+        let mut piece = pieces[k].clone();
+        for part in piece.parts.iter_mut().filter(|p| p.stroke.is_none()) {
+            part.path = torus.widened(&part.path, UNDERLAP / pixels);
+        }
+        shapes(&piece, map)
+    };
+    let mut groups: BTreeMap<(usize, usize), Vec<(usize, Shift)>> = BTreeMap::new();
+    for k in (0..pieces.len()).filter(|&k| !drawn[k].0.is_empty()) {
+        let (root, shift) = sets.find(k);
+        // Each piece of what has no end is an element of its own.
+        let key = if sets.is_endless(k) { ((k, 1), [0; 2]) } else { ((root, 0), shift) };
+        groups.entry(key.0).or_default().push((k, key.1));
+    }
+    let mut drafts: Vec<Draft> = groups
+        .into_iter()
+        .map(|((_, kind), members)| draft(&members, pieces, &widened, size, wrap, kind == 1))
+        .collect();
+    drafts.sort_by_key(|d| (d.layer, d.order));
+    drafts
+}
+
+/// Notes which pieces run on: those that meet themselves a period away.
+fn endless(known: &Known<'_>, sets: &mut Offsets) {
+    for (&(a, b, shift), contact) in &known.contacts {
+        let same = sets.find(a as usize).0 == sets.find(b as usize).0;
+        if contact.gap == 0 && same && (known.cut[a as usize] || a == b) {
+            sets.join(a as usize, b as usize, shift);
+        }
+    }
+}
+
+/// An element of pieces, moved to where its middle lies on the page.
+fn draft(
+    members: &[(usize, Shift)],
+    pieces: &[Piece],
+    drawn: &dyn Fn(usize) -> Vec<Shape>,
+    size: [f64; 2],
+    wrap: bool,
+    endless: bool,
+) -> Draft {
+    let vector = |s: Shift| (f64::from(s[0]) * size[0], f64::from(s[1]) * size[1]);
+    let mut shapes: Vec<Shape> = members
+        .iter()
+        .flat_map(|&(k, shift)| {
+            let by = Affine::translate(vector(shift));
+            drawn(k).into_iter().map(move |shape| if shift == [0; 2] { shape } else { shape.moved(by) })
+        })
+        .collect();
+    let mut all = mask(&shapes, size, wrap);
+    if wrap && !endless {
+        let middle = all.centroid().map_or_else(|| element::bounds(&shapes).center(), |(x, y)| (x, y).into());
+        let home = minus([libm::floor(middle.x / size[0]) as i32, libm::floor(middle.y / size[1]) as i32]);
+        if home != [0; 2] {
+            let by = Affine::translate(vector(home));
+            shapes = shapes.iter().map(|s| s.moved(by)).collect();
+            all = mask(&shapes, size, wrap);
+        }
+    }
+    let order = members.iter().map(|m| m.0).max().unwrap_or(0);
+    let layer = members.first().map_or(0, |m| pieces[m.0].layer);
+    Draft { shapes, layer, order, mask: all, endless }
+}
+
+/// The pixels that shapes paint, as far as they lie on the page, or within a page around one that wraps.
+fn mask(shapes: &[Shape], size: [f64; 2], wrap: bool) -> Mask {
+    let [w, h] = size.map(|v| v as i32);
+    let (low, high) = if wrap { ([-w, -h], [2 * w, 2 * h]) } else { ([0, 0], [w, h]) };
+    let spans = shapes.iter().flat_map(|shape| pixels::mask(&shape.outline).spans().to_vec());
+    let kept = spans.filter(|s| (low[1]..high[1]).contains(&s.y)).map(|mut s| {
+        (s.x0, s.x1) = (s.x0.max(low[0]), s.x1.min(high[0]));
+        s
+    });
+    Mask::from_spans(kept.collect())
+}
+
+fn paint(labels: &mut LabelMap, mask: &Mask, label: u32, wrap: bool) {
+    let [w, h] = [labels.width as i32, labels.height as i32];
+    for (x, y) in mask.pixels() {
+        if wrap || ((0..w).contains(&x) && (0..h).contains(&y)) {
+            labels.set(x.rem_euclid(w) as u32, y.rem_euclid(h) as u32, label);
+        }
+    }
+}
+
+fn element(draft: &Draft, size: [f64; 2], wrap: bool) -> Element {
+    let bounds = element::bounds(&draft.shapes);
+    let centre = bounds.center();
+    let (x, y) = draft.mask.centroid().map_or((centre.x, centre.y), |(x, y)| (x + 0.5, y + 0.5));
+    let inside = |v: f64, size: f64| if v.is_finite() { v.clamp(0.0, size) } else { 0.0 };
+    let centroid = [inside(x, size[0]), inside(y, size[1])].map(|v| libm::round(v * 100.0) / 100.0);
+    let largest = draft.shapes.iter().max_by(|a, b| a.outline.area().total_cmp(&b.outline.area()));
+    let page = Rect::new(0.0, 0.0, size[0], size[1]);
+    let leaves = !(page.contains(bounds.origin()) && bounds.x1 < size[0] && bounds.y1 < size[1]);
+    let silhouette = silhouette(&draft.shapes);
+    Element {
+        category: None,
+        colour: largest.map_or(Colour([0; 3]), |s| s.colour),
+        difference: None,
+        area: draft.mask.area().max(1),
+        centroid,
+        compactness: Some(silhouette.as_ref().unwrap_or(&draft.shapes[0].outline).compactness()),
+        clipped: draft.endless || !wrap && leaves,
+        silhouette,
+        shapes: draft.shapes.clone(),
+    }
+}
+
+/// The outlines of all shapes together, unless there is but one.
+fn silhouette(shapes: &[Shape]) -> Option<Outline> {
+    if shapes.len() < 2 {
+        return None;
+    }
+    let ring = |shape: &Shape| {
+        let path = shape.outline.path();
+        if path.area() < 0.0 { path.reverse_subpaths() } else { path.clone() }
+    };
+    Outline::new(&shapes.iter().flat_map(ring).collect())
+}
+
+/// The background, and the layers of the drawing that hold something.
+fn layers(page: &Page, drafts: &[Draft], colour: Colour) -> Vec<Layer> {
+    let field = Field { spacing: 25.0, fallback: colour, points: Vec::new() };
+    let ground = Layer { field: Some(field), ..Layer::new(Role::Background) };
+    let mut layers = vec![ground];
+    for (l, name) in page.layers.iter().enumerate() {
+        let of = drafts.iter().enumerate().filter(|(_, d)| d.layer == l);
+        let instances: Vec<Instance> = of.map(|(k, _)| Instance::of(ElementId::after(k))).collect();
+        if instances.is_empty() {
+            continue;
+        }
+        let taken = Role::Background.name() == name;
+        let name = if taken { format!("{name} 2") } else { name.clone() };
+        layers.push(Layer { name, instances, ..Layer::new(Role::Primary) });
+    }
+    if layers.len() == 1 {
+        layers.push(Layer::new(Role::Primary));
+    }
+    layers
+}

@@ -1,0 +1,101 @@
+//! Drawing → library: an SVG read as elements in layers.
+//!
+//! The stages, in order: shapes of the page ([`read`]), connected pieces of compound paths ([`pieces`]),
+//! pieces made whole across the borders of a periodic page ([`torus`]), what touches what
+//! (`raster/contact.rs`), which pieces are one element ([`elements`]), and the library of it ([`assemble`]).
+//!
+//! A library's pixels are the drawing's units times a whole number, so that the shorter side of the
+//! page has at least 200 px and the median piece at least eight cells of the guide; pages beyond
+//! 4096 px are scaled down.
+//!
+//! When this works badly: drawings whose elements touch and are neither grouped nor of one path, as in
+//! a mosaic: each piece is then an element of its own.
+
+mod assemble;
+mod categories;
+mod clip;
+mod elements;
+mod offsets;
+mod paint;
+mod periodic;
+mod pieces;
+mod read;
+mod shapes;
+mod torus;
+
+pub use crate::library::Grouping;
+pub use read::CONVERT;
+
+use crate::error::Result;
+use crate::library::{AnalyzeParams, Library};
+use crate::progress::{Progress, advance};
+use assemble::{Origin, assemble};
+use torus::Torus;
+
+/// How a drawing is read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImportParams {
+    /// Whether opposite borders of the page join. `None` (the default): where they are seen to. What
+    /// `analyze` says of it has no effect.
+    pub wrap: Option<bool>,
+    /// Of these `elements`, `lenient`, `categories` and `descriptor_reach` have an effect.
+    pub analyze: AnalyzeParams,
+}
+
+/// Reads an SVG or SVGZ as a library. `name` appears in errors and in the library. Nothing outside the
+/// file is ever loaded. A drawing of nothing but a background is no error: its library has no
+/// primaries and says so in a warning.
+///
+/// # Errors
+/// [`crate::Error::Control`] for what is no SVG, for a page beyond a million units, and, unless
+/// `lenient`, for raster images, filters, masks, blend modes, pattern fills and clip paths that are not
+/// convex polygons; [`crate::Error::TooLarge`] beyond 64 MiB, 400 000 XML elements or 100 000 shapes;
+/// [`crate::Error::Parameter`], [`crate::Error::Interrupted`].
+pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Progress) -> Result<Library> {
+    params.analyze.validate()?;
+    advance(progress, "drawing", 0, 4)?;
+    let mut page = read::read(bytes, name, params.analyze.lenient)?;
+    advance(progress, "drawing", 1, 4)?;
+    let split = matches!(params.analyze.elements, Grouping::Auto | Grouping::Piece);
+    let all = page.items.iter().enumerate();
+    let mut pieces: Vec<pieces::Piece> = all.flat_map(|(k, item)| pieces::pieces(k, item, split)).collect();
+    for piece in &mut pieces {
+        piece.parts.retain(shapes::is_visible);
+    }
+    pieces.retain(|p| !p.parts.is_empty());
+    let scale = assemble::scale(&page, &pieces);
+    let picture = assemble::picture(&page, scale);
+    let (background, pieces) = assemble::background(&page, pieces);
+    let (wrap, remark) = match params.wrap {
+        Some(wrap) => (wrap, None),
+        None if periodic::is_periodic(&picture) => (true, None),
+        None => repeated_anyway(&page, &pieces),
+    };
+    page.warnings.extend(remark);
+    advance(progress, "drawing", 2, 4)?;
+    let pieces = if wrap { Torus::new(page.size).whole(pieces) } else { pieces };
+    advance(progress, "drawing", 3, 4)?;
+    let origin = Origin { bytes, name, params, wrap, scale, picture, background };
+    let library = assemble(&page, &pieces, origin);
+    for warning in &library.source.warnings {
+        progress.warn(warning);
+    }
+    advance(progress, "drawing", 4, 4)?;
+    Ok(library)
+}
+
+/// Fewest whole pieces of a page that need not be repeated as it is.
+const FEWEST: usize = 8;
+
+/// Whether a page whose borders do not join is repeated all the same, because too little on it is whole;
+/// and what is said of it.
+fn repeated_anyway(page: &read::Page, pieces: &[pieces::Piece]) -> (bool, Option<String>) {
+    let inside = clip::page(page.size);
+    let whole = pieces.iter().filter(|p| inside.contains_rect(p.bounds())).count();
+    if whole >= FEWEST {
+        return (false, None);
+    }
+    let remark =
+        "the borders of the page do not join, but few shapes on it are whole: it is repeated as it is";
+    (true, Some(remark.into()))
+}

@@ -1,0 +1,74 @@
+//! Whether the opposite borders of a picture join.
+
+use image::RgbImage;
+
+/// Largest share of what is seen at the borders that does not go on at the opposite ones.
+const LOOSE: f64 = 0.5;
+/// Pixels by which a line that crosses a border may be moved along it: it may be slanted.
+const SLANT: i64 = 3;
+/// What is seen at borders on which nothing is, in 8-bit steps.
+const LEAST: f64 = 0.5;
+
+/// Whether what is seen at the borders goes on at the opposite ones. What has nothing at its borders
+/// joins too.
+pub(super) fn is_periodic(picture: &RgbImage) -> bool {
+    let median = median(picture);
+    let [across_x, across_y] = [true, false].map(|axis| border(picture, axis, median));
+    let (off, seen) = (across_x[0] + across_y[0], across_x[1] + across_y[1]);
+    off <= LOOSE * seen.max(LEAST * f64::from(picture.width() + picture.height()))
+}
+
+/// The commonest value of each component, about: the ground.
+fn median(picture: &RgbImage) -> [u8; 3] {
+    [0, 1, 2].map(|k| {
+        let mut counts = [0u64; 256];
+        picture.pixels().for_each(|p| counts[usize::from(p.0[k])] += 1);
+        let half = counts.iter().sum::<u64>() / 2;
+        let mut sum = 0;
+        counts
+            .iter()
+            .position(|n| {
+                sum += n;
+                sum > half
+            })
+            .unwrap_or(0) as u8
+    })
+}
+
+/// How far two opposite borders differ, and how far both differ from the ground, summed along them.
+fn border(picture: &RgbImage, across_x: bool, ground: [u8; 3]) -> [f64; 2] {
+    let (w, h) = picture.dimensions();
+    let (last, length) = if across_x { (w - 1, h) } else { (h - 1, w) };
+    let pixel = |v: u32, t: i64| {
+        let t = t.rem_euclid(i64::from(length)) as u32;
+        picture.get_pixel(if across_x { v } else { t }, if across_x { t } else { v }).0
+    };
+    let apart = |a: [u8; 3], b: [u8; 3]| (0..3).map(|k| f64::from(a[k].abs_diff(b[k]))).sum::<f64>() / 3.0;
+    let places = || 0..i64::from(length);
+    let off = |t: i64| {
+        let near = (-SLANT..=SLANT).map(|s| apart(pixel(last, t), pixel(0, t + s)));
+        near.fold(f64::INFINITY, f64::min)
+    };
+    let seen = |t: i64| (apart(pixel(last, t), ground) + apart(pixel(0, t), ground)) / 2.0;
+    [places().map(off).sum(), places().map(seen).sum()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::Rgb;
+
+    #[test]
+    fn borders_that_go_on_join() {
+        // Slanted bands that return to themselves after the width, or are out of step there.
+        let of = |periods: f64| {
+            RgbImage::from_fn(120, 80, |x, y| {
+                let phase = f64::from(x) / 120.0 * periods + f64::from(y) / 80.0;
+                Rgb([if libm::sin(phase * std::f64::consts::TAU) > 0.5 { 30 } else { 200 }; 3])
+            })
+        };
+        assert!(is_periodic(&of(2.0)));
+        assert!(!is_periodic(&of(2.5)));
+        assert!(is_periodic(&RgbImage::from_pixel(9, 9, Rgb([7; 3]))));
+    }
+}

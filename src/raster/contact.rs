@@ -1,0 +1,150 @@
+//! Which masks touch on a page, and how near the others are.
+
+use super::Mask;
+use std::collections::BTreeMap;
+
+/// Shift in whole pages along x and y.
+pub(crate) type Shift = [i32; 2];
+
+fn minus(shift: Shift) -> Shift {
+    shift.map(|v| -v)
+}
+
+/// Neighbours of a pixel, those at corners last.
+const AROUND: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+/// No mask.
+const NONE: u32 = u32::MAX;
+
+/// The page pixel by pixel: which mask is seen where, and which copy of it.
+pub(crate) struct Ground {
+    size: [i32; 2],
+    periodic: bool,
+    masks: Vec<u32>,
+    shifts: Vec<[i8; 2]>,
+}
+
+/// Two masks side by side: the first, the second, and the shift of the second that is meant.
+pub(crate) type Pair = (u32, u32, Shift);
+
+/// How two masks lie to one another.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Contact {
+    /// Distance between them, in pixels.
+    pub(crate) gap: u16,
+    /// Pixels of one that the other hides.
+    pub(crate) hidden: u32,
+}
+
+impl Ground {
+    /// The page of `size` pixels on which masks are painted in turn. Gives also how much of a mask others
+    /// hide directly.
+    pub(crate) fn new(size: [i32; 2], periodic: bool, masks: &[Mask]) -> (Self, BTreeMap<Pair, Contact>) {
+        let count = (size[0] * size[1]) as usize;
+        let mut ground = Self { size, periodic, masks: vec![NONE; count], shifts: vec![[0; 2]; count] };
+        let mut contacts = BTreeMap::new();
+        for (k, mask) in masks.iter().enumerate() {
+            ground.paint(k as u32, mask, &mut contacts);
+        }
+        (ground, contacts)
+    }
+
+    fn paint(&mut self, k: u32, mask: &Mask, contacts: &mut BTreeMap<Pair, Contact>) {
+        for (x, y) in mask.pixels() {
+            let Some((i, shift)) = self.place([x, y]) else { continue };
+            // The pixel lies on the copy of the mask that is moved back to the page.
+            let own = minus(shift);
+            let (other, theirs) = (self.masks[i], self.shifts[i].map(i32::from));
+            if other != NONE && (other != k || theirs != own) {
+                let pair = pair((other, theirs), (k, own));
+                contacts.entry(pair).or_default().hidden += 1;
+            }
+            self.masks[i] = k;
+            self.shifts[i] = own.map(|v| v as i8);
+        }
+    }
+
+    /// The pixel of the page at a place, and in which copy of the page the place lies.
+    fn place(&self, at: [i32; 2]) -> Option<(usize, Shift)> {
+        let shift = [0, 1].map(|k| at[k].div_euclid(self.size[k]));
+        if shift != [0; 2] && (!self.periodic || shift.iter().any(|v| v.abs() > 100)) {
+            return None;
+        }
+        let [x, y] = [0, 1].map(|k| at[k].rem_euclid(self.size[k]));
+        Some(((y * self.size[0] + x) as usize, shift))
+    }
+
+    /// Pixels at which each mask is seen.
+    #[cfg(test)]
+    fn areas(&self, count: usize) -> Vec<u32> {
+        let mut areas = vec![0; count];
+        self.masks.iter().filter(|p| **p != NONE).for_each(|p| areas[*p as usize] += 1);
+        areas
+    }
+
+    /// Adds masks that lie at most `reach` pixels apart.
+    pub(crate) fn near(&self, reach: u16, contacts: &mut BTreeMap<Pair, Contact>) {
+        let (mut masks, mut shifts) = (self.masks.clone(), self.shifts.clone());
+        let mut steps = vec![0u16; masks.len()];
+        let mut front: Vec<usize> = (0..masks.len()).filter(|&i| masks[i] != NONE).collect();
+        for step in 0..=reach / 2 {
+            let mut next = Vec::new();
+            for &i in &front {
+                let at = [i as i32 % self.size[0], i as i32 / self.size[0]];
+                // Every second step goes to corners too, so that what is reached grows as an octagon.
+                let around = if step % 2 == 0 { 4 } else { 8 };
+                for (dx, dy) in AROUND.into_iter().take(around) {
+                    let Some((n, across)) = self.place([at[0] + dx, at[1] + dy]) else { continue };
+                    let own = (masks[i], shifts[i].map(i32::from));
+                    // The copy as seen from the neighbour's page.
+                    let moved = [own.1[0] - across[0], own.1[1] - across[1]];
+                    if masks[n] == NONE {
+                        (masks[n], shifts[n]) = (own.0, moved.map(|v| v.clamp(-100, 100) as i8));
+                        steps[n] = step + 1;
+                        next.push(n);
+                        continue;
+                    }
+                    let other = (masks[n], shifts[n].map(i32::from));
+                    if other != (own.0, moved) {
+                        let gap = steps[i] + steps[n];
+                        let entry =
+                            contacts.entry(pair((own.0, moved), other)).or_insert(Contact { gap, hidden: 0 });
+                        entry.gap = entry.gap.min(gap);
+                    }
+                }
+            }
+            front = next;
+        }
+    }
+}
+
+/// A pair in its order, the lower number first.
+fn pair((a, sa): (u32, Shift), (b, sb): (u32, Shift)) -> Pair {
+    let shift = [sb[0] - sa[0], sb[1] - sa[1]];
+    let back = minus(shift);
+    if a < b || a == b && shift >= back { (a, b, shift) } else { (b, a, back) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Span;
+    use super::*;
+
+    fn block(x: i32, y: i32, w: i32, h: i32) -> Mask {
+        Mask::from_spans((y..y + h).map(|y| Span { y, x0: x, x1: x + w }).collect())
+    }
+
+    #[test]
+    fn gaps_and_borders() {
+        let masks = [block(2, 2, 4, 4), block(8, 2, 4, 4), block(18, 2, 4, 4), block(3, 3, 2, 2)];
+        let (ground, mut contacts) = Ground::new([20, 10], true, &masks);
+        ground.near(4, &mut contacts);
+        assert_eq!(contacts[&(0, 1, [0, 0])].gap, 2);
+        // The third wraps to columns 0 and 1 and touches the first.
+        assert_eq!(contacts[&(0, 2, [-1, 0])].gap, 0);
+        assert_eq!((contacts[&(0, 3, [0, 0])].hidden, contacts[&(0, 3, [0, 0])].gap), (4, 0));
+        assert_eq!(ground.areas(4), [12, 16, 16, 4]);
+        let (ground, mut contacts) = Ground::new([20, 10], false, &masks);
+        ground.near(4, &mut contacts);
+        assert!(!contacts.contains_key(&(0, 2, [-1, 0])));
+    }
+}

@@ -1,0 +1,221 @@
+//! What is known of a periodic drawing: which elements are equal, which are free to move, and whether
+//! they stand in a regular order.
+
+use crate::element::{bounds, similarity};
+use crate::geometry::{Affine, Rect};
+use crate::library::{Element, Library};
+use crate::raster::Mask;
+use crate::raster::contact::Ground;
+use crate::scene::{Instance, Scene, Shape, pixels};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// How far equal elements may differ, in pixels.
+const EQUAL: f64 = 0.12;
+/// Share of the elements for which one of like size stands at the same offset, in a regular drawing.
+const REGULAR: f64 = 0.75;
+/// Fewest elements whose order can be anything but regular.
+const FEW: usize = 5;
+/// How far the sizes and places of elements in a regular order may differ, as a share of the period.
+const ALIKE: f64 = 0.02;
+/// Largest distance at which elements are seen to have neighbours, in pixels.
+const REACH: u16 = 60;
+
+pub(super) struct Known {
+    /// For each element the first that it is equal to, and the map from that one.
+    pub(super) equal: Vec<(usize, Affine)>,
+    /// Bounds of each, in the exemplar.
+    pub(super) bounds: Vec<Rect>,
+    /// Pixels of each, where they stand in the exemplar; those of one that runs on are none.
+    pub(super) masks: Vec<Arc<Mask>>,
+    /// Whether each touches no other and does not run on.
+    pub(super) free: Vec<bool>,
+    /// Angles by which equal elements are turned, in radians; by the first element.
+    pub(super) angles: BTreeMap<usize, Vec<f64>>,
+    /// Distance that elements keep, in pixels.
+    pub(super) clearance: i32,
+    /// Mean distance between elements, in pixels.
+    pub(super) spacing: f64,
+    /// How far beyond the canvas elements are placed, in pixels.
+    pub(super) margin: f64,
+    pub(super) regular: bool,
+}
+
+impl Known {
+    pub(super) fn new(library: &Library) -> Self {
+        let elements = library.primaries();
+        let size = [library.source.width as i32, library.source.height as i32];
+        let bounds: Vec<Rect> = elements.iter().map(|e| bounds(&e.shapes)).collect();
+        let masks: Vec<Mask> = crate::parallel::map(elements, of_element);
+        let on_page: Vec<Mask> = masks.iter().map(|m| near_page(m, size)).collect();
+        let (ground, mut contacts) = Ground::new(size, true, &on_page);
+        ground.near(REACH, &mut contacts);
+        let mut free: Vec<bool> = elements.iter().map(|e| !e.clipped).collect();
+        let mut gaps = vec![u16::MAX; elements.len()];
+        for (&(a, b, _), contact) in &contacts {
+            for k in [a as usize, b as usize] {
+                gaps[k] = gaps[k].min(contact.gap);
+                free[k] &= contact.gap > 0 && contact.hidden == 0;
+            }
+        }
+        let mut nearest: Vec<u16> =
+            (0..free.len()).filter(|&k| free[k]).map(|k| gaps[k].min(REACH)).collect();
+        nearest.sort_unstable();
+        let usual = nearest.get(nearest.len() / 5).copied().unwrap_or(1);
+        let area = f64::from(size[0]) * f64::from(size[1]);
+        let spacing = libm::sqrt(area / elements.len().max(1) as f64);
+        let equal = equal(elements);
+        let angles = angles(&equal);
+        let largest = elements.iter().zip(&bounds).filter(|(e, _)| !e.clipped).map(|(_, b)| b);
+        let largest = largest.map(|b| b.width().max(b.height())).fold(0.0, f64::max);
+        let regular = free.iter().filter(|f| **f).count() < FEW || is_regular(elements, &bounds, size);
+        Self {
+            equal,
+            bounds,
+            masks: masks.into_iter().map(Arc::new).collect(),
+            free,
+            angles,
+            clearance: i32::from(usual).clamp(2, 40) * 3 / 4,
+            spacing,
+            margin: largest.min(0.5 * spacing) + spacing,
+            regular,
+        }
+    }
+}
+
+fn of_element(element: &Element) -> Mask {
+    if element.clipped { Mask::default() } else { of_shapes(&element.shapes) }
+}
+
+/// The pixels that shapes paint.
+pub(super) fn of_shapes(shapes: &[Shape]) -> Mask {
+    Mask::from_spans(shapes.iter().flat_map(|s| pixels::mask(&s.outline).spans().to_vec()).collect())
+}
+
+/// A mask as far as it lies within a page around the page.
+fn near_page(mask: &Mask, [w, h]: [i32; 2]) -> Mask {
+    let spans = mask.spans().iter().filter(|s| (-h..2 * h).contains(&s.y)).map(|s| {
+        let mut s = *s;
+        (s.x0, s.x1) = (s.x0.max(-w), s.x1.min(2 * w));
+        s
+    });
+    Mask::from_spans(spans.collect())
+}
+
+/// For each element the first that is equal to it up to a similarity.
+fn equal(elements: &[Element]) -> Vec<(usize, Affine)> {
+    let mut firsts: BTreeMap<(usize, usize, [u8; 3]), Vec<usize>> = BTreeMap::new();
+    let mut found = Vec::with_capacity(elements.len());
+    for (k, element) in elements.iter().enumerate() {
+        let length = element.shapes.iter().map(|s| s.outline.path().elements().len()).sum();
+        let key = (element.shapes.len(), length, element.shapes[0].colour.0);
+        let known = firsts.entry(key).or_default();
+        // Of the many alike only some are compared.
+        let like = known.iter().rev().take(64).find_map(|&first| {
+            let other = &elements[first];
+            (other.clipped == element.clipped)
+                .then(|| similarity(&other.shapes, &element.shapes, EQUAL))?
+                .map(|map| (first, map))
+        });
+        if like.is_none() {
+            known.push(k);
+        }
+        found.push(like.unwrap_or((k, Affine::IDENTITY)));
+    }
+    found
+}
+
+/// The angles by which the members of each class of equal elements are turned.
+fn angles(equal: &[(usize, Affine)]) -> BTreeMap<usize, Vec<f64>> {
+    let mut all: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for (first, map) in equal {
+        let [a, b, ..] = map.as_coeffs();
+        // Only turns are used: what is mirrored or enlarged stays so.
+        if map.determinant() > 0.0 {
+            all.entry(*first).or_default().push(libm::atan2(b, a));
+        }
+    }
+    for angles in all.values_mut() {
+        angles.sort_by(f64::total_cmp);
+        angles.dedup_by(|a, b| (*a - *b).abs() < 0.05);
+    }
+    all
+}
+
+/// Whether elements of like size stand a constant offset from most elements.
+fn is_regular(elements: &[Element], bounds: &[Rect], size: [i32; 2]) -> bool {
+    let size = size.map(f64::from);
+    let side = libm::sqrt(size[0] * size[1]);
+    let like = |a: usize, b: usize| {
+        let near = |x: f64, y: f64| (x - y).abs() <= ALIKE * side;
+        near(bounds[a].width(), bounds[b].width()) && near(bounds[a].height(), bounds[b].height())
+    };
+    let wrap = |v: f64, size: f64| v - size * libm::round(v / size);
+    let apart = |a: usize, b: usize| {
+        let d = bounds[b].center() - bounds[a].center();
+        [wrap(d.x, size[0]), wrap(d.y, size[1])]
+    };
+    let n = elements.len().min(400);
+    // The offsets of one element of the commonest size.
+    let count = |a: usize| (0..n).filter(|&b| like(a, b)).count();
+    let Some(first) = (0..n).max_by_key(|&a| (count(a), n - a)) else { return true };
+    let offsets = (0..n).filter(|&b| b != first && like(first, b)).map(|b| apart(first, b)).take(60);
+    let kept = |offset: [f64; 2]| {
+        let goes_on = |a: usize| {
+            (0..n).any(|b| {
+                let d = apart(a, b);
+                let off = [wrap(d[0] - offset[0], size[0]), wrap(d[1] - offset[1], size[1])];
+                like(a, b) && off.iter().all(|v| v.abs() <= ALIKE * side)
+            })
+        };
+        (0..n).filter(|&a| goes_on(a)).count() as f64 / n as f64
+    };
+    let moves = |o: &[f64; 2]| o[0].abs().max(o[1].abs()) > 0.05 * side;
+    offsets.filter(moves).any(|offset| kept(offset) >= REGULAR)
+}
+
+/// Lists equal elements of a reconstruction once: their instances show the first, turned and moved.
+pub(crate) fn share_equal(scene: &mut Scene, library: &Library) {
+    let known = equal(library.primaries());
+    let origin = |k: usize| {
+        let [x, y] = library.elements[k].origin().map(f64::from);
+        Affine::translate((x, y))
+    };
+    let listed: BTreeMap<usize, crate::scene::ElementId> = scene
+        .elements
+        .iter()
+        .enumerate()
+        .filter_map(|(i, e)| Some((e.source?.index(), crate::scene::ElementId::after(i))))
+        .collect();
+    let sources: Vec<Option<usize>> = scene.elements.iter().map(|e| e.source.map(|s| s.index())).collect();
+    let change = |instance: &mut Instance| {
+        let Some(own) = sources[instance.element.index()] else { return };
+        let Some(&(first, map)) = known.get(own) else { return };
+        if let Some(&id) = listed.get(&first).filter(|_| first != own) {
+            let to = instance.affine() * origin(own).inverse() * map * origin(first);
+            instance.transform = super::rounded(to);
+            instance.element = id;
+        }
+    };
+    scene.instances_mut().for_each(change);
+    let mut used = vec![None; scene.elements.len()];
+    let mut count = 0;
+    for instance in scene.instances() {
+        used[instance.element.index()].get_or_insert_with(|| {
+            count += 1;
+            crate::scene::ElementId::after(count - 1)
+        });
+    }
+    let mut kept: Vec<(crate::scene::ElementId, crate::scene::Element)> = std::mem::take(&mut scene.elements)
+        .into_iter()
+        .zip(&used)
+        .filter_map(|(element, id)| Some(((*id)?, element)))
+        .collect();
+    kept.sort_by_key(|e| e.0);
+    scene.elements = kept.into_iter().map(|e| e.1).collect();
+    scene.instances_mut().for_each(|i| {
+        if let Some(id) = used[i.element.index()] {
+            i.element = id;
+        }
+    });
+}

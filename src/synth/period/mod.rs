@@ -1,0 +1,248 @@
+//! Periodic drawings: the exemplar's own period repeated, its elements exchanged, moved and turned.
+//!
+//! An exact repetition is the best that can be done for a regular or interlocking swatch. In a loose
+//! one, elements that touch no other are free to move: they change places with others of like size, and
+//! shift a little, as long as none comes nearer to another than elements of the swatch do. Number and
+//! area by category stay as they are, because elements only change places.
+//!
+//! When this works badly: packed swatches, whose elements have no room to move. They come out as they
+//! are, and the share of places that repeat says so.
+
+mod exchange;
+mod known;
+
+use super::compose::{element, reference};
+use super::report::{CategoryReport, Report};
+use crate::arrange::controls::Controls;
+use crate::error::{Error, Result};
+use crate::geometry::{Affine, Rect, Vec2};
+use crate::library::{ElementId, Library, SourceKind};
+use crate::progress::{Progress, advance};
+use crate::scene::{Domain, Edge, Instance, InstanceId, Layer, LibraryId, Method, Role, Scene, SynthParams};
+use crate::statistics::{Overlap, Repetition};
+use exchange::Exchange;
+use known::Known;
+pub(super) use known::share_equal;
+use std::collections::BTreeMap;
+
+/// Places that differ by no more mean the same, in pixels.
+const SAME: f64 = 2.0;
+
+/// An element of the library at a place of the canvas.
+#[derive(Clone, Copy)]
+pub(super) struct Placed {
+    /// Which element.
+    element: usize,
+    /// From its place in the exemplar to that on the canvas.
+    map: Affine,
+    /// Index of its layer in the library, and its place in the painting order there.
+    order: (usize, usize),
+}
+
+/// Whether the period of a library can be repeated: it is a drawing whose borders join, and nothing asks
+/// for another density or for whole elements along an edge.
+pub(super) fn applies(libraries: &[Library], params: &SynthParams, controls: &Controls) -> bool {
+    let [library] = libraries else { return false };
+    let drawn = library.source.kind == SourceKind::Drawing && library.arrangement.periodic;
+    let clips = controls.domain.is_none() || params.edge == Edge::Clip;
+    let varied = params.rotate > 0.0 || params.mirror || params.scale_jitter > 0.0;
+    drawn && clips && !varied && controls.density.is_none()
+}
+
+/// A texture of the exemplar's period, and how close it came.
+///
+/// # Errors
+/// [`Error::Parameter`] for a canvas that is to repeat along an axis and is not a whole number of
+/// periods long there; [`Error::Interrupted`].
+pub(super) fn synthesize(
+    library: &Library,
+    params: &SynthParams,
+    controls: &Controls,
+    progress: &dyn Progress,
+) -> Result<(Scene, Report)> {
+    check_periods(library, params)?;
+    advance(progress, "primaries", 0, 2)?;
+    let known = Known::new(library);
+    let variation = params.variation.unwrap_or(if known.regular { 0.0 } else { 1.0 });
+    let mut placed = repeated(library, params, &known);
+    let mut exchange = Exchange::new(library, params, &known);
+    exchange.stand_all(&placed);
+    advance(progress, "primaries", 1, 2)?;
+    if variation > 0.0 {
+        exchange.run(&mut placed, variation);
+    }
+    advance(progress, "primaries", 2, 2)?;
+    let covered = exchange.covered(&placed);
+    let mut scene = scene(library, params, controls, &known, &placed);
+    if let Some(p) = scene.parameters.as_mut() {
+        p.variation = Some(variation);
+    }
+    let report = report(library, &scene, &covered, &placed, &known);
+    Ok((scene, report))
+}
+
+fn size_of(library: &Library) -> [f64; 2] {
+    [library.source.width, library.source.height].map(f64::from)
+}
+
+fn check_periods(library: &Library, params: &SynthParams) -> Result<()> {
+    let fits = |tile: bool, size: u32, period: u32| !tile || size.is_multiple_of(period);
+    let [w, h] = [library.source.width, library.source.height];
+    if fits(params.tile.x, params.width, w) && fits(params.tile.y, params.height, h) {
+        return Ok(());
+    }
+    let near = |size: u32, period: u32| ((size + period / 2) / period).max(1) * period;
+    let value = format!(
+        "{}x{} (the drawing repeats every {w}x{h} px; {}x{} is near)",
+        params.width,
+        params.height,
+        near(params.width, w),
+        near(params.height, h)
+    );
+    let allowed = "a whole number of the drawing's periods where it is to repeat without a seam";
+    Err(Error::Parameter { name: "size", value, allowed })
+}
+
+/// All copies of all elements that reach the canvas and somewhat beyond; along axes that repeat each once.
+fn repeated(library: &Library, params: &SynthParams, known: &Known) -> Vec<Placed> {
+    let period = size_of(library);
+    let canvas = [params.width, params.height].map(f64::from);
+    let tile = [params.tile.x, params.tile.y];
+    let margin = known.margin;
+    let mut placed = Vec::new();
+    for (l, layer) in library.layers.iter().enumerate() {
+        for (n, instance) in layer.instances.iter().enumerate() {
+            let own = Affine::new(instance.transform);
+            let b = own.transform_rect_bbox(known.bounds[instance.element.index()]);
+            let range = |k: usize, low: f64, high: f64| {
+                if tile[k] {
+                    return 0..(canvas[k] / period[k]) as i64;
+                }
+                let first = libm::ceil((-margin - high) / period[k]) as i64;
+                first..libm::floor((canvas[k] + margin - low) / period[k]) as i64 + 1
+            };
+            for j in range(1, b.y0, b.y1) {
+                for i in range(0, b.x0, b.x1) {
+                    let shift = Vec2::new(i as f64 * period[0], j as f64 * period[1]);
+                    let map = Affine::translate(shift) * own;
+                    placed.push(Placed { element: instance.element.index(), map, order: (l, n) });
+                }
+            }
+        }
+    }
+    placed
+}
+
+/// The scene of placed elements, in the layers of the library. Equal elements are shared.
+fn scene(
+    library: &Library,
+    params: &SynthParams,
+    controls: &Controls,
+    known: &Known,
+    placed: &[Placed],
+) -> Scene {
+    let mut scene = Scene::new([params.width, params.height], vec![reference(library)], Vec::new());
+    scene.parameters = Some(params.clone());
+    scene.tile = params.tile;
+    scene.domain = controls.domain.clone().map(|outline| Domain { outline, edge: params.edge });
+    let canvas = Rect::new(0.0, 0.0, f64::from(params.width), f64::from(params.height));
+    let mut listed: BTreeMap<usize, crate::scene::ElementId> = BTreeMap::new();
+    let mut next = 0;
+    for (l, layer) in library.layers.iter().enumerate() {
+        let mut own: Vec<&Placed> = placed.iter().filter(|p| p.order.0 == l).collect();
+        own.sort_by_key(|p| p.order.1);
+        let mut instances = Vec::new();
+        for p in own {
+            let reach = p.map.transform_rect_bbox(known.bounds[p.element]);
+            if !params.tile.any() && !reach.overlaps(canvas) {
+                continue;
+            }
+            let (first, from) = known.equal[p.element];
+            let id = *listed
+                .entry(first)
+                .or_insert_with(|| scene.add(element(LibraryId(0), library, ElementId::after(first))));
+            let [x, y] = library.elements[first].origin().map(f64::from);
+            let transform = rounded(p.map * from * Affine::translate((x, y)));
+            instances.push(Instance { transform, ..Instance::new(InstanceId(next), id) });
+            next += 1;
+        }
+        let (name, region, field) = (layer.name.clone(), None, layer.field.clone());
+        scene.layers.push(Layer { name, role: layer.role, region, field, instances });
+    }
+    scene
+}
+
+/// Coefficients of a map: five decimals of the linear part, two of the shift.
+fn rounded(map: Affine) -> [f64; 6] {
+    let [a, b, c, d, e, f] = map.as_coeffs();
+    let [a, b, c, d] = [a, b, c, d].map(|v| libm::round(v * 1e5) / 1e5);
+    let [e, f] = [e, f].map(|v| libm::round(v * 100.0) / 100.0);
+    [a, b, c, d, e, f]
+}
+
+fn report(library: &Library, scene: &Scene, covered: &[f64], placed: &[Placed], known: &Known) -> Report {
+    let categories: Vec<CategoryReport> = library
+        .categories
+        .iter()
+        .zip(covered)
+        .map(|(c, &got)| CategoryReport { wanted: c.coverage, got })
+        .collect();
+    let libraries = std::slice::from_ref(library);
+    Report {
+        coverage_wanted: library.coverage,
+        coverage: covered.iter().sum(),
+        categories,
+        strata: Vec::new(),
+        primaries: scene.of_role(Role::Primary).count(),
+        textons: scene.elements.len(),
+        secondaries: 0,
+        control_points: 0,
+        attempts: 0,
+        refused: 0,
+        removed: 0,
+        added: 0,
+        method: Method::Period,
+        structure: None,
+        overlap: Overlap::of_scene(scene, libraries),
+        repetition: Repetition::of_scene(scene, libraries),
+        period: repeating(library, scene, placed, known),
+    }
+}
+
+/// Share of the places at which what stands there stands a period before too, along either axis.
+fn repeating(library: &Library, scene: &Scene, placed: &[Placed], known: &Known) -> Option<f64> {
+    let period = size_of(library);
+    let size = [f64::from(scene.width), f64::from(scene.height)];
+    let at = |p: &Placed| {
+        let (first, from) = known.equal[p.element];
+        let map = p.map * from;
+        (first, map, map * known.bounds[first].center())
+    };
+    let all: Vec<_> = placed.iter().map(at).collect();
+    let mut by_element: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    all.iter().enumerate().for_each(|(i, p)| by_element.entry(p.0).or_default().push(i));
+    let (mut pairs, mut same) = (0u64, 0u64);
+    for (first, map, centre) in &all {
+        for axis in 0..2 {
+            let mut wanted = [centre.x, centre.y];
+            let on_canvas = (0..2).all(|k| (0.0..size[k]).contains(&wanted[k]));
+            wanted[axis] -= period[axis];
+            if !on_canvas || wanted[axis] < 0.0 {
+                continue;
+            }
+            pairs += 1;
+            let turned = |other: &Affine| {
+                let (a, b) = (map.as_coeffs(), other.as_coeffs());
+                (0..4).all(|k| (a[k] - b[k]).abs() < 0.02)
+            };
+            let there = |&&i: &&usize| {
+                let other = &all[i];
+                (other.2.x - wanted[0]).abs() <= SAME
+                    && (other.2.y - wanted[1]).abs() <= SAME
+                    && turned(&other.1)
+            };
+            same += u64::from(by_element[first].iter().any(|i| there(&i)));
+        }
+    }
+    (pairs > 0).then(|| same as f64 / pairs as f64)
+}

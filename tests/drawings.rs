@@ -1,0 +1,239 @@
+//! Drawings as exemplars: what is read of them, what is refused, and textures made of them.
+
+use std::collections::BTreeSet;
+use vtex::import::{Grouping, ImportParams, import};
+use vtex::library::{AnalyzeParams, Library, SourceKind};
+use vtex::output::png;
+use vtex::output::raster_svg::render_svg;
+use vtex::scene::{Scene, SynthParams, Tile};
+use vtex::synth::{reconstruct, synthesize};
+use vtex::{Error, Result};
+
+const GARDEN: &[u8] = include_bytes!("../examples/drawings/garden.svg");
+
+fn svg(inner: &str) -> Vec<u8> {
+    format!(r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 100 80">{inner}</svg>"#)
+        .into_bytes()
+}
+
+fn read(bytes: &[u8]) -> Result<Library> {
+    import(bytes, "drawing.svg", &ImportParams::default(), &())
+}
+
+fn of(inner: &str) -> Library {
+    read(&svg(inner)).unwrap()
+}
+
+fn lenient(inner: &str) -> Result<Library> {
+    let analyze = AnalyzeParams { lenient: true, ..AnalyzeParams::default() };
+    import(&svg(inner), "drawing.svg", &ImportParams { analyze, wrap: None }, &())
+}
+
+/// Mean difference of all samples of a reconstruction and resvg's drawing over white, in 8-bit steps.
+fn difference(bytes: &[u8], library: &Library) -> f64 {
+    let scene = reconstruct(library);
+    let drawn = png::render(&scene, 1.0).unwrap();
+    let page = render_svg(bytes, 1.0, "drawing.svg", &()).unwrap();
+    let scale = f64::from(drawn.width()) / f64::from(page.width());
+    let wanted = render_svg(bytes, scale, "drawing.svg", &()).unwrap();
+    assert_eq!((wanted.width(), wanted.height()), (drawn.width(), drawn.height()));
+    let over_white = |p: &tiny_skia::PremultipliedColorU8| {
+        [p.red(), p.green(), p.blue()].map(|v| f64::from(v) + 255.0 - f64::from(p.alpha()))
+    };
+    let sum: f64 = wanted
+        .pixels()
+        .iter()
+        .zip(drawn.pixels())
+        .map(|(a, b)| (0..3).map(|k| (over_white(a)[k] - over_white(b)[k]).abs()).sum::<f64>())
+        .sum();
+    sum / (3.0 * wanted.pixels().len() as f64)
+}
+
+fn texture(library: &Library, params: SynthParams) -> Scene {
+    synthesize(library, &params, &()).unwrap()
+}
+
+#[test]
+fn a_drawing_of_many_kinds_of_shapes_is_read_and_drawn_back() {
+    let library = read(GARDEN).unwrap();
+    assert_eq!(library.source.kind, SourceKind::Drawing);
+    assert!(library.arrangement.periodic, "its borders join");
+    assert_eq!(library.background().fallback.0, [0xf6, 0xf2, 0xe7]);
+    // Three flowers of two shapes each, four leaves, two suns, three stems; those at borders once.
+    assert_eq!(library.primaries().len(), 12);
+    assert!(library.primaries().iter().all(|p| !p.clipped));
+    assert_eq!(library.primaries().iter().filter(|p| p.shapes.len() == 2).count(), 3);
+    assert_eq!(library.primaries().iter().filter(|p| p.shapes[0].line.is_some()).count(), 3);
+    assert_eq!(library.primaries().iter().filter(|p| p.shapes[0].gradient.is_some()).count(), 2);
+    let found = difference(GARDEN, &library);
+    assert!(found <= 0.5, "{found}");
+    // Equal elements are listed once: a flower, a leaf, two suns, three stems.
+    assert_eq!(reconstruct(&library).elements.len(), 7);
+    let again = Library::from_bytes(&library.to_json(), "again").unwrap();
+    assert!(again.to_json() == library.to_json(), "what is stored is read again");
+}
+
+#[test]
+fn halves_at_the_borders_become_one_element() {
+    let inner = r##"<rect width="100" height="80" fill="#eee"/>
+        <path fill="#357" d="M0 20c8 0 8 20 0 20zM100 20v20c-8 0-8-20 0-20z"/><path fill="#735" d="M40 30h20v20h-20z"/>
+        <path fill="#375" d="M70 0h9v6h-9zM70 80v-5h9v5z"/>"##;
+    let library = of(inner);
+    assert_eq!(library.primaries().len(), 3);
+    assert!(library.primaries().iter().all(|p| !p.clipped && p.shapes.len() == 1));
+    // Both halves are there: the stitched element is as large as both together.
+    let areas: Vec<f64> = library.primaries().iter().map(|p| p.base().outline.area()).collect();
+    let scale = f64::from(library.source.width) / 100.0;
+    assert!(areas.iter().any(|a| (a / scale / scale - 11.0 * 9.0).abs() < 0.5), "{areas:?}");
+    assert!(difference(&svg(inner), &library) <= 0.5);
+}
+
+#[test]
+fn how_shapes_are_grouped_can_be_chosen() {
+    let inner = r##"<rect width="100" height="80" fill="#eee"/><g><path fill="#357" d="M10 10h8v8h-8zM30 10h8v8h-8z"/>
+        <circle fill="#f90" cx="24" cy="30" r="6"/></g><circle fill="#090" cx="70" cy="50" r="9"/>"##;
+    let count = |elements: Grouping| {
+        let analyze = AnalyzeParams { elements, ..AnalyzeParams::default() };
+        let params = ImportParams { analyze, wrap: None };
+        import(&svg(inner), "drawing.svg", &params, &()).unwrap().primaries().len()
+    };
+    let found = [Grouping::Auto, Grouping::Group, Grouping::Path, Grouping::Piece].map(count);
+    assert_eq!(found, [2, 2, 3, 4]);
+}
+
+#[test]
+fn layers_of_the_drawing_are_kept() {
+    let inner = r##"<g xmlns:i="http://www.inkscape.org/namespaces/inkscape" i:groupmode="layer" i:label="Far" id="g1">
+        <circle cx="20" cy="20" r="5"/></g><g id="Layer_2"><circle cx="60" cy="20" r="5"/><circle cx="80" cy="60" r="5"/></g>"##;
+    let library = of(inner);
+    let names: Vec<(&str, usize)> = library.layers.iter().map(|l| (&*l.name, l.instances.len())).collect();
+    assert_eq!(names, [("background", 0), ("Far", 1), ("Layer_2", 2)]);
+    let scene = texture(&library, SynthParams { width: 500, height: 400, ..SynthParams::default() });
+    assert_eq!(scene.layers.iter().map(|l| &*l.name).collect::<Vec<_>>(), ["background", "Far", "Layer_2"]);
+}
+
+#[test]
+fn what_cannot_be_read_is_named_or_left_out() {
+    let circle = r#"<circle cx="50" cy="40" r="9"/>"#;
+    for (inner, word) in [
+        (r#"<image id="photo" width="9" height="9" xlink:href="data:image/png;base64,AAAA"/>"#, "photo"),
+        (
+            r#"<filter id="f"><feGaussianBlur stdDeviation="2"/></filter><g id="soft" filter="url(#f)"><circle r="9" cx="20" cy="20"/></g>"#,
+            "soft",
+        ),
+        (
+            r#"<mask id="m"><rect width="50" height="50" fill="white"/></mask><g id="cut" mask="url(#m)"><circle r="9" cx="20" cy="20"/></g>"#,
+            "cut",
+        ),
+        (
+            r#"<pattern id="p" width="9" height="9" patternUnits="userSpaceOnUse"><circle r="3"/></pattern><rect id="filled" x="5" y="5" width="40" height="40" fill="url(#p)"/>"#,
+            "filled",
+        ),
+        (
+            r#"<clipPath id="c"><circle r="5" cx="20" cy="20"/></clipPath><g id="round" clip-path="url(#c)"><rect width="40" height="40"/></g>"#,
+            "round",
+        ),
+    ] {
+        let inner = format!("{circle}{inner}");
+        let error = read(&svg(&inner)).unwrap_err().to_string();
+        assert!(error.contains(word), "{error}");
+        let library = lenient(&inner).unwrap();
+        assert_eq!((library.primaries().len(), library.source.warnings.len()), (1, 1), "{word}");
+    }
+    // A clip path that is a convex polygon is applied.
+    let library = of(
+        r##"<rect width="100" height="80" fill="#eee"/><clipPath id="c"><path d="M10 10h20v20h-20z"/></clipPath><g clip-path="url(#c)"><circle r="12" cx="30" cy="20"/></g>"##,
+    );
+    let [scale, area] =
+        [f64::from(library.source.width) / 100.0, library.primaries()[0].base().outline.area()];
+    let wanted = 20.0 * 10.0 - (100.0 - 0.0) * 0.0;
+    assert!(area / scale / scale < wanted + 20.0, "{area}");
+    let text = of(&format!("{circle}<text x='5' y='20'>words</text>"));
+    assert!(text.source.warnings[0].contains("text"), "{:?}", text.source.warnings);
+}
+
+#[test]
+fn hostile_drawings_end_in_an_error_or_a_library() {
+    for bytes in [&b""[..], b"<svg", b"<html/>", b"{}", &[0xff, 0xfe, 0, 1]] {
+        assert!(read(bytes).is_err());
+    }
+    // A path that cannot be drawn is an error, or draws nothing.
+    for d in ["M1e30 0L-1e30 1e30L5 5z", "MNaN 0h9v9z", "M1e39 0h9v9z", "M0 0h1e9v1e9z"] {
+        match read(&svg(&format!(r#"<path d="{d}"/><circle cx="50" cy="40" r="9"/>"#))) {
+            Ok(library) => assert!(library.primaries().len() <= 2, "{d}"),
+            Err(error) => assert!(matches!(error, Error::Control { .. }), "{error}"),
+        }
+    }
+    let bomb: String = (0..12).fold(String::from(r#"<!ENTITY a0 "<circle r='3'/>">"#), |text, k| {
+        let inner = format!("&a{k};").repeat(10);
+        format!("{text}<!ENTITY a{} \"{inner}\">", k + 1)
+    });
+    let text = format!(
+        r#"<!DOCTYPE svg [{bomb}]><svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">&a12;</svg>"#
+    );
+    assert!(read(text.as_bytes()).is_err());
+    let uses: String = (0..12).fold(String::from(r#"<g id="u0"><circle r="3"/></g>"#), |text, k| {
+        let inner = format!(r##"<use xlink:href="#u{k}"/>"##).repeat(10);
+        format!(r#"{text}<g id="u{}">{inner}</g>"#, k + 1)
+    });
+    assert!(read(&svg(&format!("<defs>{uses}</defs><use xlink:href='#u12'/>"))).is_err());
+    let cycle = r##"<g id="a"><use xlink:href="#b"/></g><g id="b"><use xlink:href="#a"/></g><circle cx="50" cy="40" r="9"/>"##;
+    assert!(read(&svg(cycle)).unwrap_err().to_string().contains("lead back to themselves"));
+    let outside = r#"<use xlink:href="file:///etc/passwd#a"/><circle cx="50" cy="40" r="9"/>"#;
+    assert!(read(&svg(outside)).is_ok_and(|l| l.primaries().len() == 1));
+    let many = format!("<g>{}</g>", r#"<path d="M1 1h1v1z"/>"#.repeat(450_000));
+    assert!(matches!(read(&svg(&many)), Err(Error::TooLarge { .. })));
+    let large = format!("<!--{}-->", " ".repeat(70 << 20));
+    assert!(matches!(read(&svg(&large)), Err(Error::TooLarge { .. })));
+}
+
+#[test]
+fn nearly_empty_drawings_make_textures() {
+    for (inner, count) in [
+        ("", 0),
+        (r##"<rect width="100" height="80" fill="#357"/>"##, 0),
+        (r##"<circle cx="50" cy="40" r="9" fill="#357"/>"##, 1),
+    ] {
+        let library = of(inner);
+        assert_eq!(library.primaries().len(), count);
+        for tile in [Tile::default(), Tile { x: true, y: true }] {
+            let [width, height] = [library.source.width * 2, library.source.height * 2];
+            let scene = texture(&library, SynthParams { width, height, tile, ..SynthParams::default() });
+            assert_eq!(scene.count(), 4 * count);
+        }
+    }
+}
+
+#[test]
+fn elements_keep_apart_and_their_number() {
+    let library = read(GARDEN).unwrap();
+    let [width, height] = [library.source.width * 3, library.source.height * 3];
+    let tile = Tile { x: true, y: true };
+    let still = SynthParams { width, height, tile, variation: Some(0.0), ..SynthParams::default() };
+    let moved = SynthParams { variation: Some(1.0), seed: 3, ..still.clone() };
+    let (still, moved) = (texture(&library, still), texture(&library, moved));
+    assert_eq!((still.count(), moved.count()), (9 * 12, 9 * 12));
+    let places = |scene: &Scene| -> BTreeSet<String> {
+        scene.instances().map(|i| format!("{:?} {:?}", i.element, i.transform)).collect()
+    };
+    let (a, b) = (places(&still), places(&moved));
+    assert!(a.intersection(&b).count() < a.len() / 4, "most elements left their places");
+    // What is drawn covers as much: nothing touches, so nothing is hidden.
+    let drawn = |scene: &Scene| {
+        let picture = png::render(scene, 1.0).unwrap();
+        let ground = picture.pixels()[0];
+        picture.pixels().iter().filter(|p| **p != ground).count() as f64
+    };
+    let ratio = drawn(&moved) / drawn(&still);
+    assert!((0.97..1.03).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn a_tile_is_a_whole_number_of_periods() {
+    let library = read(GARDEN).unwrap();
+    let tile = Tile { x: true, y: false };
+    let params =
+        SynthParams { width: library.source.width + 10, height: 300, tile, ..SynthParams::default() };
+    let error = synthesize(&library, &params, &()).unwrap_err().to_string();
+    assert!(error.contains(&format!("{}x", library.source.width)), "{error}");
+}
