@@ -3,7 +3,7 @@
 //! Elements are carried from the exemplar along a correspondence field ([`correspondence`]), or placed
 //! by their descriptors until nothing is asked for any more ([`descriptor`]); where both are needed,
 //! descriptors begin with what was carried. Then coverage is corrected in both directions
-//! ([`density`]). Whatever follows does not know which method was used: it sees [`Placed`] elements
+//! ([`density`]). Whatever follows needs only this, and the field where there is one: it sees [`Placed`] elements
 //! and the cells that they leave free.
 
 mod bins;

@@ -20,11 +20,11 @@ pub struct Files {
 }
 
 impl Files {
-    /// The files of some operations on a canvas of `width` × `height` pixels; `read` gives the bytes of
-    /// one by its name.
+    /// Loads every file that `operations` on a canvas of the given size in pixels refer to; `read` maps a
+    /// file's name to its bytes.
     ///
     /// # Errors
-    /// Those of `read`, and of files that do not hold what they are used for.
+    /// Those of `read`, and of a file whose content is not of the expected kind.
     pub fn read(
         operations: &[Operation],
         canvas: [u32; 2],

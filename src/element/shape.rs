@@ -97,7 +97,8 @@ impl Shape {
         Self { outline, line: None, colour, gradient: None, opacity: opaque() }
     }
 
-    /// An opaque stroked path of one colour; `None` if it leads out of range.
+    /// An opaque stroked path of one colour; `None` if its outline leaves the permitted coordinates, or its
+    /// width, mitre limit or dashes are invalid.
     pub fn stroked(line: Line, colour: Colour) -> Option<Self> {
         let outline = line.outline().filter(|_| line.fault().is_none())?;
         Some(Self { line: Some(Box::new(line)), ..Self::new(outline, colour) })

@@ -8,7 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Weights of the score found for one library, and what they are worth.
+/// The result of tuning for one library: the weights of the placement score, and the measured quality of
+/// placement before and after.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TunedWeights {

@@ -94,7 +94,7 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// The objective: the sum of all terms, each by how much of it is seen as much.
+    /// The value that the search minimises: the sum of the terms, weighted by how visible each is.
     pub fn objective(&self) -> f64 {
         self.coverage + 2.0 * self.overlap + self.repetition + self.correlation
     }
