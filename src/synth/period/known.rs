@@ -72,7 +72,7 @@ impl Known {
         let area = |e: &&Element| f64::from(e.area);
         let endless: f64 = elements.iter().filter(|e| e.clipped).map(|e| area(&e)).sum();
         // Between lines that run on there is nowhere to go.
-        let ruled = 2.0 * endless > elements.iter().map(|e| area(&e)).sum::<f64>();
+        let ruled = 4.0 * endless > elements.iter().map(|e| area(&e)).sum::<f64>();
         let regular = few || ruled || is_regular(elements, &bounds, size);
         Self {
             equal,
