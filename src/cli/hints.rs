@@ -68,7 +68,7 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
             return Some(format!("{advice}; --lenient leaves it out"));
         }
         Error::Parameter { name: "size", value, .. } if value.contains("the drawing repeats") => {
-            "give another --size, or --method correspondence, which fits any"
+            "give another --size, or --method descriptor, which fits any"
         }
         Error::Sizes { .. } => "make both with the same --size, or stretch one with 'vtex warp --stretch'",
         Error::Seams => "make the texture with --tile, for both axes",

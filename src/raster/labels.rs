@@ -44,6 +44,14 @@ impl LabelMap {
         }
     }
 
+    /// Whether pixels of two different labels above 0 lie side by side.
+    pub fn any_touch(&self) -> bool {
+        let differ = |a: u32, b: u32| a > 0 && b > 0 && a != b;
+        let rows = || (0..self.height).map(|y| self.row(y));
+        let beside = rows().any(|row| row.windows(2).any(|w| differ(w[0], w[1])));
+        beside || rows().zip(rows().skip(1)).any(|(a, b)| a.iter().zip(b).any(|(a, b)| differ(*a, *b)))
+    }
+
     /// Index of a pixel in [`LabelMap::labels`].
     pub fn index(&self, x: u32, y: u32) -> usize {
         y as usize * self.width as usize + x as usize

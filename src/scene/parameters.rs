@@ -47,7 +47,8 @@ pub struct SynthParams {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// `period` for one periodic drawing; else `correspondence` if every library has a guide and no option is set that only `descriptor`
+    /// `period` for one periodic drawing, `descriptor` for other drawings; else `correspondence` if
+    /// every library has a guide and no option is set that only `descriptor`
     /// supports (weights of the score, parts of its method left out); otherwise `descriptor`.
     #[default]
     Auto,

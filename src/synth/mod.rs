@@ -27,7 +27,7 @@ use crate::arrange::correspondence::no_guide;
 use crate::arrange::model::Model;
 use crate::arrange::{Task, arrange};
 use crate::error::{Error, Result};
-use crate::library::Library;
+use crate::library::{Library, SourceKind};
 use crate::progress::{Progress, advance};
 use crate::scene::field::Interpolant;
 use crate::scene::{Ablation, Method, Scene, SynthParams, Weights};
@@ -71,6 +71,7 @@ pub fn synthesize_with(
     if method == Method::Period {
         return period::synthesize(&libraries[0], params, controls, progress);
     }
+    let params = &keeping_apart(libraries, params);
     let mut model = Model::new(libraries, params);
     let task = Task { libraries, controls, params, method, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;
@@ -90,6 +91,20 @@ pub fn synthesize_with(
     Ok((scene, report))
 }
 
+/// Parameters that refuse elements on others, where the exemplars are drawings in which none touch.
+fn keeping_apart(libraries: &[Library], params: &SynthParams) -> SynthParams {
+    let mut params = params.clone();
+    let apart = |l: &Library| is_drawing(l) && !l.arrangement.to_labels().any_touch();
+    if libraries.iter().all(apart) && !params.without(Ablation::Overlap) {
+        params.ablate.push(Ablation::Overlap);
+    }
+    params
+}
+
+fn is_drawing(library: &Library) -> bool {
+    library.source.kind == SourceKind::Drawing
+}
+
 /// The method that places primaries, if it is left open.
 ///
 /// # Errors
@@ -107,6 +122,8 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
             value: "period".into(),
             allowed: "for one drawing whose borders join, without a map of densities, turned or mirrored elements",
         }),
+        // Cut by islands, a drawing loses elements along every border.
+        Method::Auto if libraries.iter().all(is_drawing) => Ok(Method::Descriptor),
         Method::Auto if guided && plain => Ok(Method::Correspondence),
         Method::Auto => Ok(Method::Descriptor),
         Method::Correspondence if !guided => Err(no_guide()),

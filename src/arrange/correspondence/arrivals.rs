@@ -122,7 +122,7 @@ impl<'g> Plan<'g> {
         let exemplars = || libraries.iter().zip(&correspondence.pages.labels);
         let packings = exemplars().map(|(library, labels)| packing(library, labels)).collect();
         let drawn = |library: &Library| library.source.kind == SourceKind::Drawing;
-        let apart = exemplars().map(|(library, labels)| drawn(library) && !touch(labels)).collect();
+        let apart = exemplars().map(|(library, labels)| drawn(library) && !labels.any_touch()).collect();
         Self { grid, pixels, arrivals, rows, packings, apart }
     }
 
@@ -236,15 +236,6 @@ impl<'g> Plan<'g> {
             }
         }
     }
-}
-
-/// Whether any two primaries of a map touch.
-fn touch(labels: &LabelMap) -> bool {
-    let differ = |a: u32, b: u32| a > 0 && b > 0 && a != b;
-    let rows = (0..labels.height).map(|y| labels.row(y));
-    let beside = rows.clone().any(|row| row.windows(2).any(|w| differ(w[0], w[1])));
-    let above = rows.clone().zip(rows.skip(1)).any(|(a, b)| a.iter().zip(b).any(|(a, b)| differ(*a, *b)));
-    beside || above
 }
 
 /// How packed an exemplar is, 0 to 1: by how much primaries touch, or how much they cover, or how much

@@ -68,7 +68,12 @@ impl Known {
         let angles = angles(&equal);
         let largest = elements.iter().zip(&bounds).filter(|(e, _)| !e.clipped).map(|(_, b)| b);
         let largest = largest.map(|b| b.width().max(b.height())).fold(0.0, f64::max);
-        let regular = free.iter().filter(|f| **f).count() < FEW || is_regular(elements, &bounds, size);
+        let few = free.iter().filter(|f| **f).count() < FEW;
+        let area = |e: &&Element| f64::from(e.area);
+        let endless: f64 = elements.iter().filter(|e| e.clipped).map(|e| area(&e)).sum();
+        // Between lines that run on there is nowhere to go.
+        let ruled = 4.0 * endless > elements.iter().map(|e| area(&e)).sum::<f64>();
+        let regular = few || ruled || is_regular(elements, &bounds, size);
         Self {
             equal,
             bounds,
