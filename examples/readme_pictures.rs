@@ -55,21 +55,15 @@ fn generated(params: &SceneParams) -> Outcome<(procedural::Exemplar, Exemplar)> 
     Ok((scene, exemplar))
 }
 
-/// A part of a generated exemplar of each kind, beside a texture made from the whole.
+/// A generated exemplar of each kind, beside a texture made from it.
 fn gallery(kinds: &[Kind], path: &Path) -> Outcome {
     let mut parts = Vec::new();
     for &kind in kinds {
-        let coverage = match kind {
-            Kind::Concrete | Kind::MudStones | Kind::Flowers => 0.25,
-            Kind::Worktop | Kind::Gravel | Kind::Meadow => 0.8,
-            _ => 0.5,
-        };
-        let params = SceneParams { kind, coverage, seed: 3, size: 40.0, ..SceneParams::default() };
+        let params = SceneParams { kind, ..SceneParams::random(3, 512, 512) };
         let (_, exemplar) = generated(&params)?;
         let texture = draw(&scene(&library(&exemplar, &())?, 512, 512, &())?, 1.0)?;
         for picture in [&exemplar.image, &texture] {
-            let part = imageops::crop_imm(picture, 96, 96, 320, 320).to_image();
-            parts.push(imageops::resize(&part, CELL, CELL, Scaling::CatmullRom));
+            parts.push(imageops::resize(picture, CELL, CELL, Scaling::CatmullRom));
         }
     }
     save(&row(&parts), path)
@@ -77,14 +71,7 @@ fn gallery(kinds: &[Kind], path: &Path) -> Outcome {
 
 /// A crowded exemplar, the texture that is made of it, and the one made with the true masks.
 fn fails(path: &Path) -> Outcome {
-    let params = SceneParams {
-        kind: Kind::Leaves,
-        coverage: 0.9,
-        contrast: 0.25,
-        seed: 5,
-        size: 90.0,
-        ..SceneParams::default()
-    };
+    let params = SceneParams { kind: Kind::Litter, ..SceneParams::random(3, 512, 512) };
     let (truth, exemplar) = generated(&params)?;
     let labels = ImageBuffer::<Luma<u16>, Vec<u16>>::from_fn(512, 512, |x, y| {
         Luma([truth.instances.labels[(y * 512 + x) as usize] as u16])
