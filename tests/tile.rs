@@ -4,8 +4,8 @@ mod support;
 
 use std::sync::OnceLock;
 use tiny_skia::Pixmap;
-use vtex::geometry::Vec2;
-use vtex::library::Library;
+use vtex::geometry::{Affine, Outline, Vec2};
+use vtex::library::{AnalyzeParams, Library};
 use vtex::output::{png, raster_svg, svg};
 use vtex::scene::{Role, Scene, SynthParams, Tile};
 use vtex::synth::synthesize;
@@ -20,8 +20,12 @@ fn library() -> &'static Library {
 }
 
 fn texture(tile: Tile) -> Scene {
+    texture_of(library(), tile)
+}
+
+fn texture_of(library: &Library, tile: Tile) -> Scene {
     let params = SynthParams { width: WIDTH, height: HEIGHT, seed: 4, tile, ..SynthParams::default() };
-    synthesize(library(), &params, &()).unwrap()
+    synthesize(library, &params, &()).unwrap()
 }
 
 fn svg_of(scene: &Scene) -> Vec<u8> {
@@ -43,6 +47,9 @@ fn moved(mut scene: Scene, by: Vec2) -> Scene {
     }
     for p in scene.layers.iter_mut().filter_map(|l| l.field.as_mut()).flat_map(|f| &mut f.points) {
         (p.x, p.y) = (along(p.x, by.x, WIDTH, tile.x), along(p.y, by.y, HEIGHT, tile.y));
+    }
+    for region in scene.layers.iter_mut().filter_map(|l| l.region.as_mut()) {
+        *region = Outline::new(&(Affine::translate(by) * region.path())).unwrap();
     }
     scene
 }
@@ -67,10 +74,19 @@ fn difference(tile: &Pixmap, whole: &Pixmap, at: Vec2) -> (f64, u8) {
 
 #[test]
 fn three_by_three_tiles_have_no_seam() {
+    no_seams(library(), 3);
+}
+
+#[test]
+fn regions_have_no_seam() {
+    no_seams(&support::library_with("pebbles", &AnalyzeParams { layers: 2, ..AnalyzeParams::default() }), 6);
+}
+
+fn no_seams(library: &Library, layers: usize) {
     for (x, y) in [(true, true), (true, false), (false, true)] {
         let tile = Tile { x, y };
-        let scene = texture(tile);
-        assert_eq!(scene.tile, tile);
+        let scene = texture_of(library, tile);
+        assert_eq!((scene.tile, scene.layers.len()), (tile, layers));
         let half = |repeats: bool, size: u32| if repeats { f64::from(size / 2) } else { 0.0 };
         let by = Vec2::new(half(x, WIDTH), half(y, HEIGHT));
         let other = moved(scene.clone(), by);

@@ -53,12 +53,8 @@ impl Strata {
             let element = primaries.labels[i] as usize;
             (element > 0 && areas[element] >= least).then(|| of[element - 1])
         });
-        Ok(Self { map: Some(map), why })
-    }
-
-    /// Number of layers.
-    fn count(&self) -> usize {
-        self.map.as_ref().map_or(1, |map| map.layers.len())
+        let map = map.without_unused();
+        Ok(Self { map: (map.layers.len() > 1).then_some(map), why })
     }
 
     /// The layers of the library. `textons` is above 0 in any element, `primaries` in large ones; `elements`
@@ -121,7 +117,6 @@ impl Strata {
             });
             map.labels.get(x, y) as u8
         }));
-        debug_assert!(of.iter().all(|&k| usize::from(k) < self.count()));
         of
     }
 }

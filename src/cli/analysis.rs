@@ -99,6 +99,7 @@ pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
         Input::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy(),
     };
     if kind == input::Kind::Svg {
+        check_drawing(analysis)?;
         let params = ImportParams { wrap: analysis.wrap, analyze: analysis.parameters.clone() };
         let mut library = import(&bytes, &analysis.photo.name(), &params, reporter)?;
         library.source.file = name.into_owned();
@@ -121,6 +122,17 @@ pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
         reporter.hint(hint);
     }
     Ok(library)
+}
+
+/// Refuses files that only photographs have.
+fn check_drawing(analysis: &Analysis) -> Result<(), Failure> {
+    let LayerFiles { painted, save } = &analysis.layers;
+    let masks = analysis.save_masks.is_some() || matches!(analysis.masks, MasksFrom::File(_));
+    if !masks && painted.is_none() && save.is_none() {
+        return Ok(());
+    }
+    Err(Failure::usage("a drawing has neither masks nor layer maps")
+        .hint("leave out --masks, --save-masks, --layer-map and --save-layers"))
 }
 
 /// Loads what finds masks.

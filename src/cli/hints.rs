@@ -101,7 +101,7 @@ mod tests {
             (Error::Exists { path: "a".into(), changed: true }, "--force"),
             (Error::TooLarge { name: "size".into(), found: "9".into(), limit: "1".into() }, "--size"),
             (Error::Seams, "--tile"),
-            (Error::Sizes { from: [1, 1], to: [2, 2] }, "--scale"),
+            (Error::Sizes { from: [1, 1], to: [2, 2] }, "--stretch"),
             (Error::MaxBytes { most: 1, smallest: 7 }, "--max-bytes 7"),
             (Error::Runtime { name: "a".into(), reason: "b".into() }, "--onnxruntime"),
             (Error::Engine { name: "a".into(), engine: "rten", reason: "b".into() }, "--engine onnxruntime"),

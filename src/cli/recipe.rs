@@ -45,7 +45,7 @@ fn sum(bytes: &[u8]) -> String {
 pub(crate) fn of(
     parameters: &Parameters,
     masks: MasksFrom,
-    steering: &Steering,
+    (steering, painted): (&Steering, Option<&Input>),
     library: &Library,
     photo: &Input,
 ) -> anyhow::Result<Value> {
@@ -55,7 +55,7 @@ pub(crate) fn of(
         parts.push(Part::of(role, file, &Input::new(file.to_owned()).read()?));
         anyhow::Ok(())
     };
-    for (role, file) in steering.files() {
+    for (role, file) in steering.files().chain(painted.map(|file| ("--layer-map", file))) {
         // Bytes from a pipe are gone.
         if let Input::File(path) = file {
             add(role, path)?;

@@ -89,10 +89,9 @@ impl Atlas {
         while pyramid.len() < MOST_LEVELS && goes_on(&levels) {
             levels = levels.iter().map(Level::reduced).collect();
             let coarser = Self::new(&levels, &groups);
-            if !(0..=coarser.last_group()).all(|g| {
-                let has = |atlas: &Self| atlas.sources_of(g).next().is_some();
-                has(&coarser) || !has(&pyramid[0])
-            }) {
+            // A group of single cells may vanish, and cells of another take its place; not all of a page.
+            let has = |g: &u8| coarser.sources_of(*g).next().is_some();
+            if coarser.groups.is_none() && !groups.iter().all(has) {
                 break;
             }
             pyramid.push(coarser);
@@ -158,6 +157,19 @@ impl Atlas {
         let all: Vec<u32> = self.sources_of(group).collect();
         let step = all.len().div_ceil(MOST_COMPARED).max(1);
         all.into_iter().step_by(step).collect()
+    }
+
+    /// Groups of cells of a canvas; those without sources here are replaced by the nearest that has some.
+    pub(super) fn with_sources(&self, mut groups: Vec<u8>) -> Vec<u8> {
+        let last = self.last_group();
+        let has: Vec<bool> = (0..=last).map(|g| self.sources_of(g).next().is_some()).collect();
+        let nearest = |group: u8| {
+            let known = (0..=last).filter(|&k| has[usize::from(k)]);
+            known.min_by_key(|k| k.abs_diff(group)).unwrap_or(0)
+        };
+        let table: Vec<u8> = (0..=u8::MAX).map(nearest).collect();
+        groups.iter_mut().for_each(|group| *group = table[usize::from(*group)]);
+        groups
     }
 
     /// The largest number of a group.

@@ -125,6 +125,7 @@ pub(crate) fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Fie
     let sizes = canvas::sizes(request.size, atlases.len());
     let what = |level: usize| {
         let groups = request.groups.as_ref().map(|g| canvas::reduced(g, request.size, sizes[level]));
+        let groups = groups.map(|groups| atlases[level].with_sources(groups));
         let active = request.active.as_ref().map(|a| canvas::any_within(a, request.size, sizes[level]));
         (groups, active)
     };

@@ -96,11 +96,11 @@ impl Chosen {
     }
 }
 
-/// Whether a layer is meant by a name: its own, the words that its own begins with, or that of its role.
-/// The layers of a stratum have its name and a word, so its name means all of them.
+/// Whether a layer is meant by a name: its own, that of its role, or that of its stratum, to which it adds
+/// its role.
 fn is_called(layer: &Layer, name: &str) -> bool {
-    let begins = |rest: &str| rest.is_empty() || rest.starts_with(' ');
-    name == layer.role.name() || layer.name.strip_prefix(name).is_some_and(begins)
+    let ends = |rest: &str| rest.is_empty() || rest.strip_prefix(' ') == Some(layer.role.name());
+    name == layer.role.name() || layer.name.strip_prefix(name).is_some_and(ends)
 }
 
 /// Where the centre of an element lies: its origin, on the canvas where the scene repeats.

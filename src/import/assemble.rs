@@ -199,7 +199,9 @@ fn drafts(page: &Page, pieces: &[Piece], origin: &Origin<'_>, map: Affine, size:
         for part in piece.parts.iter_mut().filter(|p| p.stroke.is_none()) {
             part.path = torus.widened(&part.path, UNDERLAP / pixels);
         }
-        shapes(&piece, map)
+        let wide = shapes(&piece, map);
+        // Of a hairline along the border nothing may be left.
+        if wide.is_empty() { drawn[k].0.clone() } else { wide }
     };
     let mut groups: BTreeMap<(usize, usize), Vec<(usize, Shift)>> = BTreeMap::new();
     for k in (0..pieces.len()).filter(|&k| !drawn[k].0.is_empty()) {
@@ -325,9 +327,7 @@ fn layers(page: &Page, drafts: &[Draft], colour: Colour) -> Vec<Layer> {
         if instances.is_empty() {
             continue;
         }
-        let taken = Role::Background.name() == name;
-        let name = if taken { format!("{name} 2") } else { name.clone() };
-        layers.push(Layer { name, instances, ..Layer::new(Role::Primary) });
+        layers.push(Layer { name: name.clone(), instances, ..Layer::new(Role::Primary) });
     }
     if layers.len() == 1 {
         layers.push(Layer::new(Role::Primary));

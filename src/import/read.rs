@@ -246,7 +246,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         let title: String = title.chars().filter(|c| !c.is_control()).take(60).collect();
         let mut name = title.clone();
         let mut number = 2;
-        while name.trim().is_empty() || self.layers.contains(&name) {
+        let background = crate::element::Role::Background.name();
+        while name.trim().is_empty() || name == background || self.layers.contains(&name) {
             name = format!("{title} {number}");
             number += 1;
         }
@@ -329,6 +330,9 @@ fn inflated(path: &BezPath, stroke: Option<&Stroked>) -> kurbo::Rect {
     path.bounding_box().inflate(reach, reach)
 }
 
+/// Most dashes of a path.
+const MOST_DASHES: f64 = 1e5;
+
 /// A stroke, on the page and before its transform.
 struct Stroked {
     stroke: Stroke,
@@ -342,7 +346,15 @@ impl Stroked {
     /// The area that it paints, before the transform.
     fn expanded(&self, path: &BezPath) -> BezPath {
         let tolerance = 1e-3 * self.local.width.max(1e-6);
-        kurbo::stroke(path, &self.local, &kurbo::StrokeOpts::default(), tolerance)
+        let options = kurbo::StrokeOpts::default();
+        let period: f64 = self.local.dash_pattern.iter().sum();
+        let length: f64 = path.segments().map(|s| kurbo::ParamCurveArclen::arclen(&s, 0.1)).sum();
+        // Dashes too fine to be told apart are a plain stroke.
+        if period > 0.0 && length / period * self.local.dash_pattern.len() as f64 >= MOST_DASHES {
+            let plain = kurbo::Stroke { dash_pattern: Default::default(), ..self.local.clone() };
+            return kurbo::stroke(path, &plain, &options, tolerance);
+        }
+        kurbo::stroke(path, &self.local, &options, tolerance)
     }
 }
 

@@ -26,7 +26,7 @@ fn shape(part: &Part, map: Affine) -> Option<Shape> {
     if base.outline.is_empty() || drawn.width() <= 0.0 || drawn.height() <= 0.0 {
         return None;
     }
-    let gradient = part.paint.gradient.as_ref().map(|g| g.moved(map));
+    let gradient = part.paint.gradient.as_ref().map(|g| g.moved(map)).filter(|g| g.fault().is_none());
     Some(Shape { gradient, opacity: part.paint.opacity.clamp(0.0, 1.0), ..base })
 }
 

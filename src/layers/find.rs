@@ -21,8 +21,8 @@ const LIGHTNESS: f32 = 0.5;
 const BLURS: [f32; 2] = [1.0 / 256.0, 1.0 / 128.0];
 /// Smallest piece of a layer, as a share of the squared shorter side.
 const SPECK: f64 = 4e-4;
-/// Shortest side, in pixels, of a photograph whose layers are told from its elements.
-const LEAST_SIDE: usize = 128;
+/// Shortest side, in pixels, of a photograph whose layers are told from its elements, if these are known.
+const LEAST_SIDE: usize = 256;
 /// Least spread of means over an eighth of the shorter side, in Oklab.
 const LEAST_CONTRAST: f64 = 0.012;
 /// Least product of reach and thickness: where elements are not known, and where they are.
@@ -35,7 +35,8 @@ const LEAST_DIFFERENCE: f32 = 0.02;
 /// How many layers there are to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Count {
-    /// One, two or three, by the photograph; one if a side is below 128 pixels.
+    /// One, two or three, by the photograph. Where the elements are known, one if a side is below 256
+    /// pixels.
     #[default]
     Auto,
     /// So many, 1 to [`MOST_LAYERS`].
@@ -110,7 +111,7 @@ pub fn find(
     let thick = pair.as_ref().map_or(0.0, |map| thickness(map, 2));
     advance(progress, STAGE, 2, 4)?;
     let least = LEAST_EXTENT[usize::from(elements.is_some())];
-    let decided = if parameters.count == Count::Auto && shorter < LEAST_SIDE {
+    let decided = if parameters.count == Count::Auto && elements.is_some() && shorter < LEAST_SIDE {
         (sought.one(), 1, format!("a photograph of less than {LEAST_SIDE} px hardly shows any"))
     } else {
         decide(parameters.count, (measured, thick, least), &sought, pair)?
@@ -316,12 +317,15 @@ mod tests {
         let mut random = stream(1, "grain", 0);
         let grain = RgbImage::from_fn(200, 200, |_, _| image::Rgb([random.below(256) as u8; 3]));
         let light = RgbImage::from_fn(200, 200, |x, y| image::Rgb([(100 + (x + y) / 50) as u8; 3]));
-        let (small, _) = surface([120, 160], 2, 7);
-        for photo in [grain, light, small] {
+        for photo in [grain, light] {
             let found = find(&photo, None, &auto(1), &()).unwrap();
             assert_eq!(found.map.layers.len(), 1, "{:?}", found.decision);
             assert!(!found.decision.why.ends_with('.'));
         }
+        let (small, _) = surface([120, 160], 2, 7);
+        let elements = LabelMap::filled(120, 160, 0);
+        let layers = |elements| find(&small, elements, &auto(1), &()).unwrap().map.layers.len();
+        assert_eq!([layers(None), layers(Some(&elements))], [2, 1]);
     }
 
     #[test]

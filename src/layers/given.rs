@@ -74,9 +74,14 @@ impl Exemplar<'_> {
     /// # Errors
     /// [`Error::Control`] if the exemplar's map has one layer; a size out of range.
     pub fn controlled(&self, map: &LabelMap, wrap: [bool; 2]) -> Result<LayerMap> {
+        check_size([map.width as usize, map.height as usize])?;
+        self.parted(map, wrap)
+    }
+
+    /// [`Exemplar::controlled`] of any size.
+    pub(crate) fn parted(&self, map: &LabelMap, wrap: [bool; 2]) -> Result<LayerMap> {
         self.check()?;
         let size = [map.width as usize, map.height as usize];
-        check_size(size)?;
         let given = self.map.with(map.clone());
         let planes = (1..given.layers.len()).map(|k| depth(&given.region(k, wrap))).collect();
         let labels =

@@ -65,6 +65,15 @@ impl LayerMap {
         Region { size: self.size(), wrap, inside }
     }
 
+    /// The map without layers that no pixel has.
+    pub(crate) fn without_unused(&self) -> Self {
+        let used: Vec<bool> = self.shares().iter().map(|&s| s > 0.0).collect();
+        let rank: Vec<u32> = (0..used.len()).map(|k| used[..k].iter().map(|&u| u32::from(u)).sum()).collect();
+        let labels = self.labels.labels.iter().map(|&l| rank[l as usize]).collect();
+        let layers = self.layers.iter().zip(&used).filter(|(_, used)| **used).map(|(l, _)| l.clone());
+        Self { labels: LabelMap { labels, ..self.labels }, layers: layers.collect() }
+    }
+
     /// The same layers in another order; `order` lists today's layers from the new bottom to the new top.
     ///
     /// # Errors
@@ -196,6 +205,10 @@ mod tests {
         assert_eq!(turned.labels.labels, [1, 2, 0]);
         assert_eq!(turned.layers[0].name, "c");
         assert_eq!(turned.region(1, [false; 2]).inside, [true, true, false]);
+        let gap = LayerMap { labels: turned.labels.clone(), ..map.clone() };
+        let gap =
+            LayerMap { labels: LabelMap { labels: vec![0, 2, 2], ..gap.labels }, ..gap }.without_unused();
+        assert_eq!((gap.labels.labels, gap.layers.len()), (vec![0, 1, 1], 2));
         for bad in [&[0, 1][..], &[0, 1, 1], &[0, 1, 3]] {
             assert!(matches!(map.reordered(bad), Err(Error::Parameter { name: "layer-order", .. })));
         }

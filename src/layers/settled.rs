@@ -4,7 +4,7 @@ use super::carried::Exemplar;
 use super::given::{on_canvas, regions_of};
 use super::map::LayerMap;
 use crate::error::Result;
-use crate::raster::{LabelMap, check_size};
+use crate::raster::LabelMap;
 
 impl LayerMap {
     /// Smallest area of an element that borders go around, in pixels: a 10,000th of the squared shorter
@@ -43,7 +43,7 @@ impl Exemplar<'_> {
     /// exemplar; it repeats along the axes of `wrap`.
     ///
     /// # Errors
-    /// As [`Exemplar::carried`].
+    /// [`crate::Error::Control`] if the exemplar's map has one layer.
     pub(crate) fn smoothed_cells(
         &self,
         cells: &LabelMap,
@@ -51,7 +51,6 @@ impl Exemplar<'_> {
         wrap: [bool; 2],
     ) -> Result<LayerMap> {
         self.check()?;
-        check_size(size)?;
         let count = self.map.layers.len();
         let grid = [cells.width as usize, cells.height as usize];
         let depths = on_canvas(&regions_of(cells, count, grid, wrap), size, wrap);

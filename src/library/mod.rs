@@ -4,6 +4,7 @@ mod arrangement;
 mod categories;
 mod guide;
 mod instance;
+mod layer_count;
 mod parameters;
 mod strata;
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Parameters of analysis, as stored in the library.
 
 use super::categories::Categories;
+use super::layer_count;
 use crate::error::{Result, check};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -51,16 +52,16 @@ pub struct AnalyzeParams {
     /// Whether the exemplar tiles, that is, its opposite borders join. Default false.
     pub wrap: bool,
     /// Number of nested layers, such as rust on paint. 1 to 6, or 0 (the default) for one to three, by the
-    /// photograph.
+    /// photograph, written as `auto`.
+    #[serde(with = "layer_count")]
+    #[schemars(schema_with = "layer_count::schema")]
     pub layers: u32,
     /// The layers found, counted from 0 at the bottom, listed from the new bottom to the new top. Empty
     /// (the default) for the order in which layers that are not next to each other touch least.
     pub layer_order: Vec<u32>,
     /// Which shapes of a drawing are one element. Default auto.
-    #[serde(skip_serializing_if = "Grouping::is_auto")]
     pub elements: Grouping,
     /// Whether what cannot be read of a drawing is left out, rather than refused. Default false.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub lenient: bool,
 }
 
@@ -78,12 +79,6 @@ pub enum Grouping {
     Path,
     /// Each connected piece of a path: an outer ring with what lies inside.
     Piece,
-}
-
-impl Grouping {
-    fn is_auto(&self) -> bool {
-        *self == Self::Auto
-    }
 }
 
 /// Fills of details and primaries.

@@ -4,6 +4,9 @@ use super::{LARGEST_SIDE, Library, Role};
 use crate::scene::{check_layer, check_spacing};
 use std::collections::BTreeSet;
 
+/// Most backgrounds with fields.
+const MOST_STRATA: usize = 6;
+
 /// Checks every reference, range and total of a library.
 pub(super) fn validate(l: &Library) -> Result<(), String> {
     l.source.parameters.validate().map_err(|e| format!("source.parameters: {e}"))?;
@@ -68,8 +71,14 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
 
 /// Checks that every element stands in one layer of its role, and the layers' fields.
 fn validate_layers(l: &Library) -> Result<(), String> {
-    if l.layers.iter().all(|layer| layer.field.is_none()) {
-        return Err("no layer has a field".into());
+    let backgrounds = l.layers.iter().filter(|layer| layer.role == Role::Background && layer.field.is_some());
+    match backgrounds.clone().count() {
+        0 => return Err("no background layer has a field".into()),
+        1..=MOST_STRATA => {}
+        count => return Err(format!("{count} background layers have fields, at most {MOST_STRATA} may")),
+    }
+    if backgrounds.skip(1).any(|layer| layer.region.is_none()) {
+        return Err("a background above the lowest has no region".into());
     }
     let first_secondary = l.primaries().len();
     let mut names = BTreeSet::new();

@@ -61,6 +61,9 @@ pub(crate) fn scene(
         let stratum = strata.as_ref().map_or(0, of);
         push(&mut scene, (stratum, PRIMARY), element, p.at, variation, None);
     }
+    if strata.is_some() {
+        without_empty_strata(&mut scene);
+    }
     scene
 }
 
@@ -102,6 +105,21 @@ pub fn reconstruct(library: &Library) -> Scene {
 
 pub(crate) fn reference(library: &Library) -> LibraryRef {
     LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
+}
+
+/// Takes away strata that have no place on the canvas: a given map may lack some, and small canvases have no
+/// room for all.
+fn without_empty_strata(scene: &mut Scene) {
+    let layers = std::mem::take(&mut scene.layers);
+    for mut stratum in layers.chunks(Strata::LAYERS).map(<[Layer]>::to_vec) {
+        let nowhere = stratum[0].region.as_ref().is_some_and(Outline::is_empty);
+        if nowhere {
+            (stratum[0].region, stratum[0].field) = (None, None);
+        }
+        if !nowhere || stratum.iter().any(|layer| !layer.instances.is_empty()) {
+            scene.layers.extend(stratum);
+        }
+    }
 }
 
 /// Appends an instance to a layer of a stratum; ids count through all layers.

@@ -115,7 +115,16 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
     // Parts that correspondences have too.
     let of_both = |part: &Ablation| *part == Ablation::Secondary;
     let plain = params.weights == Weights::default() && params.ablate.iter().all(of_both);
+    let led = controls.lead.is_some();
     match params.method {
+        Method::Auto if led && guided && plain => Ok(Method::Correspondence),
+        Method::Correspondence if guided => Ok(Method::Correspondence),
+        method if led => Err(Error::Parameter {
+            name: "method",
+            value: format!("{method:?}").to_lowercase(),
+            allowed: "correspondence where a map of layers or a guide leads, which needs a library with a guide \
+                      and no weights or ablation",
+        }),
         Method::Auto if periodic && plain => Ok(Method::Period),
         Method::Period if !periodic => Err(Error::Parameter {
             name: "method",

@@ -82,6 +82,9 @@ impl Strata {
             return Ok(None);
         }
         let exemplar = layer_map(library);
+        if exemplar.shares().iter().filter(|&&share| share > 0.0).count() < 2 {
+            return Ok(None);
+        }
         let map = map(&exemplar, correspondence, arrangement, controls, params)?;
         let of_elements = library.strata_of_elements();
         let least = LayerMap::least_element([library.source.width, library.source.height]);
@@ -236,7 +239,7 @@ fn map(
     let wrap = [params.tile.x, params.tile.y];
     let nested = Exemplar { map: exemplar, photograph: None };
     if let Some(Lead::Strata(given)) = &controls.lead {
-        return nested.controlled(&stretched(given, size), wrap);
+        return nested.parted(&stretched(given, size), wrap);
     }
     let cells = correspondence.labels_of_cells(arrangement.cells.model(), &exemplar.labels, size);
     nested.smoothed_cells(&cells, size.map(|v| v as usize), wrap)

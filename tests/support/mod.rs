@@ -7,6 +7,11 @@ use vtex::segment::Regions;
 
 /// The library of the middle of one of the generated exemplars, 160 × 160 pixels.
 pub(crate) fn library(name: &str) -> Library {
+    library_with(name, &AnalyzeParams::default())
+}
+
+/// The same, analysed with other parameters.
+pub(crate) fn library_with(name: &str, params: &AnalyzeParams) -> Library {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/exemplars/{name}.png"));
     let whole = image::open(path).unwrap().into_rgb8();
     let (x, y) = ((whole.width() - 160) / 2, (whole.height() - 160) / 2);
@@ -14,5 +19,5 @@ pub(crate) fn library(name: &str) -> Library {
     let mut bytes = std::io::Cursor::new(Vec::new());
     crop.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
     let exemplar = Exemplar::from_bytes(&bytes.into_inner(), name, &Limits::default()).unwrap();
-    analyze(&exemplar, &Regions, &AnalyzeParams::default(), &()).unwrap()
+    analyze(&exemplar, &Regions, params, &()).unwrap()
 }

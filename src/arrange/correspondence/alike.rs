@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Largest distance of colours that are alike, in Oklab.
 const COLOUR: f32 = 0.07;
 
-/// For each element the placeable ones of its library whose colour is like its own.
+/// For each element the placeable ones of its library and stratum whose colour is like its own.
 pub(super) struct Alike {
     /// Area and index, the smallest first.
     of: Vec<Vec<(u32, PlaceableId)>>,
@@ -20,6 +20,11 @@ impl Alike {
             let known = &model[element];
             libraries[known.library].primaries()[known.index as usize].colour.to_oklab()
         };
+        let strata: Vec<Vec<u8>> = libraries.iter().map(Library::strata_of_elements).collect();
+        let stratum = |element: PlaceableId| {
+            let known = &model[element];
+            strata[known.library][known.index as usize]
+        };
         let all: Vec<PlaceableId> = (0..model.elements.len() as u32).map(PlaceableId).collect();
         let colours: Vec<[f32; 3]> = all.iter().map(|&element| colour(element)).collect();
         let of = parallel::map(&all, |&element| {
@@ -27,7 +32,8 @@ impl Alike {
             let like = |&other: &PlaceableId| {
                 let (known, theirs) = (&model[other], &colours[other.0 as usize]);
                 let apart: f32 = (0..3).map(|c| (own[c] - theirs[c]) * (own[c] - theirs[c])).sum();
-                other != element && known.placeable && known.library == library && apart <= COLOUR * COLOUR
+                let same = known.library == library && stratum(other) == stratum(element);
+                other != element && known.placeable && same && apart <= COLOUR * COLOUR
             };
             let mut list: Vec<(u32, PlaceableId)> =
                 all.iter().copied().filter(like).map(|other| (model.plain(other).area, other)).collect();

@@ -10,15 +10,11 @@ use crate::raster::{ControlMap, LabelMap};
 const BANDS: usize = 6;
 /// Blur of the exemplar's lightness before it is divided into classes, in cells of the guide.
 const BLUR: f32 = 2.0;
-/// Share of the exemplar below which a class is too rare to take sources from.
-const LEAST: f64 = 5e-4;
 
 /// Classes of the exemplar and of the canvas.
 pub(super) struct Lead<'a> {
     exemplar: LabelMap,
     canvas: Canvas<'a>,
-    /// For each class the one that takes its place, itself unless it is too rare in the exemplar.
-    known: Vec<u8>,
 }
 
 /// What says the class of a place of the canvas.
@@ -31,20 +27,11 @@ impl<'a> Lead<'a> {
     /// What the controls lead a single library by; none if they do not.
     pub(super) fn new(libraries: &[Library], controls: &'a Controls) -> Option<Self> {
         let [library] = libraries else { return None };
-        let (exemplar, canvas, count) = match controls.lead.as_ref()? {
-            controls::Lead::Strata(map) => {
-                (library.strata_labels(), Canvas::Strata(map), library.strata().len())
-            }
-            controls::Lead::Lightness(map) => (bands_of(library)?, Canvas::Lightness(map), BANDS),
+        let (exemplar, canvas) = match controls.lead.as_ref()? {
+            controls::Lead::Strata(map) => (library.strata_labels(), Canvas::Strata(map)),
+            controls::Lead::Lightness(map) => (bands_of(library)?, Canvas::Lightness(map)),
         };
-        let mut areas = exemplar.areas();
-        areas.resize(count, 0);
-        let least = LEAST * exemplar.labels.len() as f64;
-        let nearest = |class: usize| {
-            let known = (0..count).filter(|&k| f64::from(areas[k]) >= least);
-            known.min_by_key(|k| k.abs_diff(class)).unwrap_or(0) as u8
-        };
-        Some(Self { exemplar, canvas, known: (0..count).map(nearest).collect() })
+        Some(Self { exemplar, canvas })
     }
 
     /// The class of each pixel of the exemplar.
@@ -61,7 +48,7 @@ impl<'a> Lead<'a> {
     ) -> Vec<u8> {
         let cells = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
         let places = cells.map(|(x, y)| [0, 1].map(|k| place(x, y)[k].clamp(0, canvas[k] as i32 - 1)));
-        let classes: Vec<u8> = match self.canvas {
+        match self.canvas {
             Canvas::Strata(map) => {
                 let at = |v: i32, k: usize| {
                     let [own, all] = [[map.width, map.height][k], canvas[k]].map(u64::from);
@@ -74,9 +61,7 @@ impl<'a> Lead<'a> {
                 let values: Vec<f32> = places.map(|p| map.at(p.map(f64::from), canvas) as f32).collect();
                 bands(&values).into_iter().map(|band| band as u8).collect()
             }
-        };
-        let last = self.known.len().saturating_sub(1);
-        classes.into_iter().map(|class| self.known[usize::from(class).min(last)]).collect()
+        }
     }
 }
 

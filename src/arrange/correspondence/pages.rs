@@ -77,7 +77,11 @@ impl Sheet {
         let cells = (0..size[1] as i32).flat_map(|y| (0..size[0] as i32).map(move |x| [x * cell, y * cell]));
         let groups = exemplar.classes.map(|classes| {
             let class = |first: [i32; 2]| {
-                let at = self.exemplar(model, first.map(|v| v + cell / 2));
+                let mut middle = first.map(|v| v + cell / 2);
+                if self.is_exemplar() {
+                    middle = [0, 1].map(|k| middle[k].min(self.size[k] - 1));
+                }
+                let at = self.exemplar(model, middle);
                 at.and_then(|[x, y]| classes.at(i64::from(x), i64::from(y))).unwrap_or(0) as u8
             };
             cells.clone().map(class).collect()

@@ -99,12 +99,25 @@ impl Arguments for TextureArgs {
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
         let Self {
-            photo, mut output, keep, force, pattern, mut control, mut masks, layer_files, recipe, ..
+            photo,
+            mut output,
+            keep,
+            force,
+            pattern,
+            mut control,
+            mut masks,
+            mut layer_files,
+            analyze,
+            recipe,
+            ..
         } = *self;
         let Resolved { mut parameters, seed, .. } = resolved;
         parameters.seed = Some(seed);
         if let Some(recipe) = &recipe {
             restore(recipe, &mut control, &mut masks)?;
+            if analyze.layers.is_none() && layer_files.layer_map.is_none() {
+                layer_files.layer_map = recipe.part("--layer-map").map(|part| part.file.clone());
+            }
         }
         let photo = required(photo)?;
         read_weights(parameters.weights.clone(), &photo, &mut parameters.synth)?;
@@ -115,6 +128,7 @@ impl Arguments for TextureArgs {
         let steering = Steering::new(control, Vec::new());
         let mut written = outputs(&output);
         written.push(("--save-masks", masks.save_masks.as_deref()));
+        written.push(layer_files.written());
         steering.check(&[("the photograph", &photo)], &written)?;
         let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &parameters)?;
         let synthesis = Synthesis::new(parameters.clone(), steering, targets, pattern, &force)?;
@@ -181,7 +195,8 @@ impl Texture {
         // Faults in them show before the long work.
         if let Some(recipe) = recipe {
             recipe.check("photo", "the photograph", &analysis.photo)?;
-            for (role, file) in synthesis.steering.files() {
+            let painted = analysis.layers.painted.iter().map(|file| ("--layer-map", file));
+            for (role, file) in synthesis.steering.files().chain(painted) {
                 recipe.check(role, &format!("the file of {role}"), file)?;
             }
             if recipe.program != vtex::PROGRAM {
@@ -195,7 +210,13 @@ impl Texture {
         let inputs = vec![analysis.photo.name()];
         let synth = canvas(&synthesis.parameters, synthesis.sized, std::slice::from_ref(&library));
         let parameters = Parameters { synth, ..self.parameters.clone() };
-        let made = recipe::of(&parameters, analysis.masks(), &synthesis.steering, &library, &analysis.photo)?;
+        let made = recipe::of(
+            &parameters,
+            analysis.masks(),
+            (&synthesis.steering, analysis.layers.painted.as_ref()),
+            &library,
+            &analysis.photo,
+        )?;
         let libraries = std::slice::from_ref(&library);
         let origin = Origin { command: "texture", inputs, libraries, recipe: Some(&made) };
         finish(common, reporter, origin, &controls, synthesis)

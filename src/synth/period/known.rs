@@ -8,6 +8,7 @@ use crate::raster::Mask;
 use crate::raster::contact::Ground;
 use crate::scene::{Instance, Scene, Shape, pixels};
 use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// How far equal elements may differ, in pixels.
@@ -130,6 +131,9 @@ fn equal(elements: &[Element]) -> Vec<(usize, Affine)> {
     found
 }
 
+/// Angles nearer to each other are one, in radians.
+const SAME_ANGLE: f64 = 0.05;
+
 /// The angles by which the members of each class of equal elements are turned.
 fn angles(equal: &[(usize, Affine)]) -> BTreeMap<usize, Vec<f64>> {
     let mut all: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
@@ -137,12 +141,15 @@ fn angles(equal: &[(usize, Affine)]) -> BTreeMap<usize, Vec<f64>> {
         let [a, b, ..] = map.as_coeffs();
         // Only turns are used: what is mirrored or enlarged stays so.
         if map.determinant() > 0.0 {
-            all.entry(*first).or_default().push(libm::atan2(b, a));
+            let turn = libm::atan2(b, a);
+            // Half a turn either way is one angle.
+            let turn = if turn < SAME_ANGLE / 2.0 - PI { turn + TAU } else { turn };
+            all.entry(*first).or_default().push(turn);
         }
     }
     for angles in all.values_mut() {
         angles.sort_by(f64::total_cmp);
-        angles.dedup_by(|a, b| (*a - *b).abs() < 0.05);
+        angles.dedup_by(|a, b| (*a - *b).abs() < SAME_ANGLE);
     }
     all
 }

@@ -43,10 +43,13 @@ pub(super) struct Placed {
 /// for another density or for whole elements along an edge.
 pub(super) fn applies(libraries: &[Library], params: &SynthParams, controls: &Controls) -> bool {
     let [library] = libraries else { return false };
-    let drawn = library.source.kind == SourceKind::Drawing && library.arrangement.periodic;
+    let drawn = library.source.kind == SourceKind::Drawing
+        && library.arrangement.periodic
+        && library.secondaries().is_empty()
+        && !library.is_layered();
     let clips = controls.domain.is_none() || params.edge == Edge::Clip;
     let varied = params.rotate > 0.0 || params.mirror || params.scale_jitter > 0.0;
-    drawn && clips && !varied && controls.density.is_none()
+    drawn && clips && !varied && controls.density.is_none() && controls.lead.is_none()
 }
 
 /// A texture of the exemplar's period, and how close it came.
@@ -61,6 +64,7 @@ pub(super) fn synthesize(
     progress: &dyn Progress,
 ) -> Result<(Scene, Report)> {
     check_periods(library, params)?;
+    check_copies(library, params)?;
     advance(progress, "primaries", 0, 2)?;
     let known = Known::new(library);
     let variation = params.variation.unwrap_or(if known.regular { 0.0 } else { 1.0 });
@@ -101,6 +105,35 @@ fn check_periods(library: &Library, params: &SynthParams) -> Result<()> {
     );
     let allowed = "a whole number of the drawing's periods where it is to repeat without a seam";
     Err(Error::Parameter { name: "size", value, allowed })
+}
+
+/// Most copies of elements on a canvas, and most pixels that all of them together may cover.
+const MOST_COPIES: f64 = 4e6;
+const MOST_PAINTED: f64 = 5e10;
+
+/// Refuses a canvas of too many copies.
+fn check_copies(library: &Library, params: &SynthParams) -> Result<()> {
+    let (period, canvas) = (size_of(library), [params.width, params.height].map(f64::from));
+    let tile = [params.tile.x, params.tile.y];
+    let (mut copies, mut painted) = (0.0, 0.0);
+    for instance in library.layers.iter().flat_map(|layer| &layer.instances) {
+        let own = crate::element::bounds(&library.elements[instance.element.index()].shapes);
+        let bounds = Affine::new(instance.transform).transform_rect_bbox(own);
+        let side = [bounds.width(), bounds.height()];
+        // Copies beside the canvas stand within a period and a half of it.
+        let along =
+            |k: usize| (canvas[k] + if tile[k] { 0.0 } else { side[k] + 4.0 * period[k] }) / period[k];
+        copies += along(0) * along(1);
+        painted += along(0) * along(1) * side[0].max(1.0) * side[1].max(1.0);
+    }
+    if copies <= MOST_COPIES && painted <= MOST_PAINTED {
+        return Ok(());
+    }
+    Err(Error::TooLarge {
+        name: "size".into(),
+        found: format!("{copies:.0} copies of the drawing's elements"),
+        limit: format!("{MOST_COPIES:.0} copies"),
+    })
 }
 
 /// All copies of all elements that reach the canvas and somewhat beyond; along axes that repeat each once.
@@ -219,8 +252,11 @@ fn repeating(library: &Library, scene: &Scene, placed: &[Placed], known: &Known)
         (first, map, map * known.bounds[first].center())
     };
     let all: Vec<_> = placed.iter().map(at).collect();
-    let mut by_element: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    all.iter().enumerate().for_each(|(i, p)| by_element.entry(p.0).or_default().push(i));
+    let cell = |x: f64, y: f64| [x, y].map(|v| libm::floor(v / (2.0 * SAME)) as i64);
+    let mut by_place: BTreeMap<(usize, [i64; 2]), Vec<usize>> = BTreeMap::new();
+    for (i, (first, _, centre)) in all.iter().enumerate() {
+        by_place.entry((*first, cell(centre.x, centre.y))).or_default().push(i);
+    }
     let (mut pairs, mut same) = (0u64, 0u64);
     for (first, map, centre) in &all {
         for axis in 0..2 {
@@ -241,7 +277,10 @@ fn repeating(library: &Library, scene: &Scene, placed: &[Placed], known: &Known)
                     && (other.2.y - wanted[1]).abs() <= SAME
                     && turned(&other.1)
             };
-            same += u64::from(by_element[first].iter().any(|i| there(&i)));
+            let [cx, cy] = cell(wanted[0], wanted[1]);
+            let around = (-1..=1).flat_map(|j| (-1..=1).map(move |i| [cx + i, cy + j]));
+            let mut near = around.filter_map(|cell| by_place.get(&(*first, cell))).flatten();
+            same += u64::from(near.any(|i| there(&i)));
         }
     }
     (pairs > 0).then(|| same as f64 / pairs as f64)

@@ -291,7 +291,8 @@ impl<'a> Run<'a> {
                 ..self.job.parameters.clone()
             };
             let steering = &self.batch.steering;
-            recipe = Some(recipe::of(&parameters, analysis.masks(), steering, &library, &self.input)?);
+            recipe =
+                Some(recipe::of(&parameters, analysis.masks(), (steering, None), &library, &self.input)?);
             vec![library]
         };
         controls.lead = reading::lead(&self.batch.steering, &libraries[0])?;

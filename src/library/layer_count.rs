@@ -1,0 +1,46 @@
+//! A number of layers in JSON: `auto`, `off`, or a number.
+
+use serde::de::{Error, Visitor};
+use serde::{Deserializer, Serializer};
+use std::fmt;
+
+/// Writes 0 as `auto`.
+pub(super) fn serialize<S: Serializer>(count: &u32, serializer: S) -> Result<S::Ok, S::Error> {
+    if *count == 0 { serializer.serialize_str("auto") } else { serializer.serialize_u32(*count) }
+}
+
+/// Reads `auto` as 0 and `off` as 1.
+pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    struct Either;
+    impl Visitor<'_> for Either {
+        type Value = u32;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("auto, off, or a number from 1 to 6")
+        }
+
+        fn visit_u64<E: Error>(self, number: u64) -> Result<u32, E> {
+            u32::try_from(number).map_err(E::custom)
+        }
+
+        fn visit_i64<E: Error>(self, number: i64) -> Result<u32, E> {
+            u32::try_from(number).map_err(E::custom)
+        }
+
+        fn visit_str<E: Error>(self, text: &str) -> Result<u32, E> {
+            match text {
+                "auto" => Ok(0),
+                "off" => Ok(1),
+                _ => Err(E::custom("expected auto, off, or a number from 1 to 6")),
+            }
+        }
+    }
+    deserializer.deserialize_any(Either)
+}
+
+/// The schema of such a number.
+pub(super) fn schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    schemars::json_schema!({
+        "anyOf": [{"type": "integer", "minimum": 0, "maximum": 6}, {"enum": ["auto", "off"]}]
+    })
+}
