@@ -64,9 +64,7 @@ pub(crate) fn lead(steering: &Steering, library: &Library) -> anyhow::Result<Opt
         None => None,
         Some(LeadFrom::Layers(_)) if !library.is_layered() => {
             let failure = Failure::failed("the library has a single layer, so --control has nothing to lead");
-            return Err(failure
-                .hint("analyze the photograph with --layers 2, or a painted --layer-map")
-                .into());
+            return Err(failure.hint("give --layers 2 or a painted --layer-map to 'vtex analyze'").into());
         }
         Some(LeadFrom::Layers(file)) => {
             Some(Lead::Strata(layer_maps::read(file)?.in_colours_of(&layer_map(library))?))

@@ -192,7 +192,7 @@ mod tests {
         let mut parameters = Parameters::resolve(None, &Given::default()).unwrap();
         parameters.seed = "18446744073709551615".parse().ok();
         parameters.analyze.detail_scale = 12.5;
-        parameters.synth.width = 70;
+        (parameters.synth.width, parameters.sized) = (70, true);
         parameters.svg.precision = 3;
         let parts = [Part::of("photo", Path::new("a<b>&c.png"), b"x")];
         let recipe = write(&parameters, SegmenterName::Texton, &parts, None);

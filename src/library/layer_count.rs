@@ -41,6 +41,10 @@ pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
 /// The schema of such a number.
 pub(super) fn schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     schemars::json_schema!({
-        "anyOf": [{"type": "integer", "minimum": 0, "maximum": 6}, {"enum": ["auto", "off"]}]
+        "anyOf": [
+            {"type": "integer", "minimum": 0, "maximum": 6},
+            {"const": "auto"},
+            {"const": "off"}
+        ]
     })
 }

@@ -247,7 +247,9 @@ fn terrain_has_sixteen_bits_in_and_out() {
 #[test]
 fn other_files_are_told_apart() {
     let folder = Folder::with_library();
-    folder.run("layers photo.lib.json -o x.png").fails(1, "holds a library, not an image");
+    folder.run("synth photo.lib.json -o out.scene.json --size 60").succeeds();
+    folder.run("layers out.scene.json -o x.png").fails(1, "holds a scene");
+    folder.run("layers photo.lib.json -o x.png").fails(1, "give --layers 2 or a painted");
 }
 
 /// A folder with `rust.png` and its library of two layers.
@@ -273,7 +275,8 @@ fn textures_have_the_layers_of_their_photograph() {
     let name = layers["names"][1].as_str().unwrap();
     let svg = String::from_utf8(folder.read("a.svg")).unwrap();
     for role in ["", " secondary", " primary"] {
-        assert!(svg.contains(&format!("inkscape:label=\"{name}{role}\"")), "{name}{role}");
+        let label = format!("inkscape:label=\"{}{}{role}\"", name[..1].to_uppercase(), &name[1..]);
+        assert!(svg.contains(&label), "{label}");
     }
     folder.run(&format!("{synth} -o b.svg --threads 1")).succeeds();
     assert_eq!(folder.read("a.svg"), folder.read("b.svg"));
@@ -332,7 +335,7 @@ fn maps_and_pictures_lead_a_texture() {
         folder.run(&format!("{synth} -o x.png {arguments}")).fails(code, wanted);
     }
     folder.run("analyze rust.png --segmenter regions --layers off -o one.lib.json").succeeds();
-    folder.run("synth one.lib.json -o x.png --control map.png").fails(1, "give --layers 2");
+    folder.run("synth one.lib.json -o x.png --control map.png").fails(1, "give --layers 2 or a painted");
 }
 
 #[test]

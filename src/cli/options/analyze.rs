@@ -105,8 +105,8 @@ pub(crate) struct AnalyzeFlags {
     /// off, or 1 to 6, default: auto]
     #[arg(long, value_name = "COUNT", value_parser = layer_count, help_heading = "Layers of the photograph")]
     pub(crate) layers: Option<u32>,
-    /// Their order: the layers found, counted from 0 at the bottom, from the new bottom to the new top
-    /// [default: the one in which layers that are not next to each other touch least]
+    /// Their order: the layers found, counted from 0 at the bottom, from the new bottom to the new top;
+    /// none: that in which layers that are not next to each other touch least [default: none]
     #[arg(long, value_name = "LAYER,...", value_delimiter = ',', help_heading = "Layers of the photograph")]
     pub(crate) layer_order: Option<Vec<u32>>,
 }

@@ -80,19 +80,23 @@ fn layers(reporter: &Reporter, job: &Mapping, layered: &Layered) -> anyhow::Resu
         .map_err(|failure| failure.hint("layers are found in photographs, layer maps and libraries"))?;
     let name = layered.input.name();
     let mut inputs = vec![name.clone()];
-    let known = match Kind::of(&bytes) {
-        Kind::Library => of_library(layered, &Library::from_bytes(&bytes, &name)?)?,
-        _ => known(reporter, layered, &name, &bytes, &mut inputs)?,
+    let is_library = Kind::of(&bytes) == Kind::Library;
+    let known = match is_library {
+        true => of_library(layered, &Library::from_bytes(&bytes, &name)?)?,
+        false => known(reporter, layered, &name, &bytes, &mut inputs)?,
     };
     drop(bytes);
     if let Some(save) = &layered.save {
         save.write(&known.map, [false; 2], Some(job.seed))?;
     }
     if known.map.layers.len() < 2 {
+        let hint = if is_library {
+            "give --layers 2 or a painted --layer-map to 'vtex analyze'"
+        } else {
+            "give --layers 2 to split it all the same, or paint its layers and give --layer-map"
+        };
         let why = known.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
-        return Err(Failure::failed(format!("'{name}' has a single layer{why}"))
-            .hint("give --layers 2 to split it all the same, or paint its layers and give --layer-map")
-            .into());
+        return Err(Failure::failed(format!("'{name}' has a single layer{why}")).hint(hint).into());
     }
     let made = make(reporter, job, layered, &known, &mut inputs)?;
     reporter.stage("writing")?;
