@@ -2,7 +2,7 @@
 
 use super::{Exemplar, background};
 use crate::element::ElementId;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::layers::{Count, FindParams, LayerMap, find};
 use crate::library::{AnalyzeParams, Element, Instance, Layer, Role};
 use crate::progress::Progress;
@@ -29,7 +29,7 @@ impl Strata {
         let order = || params.layer_order.iter().map(|&k| k as usize).collect::<Vec<_>>();
         let (map, why) = match (&exemplar.layers, params.layers) {
             (Some(painted), _) => {
-                check_painted(painted, exemplar)?;
+                painted.check_photograph(exemplar.image.dimensions())?;
                 let given = &params.layer_order;
                 let map = if given.is_empty() { painted.clone() } else { painted.reordered(&order())? };
                 (map, Some("as painted".into()))
@@ -119,18 +119,4 @@ impl Strata {
         }));
         of
     }
-}
-
-/// Checks that a painted map has the size of its photograph.
-fn check_painted(map: &LayerMap, exemplar: &Exemplar) -> Result<()> {
-    let (own, size) = (map.size(), exemplar.image.dimensions());
-    if own == [size.0 as usize, size.1 as usize] {
-        return Ok(());
-    }
-    Err(Error::Control {
-        name: "the layer map".into(),
-        role: "the layers of the photograph",
-        reason: format!("it has {} x {} pixels, the photograph {} x {}", own[0], own[1], size.0, size.1),
-        advice: "make the map of the same size as the photograph",
-    })
 }

@@ -1,6 +1,6 @@
 //! Stroked paths.
 
-use crate::geometry::{Affine, Curve, Outline};
+use crate::geometry::{Affine, BezPath, Curve, Outline};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -72,8 +72,6 @@ impl Line {
     pub const WIDEST: f64 = 1e4;
     /// How far the outline may lie from the stroke, in pixels.
     const TOLERANCE: f64 = 0.02;
-    /// Most dashes along a path. A line with more is drawn without gaps.
-    const MOST_DASHES: f64 = 1e5;
 
     /// A stroke without dashes, with butt ends and mitred corners.
     pub fn new(path: Curve, width: f64) -> Self {
@@ -93,15 +91,12 @@ impl Line {
             Join::Round => kurbo::Join::Round,
             Join::Bevel => kurbo::Join::Bevel,
         };
-        let mut stroke =
-            kurbo::Stroke::new(self.width).with_caps(cap).with_join(join).with_miter_limit(self.miter_limit);
-        let period: f64 = self.dashes.iter().sum();
-        let length = kurbo::Shape::perimeter(self.path.path(), 0.1);
-        if period > 0.0 && length / period * (self.dashes.len() as f64) < Self::MOST_DASHES {
-            stroke = stroke.with_dashes(self.dash_offset, self.dashes.iter().copied());
-        }
-        let path = kurbo::stroke(self.path.path(), &stroke, &kurbo::StrokeOpts::default(), Self::TOLERANCE);
-        Outline::new(&path)
+        let stroke = kurbo::Stroke::new(self.width)
+            .with_caps(cap)
+            .with_join(join)
+            .with_miter_limit(self.miter_limit)
+            .with_dashes(self.dash_offset, self.dashes.iter().copied());
+        Outline::new(&stroked(self.path.path(), stroke, Self::TOLERANCE))
     }
 
     /// The line with a map that preserves angles applied; `None` beyond ±10⁷ pixels.
@@ -128,4 +123,19 @@ impl Line {
         let strange = self.dashes.iter().any(|d| far(*d)) || far(self.dash_offset.abs());
         strange.then(|| "a dash is out of range".into())
     }
+}
+
+/// Most dashes along a path.
+const MOST_DASHES: f64 = 1e5;
+
+/// The area that a stroke along a path paints, up to `tolerance`. A stroke of more than 100 000 dashes is
+/// drawn without gaps.
+pub(crate) fn stroked(path: &BezPath, mut stroke: kurbo::Stroke, tolerance: f64) -> BezPath {
+    let period: f64 = stroke.dash_pattern.iter().sum();
+    let dashes = || kurbo::Shape::perimeter(path, 0.1) / period * stroke.dash_pattern.len() as f64;
+    let is_dashed = period > 0.0 && dashes() < MOST_DASHES;
+    if !is_dashed {
+        stroke.dash_pattern.clear();
+    }
+    kurbo::stroke(path, &stroke, &kurbo::StrokeOpts::default(), tolerance)
 }

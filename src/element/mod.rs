@@ -12,6 +12,7 @@ mod tests;
 pub(crate) mod version1;
 
 pub use gradient::{Gradient, GradientKind, Stop};
+pub(crate) use line::stroked;
 pub use line::{Cap, Join, Line};
 pub use shape::Shape;
 pub(crate) use similar::similarity;

@@ -2,6 +2,7 @@
 
 use super::clip::{self, Clip};
 use super::paint::{self, Paint};
+use crate::element::stroked;
 use crate::error::{Error, Result, clip_to};
 use crate::geometry::{Affine, BezPath, Point};
 use crate::svg_tree;
@@ -330,9 +331,6 @@ fn inflated(path: &BezPath, stroke: Option<&Stroked>) -> kurbo::Rect {
     path.bounding_box().inflate(reach, reach)
 }
 
-/// Most dashes of a path.
-const MOST_DASHES: f64 = 1e5;
-
 /// A stroke, on the page and before its transform.
 struct Stroked {
     stroke: Stroke,
@@ -346,15 +344,7 @@ impl Stroked {
     /// The area that it paints, before the transform.
     fn expanded(&self, path: &BezPath) -> BezPath {
         let tolerance = 1e-3 * self.local.width.max(1e-6);
-        let options = kurbo::StrokeOpts::default();
-        let period: f64 = self.local.dash_pattern.iter().sum();
-        let length: f64 = path.segments().map(|s| kurbo::ParamCurveArclen::arclen(&s, 0.1)).sum();
-        // Dashes too fine to be told apart are a plain stroke.
-        if period > 0.0 && length / period * self.local.dash_pattern.len() as f64 >= MOST_DASHES {
-            let plain = kurbo::Stroke { dash_pattern: Default::default(), ..self.local.clone() };
-            return kurbo::stroke(path, &plain, &options, tolerance);
-        }
-        kurbo::stroke(path, &self.local, &options, tolerance)
+        stroked(path, self.local.clone(), tolerance)
     }
 }
 

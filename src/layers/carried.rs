@@ -8,7 +8,7 @@
 use super::map::{Contacts, LayerMap};
 use super::regions::{Depths, depth};
 use crate::correspondence::{CHANNELS, Field, Page, Request, find};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::parallel;
 use crate::progress::Progress;
 use crate::raster::blur::oklab_planes;
@@ -44,21 +44,7 @@ impl Exemplar<'_> {
     /// Checks that the photograph has the size of the map and that the map has a border.
     pub(super) fn check(&self) -> Result<()> {
         self.map.check_layered()?;
-        let own = self.map.size();
-        let Some(photo) = self.photograph else { return Ok(()) };
-        let size = [photo.width() as usize, photo.height() as usize];
-        if size == own {
-            return Ok(());
-        }
-        Err(Error::Control {
-            name: "the layer map".into(),
-            role: "the layers of the photograph",
-            reason: format!(
-                "it has {} x {} pixels, the photograph {} x {}",
-                own[0], own[1], size[0], size[1]
-            ),
-            advice: "make the map of the same size as the photograph",
-        })
+        self.photograph.map_or(Ok(()), |photo| self.map.check_photograph(photo.dimensions()))
     }
 
     /// Share of the exemplar's borders between layers that are not next to each other, and one per cent
@@ -77,8 +63,8 @@ impl Exemplar<'_> {
     /// Areas are those of the exemplar.
     ///
     /// # Errors
-    /// [`Error::Control`] if the map has one layer or another size than the photograph; a size out of
-    /// range; [`Error::Interrupted`].
+    /// [`crate::Error::Control`] if the map has one layer or another size than the photograph; a size out
+    /// of range; [`crate::Error::Interrupted`].
     pub fn carried(
         &self,
         size: [usize; 2],
@@ -237,6 +223,7 @@ mod tests {
     use super::super::names::named;
     use super::super::testing::{nested, surface};
     use super::*;
+    use crate::error::Error;
     use crate::raster::LabelMap;
     use crate::raster::colour::Colour;
 

@@ -94,6 +94,23 @@ impl LayerMap {
         Ok(Self { labels, layers: order.iter().map(|&old| self.layers[old].clone()).collect() })
     }
 
+    /// Checks that the map has the size of its photograph, in pixels.
+    ///
+    /// # Errors
+    /// [`Error::Control`].
+    pub(crate) fn check_photograph(&self, size: (u32, u32)) -> Result<()> {
+        let own = (self.labels.width, self.labels.height);
+        if own == size {
+            return Ok(());
+        }
+        Err(Error::Control {
+            name: "the layer map".into(),
+            role: "the layers of the photograph",
+            reason: format!("it has {} x {} pixels, the photograph {} x {}", own.0, own.1, size.0, size.1),
+            advice: "make the map of the same size as the photograph",
+        })
+    }
+
     /// Checks that there are two layers at least, so that there is a border.
     ///
     /// # Errors

@@ -36,6 +36,13 @@ impl LabelMap {
         inside.then(|| self.get(x as u32, y as u32))
     }
 
+    /// The label at a pixel of a canvas of the given size that the map is stretched over.
+    pub(crate) fn under(&self, at: [u32; 2], canvas: [u32; 2]) -> u32 {
+        let own = [self.width, self.height];
+        let [x, y] = [0, 1].map(|k| (u64::from(at[k]) * u64::from(own[k]) / u64::from(canvas[k])) as u32);
+        self.get(x, y)
+    }
+
     /// Sets the label of all pixels of a mask that lies inside the map.
     pub fn fill(&mut self, mask: &Mask, label: u32) {
         for s in mask.spans() {

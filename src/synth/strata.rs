@@ -247,11 +247,8 @@ fn map(
 
 /// A map at the size of the canvas; each pixel has the label of the pixel that it lies in.
 fn stretched(map: &LabelMap, [width, height]: [u32; 2]) -> LabelMap {
-    let at = |v: u32, own: u32, all: u32| (u64::from(v) * u64::from(own) / u64::from(all)) as u32;
-    let columns: Vec<u32> = (0..width).map(|x| at(x, map.width, width)).collect();
-    let rows = (0..height).map(|y| at(y, map.height, height));
-    let labels = rows.flat_map(|v| columns.iter().map(move |&u| map.get(u, v))).collect();
-    LabelMap { width, height, labels }
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    LabelMap { width, height, labels: places.map(|at| map.under(at, [width, height])).collect() }
 }
 
 /// The stratum of an element that keeps its own wherever it stands, because it is large.

@@ -49,13 +49,7 @@ impl<'a> Lead<'a> {
         let cells = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
         let places = cells.map(|(x, y)| [0, 1].map(|k| place(x, y)[k].clamp(0, canvas[k] as i32 - 1)));
         match self.canvas {
-            Canvas::Strata(map) => {
-                let at = |v: i32, k: usize| {
-                    let [own, all] = [[map.width, map.height][k], canvas[k]].map(u64::from);
-                    (v as u64 * own / all) as u32
-                };
-                places.map(|p| map.get(at(p[0], 0), at(p[1], 1)) as u8).collect()
-            }
+            Canvas::Strata(map) => places.map(|p| map.under(p.map(|v| v as u32), canvas) as u8).collect(),
             Canvas::Lightness(map) => {
                 let canvas = canvas.map(f64::from);
                 let values: Vec<f32> = places.map(|p| map.at(p.map(f64::from), canvas) as f32).collect();
