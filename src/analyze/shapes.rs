@@ -143,7 +143,7 @@ pub(super) fn outlines(
             (label - 1..).take(details.len()).map(|i| style.palette.nearest(medians[i])).collect();
         let base = colours.first().copied().unwrap_or_default();
         let gradients: Vec<_> =
-            details.iter().map(|m| joining::gradient(image, m, style.cost, grid)).collect();
+            details.iter().map(|m| joining::gradient(image, m, style.cost, grid).map(Box::new)).collect();
         let base_gradient = gradients.first().cloned().flatten();
         let outline = whole[k + 1].clone();
         let compactness = to_four_digits(outline.compactness());

@@ -1,7 +1,8 @@
 //! Shapes and maps that steer synthesis.
 
-use crate::error::{Error, Result, check};
+use crate::error::{Result, check};
 use crate::geometry::Outline;
+use crate::library::Library;
 use crate::raster::{ControlMap, LabelMap};
 
 /// Shapes and maps that steer synthesis. All maps are stretched over the canvas. The
@@ -30,22 +31,20 @@ pub enum Lead {
 }
 
 impl Controls {
-    /// Checks what can be checked: the number of maps.
+    /// Checks that the maps fit the libraries.
     ///
     /// # Errors
-    /// [`Error::Parameter`] unless there is a map of shares for each library, or one library and
-    /// none.
-    pub(crate) fn validate(&self, libraries: usize) -> Result<()> {
-        check((1..=Self::MOST_LIBRARIES).contains(&libraries), "libraries", libraries, "1 to 16 libraries")?;
+    /// [`Error::Parameter`](crate::Error::Parameter) unless there is a map of shares for each library, or one library and
+    /// none; and for a lead of several libraries, or one with strata that the library does not have.
+    pub(crate) fn validate(&self, libraries: &[Library]) -> Result<()> {
+        let count = libraries.len();
+        check((1..=Self::MOST_LIBRARIES).contains(&count), "libraries", count, "1 to 16 libraries")?;
         let maps = self.shares.len();
-        if maps == libraries || (maps == 0 && libraries == 1) {
-            return Ok(());
-        }
-        Err(Error::Parameter {
-            name: "map",
-            value: maps.to_string(),
-            allowed: "a map of shares for each library",
-        })
+        check(maps == count || (maps == 0 && count == 1), "map", maps, "a map of shares for each library")?;
+        check(self.lead.is_none() || count == 1, "libraries", count, "one library where a map leads")?;
+        let Some(Lead::Strata(map)) = &self.lead else { return Ok(()) };
+        let most = map.labels.iter().max().map_or(0, |&label| label as usize);
+        check(most < libraries[0].strata().len(), "control", most, "numbers of layers of the library, from 0")
     }
 
     /// Most libraries that one scene is made from.

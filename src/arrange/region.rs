@@ -285,7 +285,7 @@ mod tests {
         let cell = |x: i32| grid.index(x + 10, 30);
         assert!(region.admits(cell(20), 0) && !region.admits(cell(20), 1) && region.admits(cell(180), 1));
         assert!(region.admits(cell(100), 0) && region.admits(cell(100), 1));
-        let mut random = crate::sampling::stream(1, "ground test", 0);
+        let mut random = crate::sampling::stream(1, "region test", 0);
         assert!((0..50).all(|_| region.draw_library([10.0, 5.0], &mut random) == 0));
         let second = (0..400).filter(|_| region.draw_library([100.0, 5.0], &mut random) == 1).count();
         assert!((230..370).contains(&second), "{second}");

@@ -3,7 +3,7 @@
 use super::foreign::{escaped, styled};
 use super::input::was_read;
 use super::interrupt;
-use super::options::render::{Ground, RenderParameters};
+use super::options::render::{Background, RenderParameters};
 use super::options::svg::SvgParameters;
 use super::values::Bytes;
 use serde_json::Value;
@@ -68,8 +68,8 @@ impl Drawing<'_> {
         let mut scene = scene.clone();
         for layer in &mut scene.layers {
             layer.field = layer.field.take().and_then(|field| match background {
-                Ground::Colour(colour) => Some(Field { points: Vec::new(), fallback: colour, ..field }),
-                Ground::None => None,
+                Background::Colour(colour) => Some(Field { points: Vec::new(), fallback: colour, ..field }),
+                Background::None => None,
             });
         }
         Cow::Owned(scene)

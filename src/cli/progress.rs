@@ -61,7 +61,7 @@ const STAGES: [(&str, f64); 29] = [
     ("placement", 2.0),
     ("density", 0.5),
     ("secondaries", 0.5),
-    ("ground", 0.2),
+    ("background field", 0.2),
     ("tuning", 30.0),
     ("matching", 1.0),
     ("moving", 0.5),

@@ -189,6 +189,9 @@ pub(crate) struct LayersReport {
     pub(crate) wanted: Vec<f64>,
     /// The same in the result.
     pub(crate) got: Vec<f64>,
+    /// Of a texture: share of each that primaries cover in the exemplar, and in the result, 0 to 1.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) coverage: Vec<[f64; 2]>,
     /// Why there are so many, where they were found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) why: Option<String>,
@@ -204,6 +207,7 @@ impl LayersReport {
             colours: map.layers.iter().map(|l| l.colour).collect(),
             wanted: map.shares(),
             got: map.shares(),
+            coverage: Vec::new(),
             why,
         })
     }
@@ -216,6 +220,7 @@ impl LayersReport {
             colours: strata.iter().map(|s| s.colour).collect(),
             wanted: strata.iter().map(|s| s.area_wanted).collect(),
             got: strata.iter().map(|s| s.area).collect(),
+            coverage: strata.iter().map(|s| [s.coverage_wanted, s.coverage]).collect(),
             why: None,
         })
     }
@@ -226,8 +231,13 @@ impl LayersReport {
         if self.names.len() == 1 {
             return format!("one layer{why}");
         }
-        let each =
-            self.names.iter().zip(&self.got).map(|(name, share)| format!("{name} {:.1} %", 100.0 * share));
+        let each = self.names.iter().zip(&self.got).enumerate().map(|(k, (name, share))| {
+            let coverage = self
+                .coverage
+                .get(k)
+                .map_or(String::new(), |[wanted, got]| format!(" (coverage {got:.3} of {wanted:.3})"));
+            format!("{name} {:.1} %{coverage}", 100.0 * share)
+        });
         format!("layers from bottom to top: {}{why}", each.collect::<Vec<_>>().join(", "))
     }
 }

@@ -27,7 +27,7 @@ pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colo
         1.0 - far * far * (3.0 - 2.0 * far)
     };
     let alike = |colour: Colour| share(colour) > 0.0;
-    let shaded = |g: &Option<Gradient>| g.as_ref().is_some_and(|g| alike(g.start) || alike(g.end));
+    let shaded = |g: &Option<Box<Gradient>>| g.as_ref().is_some_and(|g| alike(g.start) || alike(g.end));
     // Of each element: its base, which an instance's own colour hides, and its details.
     let elements: Vec<[bool; 2]> = crate::parallel::map(&scene.elements, |e| {
         let has = |s: &Shape| alike(s.colour) || shaded(&s.gradient);
@@ -143,12 +143,12 @@ pub(super) fn mean(element: &Element) -> Colour {
     let mut covered = 0.0;
     for detail in element.details() {
         let area = detail.outline.area();
-        add(detail.colour, detail.gradient.as_ref(), area);
+        add(detail.colour, detail.gradient.as_deref(), area);
         covered += area;
     }
     let own = (whole - covered).max(0.0);
     let base = element.base();
-    add(base.colour, base.gradient.as_ref(), own);
+    add(base.colour, base.gradient.as_deref(), own);
     let all = covered + own;
     if all > 0.0 { Colour::from_oklab(sum.map(|v| (v / all) as f32)) } else { base.colour }
 }

@@ -97,10 +97,11 @@ impl Chosen {
 }
 
 /// Whether a layer is meant by a name: its own, that of its role, or that of its stratum, to which it adds
-/// its role.
+/// its role. Case does not matter, because editors show names with a capital letter.
 fn is_called(layer: &Layer, name: &str) -> bool {
-    let ends = |rest: &str| rest.is_empty() || rest.strip_prefix(' ') == Some(layer.role.name());
-    name == layer.role.name() || layer.name.strip_prefix(name).is_some_and(ends)
+    let (own, name, role) = (layer.name.to_lowercase(), name.to_lowercase(), layer.role.name());
+    let ends = |rest: &str| rest.is_empty() || rest.strip_prefix(' ') == Some(role);
+    name == role || own.strip_prefix(&name).is_some_and(ends)
 }
 
 /// Where the centre of an element lies: its origin, on the canvas where the scene repeats.

@@ -174,7 +174,7 @@ fn conditions_and_layers_select() {
     let category = |numbers: &[u32], wanted| matched(&[among(Identity::Category, numbers, wanted)]);
     let measured = |quantity, comparison, limit| matched(&[compare(quantity, comparison, limit)]);
     assert_eq!(matched(&[]), 300);
-    assert_eq!([layer("primary"), layer("secondary")], [60, 240]);
+    assert_eq!([layer("primary"), layer("Secondary")], [60, 240]);
     assert_eq!([category(&[3], true), category(&[3, 7], true)], [40, 60]);
     assert_eq!(category(&[3], false), 260);
     assert_eq!([measured(Quantity::Area, More, 100.0), measured(Quantity::Area, AtMost, 7.0)], [60, 240]);

@@ -21,8 +21,8 @@ pub struct Shape {
     pub line: Option<Box<Line>>,
     /// Fill or stroke colour; if there is a gradient, its mean colour.
     pub colour: Colour,
-    /// Gradient that replaces the colour.
-    pub gradient: Option<Gradient>,
+    /// Gradient that replaces the colour. Few shapes have one.
+    pub gradient: Option<Box<Gradient>>,
     /// Opacity, 0 to 1. Default 1.
     pub opacity: f64,
 }
@@ -42,7 +42,7 @@ struct Stored {
     colour: Colour,
     /// Gradient that replaces the colour.
     #[serde(default)]
-    gradient: Option<Gradient>,
+    gradient: Option<Box<Gradient>>,
     /// Opacity, 0 to 1. Default 1.
     #[serde(default = "opaque")]
     opacity: f64,
@@ -110,7 +110,7 @@ impl Shape {
         Self {
             outline: Outline::new(&(affine * self.outline.path())).unwrap_or_else(|| self.outline.clone()),
             line: self.line.as_ref().and_then(|line| line.moved(affine)).map(Box::new),
-            gradient: self.gradient.as_ref().map(|g| g.moved(affine)),
+            gradient: self.gradient.as_ref().map(|g| Box::new(g.moved(affine))),
             ..*self
         }
     }
@@ -124,7 +124,7 @@ impl Shape {
     pub(crate) fn recoloured(&self, new: impl Fn(Colour) -> Colour) -> Self {
         Self {
             colour: new(self.colour),
-            gradient: self.gradient.as_ref().map(|g| g.recoloured(&new)),
+            gradient: self.gradient.as_ref().map(|g| Box::new(g.recoloured(&new))),
             ..self.clone()
         }
     }

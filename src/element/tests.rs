@@ -25,7 +25,7 @@ fn filled_and_stroked_shapes_are_read_as_they_were_written() {
     let linear = Gradient::linear([0.0, 0.0], [20.0, 0.0], [Colour([0; 3]), Colour([255; 3])]);
     let gradient = Gradient { kind: GradientKind::Radial, between: vec![stop], ..linear };
     let stroked = Shape::stroked(line, Colour([7; 3])).unwrap();
-    let stroked = Shape { gradient: Some(gradient), opacity: 0.25, ..stroked };
+    let stroked = Shape { gradient: Some(Box::new(gradient)), opacity: 0.25, ..stroked };
     let text = serde_json::to_string(&stroked).unwrap();
     assert!(!text.contains("outline") && text.contains("\"dashes\":[3.0,1.0]"), "{text}");
     assert_eq!(again(&stroked), stroked);
@@ -65,7 +65,7 @@ fn strange_paint_is_a_fault() {
     let shape = Shape::new(outline, Colour([0; 3]));
     let linear = Gradient::linear([0.0, 0.0], [9.0, 0.0], [Colour([0; 3]); 2]);
     let stop = |offset| Stop { offset, colour: Colour([0; 3]), opacity: 1.0 };
-    let with = |gradient| fault(&[Shape { gradient: Some(gradient), ..shape.clone() }]);
+    let with = |gradient| fault(&[Shape { gradient: Some(Box::new(gradient)), ..shape.clone() }]);
     assert_eq!(with(linear.clone()), None);
     assert!(with(Gradient { to: [0.0; 2], ..linear.clone() }).unwrap().contains("no way"));
     assert!(with(Gradient { between: vec![stop(0.5), stop(0.2)], ..linear.clone() }).is_some());

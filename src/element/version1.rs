@@ -12,7 +12,7 @@ pub(crate) struct Detail {
     outline: Outline,
     colour: Colour,
     #[serde(default)]
-    gradient: Option<Gradient>,
+    gradient: Option<Box<Gradient>>,
 }
 
 impl From<Detail> for Shape {
@@ -25,7 +25,7 @@ impl From<Detail> for Shape {
 pub(crate) fn shapes(
     outline: Outline,
     colour: Colour,
-    gradient: Option<Gradient>,
+    gradient: Option<Box<Gradient>>,
     details: Vec<Detail>,
 ) -> Vec<Shape> {
     let base = Shape { gradient, ..Shape::new(outline, colour) };

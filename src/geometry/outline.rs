@@ -4,6 +4,7 @@ use super::{parse_path, path_text, write_path};
 use kurbo::{Affine, BezPath, PathEl, Point, Rect, Shape};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::borrow::Cow;
 
 /// Grid step of outlines' coordinates, in pixels. Two decimals in text are exact.
 pub const STEP: f64 = 0.01;
@@ -23,7 +24,7 @@ impl Outline {
             let fine = p.x.abs() < 1e7 && p.y.abs() < 1e7; // false for NaN
             fine.then(|| Point::new(libm::round(p.x / STEP) * STEP, libm::round(p.y / STEP) * STEP))
         };
-        let mut out = BezPath::new();
+        let mut out = BezPath::with_capacity(path.elements().len() + 1);
         let (mut start, mut current, mut open) = (Point::ORIGIN, Point::ORIGIN, false);
         for element in path.elements() {
             let draws = !matches!(element, PathEl::MoveTo(_) | PathEl::ClosePath);
@@ -121,8 +122,10 @@ impl Serialize for Outline {
 
 impl<'de> Deserialize<'de> for Outline {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = <std::borrow::Cow<'_, str>>::deserialize(deserializer)?;
-        let path = parse_path(&text).map_err(serde::de::Error::custom)?;
+        #[derive(Deserialize)]
+        struct Data<'a>(#[serde(borrow)] Cow<'a, str>);
+
+        let path = parse_path(&Data::deserialize(deserializer)?.0).map_err(serde::de::Error::custom)?;
         Self::new(&path).ok_or_else(|| serde::de::Error::custom("an outline coordinate is out of range"))
     }
 }

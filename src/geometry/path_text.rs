@@ -125,19 +125,22 @@ impl Writer {
     }
 }
 
+/// About as many bytes as an element takes in stored outlines.
+const BYTES_PER_ELEMENT: usize = 12;
+
 /// Parses path data with the commands M, L, H, V, C and Z, absolute or relative.
 ///
 /// # Errors
 /// A message with the byte offset: an unknown command, a missing or non-finite number, or data that
 /// does not start with a moveto.
 pub fn parse_path(text: &str) -> Result<BezPath, String> {
-    let mut r = Reader { bytes: text.as_bytes(), at: 0 };
-    let mut path = BezPath::new();
+    let mut r = Reader { text, at: 0 };
+    let mut path = BezPath::with_capacity(text.len() / BYTES_PER_ELEMENT + 1);
     let (mut current, mut start) = (Point::ORIGIN, Point::ORIGIN);
     let mut command = 0u8;
     loop {
         r.skip_separators();
-        let Some(&byte) = r.bytes.get(r.at) else { break };
+        let Some(&byte) = r.bytes().get(r.at) else { break };
         if byte.is_ascii_alphabetic() {
             command = byte;
             r.at += 1;
@@ -193,13 +196,17 @@ pub fn parse_path(text: &str) -> Result<BezPath, String> {
 }
 
 struct Reader<'a> {
-    bytes: &'a [u8],
+    text: &'a str,
     at: usize,
 }
 
 impl Reader<'_> {
+    fn bytes(&self) -> &[u8] {
+        self.text.as_bytes()
+    }
+
     fn skip_separators(&mut self) {
-        while self.bytes.get(self.at).is_some_and(|b| b.is_ascii_whitespace() || *b == b',') {
+        while self.bytes().get(self.at).is_some_and(|b| b.is_ascii_whitespace() || *b == b',') {
             self.at += 1;
         }
     }
@@ -209,28 +216,28 @@ impl Reader<'_> {
         let start = self.at;
         let digits = |r: &mut Self| {
             let from = r.at;
-            while r.bytes.get(r.at).is_some_and(u8::is_ascii_digit) {
+            while r.bytes().get(r.at).is_some_and(u8::is_ascii_digit) {
                 r.at += 1;
             }
             r.at > from
         };
-        if matches!(self.bytes.get(self.at), Some(b'-' | b'+')) {
+        if matches!(self.bytes().get(self.at), Some(b'-' | b'+')) {
             self.at += 1;
         }
         let mut any = digits(self);
-        if self.bytes.get(self.at) == Some(&b'.') {
+        if self.bytes().get(self.at) == Some(&b'.') {
             self.at += 1;
             any |= digits(self);
         }
-        if any && matches!(self.bytes.get(self.at), Some(b'e' | b'E')) {
+        if any && matches!(self.bytes().get(self.at), Some(b'e' | b'E')) {
             self.at += 1;
-            if matches!(self.bytes.get(self.at), Some(b'-' | b'+')) {
+            if matches!(self.bytes().get(self.at), Some(b'-' | b'+')) {
                 self.at += 1;
             }
             any = digits(self);
         }
-        let text = std::str::from_utf8(&self.bytes[start..self.at]).unwrap_or("");
-        match text.parse::<f64>() {
+        // Only ASCII was stepped over.
+        match self.text[start..self.at].parse::<f64>() {
             Ok(v) if any && v.is_finite() => Ok(v),
             _ => Err(format!("path data: a number was expected at byte {start}")),
         }

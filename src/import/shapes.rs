@@ -27,7 +27,7 @@ fn shape(part: &Part, map: Affine) -> Option<Shape> {
         return None;
     }
     let gradient = part.paint.gradient.as_ref().map(|g| g.moved(map)).filter(|g| g.fault().is_none());
-    Some(Shape { gradient, opacity: part.paint.opacity.clamp(0.0, 1.0), ..base })
+    Some(Shape { gradient: gradient.map(Box::new), opacity: part.paint.opacity.clamp(0.0, 1.0), ..base })
 }
 
 /// A path on the grid of outlines, as files store it.

@@ -105,7 +105,7 @@ impl Patch {
             (None, None) => return None,
         };
         let outline = Outline::along(&rings, TOLERANCE).filter(|o| !o.is_empty())?;
-        Some(Shape { gradient: paint.gradient, ..Shape::new(outline, paint.colour) })
+        Some(Shape { gradient: paint.gradient.map(Box::new), ..Shape::new(outline, paint.colour) })
     }
 
     /// All its rings at time `t`, always with the same numbers of points.

@@ -85,7 +85,7 @@ impl<'a> Side<'a> {
         let details = flat_texton.details.iter().zip(element.details());
         let details = details.filter(|(rings, _)| !rings.is_empty()).map(|(rings, patch)| Detail {
             rings: transformed(rings, affine),
-            paint: paint((patch.colour, patch.gradient.as_ref()), affine),
+            paint: paint((patch.colour, patch.gradient.as_deref()), affine),
         });
         (area > 1e-3).then(|| Placed {
             centre,

@@ -38,7 +38,7 @@ fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
         let radius = random.range(5.0, 9.0);
         let first = Shape::new(blob(random, 0.0, 0.0, radius * 0.6), colour(random));
         let gradient = Gradient::linear([-3.0, 0.0], [3.0, 1.0], [colour(random), colour(random)]);
-        let mut details = vec![Shape { gradient: Some(gradient), ..first }];
+        let mut details = vec![Shape { gradient: Some(Box::new(gradient)), ..first }];
         for _ in 0..random.below(4) {
             let [s, c] = sine_cosine(random.range(0.0, TAU));
             let outline = blob(random, c * radius * 0.4, s * radius * 0.4, radius * 0.15);
@@ -309,7 +309,7 @@ fn shadows_and_lines_change_without_a_jump() {
 }
 
 #[test]
-fn plain_grounds_mix_and_a_scene_between_says_what_it_is() {
+fn plain_backgrounds_mix_and_a_scene_between_says_what_it_is() {
     let plain = |seed: u64, grey: u8| {
         let mut plain = scene(seed, 3, false);
         *plain.field_mut() = testing::flat(Colour([grey; 3]));

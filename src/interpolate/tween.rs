@@ -246,7 +246,7 @@ impl Pair {
             outline,
             line: None,
             colour: paint.colour,
-            gradient: paint.gradient,
+            gradient: paint.gradient.map(Box::new),
             opacity: opacities[0] + (opacities[1] - opacities[0]) * t,
         };
         let element = Element {

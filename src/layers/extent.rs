@@ -76,18 +76,18 @@ fn scattered(planes: &[Plane; 3], map: &LabelMap, window: usize) -> f64 {
         sum[3] += 1.0;
     }
     let pixels = map.labels.len() as f64;
-    let ground = if sums[0][3] > 0.0 {
+    let background = if sums[0][3] > 0.0 {
         sums[0]
     } else {
         sums.iter().fold([0.0; 4], |a, b| std::array::from_fn(|c| a[c] + b[c]))
     };
-    let ground: [f64; 3] = std::array::from_fn(|c| ground[c] / ground[3].max(1.0));
+    let background: [f64; 3] = std::array::from_fn(|c| background[c] / background[3].max(1.0));
     let window = window as f64;
     let noise: f64 = sums[1..]
         .iter()
         .filter(|s| s[3] > 0.0)
         .map(|s| {
-            let contrast: f64 = (0..3).map(|c| s[c] / s[3] - ground[c]).map(|d| d * d).sum();
+            let contrast: f64 = (0..3).map(|c| s[c] / s[3] - background[c]).map(|d| d * d).sum();
             // Square of the overlap of two intervals, over all their offsets; both axes.
             let side = libm::sqrt(s[3]);
             let (short, long) = (side.min(window), side.max(window));
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
     use crate::sampling::stream;
 
-    /// Squares of one side on a plain ground, at random, in a map and as a picture.
+    /// Squares of one side on a plain background, at random, in a map and as a picture.
     fn squares(side: usize, count: usize, seed: u64) -> ([Plane; 3], LabelMap) {
         let mut random = stream(seed, "extent test", 0);
         let mut map = LabelMap::filled(256, 256, 0);

@@ -58,7 +58,7 @@ impl Exemplar<'_> {
                 name: "the sketch".into(),
                 role: "a sketch of layers",
                 reason: "nothing is painted in the colour of a layer above the bottom one".into(),
-                advice: "paint strokes in the colours of the layers on a transparent or white ground",
+                advice: "paint strokes in the colours of the layers on a transparent or white background",
             });
         }
         let cells = size.map(|v| v.div_ceil(self.cell()));

@@ -181,7 +181,7 @@ impl LayerPicture {
             name: self.name.clone(),
             role: "a sketch of layers",
             reason: format!("it is painted in other colours than {}", listed(map)),
-            advice: "paint strokes in the colours of the layers on a transparent or white ground",
+            advice: "paint strokes in the colours of the layers on a transparent or white background",
         })
     }
 }

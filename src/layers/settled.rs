@@ -31,10 +31,11 @@ impl LayerMap {
 
     /// The map with each element in one layer. `elements` gives the layer of the element at a pixel, if
     /// there is one that counts.
-    pub(crate) fn settled(&self, elements: impl Fn(usize) -> Option<u8>) -> Self {
-        let labels = self.labels.labels.iter().enumerate();
-        let labels = labels.map(|(i, &label)| elements(i).map_or(label, u32::from)).collect();
-        self.with(LabelMap { labels, ..self.labels })
+    pub(crate) fn settled(mut self, elements: impl Fn(usize) -> Option<u8>) -> Self {
+        for (i, label) in self.labels.labels.iter_mut().enumerate() {
+            *label = elements(i).map_or(*label, u32::from);
+        }
+        self
     }
 }
 

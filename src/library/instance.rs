@@ -3,12 +3,13 @@
 use super::ElementId;
 use crate::geometry::Affine;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize, Serializer};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// An element where it stands in the exemplar. In JSON an element that stands where its shapes say is
 /// its index alone.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(from = "Stored")]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema)]
 #[schemars(with = "Stored")]
 pub struct Instance {
     /// Index in [`Library::elements`](super::Library::elements).
@@ -19,9 +20,9 @@ pub struct Instance {
 }
 
 /// An instance as files hold it.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Instance")]
-#[serde(untagged, expecting = "expected the index of an element, or an element and a transform")]
+#[serde(untagged)]
 enum Stored {
     /// Index of an element that stands where its shapes say.
     Plain(ElementId),
@@ -51,15 +52,6 @@ impl Instance {
     }
 }
 
-impl From<Stored> for Instance {
-    fn from(stored: Stored) -> Self {
-        match stored {
-            Stored::Plain(element) => Self::of(element),
-            Stored::Placed(Placed { element, transform }) => Self { element, transform },
-        }
-    }
-}
-
 impl Serialize for Instance {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Self { element, transform } = *self;
@@ -67,6 +59,34 @@ impl Serialize for Instance {
         let stored =
             if plain { Stored::Plain(element) } else { Stored::Placed(Placed { element, transform }) };
         stored.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Instance {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(Reader)
+    }
+}
+
+/// Reads either form. Libraries hold tens of thousands of instances: nothing is kept in between.
+struct Reader;
+
+impl<'de> Visitor<'de> for Reader {
+    type Value = Instance;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("the index of an element, or an element and a transform")
+    }
+
+    fn visit_u64<E: Error>(self, index: u64) -> Result<Instance, E> {
+        let index =
+            u32::try_from(index).map_err(|_| E::custom(format_args!("there is no element {index}")))?;
+        Ok(Instance::of(ElementId(index)))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Instance, A::Error> {
+        let Placed { element, transform } = Placed::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Instance { element, transform })
     }
 }
 
@@ -83,7 +103,7 @@ mod tests {
         assert_eq!(serde_json::from_str::<Vec<Instance>>(&json).unwrap(), both);
         let spelled = r#"{"element":7}"#;
         assert_eq!(serde_json::from_str::<Instance>(spelled).unwrap(), both[0]);
-        for wrong in ["-1", r#"{"element":1,"turn":3}"#, "[]", r#""7""#] {
+        for wrong in ["-1", "4294967296", r#"{"element":1,"turn":3}"#, "[]", r#""7""#] {
             assert!(serde_json::from_str::<Instance>(wrong).is_err(), "{wrong}");
         }
     }

@@ -23,7 +23,7 @@ fn outline(mask: &Mask) -> Outline {
 }
 
 /// A library of a label map: categories by area (small, middle, large), secondaries of 2 × 2
-/// pixels at a few places of the ground, a palette of two colours.
+/// pixels at a few places of the background, a palette of two colours.
 pub(crate) fn library(map: &LabelMap) -> Library {
     let (w, h) = (map.width, map.height);
     let masks = Mask::all_of_labels(map, map.areas().len());
@@ -58,9 +58,9 @@ pub(crate) fn library(map: &LabelMap) -> Library {
         .collect();
     let coverage = categories.iter().map(|c| c.coverage).sum::<f64>().min(1.0);
     let mut random = stream(1, "testing/secondaries", 0);
-    let ground = poisson_disk(Area::plane(f64::from(w - 2), f64::from(h - 2)), 9.0, &mut random);
-    let ground = ground.into_iter().map(|p| p.map(|v| v as i32));
-    let secondaries = ground.filter(|p| map.get(p[0] as u32, p[1] as u32) == 0).map(|[x, y]| {
+    let background = poisson_disk(Area::plane(f64::from(w - 2), f64::from(h - 2)), 9.0, &mut random);
+    let background = background.into_iter().map(|p| p.map(|v| v as i32));
+    let secondaries = background.filter(|p| map.get(p[0] as u32, p[1] as u32) == 0).map(|[x, y]| {
         let spans = [0, 1].map(|dy| crate::raster::Span { y: y + dy, x0: x, x1: x + 2 });
         let colour = Colour([200, 190, 180]);
         Element {
@@ -108,7 +108,7 @@ pub(crate) fn library(map: &LabelMap) -> Library {
     }
 }
 
-/// [`library`] with a guide: primaries in their colours on dark ground, which grows lighter to the right.
+/// [`library`] with a guide: primaries in their colours on dark background, which grows lighter to the right.
 pub(crate) fn guided(map: &LabelMap) -> Library {
     let mut library = library(map);
     let colour = |x: u32, y: u32| match map.get(x.min(map.width - 1), y.min(map.height - 1)) {

@@ -52,7 +52,7 @@ struct Primary {
     colour: Colour,
     base: Colour,
     #[serde(default)]
-    gradient: Option<Gradient>,
+    gradient: Option<Box<Gradient>>,
     category: CategoryId,
     area: u32,
     centroid: [f64; 2],

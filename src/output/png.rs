@@ -160,7 +160,7 @@ impl<'a> Picture<'a> {
             details: element
                 .details()
                 .iter()
-                .filter_map(|s| Some((path_of(&s.outline)?, paint(s, s.colour, s.gradient.as_ref()))))
+                .filter_map(|s| Some((path_of(&s.outline)?, paint(s, s.colour, s.gradient.as_deref()))))
                 .collect(),
             silhouette: element.silhouette.as_ref().and_then(path_of),
             bounds: element.bounds(),

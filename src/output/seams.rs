@@ -76,7 +76,7 @@ fn tiles_laid_side_by_side_show_no_seam() {
 }
 
 #[test]
-fn the_ground_alone_shows_no_seam() {
+fn the_background_alone_shows_no_seam() {
     for tile in TILES {
         let mut scene = testing::tiled(SIZE.0, SIZE.1, 2, tile);
         scene.layers.iter_mut().for_each(|layer| layer.instances.clear());

@@ -67,7 +67,8 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
             let own = outline(Point::ORIGIN, radius, 0.5, i % 7 == 3, rng);
             let category = primary.then_some((i % 5) as u16);
             let mut element = testing::element(i, category, own, colour(base, 6.0, rng));
-            element.shapes[0].gradient = (primary && i % 3 == 1).then(|| gradient(radius, base, rng));
+            element.shapes[0].gradient =
+                (primary && i % 3 == 1).then(|| Box::new(gradient(radius, base, rng)));
             for _ in 0..details {
                 let centre = Point::new(
                     radius * 0.5 * (rng.unit() * 2.0 - 1.0),
@@ -75,7 +76,7 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
                 );
                 let size = radius * (0.1 + 0.3 * rng.unit());
                 let shape = Shape::new(outline(centre, size, 0.8, false, rng), colour(base, 25.0, rng));
-                let gradient = (rng.unit() < 0.4).then(|| gradient(radius, base, rng));
+                let gradient = (rng.unit() < 0.4).then(|| Box::new(gradient(radius, base, rng)));
                 element.shapes.push(Shape { gradient, ..shape });
             }
             element
@@ -212,7 +213,7 @@ pub(super) fn drawn(mut scene: Scene) -> Scene {
             Shape { opacity: 0.5, ..Shape::new(disc.clone(), Colour([30, 140, 90])) },
             Shape::stroked(dashed, Colour([250, 250, 250])).unwrap(),
         ],
-        vec![Shape { gradient: Some(radial), ..Shape::new(disc, Colour([200, 90, 50])) }],
+        vec![Shape { gradient: Some(Box::new(radial)), ..Shape::new(disc, Colour([200, 90, 50])) }],
     ];
     let mut next = scene.instances().map(|i| i.id.0).max().unwrap_or(0);
     let (w, h) = (f64::from(scene.width), f64::from(scene.height));

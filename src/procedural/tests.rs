@@ -80,7 +80,7 @@ fn distance_from_background(params: &SceneParams) -> f64 {
 }
 
 #[test]
-fn contrast_brings_elements_off_the_ground() {
+fn contrast_brings_elements_off_the_background() {
     for kind in [Kind::Terrazzo, Kind::Concrete, Kind::Flakes] {
         let params = SceneParams { coverage: 0.3, contrast: 1.0, ..scene(kind, 2) };
         let strong = distance_from_background(&params);

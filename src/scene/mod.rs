@@ -184,7 +184,7 @@ impl Element {
     pub fn paint(&self, own: Option<Colour>) -> (Colour, Option<&Gradient>) {
         match own {
             Some(colour) => (colour, None),
-            None => (self.base().colour, self.base().gradient.as_ref()),
+            None => (self.base().colour, self.base().gradient.as_deref()),
         }
     }
 

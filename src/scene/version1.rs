@@ -45,7 +45,7 @@ struct Texton {
     outline: Outline,
     colour: Colour,
     #[serde(default)]
-    gradient: Option<Gradient>,
+    gradient: Option<Box<Gradient>>,
     #[serde(default)]
     details: Vec<Detail>,
 }

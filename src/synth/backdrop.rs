@@ -9,9 +9,9 @@ use crate::library::{Element, Library};
 use crate::scene::field::Interpolant;
 use crate::scene::{Field, Tile};
 
-/// Least share of a block that is ground.
+/// Least share of a block that is background.
 const LEAST: f64 = 0.15;
-/// Share of the ground of a block that makes up for what is unexplained, if less of it is bare: a few
+/// Share of the background of a block that makes up for what is unexplained, if less of it is bare: a few
 /// pixels between secondaries would take on colours that are nowhere in the photograph.
 const BARE: f64 = 0.6;
 /// Most that is added to a component.
@@ -28,8 +28,8 @@ pub(super) struct Backdrop {
     wrap: bool,
 }
 
-/// The ground that a backdrop is for: all of it, or that of one stratum.
-pub(super) struct Ground<'a> {
+/// The part of a background that a backdrop is for: all of it, or that of one stratum.
+pub(super) struct Part<'a> {
     /// Colours sampled there.
     pub(super) field: &'a Field,
     /// Whether a pixel belongs to it.
@@ -39,15 +39,15 @@ pub(super) struct Ground<'a> {
 }
 
 impl Backdrop {
-    /// Of some ground of a library's exemplar.
-    pub(super) fn new(library: &Library, ground: &Ground<'_>) -> Self {
+    /// Of a part of the background of a library's exemplar.
+    pub(super) fn new(library: &Library, part: &Part<'_>) -> Self {
         let (width, height) = (library.source.width, library.source.height);
-        let sites = Interpolant::new(ground.field, width, height, Tile::default());
-        let side = ground.field.spacing.max(8.0);
+        let sites = Interpolant::new(part.field, width, height, Tile::default());
+        let side = part.field.spacing.max(8.0);
         let blocks = [width, height].map(|v| (f64::from(v) / side) as usize + 1);
         let wrap = library.arrangement.periodic;
         let mut this = Self { sites, side, blocks, added: vec![[0.0; 3]; blocks[0] * blocks[1]], wrap };
-        this.added = this.unexplained(library, ground);
+        this.added = this.unexplained(library, part);
         this
     }
 
@@ -89,23 +89,23 @@ impl Backdrop {
         row * self.blocks[0] + column
     }
 
-    /// For each block the mean of the photograph's ground less that of secondaries and sites, as far as
-    /// bare ground can make up for it; smoothed, for secondaries lie across blocks.
-    fn unexplained(&self, library: &Library, ground: &Ground<'_>) -> Vec<[f64; 3]> {
+    /// For each block the mean of the photograph's background less that of secondaries and sites, as far as
+    /// bare background can make up for it; smoothed, for secondaries lie across blocks.
+    fn unexplained(&self, library: &Library, part: &Part<'_>) -> Vec<[f64; 3]> {
         let Some(guide) = &library.guide else { return self.added.clone() };
         let mut photo = vec![[0.0; 4]; self.added.len()];
         let cell = f64::from(guide.cell);
         for (column, row, colour) in guide.picture.0.enumerate_pixels() {
             let at = [column, row].map(|v| (f64::from(v) + 0.5) * cell);
             let [x, y] = at.map(|v| v as u32);
-            if x < library.source.width && y < library.source.height && (ground.holds)(x, y) {
+            if x < library.source.width && y < library.source.height && (part.holds)(x, y) {
                 let sum = &mut photo[self.block_at(at)];
                 (0..3).for_each(|c| sum[c] += cell * cell * f64::from(colour.0[c]));
                 sum[3] += cell * cell;
             }
         }
         let mut covered = vec![[0.0; 4]; self.added.len()];
-        for s in &ground.secondaries {
+        for s in &part.secondaries {
             let (sum, area) = (&mut covered[self.block_at(s.centroid)], f64::from(s.area));
             (0..3).for_each(|c| sum[c] += area * f64::from(s.colour.0[c]));
             sum[3] += area;
@@ -149,16 +149,13 @@ mod tests {
     use crate::library::testing::{guided, mosaic};
 
     #[test]
-    fn the_ground_has_the_colours_of_the_guide() {
-        // The palette of the library knows two grey values; the guide's ground is darker on the left.
+    fn the_background_has_the_colours_of_the_guide() {
+        // The palette of the library knows two grey values; the guide's background is darker on the left.
         let map = mosaic(200, 15.0, 0.6, 1);
         let library = guided(&map).without_secondaries();
-        let ground = Ground {
-            field: &library.background(),
-            holds: &|x, y| map.get(x, y) == 0,
-            secondaries: Vec::new(),
-        };
-        let backdrop = Backdrop::new(&library, &ground);
+        let part =
+            Part { field: &library.background(), holds: &|x, y| map.get(x, y) == 0, secondaries: Vec::new() };
+        let backdrop = Backdrop::new(&library, &part);
         let (left, right) = (backdrop.at([20.0, 100.0])[0], backdrop.at([180.0, 100.0])[0]);
         let known = |x: f64| 40.0 + x * 60.0 / 200.0;
         // Both are further from the palette than may be added, or right.

@@ -1,6 +1,6 @@
 //! The background field's control points (paper §3.2.3).
 
-use super::backdrop::{Backdrop, Ground};
+use super::backdrop::{Backdrop, Part};
 use crate::arrange::correspondence::Correspondence;
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::region::Region;
@@ -37,7 +37,7 @@ pub(crate) fn field(
         let of = libraries.iter().zip(&palettes).zip(c.labels()).map(|((library, palette), labels)| {
             let holds = |x: u32, y: u32| labels.get(x, y) == 0;
             let secondaries = library.secondaries().iter().collect();
-            Backdrop::new(library, &Ground { field: palette, holds: &holds, secondaries })
+            Backdrop::new(library, &Part { field: palette, holds: &holds, secondaries })
         });
         (c, of.collect::<Vec<_>>())
     });

@@ -63,7 +63,7 @@ pub fn synthesize_with(
     progress: &dyn Progress,
 ) -> Result<(Scene, Report)> {
     params.validate()?;
-    controls.validate(libraries.len())?;
+    controls.validate(libraries)?;
     check_canvas(params)?;
 
     let method = method(libraries, params, controls)?;
@@ -76,13 +76,13 @@ pub fn synthesize_with(
     let task = Task { libraries, controls, params, method, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;
 
-    advance(progress, "ground", 0, 2)?;
+    advance(progress, "background field", 0, 2)?;
     let correspondence = arrangement.correspondence.as_ref();
     let field = background::field(libraries, &arrangement.cells, correspondence, params);
     let interpolant = Interpolant::new(&field, params.width, params.height, params.tile);
-    advance(progress, "ground", 1, 2)?;
+    advance(progress, "background field", 1, 2)?;
     let secondaries = secondaries::place(libraries, &arrangement.cells, &interpolant, correspondence, params);
-    advance(progress, "ground", 2, 2)?;
+    advance(progress, "background field", 2, 2)?;
 
     let strata = Strata::new(libraries, controls, &arrangement, &field, params)?;
     let nested = strata.as_ref().map_or_else(Vec::new, |strata| strata.report.clone());

@@ -6,7 +6,7 @@ use crate::library::{Element, Library};
 use crate::raster::LabelMap;
 use crate::sampling::Stream;
 
-/// The exemplar's secondaries and its ground.
+/// The exemplar's secondaries and its background.
 pub(super) struct Exemplar {
     primaries: LabelMap,
     origins: Vec<[i32; 2]>,
@@ -32,8 +32,8 @@ impl Exemplar {
         Self { primaries: library.arrangement.to_labels(), origins, buckets, sources, reach }
     }
 
-    /// Of `candidates` secondaries drawn at random the one around which ground and primaries lie
-    /// most as they do around `here`, where `free` tells ground, if they are varied.
+    /// Of `candidates` secondaries drawn at random the one around which background and primaries lie
+    /// most as they do around `here`, where `free` tells background, if they are varied.
     pub(super) fn best_source(
         &self,
         here: [i32; 2],
@@ -54,12 +54,12 @@ impl Exemplar {
         for _ in 0..candidates {
             let source = self.sources[random.index(self.sources.len())];
             let [x, y] = self.origins[source as usize].map(i64::from);
-            let ground = |p: &[i32; 2]| {
+            let background = |p: &[i32; 2]| {
                 let [u, v] = variation.back(*p).map(i64::from);
                 self.primaries.at(x + u, y + v).is_none_or(|label| label == 0)
             };
-            let unlike = probes.iter().zip(&wanted).filter(|(p, w)| ground(p) != **w).count();
-            // The first of equals, so that a plain ground takes what was drawn first.
+            let unlike = probes.iter().zip(&wanted).filter(|(p, w)| background(p) != **w).count();
+            // The first of equals, so that a plain background takes what was drawn first.
             if unlike < best.0 {
                 best = (unlike, source);
             }

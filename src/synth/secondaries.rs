@@ -1,8 +1,8 @@
 //! Secondary textons between the primaries (paper §3.2.2).
 //!
-//! The paper scatters secondaries one by one over a Poisson-disk set. Where they tile the ground of
-//! the exemplar that loses a third of them to overlap and leaves gaps of bare ground, and with them
-//! a fifth of the contrast. Here a Poisson-disk set of wider spacing divides the ground into small
+//! The paper scatters secondaries one by one over a Poisson-disk set. Where they tile the background of
+//! the exemplar that loses a third of them to overlap and leaves gaps of bare background, and with them
+//! a fifth of the contrast. Here a Poisson-disk set of wider spacing divides the background into small
 //! cells, and each cell takes a neighbourhood of the exemplar: all secondaries around a place whose
 //! primaries lie most as they lie in the cell. So secondaries keep their distances, and those that
 //! sit beside primaries do so again. Where too few came of it, single ones follow in the gaps.
@@ -56,8 +56,8 @@ struct Place {
     variation: u16,
 }
 
-/// Secondaries in the colour of the ground beneath them plus their own difference; as many per area
-/// of ground as in the exemplar, or as the map of densities says. Those that primaries hide are left
+/// Secondaries in the colour of the background beneath them plus their own difference; as many per area
+/// of background as in the exemplar, or as the map of densities says. Those that primaries hide are left
 /// out.
 pub(crate) fn place(
     libraries: &[Library],
@@ -87,7 +87,7 @@ pub(crate) fn place(
 }
 
 /// Secondaries that came along a field of correspondences, in the colours that they have in the
-/// exemplar: the ground beneath them came along too.
+/// exemplar: the background beneath them came along too.
 fn arrived(
     libraries: &[Library],
     map: &Occupancy<'_>,
@@ -127,17 +127,17 @@ fn is_served(map: &Occupancy<'_>, at: [i32; 2]) -> bool {
     map.grid.canvas_cell(at).is_some_and(|i| map.region.cell_is_carried(i))
 }
 
-/// In the colour of the ground beneath them plus their own difference, within the tones of their
-/// exemplar: dark flecks of pale ground would be darker on dark ground than anything seen.
+/// In the colour of the background beneath them plus their own difference, within the tones of their
+/// exemplar: dark flecks of pale background would be darker on dark background than anything seen.
 pub(crate) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interpolant) -> Vec<Placed> {
     let tones: Vec<[[f64; 2]; 3]> = libraries.iter().map(tones).collect();
     parallel::map(&placed, |p| {
         let secondary = &libraries[p.library].secondaries()[p.secondary as usize];
         let difference = secondary.difference.unwrap_or_default();
-        let ground = field.at(f64::from(p.at[0]), f64::from(p.at[1]));
+        let background = field.at(f64::from(p.at[0]), f64::from(p.at[1]));
         let colour = [0, 1, 2].map(|c| {
             let [least, most] = tones[p.library][c];
-            (ground[c] + f64::from(difference[c])).clamp(least, most)
+            (background[c] + f64::from(difference[c])).clamp(least, most)
         });
         Placed { colour: coarse(colour), ..*p }
     })
@@ -284,16 +284,16 @@ impl Task<'_, '_> {
     }
 
     /// Adds single secondaries, as far as possible from all others, until there are as many per
-    /// area of free ground as wanted.
+    /// area of free background as wanted.
     fn fill_gaps(&self, places: &mut Vec<Place>, fits: impl Fn(&Place) -> bool) {
         let (map, radius) = (self.map, self.radius);
         let categories = map.model().sources[self.number].categories.clone();
-        let ground = |zone: usize| {
+        let background = |zone: usize| {
             let covered = map.covered_in(zone, categories.clone());
             map.region.level(zone) * (map.region.area(zone, self.number) - covered as f64).max(0.0)
         };
         let zones = (0..map.region.zone_count()).filter(|&z| !map.region.is_carried(z));
-        let wanted = POISSON_DENSITY * zones.clone().map(ground).sum::<f64>() / (radius * radius);
+        let wanted = POISSON_DENSITY * zones.clone().map(background).sum::<f64>() / (radius * radius);
         let missing = wanted - places.len() as f64;
         if missing < 1.0 {
             return;
@@ -375,9 +375,10 @@ impl<'t, 'a> Finder<'t, 'a> {
         let mut places: Vec<Place> =
             standing.into_iter().map(|at| Place { secondary: 0, at, variation: 0 }).collect();
         let count = places.len();
-        let ground = &self.task.map.region;
-        let own =
-            |at: [i32; 2]| !ground.is_shared() || ground.shares(at.map(f64::from))[self.task.number] > 0.5;
+        let background = &self.task.map.region;
+        let own = |at: [i32; 2]| {
+            !background.is_shared() || background.shares(at.map(f64::from))[self.task.number] > 0.5
+        };
         self.task.fill_gaps(&mut places, |place| own(place.at) && self.sees(place));
         places.drain(count..).map(|place| self.task.placed(place)).collect()
     }
@@ -393,16 +394,16 @@ fn coarse(colour: [f64; 3]) -> Colour {
     Colour::from_f64(colour.map(|v| COLOUR_STEP * libm::round(v / COLOUR_STEP)))
 }
 
-/// Radius of the Poisson-disk set that holds as many secondaries per area of ground as the
-/// exemplar. `None` if there are no secondaries, or no ground to put them on.
+/// Radius of the Poisson-disk set that holds as many secondaries per area of background as the
+/// exemplar. `None` if there are no secondaries, or no background to put them on.
 ///
-/// The number per ground is what the eye compares. The library's spacing, a percentile of the
+/// The number per background is what the eye compares. The library's spacing, a percentile of the
 /// distances between neighbours, is in clustered exemplars well below what the number implies.
 fn radius(library: &Library) -> Option<f64> {
     let count = library.secondaries().len() as f64;
     let exemplar = f64::from(library.source.width) * f64::from(library.source.height);
-    let ground = exemplar * (1.0 - library.coverage);
-    (count > 0.0 && ground > 0.0).then(|| libm::sqrt(POISSON_DENSITY * ground / count).max(1.0))
+    let background = exemplar * (1.0 - library.coverage);
+    (count > 0.0 && background > 0.0).then(|| libm::sqrt(POISSON_DENSITY * background / count).max(1.0))
 }
 
 /// Points within a secondary, relative to its origin: its centre, and the points of its outline

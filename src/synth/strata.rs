@@ -6,7 +6,9 @@
 //! elements stay whole: borders go around them. Small ones belong where their centre lies, so a
 //! border is crisp where backgrounds meet and made of elements where elements are.
 
-use super::backdrop::{Backdrop, Ground};
+mod near;
+
+use super::backdrop::{Backdrop, Part};
 use super::secondaries::Placed;
 use crate::arrange::Arrangement;
 use crate::arrange::controls::{Controls, Lead};
@@ -16,9 +18,10 @@ use crate::error::Result;
 use crate::layers::{Exemplar, Layer as Nested, LayerMap};
 use crate::library::{Library, Stratum};
 use crate::parallel;
+use crate::raster::LabelMap;
 use crate::raster::colour::Colour;
-use crate::raster::{LabelMap, squared_distance};
 use crate::scene::{ControlPoint, Field, Layer, Role, SynthParams};
+use near::Near;
 use serde::Serialize;
 
 /// Cells of the guide over which the difference across a border is compared with that of one cell.
@@ -88,13 +91,14 @@ impl Strata {
         let map = map(&exemplar, correspondence, arrangement, controls, params)?;
         let of_elements = library.strata_of_elements();
         let least = LayerMap::least_element([library.source.width, library.source.height]);
-        let settled = map.settled(|i| {
+        let wanted = map.shares();
+        let map = map.settled(|i| {
             let at = [i % params.width as usize, i / params.width as usize].map(|v| v as i32);
             let top = arrangement.cells.top(at)?;
             own_stratum(library, arrangement, top, &of_elements, least)
         });
-        let report = report(library, arrangement, &exemplar, [&map, &settled]);
-        let mut strata = Self { map: settled, backgrounds: Vec::new(), of_elements, least, report };
+        let report = report(library, arrangement, &exemplar, (&wanted, &map));
+        let mut strata = Self { map, backgrounds: Vec::new(), of_elements, least, report };
         strata.backgrounds =
             strata.backgrounds(library, &exemplar, (correspondence, arrangement), field, params);
         Ok(Some(strata))
@@ -155,20 +159,16 @@ impl Strata {
         let strata = library.strata();
         let mut own: Vec<Vec<usize>> = vec![Vec::new(); strata.len()];
         self.of_elements.iter().enumerate().for_each(|(i, &k)| own[usize::from(k)].push(i));
-        let [w, h] = self.map.size();
         let of = |k: usize| {
             let stratum = &strata[k];
             let holds = |x: u32, y: u32| primaries.get(x, y) == 0 && exemplar.labels.get(x, y) as usize == k;
             let secondaries = own[k].iter().map(|&i| &library.elements[i]);
             let secondaries = secondaries.filter(|e| e.category.is_none()).collect();
-            let backdrop =
-                Backdrop::new(library, &Ground { field: stratum.field, holds: &holds, secondaries });
+            let backdrop = Backdrop::new(library, &Part { field: stratum.field, holds: &holds, secondaries });
             let crisp = crispness(library, &exemplar.labels, k as u32);
-            let away = squared_distance(w, h, |i| self.map.labels.labels[i] as usize == k);
-            let beyond = (BEYOND * field.spacing) as f32;
+            let near = Near::new(&self.map.labels, k as u32, BEYOND * field.spacing);
             let point = |p: &ControlPoint| {
-                let [x, y] = [(p.x.max(0.0) as usize).min(w - 1), (p.y.max(0.0) as usize).min(h - 1)];
-                if away[y * w + x] > beyond * beyond {
+                if !near.holds([p.x, p.y]) {
                     return None;
                 }
                 let colour = sources(correspondence, field.spacing, [p.x, p.y], |at| {
@@ -193,13 +193,13 @@ impl Strata {
     }
 }
 
-/// How much of a canvas each stratum has; `wanted` and `got` are its maps before and after borders went
-/// around elements.
+/// How much of a canvas each stratum has. `wanted` are the shares before borders went around elements,
+/// `got` is the map after it.
 fn report(
     library: &Library,
     arrangement: &Arrangement<'_>,
     exemplar: &LayerMap,
-    [wanted, got]: [&LayerMap; 2],
+    (wanted, got): (&[f64], &LayerMap),
 ) -> Vec<StratumReport> {
     let count = exemplar.layers.len();
     let covered = |map: &LayerMap, is_covered: &dyn Fn(usize) -> bool| {
@@ -215,11 +215,11 @@ fn report(
     let width = got.size()[0];
     let coverage =
         covered(got, &|i| arrangement.cells.top([i % width, i / width].map(|v| v as i32)).is_some());
-    let (area_wanted, area) = (wanted.shares(), got.shares());
+    let area = got.shares();
     let of = |(k, layer): (usize, &Nested)| StratumReport {
         name: layer.name.clone(),
         colour: layer.colour,
-        area_wanted: area_wanted[k],
+        area_wanted: wanted[k],
         area: area[k],
         coverage_wanted: coverage_wanted[k],
         coverage: coverage[k],

@@ -154,10 +154,10 @@ fn no_secondary_is_hidden() {
         assert!(seen, "{x} {y}");
         assert!(instance.colour.is_some());
     }
-    // As many per area of ground as in the exemplar.
-    let ground = |coverage: f64, w: u32, h: u32| (1.0 - coverage) * f64::from(w) * f64::from(h);
-    let wanted = library.secondaries().len() as f64 / ground(library.coverage, 200, 200);
-    let got = report.secondaries as f64 / ground(report.coverage, 400, 300);
+    // As many per area of background as in the exemplar.
+    let background = |coverage: f64, w: u32, h: u32| (1.0 - coverage) * f64::from(w) * f64::from(h);
+    let wanted = library.secondaries().len() as f64 / background(library.coverage, 200, 200);
+    let got = report.secondaries as f64 / background(report.coverage, 400, 300);
     assert!((got / wanted - 1.0).abs() < 0.2, "{got} {wanted}");
 }
 
@@ -189,7 +189,7 @@ fn same_bytes_on_every_run_and_any_number_of_threads() {
 }
 
 #[test]
-fn a_library_without_primaries_gives_ground() {
+fn a_library_without_primaries_gives_a_background() {
     let library = library(&LabelMap::filled(100, 80, 0));
     assert_eq!(library.validate(), Ok(()));
     let (scene, report) = run(&library, &params(200, 150, 1));

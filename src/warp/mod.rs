@@ -94,12 +94,12 @@ pub fn warp(
     let arrangement = arrange(&mut model, &task, progress)?;
     let (cells, model) = (&arrangement.cells, arrangement.cells.model());
 
-    advance(progress, "ground", 0, 2)?;
+    advance(progress, "background field", 0, 2)?;
     let field = background::field(scene, &libraries, cells, bend, &params);
     let interpolant = Interpolant::new(&field, width, height, Tile::default());
-    advance(progress, "ground", 1, 2)?;
+    advance(progress, "background field", 1, 2)?;
     let secondaries = background::secondaries(scene, &libraries, cells, &interpolant, bend, &params);
-    advance(progress, "ground", 2, 2)?;
+    advance(progress, "background field", 2, 2)?;
 
     let mut result = Scene {
         width,

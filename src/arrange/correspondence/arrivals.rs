@@ -3,7 +3,7 @@
 //! Every pixel that comes from a primary is a vote for that primary at the place where it would then
 //! stand. Within an island all votes for a primary agree to the pixel; where two islands bring parts
 //! of it from nearly the same place, the larger part says where. Those that arrived best stand first,
-//! and none stands on others or on ground by more than a little.
+//! and none stands on others or on background by more than a little.
 
 use super::Correspondence;
 use crate::arrange::grid::Grid;
@@ -23,20 +23,20 @@ struct Round {
     /// Most of it that may lie on others.
     on_others: f64,
     /// Most of it that may lie where no primary is wanted.
-    on_ground: f64,
+    on_background: f64,
 }
 
 /// From what arrived nearly whole to what arrived in part where there is room.
 const ROUNDS: [Round; 3] = [
-    Round { arrived: 0.5, on_others: 0.15, on_ground: 0.35 },
-    Round { arrived: 0.35, on_others: 0.12, on_ground: 0.5 },
-    Round { arrived: 0.2, on_others: 0.12, on_ground: 0.5 },
+    Round { arrived: 0.5, on_others: 0.15, on_background: 0.35 },
+    Round { arrived: 0.35, on_others: 0.12, on_background: 0.5 },
+    Round { arrived: 0.2, on_others: 0.12, on_background: 0.5 },
 ];
 /// An exemplar is packed if this share of the borders of primaries lies on others,
 const CONTACT: f64 = 0.15;
 /// or if primaries cover the second share of it (at the first it is not packed at all),
 const COVERED: [f64; 2] = [0.45, 0.6];
-/// or if secondaries cover such a share of its ground, so that bare ground is seen at once.
+/// or if secondaries cover such a share of its background, so that bare background is seen at once.
 const TILED: [f64; 2] = [0.4, 0.6];
 /// How much less may lie on others where none does in the exemplar.
 const LOOSEST: f64 = 0.2;
@@ -146,14 +146,14 @@ impl<'g> Plan<'g> {
 
     /// Pixels of a mask at a place on which others stand, and on which none is wanted.
     pub(super) fn beneath(&self, mask: &Mask, at: [i32; 2]) -> (u32, u32) {
-        let (mut taken, mut ground) = (0, 0);
+        let (mut taken, mut background) = (0, 0);
         for cells in mask.spans().iter().flat_map(|&s| self.grid.cells(s, at)) {
             for &p in &self.pixels[cells] {
                 taken += u32::from(p & TAKEN != 0);
-                ground += u32::from(p == 0);
+                background += u32::from(p == 0);
             }
         }
-        (taken, ground)
+        (taken, background)
     }
 
     /// Whether a primary is wanted on a pixel.
@@ -224,8 +224,9 @@ impl<'g> Plan<'g> {
 
     fn has_room(&self, model: &Model, a: &Arrival, cells: u32, round: &Round) -> bool {
         let most = |share: f64| (share * f64::from(cells)) as u32;
-        let (taken, ground) = self.beneath(&model.shape(a.variant).mask, a.at);
-        taken <= most(round.on_others * self.closeness(model, a.variant)) && ground <= most(round.on_ground)
+        let (taken, background) = self.beneath(&model.shape(a.variant).mask, a.at);
+        taken <= most(round.on_others * self.closeness(model, a.variant))
+            && background <= most(round.on_background)
     }
 
     /// Takes the pixels of a variant.
@@ -239,7 +240,7 @@ impl<'g> Plan<'g> {
 }
 
 /// How packed an exemplar is, 0 to 1: by how much primaries touch, or how much they cover, or how much
-/// of the ground secondaries do.
+/// of the background secondaries do.
 fn packing(library: &Library, labels: &LabelMap) -> f64 {
     let (mut all, mut others) = (0u64, 0u64);
     // Steps from a primary to a pixel that is not its own.
@@ -258,9 +259,9 @@ fn packing(library: &Library, labels: &LabelMap) -> f64 {
     }
     let share = |part: u64, of: usize| part as f64 / of.max(1) as f64;
     let covered = share(labels.labels.iter().filter(|l| **l > 0).count() as u64, labels.labels.len());
-    let ground = (1.0 - covered) * labels.labels.len() as f64;
+    let background = (1.0 - covered) * labels.labels.len() as f64;
     let patches: u64 = library.secondaries().iter().map(|s| u64::from(s.area)).sum();
-    let tiled = patches as f64 / ground.max(1.0);
+    let tiled = patches as f64 / background.max(1.0);
     let within = |v: f64, [low, high]: [f64; 2]| (v - low) / (high - low);
     let contact = share(others, all as usize) / CONTACT;
     contact.max(within(covered, COVERED)).max(within(tiled, TILED)).clamp(0.0, 1.0)

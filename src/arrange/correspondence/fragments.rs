@@ -136,7 +136,7 @@ fn fragment(
     }
     let stacked = fitted.stacked_outlines(count, |own, other| if own < other { BENEATH } else { 0.0 });
     let painted = |shape: &Shape, outline: Outline| Shape {
-        gradient: shape.gradient.as_ref().map(|g| g.moved(to_place)),
+        gradient: shape.gradient.as_ref().map(|g| Box::new(g.moved(to_place))),
         ..shape.with_outline(outline)
     };
     let patch = |(k, (detail, _)): (usize, &(&Shape, Mask))| painted(detail, moved(&stacked[k + 2]));

@@ -17,8 +17,8 @@ const AREAS: [f64; 2] = [0.55, 1.2];
 /// Least share of a hole that a primary has to fill.
 const FILLED: f64 = 0.6;
 /// Most of a primary that may lie on region.
-const ON_GROUND: f64 = 0.3;
-/// What a pixel on ground and one on others weigh against one of the hole.
+const ON_BACKGROUND: f64 = 0.3;
+/// What a pixel on background and one on others weigh against one of the hole.
 const COSTS: [f64; 2] = [1.0, 2.0];
 
 /// Pixels on which a part of one primary is wanted.
@@ -71,11 +71,13 @@ pub(super) fn fill(
         let value = |element: PlaceableId| {
             let variant = model.varied(element, arrival.variant);
             let shape = model.shape(variant);
-            let (taken, ground) = plan.beneath(&shape.mask, at);
-            let (area, taken, ground) = (f64::from(shape.area), f64::from(taken), f64::from(ground));
-            let filled = area - taken - ground;
-            let fits = taken <= most * area && ground <= ON_GROUND * area && filled >= FILLED * wanted;
-            (fits && allowed(variant, at)).then_some((filled - COSTS[0] * ground - COSTS[1] * taken, variant))
+            let (taken, background) = plan.beneath(&shape.mask, at);
+            let (area, taken, background) = (f64::from(shape.area), f64::from(taken), f64::from(background));
+            let filled = area - taken - background;
+            let fits =
+                taken <= most * area && background <= ON_BACKGROUND * area && filled >= FILLED * wanted;
+            (fits && allowed(variant, at))
+                .then_some((filled - COSTS[0] * background - COSTS[1] * taken, variant))
         };
         let areas = AREAS[0] * wanted..AREAS[1] * wanted;
         let found = alike.of(model.element_of(arrival.variant), areas, CANDIDATES, 0.0).filter_map(value);

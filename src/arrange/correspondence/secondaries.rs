@@ -87,7 +87,7 @@ impl Correspondence {
     }
 
     /// Secondaries at the borders of islands of which enough arrived, but not the cell of their origin:
-    /// without them seams would be bare where secondaries tile the ground.
+    /// without them seams would be bare where secondaries tile the background.
     fn arrived_without_origin(
         &self,
         library: &Library,

@@ -14,10 +14,10 @@ pub(crate) struct RenderFlags {
     /// Pixels of a PNG for each pixel of the canvas [0.01 to 100, default: 1]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) scale: Option<f64>,
-    /// Ground of one colour in place of the exemplar's, or none, so that what is between the elements is
+    /// Background of one colour in place of the exemplar's, or none, so that what is between the elements is
     /// transparent [#rrggbb, #rgb, a name of CSS or none, default: the exemplar's]
     #[arg(long, value_name = "COLOUR")]
-    pub(crate) background: Option<Ground>,
+    pub(crate) background: Option<Background>,
 }
 
 /// How a picture is drawn.
@@ -28,17 +28,17 @@ pub(crate) struct RenderParameters {
     pub(crate) scale: f64,
     /// Background between the elements, if not the exemplar's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) background: Option<Ground>,
+    pub(crate) background: Option<Background>,
 }
 
 /// The background between the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ground {
+pub(crate) enum Background {
     Colour(Colour),
     None,
 }
 
-impl FromStr for Ground {
+impl FromStr for Background {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -50,7 +50,7 @@ impl FromStr for Ground {
     }
 }
 
-impl Serialize for Ground {
+impl Serialize for Background {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Colour(colour) => colour.serialize(serializer),
@@ -59,7 +59,7 @@ impl Serialize for Ground {
     }
 }
 
-impl<'de> Deserialize<'de> for Ground {
+impl<'de> Deserialize<'de> for Background {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
     }

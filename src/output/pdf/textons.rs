@@ -122,7 +122,7 @@ fn paint(element: &Element, colour: Option<Colour>, surface: &mut Surface<'_>) {
     for (i, shape) in element.shapes.iter().enumerate() {
         let Some(path) = path_of(&shape.outline) else { continue };
         let own = colour.filter(|_| i == 0);
-        let gradient = shape.gradient.as_ref().filter(|_| own.is_none());
+        let gradient = shape.gradient.as_deref().filter(|_| own.is_none());
         let paint = gradient.map_or_else(|| flat(own.unwrap_or(shape.colour)), gradual);
         let opacity = NormalizedF32::new(shape.opacity as f32).unwrap_or(NormalizedF32::ONE);
         surface.set_fill(Some(Fill { paint, opacity, ..Fill::default() }));

@@ -141,7 +141,7 @@ mod tests {
     use crate::output::testing;
 
     #[test]
-    fn specks_like_their_ground_go_first_and_contrast_last() {
+    fn specks_like_their_background_go_first_and_contrast_last() {
         let mut scene = testing::scene(300, 200, 3);
         let used = scene
             .primary()

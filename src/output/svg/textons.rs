@@ -353,7 +353,11 @@ impl<'a> Textons<'a> {
 
     /// The gradient of a texton's outline where it is defined.
     fn base_gradient<'e>(&self, element: &'e Element) -> Option<BoxGradient<'e>> {
-        BoxGradient::new(element.base().gradient.as_ref()?, Affine::IDENTITY, element.base().outline.bounds())
+        BoxGradient::new(
+            element.base().gradient.as_deref()?,
+            Affine::IDENTITY,
+            element.base().outline.bounds(),
+        )
     }
 
     /// The paths of a texton, moved by `affine`.
@@ -369,7 +373,7 @@ impl<'a> Textons<'a> {
         let source = affine.is_some().then_some(index);
         self.write_filled(xml, element.base(), base, affine, source)?;
         for shape in element.details() {
-            let fill = Base::new((shape.colour, shape.gradient.as_ref()));
+            let fill = Base::new((shape.colour, shape.gradient.as_deref()));
             self.write_filled(xml, shape, fill, affine, None)?;
         }
         Ok(())

@@ -94,13 +94,13 @@ fn a_map_leads_the_strata() {
 
 #[test]
 fn light_and_dark_lead() {
-    // The ground of the exemplar grows lighter to the right; here it is to grow lighter downwards.
+    // The background of the exemplar grows lighter to the right; here it is to grow lighter downwards.
     let mut library = guided(&LabelMap::filled(200, 200, 0));
-    let ground = |i: u32| {
+    let background = |i: u32| {
         let [x, y] = [i % 10 * 20 + 10, i / 10 * 20 + 10];
         ControlPoint { x: x.into(), y: y.into(), colour: Colour([40 + (x * 60 / 200) as u8; 3]) }
     };
-    library.layers[0].field.as_mut().unwrap().points = (0..100).map(ground).collect();
+    library.layers[0].field.as_mut().unwrap().points = (0..100).map(background).collect();
     let ramp = ControlMap::new(1, 8, (0..8).map(|v| v as f32 / 7.0).collect());
     let controls = Controls { lead: ramp.map(Lead::Lightness), ..Controls::default() };
     let scene = run(&library, &params(2), &controls).0;

@@ -2,7 +2,7 @@
 
 use super::arguments::{AnimationKind, Interpolating, Pace, Wanted};
 use crate::cli::common::Common;
-use crate::cli::options::render::Ground;
+use crate::cli::options::render::Background;
 use crate::cli::output::{Drawing, Place, Target, Targets, Written};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
@@ -159,7 +159,7 @@ fn animation<'a>(
 ) -> anyhow::Result<Made<'a>> {
     let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
     let animation = RasterAnimation { frames: pace.played(), rate: pace.rate };
-    let with_background = job.scale.background != Some(Ground::None);
+    let with_background = job.scale.background != Some(Background::None);
     let opaque = with_background && from.domain.is_none() && to.domain.is_none();
     let picture = |k: u32| drawing(job).picture(&frame(reporter, &way, pace, k)?);
     let written = match kind {

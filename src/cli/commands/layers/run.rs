@@ -113,6 +113,7 @@ fn layers(reporter: &Reporter, job: &Mapping, layered: &Layered) -> anyhow::Resu
         colours: made.layers.iter().map(|l| l.colour).collect(),
         wanted: known.map.shares(),
         got: made.shares(),
+        coverage: Vec::new(),
         why: known.why,
     };
     Ok(Made { inputs, size: made.size(), layers: Some(report), bytes })
