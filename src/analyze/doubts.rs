@@ -14,17 +14,17 @@ pub(super) fn about(masks: &[ScoredMask], primaries: &[Element], warnings: &mut 
     let placed = primaries.iter().filter(|p| !p.clipped).count();
     if primaries.is_empty() {
         warnings.push(
-            "no primary texton was found: the result holds background and secondaries only \
+            "no primary element was found: the result holds background and secondaries only \
              (try another segmenter, masks of your own, or a photograph with distinct elements)"
                 .into(),
         );
     } else if placed == 0 {
         warnings.push(
-            "every primary texton is cut by the border: none can be placed (use a larger photograph)".into(),
+            "every primary element is cut by the border: none can be placed (use a larger photograph)".into(),
         );
     } else if placed < FEW {
         warnings.push(format!(
-            "only {placed} primary textons can be placed: repetition will show (use a larger photograph)"
+            "only {placed} primary elements can be placed: repetition will show (use a larger photograph)"
         ));
     }
     if let Some(score) = mean_score(masks).filter(|&score| score < DOUBTFUL && placed > 0) {
@@ -66,7 +66,7 @@ mod tests {
         let doubtful = warned(&[mask(10, 0.2), mask(3, 0.8)], &primaries);
         assert!(doubtful.contains("mean score 0.34 of 1") && doubtful.contains("segmenter"), "{doubtful}");
         let few: Vec<Element> = primaries.iter().filter(|p| !p.clipped).take(12).cloned().collect();
-        assert!(warned(&[mask(5, 0.9)], &few).contains("only 12 primary textons"));
-        assert!(warned(&[], &[]).contains("no primary texton"));
+        assert!(warned(&[mask(5, 0.9)], &few).contains("only 12 primary elements"));
+        assert!(warned(&[], &[]).contains("no primary element"));
     }
 }

@@ -32,7 +32,7 @@ pub(super) fn simplify(
         });
         if details.len() > most {
             warnings.push(format!(
-                "there are {} primary textons, more than the {most} paths asked for: each is drawn as one \
+                "there are {} primary elements, more than the {most} paths asked for: each is drawn as one \
                  (raise the minimum area)",
                 details.len()
             ));

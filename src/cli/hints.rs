@@ -14,7 +14,7 @@ pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
     if primaries == 0 {
         Some("--segmenter finds elements in other ways, --masks takes them from a file")
     } else if most > 0 && primaries > most {
-        Some("a larger --minimum-area leaves fewer primary textons")
+        Some("a larger --minimum-area leaves fewer primary elements")
     } else {
         None
     }
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn what_is_allowed_stands_in_the_help() {
         let found = |help| allowed(help).unwrap_or_default();
-        assert_eq!(found("Textons [1 to 1000,\n  default: 20]"), "1 to 1000");
+        assert_eq!(found("Elements [1 to 1000,\n  default: 20]"), "1 to 1000");
         assert_eq!(found("How [keep, clip or avoid, default: clip]"), "keep, clip or avoid");
         assert_eq!(found("Mirror [default: false]"), "true or false");
         assert_eq!((found("[default: 7]"), found("no bracket")), (String::new(), String::new()));

@@ -83,7 +83,7 @@ pub(crate) fn scene(input: &Input) -> anyhow::Result<Scene> {
     let bytes = input.read()?;
     Kind::expect(&bytes, input, &[Kind::Scene, Kind::Unknown])
         .map_err(|failure| failure.hint("make a scene with 'vtex synth photo.lib.json -o out.scene.json'"))?;
-    Ok(Scene::from_bytes(&bytes, &input.name())?)
+    Ok(Scene::from_bytes(bytes, &input.name())?)
 }
 
 /// Reads libraries.
@@ -92,7 +92,7 @@ pub(crate) fn libraries(inputs: &[Input]) -> anyhow::Result<Vec<Library>> {
         let bytes = input.read()?;
         // An unknown file may still be a damaged library, and reading it says where.
         Kind::expect(&bytes, input, &[Kind::Library, Kind::Unknown])?;
-        Ok(Library::from_bytes(&bytes, &input.name())?)
+        Ok(Library::from_bytes(bytes, &input.name())?)
     };
     inputs.iter().map(read).collect()
 }

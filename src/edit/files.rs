@@ -45,7 +45,7 @@ impl Files {
                     files.shapes.insert(shape.clone(), region(&read(shape)?, shape, canvas)?);
                 }
                 Action::Replace { library } => {
-                    files.libraries.insert(library.clone(), Library::from_bytes(&read(library)?, library)?);
+                    files.libraries.insert(library.clone(), Library::from_bytes(read(library)?, library)?);
                 }
                 Action::Thin { .. }
                 | Action::Orient { .. }

@@ -28,6 +28,7 @@ use crate::raster::colour::Colour;
 use crate::scene::Field;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 
@@ -258,11 +259,11 @@ impl Library {
         document::read(path)
     }
 
-    /// Reads and validates a library from bytes, plain or gzip. `name` appears in errors.
+    /// Reads and validates a library from bytes, plain or gzip; owned ones take no copy. `name` appears in errors.
     ///
     /// # Errors
     /// [`crate::Error::Format`] for anything but a valid library of this version.
-    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self> {
+    pub fn from_bytes<'a>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) -> Result<Self> {
         document::from_bytes(bytes, name)
     }
 

@@ -146,3 +146,42 @@ fn neighbourhoods(level: &Level, coarser: Option<&Level>) -> (Vec<f32>, Vec<u32>
     let length = vectors.len() / middles.len().max(1);
     (vectors, middles, length)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tsvq::distance;
+    use super::*;
+    use std::time::Instant;
+
+    /// Row V7 of the method: how much faster the tree is than a search of all neighbourhoods, and how much
+    /// farther what it finds, on neighbourhoods of a photograph that it does not hold.
+    #[test]
+    #[ignore = "prints figures for benches/layers.md"]
+    fn tree_beside_full_search() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/exemplars/gravel.png");
+        let Ok(photo) = image::open(path) else { return eprintln!("skipped: there is no {path}") };
+        let part = |x, y| Level::new(&photo.crop_imm(x, y, 128, 128).to_rgb8());
+        let (known, held) = (part(0, 0), part(200, 200));
+        let (vectors, _, length) = neighbourhoods(&known, Some(&known.halved()));
+        let (asked, _, _) = neighbourhoods(&held, Some(&held.halved()));
+        let asked: Vec<&[f32]> = asked.chunks(length).step_by(13).take(1000).collect();
+        let book = Codebook::new(&vectors, length, LEAVES);
+
+        let error = |found: &[u32]| -> f64 {
+            let of = |m: u32| &vectors[m as usize * length..][..length];
+            asked.iter().zip(found).map(|(v, &m)| f64::from(distance(v, of(m))).sqrt()).sum()
+        };
+        let began = Instant::now();
+        let tree: Vec<u32> = asked.iter().map(|v| book.nearest(&vectors, book.encode(v).0, v)).collect();
+        let seconds = began.elapsed().as_secs_f64();
+        let began = Instant::now();
+        let near = |v: &&[f32]| {
+            let far = vectors.chunks(length).map(|w| distance(v, w)).enumerate();
+            far.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(m, _)| m as u32)
+        };
+        let full: Vec<u32> = asked.iter().map(near).collect();
+        let times = began.elapsed().as_secs_f64() / seconds;
+        println!("{times:.0} times as fast, {:.2} times as far", error(&tree) / error(&full));
+        assert!(times >= 20.0);
+    }
+}

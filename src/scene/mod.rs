@@ -30,6 +30,7 @@ use crate::geometry::{Affine, Outline, Rect};
 use crate::raster::colour::Colour;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// One texture: layers one over the other, each with a colour field, placed elements, or both. The
@@ -305,11 +306,11 @@ impl Scene {
         document::read(path)
     }
 
-    /// Reads and validates a scene from bytes, plain or gzip. `name` appears in errors.
+    /// Reads and validates a scene from bytes, plain or gzip; owned ones take no copy. `name` appears in errors.
     ///
     /// # Errors
     /// [`crate::Error::Format`] for anything but a valid scene of this version.
-    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self> {
+    pub fn from_bytes<'a>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) -> Result<Self> {
         document::from_bytes(bytes, name)
     }
 

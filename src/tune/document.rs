@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::scene::{LibraryRef, SynthParams, Weights};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// The result of tuning for one library: the weights of the placement score, and the measured quality of
@@ -55,7 +56,7 @@ impl TunedWeights {
     ///
     /// # Errors
     /// As [`TunedWeights::read`], without the file.
-    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self> {
+    pub fn from_bytes<'a>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) -> Result<Self> {
         document::from_bytes(bytes, name)
     }
 

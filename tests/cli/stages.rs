@@ -23,7 +23,7 @@ fn a_photograph_without_textons_still_gives_a_ground() {
     folder.write("slope.png", encode(&slope.into(), ImageFormat::Png));
     folder.write("none.masks.png", encode(&image::GrayImage::new(80, 80).into(), ImageFormat::Png));
     let run = folder.run("texture slope.png --masks none.masks.png -o a.svg --size 70").succeeds();
-    assert!(run.stderr.contains("warning: no primary texton was found"), "{}", run.stderr);
+    assert!(run.stderr.contains("warning: no primary element was found"), "{}", run.stderr);
     assert!(run.stderr.contains("hint: --segmenter finds elements in other ways"), "{}", run.stderr);
     let svg = String::from_utf8(folder.read("a.svg")).unwrap();
     assert!(svg.contains("id=\"background\""));
@@ -31,7 +31,7 @@ fn a_photograph_without_textons_still_gives_a_ground() {
     assert_eq!(library["warnings"].as_array().unwrap().len(), 1);
     // What was warned of is stored, and told again by inspect.
     let text = folder.run("inspect slope.lib.json").succeeds().text().to_owned();
-    assert!(text.contains("warning: no primary texton"), "{text}");
+    assert!(text.contains("warning: no primary element"), "{text}");
 }
 
 #[test]

@@ -23,7 +23,7 @@ use vtex::output::file::Format;
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "" };
 
-/// Texton library to vector texture
+/// Library to vector texture
 #[derive(Args)]
 #[command(
     override_usage = "vtex synth [OPTIONS] <LIBRARY>...",

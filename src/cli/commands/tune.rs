@@ -121,8 +121,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
     reporter.stage("reading")?;
     let content = input.read()?;
     Kind::expect(&content, input, &[Kind::Library, Kind::Unknown])?;
-    let library = Library::from_bytes(&content, &input.name())?;
-    drop(content);
+    let library = Library::from_bytes(content, &input.name())?;
     if common.verbosity > 1 {
         say(&format!("{parameters:#?}"));
     }

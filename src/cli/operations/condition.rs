@@ -57,7 +57,7 @@ pub(super) fn condition(text: &str) -> Result<Condition, Fault> {
         "inside" => place(true),
         "outside" => place(false),
         _ => Err(Fault::new(
-            format!("'{}' is nothing that textons have", clip(name)),
+            format!("'{}' is nothing that elements have", clip(name)),
             format!("did you mean '{}'? {EXPECTED}", nearest(name, &NAMES)),
         )),
     }

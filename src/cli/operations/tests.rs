@@ -157,7 +157,7 @@ fn faults_are_told_with_what_would_be_right() {
         ("thin 0.5 --order bluenoise", "is none of blue-noise, random, area", "did you mean 'blue-noise'?"),
         ("thin 0.5 --layer background", "'thin' cannot be done to the background", "tint, recolor, palette"),
         ("jitter --move 0", "nothing says what to change", "jitter --move 4"),
-        ("delete --where colour=3", "'colour' is nothing that textons have", "did you mean"),
+        ("delete --where colour=3", "'colour' is nothing that elements have", "did you mean"),
         ("delete --where area=3", "'area' is not compared by '='", "area>200"),
         ("delete --where area>x", "'x' is no number", "area>200"),
         ("delete --where category=1.5", "is no whole number", "category=3"),

@@ -36,7 +36,7 @@ pub(crate) struct SynthFlags {
     /// [0 to 1, default: 0 for a regular drawing, else 1]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub(crate) variation: Option<f64>,
-    /// Textons tried for each place, by descriptors [1 to 1000, default: 20]
+    /// Elements tried for each place, by descriptors [1 to 1000, default: 20]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) candidates: Option<u32>,
     /// Moves by one cell that may better a placement [0 to 100, default: 5]

@@ -15,6 +15,9 @@ use crate::sampling::stream;
 const LEVELS: usize = 2;
 /// Cells by which a border may move from where it is painted, on each level.
 const BAND: [f32; LEVELS] = [1.5, 0.6];
+/// The same on the finest level as a share of the mean depth of what is painted, so that thin strokes keep
+/// their place.
+const BAND_OF_DEPTH: f32 = 0.5;
 
 /// The region above, once it is optimised.
 struct Above {
@@ -63,6 +66,7 @@ fn around(k: usize, exemplar: &Region, start: Region, above: Option<&Region>, se
     let models = pyramid(exemplar, levels);
     let starts = pyramid(&start, levels);
     let under = above.map(|a| pyramid(a, levels));
+    let most = BAND_OF_DEPTH * mean_depth(&start);
     let mut above =
         Above { region: starts[levels - 1].clone(), model: level_model(&models, levels - 1), last: None };
     for level in (0..levels).rev() {
@@ -71,7 +75,8 @@ fn around(k: usize, exemplar: &Region, start: Region, above: Option<&Region>, se
             false => doubled(&above.region, starts[level].size),
         };
         let model = level_model(&models, level);
-        let mut free: Vec<bool> = depth(&starts[level]).iter().map(|d| d.abs() <= BAND[level]).collect();
+        let band = BAND[level].min(most / (1 << level) as f32);
+        let mut free: Vec<bool> = depth(&starts[level]).iter().map(|d| d.abs() <= band).collect();
         if let Some(under) = &under {
             for i in (0..free.len()).filter(|&i| under[level].inside[i]) {
                 (free[i], region.inside[i]) = (false, true);
@@ -85,6 +90,12 @@ fn around(k: usize, exemplar: &Region, start: Region, above: Option<&Region>, se
         above = Above { region, model, last };
     }
     above
+}
+
+/// Mean distance of what is inside from the border, in cells.
+fn mean_depth(region: &Region) -> f32 {
+    let inside = depth(region).into_iter().filter(|&d| d > 0.0);
+    inside.sum::<f32>() / region.area().max(1) as f32
 }
 
 /// The model of a level.

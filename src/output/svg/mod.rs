@@ -331,11 +331,14 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    /// The category of an individual element, as the class of its group.
+    /// The category of an individual element, as the class of its group, and by name in its label.
     fn write_category<W: Write>(&self, xml: &mut Xml<W>, instance: &Instance) {
         let element = self.scene.element(instance);
         if let Some(class) = class(self.scene, element) {
             xml.attribute("class", class);
+        }
+        if let Some(name) = self.textons.category_name(element) {
+            xml.attribute("inkscape:label", format_args!("{name} {}", instance.id));
         }
     }
 

@@ -144,11 +144,15 @@ fn categories_have_names_colours_and_rules() {
     assert!(listed.len() > 1);
     for entry in listed {
         let class = format!("category-{}", entry["category"]);
-        let shown = document.descendants().filter(|n| n.attribute("class") == Some(&class)).count();
-        assert_eq!(entry["elements"].as_u64(), Some(shown as u64));
+        let shown: Vec<_> = document.descendants().filter(|n| n.attribute("class") == Some(&class)).collect();
+        assert_eq!(entry["elements"].as_u64(), Some(shown.len() as u64));
         let (name, colour) = (entry["name"].as_str().unwrap(), entry["colour"].as_str().unwrap());
         let twins = listed.iter().filter(|other| other["name"] == entry["name"]).count();
         assert_eq!(twins, 1, "{name}");
+        let label = |n: &Node<'_, '_>| {
+            n.attribute(("http://www.inkscape.org/namespaces/inkscape", "label")).unwrap_or("").to_owned()
+        };
+        assert!(shown.iter().all(|n| label(n).starts_with(name)), "{name}");
         assert!(style.contains(&format!(".{class}{{filter:")) && style.contains(&format!("{name} {colour}")));
     }
     // Everything but the rules is the same, and nothing is filtered before a hue is set.

@@ -37,7 +37,7 @@ function makeBackground() {
   if (scene) palettes.push(makePalette("Background of the result", scene.background, scene));
   byId("palettes").replaceChildren(...palettes);
   byId("background-lead").textContent =
-    "The smooth ground beneath all textons: a field of colours through these points, sorted from dark to light, and where they stand.";
+    "The smooth background beneath all elements: a field of colours through these points, sorted from dark to light, and where they stand.";
 }
 
 // An object as rows of a table, those that differ from the defaults marked.

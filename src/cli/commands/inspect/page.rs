@@ -97,13 +97,13 @@ fn read(inputs: &[Input]) -> anyhow::Result<Contents> {
         let name = file_name(input.path());
         match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene])? {
             Kind::Library => {
-                libraries.push(Named { name, content: Library::from_bytes(&bytes, &path)? });
+                libraries.push(Named { name, content: Library::from_bytes(bytes, &path)? });
             }
             _ if scene.is_some() => {
                 let failure = Failure::usage(format!("'{path}' is a second scene; a page shows one"));
                 return Err(failure.hint("write a page for each").into());
             }
-            _ => scene = Some(Named { name, content: Scene::from_bytes(&bytes, &path)? }),
+            _ => scene = Some(Named { name, content: Scene::from_bytes(bytes, &path)? }),
         }
     }
     Ok((libraries, scene))

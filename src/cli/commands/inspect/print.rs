@@ -113,10 +113,10 @@ struct CategoryLine {
 
 pub(super) fn run(common: &Common, input: &Input) -> anyhow::Result<()> {
     let bytes = input.read()?;
-    let name = input.name();
+    let (name, size) = (input.name(), bytes.len() as u64);
     let inspection = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene])? {
-        Kind::Library => of_library(&Library::from_bytes(&bytes, &name)?, name, bytes.len() as u64),
-        _ => of_scene(&Scene::from_bytes(&bytes, &name)?, name, bytes.len() as u64),
+        Kind::Library => of_library(&Library::from_bytes(bytes, &name)?, name, size),
+        _ => of_scene(&Scene::from_bytes(bytes, &name)?, name, size),
     };
     if common.json {
         let mut text = serde_json::to_string_pretty(&inspection)?;

@@ -65,7 +65,7 @@ fn idle(job: &Interpolating) -> Vec<&'static str> {
     let warnings = [
         job.scale.warning(job.wanted.iter().any(Wanted::drawn)),
         limit.then_some("--max-bytes has no effect here: nothing of an animation can be given up"),
-        expand.then_some("--expand has no effect here: an animation has all textons in full"),
+        expand.then_some("--expand has no effect here: an animation has all elements in full"),
     ];
     warnings.into_iter().flatten().collect()
 }

@@ -17,8 +17,8 @@ impl Content {
         let bytes = input.read()?;
         let name = input.name();
         Ok(match Kind::of(&bytes) {
-            Kind::Library => Self::Library(Box::new(Library::from_bytes(&bytes, &name)?)),
-            Kind::Scene => Self::Scene(Box::new(Scene::from_bytes(&bytes, &name)?)),
+            Kind::Library => Self::Library(Box::new(Library::from_bytes(bytes, &name)?)),
+            Kind::Scene => Self::Scene(Box::new(Scene::from_bytes(bytes, &name)?)),
             Kind::Svg => Self::Svg(bytes),
             // An unknown file may still be a damaged picture, and decoding it says so.
             Kind::Image | Kind::Unknown => Self::Image(bytes),
