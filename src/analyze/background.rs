@@ -9,18 +9,17 @@ use spade::{DelaunayTriangulation, Point2};
 
 /// Least share of a cell's mean area that must be background for the cell to yield a colour.
 const LEAST_SHARE: f64 = 0.12;
-/// Outlier threshold, as a multiple of the median distance to the palette's median colour. Colours
-/// beyond it come from textons that the masks missed.
+/// Outlier threshold, as a multiple of the median distance to the palette's median colour. Colours beyond
+/// it come from elements that the masks missed.
 const OUTLIER_FACTOR: f32 = 3.5;
 /// Lower bound of the outlier threshold, in Oklab units.
 const LEAST_LIMIT: f32 = 0.03;
 
-/// Samples the palette at the sites of a Poisson-disk set. `primaries` is above 0 in primaries,
-/// `textons` above 0 in any texton. A cell's colour is the median of its pixels that lie at least
-/// `background_margin` from every texton. If too few remain, the margin is reduced in steps. As a
-/// last resort only primaries and a thin strip around them are excluded, so the space between
-/// small textons counts as background. Cells with little background, and outlying colours, are
-/// left out.
+/// Samples the palette at the sites of a Poisson-disk set. `primaries` is above 0 in primaries, `textons`
+/// above 0 in any element. A cell's colour is the median of its pixels that lie at least
+/// `background_margin` from every element. If too few remain, the margin is reduced in steps. As a last
+/// resort only primaries and a thin strip around them are excluded, so the space between small elements
+/// counts as background. Cells with little background, and outlying colours, are left out.
 pub(super) fn palette(
     image: &RgbImage,
     primaries: &LabelMap,

@@ -1,12 +1,12 @@
-//! Warnings where a result will look unlike its photograph.
+//! Warnings where a result will differ visibly from its photograph.
 
 use crate::library::Element;
 use crate::segment::ScoredMask;
 
-/// Masks are doubtful where their mean score, weighted by area, is below this. Of photographs whose elements
-/// a person can tell apart it is 0.4 to 0.98; of rust, and of stones in grass from the air, 0.30 to 0.35.
+/// Masks are doubtful if their mean score, weighted by area, is below this. Photographs with elements that
+/// a person can distinguish score 0.4 to 0.98; rust, and stones in grass from the air, 0.30 to 0.35.
 const DOUBTFUL: f64 = 0.36;
-/// With fewer whole elements repetition is seen.
+/// With fewer whole elements, repetition is visible.
 const FEW: usize = 30;
 
 /// Adds warnings about the masks of a photograph and the primaries made of them.

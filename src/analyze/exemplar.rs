@@ -18,7 +18,7 @@ pub struct Exemplar {
     pub file: String,
     /// SHA-256 of the file, in hexadecimal.
     pub sha256: String,
-    /// A layer map of its size that was painted, in place of layers found. Usually `None`.
+    /// A painted layer map of its size, used in place of layers found. Usually `None`.
     pub layers: Option<LayerMap>,
     /// Conversions that the user may not expect, one sentence each. Usually empty.
     pub warnings: Vec<String>,

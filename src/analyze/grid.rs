@@ -22,8 +22,8 @@ const COLOUR_FALLOFF: f32 = 20.0;
 /// A primary that keeps a smaller share of its area than this is resampled without smoothing.
 const LEAST_KEPT: f64 = 0.8;
 
-/// Something in cells, where the same in pixels is as it stands: an image, a map of labels or a mask of
-/// cells, parameters whose lengths and areas count cells.
+/// Marks a value as measured in cells; values in pixels have no mark. It holds an image, a label map or a
+/// mask of cells, or parameters whose lengths and areas count cells.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cells<T>(pub(super) T);
 
@@ -174,7 +174,7 @@ impl Grid {
     fn vote(self, image: &RgbImage, fine: &RgbImage, labels: &LabelMap, [x, y]: [u32; 2]) -> u32 {
         let k = self.cells;
         let (px, py) = (i64::from(x / k), i64::from(y / k));
-        // The neighbour on the cell's side of the pixel; none for a cell in the middle.
+        // The neighbour on the cell's side of the pixel; `None` for a cell in the middle.
         let side = |v: u32| (2 * (v % k) + 1).cmp(&k) as i64;
         let own = labels.get(x / k, y / k);
         let beside = [labels.at(px + side(x), py), labels.at(px, py + side(y))].map(|l| l.unwrap_or(own));

@@ -1,7 +1,7 @@
 //! Image → library: primaries, details, secondaries, categories, descriptors, palette.
 //!
-//! Works badly for exemplars with few textons, with depth or with strong shadows. Descriptors do not
-//! capture structure larger than a few textons; the guide does.
+//! Works badly for exemplars with few elements, with depth or with strong shadows. Descriptors do not
+//! capture structure larger than a few elements; the guide does.
 
 mod background;
 mod candidates;
@@ -43,9 +43,9 @@ use shapes::Style;
 use strata::Strata;
 use unmix::unmixed;
 
-/// Analyses an exemplar: finds its textons with `segmenter`, and derives their shapes, colours,
-/// categories and arrangement and the background's palette. The same arguments give the same
-/// library on any number of threads.
+/// Analyses an exemplar: finds its elements with `segmenter`, and derives their shapes, colours, categories
+/// and arrangement and the background's palette. The same arguments give the same library on any number of
+/// threads.
 ///
 /// An exemplar without primaries is no error. Its library holds the background, secondaries and a
 /// warning.
@@ -211,7 +211,7 @@ fn promote(primaries: &mut LabelMap, cells: &mut Cells<LabelMap>, promoted: &[Ce
     }
 }
 
-/// A map with a label above 0 wherever there is a texton.
+/// A map with a label above 0 wherever there is an element.
 fn any_texton(primaries: &Cells<LabelMap>, secondaries: &[Cells<Mask>]) -> Cells<LabelMap> {
     let mut map = primaries.0.clone();
     for mask in secondaries {

@@ -55,7 +55,7 @@ pub(super) struct Style<'a> {
     pub(super) palette: &'a Palette,
 }
 
-/// The textons made from the pieces.
+/// The elements made from the pieces.
 pub(super) struct Shapes {
     /// Primaries; their categories are not assigned yet.
     pub(super) primaries: Vec<Element>,

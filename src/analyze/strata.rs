@@ -1,4 +1,4 @@
-//! The nested layers of a weathered photograph: which element lies in which, and the background of each.
+//! The nested layers of a weathered photograph: the layer of each element, and the background of each layer.
 
 use super::{Exemplar, background};
 use crate::element::ElementId;
@@ -11,15 +11,15 @@ use crate::scene::Field;
 
 /// The layers of a photograph.
 pub(super) struct Strata {
-    /// Their map; each large element lies in one of them. `None` if there is one.
+    /// Their map; each large element lies in one of them. `None` if there is a single layer.
     map: Option<LayerMap>,
-    /// Why there are as many, if it was decided.
+    /// The reason for their number, if it was decided.
     pub(super) why: Option<String>,
 }
 
 impl Strata {
-    /// Finds the layers of an exemplar, or takes those that were painted. `primaries` has a label above 0
-    /// for each element that is known.
+    /// Finds the layers of an exemplar, or takes painted ones. `primaries` has a label above 0 for each
+    /// known element.
     pub(super) fn new(
         exemplar: &Exemplar,
         primaries: &LabelMap,
@@ -106,7 +106,7 @@ impl Strata {
         layers
     }
 
-    /// The layer of each element: that of most of its pixels, or that of its centre if it is small.
+    /// The layer of each element: the one of most of its pixels, or the one at its centre if it is small.
     fn of_elements(&self, map: &LayerMap, primaries: &LabelMap, elements: &[Element]) -> Vec<u8> {
         let count = elements.partition_point(|e| e.category.is_some());
         let mut of = map.layers_of(primaries, count);

@@ -1,8 +1,8 @@
 //! Removes mixed pixels: those on a border get the colour of the side they are labelled with.
 //!
-//! A pixel that an outline crosses shows a mixture of both sides. Left in, it becomes a thin crescent
-//! along the rim of a texton, as a detail or a secondary. Drawing a smooth outline mixes the colours
-//! again, so nothing is lost. Edges are still located in the photograph.
+//! A pixel that an outline crosses shows a mixture of both sides. Left in, it becomes a thin crescent along
+//! the rim of an element, as a detail or a secondary. Drawing a smooth outline mixes the colours again, so
+//! nothing is lost. Edges are still located in the photograph.
 
 use super::grid::{Cells, Grid};
 use crate::raster::LabelMap;

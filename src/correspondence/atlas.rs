@@ -1,11 +1,11 @@
-//! All pages of one level in one array, so that a source is one number.
+//! All pages of one level in one array, so that a source is a single index.
 
 use super::{CHANNELS, COARSEST, MOST_COMPARED, MOST_LEVELS, PATCH, Page, REACH, Source, UNIT};
 
-/// Features in one patch row.
+/// Features in a row of a patch.
 pub(super) const ROW: usize = PATCH * CHANNELS;
 
-/// The pages of one level, one below the other, each with a frame of [`REACH`] cells that mirrors it.
+/// The pages of one level, one below the other, each with a frame of [`REACH`] mirrored cells.
 pub(super) struct Atlas {
     /// Cells in a row.
     pub(super) stride: usize,
@@ -13,19 +13,19 @@ pub(super) struct Atlas {
     pub(super) features: Vec<i16>,
     /// Whether a cell can be a source.
     pub(super) inside: Vec<bool>,
-    /// Group of each cell; none if that of its page says it.
+    /// Group of each cell; `None` if each page has one group.
     groups: Option<Vec<u8>>,
     pub(super) pages: Vec<Sheet>,
 }
 
-/// Where a page lies in an atlas.
+/// The position of a page in an atlas.
 pub(super) struct Sheet {
     pub(super) group: u8,
     /// Row of its first cell.
     top: usize,
     pub(super) size: [usize; 2],
-    /// Cells along its border that are no sources: what surrounds them is not known, and islands would go
-    /// on there for ever.
+    /// Cells along its border that cannot be sources: their neighbourhood is not known, and islands would
+    /// continue there without end.
     rim: usize,
 }
 
@@ -38,7 +38,7 @@ struct Level {
 }
 
 impl Level {
-    /// Half as fine: means of two by two cells. An odd row or column at the end is left out.
+    /// The level reduced to half: means of 2 × 2 cells. An odd last row or column is left out.
     fn reduced(&self) -> Self {
         let size = self.size.map(|v| (v / 2).max(1));
         let mut features = Vec::with_capacity(size[0] * size[1]);
@@ -80,7 +80,7 @@ impl Atlas {
         let groups: Vec<u8> = pages.iter().map(|p| p.group).collect();
         let mut pyramid = vec![Self::new(&levels, &groups)];
         let shortest = |levels: &[Level]| levels.iter().flat_map(|l| l.size).min().unwrap_or(0);
-        // Of a long strip, coarser levels than its breadth likes.
+        // Elongated pages get coarser levels than their shorter side alone would give.
         let large =
             |levels: &[Level]| levels.iter().map(|l| l.size[0] * l.size[1]).sum::<usize>() > MOST_COMPARED;
         let goes_on = |levels: &[Level]| {
@@ -89,7 +89,7 @@ impl Atlas {
         while pyramid.len() < MOST_LEVELS && goes_on(&levels) {
             levels = levels.iter().map(Level::reduced).collect();
             let coarser = Self::new(&levels, &groups);
-            // A group of single cells may vanish, and cells of another take its place; not all of a page.
+            // A group of single cells may vanish, and other cells replace it. The group of a page may not.
             let has = |g: &u8| coarser.sources_of(*g).next().is_some();
             if coarser.groups.is_none() && !groups.iter().all(has) {
                 break;
@@ -152,14 +152,14 @@ impl Atlas {
         })
     }
 
-    /// The cells of a group that are all compared, at most [`MOST_COMPARED`].
+    /// The cells of a group for an exhaustive comparison, at most [`MOST_COMPARED`].
     pub(super) fn compared(&self, group: u8) -> Vec<u32> {
         let all: Vec<u32> = self.sources_of(group).collect();
         let step = all.len().div_ceil(MOST_COMPARED).max(1);
         all.into_iter().step_by(step).collect()
     }
 
-    /// Groups of cells of a canvas; those without sources here are replaced by the nearest that has some.
+    /// Replaces groups without sources on this level by the nearest group that has some.
     pub(super) fn with_sources(&self, mut groups: Vec<u8>) -> Vec<u8> {
         let last = self.last_group();
         let has: Vec<bool> = (0..=last).map(|g| self.sources_of(g).next().is_some()).collect();
@@ -172,7 +172,7 @@ impl Atlas {
         groups
     }
 
-    /// The largest number of a group.
+    /// The highest group number.
     pub(super) fn last_group(&self) -> u8 {
         let last = match &self.groups {
             Some(groups) => groups.iter().copied().max(),
@@ -205,7 +205,7 @@ impl Atlas {
         Source { page: page as u16, at: [(x - REACH) as u16, (y - self.pages[page].top) as u16] }
     }
 
-    /// The cell of a page at a place, moved to where sources may be if it lies beside that.
+    /// The cell of a page at a place, clamped to where sources may be.
     pub(super) fn cell(&self, page: usize, at: [i64; 2]) -> u32 {
         let sheet = &self.pages[page];
         let (rim, size) = (sheet.rim as i64, sheet.size.map(|v| v as i64));
@@ -213,7 +213,7 @@ impl Atlas {
         ((sheet.top + y) * self.stride + x + REACH) as u32
     }
 
-    /// A cell some cells away, if that can be a source.
+    /// The cell at an offset from another, if it can be a source.
     #[inline]
     pub(super) fn moved(&self, cell: u32, dx: isize, dy: isize) -> Option<u32> {
         let at = cell as isize + dy * self.stride as isize + dx;
@@ -233,8 +233,8 @@ impl Atlas {
     }
 }
 
-/// Squared distance of two patches, each given by the index of its first feature and the features
-/// in a row; or anything from `limit` on.
+/// Squared distance of two patches, each given by its features and the length of a feature row. Only values
+/// below `limit` are exact.
 #[inline(always)]
 pub(super) fn distance(a: &[i16], a_row: usize, b: &[i16], b_row: usize, limit: i32) -> i32 {
     let mut sum = 0;
@@ -251,19 +251,19 @@ pub(super) fn distance(a: &[i16], a_row: usize, b: &[i16], b_row: usize, limit: 
     sum
 }
 
-/// The most frequent of four groups; of equals the highest, because upper layers are thin.
+/// The most frequent of four groups. Ties go to the highest, because upper layers are thin.
 fn most_frequent(four: [u8; 4]) -> u8 {
     let count = |group: u8| four.iter().filter(|&&g| g == group).count();
     four.into_iter().max_by_key(|&g| (count(g), g)).unwrap_or(0)
 }
 
-/// A feature as it is stored.
+/// The stored form of a feature.
 fn stored(v: f32) -> i16 {
-    // Ten deviations and more are alike; squares of differences then fit 32 bits a hundredfold.
+    // Features are clamped, so that sums of squared differences fit 32 bits.
     libm::roundf(v.clamp(-16.0, 16.0) * UNIT) as i16
 }
 
-/// The index within `0..size` that a framed index shows.
+/// The index within `0..size` that a framed index mirrors.
 fn mirrored(framed: usize, size: usize) -> usize {
     let i = framed as i64 - REACH as i64;
     let i = if i < 0 { -1 - i } else { i };

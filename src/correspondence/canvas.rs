@@ -1,4 +1,4 @@
-//! A canvas on one level: the source of each cell, and the features that it has by them.
+//! A canvas on one level: the source of each cell, and its features.
 
 use super::atlas::Atlas;
 use super::{CHANNELS, REACH};
@@ -10,26 +10,26 @@ pub(super) struct Canvas {
     /// Size in cells.
     pub(super) size: [usize; 2],
     pub(super) wrap: [bool; 2],
-    /// Group of pages that each cell takes its source from.
+    /// Group that each cell takes its source from.
     pub(super) groups: Option<Vec<u8>>,
-    /// How much a source is preferred that the cells around continue, 0 to 1.
+    /// Preference for sources that continue adjacent cells, 0 to 1.
     pub(super) coherence: f32,
     /// Cells that need a source.
     pub(super) active: Option<Vec<bool>>,
     /// Source of each cell, row by row.
     pub(super) sources: Vec<u32>,
-    /// Squared distance between the surroundings of each cell and those of its source.
+    /// Squared distance between the neighbourhood of each cell and that of its source.
     pub(super) costs: Vec<i32>,
     /// Features of each cell, with a frame of [`REACH`] cells.
     pub(super) values: Vec<i16>,
 }
 
-/// Sizes of a canvas level by level, from the finest.
+/// Sizes of a canvas on each level, from the finest.
 pub(super) fn sizes(finest: [usize; 2], levels: usize) -> Vec<[usize; 2]> {
     std::iter::successors(Some(finest), |s| Some(s.map(|v| v.div_ceil(2)))).take(levels).collect()
 }
 
-/// Values of the finest level, as those of a coarser one.
+/// Values of the finest level, sampled on a coarser one.
 pub(super) fn reduced(values: &[u8], size: [usize; 2], coarse: [usize; 2]) -> Vec<u8> {
     let at = |x: usize, y: usize| {
         let [u, v] = [(2 * x + 1) * size[0] / (2 * coarse[0]), (2 * y + 1) * size[1] / (2 * coarse[1])];
@@ -38,8 +38,7 @@ pub(super) fn reduced(values: &[u8], size: [usize; 2], coarse: [usize; 2]) -> Ve
     (0..coarse[1]).flat_map(|y| (0..coarse[0]).map(move |x| (x, y))).map(|(x, y)| at(x, y)).collect()
 }
 
-/// Whether something is so of any cell of the finest level within each cell of a coarser one, or
-/// beside it.
+/// For each cell of a coarser level, whether a value of the finest level is set within it or beside it.
 pub(super) fn any_within(values: &[bool], size: [usize; 2], coarse: [usize; 2]) -> Vec<bool> {
     let range = |v: usize, k: usize| {
         let cells = size[k].div_ceil(coarse[k]);
@@ -76,7 +75,7 @@ impl Canvas {
         self.active.as_ref().is_none_or(|active| active[cell])
     }
 
-    /// With blocks of `block` cells from places drawn at random.
+    /// Initialises the sources with blocks of `block` cells from random places.
     pub(super) fn random(self, atlas: &Atlas, block: usize, random: &mut Stream) -> Self {
         let mut canvas = self;
         let size = canvas.size;
@@ -108,12 +107,12 @@ impl Canvas {
         self.groups.as_ref().map_or_else(|| atlas.pages[0].group, |g| g[cell])
     }
 
-    /// Gives the cells of the next finer level the finer cells of these sources.
+    /// Gives the cells of the next finer level, `canvas`, the finer cells of these sources.
     pub(super) fn finer(&self, coarse: &Atlas, fine: &Atlas, mut canvas: Self) -> Self {
         let size = canvas.size;
         let axis = |v: usize, k: usize| {
             let parent = v * self.size[k] / size[k];
-            // The first cell of that parent.
+            // The first cell of the parent.
             let first = (parent * size[k]).div_ceil(self.size[k]);
             (parent, (v - first) as i64)
         };
@@ -132,8 +131,8 @@ impl Canvas {
         canvas
     }
 
-    /// Gives cells whose source is of another group than they should be the source of a near cell
-    /// that has the right one, or the first there is.
+    /// Corrects cells whose source is of a wrong group: they continue a near cell of the right group, or
+    /// take any source of that group.
     fn correct_groups(&mut self, atlas: &Atlas) {
         if self.groups.is_none() {
             return;
@@ -152,14 +151,14 @@ impl Canvas {
             });
             let found = { near }.next().or_else(|| {
                 let count = atlas.sources_of(group).count();
-                // Spread over the page, so that not all begin at one place.
+                // Spread over the page, so that not all start at one place.
                 atlas.sources_of(group).nth((i * 7919) % count.max(1))
             });
             self.sources[i] = found.unwrap_or(sources[i]);
         }
     }
 
-    /// Index of a cell some cells away; none beyond a border.
+    /// Index of the cell at an offset; `None` beyond a border.
     #[inline]
     pub(super) fn neighbour(&self, [x, y]: [usize; 2], [dx, dy]: [isize; 2]) -> Option<usize> {
         let axis = |v: usize, d: isize, k: usize| {
@@ -175,7 +174,7 @@ impl Canvas {
         Some(axis(y, dy, 1)? * self.size[0] + axis(x, dx, 0)?)
     }
 
-    /// Features in a row of the values.
+    /// Length of a row of values.
     pub(super) fn value_row(&self) -> usize {
         (self.size[0] + 2 * REACH) * CHANNELS
     }
@@ -192,7 +191,7 @@ impl Canvas {
         y * self.value_row() + x * CHANNELS
     }
 
-    /// Fills the frame with what continues the canvas: its other side, or its border.
+    /// Fills the frame with the opposite side where the canvas repeats, else with its border.
     pub(super) fn frame(&mut self) {
         let [w, h] = self.size;
         let real = |framed: usize, size: usize, wrap: bool| {
@@ -216,7 +215,7 @@ impl Canvas {
         }
     }
 
-    /// Makes the features of every cell those of its source.
+    /// Sets the features of every cell to those of its source.
     pub(super) fn copy_sources(&mut self, atlas: &Atlas) {
         for y in 0..self.size[1] {
             for x in 0..self.size[0] {
@@ -227,8 +226,8 @@ impl Canvas {
         self.frame();
     }
 
-    /// How far the contrast of the canvas is from that of the first page, in blocks of several sizes:
-    /// the sum of the logarithms of their quotients.
+    /// Difference in contrast between the canvas and the first page: the sum of absolute log ratios over
+    /// blocks of several sizes.
     pub(super) fn contrast_error(&self, atlas: &Atlas) -> f32 {
         let light = |cell: u32| {
             let of = atlas.of(cell);
@@ -246,13 +245,13 @@ impl Canvas {
     }
 }
 
-/// Standard deviation of the means of blocks of cells at all places; 0 if there are fewer than three by
-/// three blocks beside each other.
+/// Standard deviation of the means of sliding blocks of cells; 0 if fewer than 3 × 3 blocks fit side by
+/// side.
 fn spread(size: [usize; 2], block: usize, value: impl Fn(usize, usize) -> [f32; 3]) -> f32 {
     if size[0] < 3 * block || size[1] < 3 * block {
         return 0.0;
     }
-    // Sums over all cells above and to the left.
+    // Summed-area table.
     let stride = size[0] + 1;
     let mut before = vec![[0f64; 3]; stride * (size[1] + 1)];
     for y in 0..size[1] {

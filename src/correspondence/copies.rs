@@ -1,12 +1,12 @@
-//! Cells of the canvas that come from the same cell of an exemplar.
+//! Canvas cells with the same source.
 
 use super::atlas::Atlas;
 use super::canvas::Canvas;
 
-/// How far copies are seen as such, as a share of the shorter side of the smallest page.
+/// Distance over which copies count, as a share of the shorter side of the smallest page.
 const REACH: f32 = 0.6;
 
-/// For each source the cells of the canvas that have it.
+/// The canvas cells of each source.
 pub(super) struct Copies {
     starts: Vec<u32>,
     cells: Vec<u32>,
@@ -33,8 +33,8 @@ impl Copies {
         Self { starts, cells, size: canvas.size, wrap: canvas.wrap, reach: REACH * shortest as f32 }
     }
 
-    /// How near the nearest copy of a source is to a cell, of those in cells before it: 1 at the same
-    /// place, 0 out of reach. So of two copies one makes way.
+    /// Proximity of the nearest earlier cell with the same source: 1 at the same place, 0 out of reach.
+    /// Only earlier cells count, so that one of two copies gives way.
     pub(super) fn nearness(&self, source: u32, cell: usize) -> f32 {
         let list = self.starts[source as usize] as usize..self.starts[source as usize + 1] as usize;
         let before = self.cells[list].iter().map(|&q| q as usize).take_while(|&q| q < cell);

@@ -1,4 +1,4 @@
-//! Islands: cells side by side that come from one place.
+//! Islands: adjacent cells that come from one place.
 
 use super::atlas::Atlas;
 use super::canvas::Canvas;
@@ -6,16 +6,16 @@ use super::search::Best;
 use super::{Field, Source};
 use crate::disjoint_sets::DisjointSets;
 
-/// Which island each cell belongs to.
+/// The island of each cell.
 pub(crate) struct Islands {
     /// Number of the island of each cell, row by row.
     pub(crate) of: Vec<u32>,
-    /// Cells of each island.
+    /// Number of cells of each island.
     pub(crate) sizes: Vec<u32>,
 }
 
 impl Islands {
-    /// Those of a field.
+    /// The islands of a field.
     pub(crate) fn new(field: &Field) -> Self {
         let continues = |a: Source, b: Source, d: [i32; 2]| {
             a.page == b.page && (0..2).all(|k| i32::from(b.at[k]) - i32::from(a.at[k]) == d[k])
@@ -24,8 +24,7 @@ impl Islands {
         Self::connected(field.size, field.wrap, |i, j, d| continues(s[i], s[j], d))
     }
 
-    /// Cells joined where `joined(cell, next, way)` says so of a cell and the next to the right or
-    /// below.
+    /// Joins each cell to the next one to the right and below where `joined(cell, next, offset)` holds.
     fn connected(size: [usize; 2], wrap: [bool; 2], joined: impl Fn(usize, usize, [i32; 2]) -> bool) -> Self {
         let [w, h] = size;
         let mut sets = DisjointSets::new(w * h);
@@ -34,8 +33,8 @@ impl Islands {
                 let i = y * w + x;
                 let right = if x + 1 < w { Some(i + 1) } else { wrap[0].then_some(y * w) };
                 let below = if y + 1 < h { Some(i + w) } else { wrap[1].then_some(x) };
-                for (next, way) in [(right, [1, 0]), (below, [0, 1])] {
-                    if let Some(j) = next.filter(|&j| joined(i, j, way)) {
+                for (next, offset) in [(right, [1, 0]), (below, [0, 1])] {
+                    if let Some(j) = next.filter(|&j| joined(i, j, offset)) {
                         sets.join(i, j);
                     }
                 }
@@ -49,8 +48,7 @@ impl Islands {
 }
 
 impl Canvas {
-    /// Gives the cells of islands of fewer than `least` cells to the islands around them that suit
-    /// best.
+    /// Gives the cells of islands with fewer than `least` cells to the adjacent islands that fit best.
     pub(super) fn absorb_small_islands(&mut self, atlas: &Atlas, least: u32) {
         self.copy_sources(atlas);
         let islands = Islands::connected(self.size, self.wrap, |i, j, [dx, dy]| {

@@ -1,18 +1,18 @@
-//! From where in its exemplars each place of a canvas comes: a field of correspondences.
+//! Correspondence fields: for each place of a canvas, the place in an exemplar that it is taken from.
 //!
-//! Texture optimisation (Kwatra et al. 2005) from coarse to fine: every cell of the canvas has a
-//! source, the cell of an exemplar whose surroundings look most like its own; what overlapping
-//! surroundings say of a cell is averaged, and sources are sought again. Sources are sought among all
-//! cells at the coarsest levels, then among those of the neighbours, continued, and among cells like
-//! them (k-coherence: Tong et al. 2002). A cell that has been taken often costs more (Kaspar et al.
-//! 2015), and colours are brought to the exemplar's histogram (Kopf et al. 2007), so nothing is lost
-//! or preferred. In the last passes the canvas is a mosaic of whole islands of its exemplars and only
-//! their borders move, to where they are seen least (Lefebvre and Hoppe 2005).
+//! Texture optimisation (Kwatra et al. 2005) from coarse to fine. Every cell of the canvas has a source,
+//! the exemplar cell with the most similar neighbourhood. Overlapping neighbourhoods vote on the features
+//! of each cell, and sources are searched again: among all cells at the coarsest levels, then among the
+//! sources that continue those of adjacent cells, and among cells similar to these (k-coherence: Tong et
+//! al. 2002). A source that is used often costs more (Kaspar et al. 2015), and colours are matched to the
+//! exemplar's histogram (Kopf et al. 2007), so no part of the exemplar is lost or preferred. In the last
+//! passes the canvas is a mosaic of whole islands, and only their borders move, to where they are least
+//! visible (Lefebvre and Hoppe 2005).
 //!
-//! Knows no textons: cells have features, and features are numbers.
+//! Knows no elements: cells have features, and features are numbers.
 //!
-//! Works badly where the exemplar holds a thing once that is as large as itself, such as a single
-//! border between two surfaces.
+//! Works badly where the exemplar holds a single structure of its own size, such as one border between two
+//! surfaces.
 
 mod atlas;
 mod canvas;
@@ -32,53 +32,53 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 pub(crate) use islands::Islands;
 
-/// Features of a cell: three of colour, one of what stands there.
+/// Features of a cell: three of colour, one of what covers it.
 pub(crate) const CHANNELS: usize = 4;
-/// Cells along the side of the surroundings that are compared.
+/// Side of the neighbourhoods that are compared, in cells.
 const PATCH: usize = 5;
-/// Cells from the middle of the surroundings to their border.
+/// Radius of a neighbourhood, in cells.
 const REACH: usize = PATCH / 2;
-/// A feature of 1 as it is stored.
+/// Stored value of a feature of 1.
 const UNIT: f32 = 64.0;
 
-/// The cost of a source taken as often as all others on average, as a share of the squared deviation.
+/// Cost of a source used with average frequency, as a share of the squared standard deviation.
 const OCCURRENCE: f32 = 0.03;
-/// The extra cost of a source that no cell around continues: a share of its distance, and a share of the
-/// squared deviation. One that some of the eight continue costs as much less.
+/// Extra cost of a source that continues no adjacent cell: a share of its distance, and a share of the
+/// squared standard deviation. Each of the eight adjacent cells that it continues takes off an eighth.
 const ALONE: [f32; 2] = [0.3, 0.04];
-/// Levels, from the finest, on which it costs that; on coarser ones structure is still to be found.
+/// Levels, from the finest, that apply this cost; on coarser ones structure is still being formed.
 const COHERENT: usize = 2;
-/// The extra cost of a source with a copy beside it, as a share of the squared deviation; less with
-/// distance. Only where all sources are compared: later, islands are too large to make way.
+/// Extra cost of a source with a copy nearby, as a share of the squared standard deviation; it falls with
+/// distance. Only for exhaustive searches: later, islands are too large to give way.
 const COPY: f32 = 0.3;
 /// Shortest side of the coarsest level of the smallest page, in cells.
 const COARSEST: usize = 14;
-/// Most cells that are all compared: of more, so many evenly chosen.
+/// Most cells in an exhaustive comparison. More are sampled evenly.
 const MOST_COMPARED: usize = 4096;
 /// Most levels.
 const MOST_LEVELS: usize = 8;
-/// Random beginnings, of which the best is carried on.
+/// Random initialisations, of which the best is kept.
 const STARTS: u64 = 6;
-/// Beginnings that are carried on to the second level before one is chosen.
+/// Initialisations that are refined on the second level before the best is chosen.
 const CARRIED_ON: usize = 2;
-/// Iterations on the coarsest level, on those between, and on the finest.
+/// Iterations on the coarsest level, on the levels between, and on the finest.
 const ITERATIONS: [usize; 3] = [5, 4, 2];
 /// Passes on the finest level in which islands only move their borders.
 const MOSAIC: usize = 4;
-/// Fewest cells of an island.
+/// Least number of cells of an island.
 const LEAST_ISLAND: u32 = 10;
 
-/// An exemplar, or an exemplar turned or mirrored, cell by cell.
+/// An exemplar, as it is, rotated or mirrored, cell by cell.
 pub(crate) struct Page {
-    /// The group that its cells belong to; cells of the canvas may be restricted to a group.
+    /// The group of its cells. Cells of the canvas may be restricted to a group.
     pub(crate) group: u8,
-    /// The group of each cell, in place of one for all. All pages have them, or none has.
+    /// The group of each cell, in place of `group`. Either all pages have these or none.
     pub(crate) groups: Option<Vec<u8>>,
     /// Size in cells.
     pub(crate) size: [usize; 2],
-    /// Features row by row, each of deviation about 1.
+    /// Features row by row, each with a standard deviation of about 1.
     pub(crate) features: Vec<[f32; CHANNELS]>,
-    /// Cells that can be sources; none if all can.
+    /// Cells that can be sources; `None` if all can.
     pub(crate) inside: Option<Vec<bool>>,
 }
 
@@ -89,14 +89,14 @@ pub(crate) struct Request<'a> {
     pub(crate) size: [usize; 2],
     /// Along which axes the canvas repeats.
     pub(crate) wrap: [bool; 2],
-    /// The group that each cell takes its source from; none if there is one group.
+    /// The group that each cell takes its source from; `None` if there is one group.
     pub(crate) groups: Option<Vec<u8>>,
-    /// Cells that need a source; none if all do.
+    /// Cells that need a source; `None` if all do.
     pub(crate) active: Option<Vec<bool>>,
     pub(crate) seed: u64,
 }
 
-/// Where a cell comes from.
+/// The place that a cell is taken from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Source {
     pub(crate) page: u16,
@@ -115,7 +115,7 @@ pub(crate) struct Field {
 /// Name of the stage.
 const STAGE: &str = "structure";
 
-/// The field of a canvas. Needs a cell inside of each group that is asked for.
+/// Finds the field of a canvas. Each requested group needs a cell that can be a source.
 ///
 /// # Errors
 /// [`crate::Error::Interrupted`].
@@ -123,25 +123,25 @@ pub(crate) fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Fie
     let atlases = Atlas::pyramid(request.pages);
     let coarsest = atlases.len() - 1;
     let sizes = canvas::sizes(request.size, atlases.len());
-    let what = |level: usize| {
+    let constraints = |level: usize| {
         let groups = request.groups.as_ref().map(|g| canvas::reduced(g, request.size, sizes[level]));
         let groups = groups.map(|groups| atlases[level].with_sources(groups));
         let active = request.active.as_ref().map(|a| canvas::any_within(a, request.size, sizes[level]));
         (groups, active)
     };
-    // Each pass over a level counts; those of the finest are most of the work.
+    // Each pass over a level counts. Those over the finest are most of the work.
     let cells = |level: usize| (sizes[level][0] * sizes[level][1]) as u64;
     let passes = |level: usize| if level == 0 { 2 * ITERATIONS[2] + 5 } else { 4 * ITERATIONS[1] } as u64;
     let work: u64 = (0..sizes.len()).map(|level| passes(level) * cells(level)).sum();
     let watch = Watch { progress, done: AtomicU64::new(0), work, stopped: AtomicBool::new(false) };
     watch.check()?;
 
-    // The best of several beginnings, by how much of the exemplar's large contrast they keep.
+    // The best initialisation keeps most of the exemplar's large-scale contrast.
     let mut similar = Similar::coarsest(&atlases[coarsest], &watch);
     let begin = |start: u64| {
         let mut random = stream(request.seed, "correspondence/start", start);
         let block = 1 + 2 * (start as usize % 2);
-        let empty = Canvas::new(sizes[coarsest], request.wrap, what(coarsest));
+        let empty = Canvas::new(sizes[coarsest], request.wrap, constraints(coarsest));
         let mut canvas = empty.random(&atlases[coarsest], block, &mut random);
         canvas.optimise(&atlases[coarsest], &similar, ITERATIONS[0], ITERATIONS[0], &watch);
         canvas
@@ -153,7 +153,7 @@ pub(crate) fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Fie
         let (coarse, fine) = (&atlases[level + 1], &atlases[level]);
         similar = similar.finer(coarse, fine, &watch);
         for canvas in &mut canvases {
-            *canvas = canvas.finer(coarse, fine, Canvas::new(sizes[level], request.wrap, what(level)));
+            *canvas = canvas.finer(coarse, fine, Canvas::new(sizes[level], request.wrap, constraints(level)));
             canvas.coherence = if level < COHERENT { 1.0 } else { 0.0 };
             if level > 0 {
                 let exhaustive = usize::from(coarsest - level == 1);
@@ -177,7 +177,7 @@ pub(crate) fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Fie
     })
 }
 
-/// Reports of the work, row by row; the answer says whether it is to stop.
+/// Reports progress row by row, and remembers whether the work was stopped.
 struct Watch<'p> {
     progress: &'p dyn Progress,
     done: AtomicU64,
@@ -186,10 +186,10 @@ struct Watch<'p> {
 }
 
 impl Watch<'_> {
-    /// Tells of a row of cells that is about to be done; false if nothing is to be done any more.
+    /// Reports a row of cells; false once the work was stopped.
     fn goes_on(&self, cells: usize) -> bool {
         let done = self.done.fetch_add(cells as u64, Ordering::Relaxed) + cells as u64;
-        // Reported after every few cells only.
+        // Cells between two reports.
         const EVERY: u64 = 1 << 14;
         if done / EVERY != (done - cells as u64) / EVERY
             && !self.progress.advance(STAGE, done.min(self.work), self.work)
@@ -199,7 +199,7 @@ impl Watch<'_> {
         !self.stopped.load(Ordering::Relaxed)
     }
 
-    /// An error if the work is to stop.
+    /// An error if the work was stopped.
     fn check(&self) -> Result<()> {
         let done = self.done.load(Ordering::Relaxed).min(self.work);
         let stopped = self.stopped.load(Ordering::Relaxed);
@@ -210,15 +210,15 @@ impl Watch<'_> {
         }
     }
 
-    /// Tells that all is done.
+    /// Reports that all work is done.
     fn finish(&self) -> Result<()> {
         self.done.store(self.work, Ordering::Relaxed);
         self.check()
     }
 }
 
-/// Keeps those of several canvases whose contrast is nearest to the exemplar's, of equals the first.
-/// Errors are from 0 on, so their bits are in their order.
+/// Keeps the canvases with the smallest contrast error; ties go to the first. Errors are not negative, so
+/// their bits sort like their values.
 fn keep_best(canvases: &mut Vec<Canvas>, atlas: &Atlas, count: usize) {
     if canvases.len() > count {
         canvases.sort_by_cached_key(|canvas| canvas.contrast_error(atlas).to_bits());

@@ -1,4 +1,4 @@
-//! Sources that suit what is around each cell.
+//! The search for the sources that fit the neighbourhood of each cell.
 
 use super::atlas::{Atlas, distance};
 use super::canvas::Canvas;
@@ -7,14 +7,14 @@ use super::similar::Similar;
 use super::{ALONE, CHANNELS, COPY, OCCURRENCE, PATCH, REACH, UNIT, Watch};
 use crate::parallel;
 
-/// The cells around one.
+/// Offsets to the cells around a cell.
 const AROUND: [[isize; 2]; 8] = [[-1, 0], [1, 0], [0, -1], [0, 1], [-1, -1], [1, -1], [-1, 1], [1, 1]];
-/// Features squared and summed over a patch, if each were off by one deviation in one channel.
+/// Distance of two patches that differ by one standard deviation in one channel.
 const PATCH_UNIT: f32 = UNIT * UNIT * (PATCH * PATCH) as f32;
 
 impl Canvas {
-    /// Votes and searches in turn, the first `exhaustive` times among all sources; the last search is
-    /// followed by no vote.
+    /// Alternates votes and searches, the first `exhaustive` searches among all sources. No vote follows
+    /// the last search.
     pub(super) fn optimise(
         &mut self,
         atlas: &Atlas,
@@ -27,27 +27,27 @@ impl Canvas {
             self.vote(atlas, watch);
             self.match_histograms(atlas);
             self.frame();
-            let dear = self.occurrence_costs(atlas);
-            self.search(atlas, similar, iteration < exhaustive, &dear, watch);
+            let occurrence = self.occurrence_costs(atlas);
+            self.search(atlas, similar, iteration < exhaustive, &occurrence, watch);
         }
     }
 
-    /// As [`Canvas::optimise`], but cells within islands keep their sources and features.
+    /// Like [`Canvas::optimise`], but cells inside islands keep their sources and features.
     pub(super) fn refine(&mut self, atlas: &Atlas, similar: &Similar, iterations: usize, watch: &Watch<'_>) {
         for _ in 0..iterations {
-            let (deep, dear) = (self.deep(atlas), self.occurrence_costs(atlas));
+            let (deep, occurrence) = (self.deep(atlas), self.occurrence_costs(atlas));
             let open = |i: usize| !deep[i] && self.is_active(i);
             let open = (0..deep.len()).map(open).collect();
             self.copy_sources(atlas);
             let all = self.active.replace(open);
             self.vote(atlas, watch);
             self.frame();
-            self.search(atlas, similar, false, &dear, watch);
+            self.search(atlas, similar, false, &occurrence, watch);
             self.active = all;
         }
     }
 
-    /// Whether the patches over a cell, and those over the cells beside it, all come from one place.
+    /// Whether the patches over a cell and over its adjacent cells all come from one place.
     fn deep(&self, atlas: &Atlas) -> Vec<bool> {
         let [w, h] = self.size;
         let all = |known: &[bool]| -> Vec<bool> {
@@ -61,17 +61,17 @@ impl Canvas {
         parallel::for_chunks(&mut whole, w, |y, row| {
             row.iter_mut().enumerate().for_each(|(x, whole)| *whole = self.is_whole(atlas, [x, y]));
         });
-        // Each round is a cell further: the patch reaches two, its patches two more.
+        // Each round adds a cell: a patch reaches two cells, and the patches over it two more.
         all(&all(&all(&whole)))
     }
 
-    /// For every cell of an atlas what it costs more because it and those around it are taken often.
+    /// The occurrence cost of every cell of an atlas: it grows as the cells around it are used as sources.
     fn occurrence_costs(&self, atlas: &Atlas) -> Vec<i32> {
         let mut taken = vec![0u32; atlas.inside.len()];
         (0..self.sources.len())
             .filter(|&i| self.is_active(i))
             .for_each(|i| taken[self.sources[i] as usize] += 1);
-        // How often each would be taken if all were taken as often, group by group.
+        // Mean number of uses of a source, group by group.
         let mut wanted = vec![0f32; usize::from(atlas.last_group()) + 1];
         for i in (0..self.sources.len()).filter(|&i| self.is_active(i)) {
             wanted[usize::from(self.group(i, atlas))] += 1.0;
@@ -104,21 +104,21 @@ impl Canvas {
         costs
     }
 
-    /// Gives every cell the best source of: its own, its neighbours' continued, those like them; or of
-    /// all.
+    /// Gives every cell the best source: of its own, those that continue adjacent cells, and those similar
+    /// to these; or, if `exhaustive`, of all.
     fn search(
         &mut self,
         atlas: &Atlas,
         similar: &Similar,
         exhaustive: bool,
-        dear: &[i32],
+        extra: &[i32],
         watch: &Watch<'_>,
     ) {
         let groups = if exhaustive { usize::from(atlas.last_group()) + 1 } else { 0 };
         let all: Vec<Vec<u32>> = (0..groups).map(|g| atlas.compared(g as u8)).collect();
         let this = &*self;
         let copies = exhaustive.then(|| Copies::new(this, atlas));
-        // The earlier field, if the work is stopped.
+        // The earlier sources remain if the work is stopped.
         let mut found: Vec<(u32, i32)> =
             this.sources.iter().copied().zip(this.costs.iter().copied()).collect();
         parallel::for_chunks(&mut found, this.size[0], |y, found| {
@@ -130,7 +130,7 @@ impl Canvas {
                 if !this.is_active(i) {
                     continue;
                 }
-                let mut best = Best::new(this, atlas, [x, y], dear);
+                let mut best = Best::new(this, atlas, [x, y], extra);
                 best.copies = copies.as_ref().map(|copies| (copies, i));
                 best.consider_around(this, [x, y]);
                 if exhaustive {
@@ -148,7 +148,7 @@ impl Canvas {
         }
     }
 
-    /// The source of a neighbour, continued to the cell, if that is one of the cell's group.
+    /// The source that continues a neighbour's to this cell, if it is of the cell's group.
     #[inline]
     pub(super) fn continued(&self, atlas: &Atlas, [x, y]: [usize; 2], [dx, dy]: [isize; 2]) -> Option<u32> {
         let neighbour = self.neighbour([x, y], [dx, dy])?;
@@ -157,15 +157,15 @@ impl Canvas {
         suits.then_some(source)
     }
 
-    /// Whether all cells around one continue its source.
+    /// Whether the source of a cell continues those of all cells around it.
     pub(super) fn is_whole(&self, atlas: &Atlas, at: [usize; 2]) -> bool {
         let own = self.sources[at[1] * self.size[0] + at[0]];
         AROUND.iter().all(|&d| self.neighbour(at, d).is_none() || self.continued(atlas, at, d) == Some(own))
     }
 
-    /// Passes in which every cell shows its source alone and the borders of islands move to where the
-    /// surroundings agree. A quarter of the cells at a time, so that neighbours see what became of each
-    /// other.
+    /// Passes in which every cell shows only its source, and the borders of islands move to where the
+    /// neighbourhoods agree. Each pass takes a quarter of the cells, so that adjacent cells see each
+    /// other's changes.
     pub(super) fn mosaic(&mut self, atlas: &Atlas, similar: &Similar, passes: usize, watch: &Watch<'_>) {
         self.copy_sources(atlas);
         let none = vec![0; atlas.inside.len()];
@@ -218,19 +218,19 @@ pub(super) struct Best<'a> {
     values: &'a [i16],
     row: usize,
     atlas: &'a Atlas,
-    dear: &'a [i32],
+    extra: &'a [i32],
     coherence: f32,
-    /// Where sources are taken already, and the cell that seeks one.
+    /// Which sources are used already, and the cell that searches.
     copies: Option<(&'a Copies, usize)>,
     pub(super) source: u32,
     pub(super) cost: i32,
-    /// Sources considered, the first of them.
+    /// The first of the sources considered so far.
     seen: [u32; 12],
     known: usize,
 }
 
 impl<'a> Best<'a> {
-    pub(super) fn new(canvas: &'a Canvas, atlas: &'a Atlas, [x, y]: [usize; 2], dear: &'a [i32]) -> Self {
+    pub(super) fn new(canvas: &'a Canvas, atlas: &'a Atlas, [x, y]: [usize; 2], extra: &'a [i32]) -> Self {
         let values = &canvas.values[canvas.patch(x, y)..];
         let row = canvas.value_row();
         let coherence = canvas.coherence;
@@ -238,7 +238,7 @@ impl<'a> Best<'a> {
             values,
             row,
             atlas,
-            dear,
+            extra,
             coherence,
             copies: None,
             source: 0,
@@ -248,7 +248,7 @@ impl<'a> Best<'a> {
         }
     }
 
-    /// Considers the cell's own source and those of the cells around, continued.
+    /// Considers the cell's own source, and the sources that continue those of the cells around it.
     fn consider_around(&mut self, canvas: &Canvas, at: [usize; 2]) {
         let (mut sources, mut supports, mut count) = ([0; 9], [0; 9], 1);
         sources[0] = canvas.sources[at[1] * canvas.size[0] + at[0]];
@@ -264,7 +264,7 @@ impl<'a> Best<'a> {
         }
     }
 
-    /// Takes a source if it is better; `support` of the cells around continue it.
+    /// Takes a source if it is better. It continues `support` of the cells around.
     #[inline]
     pub(super) fn consider(&mut self, source: u32, support: u32) {
         if self.seen[..self.known].contains(&source) {
@@ -275,18 +275,18 @@ impl<'a> Best<'a> {
             self.known += 1;
         }
         let alone = self.coherence * (1.0 - support.min(8) as f32 / 8.0);
-        let dear = self.dear[source as usize] + (alone * ALONE[1] * PATCH_UNIT) as i32;
-        if dear >= self.cost {
+        let extra = self.extra[source as usize] + (alone * ALONE[1] * PATCH_UNIT) as i32;
+        if extra >= self.cost {
             return;
         }
         let there = &self.atlas.features[self.atlas.patch(source)..];
         let row = self.atlas.stride * CHANNELS;
-        let distance = distance(self.values, self.row, there, row, self.cost - dear);
-        let cost = dear.saturating_add((distance as f32 * (1.0 + alone * ALONE[0])) as i32);
+        let distance = distance(self.values, self.row, there, row, self.cost - extra);
+        let cost = extra.saturating_add((distance as f32 * (1.0 + alone * ALONE[0])) as i32);
         if cost >= self.cost {
             return;
         }
-        // Asked last, for it takes longest.
+        // Evaluated last, because it takes longest.
         let copy = self.copies.map_or(0.0, |(copies, cell)| COPY * copies.nearness(source, cell));
         let cost = cost.saturating_add((copy * PATCH_UNIT) as i32);
         if cost < self.cost {

@@ -1,27 +1,27 @@
-//! Cells of the exemplars whose surroundings look alike.
+//! Exemplar cells with similar neighbourhoods.
 
 use super::atlas::{Atlas, distance};
 use super::{CHANNELS, PATCH, Watch};
 use crate::parallel;
 
-/// Cells kept for each.
+/// Similar cells kept for each cell.
 const KEPT: usize = 4;
-/// No cell.
+/// Marks a missing cell.
 const NONE: u32 = u32::MAX;
 
-/// For each cell of an atlas the cells most like it in the same group, none of them near it.
+/// For each cell of an atlas the most similar cells of the same group, except those close to it.
 pub(super) struct Similar {
     cells: Vec<[u32; KEPT]>,
 }
 
 impl Similar {
-    /// By comparing all with all.
+    /// Compares all cells with all.
     pub(super) fn coarsest(atlas: &Atlas, watch: &Watch<'_>) -> Self {
         let all: Vec<Vec<u32>> = (0..=atlas.last_group()).map(|g| atlas.compared(g)).collect();
         Self::best(atlas, watch, |cell| all[usize::from(atlas.group(cell))].iter().copied())
     }
 
-    /// Among the finer cells of those that are alike on the coarser level, and around them.
+    /// Compares each cell with those in and around the cells that are similar on the coarser level.
     pub(super) fn finer(&self, coarse: &Atlas, fine: &Atlas, watch: &Watch<'_>) -> Self {
         Self::best(fine, watch, |cell| {
             let source = fine.source(cell);
@@ -41,7 +41,7 @@ impl Similar {
         })
     }
 
-    /// The best of the candidates of each cell.
+    /// Keeps the best candidates of each cell.
     fn best<I: Iterator<Item = u32>>(
         atlas: &Atlas,
         watch: &Watch<'_>,
@@ -78,7 +78,7 @@ impl Similar {
         Self { cells }
     }
 
-    /// The cells most like a cell, the best first.
+    /// The cells most similar to a cell, the best first.
     #[inline]
     pub(super) fn of(&self, cell: u32) -> impl Iterator<Item = u32> + '_ {
         self.cells[cell as usize].iter().copied().take_while(|&c| c != NONE)

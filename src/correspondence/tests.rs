@@ -53,7 +53,7 @@ fn spread(size: [usize; 2], block: usize, value: impl Fn(usize, usize) -> f32) -
     libm::sqrt(means.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / means.len() as f64)
 }
 
-/// Share of the cells whose neighbour to the right, or across the seam, continues their source.
+/// Share of the cells whose right neighbour, across the seam too, continues their source.
 fn continued(field: &Field, columns: std::ops::Range<usize>) -> f64 {
     let [w, h] = field.size;
     let (mut all, mut same) = (0, 0);

@@ -1,16 +1,16 @@
-//! Votes of the sources around a cell on its features, and histograms brought to the exemplar's.
+//! Votes on the features of each cell, and histogram matching.
 
 use super::atlas::Atlas;
 use super::canvas::Canvas;
 use super::{CHANNELS, PATCH, REACH, Watch};
 use crate::parallel;
 
-/// Values told apart in a histogram.
+/// Bins of a histogram.
 const BINS: usize = 1 << 12;
 
 impl Canvas {
-    /// Makes the features of every cell the mean of what the patches over it say: those in whose middle
-    /// it lies, and those that fit well, count more.
+    /// Sets the features of every cell to the weighted mean of the patches over it. Patches centred near
+    /// the cell, and patches that fit well, have more weight.
     pub(super) fn vote(&mut self, atlas: &Atlas, watch: &Watch<'_>) {
         let mut sorted: Vec<i32> =
             (0..self.costs.len()).filter(|&i| self.is_active(i)).map(|i| self.costs[i]).collect();
@@ -58,7 +58,7 @@ impl Canvas {
         self.values = values;
     }
 
-    /// Moves the features of the cells of each group to the histogram of its pages, channel by channel.
+    /// Matches the features of the cells of each group to the histogram of its pages, channel by channel.
     pub(super) fn match_histograms(&mut self, atlas: &Atlas) {
         let mut groups: Vec<u8> = match &self.groups {
             Some(groups) => groups.clone(),
@@ -84,7 +84,7 @@ impl Canvas {
     }
 }
 
-/// Counts of values, and the sums of all counts before.
+/// A cumulative histogram: the number of values in all bins before each.
 struct Histogram {
     before: Vec<u32>,
 }
@@ -104,13 +104,13 @@ impl Histogram {
         Self { before }
     }
 
-    /// For each bin the value of the same rank in another histogram.
+    /// For each bin the value of equal rank in another histogram.
     fn to(&self, other: &Self) -> Vec<i16> {
         let [total, wanted] = [self, other].map(|h| u64::from(h.before[BINS]));
         let mut at = 0;
         (0..BINS)
             .map(|i| {
-                // The middle rank of those in the bin.
+                // The middle rank of the values in the bin.
                 let rank = u64::from(self.before[i]) + u64::from(self.before[i + 1]);
                 let rank = if total > 0 { rank * wanted / (2 * total) } else { 0 };
                 while at + 1 < BINS && u64::from(other.before[at + 1]) <= rank {

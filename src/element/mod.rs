@@ -75,7 +75,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// Its name in files and on the command line.
+    /// The name of the role in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Background => "background",

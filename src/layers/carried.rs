@@ -1,9 +1,9 @@
-//! New maps whose labels are carried along a field of correspondences.
+//! New layer maps whose labels are copied along a correspondence field.
 //!
-//! The exemplar's cells, a 128th of its shorter side wide, have the colours of the photograph and the
-//! labels of its layers as features. The field says for each cell of the canvas where it comes from;
-//! cells around a place vote for how deep it lies in each region. Labels follow by rank, so
-//! regions are nested and their areas exact.
+//! The features of the exemplar's cells, a 128th of its shorter side wide, are the colours of the
+//! photograph and the labels of its layers. The field gives the source of each cell of the canvas. The
+//! cells around a place vote on its depth in each region. Labels follow from depths by rank, so regions are
+//! nested and their areas exact.
 
 use super::map::{Contacts, LayerMap};
 use super::regions::{Depths, depth};
@@ -17,20 +17,19 @@ use image::RgbImage;
 
 /// Cells along the shorter side of an exemplar.
 pub(super) const CELLS: usize = 128;
-/// What one layer weighs against a deviation of colour.
+/// Weight of one layer relative to one standard deviation of colour.
 const LABEL_WEIGHT: f32 = 0.7;
-/// Depths in cells at which one layer turns into the next, as the search sees it.
+/// Half the width of the soft transition between layers in the features, in cells.
 const SOFT: f32 = 1.5;
-/// Depth in cells that tells no more, where there are no colours.
+/// Depths are clamped to this many cells where they replace colours.
 const DEEP: f32 = 6.0;
 
-/// What new maps are made from.
+/// The model of new maps.
 #[derive(Clone, Copy, Debug)]
 pub struct Exemplar<'a> {
     /// Its layers.
     pub map: &'a LayerMap,
-    /// The photograph that they belong to, if there is one. Its colours keep structure that labels do not
-    /// show.
+    /// The photograph of these layers, if there is one. Its colours keep structure that labels do not show.
     pub photograph: Option<&'a RgbImage>,
 }
 
@@ -47,20 +46,20 @@ impl Exemplar<'_> {
         self.photograph.map_or(Ok(()), |photo| self.map.check_photograph(photo.dimensions()))
     }
 
-    /// Share of the exemplar's borders between layers that are not next to each other, and one per cent
-    /// more.
+    /// Largest permitted share of borders between non-consecutive layers: that of the exemplar
+    /// plus 1 %.
     pub(super) fn most_distant(&self) -> f64 {
         Contacts::new(&self.map.labels, self.map.layers.len(), [false; 2]).distant() + 0.01
     }
 
-    /// Pixels of a piece that is too small to be meant: a quarter of the least that [`super::find`] leaves.
+    /// Area in pixels below which a piece is removed: a quarter of the least that [`super::find`] leaves.
     pub(super) fn speck(&self) -> usize {
         let [w, h] = self.map.size();
         (w.min(h) * w.min(h)) / 10_000
     }
 
-    /// A new map of `size` pixels, along a field of correspondences; it repeats along the axes of `wrap`.
-    /// Areas are those of the exemplar.
+    /// Makes a new map of `size` pixels along a correspondence field. The map repeats along the axes of
+    /// `wrap`. Areas are those of the exemplar.
     ///
     /// # Errors
     /// [`crate::Error::Control`] if the map has one layer or another size than the photograph; a size out
@@ -89,7 +88,7 @@ impl Exemplar<'_> {
         Ok(self.map.with(labels))
     }
 
-    /// The exemplar as the search sees it.
+    /// The features of the exemplar for the search.
     fn page(&self, depths: &[Vec<f32>], cell: usize) -> Page {
         let [w, h] = self.map.size();
         let size = [(w / cell).max(1), (h / cell).max(1)];
@@ -116,13 +115,13 @@ impl Exemplar<'_> {
             let planes = oklab_planes(photo, cell);
             let unit = 1.0 / deviation(planes.iter().map(|p| &p.values)).max(1e-3);
             for (channel, plane) in channels.iter_mut().zip(&planes) {
-                // A photograph narrower than a cell has one cell all the same.
+                // A photograph narrower than a cell still has one cell.
                 if plane.values.len() == cells {
                     *channel = plane.values.iter().map(|v| v * unit).collect();
                 }
             }
         } else {
-            // Depths in the first three regions take the place of colours.
+            // Depths in the first three regions replace colours.
             for (channel, depth) in channels.iter_mut().zip(depths.iter().take(3)) {
                 let value = |i: usize| (depth[i] / cell as f32).clamp(-DEEP, DEEP);
                 *channel = (0..cells).map(|i| mean(i, &value)).collect();
@@ -136,7 +135,7 @@ impl Exemplar<'_> {
     }
 }
 
-/// Square root of the variances of several channels together.
+/// Square root of the summed variances of several channels.
 pub(super) fn deviation<'v>(channels: impl Iterator<Item = &'v Vec<f32>>) -> f32 {
     let variance = |values: &Vec<f32>| {
         let count = values.len().max(1) as f64;
@@ -146,7 +145,7 @@ pub(super) fn deviation<'v>(channels: impl Iterator<Item = &'v Vec<f32>>) -> f32
     libm::sqrt(channels.map(variance).sum::<f64>()) as f32
 }
 
-/// Values of an exemplar, carried along a field.
+/// Values of an exemplar, copied along a field.
 pub(super) struct Carrier<'a> {
     pub(super) field: &'a Field,
     /// Size of the exemplar, in pixels.
@@ -158,9 +157,8 @@ pub(super) struct Carrier<'a> {
 }
 
 impl Carrier<'_> {
-    /// Planes of the exemplar on a grid over the canvas: the mean of what the cells within `reach` of a
-    /// place say of it, each continued from where it comes; nearer ones count more, by a Gaussian of
-    /// `sigma` cells.
+    /// Planes of the exemplar, sampled on a grid over the canvas. Each sample is the mean over the cells
+    /// within `reach`, each continued from its source and weighted by a Gaussian of `sigma` cells.
     pub(super) fn voted(
         &self,
         planes: &[Vec<f32>],
@@ -169,7 +167,7 @@ impl Carrier<'_> {
         sigma: f64,
     ) -> Vec<Vec<f32>> {
         let cells = self.field.size;
-        // A canvas that no whole number of cells fits has slightly smaller ones.
+        // Cells are slightly smaller where their size does not divide the canvas.
         let pitch = [0, 1].map(|k| self.canvas[k] as f64 / cells[k] as f64);
         let count = planes.len();
         let mut voted = vec![0f32; grid[0] * grid[1] * count];
@@ -207,7 +205,7 @@ impl Carrier<'_> {
         (0..count).map(|c| voted.iter().skip(c).step_by(count).copied().collect()).collect()
     }
 
-    /// Index of a cell, across seams; none beyond a border.
+    /// Index of a cell, across seams; `None` beyond a border.
     fn cell_at(&self, at: [i64; 2]) -> Option<usize> {
         let axis = |k: usize| {
             let count = self.field.size[k] as i64;

@@ -1,11 +1,11 @@
-//! Label maps without ragged borders and specks.
+//! Removes ragged borders and specks from label maps.
 
 use crate::parallel;
 use crate::raster::blur::Plane;
 use crate::raster::{Connectivity, LabelMap, components};
 
-/// Each pixel takes the label that has most weight under a Gaussian of deviation `sigma` pixels;
-/// equals keep the lower.
+/// Gives each pixel the label with the largest weight under a Gaussian of standard deviation `sigma`
+/// pixels. Ties go to the lower label.
 pub(super) fn smoothed(map: &LabelMap, count: usize, sigma: f32) -> LabelMap {
     let size = [map.width as usize, map.height as usize];
     let soft = soft(map, count, sigma);
@@ -14,7 +14,7 @@ pub(super) fn smoothed(map: &LabelMap, count: usize, sigma: f32) -> LabelMap {
     LabelMap { labels, ..*map }
 }
 
-/// For each label how much of it there is around each pixel.
+/// The blurred share of each label around each pixel.
 fn soft(map: &LabelMap, count: usize, sigma: f32) -> Vec<Plane> {
     let size = [map.width as usize, map.height as usize];
     let one = |k: usize| {
@@ -24,7 +24,7 @@ fn soft(map: &LabelMap, count: usize, sigma: f32) -> Vec<Plane> {
     (0..count).map(one).collect()
 }
 
-/// Index of the largest value; of equals the first.
+/// Index of the largest value; ties go to the first.
 fn strongest(values: impl Iterator<Item = f32>) -> u32 {
     let mut best = (0, f32::NEG_INFINITY);
     for (k, v) in values.enumerate() {
@@ -35,8 +35,8 @@ fn strongest(values: impl Iterator<Item = f32>) -> u32 {
     best.0
 }
 
-/// Gives connected pieces below `least` pixels the label that most of their border touches, until none
-/// is left or one piece remains. Pieces at a seam, which go on at the other side, stay.
+/// Gives each connected piece below `least` pixels the label that most of its border touches, until none is
+/// left or one piece remains. Pieces at a seam continue on the other side and are kept.
 pub(super) fn without_specks(map: LabelMap, count: usize, least: usize, wrap: [bool; 2]) -> LabelMap {
     let mut map = map;
     let size = [map.width as usize, map.height as usize];
@@ -92,8 +92,7 @@ pub(super) fn without_specks(map: LabelMap, count: usize, least: usize, wrap: [b
     }
 }
 
-/// The map enlarged to a picture of `size` pixels, `factor` pixels to one of the map, with smooth
-/// borders.
+/// Enlarges the map to `size` pixels, by `factor`, with smooth borders.
 pub(super) fn enlarged(map: &LabelMap, count: usize, size: [usize; 2], factor: usize) -> LabelMap {
     if factor == 1 {
         return map.clone();

@@ -2,18 +2,18 @@
 
 use crate::sampling::stream;
 
-/// Samples that centres are fitted to, at most.
+/// Largest number of samples that centres are fitted to.
 const SAMPLES: usize = 20_000;
-/// Beginnings, of which the best is kept.
+/// Starts, of which the best is kept.
 const STARTS: u64 = 6;
-/// Iterations at most.
+/// Most iterations.
 const ITERATIONS: usize = 25;
 
-/// `count` centres of points (k-means++, Arthur and Vassilvitskii 2007), of the least squared
-/// distance; fewer if there are fewer distinct points.
+/// `count` centres of points by k-means++ (Arthur and Vassilvitskii 2007) with the least squared distance;
+/// fewer if there are fewer distinct points.
 pub(super) fn centres(points: &[[f32; 3]], count: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut best: Option<(f64, Vec<[f32; 3]>)> = None;
-    // The same for all seeds, which differ in where they begin only.
+    // The samples are the same for all seeds. Only the starts differ.
     let count_of_samples = points.len().min(SAMPLES);
     let mut place = stream(0, "layers/samples", 0);
     let sample = |k: usize| {
@@ -55,7 +55,7 @@ pub(super) fn centres(points: &[[f32; 3]], count: usize, seed: u64) -> Vec<[f32;
     best.map_or_else(Vec::new, |b| b.1)
 }
 
-/// Index of the nearest centre and the squared distance to it; of equals the first.
+/// Index of the nearest centre and the squared distance to it; ties go to the first.
 pub(super) fn nearest(centres: &[[f32; 3]], p: &[f32; 3]) -> (usize, f64) {
     let mut best = (0, f64::INFINITY);
     for (k, c) in centres.iter().enumerate() {

@@ -1,16 +1,15 @@
-//! Continuous control maps: labels that rise within each layer (the paper, eq. 5).
+//! Continuous control maps: values that rise within each layer (the paper, eq. 5).
 
 use super::map::{LayerMap, Region};
 use super::regions::depth;
 
-/// A value for each pixel of a map of `layers` layers: from i at the outer border of layer i, where it
-/// meets the layer below, to i + 1 at its inner border, where it meets the one above; in proportion to the
-/// distances to both. Where a layer has no such border, the largest distance within the map stands
-/// for the one that is missing.
+/// A value for each pixel. It rises from i at the outer border of layer i, towards the layer below, to i +
+/// 1 at its inner border, towards the layer above, in proportion to the distances to both. The largest
+/// distance within the map replaces the distance to a border that a layer does not have.
 pub fn continuous(map: &LayerMap, wrap: [bool; 2]) -> Vec<f32> {
     let count = map.layers.len();
     let depths: Vec<Vec<f32>> = (1..count).map(|k| depth(&map.region(k, wrap))).collect();
-    // As far as any border is from anywhere.
+    // The largest distance of any pixel from a border.
     let farthest =
         depths.iter().flatten().map(|d| d.abs()).fold(1.0f32, f32::max).min(largest(&map.region(0, wrap)));
     let value = |i: usize| {
@@ -18,7 +17,7 @@ pub fn continuous(map: &LayerMap, wrap: [bool; 2]) -> Vec<f32> {
         let outer = if layer > 0 { depths[layer - 1][i].max(0.0) } else { farthest };
         let inner = if layer + 1 < count { (-depths[layer][i]).max(0.0) } else { farthest };
         let share = outer.min(farthest) / (outer.min(farthest) + inner.min(farthest)).max(f32::MIN_POSITIVE);
-        // Below the next whole number, so that rounding down gives the label back.
+        // Stays below the next whole number, so that rounding down restores the label.
         (layer as f32 + share).min((layer + 1) as f32 - 1e-3)
     };
     (0..map.labels.labels.len()).map(value).collect()

@@ -1,31 +1,30 @@
-//! How far differences of colour reach: whether a photograph has layers at all.
+//! The reach of colour differences: whether a photograph has layers at all.
 //!
-//! Two things tell layers from elements and grain. Their colours still differ when means are taken over
-//! an eighth of the photograph, and they are thick. The first is the quotient of two spreads of
-//! means, over an eighth and over a thirty-second of the shorter side; the second the thickness of
-//! the thinner of two layers. Neither suffices alone: uneven light has the first, large
-//! elements the second. Where elements are known, what they would give if they were scattered at
-//! random is taken off the first.
+//! Two properties distinguish layers from elements and grain. Their colours still differ when averaged over
+//! an eighth of the photograph, and they are thick. The first is measured by the ratio of the spreads of
+//! means over an eighth and over a thirty-second of the shorter side, the second by the thickness of the
+//! thinner of two layers. Neither is sufficient: uneven light has the first, large elements the second. The
+//! part that known elements would contribute if scattered at random is subtracted from the first.
 
 use super::map::Contacts;
 use crate::raster::LabelMap;
 use crate::raster::blur::Plane;
 
-/// Shares of the shorter side over which means are taken.
+/// The shorter side is divided by these for the windows of the means.
 const WINDOWS: [usize; 2] = [8, 32];
-/// Share of the shorter side that the thickness is measured against.
+/// The shorter side is divided by this for the unit of thickness.
 const THICKNESS: f64 = 37.0;
 
-/// How much colours of a photograph differ over long distances.
+/// Long-range differences of colour in a photograph.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent {
     /// Spread of means over an eighth of the shorter side, in Oklab.
     pub(super) contrast: f64,
-    /// The same as a share of the spread over a thirty-second.
+    /// This spread relative to that over a thirty-second.
     pub(super) reach: f64,
 }
 
-/// The extent of a picture in Oklab. `elements` has a label above 0 for each element, at the same size.
+/// Measures a picture in Oklab. `elements` has the same size and a label above 0 for each element.
 pub(super) fn extent(planes: &[Plane; 3], elements: Option<&LabelMap>) -> Extent {
     let shorter = planes[0].size[0].min(planes[0].size[1]);
     let [wide, narrow] = WINDOWS.map(|part| (shorter / part).max(1));
@@ -36,7 +35,7 @@ pub(super) fn extent(planes: &[Plane; 3], elements: Option<&LabelMap>) -> Extent
     Extent { contrast: libm::sqrt(large), reach }
 }
 
-/// Variance of the means over a sliding window, all components together.
+/// Variance of the means over a sliding window, summed over components.
 fn variance_of_means(planes: &[Plane; 3], window: usize) -> f64 {
     planes
         .iter()
@@ -65,8 +64,8 @@ fn variance_of_means(planes: &[Plane; 3], window: usize) -> f64 {
         .sum()
 }
 
-/// The variance of means that elements of these sizes and colours would give if they were scattered
-/// independently: shot noise of squares, less what cannot overlap.
+/// The variance of means that elements of these sizes and colours would cause if scattered independently:
+/// shot noise of squares, reduced because elements do not overlap.
 fn scattered(planes: &[Plane; 3], map: &LabelMap, window: usize) -> f64 {
     let count = map.labels.iter().copied().max().unwrap_or(0) as usize + 1;
     let mut sums = vec![[0f64; 4]; count];
@@ -88,7 +87,7 @@ fn scattered(planes: &[Plane; 3], map: &LabelMap, window: usize) -> f64 {
         .filter(|s| s[3] > 0.0)
         .map(|s| {
             let contrast: f64 = (0..3).map(|c| s[c] / s[3] - background[c]).map(|d| d * d).sum();
-            // Square of the overlap of two intervals, over all their offsets; both axes.
+            // Squared overlap of two intervals, integrated over all offsets, for both axes.
             let side = libm::sqrt(s[3]);
             let (short, long) = (side.min(window), side.max(window));
             let overlap = short * short * (long - short / 3.0);
@@ -99,8 +98,8 @@ fn scattered(planes: &[Plane; 3], map: &LabelMap, window: usize) -> f64 {
     noise / pixels * (1.0 - covered)
 }
 
-/// Mean thickness of the thinnest of the layers of a map, 2 · area / perimeter, in units of a 37th of
-/// the shorter side. 0 if a layer is missing.
+/// Mean thickness of the thinnest layer of a map, 2 · area / perimeter, in units of a 37th of the shorter
+/// side. 0 if a layer is missing.
 pub(super) fn thickness(map: &LabelMap, count: usize) -> f64 {
     let contacts = Contacts::new(map, count, [false; 2]);
     let mut areas = vec![0usize; count];
@@ -118,7 +117,7 @@ mod tests {
     use super::*;
     use crate::sampling::stream;
 
-    /// Squares of one side on a plain background, at random, in a map and as a picture.
+    /// Random squares of one size on a plain background, as a map and as a picture.
     fn squares(side: usize, count: usize, seed: u64) -> ([Plane; 3], LabelMap) {
         let mut random = stream(seed, "extent test", 0);
         let mut map = LabelMap::filled(256, 256, 0);
@@ -148,7 +147,7 @@ mod tests {
     #[test]
     fn clusters_of_elements_are() {
         let (planes, map) = squares(8, 400, 4);
-        // The same elements, but only those of one half.
+        // The same elements, but only those in one half.
         let keep = |i: usize| i % 256 < 128;
         let labels = map.labels.iter().enumerate().map(|(i, &l)| if keep(i) { l } else { 0 }).collect();
         let map = LabelMap { labels, ..map };

@@ -1,4 +1,4 @@
-//! A photograph's layers: how many there are, where, and in which order.
+//! Finds the layers of a photograph: their number, their regions and their order.
 
 use super::clean::{enlarged, smoothed, without_specks};
 use super::cluster::{centres, nearest};
@@ -13,57 +13,57 @@ use crate::raster::blur::{Plane, oklab_planes};
 use crate::raster::colour::Colour;
 use image::RgbImage;
 
-/// Longest shorter side, in pixels, at which layers are sought.
+/// Longest shorter side, in pixels, of the picture in which layers are sought.
 const WORKING_SIDE: usize = 512;
-/// What lightness weighs against the two components of hue and chroma.
+/// Weight of lightness relative to the two components of hue and chroma.
 const LIGHTNESS: f32 = 0.5;
-/// Deviations of the two blurs, before and after clustering, as shares of the shorter side.
+/// Standard deviations of the blurs before and after clustering, as shares of the shorter side.
 const BLURS: [f32; 2] = [1.0 / 256.0, 1.0 / 128.0];
 /// Smallest piece of a layer, as a share of the squared shorter side.
 const SPECK: f64 = 4e-4;
-/// Shortest side, in pixels, of a photograph whose layers are told from its elements, if these are known.
+/// Shortest side of a photograph with known elements in which layers are sought, in pixels.
 const LEAST_SIDE: usize = 256;
 /// Least spread of means over an eighth of the shorter side, in Oklab.
 const LEAST_CONTRAST: f64 = 0.012;
-/// Least product of reach and thickness: where elements are not known, and where they are.
+/// Least product of reach and thickness: without known elements, and with them.
 const LEAST_EXTENT: [f64; 2] = [0.65, 0.55];
 /// Least thickness of three layers, in units of a 37th of the shorter side.
 const LEAST_THICKNESS: f64 = 37.0 / 38.0;
-/// Least difference of the mean colours of any two of three layers, in Oklab.
+/// Least difference between the mean colours of any two of three layers, in Oklab.
 const LEAST_DIFFERENCE: f32 = 0.02;
 
-/// How many layers there are to be.
+/// The number of layers to find.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Count {
-    /// One, two or three, by the photograph. Where the elements are known, one if a side is below 256
+    /// One, two or three, decided by the photograph. One if elements are known and a side is below 256
     /// pixels.
     #[default]
     Auto,
-    /// So many, 1 to [`MOST_LAYERS`].
+    /// This number, 1 to [`MOST_LAYERS`].
     Fixed(usize),
 }
 
 /// Parameters of [`find`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FindParams {
-    /// Number of layers. Default: by the photograph.
+    /// Number of layers. Default: decided by the photograph.
     pub count: Count,
-    /// The layers found, listed from the new bottom to the new top. Default: least contact of layers that
-    /// are not next to each other, the largest of equals at the bottom.
+    /// The layers found, listed from the new bottom to the new top. Default: the order with the least
+    /// contact of non-consecutive layers; ties put the largest at the bottom.
     pub order: Option<Vec<usize>>,
     /// Seed of the clustering. Default 0.
     pub seed: u64,
 }
 
-/// Why a photograph has as many layers as it has.
+/// The reason for the number of layers, and the measures behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decision {
     /// One sentence without a full stop.
     pub why: String,
     /// Spread of colours averaged over an eighth of the shorter side, in Oklab.
     pub contrast: f64,
-    /// How far differences of colour reach, times how thick two layers are: .65 or more for layers, .55
-    /// where the elements are known.
+    /// Reach of colour differences times thickness of two layers. Layers have .65 or more, or .55 where the
+    /// elements are known.
     pub extent: f64,
 }
 
@@ -72,12 +72,12 @@ pub struct Decision {
 pub struct Found {
     /// The layers, at the size of the photograph.
     pub map: LayerMap,
-    /// Why there are so many.
+    /// The reason for their number.
     pub decision: Decision,
 }
 
-/// Splits a photograph into layers: blurred colours in Oklab, k-means, smooth borders without specks.
-/// `elements` are labels above 0 for the elements, if they are known; they are used only to tell
+/// Splits a photograph into layers by k-means of blurred colours in Oklab, smooths their borders and
+/// removes specks. `elements` has labels above 0 for known elements; it is used only to distinguish
 /// scattered elements from layers.
 ///
 /// # Errors
@@ -102,19 +102,19 @@ pub fn find(
     let shorter = size[0].min(size[1]);
     let factor = shorter.div_ceil(WORKING_SIDE);
     let planes = oklab_planes(image, factor);
-    let elements = elements.map(|map| every(map, factor, planes[0].size));
-    let sought = Sought::new(&planes, parameters.seed);
+    let elements = elements.map(|map| subsampled(map, factor, planes[0].size));
+    let clustering = Clustering::new(&planes, parameters.seed);
     advance(progress, STAGE, 1, 4)?;
 
     let measured = extent(&planes, elements.as_ref());
-    let pair = sought.split(2);
+    let pair = clustering.split(2);
     let thick = pair.as_ref().map_or(0.0, |map| thickness(map, 2));
     advance(progress, STAGE, 2, 4)?;
     let least = LEAST_EXTENT[usize::from(elements.is_some())];
     let decided = if parameters.count == Count::Auto && elements.is_some() && shorter < LEAST_SIDE {
-        (sought.one(), 1, format!("a photograph of less than {LEAST_SIDE} px hardly shows any"))
+        (clustering.one(), 1, format!("a photograph of less than {LEAST_SIDE} px hardly shows any"))
     } else {
-        decide(parameters.count, (measured, thick, least), &sought, pair)?
+        decide(parameters.count, (measured, thick, least), &clustering, pair)?
     };
     advance(progress, STAGE, 3, 4)?;
 
@@ -129,19 +129,19 @@ pub fn find(
     Ok(Found { map, decision })
 }
 
-/// Labels at the working size, how many, and why.
+/// Labels at the working size, the number of layers, and the reason for it.
 fn decide(
     count: Count,
     (measured, thick, least): (Extent, f64, f64),
-    sought: &Sought<'_>,
+    clustering: &Clustering<'_>,
     pair: Option<LabelMap>,
 ) -> Result<(LabelMap, usize, String)> {
-    let one = || sought.one();
+    let one = || clustering.one();
     if let Count::Fixed(count) = count {
         let map = match count {
             1 => Some(one()),
             2 => pair,
-            _ => sought.split(count),
+            _ => clustering.split(count),
         };
         let fail = || Error::Unusable {
             name: "the photograph".into(),
@@ -164,7 +164,7 @@ fn decide(
         return Ok((one(), 1, why));
     };
     let reached = format!("differences of colour reach far ({extent:.2} of {least})");
-    if let Some(three) = sought.split(3).filter(|map| sought.difference(map, 3) >= LEAST_DIFFERENCE) {
+    if let Some(three) = clustering.split(3).filter(|map| clustering.difference(map, 3) >= LEAST_DIFFERENCE) {
         let thin = thickness(&three, 3);
         if thin >= LEAST_THICKNESS {
             return Ok((
@@ -209,15 +209,15 @@ fn means(map: &LabelMap, count: usize, planes: &[Plane; 3]) -> Vec<[f32; 3]> {
     sums.iter().map(|(sum, n)| sum.map(|v| (v / n.max(1.0)) as f32)).collect()
 }
 
-/// What is clustered.
-struct Sought<'a> {
+/// The points to cluster.
+struct Clustering<'a> {
     size: [usize; 2],
     points: Vec<[f32; 3]>,
     planes: &'a [Plane; 3],
     seed: u64,
 }
 
-impl<'a> Sought<'a> {
+impl<'a> Clustering<'a> {
     fn new(planes: &'a [Plane; 3], seed: u64) -> Self {
         let size = planes[0].size;
         let sigma = size[0].min(size[1]) as f32 * BLURS[0];
@@ -232,7 +232,7 @@ impl<'a> Sought<'a> {
         LabelMap::filled(self.size[0] as u32, self.size[1] as u32, 0)
     }
 
-    /// The least difference of the mean colours of two layers.
+    /// The least difference between the mean colours of two layers.
     fn difference(&self, map: &LabelMap, count: usize) -> f32 {
         let colours = means(map, count, self.planes);
         let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
@@ -244,7 +244,7 @@ impl<'a> Sought<'a> {
         differences.fold(f32::INFINITY, f32::min)
     }
 
-    /// So many layers with smooth borders; none if not so many can be told apart.
+    /// `count` layers with smooth borders; `None` if the colours do not allow them.
     fn split(&self, count: usize) -> Option<LabelMap> {
         let centres = centres(&self.points, count, self.seed);
         if centres.len() < count {
@@ -262,8 +262,8 @@ impl<'a> Sought<'a> {
     }
 }
 
-/// The label in the middle of each block of `factor` pixels.
-fn every(map: &LabelMap, factor: usize, size: [usize; 2]) -> LabelMap {
+/// Samples the label at the centre of each block of `factor` pixels.
+fn subsampled(map: &LabelMap, factor: usize, size: [usize; 2]) -> LabelMap {
     let at = |i: usize| {
         map.get((i % size[0] * factor + factor / 2) as u32, (i / size[0] * factor + factor / 2) as u32)
     };

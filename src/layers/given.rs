@@ -1,5 +1,5 @@
-//! New maps from given ones: borders of the exemplar's look for a map made by boundary optimisation,
-//! around a sketch, and within a hole.
+//! New maps by boundary optimisation: without a start, around a sketch, and within a hole. Borders look
+//! like the exemplar's.
 
 use super::boundary::{Job, Start, nested, outlined};
 use super::carried::Exemplar;
@@ -11,8 +11,8 @@ use crate::raster::blur::Plane;
 use crate::raster::{LabelMap, check_size};
 
 impl Exemplar<'_> {
-    /// A new map of `size` pixels by the boundary optimisation of the paper; it repeats along the axes of
-    /// `wrap`. Areas are those of the exemplar. Knows no colour.
+    /// Makes a new map of `size` pixels by the paper's boundary optimisation. The map repeats along the
+    /// axes of `wrap`. Areas are those of the exemplar. Colours are not used.
     ///
     /// # Errors
     /// As [`Exemplar::carried`].
@@ -35,9 +35,9 @@ impl Exemplar<'_> {
         Ok(self.map.with(labels))
     }
 
-    /// A map around a sketch: pixels of `sketch` have a label where they are painted. Painted shapes keep
-    /// their place and area and get borders like the exemplar's; lower layers appear around them as wide
-    /// as in the exemplar, and the bottom layer is everywhere else (the paper, fig. 12).
+    /// Makes a map around a sketch, which has labels where it is painted. Painted shapes keep their place
+    /// and area and get borders like the exemplar's. Lower layers surround them as widely as in the
+    /// exemplar, and the bottom layer fills the rest (the paper, fig. 12).
     ///
     /// # Errors
     /// [`Error::Control`] if nothing is painted above the bottom layer, or the map has one layer;
@@ -68,8 +68,8 @@ impl Exemplar<'_> {
         Ok(self.map.with(on_canvas(&made, size, wrap).labels(&shares, self.most_distant(), 0)))
     }
 
-    /// A map made by hand: its labels, of the areas that they have. Where more layers touch that are not next
-    /// to each other than in the exemplar, thin strips of those between are laid.
+    /// Takes a map made by hand, with its own labels and areas. Where non-consecutive layers touch more than
+    /// in the exemplar, thin strips of the layers between them are inserted.
     ///
     /// # Errors
     /// [`Error::Control`] if the exemplar's map has one layer; a size out of range.
@@ -78,7 +78,7 @@ impl Exemplar<'_> {
         self.parted(map, wrap)
     }
 
-    /// [`Exemplar::controlled`] of any size.
+    /// [`Exemplar::controlled`] without a limit of size.
     pub(crate) fn parted(&self, map: &LabelMap, wrap: [bool; 2]) -> Result<LayerMap> {
         self.check()?;
         let size = [map.width as usize, map.height as usize];
@@ -89,8 +89,8 @@ impl Exemplar<'_> {
         Ok(self.map.with(labels))
     }
 
-    /// `keep` with the pixels of a hole filled anew; outside it is the same pixel by pixel. Areas in the
-    /// hole are those of the exemplar.
+    /// Fills a hole in `keep` anew. Pixels outside the hole do not change. Areas in the hole are those of
+    /// the exemplar.
     ///
     /// # Errors
     /// [`Error::Control`] if the hole has another size, is empty, or leaves nothing to keep;
@@ -123,7 +123,7 @@ impl Exemplar<'_> {
         let own = self.regions();
         let cells = size.map(|v| v.div_ceil(self.cell()));
         let regions = regions_of(keep, count, cells, wrap);
-        // A cell that the hole touches at all may change.
+        // A cell may change if the hole touches it.
         let free: Vec<bool> = (0..cells[0] * cells[1]).map(|i| touched(hole, size, cells, i)).collect();
         let outside = |region: &Region| (0..free.len()).filter(|&i| !free[i] && region.inside[i]).count();
         let open = free.iter().filter(|&&f| f).count();
@@ -140,14 +140,14 @@ impl Exemplar<'_> {
         Ok(self.map.with(joined(keep, hole, &made, count, self.cell(), wrap)))
     }
 
-    /// The regions from S_1 up, cell by cell.
+    /// The regions from S_1 up, by cell.
     fn regions(&self) -> Vec<Region> {
         let cells = self.map.size().map(|v| (v / self.cell()).max(1));
         regions_of(&self.map.labels, self.map.layers.len(), cells, [false; 2])
     }
 }
 
-/// The regions of a map of `count` layers from S_1 up, cell by cell.
+/// The regions from S_1 up of a map of `count` layers, by cell.
 pub(super) fn regions_of(map: &LabelMap, count: usize, cells: [usize; 2], wrap: [bool; 2]) -> Vec<Region> {
     let size = [map.width as usize, map.height as usize];
     let labels: Vec<Option<u32>> = map.labels.iter().map(|&l| Some(l)).collect();
@@ -159,7 +159,7 @@ fn cumulative(shares: &[f64]) -> Vec<f64> {
     (1..shares.len()).map(|k| shares[k..].iter().sum()).collect()
 }
 
-/// Share of each layer, from regions.
+/// Share of each layer, computed from regions.
 fn shares_of(regions: &[Region]) -> Vec<f64> {
     let cells = regions.first().map_or(1, |r| r.inside.len()) as f64;
     let mut all = vec![1.0];
@@ -167,13 +167,13 @@ fn shares_of(regions: &[Region]) -> Vec<f64> {
     (0..all.len()).map(|k| all[k] - all.get(k + 1).copied().unwrap_or(0.0)).collect()
 }
 
-/// The pixels of a cell: first and last plus one along both axes.
+/// The ranges of pixels that a cell covers along both axes.
 fn pixels(size: [usize; 2], cells: [usize; 2], cell: usize) -> [std::ops::Range<usize>; 2] {
     let at = [cell % cells[0], cell / cells[0]];
     [0, 1].map(|k| at[k] * size[k] / cells[k]..((at[k] + 1) * size[k]).div_ceil(cells[k]))
 }
 
-/// The cells at least half of whose pixels have a label of `least` or more.
+/// The cells in which at least half of the pixels have a label of `least` or more.
 fn covered(
     labels: &[Option<u32>],
     size: [usize; 2],
@@ -198,7 +198,7 @@ fn touched(set: &[bool], size: [usize; 2], cells: [usize; 2], cell: usize) -> bo
     ys.into_iter().any(|y| set[y * size[0]..][xs.clone()].contains(&true))
 }
 
-/// Regions of cells on a canvas of pixels.
+/// Depths of regions of cells on a canvas of pixels.
 pub(super) fn on_canvas(regions: &[Region], size: [usize; 2], wrap: [bool; 2]) -> Depths {
     let soft = |region: &Region| {
         let plane = Plane { size: region.size, values: depth(region) };
@@ -208,7 +208,7 @@ pub(super) fn on_canvas(regions: &[Region], size: [usize; 2], wrap: [bool; 2]) -
     Depths { size, wrap, grid, planes: regions.iter().map(soft).collect() }
 }
 
-/// `keep` outside a hole, `made` inside, smooth where they meet.
+/// Combines `keep` outside a hole with `made` inside, and smooths the transition.
 fn joined(
     keep: &LabelMap,
     hole: &[bool],

@@ -1,4 +1,4 @@
-//! Layer maps: a label for each pixel, and what each label stands for.
+//! Layer maps: a label for each pixel, and the layer that each label stands for.
 
 use crate::error::{Error, Result, check};
 use crate::raster::LabelMap;
@@ -10,16 +10,16 @@ pub const MOST_LAYERS: usize = 6;
 /// A layer: the pixels of one label.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layer {
-    /// A name by colour, such as `rust brown`. Names of one map differ.
+    /// A name by colour, such as `rust brown`. Unique within a map.
     pub name: String,
-    /// Mean colour. Colours of one map differ.
+    /// Mean colour. Unique within a map.
     pub colour: Colour,
 }
 
 /// A map of nested layers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LayerMap {
-    /// Labels, from 0 at the bottom to the number of layers less one at the top.
+    /// Labels, from 0 at the bottom to the number of layers minus one at the top.
     pub labels: LabelMap,
     /// The layers from bottom to top, 1 to [`MOST_LAYERS`].
     pub layers: Vec<Layer>,
@@ -30,7 +30,7 @@ pub struct LayerMap {
 pub struct Region {
     /// Width and height, in pixels.
     pub size: [usize; 2],
-    /// Along which axes it repeats.
+    /// Axes along which it repeats.
     pub wrap: [bool; 2],
     /// Whether each pixel is inside, row by row.
     pub inside: Vec<bool>,
@@ -44,7 +44,7 @@ impl Region {
 }
 
 impl LayerMap {
-    /// Other labels of the same layers.
+    /// A map of other labels with the same layers.
     pub(super) fn with(&self, labels: LabelMap) -> Self {
         Self { labels, layers: self.layers.clone() }
     }
@@ -65,7 +65,7 @@ impl LayerMap {
         Region { size: self.size(), wrap, inside }
     }
 
-    /// The map without layers that no pixel has.
+    /// The map without layers that have no pixels.
     pub(crate) fn without_unused(&self) -> Self {
         let used: Vec<bool> = self.shares().iter().map(|&s| s > 0.0).collect();
         let rank: Vec<u32> = (0..used.len()).map(|k| used[..k].iter().map(|&u| u32::from(u)).sum()).collect();
@@ -74,7 +74,7 @@ impl LayerMap {
         Self { labels: LabelMap { labels, ..self.labels }, layers: layers.collect() }
     }
 
-    /// The same layers in another order; `order` lists today's layers from the new bottom to the new top.
+    /// The same layers in another order. `order` lists the current layers from the new bottom to the new top.
     ///
     /// # Errors
     /// [`Error::Parameter`] unless every layer is listed once.
@@ -111,7 +111,7 @@ impl LayerMap {
         })
     }
 
-    /// Checks that there are two layers at least, so that there is a border.
+    /// Checks that there are at least two layers, so that there is a border.
     ///
     /// # Errors
     /// [`Error::Unusable`].
@@ -129,7 +129,7 @@ impl LayerMap {
     }
 }
 
-/// Share of the pixels that have each of `count` labels.
+/// Share of the pixels with each of `count` labels.
 pub(super) fn shares(map: &LabelMap, count: usize) -> Vec<f64> {
     let mut areas = vec![0usize; count];
     map.labels.iter().for_each(|&l| areas[l as usize] += 1);
@@ -145,7 +145,7 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// Those of a map of `count` labels that repeats along the axes of `wrap`.
+    /// The contacts of a map of `count` labels that repeats along the axes of `wrap`.
     pub fn new(map: &LabelMap, count: usize, wrap: [bool; 2]) -> Self {
         let (w, h) = (map.width as usize, map.height as usize);
         let mut lengths = vec![0; count * count];
@@ -175,7 +175,7 @@ impl Contacts {
         self.lengths[a * self.count + b]
     }
 
-    /// Pixel edges around a layer, those along the border of the map not counted.
+    /// Pixel edges around a layer, except those along the border of the map.
     pub fn around(&self, layer: usize) -> u64 {
         self.lengths[layer * self.count..][..self.count].iter().sum()
     }
@@ -185,7 +185,7 @@ impl Contacts {
         self.lengths.iter().sum::<u64>() / 2
     }
 
-    /// Share of all borders that lie between layers that are not next to each other, 0 to 1.
+    /// Share of all borders that lie between non-consecutive layers, 0 to 1.
     pub fn distant(&self) -> f64 {
         let far = |i: usize| (i / self.count).abs_diff(i % self.count) > 1;
         let distant: u64 = (0..self.lengths.len()).filter(|&i| far(i)).map(|i| self.lengths[i]).sum();

@@ -1,15 +1,14 @@
 //! Layers: nested regions of a weathered surface, found in a photograph and made anew.
 //!
-//! A layer map has one label for each pixel, 0 at the bottom. The region S_i of layer i holds all
-//! pixels whose label is i or more, so regions are nested: S_2 lies in S_1. [`find`] splits a
-//! photograph into layers. [`Exemplar::carried`] and [`Exemplar::optimised`] make a new map of any
-//! size from a map: the one takes labels along a field of correspondences, the other is the boundary
-//! optimisation of Rosenberger, Cohen-Or and Lischinski, "Layered Shape Synthesis" (2009), called
-//! "the paper" here. [`Exemplar::sketched`] and [`Exemplar::filled`] start from a given map,
-//! [`Terrain`] does the same for heights.
+//! A layer map has one label for each pixel, 0 at the bottom. The region S_i of layer i holds all pixels
+//! whose label is i or more, so regions are nested: S_2 lies in S_1. [`find`] splits a photograph into
+//! layers. [`Exemplar::carried`] and [`Exemplar::optimised`] make a new map of any size: the first copies
+//! labels along a correspondence field, the second is the boundary optimisation of Rosenberger, Cohen-Or
+//! and Lischinski, "Layered Shape Synthesis" (2009), called "the paper" here. [`Exemplar::sketched`] and
+//! [`Exemplar::filled`] start from a given map. [`Terrain`] makes height maps.
 //!
-//! Works badly where two phenomena lie side by side without nesting, and where a layer has a
-//! recognisable shape: only the local look of borders is kept.
+//! Works badly where two phenomena lie side by side without nesting, and where a layer has a recognisable
+//! shape: only the local character of borders is kept.
 
 mod boundary;
 mod carried;

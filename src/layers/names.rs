@@ -1,16 +1,16 @@
-//! Layers with plain names.
+//! Plain names for layers.
 
 use super::map::Layer;
 use crate::raster::colour::Colour;
 use crate::raster::colour_names;
 
-/// Layers with these colours, from bottom to top: names differ, and so do colours.
+/// Layers with these colours, from bottom to top. Names and colours are made unique.
 pub(super) fn named(colours: &[Colour]) -> Vec<Layer> {
     let mut distinct: Vec<Colour> = Vec::with_capacity(colours.len());
     for &colour in colours {
         let mut colour = colour;
         while distinct.contains(&colour) {
-            // One step of blue is not seen, and tells two equal colours apart in a file.
+            // One step of blue is invisible and distinguishes two equal colours in a file.
             colour.0[2] = colour.0[2].checked_add(1).unwrap_or(colour.0[2] - 8);
         }
         distinct.push(colour);

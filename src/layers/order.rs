@@ -2,8 +2,8 @@
 
 use super::map::Contacts;
 
-/// The order of labels from bottom to top in which layers that are not next to each other touch
-/// least; of equals the one with the largest label at the bottom, then the next.
+/// The order of labels from bottom to top with the least contact between non-consecutive layers. Ties go to
+/// the order with the largest label at the bottom, then the next.
 pub(super) fn order(contacts: &Contacts, shares: &[f64]) -> Vec<usize> {
     let mut best: Option<(u64, Vec<usize>)> = None;
     let by_area = {
@@ -11,7 +11,7 @@ pub(super) fn order(contacts: &Contacts, shares: &[f64]) -> Vec<usize> {
         all.sort_by(|&a, &b| shares[b].total_cmp(&shares[a]).then(a.cmp(&b)));
         all
     };
-    // Orders come with the largest labels first, so the first of equals is the one wanted.
+    // Orders with the largest labels at the bottom come first, so the first of several ties is kept.
     permutations(&by_area, &mut Vec::new(), &mut |order| {
         let touch: u64 = (0..order.len())
             .flat_map(|a| (a + 2..order.len()).map(move |b| (a, b)))
@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn rings_are_ordered_by_contact() {
-        // Rings around a middle; the outermost, label 1, is the largest.
+        // Concentric rings; the outermost, label 1, is the largest.
         let names = [1, 3, 0, 2];
         let mut map = LabelMap::filled(40, 40, 0);
         for y in 0..40u32 {

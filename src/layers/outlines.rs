@@ -3,15 +3,15 @@
 use super::map::LayerMap;
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap};
 
-/// Largest distance of an outline from the border between pixels, in pixels.
+/// Largest distance of an outline from the pixel border, in pixels.
 const TOLERANCE: f64 = 0.5;
-/// How far outlines go on beyond an edge at which the map repeats, in pixels.
+/// Overlap of outlines beyond an edge at which the map repeats, in pixels.
 const MARGIN: usize = 24;
 
 impl LayerMap {
-    /// The outlines of the regions of all layers but the bottom one, in pixels; region i holds the layers
-    /// from i + 1 up. Borders are traced once and shared. Outlines go on a little beyond the edges along the
-    /// axes of `wrap`.
+    /// The outlines of the regions of all layers except the bottom one, in pixels. Region i holds the
+    /// layers from i + 1 up. Borders are traced once and shared. Outlines extend a little beyond the edges
+    /// along the axes of `wrap`.
     pub fn outlines(&self, wrap: [bool; 2]) -> Vec<Outline> {
         let [w, h] = self.size();
         let margin = [0, 1].map(|k| if wrap[k] { MARGIN } else { 0 });

@@ -9,20 +9,20 @@ use crate::raster::{LabelMap, Limits, decode};
 use image::{DynamicImage, RgbaImage};
 use std::collections::BTreeMap;
 
-/// Least share of the pixels that a colour of a map has; rarer ones are taken for softened edges.
+/// Least share of the pixels that a layer's colour covers. Rarer colours are taken for antialiased edges.
 const LEAST_SHARE: f64 = 5e-4;
-/// Largest share of pixels whose colours are those of softened edges.
+/// Largest share of pixels with the colours of antialiased edges.
 const MOST_SOFT: f64 = 0.02;
-/// Largest difference of a component from a layer's colour.
+/// Largest difference from a layer's colour, per component.
 const TOLERANCE: u8 = 12;
-/// Most distinct colours that are counted.
+/// Largest number of distinct colours that is counted.
 const MOST_COUNTED: usize = 100_000;
 
 /// A picture that may hold a layer map.
 pub struct LayerPicture {
     name: String,
     image: RgbaImage,
-    /// Colours of the palette, if vtex wrote it: the layers from bottom to top.
+    /// Colours of the palette if vtex wrote it: the layers from bottom to top.
     palette: Option<Vec<Colour>>,
 }
 
@@ -43,7 +43,7 @@ impl LayerPicture {
         [self.image.width() as usize, self.image.height() as usize]
     }
 
-    /// The file that it came from.
+    /// Name of the file that it came from.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -54,7 +54,7 @@ impl LayerPicture {
         colours.len() <= MOST_LAYERS && soft <= MOST_SOFT
     }
 
-    /// Colours that many pixels have, and the share of the others.
+    /// The frequent colours, and the share of pixels with others.
     fn colours(&self) -> (Vec<Colour>, f64) {
         let mut counts: BTreeMap<[u8; 3], usize> = BTreeMap::new();
         let mut uncounted = 0;
@@ -73,8 +73,8 @@ impl LayerPicture {
         (flat, soft as f64 / all as f64)
     }
 
-    /// The layer map. Layers are in the order of the palette if vtex wrote the picture, else in that of
-    /// the least contact of layers that are not next to each other, the largest of equals at the bottom.
+    /// Reads the layer map. Layers have the order of the palette if vtex wrote the picture, else the order
+    /// with the least contact of non-consecutive layers; ties put the largest at the bottom.
     ///
     /// # Errors
     /// [`Error::Control`] if the colours are one or more than six.
@@ -101,7 +101,7 @@ impl LayerPicture {
         Ok(LayerMap { labels: self.nearest(&sorted), layers: named(&sorted) })
     }
 
-    /// How many colours it has, as text.
+    /// The number of colours, as text.
     fn distinct(&self) -> String {
         let mut seen = std::collections::BTreeSet::new();
         for p in self.image.pixels() {
@@ -122,7 +122,7 @@ impl LayerPicture {
         })
     }
 
-    /// For each pixel the index of the nearest of some colours.
+    /// For each pixel the index of the nearest of the given colours.
     fn nearest(&self, colours: &[Colour]) -> LabelMap {
         let label = |p: &image::Rgba<u8>| {
             let distance =
@@ -139,8 +139,8 @@ impl LayerPicture {
         LabelMap { width: self.image.width(), height: self.image.height(), labels }
     }
 
-    /// The picture as a map of known layers, by their colours. Up to 2 % of the pixels may have other
-    /// colours, as softened edges have; they take the nearest.
+    /// Reads the picture as a map of known layers, by their colours. Up to 2 % of the pixels may have other
+    /// colours, as at antialiased edges; they take the nearest layer.
     ///
     /// # Errors
     /// [`Error::Control`] if more have, or a pixel is transparent.
@@ -163,8 +163,8 @@ impl LayerPicture {
         })
     }
 
-    /// The picture as a sketch in the colours of known layers. What is transparent is not painted, nor
-    /// what is white if no layer is, nor softened edges.
+    /// Reads the picture as a sketch in the colours of known layers. Transparent pixels, antialiased edges
+    /// and, if no layer is white, white pixels are not painted.
     ///
     /// # Errors
     /// [`Error::Control`] if more than 2 % of the pixels are painted in other colours.
@@ -193,13 +193,13 @@ fn matching(colours: &[Colour], p: [u8; 4]) -> Option<usize> {
     (off(&colours[best]) <= TOLERANCE).then_some(best)
 }
 
-/// The colours of layers with their names, as text.
+/// The colours and names of layers, as text.
 fn listed(map: &LayerMap) -> String {
     let each: Vec<String> = map.layers.iter().map(|l| format!("{} ({})", l.colour, l.name)).collect();
     each.join(", ")
 }
 
-/// The palette of a PNG that vtex wrote.
+/// The palette of a PNG written by vtex.
 fn own_palette(bytes: &[u8]) -> Option<Vec<Colour>> {
     let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().ok()?;
     let info = reader.info();
@@ -211,8 +211,8 @@ fn own_palette(bytes: &[u8]) -> Option<Vec<Colour>> {
     Some(palette.chunks_exact(3).map(|c| Colour([c[0], c[1], c[2]])).collect())
 }
 
-/// The pixels of a hole: those that are white (grey value at least half); in a picture with transparent
-/// pixels those that are opaque.
+/// The pixels of a hole: white ones (grey value at least half) or, in a picture with transparency, opaque
+/// ones.
 ///
 /// # Errors
 /// [`Error::Decode`] and [`Error::TooLarge`].

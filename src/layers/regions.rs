@@ -1,20 +1,19 @@
-//! From how deep each place lies in each region to labels: nested, of exact areas, with thin strips
-//! where layers would touch that must not.
+//! Depths to labels: nested regions of exact areas, with thin strips between layers that must not touch.
 
 use super::clean::without_specks;
 use super::map::{Contacts, Region};
 use crate::parallel;
 use crate::raster::{Connectivity, LabelMap, components, squared_distance};
 
-/// Depths beyond this many pixels or cells tell no more.
+/// Depths are clamped to this many pixels or cells.
 const DEEPEST: f32 = 1e5;
-/// Cells that a region which repeats is continued by on each side when depths are measured.
+/// Cells by which a repeating region is extended on each side to measure depths.
 const CONTINUED: usize = 32;
 
-/// Rounds in which strips are laid.
+/// Most rounds of inserting strips.
 const STRIPS: usize = 4;
 
-/// How deep each place lies in a region: the distance to its border in pixels, negative outside.
+/// The depth of each place in a region: the signed distance to its border in pixels, negative outside.
 pub(super) fn depth(region: &Region) -> Vec<f32> {
     let [w, h] = region.size;
     let margin = [0, 1].map(|k| if region.wrap[k] { region.size[k].min(CONTINUED) } else { 0 });
@@ -26,7 +25,7 @@ pub(super) fn depth(region: &Region) -> Vec<f32> {
     let [to_outside, to_inside] = [false, true].map(|side| squared_distance(fw, fh, |i| inside(i) == side));
     let value = |i: usize| {
         let i = (i / w + margin[1]) * fw + i % w + margin[0];
-        // Borders lie half a pixel from the pixels beside them.
+        // Borders lie half a pixel from the centres of adjacent pixels.
         let from = |d: f32| libm::sqrtf(d).min(DEEPEST) - 0.5;
         if to_inside[i] == 0.0 { from(to_outside[i]) } else { -from(to_inside[i]) }
     };
@@ -38,16 +37,16 @@ pub(super) struct Depths {
     /// Size of the canvas, in pixels.
     pub(super) size: [usize; 2],
     pub(super) wrap: [bool; 2],
-    /// Samples along each axis, evenly spread.
+    /// Number of evenly spaced samples along each axis.
     pub(super) grid: [usize; 2],
-    /// Depth in each region, sample by sample.
+    /// Depths in each region, sample by sample.
     pub(super) planes: Vec<Vec<f32>>,
 }
 
 impl Depths {
     /// Labels whose areas are `shares` of the canvas, without pieces below `speck` pixels. If more than
-    /// `distant` of all borders lie between layers that are not next to each other, thin strips of those
-    /// between them are laid along the shortest such borders.
+    /// `distant` of all borders lie between non-consecutive layers, thin strips of the layers between them
+    /// are inserted along the shortest such borders.
     pub(super) fn labels(&self, shares: &[f64], distant: f64, speck: usize) -> LabelMap {
         let count = shares.len();
         let values: Vec<Vec<f32>> = self.planes.iter().map(|plane| self.enlarged(plane)).collect();
@@ -63,8 +62,8 @@ impl Depths {
         without_specks(map, count, speck, self.wrap)
     }
 
-    /// Marks where strips are to lie: around the shortest borders between distant layers, as many as it
-    /// takes. False if none have to.
+    /// Marks strips around the shortest borders between non-consecutive layers until their share is low
+    /// enough. False if it is already.
     fn part(&self, map: &LabelMap, count: usize, distant: f64, strip: usize, strips: &mut [bool]) -> bool {
         let contacts = Contacts::new(map, count, self.wrap);
         let excess = (contacts.distant() - distant) * contacts.total() as f64;
@@ -89,7 +88,7 @@ impl Depths {
             if left <= 0.0 {
                 break;
             }
-            // A pixel may touch with more than one side, so this errs to the safe side.
+            // A pixel may touch with several sides, so this overestimates the remaining length.
             left -= f64::from(lengths[p]);
             parted[p] = true;
         }
@@ -101,8 +100,8 @@ impl Depths {
         true
     }
 
-    /// Gives the top layer the pixels that lie deepest in it, then those below theirs; first all of
-    /// `strips` within so many steps of the layer above.
+    /// Gives each layer, from the top down, the free pixels of largest depth in its region; before these,
+    /// the pixels of `strips` within `strip` steps of the layer above.
     fn ranked(&self, values: &[Vec<f32>], shares: &[f64], strips: &[bool], strip: usize) -> LabelMap {
         let [w, h] = self.size;
         let mut labels = vec![0u32; w * h];
@@ -136,7 +135,7 @@ impl Depths {
         LabelMap { width: w as u32, height: h as u32, labels }
     }
 
-    /// A plane at every pixel of the canvas, linear between samples.
+    /// Enlarges a plane to the pixels of the canvas by linear interpolation.
     fn enlarged(&self, plane: &[f32]) -> Vec<f32> {
         let [w, h] = self.size;
         if self.grid == self.size {
@@ -166,7 +165,7 @@ impl Depths {
     }
 }
 
-/// The four pixels beside one, across seams; none beyond a border.
+/// The four pixels adjacent to a pixel, across seams; `None` beyond a border.
 fn around(i: usize, [w, h]: [usize; 2], wrap: [bool; 2]) -> [Option<usize>; 4] {
     let [x, y] = [i % w, i / w];
     [
@@ -177,7 +176,7 @@ fn around(i: usize, [w, h]: [usize; 2], wrap: [bool; 2]) -> [Option<usize>; 4] {
     ]
 }
 
-/// Pixels of label 0 within so many steps of another label.
+/// Pixels of label 0 within `steps` steps of another label.
 fn near(labels: &[u32], [w, h]: [usize; 2], wrap: [bool; 2], steps: usize) -> Vec<usize> {
     let mut found = Vec::new();
     let mut seen: Vec<bool> = labels.iter().map(|&l| l > 0).collect();
@@ -198,14 +197,13 @@ fn near(labels: &[u32], [w, h]: [usize; 2], wrap: [bool; 2], steps: usize) -> Ve
     found
 }
 
-/// A number of the same order as a value.
+/// An integer that sorts like the value.
 fn key(value: f32) -> u32 {
     let bits = value.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }
 
-/// The key above which values are among the `count` largest, and how many of those with that very key
-/// are.
+/// The smallest key among the `count` largest values, and how many values of that key are among them.
 fn limit(values: impl Iterator<Item = f32> + Clone, count: usize) -> (u32, usize) {
     let mut left = count;
     let mut find = |counts: &[usize]| {

@@ -7,15 +7,15 @@ use crate::error::Result;
 use crate::raster::LabelMap;
 
 impl LayerMap {
-    /// Smallest area of an element that borders go around, in pixels: a 10,000th of the squared shorter
-    /// side of the exemplar. Smaller ones would make borders ragged.
+    /// Area in pixels from which borders go around an element: a 10,000th of the squared shorter side of
+    /// the exemplar. Smaller elements would make borders ragged.
     pub(crate) fn least_element([w, h]: [u32; 2]) -> u32 {
         let shorter = w.min(h);
         (shorter * shorter / 10_000).max(1)
     }
 
-    /// The layer of most pixels of each element. `elements` has the label k + 1 for element k, and the
-    /// size of the map.
+    /// The layer that holds most pixels of each element. `elements` has the size of the map and the label k
+    /// + 1 for element k.
     pub(crate) fn layers_of(&self, elements: &LabelMap, count: usize) -> Vec<u8> {
         let layers = self.layers.len();
         let mut areas = vec![0u32; count * layers];
@@ -24,13 +24,13 @@ impl LayerMap {
                 areas[element * layers + layer as usize] += 1;
             }
         }
-        // The first of equals is the lowest.
+        // Ties go to the lowest.
         let most = |own: &[u32]| (0..layers).rev().max_by_key(|&k| own[k]).unwrap_or(0) as u8;
         areas.chunks(layers).map(most).collect()
     }
 
-    /// The map with each element in one layer. `elements` gives the layer of the element at a pixel, if
-    /// there is one that counts.
+    /// The map with each element in one layer. `elements` gives the layer of the element at a pixel, or
+    /// `None` to keep the pixel's own.
     pub(crate) fn settled(mut self, elements: impl Fn(usize) -> Option<u8>) -> Self {
         for (i, label) in self.labels.labels.iter_mut().enumerate() {
             *label = elements(i).map_or(*label, u32::from);
@@ -40,8 +40,8 @@ impl LayerMap {
 }
 
 impl Exemplar<'_> {
-    /// A new map of `size` pixels from the labels of coarse cells, smooth and with the areas of the
-    /// exemplar; it repeats along the axes of `wrap`.
+    /// Makes a new map of `size` pixels from the labels of coarse cells, smooth and with the areas of the
+    /// exemplar. The map repeats along the axes of `wrap`.
     ///
     /// # Errors
     /// [`crate::Error::Control`] if the exemplar's map has one layer.

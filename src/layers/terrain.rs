@@ -8,11 +8,11 @@ use crate::raster::blur::Plane;
 use crate::raster::{Limits, check_size, decode};
 use image::DynamicImage;
 
-/// What the slope weighs against the height, and the layer.
+/// Weights of the features: the height, its slopes along both axes, and the layer.
 const WEIGHTS: [f32; 4] = [1.0, 0.6, 0.6, 0.5];
-/// Layers of equal area that the search sees.
+/// Layers of equal area in the features.
 const LAYERS: f32 = 6.0;
-/// Bins of the histogram that heights are brought to.
+/// Bins for histogram matching.
 const BINS: usize = 1 << 16;
 
 /// A height map.
@@ -23,7 +23,7 @@ pub struct Terrain {
 }
 
 impl Terrain {
-    /// Heights row by row, in any unit.
+    /// A terrain of heights in any unit, row by row.
     ///
     /// # Errors
     /// [`Error::Control`] if their number does not fit, one is not finite, all are equal, or a side is
@@ -46,7 +46,7 @@ impl Terrain {
         Ok(Self { size, heights })
     }
 
-    /// The grey values of a picture, 0 to 65535; of a picture of floating-point numbers, those.
+    /// Reads the grey values of a picture, 0 to 65535, or its floating-point values as they are.
     ///
     /// # Errors
     /// [`Error::Decode`], [`Error::TooLarge`], and those of [`Terrain::new`].
@@ -55,7 +55,7 @@ impl Terrain {
         image.apply_orientation(orientation);
         let size = [image.width() as usize, image.height() as usize];
         let heights = match image {
-            // The conversion to 16 bits would hide what is not a number.
+            // The conversion to 16 bits would hide values that are not numbers.
             DynamicImage::ImageRgb32F(image) => image.pixels().map(|p| p.0[0]).collect(),
             DynamicImage::ImageRgba32F(image) => image.pixels().map(|p| p.0[0]).collect(),
             other => other.into_luma16().pixels().map(|p| f32::from(p.0[0])).collect(),
@@ -68,12 +68,12 @@ impl Terrain {
         self.size
     }
 
-    /// Heights row by row, in the unit that they were given in.
+    /// Heights row by row, in their original unit.
     pub fn heights(&self) -> &[f32] {
         &self.heights
     }
 
-    /// Heights as 16-bit numbers: rounded, or stretched over all of 0 to 65535 if they do not fit.
+    /// Heights as 16-bit numbers: rounded, or stretched to 0 to 65535 if they do not fit.
     pub fn to_16_bits(&self) -> Vec<u16> {
         let (low, high) = self.range();
         let most = f32::from(u16::MAX);
@@ -88,9 +88,9 @@ impl Terrain {
         (low, self.heights.iter().copied().fold(f32::NEG_INFINITY, f32::max))
     }
 
-    /// New terrain of `size` pixels that repeats along the axes of `wrap`: heights and slopes are carried
-    /// along a field of correspondences, coarse and fine parts blended apart, and brought to the
-    /// histogram of these.
+    /// Makes new terrain of `size` pixels that repeats along the axes of `wrap`. Heights are copied along a
+    /// correspondence field, coarse and fine parts blended separately, and matched to the histogram of this
+    /// terrain.
     ///
     /// # Errors
     /// A size out of range; [`Error::Interrupted`].
@@ -111,14 +111,14 @@ impl Terrain {
         let coarse = own.blurred(1.5 * cell as f32, [false; 2]);
         let fine: Vec<f32> = own.values.iter().zip(&coarse.values).map(|(a, b)| a - b).collect();
         let carrier = Carrier { field: &field, exemplar: self.size, cell, canvas: size };
-        // Slopes go on across the borders of islands; grain keeps its contrast.
+        // Wide blending keeps slopes continuous across islands; narrow blending keeps the contrast of grain.
         let low = carrier.voted(&[coarse.values], size, 2, 1.25).swap_remove(0);
         let high = carrier.voted(&[fine], size, 1, 0.5).swap_remove(0);
         let heights: Vec<f32> = low.iter().zip(&high).map(|(a, b)| a + b).collect();
         Ok(Self { size, heights: self.matched(&heights) })
     }
 
-    /// The height map as the search sees it.
+    /// The features of the height map for the search.
     fn page(&self, cell: usize) -> Page {
         let size = self.size.map(|v| (v / cell).max(1));
         let height = |x: usize, y: usize| {
@@ -159,7 +159,7 @@ impl Terrain {
         Page { group: 0, groups: None, size, features, inside: None }
     }
 
-    /// Heights brought to the histogram of these, keeping their order.
+    /// Matches heights to the histogram of this terrain, keeping their order.
     fn matched(&self, heights: &[f32]) -> Vec<f32> {
         let low = heights.iter().copied().fold(f32::INFINITY, f32::min);
         let high = heights.iter().copied().fold(f32::NEG_INFINITY, f32::max);

@@ -5,7 +5,7 @@ use crate::raster::blur::Plane;
 use crate::sampling::stream;
 use image::{Rgb, RgbImage};
 
-/// A smooth random plane, of structures some `size / 6` pixels across.
+/// A smooth random plane with structures of about `size / 6` pixels.
 pub(super) fn clouds(size: [usize; 2], seed: u64) -> Plane {
     let mut random = stream(seed, "layers test", 0);
     let values = (0..size[0] * size[1]).map(|_| random.normal() as f32).collect();
@@ -34,7 +34,7 @@ pub(super) fn surface(size: [usize; 2], count: usize, seed: u64) -> (RgbImage, L
     (photo, map)
 }
 
-/// Share of the pixels that have the same label, whichever way around the layers are listed.
+/// Share of the pixels with the same label, for the better of both layer orders.
 pub(super) fn agreement(a: &LabelMap, b: &LabelMap) -> f64 {
     assert_eq!((a.width, a.height), (b.width, b.height));
     let top = b.labels.iter().copied().max().unwrap_or(0);

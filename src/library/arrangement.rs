@@ -26,7 +26,7 @@ pub struct Arrangement {
     pub runs: Vec<u32>,
 }
 
-/// Reads field by field, so that a short file cannot unfold to more runs than the map has room for.
+/// Reads field by field, so that a short file cannot expand to more runs than the map has room for.
 impl<'de> Deserialize<'de> for Arrangement {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_map(Fields)
@@ -51,7 +51,7 @@ impl<'de> Visitor<'de> for Fields {
                 "height" if height.is_none() => height = Some(fields.next_value()?),
                 "periodic" if periodic.is_none() => periodic = Some(fields.next_value()?),
                 "runs" if runs.is_none() => {
-                    // A size that comes later is as large as it can be.
+                    // If the size comes later, the largest size applies.
                     let [w, h] =
                         [width, height].map(|v| v.unwrap_or(LARGEST_SIDE).min(LARGEST_SIDE) as usize);
                     runs = Some(fields.next_value_seed(Runs { most: 2 * w * h })?);
@@ -74,7 +74,7 @@ impl<'de> Visitor<'de> for Fields {
     }
 }
 
-/// Runs of at most so many numbers: two a pixel.
+/// The runs of a map, limited to `most` numbers.
 struct Runs {
     most: usize,
 }

@@ -1,5 +1,5 @@
-//! The guide: the exemplar's colours on a coarse grid. Synthesis follows it to preserve structure
-//! larger than a few textons.
+//! The guide: the exemplar's colours on a coarse grid. Synthesis follows it to preserve structure larger
+//! than a few elements.
 
 use crate::raster::{Limits, decode};
 use base64::Engine as _;
@@ -27,8 +27,8 @@ pub struct Picture(pub RgbImage);
 
 impl Guide {
     /// Side of the cells for an exemplar of the given size in pixels: 2, or more for large exemplars, to
-    /// bound the cost of synthesis. Joints between textons need small cells, but large photographs
-    /// have larger textons.
+    /// bound the cost of synthesis. Joints between elements need small cells, but large photographs have
+    /// larger elements.
     pub fn cell_for(width: u32, height: u32) -> u32 {
         /// Number of cells above which they are enlarged.
         const MOST_CELLS: u64 = 400 * 400;

@@ -68,7 +68,7 @@ impl<'de> Deserialize<'de> for Instance {
     }
 }
 
-/// Reads either form. Libraries hold tens of thousands of instances: nothing is kept in between.
+/// Reads either form without intermediate storage, because libraries hold tens of thousands of instances.
 struct Reader;
 
 impl<'de> Visitor<'de> for Reader {

@@ -1,4 +1,4 @@
-//! The texton library: the result of analysing an exemplar (`*.lib.json`).
+//! The library of elements: the result of analysing an exemplar (`*.lib.json`).
 
 mod arrangement;
 mod categories;

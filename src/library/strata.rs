@@ -8,7 +8,7 @@ use crate::raster::colour::Colour;
 use crate::scene::{Field, joined};
 use std::borrow::Cow;
 
-/// A nested layer of a surface: a background, and the elements on it. A homogeneous exemplar has one.
+/// A layer of a weathered surface: a background and the elements on it. Other exemplars have a single one.
 #[derive(Clone, Copy, Debug)]
 pub struct Stratum<'a> {
     /// Its layers: the background first, then those of its elements.

@@ -1,10 +1,10 @@
-//! Pixels from pixels: textures without elements, as a baseline and for backgrounds.
+//! Pixel-based synthesis: textures without elements, as a baseline and for backgrounds.
 //!
-//! [`carried`] copies the pixels of a photograph along a field of correspondences; [`scanned`] makes
-//! them one by one with a codebook of neighbourhoods (Wei and Levoy). [`by_numbers`] is given where in
-//! the photograph what is, and where it is to be in the result.
+//! [`carried`] copies the pixels of a photograph along a correspondence field. [`scanned`] makes pixels one
+//! by one with a codebook of neighbourhoods (Wei and Levoy). [`by_numbers`] follows two label maps, one of
+//! the photograph and one of the result.
 //!
-//! Works badly where elements are to stay whole: pixels know nothing of them.
+//! Works badly where elements must stay whole, because pixels carry no knowledge of them.
 
 mod scan;
 mod tsvq;
@@ -19,20 +19,20 @@ use image::{Rgb, RgbImage};
 
 /// Side of the cells of the field, in pixels.
 const CELL: usize = 2;
-/// Weight of the contrast within a cell against a deviation of colour.
+/// Weight of the contrast within a cell relative to one standard deviation of colour.
 const GRAIN: f32 = 0.4;
 
-/// The entry in a leaf of a codebook.
+/// The colour taken from a leaf of the codebook.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Leaf {
-    /// The pixel of its most similar neighbourhood. The default.
+    /// The pixel of the most similar neighbourhood in the leaf. The default.
     #[default]
     Exact,
-    /// The mean of its pixels, as in the paper: softer.
+    /// The mean of the leaf's pixels, as in the paper; softer.
     Mean,
 }
 
-/// A new picture of `size` pixels, pixel by pixel in scan order; it repeats along both axes.
+/// Makes a picture of `size` pixels, pixel by pixel in scan order. It repeats along both axes.
 ///
 /// # Errors
 /// A size out of range; [`Error::Interrupted`].
@@ -47,8 +47,8 @@ pub fn scanned(
     scan::scanned(image, size, leaf, seed, progress)
 }
 
-/// A new picture of `size` pixels, copied along a field of correspondences; it repeats along the axes
-/// of `wrap`.
+/// Makes a picture of `size` pixels by copying along a correspondence field. It repeats along the axes of
+/// `wrap`.
 ///
 /// # Errors
 /// As [`scanned`].
@@ -70,12 +70,12 @@ pub fn carried(
     )
 }
 
-/// A new picture in which everything is where `wanted` says: `known` has the labels of the photograph's
-/// pixels, `wanted` those of the result, which has its size (texture by numbers, Hertzmann et al. 2001).
+/// Makes a picture that follows the labels of `wanted` and has its size; `known` has the labels of the
+/// photograph's pixels (texture by numbers, Hertzmann et al. 2001).
 ///
 /// # Errors
-/// [`Error::Control`] if `known` has another size than the photograph, or `wanted` labels that `known`
-/// has not; as [`carried`].
+/// [`Error::Control`] if `known` has another size than the photograph, or `wanted` has labels that are
+/// missing in `known`; as [`carried`].
 pub fn by_numbers(
     image: &RgbImage,
     known: &LabelMap,
@@ -110,7 +110,7 @@ pub fn by_numbers(
         .filter(|&label| groups.contains(&label))
         .map(|label| page(image, label, Some(own.iter().map(|&l| l == u32::from(label)).collect())))
         .collect();
-    // A field needs some sources away from the rim of the photograph for each label.
+    // A field needs sources away from the border of the photograph for each label.
     let rim = |i: usize| {
         i % cells[0] < 3 || i % cells[0] + 3 >= cells[0] || i / cells[0] < 3 || i / cells[0] + 3 >= cells[1]
     };
@@ -129,7 +129,7 @@ pub fn by_numbers(
     copied(image, size, &request, progress)
 }
 
-/// The label in the middle of a cell.
+/// The label at the centre of a cell.
 fn middle(map: &LabelMap, cells: [usize; 2], i: usize) -> u32 {
     let at = |v: usize, k: usize, size: u32| (((2 * v + 1) * size as usize) / (2 * cells[k])) as u32;
     map.get(
@@ -138,7 +138,7 @@ fn middle(map: &LabelMap, cells: [usize; 2], i: usize) -> u32 {
     )
 }
 
-/// A photograph as the search sees it: mean colours and the contrast within each cell.
+/// The features of a photograph for the search: mean colours and the contrast within each cell.
 fn page(image: &RgbImage, group: u8, inside: Option<Vec<bool>>) -> Page {
     let size = [image.width(), image.height()].map(|v| (v as usize / CELL).max(1));
     let mut features = vec![[0f32; CHANNELS]; size[0] * size[1]];
@@ -168,7 +168,7 @@ fn page(image: &RgbImage, group: u8, inside: Option<Vec<bool>>) -> Page {
     Page { group, groups: None, size, features, inside }
 }
 
-/// The pixels from where the field of a request says.
+/// Copies pixels along the field of a request.
 fn copied(
     image: &RgbImage,
     size: [usize; 2],
@@ -179,7 +179,7 @@ fn copied(
     let cells = field.size;
     let mut rows = vec![[0u8; 3]; size[0] * size[1]];
     parallel::for_chunks(&mut rows, size[0], |y, row| {
-        // A canvas that no whole number of cells fits has slightly smaller ones.
+        // Cells are slightly smaller where their size does not divide the canvas.
         let place = |v: usize, k: usize| {
             let at = (v as f64 + 0.5) * cells[k] as f64 / size[k] as f64;
             (at as usize, ((at - libm::floor(at)) * CELL as f64) as u32)

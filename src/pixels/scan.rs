@@ -1,4 +1,4 @@
-//! Texture synthesis pixel by pixel with a codebook of neighbourhoods (Wei and Levoy, as in `tsvq.rs`).
+//! Pixel-by-pixel synthesis with a codebook of neighbourhoods (Wei and Levoy, as in `tsvq.rs`).
 
 use super::Leaf;
 use super::tsvq::Codebook;
@@ -10,14 +10,14 @@ use image::RgbImage;
 
 /// Leaves of a codebook (the paper: 4096).
 const LEAVES: usize = 4096;
-/// Neighbourhoods that a codebook is made from, at most.
+/// Most neighbourhoods that a codebook is made from.
 const MOST_KNOWN: usize = 1 << 16;
-/// Levels at most, and the shortest side of the coarsest.
+/// Most levels, and the shortest side of the coarsest.
 const LEVELS: usize = 6;
 const COARSEST: u32 = 16;
-/// Scans of each level. In the second, what is across the seams is made already.
+/// Scans of each level. In the second, the pixels across the seams are known.
 const SCANS: usize = 2;
-/// Pixels from the middle of a neighbourhood to its border, on the level and on the next coarser one.
+/// Radius of a neighbourhood in pixels, on the level and on the next coarser one.
 const REACH: [i64; 2] = [3, 1];
 
 /// A picture on one level, in Oklab.
@@ -32,7 +32,7 @@ impl Level {
         Self { size, pixels: image.pixels().map(|p| oklab(p.0)).collect() }
     }
 
-    /// Half as fine: means of two by two pixels.
+    /// The level at half the resolution: means of 2 × 2 pixels.
     fn halved(&self) -> Self {
         let size = self.size.map(|v| (v / 2).max(1));
         let mean = |i: usize| {
@@ -46,13 +46,13 @@ impl Level {
         Self { size, pixels: (0..size[0] * size[1]).map(mean).collect() }
     }
 
-    /// The pixel at a place, across the seams.
+    /// The pixel at a place; places wrap around.
     fn at(&self, x: i64, y: i64) -> [f32; 3] {
         let [x, y] = [x.rem_euclid(self.size[0] as i64), y.rem_euclid(self.size[1] as i64)];
         self.pixels[y as usize * self.size[0] + x as usize]
     }
 
-    /// The known neighbourhood of a pixel before it is made: the pixels before it within 7 × 7, and 3 × 3 of the
+    /// The causal neighbourhood of a pixel: the earlier pixels within 7 × 7, and 3 × 3 pixels of the
     /// coarser level.
     fn neighbourhood(&self, coarser: Option<&Self>, x: i64, y: i64, to: &mut Vec<f32>) {
         for dy in -REACH[0]..=0 {
@@ -67,7 +67,7 @@ impl Level {
     }
 }
 
-/// A new picture of `size` pixels, which repeats along both axes.
+/// Makes a picture of `size` pixels, which repeats along both axes.
 ///
 /// # Errors
 /// [`crate::Error::Interrupted`].
@@ -93,7 +93,7 @@ pub(super) fn scanned(
         let exemplar = &known[level];
         let (vectors, middles, length) = neighbourhoods(exemplar, known.get(level + 1));
         let book = Codebook::new(&vectors, length, LEAVES);
-        // Pixels that are not made yet look like the exemplar's, at random.
+        // Pixels start as random pixels of the exemplar.
         let size = size.map(|v| (v >> level).max(1));
         let mut random = stream(seed, "pixels/noise", level as u64);
         let pixels = (0..size[0] * size[1]).map(|_| exemplar.pixels[random.index(exemplar.pixels.len())]);
@@ -128,9 +128,8 @@ pub(super) fn scanned(
     }))
 }
 
-/// The neighbourhoods of a level one after the other, the pixel in the middle of each, and how many
-/// numbers each has. Only those that do not reach over the border, and only evenly chosen ones of
-/// very many.
+/// The neighbourhoods of a level in one array, the pixel at the centre of each, and their length. Those
+/// that cross the border are left out; of very many, an even sample is taken.
 fn neighbourhoods(level: &Level, coarser: Option<&Level>) -> (Vec<f32>, Vec<u32>, usize) {
     let [w, h] = level.size.map(|v| v as i64);
     let [side, above] = [REACH[0].min((w - 1) / 2), REACH[0].min(h - 1)];

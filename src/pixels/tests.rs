@@ -27,7 +27,7 @@ fn distance(a: &RgbImage, b: &RgbImage) -> f64 {
     quantiles(a).iter().zip(quantiles(b)).map(|(x, y)| (x - y).abs()).sum::<f64>() / 500.0
 }
 
-/// Mean step of lightness from one column to the next.
+/// Mean difference of lightness between adjacent columns.
 fn step(image: &RgbImage, x: u32) -> f64 {
     let light = |x: u32, y: u32| f64::from(oklab(image.get_pixel(x % image.width(), y).0)[0]);
     let sum: f64 = (0..image.height()).map(|y| (light(x, y) - light(x + 1, y)).abs()).sum();

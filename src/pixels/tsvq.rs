@@ -1,4 +1,4 @@
-//! Tree-structured vector quantisation: a codebook that is searched in logarithmic time (Wei and Levoy,
+//! Tree-structured vector quantisation: a codebook with logarithmic search time (Wei and Levoy,
 //! "Deterministic Texture Analysis and Synthesis using Tree Structure Vector Quantization").
 
 use std::cmp::Reverse;
@@ -6,12 +6,12 @@ use std::collections::BinaryHeap;
 
 /// Lloyd iterations of a split.
 const LLOYD: usize = 10;
-/// Power iterations that find the axis of a split.
+/// Power iterations for the principal axis of a split.
 const POWER: usize = 5;
 
-/// A node: the mean of its vectors, and either two nodes beneath it or the vectors themselves.
+/// A node: the mean of its vectors, and either two child nodes or the vectors themselves.
 struct Node {
-    /// First component of its mean.
+    /// Index of the first component of its mean.
     mean: usize,
     children: Option<[u32; 2]>,
     members: Vec<u32>,
@@ -19,7 +19,7 @@ struct Node {
 
 /// A tree of vectors.
 pub(super) struct Codebook {
-    /// Components of a vector.
+    /// Number of components of a vector.
     pub(super) length: usize,
     means: Vec<f32>,
     nodes: Vec<Node>,
@@ -33,8 +33,8 @@ pub(super) fn distance(a: &[f32], b: &[f32]) -> f32 {
 }
 
 impl Codebook {
-    /// A codebook of at most `leaves` leaves, of vectors of `length` components, one after the other: the
-    /// leaf of the largest distortion is split until there are as many.
+    /// A codebook of at most `leaves` leaves. `vectors` holds vectors of `length` components, one after the
+    /// other. The leaf with the largest distortion is split until there are enough.
     pub(super) fn new(vectors: &[f32], length: usize, leaves: usize) -> Self {
         let all: Vec<u32> = (0..(vectors.len() / length) as u32).collect();
         let mut book = Self { length, means: Vec::new(), nodes: Vec::new(), leaves: 1 };
@@ -62,7 +62,7 @@ impl Codebook {
         book
     }
 
-    /// Adds a leaf; the bits of its distortion, which are in the order of distortions.
+    /// Adds a leaf. Returns the bits of its distortion, which sort like its value.
     fn add(&mut self, vectors: &[f32], members: Vec<u32>) -> u64 {
         let length = self.length;
         let of = |m: u32| &vectors[m as usize * length..][..length];
@@ -82,12 +82,12 @@ impl Codebook {
         &self.means[self.nodes[node as usize].mean..][..self.length]
     }
 
-    /// The vectors of a leaf in two parts, along their principal axis at first; none if one stays empty.
+    /// Splits the vectors of a leaf by 2-means along their principal axis; `None` if a part stays empty.
     fn split(&self, vectors: &[f32], node: u32, members: &[u32]) -> Option<[Vec<u32>; 2]> {
         let length = self.length;
         let of = |m: u32| &vectors[m as usize * length..][..length];
         let mean = self.mean(node);
-        // Begins with what is farthest from the mean.
+        // The axis starts towards the vector farthest from the mean.
         let far = members.iter().copied().fold(None, |best: Option<(f32, u32)>, m| {
             let d = distance(of(m), mean);
             if best.is_none_or(|b| d > b.0) { Some((d, m)) } else { best }
@@ -134,7 +134,7 @@ impl Codebook {
         Some(parts)
     }
 
-    /// For each node the mean colour of the pixels in the middle of its vectors; black where it is no leaf.
+    /// For each node the mean colour of its vectors' centre pixels; black unless the node is a leaf.
     pub(super) fn means_of(&self, middles: &[u32], pixels: &[[f32; 3]]) -> Vec<[f32; 3]> {
         let mean = |node: &Node| {
             let count = node.members.len().max(1) as f32;
@@ -144,18 +144,18 @@ impl Codebook {
         self.nodes.iter().map(mean).collect()
     }
 
-    /// The leaf that a vector falls into, and how many distances that took.
+    /// The leaf of a vector, and the number of distances computed.
     pub(super) fn encode(&self, vector: &[f32]) -> (u32, u32) {
-        let (mut node, mut asked) = (0, 0);
+        let (mut node, mut compared) = (0, 0);
         while let Some([left, right]) = self.nodes[node as usize].children {
             let nearer = distance(vector, self.mean(right)) < distance(vector, self.mean(left));
             node = if nearer { right } else { left };
-            asked += 2;
+            compared += 2;
         }
-        (node, asked)
+        (node, compared)
     }
 
-    /// The vector of a leaf that is nearest to another; of equals the first.
+    /// The vector of a leaf that is nearest to the given one; ties go to the first.
     pub(super) fn nearest(&self, vectors: &[f32], leaf: u32, vector: &[f32]) -> u32 {
         let of = |m: u32| &vectors[m as usize * self.length..][..self.length];
         let mut best = (f32::INFINITY, 0);

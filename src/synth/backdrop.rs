@@ -1,20 +1,20 @@
-//! The colour of an exemplar's background at any of its places.
+//! The colour of an exemplar's background at any place.
 //!
-//! The library knows it at sites some twenty-five pixels apart, from pixels away from all textons. What
-//! textons and sites together leave unexplained of the photograph, block by block, is added, so that soft
-//! clouds and stains keep their contrast.
+//! The library samples the background about every twenty-five pixels, away from all elements. The part of
+//! the photograph that elements and samples leave unexplained is added block by block, so that soft clouds
+//! and stains keep their contrast.
 
 use crate::geometry::wrapped;
 use crate::library::{Element, Library};
 use crate::scene::field::Interpolant;
 use crate::scene::{Field, Tile};
 
-/// Least share of a block that is background.
+/// Least share of background in a block that is corrected.
 const LEAST: f64 = 0.15;
-/// Share of the background of a block that makes up for what is unexplained, if less of it is bare: a few
-/// pixels between secondaries would take on colours that are nowhere in the photograph.
+/// Least share of a block's background over which the unexplained part is spread. On a few bare pixels
+/// between secondaries it would give colours that the photograph does not have.
 const BARE: f64 = 0.6;
-/// Most that is added to a component.
+/// Largest correction of a component.
 const MOST: f64 = 25.0;
 
 /// The background of an exemplar.
@@ -23,12 +23,12 @@ pub(super) struct Backdrop {
     /// Side of a block, in pixels.
     side: f64,
     blocks: [usize; 2],
-    /// What is added in each block, by component.
+    /// The correction of each block, by component.
     added: Vec<[f64; 3]>,
     wrap: bool,
 }
 
-/// The part of a background that a backdrop is for: all of it, or that of one stratum.
+/// The part of a background to model: all of it, or one stratum.
 pub(super) struct Part<'a> {
     /// Colours sampled there.
     pub(super) field: &'a Field,
@@ -39,7 +39,7 @@ pub(super) struct Part<'a> {
 }
 
 impl Backdrop {
-    /// Of a part of the background of a library's exemplar.
+    /// Models a part of the background of a library's exemplar.
     pub(super) fn new(library: &Library, part: &Part<'_>) -> Self {
         let (width, height) = (library.source.width, library.source.height);
         let sites = Interpolant::new(part.field, width, height, Tile::default());
@@ -59,7 +59,7 @@ impl Backdrop {
         colour
     }
 
-    /// What is added at a place: blocks meet smoothly.
+    /// The correction at a place, interpolated between blocks.
     fn added_at(&self, at: [f64; 2]) -> [f64; 3] {
         let axis = |k: usize| {
             let v = at[k] / self.side - 0.5;
@@ -77,20 +77,20 @@ impl Backdrop {
         sum
     }
 
-    /// A column or row of blocks, that at the border where there is none.
+    /// Index of a block column or row, clamped or wrapped at the border.
     fn block(&self, v: i64, k: usize) -> usize {
         let count = self.blocks[k] as i64;
         (if self.wrap { v.rem_euclid(count) } else { v.clamp(0, count - 1) }) as usize
     }
 
-    /// The block of a place.
+    /// Index of the block at a place.
     fn block_at(&self, at: [f64; 2]) -> usize {
         let [column, row] = [0, 1].map(|k| self.block(libm::floor(at[k] / self.side) as i64, k));
         row * self.blocks[0] + column
     }
 
-    /// For each block the mean of the photograph's background less that of secondaries and sites, as far as
-    /// bare background can make up for it; smoothed, for secondaries lie across blocks.
+    /// For each block the mean of the photograph's background minus that of secondaries and samples,
+    /// limited by the bare background; smoothed, because secondaries lie across blocks.
     fn unexplained(&self, library: &Library, part: &Part<'_>) -> Vec<[f64; 3]> {
         let Some(guide) = &library.guide else { return self.added.clone() };
         let mut photo = vec![[0.0; 4]; self.added.len()];
@@ -110,7 +110,7 @@ impl Backdrop {
             (0..3).for_each(|c| sum[c] += area * f64::from(s.colour.0[c]));
             sum[3] += area;
         }
-        // Neighbouring blocks count a quarter each.
+        // Adjacent blocks have a weight of a quarter each.
         let smooth = |sums: &[[f64; 4]], block: usize| {
             let (column, row) = ((block % self.blocks[0]) as i64, (block / self.blocks[0]) as i64);
             let mut sum = sums[block];
@@ -135,8 +135,8 @@ impl Backdrop {
                 });
                 let field = self.sites.at(middle[0], middle[1]);
                 let bare = (photo[3] - covered[3]).max(0.0);
-                let taker = bare.max(BARE * photo[3]);
-                [0, 1, 2].map(|c| ((photo[c] - covered[c] - bare * field[c]) / taker).clamp(-MOST, MOST))
+                let receiving = bare.max(BARE * photo[3]);
+                [0, 1, 2].map(|c| ((photo[c] - covered[c] - bare * field[c]) / receiving).clamp(-MOST, MOST))
             })
             .map(|v| if v.iter().all(|v| v.is_finite()) { v } else { [0.0; 3] })
             .collect()
@@ -158,7 +158,7 @@ mod tests {
         let backdrop = Backdrop::new(&library, &part);
         let (left, right) = (backdrop.at([20.0, 100.0])[0], backdrop.at([180.0, 100.0])[0]);
         let known = |x: f64| 40.0 + x * 60.0 / 200.0;
-        // Both are further from the palette than may be added, or right.
+        // Both are right, or farther from the palette than the largest correction.
         for (found, x) in [(left, 20.0), (right, 180.0)] {
             let palette = backdrop.sites.at(x, 100.0)[0];
             let wanted = known(x).max(palette - MOST);

@@ -10,15 +10,15 @@ use crate::sampling::{Area, Stream, poisson_disk, stream};
 use crate::scene::{ControlPoint, Field, SynthParams};
 use std::borrow::Cow;
 
-/// How far control points reach beyond a border of the canvas, in spacings.
+/// Width of the margin of control points around the canvas, in spacings.
 const MARGIN: f64 = 2.0;
 
-/// Distance of control points that take their colours from the exemplar's background, as a share of
-/// that of its own.
+/// Spacing of control points that take their colours from the exemplar's background, relative to the
+/// exemplar's own spacing.
 const FINER: f64 = 0.75;
 
-/// Poisson-disk points over the canvas and a margin, each in a colour of the palette. Where libraries
-/// share the canvas, in colours of their palettes mixed by their shares.
+/// Samples a Poisson-disk set over the canvas and a margin. Each point has a colour of the palette, or a
+/// mixture by shares where libraries share the canvas.
 pub(crate) fn field(
     libraries: &[Library],
     map: &Occupancy<'_>,
@@ -51,7 +51,7 @@ pub(crate) fn field(
         wrap_y: params.tile.y,
     };
     for p in poisson_disk(area, spacing, &mut random) {
-        // A hundredth of a pixel is enough, and shorter to write.
+        // Two decimals are precise enough and keep files short.
         let [x, y] = [0, 1].map(|k| libm::round((p[k] - margin[k]) * 100.0) / 100.0);
         let colour = match &backdrops {
             Some((correspondence, backdrops)) => {
@@ -65,12 +65,12 @@ pub(crate) fn field(
     field
 }
 
-/// The backgrounds of libraries.
+/// The background fields of libraries.
 pub(crate) fn palettes(libraries: &[Library]) -> Vec<Cow<'_, Field>> {
     libraries.iter().map(Library::background).collect()
 }
 
-/// A colour of the palette, or of several mixed by the shares of their libraries at a point.
+/// A random colour of the palette, or of several, mixed by the shares of their libraries at a point.
 pub(crate) fn colour(
     palettes: &[Cow<'_, Field>],
     region: &Region<'_>,

@@ -1,4 +1,4 @@
-//! Scenes put together from placed elements; the exemplar's own arrangement as a scene.
+//! Scenes from placed elements; the exemplar's own arrangement as a scene.
 
 use super::few::limit_colours;
 use super::period::share_equal;
@@ -16,11 +16,11 @@ use crate::scene::{
 };
 use std::collections::BTreeMap;
 
-/// Places of the layers of elements among those of a stratum.
+/// Positions of the element layers within a stratum.
 const SECONDARY: usize = 1;
 const PRIMARY: usize = 2;
 
-/// The scene of an arrangement. Elements are listed in the order in which they first appear.
+/// Makes the scene of an arrangement. Elements are listed in the order of their first instance.
 pub(crate) fn scene(
     libraries: &[Library],
     params: &SynthParams,
@@ -50,7 +50,7 @@ pub(crate) fn scene(
     for p in &arrangement.placed {
         let placed = &model[p.element];
         let (element, variation) = match placed.fragment {
-            // A fragment is varied already.
+            // A fragment is stored with its variation applied.
             Some(fragment) => (scene.add(model.fragments[fragment as usize].clone()), &Variation::default()),
             None => {
                 let element = known[placed.library].primary(&mut scene, placed.index);
@@ -67,9 +67,9 @@ pub(crate) fn scene(
     scene
 }
 
-/// The exemplar's own arrangement: what the library knows of the exemplar, drawn back layer by layer.
-/// Elements stand where they were found, in their own colours. Where the library was made for so many
-/// colours at most, it has no more, the fields included, which are then of one.
+/// Draws the exemplar's own arrangement from its library, layer by layer. Elements have their original
+/// places and colours. If the library has a limit of colours, the scene keeps it, and each field has one
+/// colour.
 pub fn reconstruct(library: &Library) -> Scene {
     let (width, height) = (library.source.width, library.source.height);
     let mut scene = Scene::new([width, height], vec![reference(library)], Vec::new());
@@ -107,8 +107,8 @@ pub(crate) fn reference(library: &Library) -> LibraryRef {
     LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
 }
 
-/// Takes away strata that have no place on the canvas: a given map may lack some, and small canvases have no
-/// room for all.
+/// Removes strata without a place on the canvas: a given map may lack some, and small canvases have no room
+/// for all.
 fn without_empty_strata(scene: &mut Scene) {
     let layers = std::mem::take(&mut scene.layers);
     for mut stratum in layers.chunks(Strata::LAYERS).map(<[Layer]>::to_vec) {
@@ -122,7 +122,7 @@ fn without_empty_strata(scene: &mut Scene) {
     }
 }
 
-/// Appends an instance to a layer of a stratum; ids count through all layers.
+/// Appends an instance to a layer of a stratum. Ids are numbered across all layers.
 fn push(
     scene: &mut Scene,
     (stratum, layer): (usize, usize),
@@ -144,21 +144,21 @@ pub(crate) fn instance(
     variation: &Variation,
     colour: Option<Colour>,
 ) -> Instance {
-    // Five decimals are a hundredth of a pixel at a distance of a thousand, and short to write.
+    // Five decimals are precise to a hundredth of a pixel at a distance of a thousand, and short.
     let [a, b, c, d] = variation.matrix.map(|v| libm::round(v * 1e5) / 1e5);
     let transform = [a, b, c, d, f64::from(at[0]), f64::from(at[1])];
     Instance { transform, colour, ..Instance::new(id, element) }
 }
 
-/// Which of a library's elements a scene holds already, and where.
+/// The elements of a library that a scene already holds, by their indices in the scene.
 pub(crate) struct Known<'a> {
-    /// Which library of the scene.
+    /// Index of the library in the scene.
     number: LibraryId,
     library: &'a Library,
     /// Index in the scene of each of the library's elements.
     elements: Vec<Option<ElementId>>,
-    /// Shapes of elements that take their colour from the field, by their path data: the smallest are
-    /// often alike to the pixel, and every instance has its own colour.
+    /// Shapes of elements that take their colour from the field, by path data. The smallest are often
+    /// identical to the pixel, and every instance has its own colour.
     alike: BTreeMap<String, ElementId>,
 }
 
@@ -167,7 +167,7 @@ impl<'a> Known<'a> {
         Self { number, library, elements: vec![None; library.elements.len()], alike: BTreeMap::new() }
     }
 
-    /// Those that a scene holds already.
+    /// The elements that a scene already holds.
     pub(crate) fn of(number: LibraryId, library: &'a Library, scene: &Scene) -> Self {
         let mut known = Self::new(number, library);
         let own = |e: &&Element| e.library == number && !e.fragment;
@@ -183,13 +183,13 @@ impl<'a> Known<'a> {
         known
     }
 
-    /// The primary with the given number among the library's, in the scene, which then holds it.
+    /// The primary with the given number among the library's, added to the scene if it is missing.
     pub(crate) fn primary(&mut self, scene: &mut Scene, number: u32) -> ElementId {
         self.element(scene, ElementId(number))
     }
 
-    /// The secondary with the given number among the library's, in the scene, which then holds it or
-    /// one of the same shape.
+    /// The secondary with the given number among the library's, or one of the same shape, added to the
+    /// scene if it is missing.
     pub(crate) fn secondary(&mut self, scene: &mut Scene, number: u32) -> ElementId {
         self.element(scene, self.library.secondary_id(number))
     }
@@ -209,8 +209,7 @@ impl<'a> Known<'a> {
     }
 }
 
-/// An element of the library that has the given number in a scene, shifted so that its centroid in
-/// whole pixels is at (0, 0).
+/// A library's element for a scene, shifted so that its centroid in whole pixels is at (0, 0).
 pub(crate) fn element(number: LibraryId, library: &Library, source: ElementId) -> Element {
     let own = &library.elements[source.index()];
     let [x, y] = own.origin().map(f64::from);
@@ -225,9 +224,9 @@ pub(crate) fn element(number: LibraryId, library: &Library, source: ElementId) -
     }
 }
 
-/// An outline moved so that `origin` comes to (0, 0).
+/// An outline shifted so that `origin` is at (0, 0).
 pub(crate) fn translated(outline: &Outline, origin: [i32; 2]) -> Outline {
     let shift = Affine::translate((-f64::from(origin[0]), -f64::from(origin[1])));
-    // Fails only beyond any exemplar's size; then the element stays where it was.
+    // Fails only beyond any exemplar's size; the element then keeps its coordinates.
     Outline::new(&(shift * outline.path())).unwrap_or_else(|| outline.clone())
 }

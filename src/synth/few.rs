@@ -1,11 +1,11 @@
-//! A scene in few flat colours.
+//! Reduces a scene to a few flat colours.
 
 use crate::raster::colour::Colour;
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 
-/// Colours that are compared with one another. Of more, the others take the nearest of these first: those
-/// with the largest area.
+/// Largest number of colours that are clustered: those with the largest areas. All others are first merged
+/// with the nearest of these.
 const COMPARED: usize = 256;
 
 /// A colour, the sum of its components by area, and its area in pixels.
@@ -31,8 +31,8 @@ fn distance(a: Colour, b: Colour) -> f64 {
     (0..3).map(|k| f64::from(a[k] - b[k]) * f64::from(a[k] - b[k])).sum()
 }
 
-/// Gives a scene at most so many colours, its fields included, each of which becomes one colour, and no
-/// gradients. Those are joined that it costs least to join, by distance in Oklab and by area.
+/// Reduces a scene to at most `most` flat colours. Each field becomes one colour, and gradients are
+/// removed. Colours are merged at the least cost, by distance in Oklab and by area.
 pub(super) fn limit_colours(scene: &mut Scene, most: usize) {
     for shape in scene.elements.iter_mut().flat_map(|e| &mut e.shapes) {
         shape.gradient = None;
@@ -54,7 +54,7 @@ pub(super) fn limit_colours(scene: &mut Scene, most: usize) {
     }
 }
 
-/// All colours with their areas; what lies over others counts for both.
+/// All colours with their areas. A covered part counts for both colours.
 fn areas(scene: &Scene) -> BTreeMap<[u8; 3], f64> {
     let mut areas: BTreeMap<[u8; 3], f64> = BTreeMap::new();
     let mut add = |colour: Colour, area: f64| *areas.entry(colour.0).or_default() += area.max(1.0);
@@ -77,19 +77,19 @@ fn areas(scene: &Scene) -> BTreeMap<[u8; 3], f64> {
     areas
 }
 
-/// What each colour becomes, so that there are at most so many.
+/// The replacement of each colour, with at most `most` different ones.
 fn joined(areas: BTreeMap<[u8; 3], f64>, most: usize) -> BTreeMap<[u8; 3], Colour> {
     let mut all: Vec<(Colour, f64)> = areas.into_iter().map(|(rgb, area)| (Colour(rgb), area)).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.0.cmp(&b.0.0)));
     let entry = |&(colour, area): &(Colour, f64)| Entry { sum: colour.to_f64().map(|v| v * area), area };
     let kept: Vec<Colour> = all.iter().take(COMPARED.max(most)).map(|(colour, _)| *colour).collect();
     let mut entries: Vec<Option<Entry>> = all.iter().take(kept.len()).map(|c| Some(entry(c))).collect();
-    // In which entry each colour is.
-    let mut home: Vec<usize> = (0..kept.len()).collect();
+    // Index of the entry that holds each colour.
+    let mut entry_of: Vec<usize> = (0..kept.len()).collect();
     for other in &all[kept.len()..] {
         let near = |k: &usize| distance(kept[*k], other.0);
         let nearest = (0..kept.len()).min_by(|a, b| near(a).total_cmp(&near(b))).unwrap_or(0);
-        home.push(nearest);
+        entry_of.push(nearest);
         entries[nearest] = entries[nearest].map(|e| e.and(&entry(other)));
     }
     while entries.iter().flatten().count() > most {
@@ -98,7 +98,7 @@ fn joined(areas: BTreeMap<[u8; 3], f64>, most: usize) -> BTreeMap<[u8; 3], Colou
             let Some(first) = first else { continue };
             for (b, second) in entries.iter().enumerate().skip(a + 1) {
                 let Some(second) = second else { continue };
-                // What joining two clusters adds to the sum of squares (Ward 1963).
+                // Increase of the sum of squares when two clusters are merged (Ward 1963).
                 let share = first.area * second.area / (first.area + second.area);
                 let cost = share * distance(first.colour(), second.colour());
                 if cost < best.0 {
@@ -109,9 +109,9 @@ fn joined(areas: BTreeMap<[u8; 3], f64>, most: usize) -> BTreeMap<[u8; 3], Colou
         let (_, a, b) = best;
         let (Some(first), Some(second)) = (entries[a], entries[b].take()) else { break };
         entries[a] = Some(first.and(&second));
-        home.iter_mut().filter(|h| **h == b).for_each(|h| *h = a);
+        entry_of.iter_mut().filter(|h| **h == b).for_each(|h| *h = a);
     }
-    let colour = |k: usize| entries[home[k]].map_or(all[k].0, |e| e.colour());
+    let colour = |k: usize| entries[entry_of[k]].map_or(all[k].0, |e| e.colour());
     (0..all.len()).map(|k| (all[k].0.0, colour(k))).collect()
 }
 

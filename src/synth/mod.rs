@@ -1,8 +1,8 @@
 //! Library → scene, in this order: correspondence field, arrangement and density
 //! ([`arrange`](crate::arrange)), background, secondaries, composition.
 //!
-//! When this works badly: exemplars with long curves, which islands cut; and exemplars with so few
-//! whole textons that copies are seen.
+//! Works badly for exemplars with long curves, which islands cut, and for exemplars with too few whole
+//! elements, whose copies are seen.
 
 mod backdrop;
 pub(crate) mod background;
@@ -35,12 +35,12 @@ use strata::Strata;
 
 /// Largest canvas, in pixels.
 const LARGEST_CANVAS: u64 = 400_000_000;
-/// Memory that a pixel of the canvas takes, in bytes: seven of the target map, the rest its share of
-/// what is placed (measured on sandy concrete, which has the most).
+/// Memory per pixel of the canvas, in bytes: seven of the target map, and its share of what is placed
+/// (measured on sandy concrete, which has the most).
 const BYTES_PER_PIXEL: u64 = 25;
 
-/// A new texture like the exemplar that the library was made from, of the size in `params`.
-/// Same library, parameters and program: the same scene, on any number of threads.
+/// Synthesises a texture of the size in `params` like the exemplar of the library. The same library,
+/// parameters and program give the same scene on any number of threads.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a parameter out of range, [`Error::TooLarge`] for a canvas of more than
@@ -50,12 +50,12 @@ pub fn synthesize(library: &Library, params: &SynthParams, progress: &dyn Progre
     synthesize_with(libraries, params, &Controls::default(), progress).map(|(scene, _)| scene)
 }
 
-/// [`synthesize`] from several libraries and under control, with how close the result came to
-/// what was wanted.
+/// [`synthesize`] from several libraries and with control maps. Also reports how close the result is to its
+/// targets.
 ///
 /// # Errors
-/// As [`synthesize`]; also [`Error::Parameter`] for no library, more than
-/// [`Controls::MOST_LIBRARIES`], or not as many maps of shares as libraries.
+/// As [`synthesize`]; also [`Error::Parameter`] for no library, more than [`Controls::MOST_LIBRARIES`], or
+/// a number of share maps other than that of libraries.
 pub fn synthesize_with(
     libraries: &[Library],
     params: &SynthParams,
@@ -91,7 +91,7 @@ pub fn synthesize_with(
     Ok((scene, report))
 }
 
-/// Parameters that refuse elements on others, where the exemplars are drawings in which none touch.
+/// The parameters, with overlaps refused if all exemplars are drawings without touching elements.
 fn keeping_apart(libraries: &[Library], params: &SynthParams) -> SynthParams {
     let mut params = params.clone();
     let apart = |l: &Library| is_drawing(l) && !l.arrangement.to_labels().any_touch();
@@ -105,14 +105,14 @@ fn is_drawing(library: &Library) -> bool {
     library.source.kind == SourceKind::Drawing
 }
 
-/// The method that places primaries, if it is left open.
+/// The method that places primaries; chosen by the libraries for [`Method::Auto`].
 ///
 /// # Errors
 /// [`Error::Parameter`] if correspondences are asked for and a library has no guide.
 fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<Method> {
     let periodic = period::applies(libraries, params, controls);
     let guided = libraries.iter().all(|l| l.guide.is_some());
-    // Parts that correspondences have too.
+    // Ablations that correspondences support.
     let of_both = |part: &Ablation| *part == Ablation::Secondary;
     let plain = params.weights == Weights::default() && params.ablate.iter().all(of_both);
     let led = controls.lead.is_some();
@@ -131,7 +131,7 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
             value: "period".into(),
             allowed: "for one drawing whose borders join, without a map of densities, turned or mirrored elements",
         }),
-        // Cut by islands, a drawing loses elements along every border.
+        // Islands would cut a drawing and lose elements along every border.
         Method::Auto if libraries.iter().all(is_drawing) => Ok(Method::Descriptor),
         Method::Auto if guided && plain => Ok(Method::Correspondence),
         Method::Auto => Ok(Method::Descriptor),
@@ -140,7 +140,7 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
     }
 }
 
-/// The primaries of a scene alone, and the share of the canvas that each category covered before
+/// The primaries of a scene alone, and the share of the canvas that each category covered before the
 /// density was corrected.
 pub(crate) fn primaries_alone(
     libraries: &[Library],

@@ -6,18 +6,18 @@ use crate::library::{Element, Library};
 use crate::raster::LabelMap;
 use crate::sampling::Stream;
 
-/// The exemplar's secondaries and its background.
+/// The exemplar's secondaries and its map of primaries.
 pub(super) struct Exemplar {
     primaries: LabelMap,
     origins: Vec<[i32; 2]>,
     buckets: Buckets,
-    /// Secondaries far enough from the border for a whole neighbourhood around them.
+    /// Secondaries at least a neighbourhood's radius from the border.
     sources: Vec<u32>,
     reach: f64,
 }
 
 impl Exemplar {
-    /// Neighbourhoods of `reach` pixels each way.
+    /// Prepares neighbourhoods of radius `reach`, in pixels.
     pub(super) fn new(library: &Library, reach: f64) -> Self {
         let origins: Vec<[i32; 2]> = library.secondaries().iter().map(Element::origin).collect();
         let (w, h) = (f64::from(library.source.width), f64::from(library.source.height));
@@ -32,8 +32,8 @@ impl Exemplar {
         Self { primaries: library.arrangement.to_labels(), origins, buckets, sources, reach }
     }
 
-    /// Of `candidates` secondaries drawn at random the one around which background and primaries lie
-    /// most as they do around `here`, where `free` tells background, if they are varied.
+    /// Draws `candidates` secondaries and returns the one whose surroundings, after the variation, best
+    /// match those of `here` in background and primaries. `free` tells background on the canvas.
     pub(super) fn best_source(
         &self,
         here: [i32; 2],
@@ -59,7 +59,7 @@ impl Exemplar {
                 self.primaries.at(x + u, y + v).is_none_or(|label| label == 0)
             };
             let unlike = probes.iter().zip(&wanted).filter(|(p, w)| background(p) != **w).count();
-            // The first of equals, so that a plain background takes what was drawn first.
+            // Ties go to the first, so a plain background takes the first draw.
             if unlike < best.0 {
                 best = (unlike, source);
             }
@@ -67,7 +67,7 @@ impl Exemplar {
         best.1
     }
 
-    /// Calls `visit` with every secondary near a source, and its offset from it.
+    /// Calls `visit` with every secondary near a source and its offset from the source.
     pub(super) fn around(&self, source: u32, mut visit: impl FnMut(u32, [i32; 2])) {
         let centre = self.origins[source as usize];
         self.buckets.near(centre, 2, |i| {

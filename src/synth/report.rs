@@ -1,4 +1,4 @@
-//! How close a synthesised scene came to its exemplar, in figures.
+//! Figures that say how close a synthesised scene is to its exemplar.
 
 use super::strata::StratumReport;
 use crate::arrange::Arrangement;
@@ -8,43 +8,43 @@ use crate::scene::{Method, Role, Scene};
 use crate::statistics::{Overlap, Repetition};
 use serde::Serialize;
 
-/// Coverage wanted and got, and what was done for it. Shares are of the canvas, 0 to 1.
+/// Coverage wanted and reached, and the steps taken. Shares are of the canvas, 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// Share of the canvas that primaries should cover: for one library without maps and domain,
-    /// that of the exemplar.
+    /// Share of the canvas that primaries should cover. For one library without maps and domain it is the
+    /// exemplar's.
     pub coverage_wanted: f64,
     /// Share of the canvas that primaries cover.
     pub coverage: f64,
-    /// The same by category, library by library in their order.
+    /// Coverage by category, library by library in their order.
     pub categories: Vec<CategoryReport>,
     /// The nested layers of the canvas, from bottom to top; empty if it has none.
     pub strata: Vec<StratumReport>,
-    /// Primary textons placed.
+    /// Primaries placed.
     pub primaries: usize,
     /// Different primaries among them.
     pub textons: usize,
-    /// Secondary textons placed.
+    /// Secondaries placed.
     pub secondaries: usize,
     /// Control points of the background.
     pub control_points: usize,
     /// Requests of descriptors tried.
     pub attempts: u64,
-    /// Requests for which no texton was good enough.
+    /// Requests that no element fitted well enough.
     pub refused: u64,
-    /// Textons taken away to correct the density.
+    /// Elements removed to correct the density.
     pub removed: u64,
-    /// Textons added to correct the density.
+    /// Elements added to correct the density.
     pub added: u64,
-    /// How primaries were placed.
+    /// The method that placed the primaries.
     pub method: Method,
-    /// What came along the field of correspondences, if there was one.
+    /// What was copied along the correspondence field, if there was one.
     pub structure: Option<Structure>,
-    /// How much primaries hide of one another.
+    /// Area of primaries hidden by others.
     pub overlap: Overlap,
-    /// How often the same primaries come back.
+    /// Repetition of the same primaries.
     pub repetition: Repetition,
-    /// Share of the places that repeat the exemplar's own period, if that was repeated.
+    /// Share of the places that repeat the exemplar's own period, if the period was repeated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period: Option<f64>,
 }
@@ -54,7 +54,7 @@ pub struct Report {
 pub struct CategoryReport {
     /// Share wanted of the canvas.
     pub wanted: f64,
-    /// Share of the canvas that can be seen of it.
+    /// Share of the canvas that its elements visibly cover.
     pub got: f64,
 }
 
@@ -66,7 +66,7 @@ impl Report {
         let wanted = |c: usize| wanted.iter().map(|zone| zone[c]).sum::<f64>() / canvas;
         let plain = libraries.len() == 1 && map.region.is_plain();
         let category = |(c, category): (usize, &crate::library::Category)| CategoryReport {
-            // What cannot be placed is wanted too, where nothing but the exemplar says what is.
+            // If only the exemplar sets the target, elements that cannot be placed count too.
             wanted: if plain { category.coverage } else { wanted(c) },
             got: map.covered_by(c) as f64 / canvas,
         };

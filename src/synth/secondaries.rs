@@ -1,13 +1,13 @@
-//! Secondary textons between the primaries (paper §3.2.2).
+//! Secondaries between the primaries (paper §3.2.2).
 //!
-//! The paper scatters secondaries one by one over a Poisson-disk set. Where they tile the background of
-//! the exemplar that loses a third of them to overlap and leaves gaps of bare background, and with them
-//! a fifth of the contrast. Here a Poisson-disk set of wider spacing divides the background into small
-//! cells, and each cell takes a neighbourhood of the exemplar: all secondaries around a place whose
-//! primaries lie most as they lie in the cell. So secondaries keep their distances, and those that
-//! sit beside primaries do so again. Where too few came of it, single ones follow in the gaps.
+//! The paper scatters secondaries one by one over a Poisson-disk set. Where they tile the background of the
+//! exemplar, this loses a third of them to overlap and leaves gaps of bare background, and a fifth of the
+//! contrast is lost. Here a sparser Poisson-disk set divides the background into small cells. Each cell
+//! takes a neighbourhood of the exemplar: all secondaries around a place whose primaries best match those
+//! around the cell. Secondaries thus keep their distances to each other and to primaries. Single ones fill
+//! the gaps that remain.
 //!
-//! Works badly where secondaries variant structures larger than a cell: those are cut.
+//! Works badly where secondaries form structures larger than a cell, because these are cut.
 
 use super::neighbourhoods::Exemplar;
 use crate::arrange::correspondence::{Arrived, Correspondence};
@@ -22,33 +22,33 @@ use crate::sampling::{Stream, stream};
 use crate::scene::field::Interpolant;
 use crate::scene::{Ablation, SynthParams};
 
-/// Points per area of a Poisson-disk set of radius 1, as [`poisson_disk`] makes them (measured).
+/// Points per area of a Poisson-disk set of radius 1 made by [`poisson_disk`] (measured).
 const POISSON_DENSITY: f64 = 0.616;
-/// Radius of the cells, in radii of the set that would hold single secondaries.
+/// Radius of the cells, relative to the radius of a set of single secondaries.
 pub(crate) const CELL: f64 = 3.0;
 /// Places of the exemplar compared for each cell.
 const CANDIDATES: usize = 8;
-/// A secondary is left out unless at least this share of its outline's points can be seen.
+/// Least visible share of a secondary's outline points; below it, the secondary is left out.
 const LEAST_VISIBLE: f64 = 0.3;
-/// Step of the colours of secondaries, per sRGB component.
+/// Quantisation step of secondaries' colours, per sRGB component.
 const COLOUR_STEP: f64 = 5.0;
 
-/// A secondary texton on the canvas.
+/// A secondary on the canvas.
 #[derive(Clone, Copy)]
 pub(crate) struct Placed {
-    /// Which library.
+    /// Index of its library.
     pub(crate) library: usize,
     /// Index among the library's secondaries.
     pub(crate) secondary: u32,
-    /// Place of its origin, in whole pixels.
+    /// Position of its origin, in whole pixels.
     pub(crate) at: [i32; 2],
-    /// Which of the model's variations.
+    /// Index of its variation in the model.
     pub(crate) variation: u16,
     /// Its colour.
     pub(crate) colour: Colour,
 }
 
-/// A secondary of one library and its place, before it has a colour.
+/// A secondary of one library and its position, before it has a colour.
 #[derive(Clone, Copy)]
 struct Place {
     secondary: u32,
@@ -56,9 +56,9 @@ struct Place {
     variation: u16,
 }
 
-/// Secondaries in the colour of the background beneath them plus their own difference; as many per area
-/// of background as in the exemplar, or as the map of densities says. Those that primaries hide are left
-/// out.
+/// Places secondaries. Each has the colour of the background beneath it plus its own difference. Their
+/// number per area of background is the exemplar's, times the density map. Those hidden by primaries are
+/// left out.
 pub(crate) fn place(
     libraries: &[Library],
     map: &Occupancy<'_>,
@@ -86,8 +86,8 @@ pub(crate) fn place(
     placed
 }
 
-/// Secondaries that came along a field of correspondences, in the colours that they have in the
-/// exemplar: the background beneath them came along too.
+/// Secondaries copied along the correspondence field. They keep their exemplar colours, because the
+/// background beneath them is copied too.
 fn arrived(
     libraries: &[Library],
     map: &Occupancy<'_>,
@@ -121,14 +121,14 @@ fn arrived(
     placed
 }
 
-/// Whether what stands at a place of the canvas came along a field of correspondences.
+/// Whether a place of the canvas is covered by the correspondence field.
 fn is_served(map: &Occupancy<'_>, at: [i32; 2]) -> bool {
     let at = [0, 1].map(|k| at[k] + map.grid.margin[k]);
     map.grid.canvas_cell(at).is_some_and(|i| map.region.cell_is_carried(i))
 }
 
-/// In the colour of the background beneath them plus their own difference, within the tones of their
-/// exemplar: dark flecks of pale background would be darker on dark background than anything seen.
+/// Gives each the colour of the background beneath it plus its own difference, clamped to the tones of its
+/// exemplar: dark flecks of pale background would become too dark on dark background.
 pub(crate) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interpolant) -> Vec<Placed> {
     let tones: Vec<[[f64; 2]; 3]> = libraries.iter().map(tones).collect();
     parallel::map(&placed, |p| {
@@ -143,8 +143,8 @@ pub(crate) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interp
     })
 }
 
-/// Least and most of each component among the secondaries of a library, but for one in a hundred at
-/// either end.
+/// Range of each component among the secondaries of a library, without the outermost hundredth at either
+/// end.
 fn tones(library: &Library) -> [[f64; 2]; 3] {
     [0, 1, 2].map(|c| {
         let mut values: Vec<u8> = library.secondaries().iter().map(|s| s.colour.0[c]).collect();
@@ -158,9 +158,8 @@ fn tones(library: &Library) -> [[f64; 2]; 3] {
 }
 
 impl Placed {
-    /// What sorts secondaries for painting: equal fills side by side, for smaller files; secondaries
-    /// hardly overlap, so which of them is painted first matters little. The order of the fills is
-    /// mixed, so that no tone is always on top.
+    /// Sort key for painting. It puts equal fills side by side, for smaller files. Secondaries hardly
+    /// overlap, so their painting order matters little. Fills are mixed, so that no tone is always on top.
     pub(crate) fn painting_key(&self) -> impl Ord + use<> {
         let [r, g, b] = self.colour.0.map(u32::from);
         let colour = (r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1);
@@ -168,14 +167,14 @@ impl Placed {
     }
 }
 
-/// Which library's secondaries stand where.
+/// The parts of the canvas that each library's secondaries fill.
 struct Parts {
-    /// Sites and the library of each; none for a single library.
+    /// Sites and the library of each; `None` for a single library.
     sites: Option<(Sites, Vec<usize>)>,
 }
 
 impl Parts {
-    /// Cells about as large as a neighbourhood, each given to a library by its share there.
+    /// Divides the canvas into cells the size of a neighbourhood, and draws the library of each by its share.
     fn new(libraries: &[Library], map: &Occupancy<'_>, seed: u64) -> Self {
         let reach = libraries.iter().filter_map(radius).fold(f64::INFINITY, f64::min) * CELL;
         if libraries.len() < 2 || !reach.is_finite() {
@@ -198,13 +197,13 @@ struct Task<'t, 'a> {
     number: usize,
     library: &'t Library,
     map: &'t Occupancy<'a>,
-    /// Radius of the Poisson-disk set that holds as many as there are, in pixels.
+    /// Radius of a Poisson-disk set of the exemplar's density of secondaries, in pixels.
     radius: f64,
     params: &'t SynthParams,
 }
 
 impl Task<'_, '_> {
-    /// A secondary that has no colour yet.
+    /// A placed secondary without a colour yet.
     fn placed(&self, Place { secondary, at, variation }: Place) -> Placed {
         Placed { library: self.number, secondary, at, variation, colour: Colour([0; 3]) }
     }
@@ -225,13 +224,13 @@ impl Task<'_, '_> {
         places
     }
 
-    /// Every secondary of the neighbourhoods chosen.
+    /// All secondaries of the chosen neighbourhoods.
     fn neighbourhoods(&self) -> Vec<Place> {
         let (map, seed) = (self.map, self.params.seed);
         let reach = CELL * self.radius;
-        // Each library has draws of its own; those of the first do not depend on the others.
+        // Each library has its own stream, so its draws do not depend on the others.
         let item = |i: usize| (self.number as u64) << 40 | i as u64;
-        // Cells just outside reach in.
+        // Cells just outside the canvas reach into it.
         let sites = scattered(&map.grid, reach, reach, &mut stream(seed, "synth/secondaries", item(0)));
         let exemplar = Exemplar::new(self.library, reach);
         let indices: Vec<usize> = (0..sites.centres().len()).collect();
@@ -243,8 +242,7 @@ impl Task<'_, '_> {
         cells.into_iter().flatten().collect()
     }
 
-    /// The secondaries of a neighbourhood of the exemplar that suits a place, as far as they come to
-    /// lie in its cell.
+    /// The secondaries of an exemplar neighbourhood that matches a place, where they fall into its cell.
     fn neighbourhood(
         &self,
         exemplar: &Exemplar,
@@ -276,15 +274,14 @@ impl Task<'_, '_> {
         found
     }
 
-    /// A place of the canvas in its canonical period.
+    /// Wraps a place into the canvas where the canvas repeats.
     fn canonical(&self, at: [i32; 2]) -> [i32; 2] {
         let [mx, my] = self.map.grid.margin;
         let [x, y] = self.map.grid.canonical([at[0] + mx, at[1] + my]);
         [x - mx, y - my]
     }
 
-    /// Adds single secondaries, as far as possible from all others, until there are as many per
-    /// area of free background as wanted.
+    /// Adds single secondaries in the gaps until the wanted number per area of free background is reached.
     fn fill_gaps(&self, places: &mut Vec<Place>, fits: impl Fn(&Place) -> bool) {
         let (map, radius) = (self.map, self.radius);
         let categories = map.model().sources[self.number].categories.clone();
@@ -298,7 +295,7 @@ impl Task<'_, '_> {
         if missing < 1.0 {
             return;
         }
-        // Where more is wanted than in the exemplar, single ones stand closer.
+        // Where the density exceeds the exemplar's, single secondaries stand closer together.
         let closer = |density: f64| radius / libm::sqrt(density.max(1.0));
         let used = zones.filter(|&z| map.region.area(z, self.number) > 0.0);
         let densest = used.map(|z| map.region.level(z)).fold(1.0, f64::max);
@@ -323,7 +320,7 @@ impl Task<'_, '_> {
     }
 }
 
-/// Secondaries of one library for the gaps of an arrangement that stands already.
+/// Secondaries of one library for the gaps of an existing arrangement.
 pub(crate) struct Finder<'t, 'a> {
     task: Task<'t, 'a>,
     exemplar: Exemplar,
@@ -331,7 +328,7 @@ pub(crate) struct Finder<'t, 'a> {
 }
 
 impl<'t, 'a> Finder<'t, 'a> {
-    /// For a library by its number; none if it has no secondaries.
+    /// For a library by its number; `None` if it has no secondaries.
     pub(crate) fn new(
         number: usize,
         library: &'t Library,
@@ -344,12 +341,12 @@ impl<'t, 'a> Finder<'t, 'a> {
         Some(Self { task: Task { number, library, map, radius, params }, exemplar, samples })
     }
 
-    /// Radius of the Poisson-disk set that holds as many as there are, in pixels.
+    /// Radius of a Poisson-disk set of the exemplar's density of secondaries, in pixels.
     pub(crate) fn radius(&self) -> f64 {
         self.task.radius
     }
 
-    /// Whether enough of a secondary of the library can be seen.
+    /// Whether enough of a secondary is visible.
     pub(crate) fn fits(&self, p: &Placed) -> bool {
         self.sees(&Place { secondary: p.secondary, at: p.at, variation: p.variation })
     }
@@ -358,7 +355,7 @@ impl<'t, 'a> Finder<'t, 'a> {
         visible(self.task.map, &self.samples[place.secondary as usize], place) >= LEAST_VISIBLE
     }
 
-    /// A neighbourhood of the exemplar that suits a place, as far as it lies in its cell.
+    /// The secondaries of an exemplar neighbourhood that matches a place, where they fall into its cell.
     pub(crate) fn neighbourhood(
         &self,
         here: [i32; 2],
@@ -370,35 +367,34 @@ impl<'t, 'a> Finder<'t, 'a> {
         places.into_iter().map(|place| self.task.placed(place)).collect()
     }
 
-    /// Single secondaries in the gaps between what stands, where the library has the larger part.
+    /// Single secondaries in the gaps between existing ones, where the library has more than half the share.
     pub(crate) fn singles(&self, standing: Vec<[i32; 2]>) -> Vec<Placed> {
         let mut places: Vec<Place> =
             standing.into_iter().map(|at| Place { secondary: 0, at, variation: 0 }).collect();
         let count = places.len();
-        let background = &self.task.map.region;
-        let own = |at: [i32; 2]| {
-            !background.is_shared() || background.shares(at.map(f64::from))[self.task.number] > 0.5
-        };
+        let region = &self.task.map.region;
+        let own =
+            |at: [i32; 2]| !region.is_shared() || region.shares(at.map(f64::from))[self.task.number] > 0.5;
         self.task.fill_gaps(&mut places, |place| own(place.at) && self.sees(place));
         places.drain(count..).map(|place| self.task.placed(place)).collect()
     }
 }
 
-/// A variation drawn at random; draws nothing where there is one.
+/// A random variation; with a single one, nothing is drawn.
 fn drawn(variations: &[Variation], random: &mut Stream) -> u16 {
     if variations.len() > 1 { random.index(variations.len()) as u16 } else { 0 }
 }
 
-/// The colour in steps of [`COLOUR_STEP`], too small to be seen on a speck.
+/// The colour quantised to [`COLOUR_STEP`], a step too small to be visible on a speck.
 fn coarse(colour: [f64; 3]) -> Colour {
     Colour::from_f64(colour.map(|v| COLOUR_STEP * libm::round(v / COLOUR_STEP)))
 }
 
-/// Radius of the Poisson-disk set that holds as many secondaries per area of background as the
-/// exemplar. `None` if there are no secondaries, or no background to put them on.
+/// Radius of a Poisson-disk set with the exemplar's number of secondaries per area of background. `None`
+/// without secondaries or without background.
 ///
-/// The number per background is what the eye compares. The library's spacing, a percentile of the
-/// distances between neighbours, is in clustered exemplars well below what the number implies.
+/// The number per area is what the eye compares. The library's spacing, a percentile of the distances
+/// between neighbours, is far smaller in clustered exemplars than this number implies.
 fn radius(library: &Library) -> Option<f64> {
     let count = library.secondaries().len() as f64;
     let exemplar = f64::from(library.source.width) * f64::from(library.source.height);
@@ -406,8 +402,8 @@ fn radius(library: &Library) -> Option<f64> {
     (count > 0.0 && background > 0.0).then(|| libm::sqrt(POISSON_DENSITY * background / count).max(1.0))
 }
 
-/// Points within a secondary, relative to its origin: its centre, and the points of its outline
-/// drawn a little towards it.
+/// Sample points of a secondary, relative to its origin: its centre and the points of its outline, moved a
+/// little towards the centre.
 fn samples(secondary: &Element) -> Vec<[f64; 2]> {
     let origin = secondary.origin().map(f64::from);
     let [cx, cy] = secondary.centroid;
@@ -416,7 +412,7 @@ fn samples(secondary: &Element) -> Vec<[f64; 2]> {
     std::iter::once(Point::new(cx, cy)).chain(ends).map(inner).collect()
 }
 
-/// Share of the points that lie where is to be filled and that no primary covers.
+/// Share of the sample points that lie in the domain and are not covered by primaries.
 fn visible(map: &Occupancy<'_>, samples: &[[f64; 2]], place: &Place) -> f64 {
     let variation = &map.model().variations[usize::from(place.variation)];
     let free = |p: &&[f64; 2]| {

@@ -1,10 +1,10 @@
-//! Strata of a scene: the nested layers of a weathered surface, each with its region, its background
-//! and its elements.
+//! Strata of a scene: the nested layers of a weathered surface, each with its region, background and
+//! elements.
 //!
-//! The correspondence field says from which stratum of the exemplar each cell comes. Regions follow by
-//! rank, so that they are nested and of the exemplar's areas, or are those of a given map. Large
-//! elements stay whole: borders go around them. Small ones belong where their centre lies, so a
-//! border is crisp where backgrounds meet and made of elements where elements are.
+//! The correspondence field gives the stratum of each cell. Regions follow by rank, nested and with the
+//! exemplar's areas, or are taken from a given map. Large elements stay whole: borders go around them.
+//! Small ones belong to the stratum at their centre. A border is thus crisp where backgrounds meet, and
+//! follows the elements where there are some.
 
 mod near;
 
@@ -24,53 +24,53 @@ use crate::scene::{ControlPoint, Field, Layer, Role, SynthParams};
 use near::Near;
 use serde::Serialize;
 
-/// Cells of the guide over which the difference across a border is compared with that of one cell.
+/// Distance in guide cells over which the difference across a border is compared with that of one cell.
 const FAR: u32 = 4;
-/// Shares of that difference at and below which a border is soft, and at and above which it is crisp.
+/// Ratios of the two differences: up to the first a border is soft, from the second on it is crisp.
 const SOFT: [f64; 2] = [0.25, 0.6];
-/// How far control points of a background reach beyond the pixels of its stratum, in spacings.
+/// Distance by which control points extend beyond the pixels of their stratum, in spacings.
 const BEYOND: f64 = 1.5;
 
-/// The layers of a library's exemplar as a map of its size, one pixel for each of the exemplar's; of a
-/// homogeneous one a map of one layer.
+/// The strata of a library's exemplar as a layer map of the exemplar's size; one layer if the exemplar is
+/// homogeneous.
 pub fn layer_map(library: &Library) -> LayerMap {
     let layer = |s: Stratum<'_>| Nested { name: s.name().into(), colour: s.colour() };
     LayerMap { labels: library.strata_labels(), layers: library.strata().into_iter().map(layer).collect() }
 }
 
-/// How much of a canvas a layer has.
+/// Area and coverage of one stratum.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StratumReport {
     /// Its name.
     pub name: String,
     /// Its colour in layer maps.
     pub colour: Colour,
-    /// Share of the area in the exemplar, or in a given map, 0 to 1.
+    /// Share of the exemplar, or of a given map, 0 to 1.
     pub area_wanted: f64,
     /// Share of the canvas, 0 to 1.
     pub area: f64,
     /// Share of the layer that primaries cover in the exemplar, 0 to 1.
     pub coverage_wanted: f64,
-    /// The same on the canvas.
+    /// Share of the layer that primaries cover on the canvas, 0 to 1.
     pub coverage: f64,
 }
 
 /// The strata of a canvas.
 pub(crate) struct Strata {
     map: LayerMap,
-    /// Region and field of each.
+    /// The background layer of each, with its region and field.
     backgrounds: Vec<Layer>,
     /// The stratum of each element of the library.
     of_elements: Vec<u8>,
-    /// Smallest area of an element that stays in its own stratum wherever it stands, in pixels.
+    /// Least area of an element that keeps its own stratum at every place, in pixels.
     least: u32,
-    /// How much of the canvas each has.
+    /// Area and coverage of each.
     pub(super) report: Vec<StratumReport>,
 }
 
 impl Strata {
-    /// The strata of an arrangement; none for a homogeneous library, several libraries, or where elements
-    /// were not carried along a field. `field` is the background of the canvas as a whole.
+    /// The strata of an arrangement; `None` for a homogeneous library, several libraries, or an arrangement
+    /// without a correspondence field. `field` is the background of the whole canvas.
     pub(super) fn new(
         libraries: &[Library],
         controls: &Controls,
@@ -104,7 +104,7 @@ impl Strata {
         Ok(Some(strata))
     }
 
-    /// The stratum of a small element at a place of the canvas.
+    /// The stratum at a place of the canvas, to which small elements belong.
     fn at(&self, [x, y]: [i32; 2]) -> usize {
         let [w, h] = self.map.size();
         let [x, y] = [(x.max(0) as usize).min(w - 1), (y.max(0) as usize).min(h - 1)];
@@ -128,7 +128,7 @@ impl Strata {
         own.map_or_else(|| self.at(at), usize::from)
     }
 
-    /// The layers of the scene, without elements: those of each stratum in turn.
+    /// The layers of the scene without elements, stratum by stratum.
     pub(super) fn layers(&self) -> Vec<Layer> {
         let of = |background: &Layer| {
             let elements = [Role::Secondary, Role::Primary].map(|role| Layer {
@@ -140,11 +140,11 @@ impl Strata {
         self.backgrounds.iter().flat_map(of).collect()
     }
 
-    /// Number of layers of the scene that each stratum has; the background is the first.
+    /// Number of scene layers of each stratum; the first is the background.
     pub(super) const LAYERS: usize = 3;
 
-    /// The backgrounds: points of the background as a whole, each in the colour that the stratum has
-    /// at the nearest place of the exemplar that is its own.
+    /// The background of each stratum: the control points of the whole background, each in the stratum's
+    /// colour at the nearest place of the exemplar that belongs to it.
     fn backgrounds(
         &self,
         library: &Library,
@@ -176,7 +176,7 @@ impl Strata {
                     let label = exemplar.labels.at(place[0] as i64, place[1] as i64);
                     (label == Some(k as u32)).then(|| Colour::from_f64(backdrop.at(place)))
                 });
-                // Where the exemplar's border is soft, both sides have the colours of the whole.
+                // If the exemplar's border is soft, both sides take the colours of the whole background.
                 let (own, whole) = (colour?.to_f64(), p.colour.to_f64());
                 let mixed = [0, 1, 2].map(|c| whole[c] + crisp * (own[c] - whole[c]));
                 Some(ControlPoint { colour: Colour::from_f64(mixed), ..*p })
@@ -193,8 +193,8 @@ impl Strata {
     }
 }
 
-/// How much of a canvas each stratum has. `wanted` are the shares before borders went around elements,
-/// `got` is the map after it.
+/// Area and coverage of each stratum. `wanted` are the shares before borders were moved around elements,
+/// `got` is the map after that.
 fn report(
     library: &Library,
     arrangement: &Arrangement<'_>,
@@ -227,7 +227,7 @@ fn report(
     exemplar.layers.iter().enumerate().map(of).collect()
 }
 
-/// The labels of a canvas: those that are given, or those that came along the field.
+/// The labels of a canvas: from a given map, or copied along the field.
 fn map(
     exemplar: &LayerMap,
     correspondence: &Correspondence,
@@ -245,13 +245,13 @@ fn map(
     nested.smoothed_cells(&cells, size.map(|v| v as usize), wrap)
 }
 
-/// A map at the size of the canvas; each pixel has the label of the pixel that it lies in.
+/// A map stretched to the size of the canvas, by nearest neighbour.
 fn stretched(map: &LabelMap, [width, height]: [u32; 2]) -> LabelMap {
     let places = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
     LabelMap { width, height, labels: places.map(|at| map.under(at, [width, height])).collect() }
 }
 
-/// The stratum of an element that keeps its own wherever it stands, because it is large.
+/// The stratum of an element if it is large enough to keep its own.
 fn own_stratum(
     library: &Library,
     arrangement: &Arrangement<'_>,
@@ -263,8 +263,8 @@ fn own_stratum(
     (library.elements[index].area >= least).then(|| of_elements[index])
 }
 
-/// How crisp the border of a stratum is, 0 to 1: the difference of colours from one cell of the guide to the
-/// next across it, as a share of that over several cells.
+/// Crispness of a stratum's border, 0 to 1: the colour difference between adjacent guide cells across it,
+/// relative to that over several cells.
 fn crispness(library: &Library, labels: &LabelMap, stratum: u32) -> f64 {
     let Some(guide) = &library.guide else { return 1.0 };
     let cell = guide.cell;
@@ -286,7 +286,7 @@ fn crispness(library: &Library, labels: &LabelMap, stratum: u32) -> f64 {
             for [dx, dy] in [[1, 0], [0, 1]] {
                 let [own, other] = [label(x, y), label(x + dx, y + dy)];
                 let [low, high] = [[x - FAR * dx, y - FAR * dy], [x + FAR * dx, y + FAR * dy]];
-                // Only where each side goes on for as long.
+                // Only where each side is at least as wide.
                 if own == other || label(low[0], low[1]) != own || label(high[0], high[1]) != other {
                     continue;
                 }
@@ -302,7 +302,7 @@ fn crispness(library: &Library, labels: &LabelMap, stratum: u32) -> f64 {
     ((length(near) / length(far) - SOFT[0]) / (SOFT[1] - SOFT[0])).clamp(0.0, 1.0)
 }
 
-/// The first value that `value` gives for a place, or for places around it, nearer ones first.
+/// The first value that `value` gives for a place or for places around it, nearest first.
 fn sources(
     correspondence: &Correspondence,
     spacing: f64,

@@ -17,7 +17,7 @@ fn run(library: &Library, params: &SynthParams) -> (Scene, Report) {
     synthesize_with(std::slice::from_ref(library), params, &Controls::default(), &()).unwrap()
 }
 
-/// The placed textons of a scene painted on a map of instance indices, from 1.
+/// The instances of a scene painted on a map of instance indices, from 1.
 fn painted(library: &Library, scene: &Scene) -> LabelMap {
     let model = Model::new(std::slice::from_ref(library), &SynthParams::default());
     let mut map = LabelMap::filled(scene.width, scene.height, 0);
@@ -49,7 +49,7 @@ fn coverage_is_that_of_the_exemplar() {
         for (w, h) in [(330, 270), (180, 400)] {
             let (scene, report) = run(&library, &params(w, h, seed));
             assert_eq!(scene.validate(), Ok(()));
-            // What the report says is what is painted.
+            // The report agrees with the painted map.
             let map = painted(&library, &scene);
             let covered = map.labels.iter().filter(|&&l| l != 0).count() as f64 / map.labels.len() as f64;
             assert!((covered - report.coverage).abs() < 1e-9);
@@ -65,7 +65,7 @@ fn coverage_is_that_of_the_exemplar() {
 fn reported_overlap_and_repetition_are_those_of_the_scene() {
     let library = library(&mosaic(200, 15.0, 0.9, 3));
     let (scene, report) = run(&library, &params(250, 210, 3));
-    // Visible areas as painted, whole areas as each is painted alone.
+    // Visible areas as painted, and whole areas, with each instance painted alone.
     let map = painted(&library, &scene);
     let mut visible = map.areas();
     visible.resize(scene.primary().len() + 1, 0);
@@ -154,7 +154,7 @@ fn no_secondary_is_hidden() {
         assert!(seen, "{x} {y}");
         assert!(instance.colour.is_some());
     }
-    // As many per area of background as in the exemplar.
+    // The number per area of background is the exemplar's.
     let background = |coverage: f64, w: u32, h: u32| (1.0 - coverage) * f64::from(w) * f64::from(h);
     let wanted = library.secondaries().len() as f64 / background(library.coverage, 200, 200);
     let got = report.secondaries as f64 / background(report.coverage, 400, 300);
@@ -220,7 +220,7 @@ fn any_size_and_parameter_is_survived() {
     let mut torus = whole.clone();
     torus.arrangement.periodic = true;
     assert!(run(&torus, &params(90, 90, 1)).1.coverage > 0.3);
-    // Descriptors of no size, coverage that cannot be had, nothing placeable.
+    // Descriptors of no size, impossible coverage, no placeable element.
     whole.descriptor_half = 0;
     assert!(run(&whole, &params(90, 90, 1)).1.coverage > 0.3);
     whole.coverage = 1.0;
@@ -260,7 +260,7 @@ fn reconstruction_is_the_exemplar() {
     let scene = reconstruct(&library);
     assert_eq!(scene.validate(), Ok(()));
     assert_eq!(painted(&library, &scene), map);
-    // Outlines stand where they stood.
+    // Outlines have not moved.
     for (instance, p) in scene.primary().iter().zip(library.primaries()) {
         let element = scene.element(instance);
         let moved = instance.affine() * element.outline().path();
@@ -337,7 +337,7 @@ mod carried {
             let structure = report.structure.unwrap();
             assert!((structure.wanted - report.coverage).abs() < 0.04, "{structure:?} {}", report.coverage);
             assert!(structure.whole > structure.completed, "{structure:?}");
-            // Fragments are parts: none is larger than what it is of.
+            // Fragments are parts: none is larger than its whole.
             for t in scene.elements.iter().filter(|t| t.fragment) {
                 let whole = library.primaries()[t.source.unwrap().index()].outline().area();
                 assert!(t.outline().area() < 1.3 * whole + 8.0, "{} {whole}", t.outline().area());
@@ -348,7 +348,7 @@ mod carried {
     #[test]
     fn neighbours_stand_as_in_the_exemplar_to_the_pixel() {
         let library = guided(&mosaic(240, 14.0, 0.7, 2));
-        // Share of those whose nearest neighbour is as far away as in the exemplar, exactly.
+        // Share of primaries whose nearest neighbour is exactly as far away as in the exemplar.
         let kept = |method| {
             let (scene, _) = run(&library, &SynthParams { method, ..params(300, 300, 5) });
             let offsets: Vec<[[f64; 2]; 2]> = scene
@@ -406,7 +406,7 @@ mod carried {
         let (scene, report) =
             synthesize_with(&[one.clone(), two], &params(400, 200, 1), &controls, &()).unwrap();
         assert_eq!(report.method, Method::Correspondence);
-        // Maps are stretched smoothly: between a quarter and three there is something of both.
+        // Maps are stretched smoothly: both occur between a quarter and three quarters.
         for i in scene.primary() {
             let library = scene.element(i).library;
             let x = i.transform[4];
@@ -453,7 +453,7 @@ mod carried {
         assert_eq!(method(&with, &SynthParams { weights: tuned, ..asked(Method::Auto) }), Method::Descriptor);
         let refused = synthesize(&without, &asked(Method::Correspondence), &());
         assert!(matches!(refused, Err(Error::Parameter { name: "method", .. })), "{refused:?}");
-        // What a scene says it was made by gives it again.
+        // A scene's own parameters reproduce it.
         let (scene, _) = run(&with, &asked(Method::Auto));
         assert_eq!(run(&with, &scene.parameters.clone().unwrap()).0, scene);
     }

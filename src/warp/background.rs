@@ -1,4 +1,4 @@
-//! Layers below the primaries, carried along: secondaries and the background's control points.
+//! Layers below the primaries: secondaries and the background's control points, moved with the warp.
 
 use super::carried;
 use super::{Bend, NO_STRETCH};
@@ -12,20 +12,20 @@ use crate::synth::background;
 use crate::synth::secondaries::{self, CELL, Finder, Placed};
 use std::collections::BTreeMap;
 
-/// Points carried along are dropped where they come closer to each other than this share of their
-/// usual distance, and new ones added where none is nearer than the other share.
+/// Moved points closer to each other than the first share of their usual distance are dropped. New points
+/// are added where the nearest is farther than the second share.
 const CROWDED: f64 = 0.6;
 const SPARSE: f64 = 0.9;
-/// The same share for control points, of which fewer are enough.
+/// The first share for control points, of which fewer suffice.
 const CROWDED_POINTS: f64 = 0.8;
-/// How far control points reach beyond the canvas, in spacings.
+/// Width of the margin of control points around the canvas, in spacings.
 const MARGIN: f64 = 2.0;
 
 /// A secondary of the result.
 pub(super) enum Secondary<'s> {
-    /// One of the scene's, by its index, at its new place.
+    /// An instance of the scene at its new place.
     Carried { instance: &'s Instance, place: [f64; 2] },
-    /// One that fills a gap.
+    /// A new one that fills a gap.
     New(Placed),
 }
 
@@ -67,8 +67,8 @@ pub(super) fn field(
     field
 }
 
-/// The scene's secondaries, in small neighbourhoods that move as one, as far as there is room; in
-/// the gaps neighbourhoods of the exemplar, and single ones.
+/// The scene's secondaries, in small neighbourhoods that move as one where there is room. Neighbourhoods of
+/// the exemplar and single secondaries fill the gaps.
 pub(super) fn secondaries<'s>(
     scene: &'s Scene,
     libraries: &[Library],
@@ -85,7 +85,7 @@ pub(super) fn secondaries<'s>(
         return Vec::new();
     }
     let mut random = stream(params.seed, "synth/warp/secondaries", 0);
-    // Centres of neighbourhoods, before and after.
+    // Centres of neighbourhoods before and after the warp.
     let old_canvas = [scene.width, scene.height].map(f64::from);
     let centres = scattered(old_canvas, reach, reach, &mut random);
     let bent: Vec<[f64; 2]> = centres.iter().map(|&c| bend.point(c)).collect();
@@ -146,7 +146,7 @@ pub(super) fn secondaries<'s>(
     found.into_iter().map(|f| f.0).collect()
 }
 
-/// The pixel of a point.
+/// A point rounded to whole pixels.
 fn whole(point: [f64; 2]) -> [i32; 2] {
     point.map(|v| libm::round(v) as i32)
 }
@@ -157,8 +157,8 @@ fn scattered(canvas: [f64; 2], margin: f64, radius: f64, random: &mut Stream) ->
     poisson_disk(area, radius, random).into_iter().map(|p| p.map(|v| v - margin)).collect()
 }
 
-/// Indices of points that are at least `distance` apart: each stays unless an earlier one that stays
-/// is too near.
+/// Indices of points that are at least `distance` apart. A point is dropped if it is too near an earlier
+/// one that is kept.
 fn apart(points: &[[f64; 2]], distance: f64) -> Vec<usize> {
     let mut cells: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
     let mut kept = Vec::new();

@@ -1,14 +1,14 @@
-//! Where everything of a scene goes.
+//! The map from a scene to its warped form.
 
 use crate::error::{Result, check};
 use crate::geometry::{BezPath, Cage, Outline, PathEl, Point};
 use crate::scene::{Element, Instance, Scene};
 use kurbo::{ParamCurve, Shape};
 
-/// Pieces that each segment of a domain is cut into when it is bent.
+/// Pieces into which each segment of a domain is cut before it is bent.
 const PIECES: usize = 16;
 
-/// How a scene is bent: where each point goes, what takes part, and the canvas that results.
+/// A bend: the image of each point, the part of the scene that is kept, and the resulting canvas.
 #[derive(Clone, Debug)]
 pub struct Bend {
     canvas: [u32; 2],
@@ -22,7 +22,7 @@ enum How {
 }
 
 impl Bend {
-    /// The canvas of `scene` stretched along both axes, 0.1 to 10 times each.
+    /// Scales the canvas of `scene` along both axes, 0.1 to 10 times each.
     ///
     /// # Errors
     /// [`crate::Error::Parameter`] for a factor out of range.
@@ -35,9 +35,9 @@ impl Bend {
         Ok(Self { canvas, how: How::Scaled(factors) })
     }
 
-    /// The content of a cage follows it as it becomes another, on a canvas of a given size, in pixels.
-    /// A scene that fills all of its canvas is cut out by the first cage and fills the second; one
-    /// that fills a domain has its domain bent.
+    /// Deforms the content of the cage `before` with it into the cage `after`, on a canvas of a given size
+    /// in pixels. A scene without a domain is cut out by the first cage and fills the second. The domain of
+    /// a scene is bent.
     ///
     /// # Errors
     /// [`crate::Error::Cages`] if they do not correspond; see [`Cage::new`].
@@ -46,31 +46,31 @@ impl Bend {
         Ok(Self { canvas, how: How::Caged { cage, before, after } })
     }
 
-    /// Size of the canvas that results, in pixels.
+    /// Size of the resulting canvas, in pixels.
     pub(super) fn canvas(&self) -> [u32; 2] {
         self.canvas
     }
 
-    /// Where a point goes.
+    /// The image of a point.
     pub(super) fn point(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         match &self.how {
             How::Scaled([sx, sy]) => [x * sx, y * sy],
             How::Caged { cage, .. } => {
                 let p = cage.map(Point::new(x, y));
-                // Far outside of a cage the map has no bounds.
+                // The map is unbounded far outside the cage.
                 [p.x, p.y].map(|v| if v.is_finite() { v.clamp(-1e6, 1e6) } else { 1e6 })
             }
         }
     }
 
-    /// How many times distances grow around a point, in the direction in which they grow most.
+    /// Largest factor by which distances grow around a point, over all directions.
     pub(super) fn stretch(&self, [x, y]: [f64; 2]) -> f64 {
         const STEP: f64 = 0.5;
-        let way = |dx: f64, dy: f64| {
+        let difference = |dx: f64, dy: f64| {
             let [a, b] = [self.point([x - dx, y - dy]), self.point([x + dx, y + dy])];
             [0, 1].map(|k| (b[k] - a[k]) / (2.0 * STEP))
         };
-        let ([a, b], [c, d]) = (way(STEP, 0.0), way(0.0, STEP));
+        let ([a, b], [c, d]) = (difference(STEP, 0.0), difference(0.0, STEP));
         // The larger singular value.
         let sum = a * a + b * b + c * c + d * d;
         let determinant = a * d - b * c;
@@ -78,7 +78,7 @@ impl Bend {
         libm::sqrt((sum + root) / 2.0)
     }
 
-    /// Whether a point takes part.
+    /// Whether a point is in the part of the scene that is kept.
     pub(super) fn holds(&self, [x, y]: [f64; 2]) -> bool {
         match &self.how {
             How::Scaled(_) => true,
@@ -86,7 +86,7 @@ impl Bend {
         }
     }
 
-    /// Where the origin of a texton goes; none if nothing of it takes part.
+    /// The image of an instance's origin; `None` if no part of it is kept.
     pub(super) fn texton(&self, instance: &Instance, element: &Element) -> Option<[f64; 2]> {
         let [.., x, y] = instance.transform;
         let affine = instance.affine();
@@ -99,7 +99,7 @@ impl Bend {
         inside.then(|| self.point([x, y]))
     }
 
-    /// The shape that the result fills; none if it is the canvas.
+    /// The domain of the result; `None` if it is the whole canvas.
     pub(super) fn domain(&self, scene: &Scene) -> Option<Outline> {
         match (&scene.domain, &self.how) {
             (Some(domain), _) => {

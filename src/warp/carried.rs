@@ -1,4 +1,4 @@
-//! The knowledge of a scene about the libraries that it was made from.
+//! Links between a scene and the libraries that it was made from.
 
 use super::Bend;
 use crate::arrange::model::{Model, PlaceableId, VariantId};
@@ -10,10 +10,10 @@ use crate::synth::compose;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 
-/// Longer side of the map of parts, in its own pixels.
+/// Longer side of the map of library shares, in its own pixels.
 const PARTS_SIDE: u32 = 256;
 
-/// The libraries in the scene's order, and the scene with the sources of all its elements.
+/// The libraries in the scene's order, and the scene with a source for each of its elements.
 pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Library>, Cow<'_, Scene>)> {
     let fail = |name: &str, reason: String| Error::Control {
         name: name.into(),
@@ -34,7 +34,7 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
         return Err(fail(&foreign.source.file, "the scene was made without it".into()));
     }
     let scene = with_sources(scene, &found);
-    // The same photograph may have been analysed in another way since.
+    // The same photograph may since have been analysed differently.
     let strange =
         |library: &Library| fail(&library.source.file, "its elements are not those of the scene".into());
     for instance in scene.instances() {
@@ -44,7 +44,7 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
         let Some(known) = known.filter(|e| e.category == element.category) else {
             return Err(strange(library));
         };
-        // Small elements of one shape are listed once, and fragments have shapes of their own.
+        // Small elements of equal shape are stored once, and fragments have shapes of their own.
         let own_shape = element.category.is_some() && !element.fragment;
         if own_shape && compose::translated(known.outline(), known.origin()) != *element.outline() {
             return Err(strange(library));
@@ -53,8 +53,8 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
     Ok((found, scene))
 }
 
-/// The scene with the sources of its small elements, which scenes of version 1 do not name: those of the
-/// same shape in their library.
+/// The scene with the sources of its small elements, which scenes of version 1 do not name. They are found
+/// by shape in their library.
 fn with_sources<'a>(scene: &'a Scene, libraries: &[Library]) -> Cow<'a, Scene> {
     if scene.elements.iter().all(|e| e.source.is_some()) {
         return Cow::Borrowed(scene);
@@ -74,18 +74,18 @@ fn with_sources<'a>(scene: &'a Scene, libraries: &[Library]) -> Cow<'a, Scene> {
     Cow::Owned(scene)
 }
 
-/// A primary of the scene as the model knows it: its variation is the nearest that there is.
+/// The variant of a primary of the scene, in the nearest variation of the model.
 pub(super) fn variant(model: &Model, instance: &Instance, element: &Element) -> VariantId {
     model.in_variation(placeable(model, element), variation(model, instance))
 }
 
-/// The element of one of the scene's textons.
+/// The placeable element of the model for an element of the scene.
 fn placeable(model: &Model, element: &Element) -> PlaceableId {
     let number = element.source.map_or(0, |source| source.0);
     PlaceableId(model.sources[element.library.index()].elements.start + number)
 }
 
-/// The variant of each of a scene's textons that is a fragment, which the model then knows.
+/// Adds the scene's fragments to the model. Returns the variant of each element that is one.
 pub(super) fn fragments(model: &mut Model, scene: &Scene) -> Vec<Option<VariantId>> {
     let known = |element: &Element| {
         element.fragment.then(|| {
@@ -96,7 +96,7 @@ pub(super) fn fragments(model: &mut Model, scene: &Scene) -> Vec<Option<VariantI
     scene.elements.iter().map(known).collect()
 }
 
-/// The variation nearest to that of an instance; the first of equals.
+/// The variation nearest to that of an instance; ties go to the first.
 pub(super) fn variation(model: &Model, instance: &Instance) -> u16 {
     let far = |k: usize| {
         let matrix = &model.variations[k].matrix;
@@ -111,7 +111,7 @@ pub(super) fn variation(model: &Model, instance: &Instance) -> u16 {
     best as u16
 }
 
-/// Which library has which part after the bend: that of the nearest texton.
+/// The share map of each library after the warp: each pixel belongs to the library of the nearest element.
 pub(super) fn parts(scene: &Scene, bend: &Bend, libraries: usize) -> Vec<ControlMap> {
     let canvas = bend.canvas();
     let longer = canvas[0].max(canvas[1]);

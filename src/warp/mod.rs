@@ -1,12 +1,12 @@
-//! Scenes bent to another shape, with their density kept (paper §4.5).
+//! Warps scenes to another shape and keeps their density (paper §4.5).
 //!
-//! Textons move with the bend and keep their size and shape. Their descriptors are laid again where
-//! they now stand, so that the gaps between them ask to be filled, and the same placement answers;
-//! where textons crowd, density is corrected as ever. Secondaries move in small neighbourhoods,
-//! control points of the background one by one; both are thinned where they crowd and added to where
-//! they are sparse.
+//! Elements move with the warp and keep their size and shape. Their descriptors are applied again at the
+//! new places, so that the gaps between them request elements and the usual placement fills them. Where
+//! elements crowd, the density is corrected as in synthesis. Secondaries move in small neighbourhoods,
+//! control points of the background one by one. Both are thinned where they crowd and added where they are
+//! sparse.
 //!
-//! Works badly where much is squeezed into little: rows and rings that the scene has are broken.
+//! Works badly where the scene is compressed much: its rows and rings are broken.
 
 mod background;
 mod bend;
@@ -28,20 +28,20 @@ use crate::scene::{Domain, Edge, Instance, InstanceId, LibraryId, Method, Role, 
 use crate::synth::compose::{self, Known};
 use crate::synth::{Report, check_canvas};
 
-/// Distances may grow by this factor before gaps are looked for.
+/// Distances may grow by this factor without a search for gaps.
 const NO_STRETCH: f64 = 1.02;
 
-/// How a scene is bent, beside where to.
+/// Parameters of a warp, apart from the bend itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WarpParams {
-    /// Seed of what fills the gaps. Default: that of the scene.
+    /// Seed for filling the gaps. Default: that of the scene.
     pub seed: Option<u64>,
     /// Treatment of elements at the edge of the new shape. Default: as in the scene.
     pub edge: Option<Edge>,
 }
 
-/// Bends a scene, made from these libraries, in any order. What stays keeps its identity and its
-/// place in the scene's list of textons. The result does not repeat.
+/// Warps a scene. `libraries` are those that it was made from, in any order. Elements that stay keep their
+/// identity and their index in the scene. The result does not tile.
 ///
 /// # Errors
 /// [`crate::Error::Control`] unless the libraries are those that the scene was made from;
@@ -65,7 +65,7 @@ pub fn warp(
     let shares = if libraries.len() > 1 { carried::parts(scene, bend, libraries.len()) } else { Vec::new() };
     let controls = Controls { domain: bend.domain(scene), density: None, shares, lead: None };
 
-    // Textons of the scene are varied as its own seed says.
+    // Variations are drawn with the scene's own seed.
     let mut model = Model::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });
     let fragments = carried::fragments(&mut model, scene);
     let (mut fixed, mut standing) = (Vec::new(), Vec::new());
@@ -78,8 +78,8 @@ pub fn warp(
         let Some(there) = bend.texton(instance, element) else { continue };
         let fragment = fragments[instance.element.index()];
         let [.., x, y] = instance.transform;
-        // Where nothing is stretched no gaps open: what a descriptor asks for beside what has come
-        // along is room that the scene left empty.
+        // Without stretch no gaps open: room that a descriptor requests between moved elements was empty in
+        // the scene.
         let asks = match fragment {
             Some(_) => Asks::Never,
             None if bend.stretch([x, y]) > NO_STRETCH => Asks::Always,
@@ -146,14 +146,14 @@ pub fn warp(
     Ok((result, report))
 }
 
-/// A new identity.
+/// The next unused identity.
 fn fresh(next: &mut InstanceId) -> InstanceId {
     let id = *next;
     next.0 = id.0.wrapping_add(1);
     id
 }
 
-/// An instance at another place, in whole pixels.
+/// An instance moved to another place, in whole pixels.
 fn moved(instance: &Instance, place: [f64; 2]) -> Instance {
     let [a, b, c, d, ..] = instance.transform;
     Instance { transform: [a, b, c, d, libm::round(place[0]), libm::round(place[1])], ..instance.clone() }

@@ -71,7 +71,7 @@ fn density_stays_when_the_canvas_grows_or_shrinks() {
         };
         let share = around(&after) / around(&before);
         assert!((0.5..1.6).contains(&share), "{factors:?}: {share}");
-        // Carried elements stand where they should, in their own size.
+        // Moved elements are at the expected places, in their own size.
         let old = by_id(before.primary());
         let mut carried = 0;
         for instance in after.primary() {
@@ -102,7 +102,7 @@ fn a_cage_is_filled_and_nothing_else() {
     let (after, report) = bent(&before, &bend);
     assert_eq!((after.width, after.height), (320, 250));
     assert_eq!(after.domain.as_ref().map(|d| &d.outline), Some(&blob));
-    // Its part of the canvas is filled as densely as the scene was.
+    // Its part of the canvas is as densely filled as the scene was.
     assert!((report.coverage / report.coverage_wanted - 1.0).abs() < 0.1, "{report:?}");
     let outside = |i: &&Instance| !blob.path().contains(Point::new(i.transform[4], i.transform[5]));
     let away = after.secondary().iter().filter(outside).count();
@@ -154,7 +154,7 @@ fn foreign_libraries_are_refused() {
     other.source.sha256 = "another".into();
     assert!(go(vec![]).contains("it is not given"));
     assert!(go(vec![source(), other]).contains("made without it"));
-    // Of the same photograph, but analysed in another way.
+    // The same photograph, analysed differently.
     assert!(go(vec![library(&mosaic(160, 14.0, 0.6, 2))]).contains("are not those of the scene"));
     for bad in [0.0, 0.05, 11.0, f64::NAN] {
         assert!(Bend::scale(&before, [1.0, bad]).is_err());

@@ -1,26 +1,25 @@
-//! Fair assignment of windows (the paper, §3.2): every window of the exemplar is used as often as
-//! every other.
+//! Fair assignment of windows (the paper, §3.2): all windows of the exemplar are used equally often.
 
 use super::patches::{Patches, best_turn};
 use crate::parallel;
 use crate::sampling::Stream;
 use std::collections::BTreeMap;
 
-/// What a window of a region is assigned.
+/// The window that is assigned to a window of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Assigned {
     /// Index of the exemplar's window.
     pub(super) patch: u32,
-    /// Quarters that it is turned by.
+    /// Rotation of that window, in quarter turns.
     pub(super) turn: u8,
-    /// Pixels in which the two differ.
+    /// Number of pixels in which the two differ.
     pub(super) cost: u32,
 }
 
-/// Assigns a window of the exemplar to each window of a region. Each exemplar window is used ⌊n/m⌋
-/// times, and as many as are missing, drawn at random, once more. All windows of the exemplar that are
-/// left ask for the nearest that are free, as many as they are to be used; where several ask for one, the
-/// nearest has it.
+/// Assigns a window of the exemplar to each of the n windows of a region. Each of the m exemplar windows is
+/// used ⌊n/m⌋ times; a random selection is used once more to make up the rest. In each round, every
+/// exemplar window proposes to the nearest free windows, as many as its remaining uses. Of several
+/// proposals the nearest wins.
 pub(super) fn assign(
     region: &Patches,
     exemplar: &Patches,
@@ -38,11 +37,11 @@ pub(super) fn assign(
     let mut assigned: Vec<Option<Assigned>> = vec![None; wanted];
     let mut free: Vec<u32> = (0..wanted as u32).collect();
     while !free.is_empty() {
-        let asking: Vec<usize> = (0..known).filter(|&e| copies[e] > 0).collect();
-        let asked = parallel::map(&asking, |&e| nearest(exemplar, e, region, &free, copies[e], turns));
-        // The best that asks for each; of equals the first.
+        let proposing: Vec<usize> = (0..known).filter(|&e| copies[e] > 0).collect();
+        let proposals = parallel::map(&proposing, |&e| nearest(exemplar, e, region, &free, copies[e], turns));
+        // The best proposal to each window; ties go to the first.
         let mut best: BTreeMap<u32, (u32, usize, usize)> = BTreeMap::new();
-        for (&e, list) in asking.iter().zip(&asked) {
+        for (&e, list) in proposing.iter().zip(&proposals) {
             for &(cost, s, turn) in list {
                 let offer = (cost, e, turn);
                 best.entry(s).and_modify(|old| *old = (*old).min(offer)).or_insert(offer);
@@ -57,8 +56,8 @@ pub(super) fn assign(
     assigned.into_iter().flatten().collect()
 }
 
-/// The `count` free windows of a region most like a window of the exemplar: how unlike, which, and in
-/// which turn.
+/// The `count` free windows of a region most similar to a window of the exemplar: the number of different
+/// pixels, the index and the rotation.
 fn nearest(
     exemplar: &Patches,
     e: usize,

@@ -1,12 +1,12 @@
-//! Boundary optimisation (the paper, §3): a region whose border looks like that of an exemplar.
+//! Boundary optimisation (the paper, §3): gives a region a border like that of an exemplar.
 //!
-//! Windows around the pixels of a border are compared bit by bit, in four turns. Every window of the
-//! exemplar is assigned as often as every other, so all of its border comes back. Windows vote for
-//! what is inside; the area is kept by rank instead of the paper's choice of a threshold, which
-//! misses it by some per cent. Coarse to fine, one region after the other, each within the one below.
+//! Windows around the pixels of a border are compared bit by bit, in four rotations. All windows of the
+//! exemplar are assigned equally often, so all of its border recurs. Windows vote on which pixels are
+//! inside. The area is kept by rank, because the paper's threshold misses it by some per cent. Regions are
+//! made coarse to fine, one after the other, each within the one below.
 //!
-//! Works on the cells of an exemplar, of which there are 128 along its shorter side. Loses direction
-//! where windows are turned, so they are turned by half turns only where borders have a direction.
+//! Works on the cells of an exemplar, 128 along its shorter side. Rotated windows lose direction, so they
+//! are only rotated by half turns where borders have a direction.
 
 mod assignment;
 mod nested;

@@ -1,4 +1,4 @@
-//! Region after region, each within the one below (the paper, §3.3).
+//! Regions made one after the other, each within the one below (the paper, §3.3).
 
 use super::super::map::Region;
 use super::SIDES;
@@ -11,47 +11,47 @@ use crate::progress::{Progress, advance};
 use crate::raster::blur::Plane;
 use crate::sampling::stream;
 
-/// Levels from the finest.
+/// Most levels.
 const LEVELS: usize = 3;
-/// Area in which a region may grow, as a multiple of its own.
+/// Area within which a region may grow, as a multiple of its own.
 const GROWTH: f64 = 1.5;
 
-/// What is wanted.
+/// The regions to make.
 pub(in super::super) struct Job<'a> {
     /// Regions of the exemplar from S_1 up.
     pub(in super::super) exemplar: &'a [Region],
     pub(in super::super) size: [usize; 2],
     pub(in super::super) wrap: [bool; 2],
-    /// Share of the canvas that each region is to have.
+    /// Share of the canvas that each region covers.
     pub(in super::super) shares: &'a [f64],
     pub(in super::super) start: Start<'a>,
     pub(in super::super) seed: u64,
 }
 
-/// What the optimisation starts from.
+/// The initial regions.
 pub(in super::super) enum Start<'a> {
     /// Random regions.
     Random,
-    /// Regions from S_1 up that are kept but for free cells, which start at random.
+    /// Regions from S_1 up. Only the free cells change, and start at random.
     Hole { regions: &'a [Region], free: &'a [bool] },
 }
 
-/// A level of the canvas.
+/// One level of the canvas.
 struct Level {
     size: [usize; 2],
     /// Cells that may change.
     free: Option<Vec<bool>>,
-    /// Regions that are kept where they may not.
+    /// Regions that are kept in all other cells.
     kept: Vec<Region>,
 }
 
-/// What is known of a region on one level once it is optimised.
+/// A region on one level after its optimisation.
 struct Done {
     region: Region,
     last: Option<(Patches, Vec<Assigned>)>,
 }
 
-/// Regions from S_1 up on the cells of a canvas.
+/// Makes the regions from S_1 up on the cells of a canvas.
 ///
 /// # Errors
 /// [`crate::Error::Interrupted`].
@@ -90,21 +90,23 @@ pub(in super::super) fn nested(job: &Job<'_>, progress: &dyn Progress) -> Result
                 },
             };
             let mut region = Region { size: *size, wrap: job.wrap, inside: vec![false; cells] };
-            let mut may = free.clone();
+            let mut changeable = free.clone();
             if let Some(free) = free {
                 (0..cells).filter(|&i| !free[i]).for_each(|i| region.inside[i] = kept[k].inside[i]);
             }
             if let Some(under) = under {
-                // It may grow where it is most likely, and only in the region below.
+                // The region may only grow inside the region below, where votes for it are highest.
                 let most = libm::ceil(GROWTH * area as f64) as usize;
                 let mut wide = Region { inside: under.region.inside.clone(), ..region.clone() };
                 fill(&mut wide, &values, &Bounds { free: Some(&under.region.inside), area: most });
                 let grows: Vec<bool> = (0..cells)
-                    .map(|i| under.region.inside[i] && wide.inside[i] && may.as_ref().is_none_or(|m| m[i]))
+                    .map(|i| {
+                        under.region.inside[i] && wide.inside[i] && changeable.as_ref().is_none_or(|m| m[i])
+                    })
                     .collect();
-                may = Some(grows);
+                changeable = Some(grows);
             }
-            let bounds = Bounds { free: may.as_deref(), area };
+            let bounds = Bounds { free: changeable.as_deref(), area };
             fill(&mut region, &values, &bounds);
             let last = optimise(&mut region, &own[level], &bounds, &mut random);
             done.push(Done { region, last });
@@ -129,7 +131,7 @@ pub(super) fn pyramid(region: &Region, levels: usize) -> Vec<Region> {
     all
 }
 
-/// The levels of the canvas, from the finest; fewer if canvas or exemplar is small.
+/// The levels of the canvas, from the finest; fewer if the canvas or the exemplar is small.
 fn levels(job: &Job<'_>) -> Vec<Level> {
     let shortest = job.exemplar.iter().flat_map(|r| r.size).chain(job.size).min().unwrap_or(1);
     let count = (0..LEVELS).take_while(|l| shortest >> l >= 16).count().max(1);
@@ -143,7 +145,7 @@ fn levels(job: &Job<'_>) -> Vec<Level> {
                 Level { size, free: Some(free.to_vec()), kept: regions.to_vec() }
             }
             (Start::Hole { .. }, Some(fine)) => {
-                // A cell with anything free is free.
+                // A cell that holds a free cell is free.
                 let mut free = vec![false; size[0] * size[1]];
                 for (i, _) in fine.free.iter().flatten().enumerate().filter(|(_, free)| **free) {
                     free[i / fine.size[0] / 2 * size[0] + i % fine.size[0] / 2] = true;
@@ -158,14 +160,14 @@ fn levels(job: &Job<'_>) -> Vec<Level> {
     all
 }
 
-/// Values of a soft random plane.
+/// Values of blurred noise.
 fn noise_values(job: &Job<'_>, size: [usize; 2], level: usize, k: usize) -> Vec<f32> {
     let mut random = stream(job.seed, "layers/boundary/start", (k * LEVELS + level) as u64);
     let values = (0..size[0] * size[1]).map(|_| random.normal() as f32).collect();
     Plane { size, values }.blurred(2.0, job.wrap).values
 }
 
-/// A random region of an area.
+/// A random region of the given area.
 fn noise(job: &Job<'_>, size: [usize; 2], level: usize, k: usize, area: usize) -> Region {
     let values = noise_values(job, size, level, k);
     let mut region = Region { size, wrap: job.wrap, inside: vec![false; values.len()] };
@@ -173,9 +175,9 @@ fn noise(job: &Job<'_>, size: [usize; 2], level: usize, k: usize, area: usize) -
     region
 }
 
-/// How likely each cell is inside the next region: the windows last assigned to the region below, with
-/// what the exemplar's next region has there; and what it was where they do not reach. Cells outside
-/// the region below come last.
+/// Share of the votes that put each cell inside the next region. The windows last assigned to the region
+/// below vote with the exemplar's next region at their places. Cells without votes keep their state in
+/// `start`. Cells outside the region below rank last.
 fn seeded(under: &Done, below: &Model, own: &Model, start: &Region) -> Vec<f32> {
     let votes = under
         .last

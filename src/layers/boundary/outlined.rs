@@ -1,4 +1,4 @@
-//! Regions around a painted one: from the top layer down (the paper, fig. 12).
+//! Regions around painted ones, from the top layer down (the paper, fig. 12).
 
 use super::super::map::Region;
 use super::super::regions::depth;
@@ -11,23 +11,23 @@ use crate::error::Result;
 use crate::progress::{Progress, advance};
 use crate::sampling::stream;
 
-/// Levels from the finest: few, so that what is painted stays where it is.
+/// Most levels: few, so that painted shapes stay in place.
 const LEVELS: usize = 2;
-/// Cells by which a border may move from where it is painted, on each level.
+/// Distance in cells by which a border may leave its painted place, on each level.
 const BAND: [f32; LEVELS] = [1.5, 0.6];
 /// The same on the finest level as a share of the mean depth of what is painted, so that thin strokes keep
 /// their place.
 const BAND_OF_DEPTH: f32 = 0.5;
 
-/// The region above, once it is optimised.
+/// The region above, after its optimisation.
 struct Above {
     region: Region,
     model: Model,
     last: Option<(Patches, Vec<Assigned>)>,
 }
 
-/// Regions from S_1 up with borders like those of `exemplar`, each where it is `painted` and, below the
-/// top, as far around the one above as in the exemplar.
+/// Makes regions from S_1 up with borders like those of `exemplar`. Each covers what is `painted` and,
+/// below the top, extends around the region above as far as in the exemplar.
 ///
 /// # Errors
 /// [`crate::Error::Interrupted`].
@@ -59,7 +59,7 @@ pub(in super::super) fn outlined(
     Ok(found)
 }
 
-/// A region from its start, coarse to fine; what the one above covers stays inside.
+/// Optimises a region from its start, coarse to fine. It always holds the region above.
 fn around(k: usize, exemplar: &Region, start: Region, above: Option<&Region>, seed: u64) -> Above {
     let shortest = exemplar.size.into_iter().chain(start.size).min().unwrap_or(1);
     let levels = (0..LEVELS).take_while(|l| shortest >> l >= 16).count().max(1);

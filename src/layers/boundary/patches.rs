@@ -1,9 +1,9 @@
-//! Windows around the pixels of a border, and how much two borders differ.
+//! Windows around the pixels of a border, and the distance of two borders.
 
 use super::super::map::Region;
 use crate::parallel;
 
-/// Words of a window: 15 × 15 bits.
+/// Words of a window of 15 × 15 bits.
 const WORDS: usize = 4;
 
 /// A window: one bit for each pixel, row by row.
@@ -11,15 +11,15 @@ pub(super) type Window = [u64; WORDS];
 
 /// The windows around all border pixels of a region.
 pub(super) struct Patches {
-    /// Pixels along the side of a window, odd.
+    /// Side of a window in pixels, odd.
     pub(super) side: usize,
-    /// Border pixels: those inside with one of their four neighbours outside.
+    /// Border pixels: inside, with one of the four adjacent pixels outside.
     pub(super) at: Vec<u32>,
-    /// Their windows, each in all turns.
+    /// The window of each, in all four rotations.
     pub(super) windows: Vec<[Window; 4]>,
 }
 
-/// A pixel some steps away: across the seam where the region repeats, mirrored at borders.
+/// The pixel at an offset: across the seam where the region repeats, mirrored at other borders.
 fn index(region: &Region, [x, y]: [usize; 2], d: [i64; 2]) -> usize {
     let axis = |v: usize, d: i64, k: usize| {
         let (v, size) = (v as i64 + d, region.size[k] as i64);
@@ -32,14 +32,14 @@ fn index(region: &Region, [x, y]: [usize; 2], d: [i64; 2]) -> usize {
     axis(y, d[1], 1) * region.size[0] + axis(x, d[0], 0)
 }
 
-/// The pixels that a window around a pixel shows, row by row.
+/// The pixels of the window around a pixel, row by row.
 pub(super) fn shown(region: &Region, pixel: usize, side: usize) -> impl Iterator<Item = usize> + '_ {
     let at = [pixel % region.size[0], pixel / region.size[0]];
     let reach = (side / 2) as i64;
     (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| index(region, at, [dx, dy])))
 }
 
-/// Where each bit of a window lies in the window turned by quarters.
+/// The position of each bit of a window after its rotation by `turn` quarters.
 pub(super) fn turned(side: usize, turn: usize) -> impl Iterator<Item = usize> {
     (0..side * side).map(move |i| {
         let (mut x, mut y) = (i % side, i / side);
@@ -79,14 +79,14 @@ impl Patches {
     }
 }
 
-/// Pixels in which two windows differ.
+/// Number of pixels in which two windows differ.
 #[inline]
 pub(super) fn differing(a: &Window, b: &Window) -> u32 {
     (0..WORDS).map(|k| (a[k] ^ b[k]).count_ones()).sum()
 }
 
-/// Pixels in which a window and another differ in the best of some turns of the other, and that turn;
-/// of equals the first.
+/// Number of pixels in which two windows differ in the best of the given rotations of the second, and that
+/// rotation. Ties go to the first.
 #[inline]
 pub(super) fn best_turn(window: &Window, other: &[Window; 4], turns: &[usize]) -> (u32, usize) {
     let mut best = (u32::MAX, 0);

@@ -3,7 +3,7 @@
 use super::super::map::Region;
 use super::shape::{Bounds, fill};
 
-/// A region half as fine, of the same share: the cells of two by two pixels with the most inside.
+/// A region at half the resolution, with the same share: the cells with most of their 2 × 2 pixels inside.
 pub(super) fn halved(region: &Region) -> Region {
     let [w, h] = region.size;
     let size = region.size.map(|v| v.div_ceil(2));
@@ -20,7 +20,7 @@ pub(super) fn halved(region: &Region) -> Region {
     coarse
 }
 
-/// A region twice as fine, of the given size.
+/// A region at twice the resolution, of the given size.
 pub(super) fn doubled(region: &Region, size: [usize; 2]) -> Region {
     let inside = (0..size[0] * size[1])
         .map(|i| {

@@ -1,20 +1,20 @@
-//! One region on one level: windows vote for what is inside (the paper, §3.2).
+//! One region on one level: windows vote on which pixels are inside (the paper, §3.2).
 
 use super::super::map::Region;
 use super::assignment::{Assigned, assign};
 use super::patches::{Patches, shown, turned};
 use crate::sampling::Stream;
 
-/// Iterations on a level at most.
+/// Most iterations on a level.
 const ITERATIONS: usize = 8;
-/// Share of the border's pixels below which changes end the iterations.
+/// Iterations end when fewer pixels change than this share of the border's.
 const SETTLED: f64 = 1e-3;
 
 /// An exemplar's region on one level.
 pub(super) struct Model {
     pub(super) region: Region,
     pub(super) patches: Patches,
-    /// Quarters that windows may be turned by.
+    /// Permitted rotations of windows, in quarter turns.
     pub(super) turns: Vec<usize>,
 }
 
@@ -26,7 +26,7 @@ impl Model {
     }
 }
 
-/// Whether borders run along one axis far more than along the other.
+/// Whether borders run mainly along one axis.
 fn has_direction(region: &Region) -> bool {
     let [w, h] = region.size;
     let differs = |i: usize, j: usize| usize::from(region.inside[i] != region.inside[j]);
@@ -35,15 +35,15 @@ fn has_direction(region: &Region) -> bool {
     across.max(down) > across.min(down) + across.min(down) / 4
 }
 
-/// What windows say of each pixel.
+/// Votes of windows on each pixel.
 pub(super) struct Votes {
     pub(super) inside: Vec<f32>,
     pub(super) outside: Vec<f32>,
 }
 
 impl Votes {
-    /// Votes of the windows assigned to a border: what `read` shows at the place of each exemplar window,
-    /// weighted by how well the windows agree and by nearness to their middles.
+    /// Votes of the windows assigned to a border. Each shows `read` at the place of its exemplar window,
+    /// weighted by how well the windows agree and by the distance to their centres.
     pub(super) fn new(
         region: &Region,
         patches: &Patches,
@@ -78,22 +78,22 @@ impl Votes {
         votes
     }
 
-    /// The share of the votes that say inside; none where there are none.
+    /// Share of the votes for inside; `None` without votes.
     pub(super) fn share(&self, pixel: usize) -> Option<f32> {
         let all = self.inside[pixel] + self.outside[pixel];
         (all > 1e-7).then(|| self.inside[pixel] / all)
     }
 }
 
-/// What may change, and how much is to be inside.
+/// The pixels that may change, and the area to reach.
 pub(super) struct Bounds<'a> {
-    /// Pixels that may change; none if all may.
+    /// Pixels that may change; `None` if all may.
     pub(super) free: Option<&'a [bool]>,
-    /// Pixels inside at the end.
+    /// Number of pixels inside at the end.
     pub(super) area: usize,
 }
 
-/// Makes the border of a region look like that of a model; the last assignment, if there is one.
+/// Makes the border of a region look like that of a model. Returns the last assignment, if there is one.
 pub(super) fn optimise(
     region: &mut Region,
     model: &Model,
@@ -124,14 +124,14 @@ pub(super) fn optimise(
     last
 }
 
-/// Puts the free pixels of the largest values inside until the area is right; the number of pixels
-/// that changed.
+/// Puts the free pixels with the largest values inside until the area is reached. Returns the number of
+/// changed pixels.
 pub(super) fn fill(region: &mut Region, values: &[f32], bounds: &Bounds<'_>) -> usize {
     let is_free = |i: usize| bounds.free.is_none_or(|free| free[i]);
     let fixed = (0..values.len()).filter(|&i| !is_free(i) && region.inside[i]).count();
     let mut order: Vec<usize> = (0..values.len()).filter(|&i| is_free(i)).collect();
     let wanted = bounds.area.saturating_sub(fixed).min(order.len());
-    // Of equals those stay that are inside.
+    // Ties go to pixels that are inside already.
     order.sort_by(|&a, &b| {
         values[b].total_cmp(&values[a]).then(region.inside[b].cmp(&region.inside[a])).then(a.cmp(&b))
     });
@@ -169,7 +169,7 @@ mod tests {
     fn borders_come_to_look_like_the_exemplars() {
         let model = Model::new(rust(4), 15);
         let of = |region: &Region| distance(&Patches::new(region, 15), &model.patches);
-        // As far as another piece of the same rust is; nothing new can be expected to come nearer.
+        // The distance of another sample of the same rust: no new border can be expected to be nearer.
         let floor = of(&rust(5));
         let disc = |i: usize| {
             let d = [(i % 96) as f32 - 47.5, (i / 96) as f32 - 47.5];

@@ -2,7 +2,7 @@
 
 use crate::raster::{LabelMap, squared_distance};
 
-/// The places on a stratum or near it, in square blocks.
+/// The places in or near a stratum, by square blocks.
 pub(super) struct Near {
     side: f64,
     width: usize,
@@ -12,10 +12,10 @@ pub(super) struct Near {
 }
 
 impl Near {
-    /// Blocks along the reach.
+    /// Number of blocks along the reach.
     const PARTS: f64 = 6.0;
 
-    /// Places within `reach` pixels of a stratum, or up to a block further away.
+    /// Places within `reach` pixels of a stratum, plus up to one block.
     pub(super) fn new(labels: &LabelMap, stratum: u32, reach: f64) -> Self {
         let side = (reach / Self::PARTS).max(1.0);
         let [width, height] = [labels.width, labels.height].map(|v| (f64::from(v) / side) as usize + 1);
@@ -30,7 +30,7 @@ impl Near {
         Self { side, width, height, away, reach: (reach / side) as f32 + 1.0 }
     }
 
-    /// Whether a place, in pixels, is one of them.
+    /// Whether a place, in pixels, is in or near the stratum.
     pub(super) fn holds(&self, [x, y]: [f64; 2]) -> bool {
         let block = |v: f64, count: usize| ((v.max(0.0) / self.side) as usize).min(count - 1);
         self.away[block(y, self.height) * self.width + block(x, self.width)] <= self.reach * self.reach

@@ -51,7 +51,7 @@ fn each_stratum_has_its_layers_and_area() {
         let inside = region(&scene, 3);
         let area = inside.labels.iter().filter(|&&l| l == 1).count() as f64 / inside.labels.len() as f64;
         assert!((area - report.strata[1].area).abs() < 0.02, "{area} {:?}", report.strata);
-        // Small elements are listed where they stand.
+        // Small elements belong to the stratum at their centre.
         let wrong = |layer: usize| {
             let wrong =
                 |t: &[f64; 6]| inside.at(t[4] as i64, t[5] as i64).is_some_and(|l| (l == 1) != (layer > 2));
@@ -80,7 +80,7 @@ fn a_map_leads_the_strata() {
     let same = same.count() as f64 / (260.0 * 210.0);
     assert!(same > 0.9, "{same}");
     assert!((report.strata[1].area_wanted - given.areas()[1] as f64 / (26.0 * 21.0)).abs() < 0.01);
-    // Elements stand where their stratum is.
+    // Elements lie in their stratum.
     for (layer, stratum) in [(2, 0), (5, 1)] {
         let place = |i: &crate::scene::Instance| {
             let [x, y] = [i.transform[4], i.transform[5]].map(|v| (v / 10.0).max(0.0) as u32);
