@@ -30,7 +30,7 @@ pub use exemplar::Exemplar;
 
 use crate::document::Document as _;
 use crate::error::Result;
-use crate::library::{Arrangement, Element, Library, Source, SourceKind};
+use crate::library::{Arrangement, Category, CategoryId, Element, Library, Source, SourceKind};
 use crate::progress::{Progress, advance};
 use crate::raster::{LabelMap, Mask};
 use crate::scene::Tile;
@@ -128,19 +128,9 @@ pub fn analyze(
     let shapes = shapes::outlines(image, &clean, &pieces, &style);
 
     advance(progress, "categories", 0, 1)?;
-    let image_area = f64::from(width) * f64::from(height);
-    let features: Vec<categories::Features> = shapes
-        .primaries
-        .iter()
-        .map(|p| {
-            let [r, g, b] = p.colour.to_f64();
-            [r, g, b, f64::from(p.area), p.compactness.unwrap_or(0.0)]
-        })
-        .collect();
-    let (ids, categories) = categories::divide(&features, params.categories, image_area, params.seed);
     let mut primary_textons = shapes.primaries;
-    for ((p, &id), mask) in primary_textons.iter_mut().zip(&ids).zip(&primary_masks) {
-        p.category = Some(id);
+    let (ids, categories) = categorise(&mut primary_textons, f64::from(width) * f64::from(height), params);
+    for (p, mask) in primary_textons.iter_mut().zip(&primary_masks) {
         p.clipped = !params.wrap && touches_border(mask, fine.width(), fine.height());
     }
     progress.picture("categories", &|| pictures::categories(&primaries, &ids));
@@ -160,18 +150,7 @@ pub fn analyze(
     let library = Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
-        source: Source {
-            kind: SourceKind::Photograph,
-            file: exemplar.file.clone(),
-            width,
-            height,
-            sha256: exemplar.sha256.clone(),
-            segmenter: segmenter.name(),
-            parameters: params.clone(),
-            program: crate::PROGRAM.into(),
-            layers: strata.why,
-            warnings,
-        },
+        source: Source { layers: strata.why, warnings, ..source(exemplar, segmenter, params) },
         // An empty sum of floats is -0; folding from 0 avoids it.
         coverage: categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0),
         layers,
@@ -183,6 +162,39 @@ pub fn analyze(
     };
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)
+}
+
+/// Divides primaries into categories: the category of each, and all of them. `image_area` is in pixels.
+fn categorise(
+    primaries: &mut [Element],
+    image_area: f64,
+    params: &AnalyzeParams,
+) -> (Vec<CategoryId>, Vec<Category>) {
+    let features = |p: &Element| {
+        let [r, g, b] = p.colour.to_f64();
+        [r, g, b, f64::from(p.area), p.compactness.unwrap_or(0.0)]
+    };
+    let features: Vec<categories::Features> = primaries.iter().map(features).collect();
+    let (ids, categories) = categories::divide(&features, params.categories, image_area, params.seed);
+    primaries.iter_mut().zip(&ids).for_each(|(p, &id)| p.category = Some(id));
+    (ids, categories)
+}
+
+/// Where a library comes from.
+fn source(exemplar: &Exemplar, segmenter: &dyn Segmenter, params: &AnalyzeParams) -> Source {
+    let (width, height) = exemplar.image.dimensions();
+    Source {
+        kind: SourceKind::Photograph,
+        file: exemplar.file.clone(),
+        width,
+        height,
+        sha256: exemplar.sha256.clone(),
+        segmenter: segmenter.name(),
+        parameters: params.clone(),
+        program: crate::PROGRAM.into(),
+        layers: None,
+        warnings: Vec::new(),
+    }
 }
 
 /// Fit tolerance (`fidelity`, in pixels) below which mixed pixels along rims keep their colours.
