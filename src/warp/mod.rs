@@ -67,28 +67,8 @@ pub fn warp(
 
     // Variations are drawn with the scene's own seed.
     let mut model = Model::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });
-    let fragments = carried::fragments(&mut model, scene);
-    let (mut fixed, mut standing) = (Vec::new(), Vec::new());
+    let (fixed, standing) = carry(scene, bend, &mut model, progress)?;
     let carried: Vec<&Instance> = scene.individuals().collect();
-    for (i, &instance) in carried.iter().enumerate() {
-        if i % 1024 == 0 {
-            advance(progress, "carrying", i as u64, carried.len() as u64)?;
-        }
-        let element = scene.element(instance);
-        let Some(there) = bend.texton(instance, element) else { continue };
-        let fragment = fragments[instance.element.index()];
-        let [.., x, y] = instance.transform;
-        // Without stretch no gaps open: room that a descriptor requests between moved elements was empty in
-        // the scene.
-        let asks = match fragment {
-            Some(_) => Asks::Never,
-            None if bend.stretch([x, y]) > NO_STRETCH => Asks::Always,
-            None => Asks::InVain,
-        };
-        let variant = fragment.unwrap_or_else(|| carried::variant(&model, instance, element));
-        fixed.push(Fixed { variant, at: there.map(|v| libm::round(v) as i32), asks });
-        standing.push((i, there));
-    }
     let method = Method::Descriptor;
     let task = Task { libraries: &libraries, controls: &controls, params: &params, method, fixed };
     let arrangement = arrange(&mut model, &task, progress)?;
@@ -144,6 +124,38 @@ pub fn warp(
     result.drop_unused();
     let report = Report::new(&libraries, &arrangement, &result);
     Ok((result, report))
+}
+
+/// Elements of the scene that stand in the new one: what they are, and the index and new place of each.
+fn carry(
+    scene: &Scene,
+    bend: &Bend,
+    model: &mut Model,
+    progress: &dyn Progress,
+) -> Result<(Vec<Fixed>, Vec<(usize, [f64; 2])>)> {
+    let fragments = carried::fragments(model, scene);
+    let (mut fixed, mut standing) = (Vec::new(), Vec::new());
+    let carried: Vec<&Instance> = scene.individuals().collect();
+    for (i, &instance) in carried.iter().enumerate() {
+        if i % 1024 == 0 {
+            advance(progress, "carrying", i as u64, carried.len() as u64)?;
+        }
+        let element = scene.element(instance);
+        let Some(there) = bend.texton(instance, element) else { continue };
+        let fragment = fragments[instance.element.index()];
+        let [.., x, y] = instance.transform;
+        // Without stretch no gaps open: room that a descriptor requests between moved elements was empty in
+        // the scene.
+        let asks = match fragment {
+            Some(_) => Asks::Never,
+            None if bend.stretch([x, y]) > NO_STRETCH => Asks::Always,
+            None => Asks::InVain,
+        };
+        let variant = fragment.unwrap_or_else(|| carried::variant(model, instance, element));
+        fixed.push(Fixed { variant, at: there.map(|v| libm::round(v) as i32), asks });
+        standing.push((i, there));
+    }
+    Ok((fixed, standing))
 }
 
 /// The next unused identity.
