@@ -146,8 +146,10 @@ fn what_cannot_be_read_is_named_or_left_out() {
     );
     let [scale, area] =
         [f64::from(library.source.width) / 100.0, library.primaries()[0].base().outline.area()];
-    let wanted = 20.0 * 10.0 - (100.0 - 0.0) * 0.0;
-    assert!(area / scale / scale < wanted + 20.0, "{area}");
+    // The left half of a disc of radius 12, as far as it lies within 10 of its middle: ten times the root of
+    // 144 - 100, and 144 times the angle whose sine is 10 / 12.
+    let wanted = 10.0 * f64::sqrt(44.0) + 144.0 * 0.985_111;
+    assert!((area / scale / scale - wanted).abs() < 0.5, "{area}");
     let text = of(&format!("{circle}<text x='5' y='20'>words</text>"));
     assert!(text.source.warnings[0].contains("text"), "{:?}", text.source.warnings);
 }

@@ -2,7 +2,7 @@
 
 use super::known::{Known, of_shapes};
 use super::{Placed, size_of};
-use crate::geometry::{Affine, Point, Rect, Vec2, shortest_offset};
+use crate::geometry::{Affine, NearPoints, Point, Rect, Vec2, shortest_offset};
 use crate::library::Library;
 use crate::raster::Mask;
 use crate::sampling::{Stream, stream};
@@ -10,15 +10,19 @@ use crate::scene::SynthParams;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Elements with which each may change places.
-const PARTNERS: usize = 16;
+/// Elements with which each may change places: so many where none alike stands near, then so many where none
+/// equal does.
+const PARTNERS: [usize; 2] = [16, 8];
 /// Largest ratio of the sizes of elements that change places.
 const RATIO: f64 = 1.4;
-/// Distance, in mean distances between elements, within which no two equal ones come to stand, if there
+/// Distance, in mean distances between elements, within which no two that are alike come to stand, if there
 /// are partners enough.
 const COPIES: f64 = 1.4;
-/// Elements above which copies are not looked for.
-const MOST_COMPARED: usize = 4_000;
+/// How often elements wander before they settle, and places tried each time.
+const WALKS: usize = 12;
+const STEPS: usize = 3;
+/// Lengths of their ways at once, in units of [`FARTHEST`].
+const STRIDES: [f64; 3] = [1.0, 2.0, 4.0];
 /// Places tried for each element that shifts.
 const SHIFTS: usize = 10;
 /// Largest shift at once, as a share of the mean distance between elements.
@@ -27,8 +31,8 @@ const FARTHEST: f64 = 0.22;
 const CLEARANCES: [f64; 3] = [2.0, 1.5, 1.0];
 /// Angles of elements that may be turned at will.
 const TURNS: usize = 24;
-/// Largest share of the canvas, in pixels, that is looked at at once.
-const MOST_PIXELS: u64 = 200_000_000;
+/// Largest canvas with its margins, in pixels, on which elements change places.
+pub(super) const MOST_PIXELS: u64 = 600_000_000;
 
 /// The canvas, and who stands where.
 pub(super) struct Exchange<'a> {
@@ -42,12 +46,50 @@ pub(super) struct Exchange<'a> {
     wrap: [bool; 2],
     /// Number of the placed element on each pixel, from 1.
     cells: Vec<u32>,
-    /// Pixels of elements, turned, around their middles.
-    turned: BTreeMap<(usize, usize), Arc<Mask>>,
+    /// Pixels of elements, turned about the origin, by the map in steps of [`STEP`].
+    turned: BTreeMap<(usize, [i64; 4]), Arc<Mask>>,
+}
+
+/// Maps that differ by less have the same pixels.
+const STEP: f64 = 1e-4;
+
+/// Places at which elements stand that change them.
+struct Sites {
+    near: NearPoints,
+    places: Vec<Point>,
+    /// Who stands at each.
+    occupants: Vec<usize>,
+    reach: f64,
+}
+
+impl Sites {
+    /// Whether one for which something holds stands near a site, but at two.
+    fn any_near(
+        &self,
+        site: usize,
+        but: [usize; 2],
+        periods: [Option<f64>; 2],
+        holds: impl Fn(usize) -> bool,
+    ) -> bool {
+        let mut any = false;
+        self.near.each(self.places[site], |k| {
+            any = any
+                || !but.contains(&k)
+                    && holds(self.occupants[k])
+                    && shortest_offset(self.places[site], self.places[k], periods).hypot() < self.reach;
+        });
+        any
+    }
 }
 
 impl<'a> Exchange<'a> {
-    pub(super) fn new(library: &'a Library, params: &SynthParams, known: &'a Known) -> Self {
+    /// An empty canvas; `None` if it would take more than `most` pixels.
+    pub(super) fn new(
+        library: &'a Library,
+        params: &SynthParams,
+        known: &'a Known,
+        most: u64,
+    ) -> Option<Self> {
         let wrap = [params.tile.x, params.tile.y];
         let canvas = [params.width as i32, params.height as i32];
         let period = size_of(library);
@@ -55,9 +97,9 @@ impl<'a> Exchange<'a> {
         let first = [0, 1].map(|k| if wrap[k] { 0 } else { -beyond(k) });
         let size = [0, 1].map(|k| if wrap[k] { canvas[k] } else { canvas[k] + 2 * beyond(k) });
         let pixels = size[0] as u64 * size[1] as u64;
-        let cells = vec![0; if pixels <= MOST_PIXELS { pixels as usize } else { 0 }];
+        let cells = vec![0; if pixels <= most { pixels as usize } else { return None }];
         let turned = BTreeMap::new();
-        Self { library, known, seed: params.seed, first, size, canvas, wrap, cells, turned }
+        Some(Self { library, known, seed: params.seed, first, size, canvas, wrap, cells, turned })
     }
 
     /// The cell of a pixel of the canvas.
@@ -78,12 +120,10 @@ impl<'a> Exchange<'a> {
     fn mask(&mut self, p: &Placed) -> (Arc<Mask>, [i32; 2]) {
         let [a, b, c, d, e, f] = p.map.as_coeffs();
         let shift = [e, f].map(|v| libm::round(v) as i32);
-        if a == 1.0 && b == 0.0 {
+        if [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] {
             return (Arc::clone(&self.known.masks[p.element]), shift);
         }
-        // Turned about the origin by one of the angles; the shift is apart.
-        let step = libm::round(libm::atan2(b, a) / std::f64::consts::TAU * 3600.0);
-        let key = (p.element, step.rem_euclid(3600.0) as usize);
+        let key = (p.element, [a, b, c, d].map(|v| libm::round(v / STEP) as i64));
         let own = &self.library.elements[p.element];
         let mask = self.turned.entry(key).or_insert_with(|| {
             let turn = Affine::new([a, b, c, d, 0.0, 0.0]);
@@ -166,74 +206,107 @@ impl<'a> Exchange<'a> {
 
     /// Changes places, shifts and turns elements; `share` of those that are free take part.
     pub(super) fn run(&mut self, placed: &mut [Placed], share: f64) {
-        if self.cells.is_empty() {
-            return;
-        }
         let mut random = stream(self.seed, "synth/period", 0);
         let mut all: Vec<usize> = (0..placed.len()).filter(|&i| self.known.free[placed[i].element]).collect();
         all.retain(|_| random.unit() < share);
         random.shuffle(&mut all);
+        let mut sites = self.sites(placed, &all);
         for n in 0..all.len() {
-            self.exchange(placed, &all, n, &mut random);
+            self.exchange(placed, &mut sites, n, &mut random);
+        }
+        for _ in 0..WALKS {
+            for &i in &all {
+                self.walk(placed, i, share, &mut random);
+            }
         }
         for &i in &all {
             self.shift(placed, i, share, &mut random);
         }
     }
 
-    /// Lets an element change places with another of like size.
-    fn exchange(&mut self, placed: &mut [Placed], all: &[usize], n: usize, random: &mut Stream) {
-        let a = all[n];
+    /// Where elements stand that change places.
+    fn sites(&self, placed: &[Placed], all: &[usize]) -> Sites {
+        let places: Vec<Point> = all.iter().map(|&i| self.middle(&placed[i])).collect();
+        let reach = COPIES * self.known.spacing;
+        let near = NearPoints::new(&places, self.periods(), reach);
+        Sites { near, places, occupants: all.to_vec(), reach }
+    }
+
+    fn periods(&self) -> [Option<f64>; 2] {
+        [0, 1].map(|k| self.wrap[k].then_some(f64::from(self.canvas[k])))
+    }
+
+    /// Lets the element of a site change places with another of like size.
+    fn exchange(&mut self, placed: &mut [Placed], sites: &mut Sites, n: usize, random: &mut Stream) {
         let known = self.known;
         let extent = |p: &Placed| {
             let b = known.bounds[p.element];
             libm::hypot(b.width(), b.height())
         };
+        let a = sites.occupants[n];
         let own = extent(&placed[a]);
-        for _ in 0..PARTNERS {
-            let b = all[random.index(all.len())];
+        for attempt in 0..PARTNERS[0] + PARTNERS[1] {
+            let m = random.index(sites.occupants.len());
+            let b = sites.occupants[m];
             let other = extent(&placed[b]);
-            let same = self.known.equal[placed[a].element].0 == self.known.equal[placed[b].element].0;
+            let kinds = if attempt < PARTNERS[0] { &known.alike } else { &known.same };
+            let [kind_a, kind_b] = [a, b].map(|i| kinds[placed[i].element]);
             let zones = [a, b].map(|i| self.zone(&placed[i]));
-            if a == b || same || zones[0] != zones[1] || own.max(other) > RATIO * own.min(other) {
+            if kind_a == kind_b || zones[0] != zones[1] || own.max(other) > RATIO * own.min(other) {
                 continue;
             }
-            let (old_a, old_b) = (placed[a], placed[b]);
-            let copies = self.has_copy(placed, all, &old_a, self.middle(&old_b), [a, b])
-                || self.has_copy(placed, all, &old_b, self.middle(&old_a), [a, b]);
-            if copies {
-                continue;
+            let has = |site: usize, kind: usize| {
+                let periods = self.periods();
+                sites.any_near(site, [n, m], periods, |i| kinds[placed[i].element] == kind)
+            };
+            if !has(m, kind_a) && !has(n, kind_b) && self.swapped(placed, [a, b], random) {
+                sites.occupants.swap(n, m);
+                return;
             }
-            self.write(&old_a, 0, a as u32 + 1);
-            self.write(&old_b, 0, b as u32 + 1);
-            let new_a = self.at(&old_a, self.middle(&old_b), random);
-            let fits_a = self.fits(&new_a, 1.0);
-            if fits_a {
-                self.write(&new_a, a as u32 + 1, 0);
-                let new_b = self.at(&old_b, self.middle(&old_a), random);
-                if self.fits(&new_b, 1.0) {
-                    self.write(&new_b, b as u32 + 1, 0);
-                    (placed[a], placed[b]) = (new_a, new_b);
-                    return;
-                }
-                self.write(&new_a, 0, a as u32 + 1);
-            }
-            self.write(&old_a, a as u32 + 1, 0);
-            self.write(&old_b, b as u32 + 1, 0);
         }
     }
 
-    /// Whether an equal element, of others than two, stands near a place.
-    fn has_copy(&self, placed: &[Placed], all: &[usize], p: &Placed, at: Point, but: [usize; 2]) -> bool {
-        let class = self.known.equal[p.element].0;
-        let reach = COPIES * self.known.spacing;
-        let size = self.canvas.map(f64::from);
-        let period = [0, 1].map(|k| self.wrap[k].then_some(size[k]));
-        all.len() <= MOST_COMPARED
-            && all.iter().any(|&i| {
-                let equal = self.known.equal[placed[i].element].0 == class && !but.contains(&i);
-                equal && shortest_offset(at, self.middle(&placed[i]), period).hypot() < reach
-            })
+    /// Lets two elements change places, if both fit there.
+    fn swapped(&mut self, placed: &mut [Placed], [a, b]: [usize; 2], random: &mut Stream) -> bool {
+        let (old_a, old_b) = (placed[a], placed[b]);
+        self.write(&old_a, 0, a as u32 + 1);
+        self.write(&old_b, 0, b as u32 + 1);
+        let new_a = self.at(&old_a, self.middle(&old_b), random);
+        if self.fits(&new_a, 1.0) {
+            self.write(&new_a, a as u32 + 1, 0);
+            let new_b = self.at(&old_b, self.middle(&old_a), random);
+            if self.fits(&new_b, 1.0) {
+                self.write(&new_b, b as u32 + 1, 0);
+                (placed[a], placed[b]) = (new_a, new_b);
+                return true;
+            }
+            self.write(&new_a, 0, a as u32 + 1);
+        }
+        self.write(&old_a, a as u32 + 1, 0);
+        self.write(&old_b, b as u32 + 1, 0);
+        false
+    }
+
+    /// Lets an element that lies on the canvas wander, so that large ones too leave the places that
+    /// repeat. Others would change how much of each kind is seen.
+    fn walk(&mut self, placed: &mut [Placed], i: usize, share: f64, random: &mut Stream) {
+        let old = placed[i];
+        if self.zone(&old) != 0 {
+            return;
+        }
+        self.write(&old, 0, i as u32 + 1);
+        let middle = self.middle(&old);
+        for _ in 0..STEPS {
+            let stride = STRIDES[random.index(STRIDES.len())];
+            let reach = stride * share * FARTHEST * self.known.spacing;
+            let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));
+            let new = self.at(&old, middle + by, random);
+            if self.zone(&new) == 0 && self.fits(&new, 1.0) {
+                placed[i] = new;
+                break;
+            }
+        }
+        self.write(&placed[i].clone(), i as u32 + 1, 0);
     }
 
     /// Moves an element a little, and turns it if others of its kind are turned.
@@ -289,11 +362,13 @@ impl<'a> Exchange<'a> {
             place.y -= f64::from(self.canvas[1]) * libm::floor(place.y / f64::from(self.canvas[1]));
         }
         let centre = self.known.bounds[p.element].center();
+        let [a, b, c, d, ..] = self.library.layers[p.order.0].instances[p.order.1].transform;
+        let given = Affine::new([a, b, c, d, 0.0, 0.0]);
         let linear = if turn.abs() < 1e-3 {
-            Affine::IDENTITY
+            given
         } else {
             let (sin, cos) = (libm::sin(turn), libm::cos(turn));
-            Affine::new([cos, sin, -sin, cos, 0.0, 0.0])
+            Affine::new([cos, sin, -sin, cos, 0.0, 0.0]) * given
         };
         let at = place - linear * centre;
         // On whole pixels, where it was looked at.
