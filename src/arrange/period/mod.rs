@@ -9,15 +9,19 @@
 //! When this works badly: packed swatches, whose elements have no room to move. They come out as they
 //! are, and the share of places that repeat says so.
 
+mod canvas;
 mod exchange;
 mod known;
+#[cfg(test)]
+mod tests;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Affine, Rect, Vec2};
 use crate::library::Library;
 use crate::progress::{Progress, advance};
 use crate::scene::SynthParams;
-use exchange::{Exchange, MOST_PIXELS};
+use canvas::{Canvas, MOST_PIXELS};
+
 use known::Known;
 pub(crate) use known::equal;
 use std::collections::BTreeMap;
@@ -58,6 +62,16 @@ pub(crate) struct Repeated {
 /// [`Error::Parameter`] for a canvas that is to repeat along an axis and is not a whole number of
 /// periods long there; [`Error::TooLarge`] for too many copies; [`Error::Interrupted`].
 pub(crate) fn place(library: &Library, params: &SynthParams, progress: &dyn Progress) -> Result<Repeated> {
+    place_within(library, params, MOST_PIXELS, progress)
+}
+
+/// [`place`]; beyond `most` pixels nothing changes places.
+fn place_within(
+    library: &Library,
+    params: &SynthParams,
+    most: u64,
+    progress: &dyn Progress,
+) -> Result<Repeated> {
     check_periods(library, params)?;
     check_copies(library, params)?;
     advance(progress, "primaries", 0, 2)?;
@@ -66,13 +80,13 @@ pub(crate) fn place(library: &Library, params: &SynthParams, progress: &dyn Prog
     let mut placed = repeated(library, params, &known);
     // Without room for it, what repeats covers what it covers in the exemplar.
     let mut covered: Vec<f64> = library.categories.iter().map(|c| c.coverage).collect();
-    if let Some(mut exchange) = Exchange::new(library, params, &known, MOST_PIXELS) {
-        exchange.stand_all(&placed);
+    if let Some(mut canvas) = Canvas::new(library, params, &known, most) {
+        canvas.stand_all(&placed);
         advance(progress, "primaries", 1, 2)?;
         if variation > 0.0 {
-            exchange.run(&mut placed, variation);
+            canvas.vary(&mut placed, variation, params.seed);
         }
-        covered = exchange.covered(&placed);
+        covered = canvas.covered(&placed);
     } else if variation > 0.0 {
         variation = 0.0;
         progress
@@ -111,7 +125,7 @@ fn check_periods(library: &Library, params: &SynthParams) -> Result<()> {
 
 /// Most copies of elements on a canvas, and most pixels that all of them together may cover.
 const MOST_COPIES: f64 = 4e6;
-const MOST_PAINTED: f64 = 5e9;
+const MOST_PAINTED: f64 = 1e10;
 
 /// Refuses a canvas of too many copies.
 fn check_copies(library: &Library, params: &SynthParams) -> Result<()> {
@@ -119,23 +133,29 @@ fn check_copies(library: &Library, params: &SynthParams) -> Result<()> {
     let tile = [params.tile.x, params.tile.y];
     let (mut copies, mut painted) = (0.0, 0.0);
     for instance in library.layers.iter().flat_map(|layer| &layer.instances) {
-        let own = crate::element::bounds(&library.elements[instance.element.index()].shapes);
+        let element = &library.elements[instance.element.index()];
+        let own = crate::element::bounds(&element.shapes);
         let bounds = Affine::new(instance.transform).transform_rect_bbox(own);
         let side = [bounds.width(), bounds.height()];
         // Copies beside the canvas stand within a period and a half of it.
         let along =
             |k: usize| (canvas[k] + if tile[k] { 0.0 } else { side[k] + 4.0 * period[k] }) / period[k];
         copies += along(0) * along(1);
-        painted += along(0) * along(1) * side[0].max(1.0) * side[1].max(1.0);
+        // What runs on is marked all at once.
+        if !element.clipped {
+            painted += along(0) * along(1) * side[0].max(1.0) * side[1].max(1.0);
+        }
     }
     if copies <= MOST_COPIES && painted <= MOST_PAINTED {
         return Ok(());
     }
-    Err(Error::TooLarge {
-        name: "size".into(),
-        found: format!("{copies:.0} copies of the drawing's elements"),
-        limit: format!("{MOST_COPIES:.0} copies"),
-    })
+    let (found, limit, unit) = if copies > MOST_COPIES {
+        (copies, MOST_COPIES, "copies of the drawing's elements")
+    } else {
+        (painted / 1e6, MOST_PAINTED / 1e6, "megapixels in all copies of the drawing's elements")
+    };
+    let [found, limit] = [found, limit].map(|count| format!("{count:.0} {unit}"));
+    Err(Error::TooLarge { name: "size".into(), found, limit })
 }
 
 /// All copies of all elements that reach the canvas and somewhat beyond; along axes that repeat each once.
