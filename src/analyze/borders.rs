@@ -45,7 +45,9 @@ fn joins(count: u32, apart: impl Fn(u32, u32) -> f64) -> bool {
         all[all.len() / 2]
     };
     let near = median((1..count).map(|i| apart(i - 1, i)).collect());
-    let far = median((0..count / 2).map(|i| apart(i, i + count / 2)).collect());
+    let at = |distance: u32| median((0..count - distance).map(|i| apart(i, i + distance)).collect());
+    // One of the two is no whole number of periods.
+    let far = at(count / 2).max(at(2 * count / 5));
     let border = apart(count - 1, 0);
     near < NOISE * far && border <= RATIO * near && border - near <= SHARE * (far - near)
 }
