@@ -19,7 +19,7 @@ const STEPS: usize = 3;
 /// Lengths of their ways at once, in units of [`FARTHEST`].
 const STRIDES: [f64; 3] = [1.0, 2.0, 4.0];
 /// How often elements settle, and places tried each time.
-const SETTLES: usize = 8;
+const SETTLES: usize = 4;
 const SHIFTS: usize = 8;
 /// Largest shift at once, as a share of the mean distance between elements.
 const FARTHEST: f64 = 0.22;
