@@ -47,10 +47,28 @@ pub(crate) fn document(text: &str) -> Result<roxmltree::Document<'_>, String> {
 /// # Errors
 /// Why it is not an SVG.
 pub(crate) fn tree(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, String> {
+    tree_of(document, || None)
+}
+
+/// The same, with an empty drawing wherever a raster image or another file is shown.
+///
+/// # Errors
+/// As [`tree`].
+pub(crate) fn tree_with_images(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, String> {
+    let empty = r#"<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>"#;
+    tree_of(document, || {
+        usvg::Tree::from_str(empty, &usvg::Options::default()).ok().map(usvg::ImageKind::SVG)
+    })
+}
+
+fn tree_of(
+    document: &roxmltree::Document<'_>,
+    image: impl Fn() -> Option<usvg::ImageKind> + Copy + Send + Sync,
+) -> Result<usvg::Tree, String> {
     let options = usvg::Options {
         image_href_resolver: usvg::ImageHrefResolver {
-            resolve_data: Box::new(|_, _, _| None),
-            resolve_string: Box::new(|_, _| None),
+            resolve_data: Box::new(move |_, _, _| image()),
+            resolve_string: Box::new(move |_, _| image()),
         },
         ..usvg::Options::default()
     };

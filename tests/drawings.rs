@@ -1,12 +1,15 @@
 //! Drawings as exemplars: what is read of them, what is refused, and textures made of them.
 
+mod support;
+
 use std::collections::BTreeSet;
 use vtex::import::{Grouping, ImportParams, import};
 use vtex::library::{AnalyzeParams, Library, SourceKind};
 use vtex::output::png;
 use vtex::output::raster_svg::render_svg;
+use vtex::raster::ControlMap;
 use vtex::scene::{Scene, SynthParams, Tile};
-use vtex::synth::{reconstruct, synthesize};
+use vtex::synth::{Controls, reconstruct, synthesize, synthesize_with};
 use vtex::{Error, Result};
 
 const GARDEN: &[u8] = include_bytes!("../examples/drawings/garden.svg");
@@ -146,8 +149,10 @@ fn what_cannot_be_read_is_named_or_left_out() {
     );
     let [scale, area] =
         [f64::from(library.source.width) / 100.0, library.primaries()[0].base().outline.area()];
-    let wanted = 20.0 * 10.0 - (100.0 - 0.0) * 0.0;
-    assert!(area / scale / scale < wanted + 20.0, "{area}");
+    // The left half of a disc of radius 12, as far as it lies within 10 of its middle: ten times the root of
+    // 144 - 100, and 144 times the angle whose sine is 10 / 12.
+    let wanted = 10.0 * f64::sqrt(44.0) + 144.0 * 0.985_111;
+    assert!((area / scale / scale - wanted).abs() < 0.5, "{area}");
     let text = of(&format!("{circle}<text x='5' y='20'>words</text>"));
     assert!(text.source.warnings[0].contains("text"), "{:?}", text.source.warnings);
 }
@@ -236,4 +241,37 @@ fn a_tile_is_a_whole_number_of_periods() {
         SynthParams { width: library.source.width + 10, height: 300, tile, ..SynthParams::default() };
     let error = synthesize(&library, &params, &()).unwrap_err().to_string();
     assert!(error.contains(&format!("{}x", library.source.width)), "{error}");
+}
+
+#[test]
+fn a_drawing_beside_a_photograph_has_its_part_to_itself() {
+    let libraries = [support::library("pebbles"), read(GARDEN).unwrap()];
+    let left = vec![1.0, 1.0, 0.0, 0.0];
+    let right = left.iter().map(|v| 1.0 - v).collect();
+    let shares = [left, right].map(|values| ControlMap::new(4, 1, values).unwrap()).to_vec();
+    let controls = Controls { shares, ..Controls::default() };
+    let params = SynthParams { width: 1200, height: 600, seed: 4, ..SynthParams::default() };
+    let (scene, report) = synthesize_with(&libraries, &params, &controls, &()).unwrap();
+    let scene = Scene::from_bytes(&scene.to_json(), "mixed").unwrap();
+    let mut found = [0; 2];
+    for instance in scene.individuals() {
+        let element = scene.element(instance);
+        let middle = instance.affine().transform_rect_bbox(element.bounds()).center();
+        let part = usize::from(middle.x > 600.0);
+        assert_eq!(element.library.index(), part, "{middle:?}");
+        found[part] += 1;
+    }
+    // As many as the drawing alone has on as large a canvas, and no background but its own.
+    let period = f64::from(libraries[1].source.width) * f64::from(libraries[1].source.height);
+    let wanted = 12.0 * 600.0 * 600.0 / period;
+    assert!(found[0] > 50 && (f64::from(found[1]) - wanted).abs() < 0.25 * wanted, "{found:?} {wanted}");
+    let picture = png::render(&scene, 1.0).unwrap();
+    let ground = libraries[1].background().fallback.0;
+    let plain = (0..600).flat_map(|y| (620..1200).map(move |x| (x, y))).filter(|&(x, y)| {
+        let p = picture.pixel(x, y).unwrap();
+        [p.red(), p.green(), p.blue()] == ground
+    });
+    let [plain, empty] = [plain.count() as f64 / (580.0 * 600.0), 1.0 - libraries[1].coverage];
+    assert!((plain - empty).abs() < 0.06, "{plain} {empty}");
+    assert!((report.coverage - report.coverage_wanted).abs() < 0.1, "{report:?}");
 }

@@ -4,6 +4,7 @@
 //! capture structure larger than a few elements; the guide does.
 
 mod background;
+mod borders;
 mod candidates;
 mod categories;
 mod doubts;
@@ -26,6 +27,7 @@ mod unmix;
 
 pub use crate::library::AnalyzeParams;
 pub use crate::raster::Limits;
+pub use borders::borders_join;
 pub use exemplar::Exemplar;
 
 use crate::document::Document as _;

@@ -16,6 +16,7 @@ pub(crate) mod descriptor;
 pub(crate) mod grid;
 pub(crate) mod model;
 pub(crate) mod occupancy;
+pub(crate) mod period;
 mod picture;
 pub(crate) mod region;
 pub(crate) mod sites;

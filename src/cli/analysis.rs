@@ -17,7 +17,7 @@ use super::progress::Reporter;
 use super::values::Name;
 use image::RgbImage;
 use std::path::PathBuf;
-use vtex::analyze::{Exemplar, Limits};
+use vtex::analyze::{Exemplar, Limits, borders_join};
 use vtex::engine::{Choice, EngineOptions, Runtime, Source, choose};
 use vtex::import::{ImportParams, import};
 use vtex::library::{AnalyzeParams, Library};
@@ -36,8 +36,10 @@ pub(crate) struct Analysis {
     pub(crate) save_masks: Option<Place>,
     pub(crate) layers: LayerFiles,
     pub(crate) parameters: AnalyzeParams,
-    /// Whether the exemplar tiles if it is a drawing; `None` to find out.
+    /// Whether the exemplar tiles; `None` to find out.
     pub(crate) wrap: Option<bool>,
+    /// Whether it may be found out of a photograph.
+    pub(crate) looks_at_borders: bool,
 }
 
 impl Analysis {
@@ -77,7 +79,8 @@ impl Analysis {
         let engine = engine(masks.engine, parameters.threads);
         let layers = layers.files(force.force)?;
         let (wrap, parameters) = (parameters.wrap.given(), parameters.analyze.clone());
-        Ok(Self { photo, masks: from, engine, save_masks, layers, parameters, wrap })
+        let looks_at_borders = true;
+        Ok(Self { photo, masks: from, engine, save_masks, layers, parameters, wrap, looks_at_borders })
     }
 }
 
@@ -112,9 +115,14 @@ pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
     if let Some(painted) = &analysis.layers.painted {
         exemplar.layers = Some(layer_maps::read(painted)?.layers()?);
     }
+    let mut parameters = analysis.parameters.clone();
+    if analysis.wrap.is_none() && analysis.looks_at_borders && borders_join(&exemplar.image) {
+        parameters.wrap = true;
+        reporter.hint("the photograph's borders join, so it is taken to repeat; --wrap=off if it does not");
+    }
     let segmenter = segmenter(common, analysis, reporter)?;
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
-    let library = vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?;
+    let library = vtex::analyze::analyze(&exemplar, &saving, &parameters, reporter)?;
     if let Some(save) = &analysis.layers.save {
         save.write(&layer_map(&library), [library.arrangement.periodic; 2], None)?;
     }

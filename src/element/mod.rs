@@ -15,7 +15,7 @@ pub use gradient::{Gradient, GradientKind, Stop};
 pub(crate) use line::stroked;
 pub use line::{Cap, Join, Line};
 pub use shape::Shape;
-pub(crate) use similar::similarity;
+pub(crate) use similar::classes;
 
 use crate::geometry::{Outline, Rect};
 use schemars::JsonSchema;

@@ -2,6 +2,7 @@
 
 use super::Shape;
 use crate::geometry::{Affine, BezPath, PathEl, Point};
+use std::collections::BTreeMap;
 
 /// Most points of a ring of straight lines that is compared with another from each of its points.
 const MOST_STARTS: usize = 64;
@@ -9,7 +10,7 @@ const MOST_STARTS: usize = 64;
 /// The map that preserves angles and carries one list of shapes to another, painted alike, to within
 /// `tolerance` pixels; `None` if there is none. Gradients are not compared: shapes with them are never
 /// alike.
-pub(crate) fn similarity(from: &[Shape], to: &[Shape], tolerance: f64) -> Option<Affine> {
+fn similarity(from: &[Shape], to: &[Shape], tolerance: f64) -> Option<Affine> {
     let paint = |(a, b): (&Shape, &Shape)| {
         let plain = a.gradient.is_none() && b.gradient.is_none();
         plain && a.colour == b.colour && a.opacity == b.opacity && a.line.is_some() == b.line.is_some()
@@ -40,6 +41,52 @@ pub(crate) fn similarity(from: &[Shape], to: &[Shape], tolerance: f64) -> Option
             .find_map(|(q, mirrored)| fitted(&p, q, mirrored, tolerance))
     });
     found.filter(|map| lines_fit(from, to, *map, tolerance))
+}
+
+/// For each list of shapes the first that is similar to it, and the map from that one. Lists of different
+/// `kinds` are never similar.
+pub(crate) fn classes<'a, K: Ord>(
+    count: usize,
+    shapes: impl Fn(usize) -> &'a [Shape],
+    kinds: impl Fn(usize) -> K,
+    tolerance: f64,
+) -> Vec<(usize, Affine)> {
+    let mut firsts: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    let mut found = Vec::with_capacity(count);
+    let sketches: Vec<[f64; 2]> = (0..count).map(|k| sketch(shapes(k))).collect();
+    for k in 0..count {
+        let own = shapes(k);
+        let length: usize = own.iter().map(|s| s.outline.path().elements().len()).sum();
+        let colour = own.first().map(|s| s.colour.0);
+        let known = firsts.entry((own.len(), length, colour, kinds(k))).or_default();
+        // Of the many alike only some are compared.
+        let near = known.iter().rev().take(64).copied();
+        let mut near = near.filter(|&first| may_be_similar(sketches[first], sketches[k], tolerance));
+        let like = near.find_map(|first| Some((first, similarity(shapes(first), own, tolerance)?)));
+        if like.is_none() {
+            known.push(k);
+        }
+        found.push(like.unwrap_or((k, Affine::IDENTITY)));
+    }
+    found
+}
+
+/// What is the same of similar shapes, whatever their size: root mean square of the distances of their control
+/// points from the middle over the mean distance; and the size that it is told by.
+fn sketch(shapes: &[Shape]) -> [f64; 2] {
+    let all: Vec<Point> = points(shapes).unwrap_or_default().concat();
+    let count = all.len().max(1) as f64;
+    let sum = all.iter().fold((0.0, 0.0), |s, p| (s.0 + p.x, s.1 + p.y));
+    let middle = Point::new(sum.0 / count, sum.1 / count);
+    let mean = all.iter().map(|p| p.distance(middle)).sum::<f64>() / count;
+    let square = libm::sqrt(all.iter().map(|p| p.distance_squared(middle)).sum::<f64>() / count);
+    [if mean > 0.0 { square / mean } else { 1.0 }, mean]
+}
+
+/// Whether sketches leave it open that shapes are similar: each point may be off by the tolerance.
+fn may_be_similar(a: [f64; 2], b: [f64; 2], tolerance: f64) -> bool {
+    let off = 6.0 * tolerance / a[1].min(b[1]).max(1e-9);
+    (a[0] - b[0]).abs() <= off + 1e-9
 }
 
 /// Control points of each subpath.

@@ -11,6 +11,7 @@ use super::shapes::shapes;
 use super::torus::Torus;
 use crate::analyze::guide::guide;
 use crate::element;
+use crate::error::{Error, Result};
 use crate::geometry::{Affine, Outline, Rect};
 use crate::library::{
     AnalyzeParams, Arrangement, Element, ElementId, Instance, Layer, Library, Role, Shape, Source, SourceKind,
@@ -20,9 +21,8 @@ use crate::raster::colour::Colour;
 use crate::raster::contact::Ground;
 use crate::raster::{LabelMap, Mask};
 use crate::scene::{Field, pixels};
-use image::{Rgb, RgbImage};
+use image::RgbImage;
 use kurbo::Shape as _;
-use resvg::usvg::Transform;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 
@@ -50,8 +50,18 @@ pub(super) struct Origin<'a> {
     pub(super) background: Colour,
 }
 
+/// Most pixels that all pieces together may paint.
+const MOST_PAINTED: f64 = 1e9;
+/// Most runs of pixels that they may have.
+const MOST_RUNS: usize = 50_000_000;
+/// Pieces that are made pixels at a time.
+const AT_ONCE: usize = 4096;
+
 /// Size of the page, in pixels of the library.
-pub(super) fn scale(page: &Page, pieces: &[Piece]) -> [u32; 2] {
+///
+/// # Errors
+/// [`Error::TooLarge`] for pieces that cover the page too often.
+pub(super) fn scale(page: &Page, pieces: &[Piece], name: &str) -> Result<[u32; 2]> {
     let [short, long] = [page.size[0].min(page.size[1]), page.size[0].max(page.size[1])];
     let mut extents: Vec<f64> = pieces
         .iter()
@@ -63,24 +73,19 @@ pub(super) fn scale(page: &Page, pieces: &[Piece]) -> [u32; 2] {
     let median = extents.get(extents.len() / 2).copied().unwrap_or(short);
     let for_pieces = (2.0 * CELLS / median.max(1e-6)).min(ENLARGED / long);
     let mut factor = libm::ceil((LEAST_SIDE / short).max(for_pieces)).max(1.0);
-    if long * factor > MOST_SIDE {
-        factor = MOST_SIDE / long;
+    factor = factor.min(MOST_SIDE / long);
+    let around = page_of(page.size).inflate(page.size[0], page.size[1]);
+    let painted: f64 = pieces.iter().map(|p| p.bounds().intersect(around).area().min(p.reach())).sum();
+    if painted * factor * factor > MOST_PAINTED {
+        factor = libm::sqrt(MOST_PAINTED / painted).max(factor.min(LEAST_SIDE / short));
     }
-    page.size.map(|v| libm::round(v * factor).max(1.0) as u32)
-}
-
-/// The drawing over white, as resvg draws it.
-pub(super) fn picture(page: &Page, [width, height]: [u32; 2]) -> RgbImage {
-    let Some(mut pixmap) = tiny_skia::Pixmap::new(width, height) else {
-        return RgbImage::from_pixel(width, height, Rgb([255; 3]));
-    };
-    pixmap.fill(tiny_skia::Color::WHITE);
-    let [sx, sy] = [0, 1].map(|k| ([width, height][k] as f64 / page.size[k]) as f32);
-    resvg::render(&page.tree, Transform::from_scale(sx, sy), &mut pixmap.as_mut());
-    RgbImage::from_fn(width, height, |x, y| {
-        let p = pixmap.pixels()[(y * width + x) as usize];
-        Rgb([p.red(), p.green(), p.blue()])
-    })
+    let times = |painted: f64| painted / page.size[0] / page.size[1];
+    if painted * factor * factor > 1.01 * MOST_PAINTED {
+        let found = format!("shapes that cover its page {:.0} times", times(painted));
+        let limit = format!("{:.0} times", times(MOST_PAINTED / factor / factor));
+        return Err(Error::TooLarge { name: name.into(), found, limit });
+    }
+    Ok(page.size.map(|v| libm::round(v * factor).max(1.0) as u32))
 }
 
 /// The colour of the page, and the pieces that lie on it. Without one, drawings lie on white.
@@ -111,11 +116,15 @@ struct Draft {
     endless: bool,
 }
 
-pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Library {
+/// The library of pieces.
+///
+/// # Errors
+/// [`Error::TooLarge`] for pieces of too many runs of pixels.
+pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Result<Library> {
     let Origin { wrap, scale: [width, height], .. } = origin;
     let size = [f64::from(width), f64::from(height)];
     let map = Affine::scale_non_uniform(size[0] / page.size[0], size[1] / page.size[1]);
-    let drafts = drafts(page, pieces, &origin, map, size);
+    let drafts = drafts(page, pieces, &origin, map, size)?;
     let mut labels = LabelMap::filled(width, height, 0);
     for (k, draft) in drafts.iter().enumerate() {
         paint(&mut labels, &draft.mask, k as u32 + 1, wrap);
@@ -135,7 +144,7 @@ pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Lib
         warnings.push("the drawing holds nothing but a background".into());
     }
     let analyze = AnalyzeParams { wrap, ..params.clone() };
-    Library {
+    Ok(Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
         source: Source {
@@ -157,11 +166,42 @@ pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Lib
         arrangement: Arrangement { periodic: wrap, ..Arrangement::from_labels(&labels) },
         descriptor_half: (libm::round(params.descriptor_reach * spacing) as u32).clamp(1, most.max(1)),
         guide: Some(guide(&origin.picture)),
+    })
+}
+
+/// Shapes and pixels of each piece.
+///
+/// # Errors
+/// [`Error::TooLarge`] for too many runs of pixels.
+fn drawn(
+    pieces: &[Piece],
+    name: &str,
+    draw: impl Fn(&Piece) -> (Vec<Shape>, Mask) + Sync,
+) -> Result<(Vec<Vec<Shape>>, Vec<Mask>)> {
+    let (mut shapes, mut masks) = (Vec::with_capacity(pieces.len()), Vec::with_capacity(pieces.len()));
+    let mut runs = 0;
+    for some in pieces.chunks(AT_ONCE) {
+        for (own, mask) in parallel::map(some, &draw) {
+            runs += mask.spans().len();
+            shapes.push(own);
+            masks.push(mask);
+        }
+        if runs > MOST_RUNS {
+            let found = "shapes of more than 50 million runs of pixels".into();
+            return Err(Error::TooLarge { name: name.into(), found, limit: "50 million runs".into() });
+        }
     }
+    Ok((shapes, masks))
 }
 
 /// The elements in painting order, layer by layer.
-fn drafts(page: &Page, pieces: &[Piece], origin: &Origin<'_>, map: Affine, size: [f64; 2]) -> Vec<Draft> {
+fn drafts(
+    page: &Page,
+    pieces: &[Piece],
+    origin: &Origin<'_>,
+    map: Affine,
+    size: [f64; 2],
+) -> Result<Vec<Draft>> {
     let torus = Torus::new(page.size);
     let wrap = origin.wrap;
     let pixels = size[0] / page.size[0];
@@ -169,12 +209,11 @@ fn drafts(page: &Page, pieces: &[Piece], origin: &Origin<'_>, map: Affine, size:
         .iter()
         .map(|p| wrap && p.parts.iter().any(|part| part.stroke.is_none() && torus.is_cut(&part.path)))
         .collect();
-    let drawn: Vec<(Vec<Shape>, Mask)> = parallel::map(pieces, |piece| {
+    let (drawn, masks) = drawn(pieces, origin.name, |piece| {
         let shapes = shapes(piece, map);
         let mask = mask(&shapes, size, wrap);
         (shapes, mask)
-    });
-    let masks: Vec<Mask> = drawn.iter().map(|d| d.1.clone()).collect();
+    })?;
     let sides = size.map(|v| v as i32);
     let (ground, mut contacts) = Ground::new(sides, wrap, &masks);
     let reach = 2.5 * NEAREST * libm::sqrt(size[0] * size[1]);
@@ -183,17 +222,18 @@ fn drafts(page: &Page, pieces: &[Piece], origin: &Origin<'_>, map: Affine, size:
         page,
         pieces,
         cut: cut.clone(),
-        bounds: drawn.iter().map(|d| element::bounds(&d.0)).collect(),
+        bounds: drawn.iter().map(|d| element::bounds(d)).collect(),
         areas: masks.iter().map(Mask::area).collect(),
         contacts,
         size,
     };
-    let mut sets = elements(&known, origin.params.analyze.elements);
+    drop(masks);
+    let mut sets = elements(&known, &drawn, origin.params.analyze.elements);
     endless(&known, &mut sets);
     // What was cut reaches beyond the border.
     let widened = |k: usize| -> Vec<Shape> {
         if !cut[k] {
-            return drawn[k].0.clone();
+            return drawn[k].clone();
         }
         let mut piece = pieces[k].clone();
         for part in piece.parts.iter_mut().filter(|p| p.stroke.is_none()) {
@@ -201,10 +241,10 @@ fn drafts(page: &Page, pieces: &[Piece], origin: &Origin<'_>, map: Affine, size:
         }
         let wide = shapes(&piece, map);
         // Of a hairline along the border nothing may be left.
-        if wide.is_empty() { drawn[k].0.clone() } else { wide }
+        if wide.is_empty() { drawn[k].clone() } else { wide }
     };
     let mut groups: BTreeMap<(usize, usize), Vec<(usize, Shift)>> = BTreeMap::new();
-    for k in (0..pieces.len()).filter(|&k| !drawn[k].0.is_empty()) {
+    for k in (0..pieces.len()).filter(|&k| !drawn[k].is_empty()) {
         let (root, shift) = sets.find(k);
         // Each piece of what has no end is an element of its own.
         let key = if sets.is_endless(k) { ((k, 1), [0; 2]) } else { ((root, 0), shift) };
@@ -215,7 +255,7 @@ fn drafts(page: &Page, pieces: &[Piece], origin: &Origin<'_>, map: Affine, size:
         .map(|((_, kind), members)| draft(&members, pieces, &widened, size, wrap, kind == 1))
         .collect();
     drafts.sort_by_key(|d| (d.layer, d.order));
-    drafts
+    Ok(drafts)
 }
 
 /// Notes which pieces run on: those that meet themselves a period away.
@@ -321,13 +361,12 @@ fn layers(page: &Page, drafts: &[Draft], colour: Colour) -> Vec<Layer> {
     let field = Field { spacing: 25.0, fallback: colour, points: Vec::new() };
     let ground = Layer { field: Some(field), ..Layer::new(Role::Background) };
     let mut layers = vec![ground];
-    for (l, name) in page.layers.iter().enumerate() {
-        let of = drafts.iter().enumerate().filter(|(_, d)| d.layer == l);
-        let instances: Vec<Instance> = of.map(|(k, _)| Instance::of(ElementId::after(k))).collect();
-        if instances.is_empty() {
-            continue;
-        }
-        layers.push(Layer { name: name.clone(), instances, ..Layer::new(Role::Primary) });
+    let mut first = 0;
+    for run in drafts.chunk_by(|a, b| a.layer == b.layer) {
+        let instances = (first..first + run.len()).map(|k| Instance::of(ElementId::after(k))).collect();
+        let name = page.layers[run[0].layer].clone();
+        layers.push(Layer { name, instances, ..Layer::new(Role::Primary) });
+        first += run.len();
     }
     if layers.len() == 1 {
         layers.push(Layer::new(Role::Primary));

@@ -1,7 +1,7 @@
 //! Clipping of paths to convex polygons: the page, and simple clip paths.
 
 use super::read::{affine, bezier};
-use crate::geometry::{Affine, BezPath, Point, Rect};
+use crate::geometry::{Affine, BezPath, Point, Rect, is_simple};
 use kurbo::{ParamCurve, PathSeg, Shape as _, Vec2};
 use resvg::usvg;
 
@@ -54,7 +54,8 @@ impl Clip {
             let [a, b, c] = [0, 1, 2].map(|k| points[(i + k) % n]);
             (b - a).cross(c - b)
         };
-        let convex = (0..n).all(|i| turn(i) >= -1e-9);
+        // A star turns one way all along too.
+        let convex = (0..n).all(|i| turn(i) >= -1e-9) && is_simple(path);
         convex.then_some(Self(points))
     }
 
@@ -174,5 +175,8 @@ mod tests {
         assert!(Clip::of_path(&parse_path("M0 0h9v9h-9zM1 1h2v2z").unwrap()).is_none());
         assert!(Clip::of_path(&parse_path("M0 0l9 9h-9l9-9z").unwrap()).is_none());
         assert!(Clip::of_path(&parse_path("M0 0v9h9v-9z").unwrap()).is_some());
+        // A pentagram, either way round, and a pentagon twice around.
+        assert!(Clip::of_path(&parse_path("M50 0L79 90L2 35H98L21 90z").unwrap()).is_none());
+        assert!(Clip::of_path(&parse_path("M21 90L98 35H2L79 90L50 0z").unwrap()).is_none());
     }
 }

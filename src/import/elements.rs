@@ -2,11 +2,14 @@
 //!
 //! Groups of the drawing come first. Without them pieces belong together that lie within one another,
 //! that touch, or that are much nearer to each other than to all else; unless what comes of it would
-//! run on without end or span most of the page, as where a drawing is packed.
+//! run on without end or span most of the page, as where a drawing is packed. There those belong together
+//! that always touch at the same relative place.
 
 use super::offsets::Offsets;
 use super::pieces::Piece;
 use super::read::Page;
+use super::recurring::recurring;
+use crate::element::Shape;
 use crate::geometry::Rect;
 use crate::library::Grouping;
 use crate::raster::contact::{Contact, Pair};
@@ -39,12 +42,11 @@ pub(super) struct Known<'a> {
 }
 
 /// The pieces that are one element, as sets with the copies that are meant.
-pub(super) fn elements(known: &Known<'_>, how: Grouping) -> Offsets {
+pub(super) fn elements(known: &Known<'_>, shapes: &[Vec<Shape>], how: Grouping) -> Offsets {
     let mut sets = Offsets::new(known.pieces.len());
-    for (k, piece) in known.pieces.iter().enumerate() {
-        if how == Grouping::Path
-            && let Some(other) = known.pieces[..k].iter().rposition(|p| p.item == piece.item)
-        {
+    let mut last: BTreeMap<usize, usize> = BTreeMap::new();
+    for (k, piece) in known.pieces.iter().enumerate().filter(|_| how == Grouping::Path) {
+        if let Some(other) = last.insert(piece.item, k) {
             sets.join(other, k, known.nearest_copy(other, k));
         }
     }
@@ -53,12 +55,15 @@ pub(super) fn elements(known: &Known<'_>, how: Grouping) -> Offsets {
     }
     known.join_halves(&mut sets);
     if how == Grouping::Auto {
-        known.join_where(&mut sets, |c, a, b| {
-            f64::from(c.hidden) >= WITHIN * f64::from(known.areas[a].min(known.areas[b]))
+        known.join_where(&mut sets, |c, (a, b, _)| {
+            let [a, b] = [a, b].map(|k| known.areas[k as usize]);
+            f64::from(c.hidden) >= WITHIN * f64::from(a.min(b))
         });
-        known.join_where(&mut sets, |c, _, _| c.gap == 0);
+        known.join_where(&mut sets, |c, _| c.gap == 0);
+        let recurring = recurring(known, shapes, &sets);
+        known.join_where(&mut sets, |_, pair| recurring.contains(&pair));
         if let Some(most) = known.joint(&sets) {
-            known.join_where(&mut sets, |c, _, _| c.gap <= most);
+            known.join_where(&mut sets, |c, _| c.gap <= most);
         }
     }
     sets
@@ -118,12 +123,12 @@ impl Known<'_> {
     }
 
     /// Joins pieces whose contact says so, where what comes of it is small and ends.
-    fn join_where(&self, sets: &mut Offsets, says: impl Fn(&Contact, usize, usize) -> bool) {
+    fn join_where(&self, sets: &mut Offsets, says: impl Fn(&Contact, Pair) -> bool) {
         let mut trial = sets.clone();
         let mut pairs = Vec::new();
-        for (&(a, b, shift), contact) in &self.contacts {
-            let (a, b) = (a as usize, b as usize);
-            if self.pieces[a].layer == self.pieces[b].layer && says(contact, a, b) {
+        for (&pair, contact) in &self.contacts {
+            let (a, b, shift) = (pair.0 as usize, pair.1 as usize, pair.2);
+            if self.pieces[a].layer == self.pieces[b].layer && says(contact, pair) {
                 trial.join(a, b, shift);
                 pairs.push((a, b, shift));
             }

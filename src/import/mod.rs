@@ -15,11 +15,14 @@ mod assemble;
 mod categories;
 mod clip;
 mod elements;
+mod lines;
 mod offsets;
 mod paint;
 mod periodic;
+mod picture;
 mod pieces;
 mod read;
+mod recurring;
 mod shapes;
 mod torus;
 
@@ -49,7 +52,8 @@ pub struct ImportParams {
 /// # Errors
 /// [`crate::Error::Control`] for what is no SVG, for a page beyond a million units, and, unless
 /// `lenient`, for raster images, filters, masks, blend modes, pattern fills and clip paths that are not
-/// convex polygons; [`crate::Error::TooLarge`] beyond 64 MiB, 400 000 XML elements or 100 000 shapes;
+/// convex polygons; [`crate::Error::TooLarge`] beyond 64 MiB, 400 000 XML elements or 100 000 shapes, or
+/// for shapes that together paint more than a gigapixel where the page has 200 px;
 /// [`crate::Error::Parameter`], [`crate::Error::Interrupted`].
 pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Progress) -> Result<Library> {
     params.analyze.validate()?;
@@ -63,9 +67,12 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
         piece.parts.retain(shapes::is_visible);
     }
     pieces.retain(|p| !p.parts.is_empty());
-    let scale = assemble::scale(&page, &pieces);
-    let picture = assemble::picture(&page, scale);
+    let found = pieces.len();
     let (background, pieces) = assemble::background(&page, pieces);
+    // Very many beneath the background are not worth the time of drawing them.
+    page.lacks |= found - pieces.len() > MOST_BENEATH;
+    let scale = assemble::scale(&page, &pieces, name)?;
+    let picture = picture::picture(&page, (background, &pieces), scale);
     let (wrap, remark) = match params.wrap {
         Some(wrap) => (wrap, None),
         None if periodic::is_periodic(&picture) => (true, None),
@@ -76,7 +83,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     let pieces = if wrap { Torus::new(page.size).whole(pieces) } else { pieces };
     advance(progress, "drawing", 3, 4)?;
     let origin = Origin { bytes, name, params, wrap, scale, picture, background };
-    let library = assemble(&page, &pieces, origin);
+    let library = assemble(&page, &pieces, origin)?;
     for warning in &library.source.warnings {
         progress.warn(warning);
     }
@@ -84,6 +91,8 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     Ok(library)
 }
 
+/// Most shapes beneath the background that are drawn to look at the page.
+const MOST_BENEATH: usize = 1000;
 /// Fewest whole pieces of a page that need not be repeated as it is.
 const FEWEST: usize = 8;
 

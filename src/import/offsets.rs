@@ -39,6 +39,10 @@ impl Offsets {
     /// Notes that `b`, moved by `shift`, belongs to `a`.
     pub(super) fn join(&mut self, a: usize, b: usize, shift: Shift) {
         let ((first, own), (second, other)) = (self.find(a), self.find(b));
+        // Paths to those that stand for sets stay short.
+        for (i, root, shift) in [(a, first, own), (b, second, other)] {
+            (self.parent[i], self.shift[i]) = (root, shift);
+        }
         // In the frame of the first: b stands at own + shift.
         let between = plus(plus(own, shift), minus(other));
         if first == second {

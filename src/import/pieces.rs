@@ -40,12 +40,30 @@ impl Part {
 }
 
 impl Piece {
+    /// Area that all parts may cover at most.
+    pub(super) fn reach(&self) -> f64 {
+        let lengths = |path: &BezPath| -> f64 { path.segments().map(|s| polygon(&s)).sum() };
+        let area = |part: &Part| {
+            let stroke = part.stroke.as_ref();
+            stroke.map_or(f64::INFINITY, |s| {
+                s.width * s.miter_limit.clamp(1.5, 10.0) * (lengths(&part.path) + s.width)
+            })
+        };
+        self.parts.iter().map(area).sum()
+    }
+
     /// Bounds of all parts.
     pub(super) fn bounds(&self) -> Rect {
         let mut all = self.parts.iter().map(Part::bounds);
         let first = all.next().unwrap_or_default();
         all.fold(first, |sum, next| sum.union(next))
     }
+}
+
+/// Length of the control polygon of a segment.
+fn polygon(segment: &PathSeg) -> f64 {
+    let c = segment.to_cubic();
+    c.p0.distance(c.p1) + c.p1.distance(c.p2) + c.p2.distance(c.p3)
 }
 
 /// The pieces of an item; all of it as one unless `split`.

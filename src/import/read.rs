@@ -8,7 +8,7 @@ use crate::geometry::{Affine, BezPath, Point};
 use crate::svg_tree;
 use kurbo::Shape as _;
 use resvg::usvg::{self, roxmltree};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest SVG read, unpacked, in bytes.
 const LARGEST: usize = 64 << 20;
@@ -16,10 +16,14 @@ const LARGEST: usize = 64 << 20;
 const MOST_ITEMS: usize = 100_000;
 /// Most XML elements of a drawing.
 const MOST_NODES: usize = 400_000;
+/// Most lines and curves of a drawing.
+const MOST_SEGMENTS: usize = 10_000_000;
 /// Furthest coordinate of a shape, in widths of the page.
 const FURTHEST: f64 = 100.0;
 /// Largest side of a page, in units of the drawing.
 const LARGEST_PAGE: f64 = 1e6;
+/// The namespace of SVG.
+const SVG: &str = "http://www.w3.org/2000/svg";
 /// Advice where something cannot be read.
 pub const CONVERT: &str = "turn it into plain shapes in the program that made it, or delete it";
 
@@ -35,6 +39,8 @@ pub(super) struct Page {
     pub(super) layers: Vec<String>,
     /// One sentence for each kind of thing that was changed or left out.
     pub(super) warnings: Vec<String>,
+    /// Whether something was left out that the tree shows.
+    pub(super) lacks: bool,
     /// The drawing itself.
     pub(super) tree: usvg::Tree,
 }
@@ -88,7 +94,7 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool) -> Result<Page> {
     if nodes > MOST_NODES {
         return Err(too_many(name, nodes, MOST_NODES));
     }
-    let tree = svg_tree::tree(&document).map_err(|reason| {
+    let tree = svg_tree::tree_with_images(&document).map_err(|reason| {
         if reason.contains("nodes limit") {
             let reason = "its references lead back to themselves, or unfold to too many shapes";
             return fault(name, reason, "replace its <use> elements by copies of what they show");
@@ -101,10 +107,9 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool) -> Result<Page> {
         return Err(fault(name, reason, "scale it to between 0.001 and 1000000 units"));
     }
     let mut reader = Reader::new(name, lenient, &document, size);
-    reader.document_wide()?;
-    let root = Place { group: None, layer: 0, opacity: 1.0, depth: 0 };
+    let root = Place { group: None, layer: 0, opacity: 1.0, depth: 0, id: "" };
     reader.group(tree.root(), root, &[])?;
-    let Reader { items, mut groups, layers, counts, .. } = reader;
+    let Reader { items, mut groups, layers, counts, lacks, .. } = reader;
     for item in &items {
         let mut up = item.group;
         while let Some(g) = up {
@@ -112,8 +117,9 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool) -> Result<Page> {
             up = groups[g].parent;
         }
     }
-    let warnings = counts.into_iter().map(|(what, n)| format!("{what} ({n})")).collect();
-    Ok(Page { size, items, groups, layers, warnings, tree })
+    let warnings = counts.into_iter().map(|(what, n)| format!("{what} ({n})"));
+    let warnings = warnings.chain(texts(&document)).collect();
+    Ok(Page { size, items, groups, layers, warnings, lacks, tree })
 }
 
 /// An error about a drawing.
@@ -126,32 +132,74 @@ fn too_many(name: &str, found: usize, most: usize) -> Error {
     Error::TooLarge { name: name.into(), found, limit }
 }
 
+/// What is said of texts, which the tree of shapes does not show.
+fn texts(document: &roxmltree::Document<'_>) -> Option<String> {
+    let mut texts = document.descendants().filter(|n| n.has_tag_name((SVG, "text")));
+    let first = texts.next()?;
+    let words: String =
+        first.descendants().filter_map(|n| if n.is_text() { n.text() } else { None }).collect();
+    let words: String = words.split_whitespace().collect::<Vec<_>>().join(" ");
+    let more = match texts.count() {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    Some(format!("the text '{}'{more} is left out: turn it into a path", clip_to(&words, 60)))
+}
+
 struct Reader<'a, 'd> {
     name: &'a str,
     lenient: bool,
     size: [f64; 2],
-    document: &'a roxmltree::Document<'d>,
+    /// The first XML element of each id.
+    named: BTreeMap<&'a str, roxmltree::Node<'a, 'd>>,
     items: Vec<Item>,
+    /// Lines and curves of all items.
+    segments: usize,
     groups: Vec<Group>,
     layers: Vec<String>,
+    /// Names of the layers, and the next number for each title that several have.
+    taken: BTreeSet<String>,
+    numbers: BTreeMap<String, usize>,
     /// What was changed or left out, and how often.
     counts: BTreeMap<&'static str, usize>,
+    lacks: bool,
 }
 
 /// Where the walk stands.
 #[derive(Clone, Copy)]
-struct Place {
+struct Place<'t> {
     group: Option<usize>,
     layer: usize,
     opacity: f64,
     depth: usize,
+    /// The innermost id.
+    id: &'t str,
 }
 
 impl<'a, 'd> Reader<'a, 'd> {
     fn new(name: &'a str, lenient: bool, document: &'a roxmltree::Document<'d>, size: [f64; 2]) -> Self {
-        let (items, groups, counts) = (Vec::new(), Vec::new(), BTreeMap::new());
-        let layers = vec![crate::element::Role::Primary.name().into()];
-        Self { name, lenient, size, document, items, groups, layers, counts }
+        let mut named = BTreeMap::new();
+        for node in document.descendants() {
+            if let Some(id) = node.attribute("id") {
+                named.entry(id).or_insert(node);
+            }
+        }
+        let layers: Vec<String> = vec![crate::element::Role::Primary.name().into()];
+        let background = crate::element::Role::Background.name().to_owned();
+        Self {
+            name,
+            lenient,
+            size,
+            named,
+            items: Vec::new(),
+            segments: 0,
+            groups: Vec::new(),
+            taken: layers.iter().cloned().chain([background]).collect(),
+            layers,
+            numbers: BTreeMap::new(),
+            counts: BTreeMap::new(),
+            lacks: false,
+        }
     }
 
     fn count(&mut self, what: &'static str) {
@@ -162,27 +210,14 @@ impl<'a, 'd> Reader<'a, 'd> {
     fn unreadable(&mut self, id: &str, what: &'static str, counted: &'static str) -> Result<()> {
         if self.lenient {
             self.count(counted);
+            self.lacks = true;
             return Ok(());
         }
         let id = if id.is_empty() { String::new() } else { format!(" '{}'", clip_to(id, 60)) };
         Err(fault(self.name, format!("the element{id} {what}"), CONVERT))
     }
 
-    /// What the tree of shapes no longer shows: pictures and texts.
-    fn document_wide(&mut self) -> Result<()> {
-        let document = self.document;
-        for node in document.descendants().filter(roxmltree::Node::is_element) {
-            let id = node.attribute("id").unwrap_or_default();
-            match node.tag_name().name() {
-                "image" => self.unreadable(id, "is a raster image", "raster images are left out")?,
-                "text" => self.count("texts are left out: turn them into paths"),
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
-    fn group(&mut self, group: &usvg::Group, place: Place, clips: &[Clip]) -> Result<()> {
+    fn group<'t>(&mut self, group: &'t usvg::Group, place: Place<'t>, clips: &[Clip]) -> Result<()> {
         let id = group.id();
         let opacity = place.opacity * f64::from(group.opacity().get());
         if group.mask().is_some() {
@@ -217,11 +252,15 @@ impl<'a, 'd> Reader<'a, 'd> {
         } else {
             place.group
         };
-        let place = Place { group: inner, layer, opacity, depth };
+        let place =
+            Place { group: inner, layer, opacity, depth, id: if id.is_empty() { place.id } else { id } };
         for child in group.children() {
             match child {
                 usvg::Node::Group(inner) => self.group(inner, place, &clips)?,
                 usvg::Node::Path(path) if path.is_visible() => self.path(path, place, &clips)?,
+                usvg::Node::Image(image) if image.is_visible() => {
+                    self.unreadable(place.id, "is a raster image", "raster images are left out")?;
+                }
                 _ => {}
             }
         }
@@ -229,12 +268,12 @@ impl<'a, 'd> Reader<'a, 'd> {
     }
 
     /// The layer of a group: its own if Inkscape or Illustrator marked it as one.
-    fn layer(&mut self, group: &usvg::Group, place: Place) -> usize {
+    fn layer(&mut self, group: &usvg::Group, place: Place<'_>) -> usize {
         let id = group.id();
         if id.is_empty() || place.group.is_some() {
             return place.layer;
         }
-        let node = self.document.descendants().filter(|n| n.attribute("id") == Some(id)).take(1).last();
+        let node = self.named.get(id).copied();
         let attribute = |name: &str| {
             node.and_then(|n| n.attributes().find(|a| a.name() == name).map(|a| a.value().to_owned()))
         };
@@ -246,19 +285,24 @@ impl<'a, 'd> Reader<'a, 'd> {
         let title = attribute("label").or_else(|| attribute("data-name")).unwrap_or_else(|| id.to_owned());
         let title: String = title.chars().filter(|c| !c.is_control()).take(60).collect();
         let mut name = title.clone();
-        let mut number = 2;
-        let background = crate::element::Role::Background.name();
-        while name.trim().is_empty() || name == background || self.layers.contains(&name) {
+        let number = self.numbers.entry(title.clone()).or_insert(2);
+        while name.trim().is_empty() || self.taken.contains(&name) {
             name = format!("{title} {number}");
-            number += 1;
+            *number += 1;
         }
+        self.taken.insert(name.clone());
         self.layers.push(name);
         self.layers.len() - 1
     }
 
-    fn path(&mut self, path: &usvg::Path, place: Place, clips: &[Clip]) -> Result<()> {
+    fn path(&mut self, path: &usvg::Path, place: Place<'_>, clips: &[Clip]) -> Result<()> {
         if self.items.len() >= MOST_ITEMS {
             return Err(too_many(self.name, self.items.len() + 1, MOST_ITEMS));
+        }
+        self.segments += path.data().len();
+        if self.segments > MOST_SEGMENTS {
+            let found = "more than 10 million lines and curves".into();
+            return Err(Error::TooLarge { name: self.name.into(), found, limit: "10 million".into() });
         }
         let map = affine(path.abs_transform());
         let local = bezier(path.data());

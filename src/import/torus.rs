@@ -2,10 +2,12 @@
 //! cut by a border is joined to its other half.
 
 use super::clip::{Clip, page};
+use super::lines::Lines;
 use super::offsets::{Offsets, Shift, plus};
 use super::pieces::{Part, Piece, segments};
 use crate::geometry::{Affine, BezPath, Point, Rect, Vec2};
 use kurbo::{PathSeg, Shape as _};
+use std::collections::BTreeMap;
 
 /// Largest distance of places that are meant to be one, as a share of the page's larger side.
 const SAME: f64 = 1.5e-3;
@@ -15,6 +17,8 @@ const ON_BORDER: f64 = 3e-4;
 const AREA: f64 = 0.02;
 /// Most pieces at the borders that are compared with one another.
 const MOST: usize = 4_000;
+/// Most stretches at one place of a border that are compared with one another.
+const MOST_AT_ONCE: usize = 64;
 
 /// Largest share of a piece that sticks out of the page because its author forgot to draw it on the other
 /// side too.
@@ -56,12 +60,16 @@ impl Torus {
     /// Makes pieces whole.
     pub(super) fn whole(&self, pieces: Vec<Piece>) -> Vec<Piece> {
         let (mut pieces, repeated) = self.once(pieces);
-        let sticks_out: Vec<bool> = pieces.iter().map(|p| self.sticks_out(&p.bounds())).collect();
-        let cut: Vec<bool> = (0..pieces.len())
-            .map(|k| sticks_out[k] && !repeated[k] && !self.is_forgotten(k, &pieces))
-            .collect();
-        let cut: Vec<bool> =
-            (0..pieces.len()).map(|k| cut[k] && !self.goes_on(&pieces[k], &pieces)).collect();
+        let bounds: Vec<Rect> = pieces.iter().map(Piece::bounds).collect();
+        let alone: Vec<usize> =
+            (0..pieces.len()).filter(|&k| self.sticks_out(&bounds[k]) && !repeated[k]).collect();
+        let few = alone.len() <= MOST;
+        let mut lines = Lines::new(self.size, &pieces);
+        let mut cut = vec![false; pieces.len()];
+        for k in alone {
+            let forgotten = few && self.is_forgotten(k, &pieces, &bounds);
+            cut[k] = !forgotten && !lines.go_on(&pieces[k]);
+        }
         let clip = Clip::rect(page(self.size));
         for (piece, cut) in pieces.iter_mut().zip(cut) {
             if cut {
@@ -113,8 +121,8 @@ impl Torus {
 
     /// Whether a piece sticks out by a little and was not drawn at the other side: nothing of its paint
     /// is there. Its author forgot the copy.
-    fn is_forgotten(&self, k: usize, all: &[Piece]) -> bool {
-        let b = all[k].bounds();
+    fn is_forgotten(&self, k: usize, all: &[Piece], bounds: &[Rect]) -> bool {
+        let b = bounds[k];
         let over = [-b.x0, b.x1 - self.size[0], -b.y0, b.y1 - self.size[1]];
         let sides = [b.width(), b.width(), b.height(), b.height()];
         if over.iter().zip(sides).any(|(over, side)| *over > FORGOTTEN * side) {
@@ -123,27 +131,10 @@ impl Torus {
         let shifts: [Shift; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
         let missing = |(over, shift): (&f64, Shift)| {
             let there = b + self.vector(shift);
-            let met = |other: &Piece| alike(other, &all[k]) && other.bounds().overlaps(there);
-            *over <= self.near || !all.iter().any(met)
+            let met = |(other, bounds): (&Piece, &Rect)| bounds.overlaps(there) && alike(other, &all[k]);
+            *over <= self.near || !all.iter().zip(bounds).any(met)
         };
         over.iter().zip(shifts).all(missing)
-    }
-
-    /// Whether a stroked piece that leaves the page comes back at the other side on lines of its own
-    /// paint, so that its copies draw what the page shows.
-    fn goes_on(&self, piece: &Piece, all: &[Piece]) -> bool {
-        let [Part { path, paint, stroke: Some(stroke) }] = &piece.parts[..] else { return false };
-        let like = |p: &&Piece| matches!(&p.parts[..], [q] if q.stroke.is_some() && q.paint == *paint);
-        let near: Vec<Vec<Point>> =
-            all.iter().filter(like).map(|p| points(&p.parts[0].path, stroke.width / 8.0)).collect();
-        let inside = page(self.size);
-        let outside = points(path, stroke.width / 4.0).into_iter().filter(|p| !inside.contains(*p));
-        let back = |p: Point| {
-            let wrap = |v: f64, size: f64| v - size * libm::floor(v / size);
-            Point::new(wrap(p.x, self.size[0]), wrap(p.y, self.size[1]))
-        };
-        let mut outside = outside.map(back);
-        outside.all(|p| near.iter().any(|line| line.iter().any(|q| p.distance(*q) < 0.2 * stroke.width)))
     }
 
     /// Joins halves that were cut by a border along it.
@@ -218,7 +209,16 @@ impl Torus {
 
     /// For each chain the one that goes on at the opposite border, and its shift.
     fn links(&self, chains: &[Chain], pieces: &[Piece]) -> Vec<Option<(usize, Shift)>> {
-        let mut free: Vec<bool> = vec![true; chains.len()];
+        // Chains that are still free, by where on which border they begin.
+        let place = |border: Border, p: Point| {
+            let along = if border.axis == 0 { p.y } else { p.x };
+            (border.axis, border.far, libm::floor(along / self.same) as i64)
+        };
+        let start = |k: usize| chains[k].path.first().map(kurbo::ParamCurve::start).unwrap_or_default();
+        let mut free: BTreeMap<(usize, bool, i64), Vec<usize>> = BTreeMap::new();
+        for (k, chain) in chains.iter().enumerate() {
+            free.entry(place(chain.ends[0], start(k))).or_default().push(k);
+        }
         let mut next = Vec::with_capacity(chains.len());
         for chain in chains {
             let border = chain.ends[1];
@@ -227,17 +227,21 @@ impl Torus {
             let end = chain.path.last().map(kurbo::ParamCurve::end).unwrap_or_default();
             let (own, layer) = (&pieces[chain.piece].parts[0].paint, pieces[chain.piece].layer);
             let distance = |k: usize| {
-                let other = &chains[k];
-                let start = other.path.first().map(kurbo::ParamCurve::start).unwrap_or_default();
-                let opposite = other.ends[0] == Border { far: !border.far, ..border };
-                let theirs = &pieces[other.piece];
-                let like = free[k] && opposite && theirs.parts[0].paint == *own && theirs.layer == layer;
-                like.then(|| (start + self.vector(shift)).distance(end)).filter(|d| *d <= self.same)
+                let theirs = &pieces[chains[k].piece];
+                let like = theirs.parts[0].paint == *own && theirs.layer == layer;
+                like.then(|| (start(k) + self.vector(shift)).distance(end)).filter(|d| *d <= self.same)
             };
-            let near = (0..chains.len()).filter_map(|k| Some((distance(k)?, k)));
+            let (axis, far, at) = place(Border { far: !border.far, ..border }, end);
+            let near = (at - 1..=at + 1).filter_map(|at| free.get(&(axis, far, at)));
+            // Of very many at one place only some are compared.
+            let near = near.flat_map(|there| there.iter().take(MOST_AT_ONCE));
+            let near = near.filter_map(|&k| Some((distance(k)?, k)));
             let best = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             next.push(best.map(|(_, k)| {
-                free[k] = false;
+                let there = free.entry(place(chains[k].ends[0], start(k))).or_default();
+                if let Some(at) = there.iter().position(|other| *other == k) {
+                    there.remove(at);
+                }
                 (k, shift)
             }));
         }
@@ -354,25 +358,6 @@ fn clipped(part: &Part, clip: &Clip) -> Option<Part> {
         paint: part.paint.clone(),
         stroke: None,
     })
-}
-
-/// Points along a path, some `step` apart.
-fn points(path: &BezPath, step: f64) -> Vec<Point> {
-    let mut found = Vec::new();
-    let mut at = Point::ORIGIN;
-    kurbo::flatten(path.iter(), step / 10.0, |element| match element {
-        kurbo::PathEl::MoveTo(p) => {
-            at = p;
-            found.push(p);
-        }
-        kurbo::PathEl::LineTo(p) => {
-            let count = libm::ceil(at.distance(p) / step.max(1e-9)).clamp(1.0, 1e4) as usize;
-            found.extend((1..=count).map(|k| at.lerp(p, k as f64 / count as f64)));
-            at = p;
-        }
-        _ => {}
-    });
-    found
 }
 
 /// A ring as a path.

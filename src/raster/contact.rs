@@ -49,18 +49,40 @@ impl Ground {
     }
 
     fn paint(&mut self, k: u32, mask: &Mask, contacts: &mut BTreeMap<Pair, Contact>) {
-        for (x, y) in mask.pixels() {
-            let Some((i, shift)) = self.place([x, y]) else { continue };
-            // The pixel lies on the copy of the mask that is moved back to the page.
-            let own = minus(shift);
-            let (other, theirs) = (self.masks[i], self.shifts[i].map(i32::from));
-            if other != NONE && (other != k || theirs != own) {
-                let pair = pair((other, theirs), (k, own));
-                contacts.entry(pair).or_default().hidden += 1;
+        for span in mask.spans() {
+            let mut x = span.x0;
+            while x < span.x1 {
+                let left = self.size[0] - x.rem_euclid(self.size[0]);
+                let length = left.min(span.x1 - x);
+                self.paint_run(k, [x, span.y], length as usize, contacts);
+                x += length;
             }
-            self.masks[i] = k;
-            self.shifts[i] = own.map(|v| v as i8);
         }
+    }
+
+    /// Paints pixels of one row of a copy of the page.
+    fn paint_run(&mut self, k: u32, at: [i32; 2], length: usize, contacts: &mut BTreeMap<Pair, Contact>) {
+        let Some((i, shift)) = self.place(at) else { return };
+        // The pixels lie on the copy of the mask that is moved back to the page.
+        let own = minus(shift);
+        let new = own.map(|v| v as i8);
+        let (masks, shifts) = (&mut self.masks[i..][..length], &mut self.shifts[i..][..length]);
+        let mut hide = |(other, theirs): (u32, [i8; 2]), count: usize| {
+            if other != NONE && (other != k || theirs != new) {
+                let pair = pair((other, theirs.map(i32::from)), (k, own));
+                contacts.entry(pair).or_default().hidden += count as u32;
+            }
+        };
+        let mut begin = 0;
+        for x in 1..=length {
+            let last = (masks[begin], shifts[begin]);
+            if x == length || (masks[x], shifts[x]) != last {
+                hide(last, x - begin);
+                begin = x;
+            }
+        }
+        masks.fill(k);
+        shifts.fill(new);
     }
 
     /// The pixel of the page at a place, and in which copy of the page the place lies.
@@ -85,35 +107,57 @@ impl Ground {
     pub(crate) fn near(&self, reach: u16, contacts: &mut BTreeMap<Pair, Contact>) {
         let (mut masks, mut shifts) = (self.masks.clone(), self.shifts.clone());
         let mut steps = vec![0u16; masks.len()];
-        let mut front: Vec<usize> = (0..masks.len()).filter(|&i| masks[i] != NONE).collect();
+        let mut front: Vec<usize> = (0..masks.len()).filter(|&i| self.is_rim(i)).collect();
+        // The pair that was met last, mostly the one that is met next, and its distance.
+        let mut last: Option<(Pair, u16)> = None;
         for step in 0..=reach / 2 {
             let mut next = Vec::new();
             for &i in &front {
-                let at = [i as i32 % self.size[0], i as i32 / self.size[0]];
                 // Every second step goes to corners too, so that what is reached grows as an octagon.
                 let around = if step % 2 == 0 { 4 } else { 8 };
-                for (dx, dy) in AROUND.into_iter().take(around) {
-                    let Some((n, across)) = self.place([at[0] + dx, at[1] + dy]) else { continue };
-                    let own = (masks[i], shifts[i].map(i32::from));
+                for side in AROUND.into_iter().take(around) {
+                    let Some((n, across)) = self.beside(i, side) else { continue };
                     // The copy as seen from the neighbour's page.
-                    let moved = [own.1[0] - across[0], own.1[1] - across[1]];
+                    let moved = [0, 1].map(|k| i32::from(shifts[i][k]) - across[k]);
+                    let own = (masks[i], moved.map(|v| v.clamp(-100, 100) as i8));
                     if masks[n] == NONE {
-                        (masks[n], shifts[n]) = (own.0, moved.map(|v| v.clamp(-100, 100) as i8));
+                        (masks[n], shifts[n]) = own;
                         steps[n] = step + 1;
                         next.push(n);
-                        continue;
-                    }
-                    let other = (masks[n], shifts[n].map(i32::from));
-                    if other != (own.0, moved) {
+                    } else if (masks[n], shifts[n]) != own {
                         let gap = steps[i] + steps[n];
-                        let entry =
-                            contacts.entry(pair((own.0, moved), other)).or_insert(Contact { gap, hidden: 0 });
+                        let met = pair((own.0, moved), (masks[n], shifts[n].map(i32::from)));
+                        if last.is_some_and(|(known, least)| known == met && least <= gap) {
+                            continue;
+                        }
+                        let entry = contacts.entry(met).or_insert(Contact { gap, hidden: 0 });
                         entry.gap = entry.gap.min(gap);
+                        last = Some((met, entry.gap));
                     }
                 }
             }
             front = next;
         }
+    }
+
+    /// Whether a pixel of a mask has a neighbour that is not of the same copy of the same mask.
+    fn is_rim(&self, i: usize) -> bool {
+        let same = |side: (i32, i32)| {
+            let Some((n, across)) = self.beside(i, side) else { return true };
+            let moved = [0, 1].map(|k| i32::from(self.shifts[i][k]) - across[k]);
+            (self.masks[n], self.shifts[n].map(i32::from)) == (self.masks[i], moved)
+        };
+        self.masks[i] != NONE && !AROUND.into_iter().all(same)
+    }
+
+    /// The neighbour of a pixel, and in which copy of the page it lies.
+    fn beside(&self, i: usize, (dx, dy): (i32, i32)) -> Option<(usize, Shift)> {
+        let [w, h] = self.size;
+        let [x, y] = [i as i32 % w + dx, i as i32 / w + dy];
+        if (0..w).contains(&x) && (0..h).contains(&y) {
+            return Some(((y * w + x) as usize, [0; 2]));
+        }
+        self.place([x, y])
     }
 }
 

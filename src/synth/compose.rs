@@ -1,7 +1,7 @@
 //! Scenes from placed elements; the exemplar's own arrangement as a scene.
 
+use super::equal::share_equal;
 use super::few::limit_colours;
-use super::period::share_equal;
 use super::secondaries;
 use super::strata::Strata;
 use crate::arrange::Arrangement;

@@ -7,8 +7,10 @@
 mod backdrop;
 pub(crate) mod background;
 pub(crate) mod compose;
+mod equal;
 mod few;
 mod neighbourhoods;
+mod parted;
 mod period;
 pub(crate) mod report;
 pub(crate) mod secondaries;
@@ -66,6 +68,9 @@ pub fn synthesize_with(
     controls.validate(libraries)?;
     check_canvas(params)?;
 
+    if parted::applies(libraries, controls) {
+        return parted::synthesize(libraries, params, controls, progress);
+    }
     let method = method(libraries, params, controls)?;
     let params = &SynthParams { method, ..params.clone() };
     if method == Method::Period {

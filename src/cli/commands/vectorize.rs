@@ -75,6 +75,8 @@ impl Arguments for VectorizeArgs {
         let photo = required(photo)?;
         let targets = targets(output.clone(), &force, &photo, MAKES)?;
         let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &resolved.parameters)?;
+        // Nothing is repeated here.
+        let analysis = Analysis { looks_at_borders: false, ..analysis };
         let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
         let drawing = Drawing { svg, render, recipe: None };
         Ok(Box::new(move |common, reporter| {

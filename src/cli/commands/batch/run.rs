@@ -283,6 +283,7 @@ impl<'a> Run<'a> {
                 save_masks: None,
                 parameters: self.analyze.clone(),
                 wrap: self.job.parameters.wrap.given(),
+                looks_at_borders: true,
             };
             let library = analyze(&self.common, &analysis, reporter)?;
             let parameters = Parameters {

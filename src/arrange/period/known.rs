@@ -1,12 +1,12 @@
 //! What is known of a periodic drawing: which elements are equal, which are free to move, and whether
 //! they stand in a regular order.
 
-use crate::element::{bounds, similarity};
+use crate::element::{bounds, classes};
 use crate::geometry::{Affine, Rect};
 use crate::library::{Element, Library};
 use crate::raster::Mask;
 use crate::raster::contact::Ground;
-use crate::scene::{Instance, Scene, Shape, pixels};
+use crate::scene::{Shape, pixels};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -25,6 +25,9 @@ const REACH: u16 = 60;
 pub(super) struct Known {
     /// For each element the first that it is equal to, and the map from that one.
     pub(super) equal: Vec<(usize, Affine)>,
+    /// For each the first that it is equal to, and the first that it is at least alike.
+    pub(super) same: Vec<usize>,
+    pub(super) alike: Vec<usize>,
     /// Bounds of each, in the exemplar.
     pub(super) bounds: Vec<Rect>,
     /// Pixels of each, where they stand in the exemplar; those of one that runs on are none.
@@ -75,7 +78,10 @@ impl Known {
         // Between lines that run on there is nowhere to go.
         let ruled = 4.0 * endless > elements.iter().map(|e| area(&e)).sum::<f64>();
         let regular = few || ruled || is_regular(elements, &bounds, size);
+        let same: Vec<usize> = equal.iter().map(|e| e.0).collect();
         Self {
+            alike: alike(elements, &same),
+            same,
             equal,
             bounds,
             masks: masks.into_iter().map(Arc::new).collect(),
@@ -109,24 +115,36 @@ fn near_page(mask: &Mask, [w, h]: [i32; 2]) -> Mask {
 }
 
 /// For each element the first that is equal to it up to a similarity.
-fn equal(elements: &[Element]) -> Vec<(usize, Affine)> {
-    let mut firsts: BTreeMap<(usize, usize, [u8; 3]), Vec<usize>> = BTreeMap::new();
-    let mut found = Vec::with_capacity(elements.len());
+pub(crate) fn equal(elements: &[Element]) -> Vec<(usize, Affine)> {
+    classes(elements.len(), |k| &elements[k].shapes, |k| elements[k].clipped, EQUAL)
+}
+
+/// Largest difference of elements that are alike: of the logarithms of their areas, and of compactness.
+const AREA: f64 = 0.2;
+const ROUNDNESS: f64 = 0.12;
+
+/// For each element the first that looks much like it: of the same colours, shape and size, about.
+fn alike(elements: &[Element], same: &[usize]) -> Vec<usize> {
+    let colours = |e: &Element| e.shapes.iter().map(|s| s.colour.0).collect::<Vec<_>>();
+    let mut firsts: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    let mut found: Vec<usize> = Vec::with_capacity(elements.len());
     for (k, element) in elements.iter().enumerate() {
-        let length = element.shapes.iter().map(|s| s.outline.path().elements().len()).sum();
-        let key = (element.shapes.len(), length, element.shapes[0].colour.0);
-        let known = firsts.entry(key).or_default();
-        // Of the many alike only some are compared.
-        let like = known.iter().rev().take(64).find_map(|&first| {
+        if same[k] != k {
+            found.push(found[same[k]]);
+            continue;
+        }
+        let known = firsts.entry((element.category, colours(element))).or_default();
+        let near = |&&first: &&usize| {
             let other = &elements[first];
-            (other.clipped == element.clipped)
-                .then(|| similarity(&other.shapes, &element.shapes, EQUAL))?
-                .map(|map| (first, map))
-        });
+            let area = libm::log(f64::from(element.area.max(1)) / f64::from(other.area.max(1)));
+            let round = element.compactness.unwrap_or(0.0) - other.compactness.unwrap_or(0.0);
+            area.abs() <= AREA && round.abs() <= ROUNDNESS
+        };
+        let like = known.iter().take(64).find(near).copied();
         if like.is_none() {
             known.push(k);
         }
-        found.push(like.unwrap_or((k, Affine::IDENTITY)));
+        found.push(like.unwrap_or(k));
     }
     found
 }
@@ -184,50 +202,4 @@ fn is_regular(elements: &[Element], bounds: &[Rect], size: [i32; 2]) -> bool {
     };
     let moves = |o: &[f64; 2]| o[0].abs().max(o[1].abs()) > 0.05 * side;
     offsets.filter(moves).any(|offset| kept(offset) >= REGULAR)
-}
-
-/// Lists equal elements of a reconstruction once: their instances show the first, turned and moved.
-pub(crate) fn share_equal(scene: &mut Scene, library: &Library) {
-    let known = equal(library.primaries());
-    let origin = |k: usize| {
-        let [x, y] = library.elements[k].origin().map(f64::from);
-        Affine::translate((x, y))
-    };
-    let listed: BTreeMap<usize, crate::scene::ElementId> = scene
-        .elements
-        .iter()
-        .enumerate()
-        .filter_map(|(i, e)| Some((e.source?.index(), crate::scene::ElementId::after(i))))
-        .collect();
-    let sources: Vec<Option<usize>> = scene.elements.iter().map(|e| e.source.map(|s| s.index())).collect();
-    let change = |instance: &mut Instance| {
-        let Some(own) = sources[instance.element.index()] else { return };
-        let Some(&(first, map)) = known.get(own) else { return };
-        if let Some(&id) = listed.get(&first).filter(|_| first != own) {
-            let to = instance.affine() * origin(own).inverse() * map * origin(first);
-            instance.transform = super::rounded(to);
-            instance.element = id;
-        }
-    };
-    scene.instances_mut().for_each(change);
-    let mut used = vec![None; scene.elements.len()];
-    let mut count = 0;
-    for instance in scene.instances() {
-        used[instance.element.index()].get_or_insert_with(|| {
-            count += 1;
-            crate::scene::ElementId::after(count - 1)
-        });
-    }
-    let mut kept: Vec<(crate::scene::ElementId, crate::scene::Element)> = std::mem::take(&mut scene.elements)
-        .into_iter()
-        .zip(&used)
-        .filter_map(|(element, id)| Some(((*id)?, element)))
-        .collect();
-    kept.sort_by_key(|e| e.0);
-    scene.elements = kept.into_iter().map(|e| e.1).collect();
-    scene.instances_mut().for_each(|i| {
-        if let Some(id) = used[i.element.index()] {
-            i.element = id;
-        }
-    });
 }

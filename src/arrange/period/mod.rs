@@ -1,28 +1,29 @@
-//! Periodic drawings: the exemplar's own period repeated, its elements exchanged, moved and turned.
+//! Placement by the period of a drawing: the exemplar's own period repeated, its elements exchanged, moved
+//! and turned.
 //!
 //! An exact repetition is the best that can be done for a regular or interlocking swatch. In a loose
-//! one, elements that touch no other are free to move: they change places with others of like size, and
-//! shift a little, as long as none comes nearer to another than elements of the swatch do. Number and
+//! one, elements that touch no other are free to move: they change places with others of like size, wander,
+//! and shift a little, as long as none comes nearer to another than elements of the swatch do. Number and
 //! area by category stay as they are, because elements only change places.
 //!
 //! When this works badly: packed swatches, whose elements have no room to move. They come out as they
 //! are, and the share of places that repeat says so.
 
+mod canvas;
 mod exchange;
 mod known;
+#[cfg(test)]
+mod tests;
 
-use super::compose::{element, reference};
-use super::report::{CategoryReport, Report};
-use crate::arrange::controls::Controls;
 use crate::error::{Error, Result};
 use crate::geometry::{Affine, Rect, Vec2};
-use crate::library::{ElementId, Library, SourceKind};
+use crate::library::Library;
 use crate::progress::{Progress, advance};
-use crate::scene::{Domain, Edge, Instance, InstanceId, Layer, LibraryId, Method, Role, Scene, SynthParams};
-use crate::statistics::{Overlap, Repetition};
-use exchange::Exchange;
+use crate::scene::SynthParams;
+use canvas::{Canvas, MOST_PIXELS};
+
 use known::Known;
-pub(super) use known::share_equal;
+pub(crate) use known::equal;
 use std::collections::BTreeMap;
 
 /// Places that differ by no more mean the same, in pixels.
@@ -30,59 +31,71 @@ const SAME: f64 = 2.0;
 
 /// An element of the library at a place of the canvas.
 #[derive(Clone, Copy)]
-pub(super) struct Placed {
+pub(crate) struct Placed {
     /// Which element.
-    element: usize,
+    pub(crate) element: usize,
     /// From its place in the exemplar to that on the canvas.
-    map: Affine,
+    pub(crate) map: Affine,
     /// Index of its layer in the library, and its place in the painting order there.
-    order: (usize, usize),
+    pub(crate) order: (usize, usize),
 }
 
-/// Whether the period of a library can be repeated: it is a drawing whose borders join, and nothing asks
-/// for another density or for whole elements along an edge.
-pub(super) fn applies(libraries: &[Library], params: &SynthParams, controls: &Controls) -> bool {
-    let [library] = libraries else { return false };
-    let drawn = library.source.kind == SourceKind::Drawing
-        && library.arrangement.periodic
-        && library.secondaries().is_empty()
-        && !library.is_layered();
-    let clips = controls.domain.is_none() || params.edge == Edge::Clip;
-    let varied = params.rotate > 0.0 || params.mirror || params.scale_jitter > 0.0;
-    drawn && clips && !varied && controls.density.is_none() && controls.lead.is_none()
+/// The result of placement.
+pub(crate) struct Repeated {
+    /// All elements on the canvas, and those beside it that change places with them.
+    pub(crate) placed: Vec<Placed>,
+    /// For each element of the library the first that it is equal to, and the map from that one.
+    pub(crate) equal: Vec<(usize, Affine)>,
+    /// Bounds of each element of the library, in the exemplar.
+    pub(crate) bounds: Vec<Rect>,
+    /// Share of the canvas that each category covers.
+    pub(crate) covered: Vec<f64>,
+    /// Share of the elements free to move that took part, 0 to 1.
+    pub(crate) variation: f64,
+    /// Share of the places at which what stands there stands a period before too, along either axis.
+    pub(crate) repeating: Option<f64>,
 }
 
-/// A texture of the exemplar's period, and how close it came.
+/// Repeats the period of a library on a canvas.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a canvas that is to repeat along an axis and is not a whole number of
-/// periods long there; [`Error::Interrupted`].
-pub(super) fn synthesize(
+/// periods long there; [`Error::TooLarge`] for too many copies; [`Error::Interrupted`].
+pub(crate) fn place(library: &Library, params: &SynthParams, progress: &dyn Progress) -> Result<Repeated> {
+    place_within(library, params, MOST_PIXELS, progress)
+}
+
+/// [`place`]; beyond `most` pixels nothing changes places.
+fn place_within(
     library: &Library,
     params: &SynthParams,
-    controls: &Controls,
+    most: u64,
     progress: &dyn Progress,
-) -> Result<(Scene, Report)> {
+) -> Result<Repeated> {
     check_periods(library, params)?;
     check_copies(library, params)?;
     advance(progress, "primaries", 0, 2)?;
     let known = Known::new(library);
-    let variation = params.variation.unwrap_or(if known.regular { 0.0 } else { 1.0 });
+    let mut variation = params.variation.unwrap_or(if known.regular { 0.0 } else { 1.0 });
     let mut placed = repeated(library, params, &known);
-    let mut exchange = Exchange::new(library, params, &known);
-    exchange.stand_all(&placed);
-    advance(progress, "primaries", 1, 2)?;
-    if variation > 0.0 {
-        exchange.run(&mut placed, variation);
+    // Without room for it, what repeats covers what it covers in the exemplar.
+    let mut covered: Vec<f64> = library.categories.iter().map(|c| c.coverage).collect();
+    if let Some(mut canvas) = Canvas::new(library, params, &known, most) {
+        canvas.stand_all(&placed);
+        advance(progress, "primaries", 1, 2)?;
+        if variation > 0.0 {
+            canvas.vary(&mut placed, variation, params.seed);
+        }
+        covered = canvas.covered(&placed);
+    } else if variation > 0.0 {
+        variation = 0.0;
+        progress
+            .warn("the texture is too large for elements to change places: the drawing is repeated as it is");
     }
     advance(progress, "primaries", 2, 2)?;
-    let covered = exchange.covered(&placed);
-    let mut scene = scene(library, params, controls, &known, &placed);
-    if let Some(p) = scene.parameters.as_mut() {
-        p.variation = Some(variation);
-    }
-    let report = report(library, &scene, &covered, &placed, &known);
-    Ok((scene, report))
+    let repeating = repeating(library, params, &placed, &known);
+    let Known { equal, bounds, .. } = known;
+    Ok(Repeated { placed, equal, bounds, covered, variation, repeating })
 }
 
 fn size_of(library: &Library) -> [f64; 2] {
@@ -95,13 +108,16 @@ fn check_periods(library: &Library, params: &SynthParams) -> Result<()> {
     if fits(params.tile.x, params.width, w) && fits(params.tile.y, params.height, h) {
         return Ok(());
     }
-    let near = |size: u32, period: u32| ((size + period / 2) / period).max(1) * period;
+    let near = |tile: bool, size: u32, period: u32| {
+        let whole = ((size + period / 2) / period).max(1) * period;
+        if tile { whole } else { size }
+    };
     let value = format!(
         "{}x{} (the drawing repeats every {w}x{h} px; {}x{} is near)",
         params.width,
         params.height,
-        near(params.width, w),
-        near(params.height, h)
+        near(params.tile.x, params.width, w),
+        near(params.tile.y, params.height, h)
     );
     let allowed = "a whole number of the drawing's periods where it is to repeat without a seam";
     Err(Error::Parameter { name: "size", value, allowed })
@@ -109,7 +125,7 @@ fn check_periods(library: &Library, params: &SynthParams) -> Result<()> {
 
 /// Most copies of elements on a canvas, and most pixels that all of them together may cover.
 const MOST_COPIES: f64 = 4e6;
-const MOST_PAINTED: f64 = 5e10;
+const MOST_PAINTED: f64 = 1e10;
 
 /// Refuses a canvas of too many copies.
 fn check_copies(library: &Library, params: &SynthParams) -> Result<()> {
@@ -117,23 +133,29 @@ fn check_copies(library: &Library, params: &SynthParams) -> Result<()> {
     let tile = [params.tile.x, params.tile.y];
     let (mut copies, mut painted) = (0.0, 0.0);
     for instance in library.layers.iter().flat_map(|layer| &layer.instances) {
-        let own = crate::element::bounds(&library.elements[instance.element.index()].shapes);
+        let element = &library.elements[instance.element.index()];
+        let own = crate::element::bounds(&element.shapes);
         let bounds = Affine::new(instance.transform).transform_rect_bbox(own);
         let side = [bounds.width(), bounds.height()];
         // Copies beside the canvas stand within a period and a half of it.
         let along =
             |k: usize| (canvas[k] + if tile[k] { 0.0 } else { side[k] + 4.0 * period[k] }) / period[k];
         copies += along(0) * along(1);
-        painted += along(0) * along(1) * side[0].max(1.0) * side[1].max(1.0);
+        // What runs on is marked all at once.
+        if !element.clipped {
+            painted += along(0) * along(1) * side[0].max(1.0) * side[1].max(1.0);
+        }
     }
     if copies <= MOST_COPIES && painted <= MOST_PAINTED {
         return Ok(());
     }
-    Err(Error::TooLarge {
-        name: "size".into(),
-        found: format!("{copies:.0} copies of the drawing's elements"),
-        limit: format!("{MOST_COPIES:.0} copies"),
-    })
+    let (found, limit, unit) = if copies > MOST_COPIES {
+        (copies, MOST_COPIES, "copies of the drawing's elements")
+    } else {
+        (painted / 1e6, MOST_PAINTED / 1e6, "megapixels in all copies of the drawing's elements")
+    };
+    let [found, limit] = [found, limit].map(|count| format!("{count:.0} {unit}"));
+    Err(Error::TooLarge { name: "size".into(), found, limit })
 }
 
 /// All copies of all elements that reach the canvas and somewhat beyond; along axes that repeat each once.
@@ -166,86 +188,10 @@ fn repeated(library: &Library, params: &SynthParams, known: &Known) -> Vec<Place
     placed
 }
 
-/// The scene of placed elements, in the layers of the library. Equal elements are shared.
-fn scene(
-    library: &Library,
-    params: &SynthParams,
-    controls: &Controls,
-    known: &Known,
-    placed: &[Placed],
-) -> Scene {
-    let mut scene = Scene::new([params.width, params.height], vec![reference(library)], Vec::new());
-    scene.parameters = Some(params.clone());
-    scene.tile = params.tile;
-    scene.domain = controls.domain.clone().map(|outline| Domain { outline, edge: params.edge });
-    let canvas = Rect::new(0.0, 0.0, f64::from(params.width), f64::from(params.height));
-    let mut listed: BTreeMap<usize, crate::scene::ElementId> = BTreeMap::new();
-    let mut next = 0;
-    for (l, layer) in library.layers.iter().enumerate() {
-        let mut own: Vec<&Placed> = placed.iter().filter(|p| p.order.0 == l).collect();
-        own.sort_by_key(|p| p.order.1);
-        let mut instances = Vec::new();
-        for p in own {
-            let reach = p.map.transform_rect_bbox(known.bounds[p.element]);
-            if !params.tile.any() && !reach.overlaps(canvas) {
-                continue;
-            }
-            let (first, from) = known.equal[p.element];
-            let id = *listed
-                .entry(first)
-                .or_insert_with(|| scene.add(element(LibraryId(0), library, ElementId::after(first))));
-            let [x, y] = library.elements[first].origin().map(f64::from);
-            let transform = rounded(p.map * from * Affine::translate((x, y)));
-            instances.push(Instance { transform, ..Instance::new(InstanceId(next), id) });
-            next += 1;
-        }
-        let (name, region, field) = (layer.name.clone(), None, layer.field.clone());
-        scene.layers.push(Layer { name, role: layer.role, region, field, instances });
-    }
-    scene
-}
-
-/// Coefficients of a map: five decimals of the linear part, two of the shift.
-fn rounded(map: Affine) -> [f64; 6] {
-    let [a, b, c, d, e, f] = map.as_coeffs();
-    let [a, b, c, d] = [a, b, c, d].map(|v| libm::round(v * 1e5) / 1e5);
-    let [e, f] = [e, f].map(|v| libm::round(v * 100.0) / 100.0);
-    [a, b, c, d, e, f]
-}
-
-fn report(library: &Library, scene: &Scene, covered: &[f64], placed: &[Placed], known: &Known) -> Report {
-    let categories: Vec<CategoryReport> = library
-        .categories
-        .iter()
-        .zip(covered)
-        .map(|(c, &got)| CategoryReport { wanted: c.coverage, got })
-        .collect();
-    let libraries = std::slice::from_ref(library);
-    Report {
-        coverage_wanted: library.coverage,
-        coverage: covered.iter().sum(),
-        categories,
-        strata: Vec::new(),
-        primaries: scene.of_role(Role::Primary).count(),
-        textons: scene.elements.len(),
-        secondaries: 0,
-        control_points: 0,
-        attempts: 0,
-        refused: 0,
-        removed: 0,
-        added: 0,
-        method: Method::Period,
-        structure: None,
-        overlap: Overlap::of_scene(scene, libraries),
-        repetition: Repetition::of_scene(scene, libraries),
-        period: repeating(library, scene, placed, known),
-    }
-}
-
 /// Share of the places at which what stands there stands a period before too, along either axis.
-fn repeating(library: &Library, scene: &Scene, placed: &[Placed], known: &Known) -> Option<f64> {
+fn repeating(library: &Library, params: &SynthParams, placed: &[Placed], known: &Known) -> Option<f64> {
     let period = size_of(library);
-    let size = [f64::from(scene.width), f64::from(scene.height)];
+    let size = [f64::from(params.width), f64::from(params.height)];
     let at = |p: &Placed| {
         let (first, from) = known.equal[p.element];
         let map = p.map * from;

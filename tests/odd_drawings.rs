@@ -1,0 +1,198 @@
+//! Drawings and libraries of drawings that are very large, or odd: read in time, and used as they are meant.
+
+use std::fmt::Write as _;
+use std::time::{Duration, Instant};
+use vtex::import::{Grouping, ImportParams, import};
+use vtex::library::{AnalyzeParams, Library};
+use vtex::scene::{Method, SynthParams, Tile};
+use vtex::synth::synthesize;
+use vtex::{Error, Result};
+
+/// Far more than any of these takes, and far less than a step that compares all with all.
+const MOST_TIME: Duration = Duration::from_secs(40);
+
+const GARDEN: &[u8] = include_bytes!("../examples/drawings/garden.svg");
+
+fn svg(inner: &str) -> Vec<u8> {
+    format!(r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 100 80">{inner}</svg>"#)
+        .into_bytes()
+}
+
+fn read_as(inner: &str, wrap: Option<bool>, analyze: AnalyzeParams) -> Result<Library> {
+    import(&svg(inner), "drawing.svg", &ImportParams { wrap, analyze }, &())
+}
+
+fn read(inner: &str) -> Result<Library> {
+    read_as(inner, None, AnalyzeParams::default())
+}
+
+fn lenient(inner: &str) -> Library {
+    read_as(inner, None, AnalyzeParams { lenient: true, ..AnalyzeParams::default() }).unwrap()
+}
+
+/// `count` numbered texts, one after the other.
+fn many(count: usize, text: impl Fn(usize) -> String) -> String {
+    (0..count).fold(String::new(), |mut all, k| {
+        let _ = write!(all, "{}", text(k));
+        all
+    })
+}
+
+/// What work gives, which must not take too long.
+fn in_time<T>(work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let found = work();
+    assert!(start.elapsed() < MOST_TIME, "{:?}", start.elapsed());
+    found
+}
+
+#[test]
+fn thin_strokes_across_the_border_are_read_in_time() {
+    let line = |k: usize| {
+        let y = 1.0 + k as f64 * 78.0 / 12_000.0;
+        format!(r##"<path d="M-3 {y:.4}L60 {:.4}" stroke="#123" stroke-width=".004"/>"##, y + 0.3)
+    };
+    let inner = many(12_000, line);
+    let library = in_time(|| read_as(&inner, Some(true), AnalyzeParams::default())).unwrap();
+    assert!(!library.primaries().is_empty());
+}
+
+#[test]
+fn shapes_as_large_as_the_page_are_read_in_time_or_refused() {
+    let shapes = |opacity: &str| {
+        many(100_000, |k| format!(r##"<path d="M0 0h100v80H0z" fill="#{:06x}"{opacity}/>"##, k % 0xff_ffff))
+    };
+    let library = in_time(|| read(&shapes(""))).unwrap();
+    assert_eq!((library.primaries().len(), library.background().fallback.0), (0, [0x01, 0x86, 0x9f]));
+    let error = in_time(|| read(&shapes(r#" opacity=".5""#))).unwrap_err();
+    assert!(matches!(&error, Error::TooLarge { found, .. } if found.contains("100000 times")), "{error}");
+}
+
+#[test]
+fn layers_of_one_name_are_read_in_time() {
+    let inkscape =
+        r#"xmlns:i="http://www.inkscape.org/namespaces/inkscape" i:groupmode="layer" i:label="Layer""#;
+    let layer = |k: usize| {
+        let (x, y) = (1 + k % 97, 1 + k / 97 % 77);
+        format!(r#"<g id="g{k}" {inkscape}><rect x="{x}" y="{y}" width=".5" height=".5"/></g>"#)
+    };
+    let layers = many(5_000, layer);
+    let library = in_time(|| read(&layers)).unwrap();
+    assert_eq!(library.layers.len(), 5_001);
+    assert_eq!((&*library.layers[1].name, &*library.layers[5_000].name), ("Layer", "Layer 5000"));
+}
+
+#[test]
+fn paths_become_elements_in_time() {
+    let path = |k: usize| {
+        let (x, y) = (k % 300, k / 300);
+        format!(
+            "<path d='M{:.3} {:.3}h.1v.1z'/>",
+            1.0 + f64::from(x as u32) * 0.32,
+            1.0 + f64::from(y as u32) * 0.25
+        )
+    };
+    let analyze = AnalyzeParams { elements: Grouping::Path, ..AnalyzeParams::default() };
+    let library = in_time(|| read_as(&many(90_000, path), Some(false), analyze)).unwrap();
+    assert_eq!(library.primaries().len(), 90_000);
+}
+
+#[test]
+fn pictures_count_where_they_are_shown() {
+    let circle = r#"<circle cx="50" cy="40" r="9"/>"#;
+    let image = r#"<image id="photo" width="9" height="9" xlink:href="data:image/png;base64,AAAA"/>"#;
+    let slice = image.replace("width", r#"preserveAspectRatio="xMidYMid slice" width"#);
+    for unused in [
+        format!("<defs>{image}</defs>{circle}"),
+        format!("<symbol id='s'>{image}</symbol>{circle}"),
+        format!("<g display='none'>{image}</g>{circle}"),
+    ] {
+        assert_eq!(read(&unused).unwrap().primaries().len(), 1, "{unused}");
+    }
+    for shown in [
+        format!("{image}{circle}"),
+        format!("{slice}{circle}"),
+        format!("{}{circle}", image.replace("data:image/png;base64,AAAA", "other.svg")),
+        format!("<defs>{image}</defs><use xlink:href='#photo'/>{circle}"),
+    ] {
+        let error = read(&shown).map(|l| l.primaries().len()).unwrap_err().to_string();
+        assert!(error.contains("raster image"), "{error}");
+        assert_eq!(lenient(&shown).primaries().len(), 1);
+    }
+    let named = read(&format!("{image}{circle}")).unwrap_err().to_string();
+    assert!(named.contains("'photo'"), "{named}");
+}
+
+#[test]
+fn what_is_left_out_is_not_looked_at() {
+    // Without the blurred bar, which lies at one border, the borders join.
+    let discs = many(12, |k| {
+        format!(r##"<circle cx="{}" cy="{}" r="5" fill="#b42"/>"##, 14 + k % 4 * 24, 15 + k / 4 * 25)
+    });
+    let filter = r#"<filter id="f"><feGaussianBlur stdDeviation="1"/></filter>"#;
+    let bar = r##"<path d="M0 2h12v76H0z" fill="#05a" filter="url(#f)"/>"##;
+    let page = r##"<rect width="100" height="80" fill="#eee"/>"##;
+    let whole = read(&format!("{page}{discs}")).unwrap();
+    let lacking = lenient(&format!("{page}{filter}{bar}{discs}"));
+    assert!(whole.arrangement.periodic && lacking.arrangement.periodic);
+    let guides = [&whole, &lacking].map(|l| l.guide.as_ref().unwrap().picture.0.clone());
+    assert_eq!(guides[0].dimensions(), guides[1].dimensions());
+    let off = guides[0].pixels().zip(guides[1].pixels());
+    let off: f64 = off.map(|(a, b)| (0..3).map(|k| f64::from(a.0[k].abs_diff(b.0[k]))).sum::<f64>()).sum();
+    let mean = off / f64::from(3 * guides[0].width() * guides[0].height());
+    assert!(mean < 1.0, "{mean}");
+}
+
+#[test]
+fn shapes_that_always_come_together_are_one_element() {
+    // On a line that joins them all.
+    let mushroom = |x: usize| {
+        format!(
+            r##"<path d="M{x} 50v10h4v-10z" fill="#ddd"/><path d="M{} 50c0-8 12-8 12 0z" fill="#b33"/>"##,
+            x - 4
+        )
+    };
+    let all: String = [12, 31, 55, 78].map(mushroom).concat();
+    let line = r##"<path d="M2 60h96v3h-96z" fill="#363"/>"##;
+    let count = |inner: &str| {
+        let library = read_as(inner, Some(false), AnalyzeParams::default()).unwrap();
+        let mut shapes: Vec<usize> = library.primaries().iter().map(|e| e.shapes.len()).collect();
+        shapes.sort_unstable();
+        shapes
+    };
+    assert_eq!(count(&format!("{line}{all}")), [1, 2, 2, 2, 2]);
+    // Caps that lie otherwise each time stay what they are.
+    let loose: String = [(12, 0), (31, 1), (55, 2), (78, 3)]
+        .map(|(x, off)| mushroom(x).replace(&format!("M{} 50c", x - 4), &format!("M{} 50c", x - 4 + off)))
+        .concat();
+    assert_eq!(count(&format!("{line}{loose}")).len(), 9);
+}
+
+#[test]
+fn texts_that_are_left_out_are_named() {
+    let library = read("<text x='5' y='20'>two  words</text><text/><circle cx='50' cy='40' r='9'/>").unwrap();
+    assert_eq!(library.source.warnings, ["the text 'two words' and 1 more is left out: turn it into a path"]);
+}
+
+#[test]
+fn instances_keep_the_transform_that_their_library_gives() {
+    let params = ImportParams::default();
+    let mut library = import(GARDEN, "garden.svg", &params, &()).unwrap();
+    // Squeezed, which no import makes: still valid.
+    for layer in &mut library.layers {
+        layer.instances.iter_mut().for_each(|i| i.transform = [1.0, 0.0, 0.0, 0.5, 0.0, 0.0]);
+    }
+    let library = Library::from_bytes(&library.to_json(), "squeezed").unwrap();
+    let [width, height] = [library.source.width * 2, library.source.height * 2];
+    let sizes = |variation: f64| {
+        let tile = Tile { x: true, y: true };
+        let (method, variation) = (Method::Period, Some(variation));
+        let params = SynthParams { width, height, method, tile, variation, ..SynthParams::default() };
+        let scene = synthesize(&library, &params, &()).unwrap();
+        let size = |[a, b, c, d, ..]: [f64; 6]| (1000.0 * (a * d - b * c).abs()).round() as i64;
+        let mut sizes: Vec<i64> = scene.instances().map(|i| size(i.transform)).collect();
+        sizes.sort_unstable();
+        sizes
+    };
+    assert_eq!(sizes(0.0), sizes(1.0), "places are changed, sizes are not");
+}
