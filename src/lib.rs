@@ -71,6 +71,7 @@ pub mod scene;
 pub mod segment;
 pub mod statistics;
 pub mod synth;
+pub mod transfer;
 pub mod tune;
 pub mod warp;
 

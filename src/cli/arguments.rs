@@ -52,6 +52,7 @@ pub(crate) fn command() -> clap::Command {
     });
     let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "edit", &WORK[1..]);
+    let command = hide(command, "transfer", &WORK[1..]);
     let command = hide(command, "render", &WORK);
     let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS].concat());
@@ -84,6 +85,8 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("batch", "out_dir"),
             ("warp", "scene"),
             ("warp", "library"),
+            ("transfer", "structure"),
+            ("transfer", "appearance"),
             ("tune", "library"),
             ("render", "file"),
             ("raster", "photo"),

@@ -15,6 +15,7 @@ mod raster;
 mod render;
 mod synth;
 mod texture;
+mod transfer;
 mod tune;
 mod vectorize;
 mod warp;
@@ -32,6 +33,7 @@ pub(crate) enum Command {
     Batch(Box<batch::BatchArgs>),
     Warp(warp::WarpArgs),
     Edit(edit::EditArgs),
+    Transfer(transfer::TransferArgs),
     Tune(tune::TuneArgs),
     Render(render::RenderArgs),
     Interp(interp::InterpArgs),
@@ -56,6 +58,7 @@ impl Command {
             Self::Batch(a) => a,
             Self::Warp(a) => Box::new(a),
             Self::Edit(a) => Box::new(a),
+            Self::Transfer(a) => Box::new(a),
             Self::Tune(a) => Box::new(a),
             Self::Render(a) => Box::new(a),
             Self::Interp(a) => Box::new(a),

@@ -3,7 +3,10 @@
 use super::fault;
 use super::line::{Line, parse};
 use clap::CommandFactory;
-use vtex::edit::{Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder};
+use vtex::edit::{
+    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter,
+    NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
+};
 use vtex::raster::colour::Colour;
 
 fn palette(_: &str) -> vtex::Result<Vec<u8>> {
@@ -35,8 +38,8 @@ fn texts_mean_operations() {
             "orient C:\\x.png --strength=0.5",
             Action::Orient { direction: Direction::Map("C:\\x.png".into()), strength: 0.5 },
         ),
-        ("tint #f00", Action::Tint { colour: colour("#ff0000"), amount: 0.5, share: 1.0 }),
-        ("tint Red", Action::Tint { colour: colour("#ff0000"), amount: 0.5, share: 1.0 }),
+        ("tint #f00", Action::Tint { colour: colour("#ff0000").into(), amount: 0.5, share: 1.0 }),
+        ("tint Red", Action::Tint { colour: colour("#ff0000").into(), amount: 0.5, share: 1.0 }),
         (
             "recolor --to #102030 --from #fff",
             Action::Recolor { from: colour("#ffffff"), to: colour("#102030"), reach: 0.2 },
@@ -54,9 +57,46 @@ fn texts_mean_operations() {
         ("outline 1.5 #202020", Action::Outline { width: 1.5, colour: colour("#202020") }),
         ("replace b.lib.json", Action::Replace { library: "b.lib.json".into() }),
         ("move 20 -5", Action::Move { x: 20.0, y: -5.0 }),
-        ("scale 1.3", Action::Scale { factor: 1.3 }),
-        ("rotate -90", Action::Rotate { angle: -90.0 }),
-        ("jitter --move 4", Action::Jitter { distance: 4.0, angle: 0.0, scale: 0.0 }),
+        ("scale 1.3", Action::Scale { factor: 1.3.into() }),
+        ("rotate -90", Action::Rotate { angle: (-90.0).into() }),
+        ("jitter --move 4", Action::Jitter(Jitter { distance: 4.0, ..Jitter::default() })),
+        (
+            "tint photo.png",
+            Action::Tint { colour: ColourOrMap::Map("photo.png".into()), amount: 0.5, share: 1.0 },
+        ),
+        ("scale grow.png", Action::Scale { factor: NumberOrMap::Map("grow.png".into()) }),
+        (
+            "transform --move -20,5 --scale 2 --about selection",
+            Action::Transform { by: [-20.0, 5.0], scale: [2.0; 2], angle: 0.0, about: About::Selection },
+        ),
+        (
+            "transform --move -3 --scale 0.5,2 --rotate -9",
+            Action::Transform { by: [-3.0, 0.0], scale: [0.5, 2.0], angle: -9.0, about: About::Each },
+        ),
+        (
+            "jitter --hue 20 --flip 0.5 --distribution normal --steps 4",
+            Action::Jitter(Jitter {
+                hue: 20.0,
+                flip: 0.5,
+                distribution: Distribution::Normal,
+                steps: 4,
+                ..Jitter::default()
+            }),
+        ),
+        (
+            "shuffle --within category --outlines exchange",
+            Action::Shuffle { within: Within::Category, share: 1.0, outlines: true },
+        ),
+        (
+            "vary --color 2 --shape flat.png",
+            Action::Vary {
+                colour: Some(2.0.into()),
+                shape: Some(NumberOrMap::Map("flat.png".into())),
+                within: Within::Layer,
+            },
+        ),
+        ("relax --min-distance 9", Action::Relax { rounds: 20, strength: 0.5, minimum_distance: Some(9.0) }),
+        ("order y --first most", Action::Order { by: OrderBy::Y, reverse: true }),
         ("delete", Action::Delete),
         ("mask disc.svg", Action::Mask { shape: "disc.svg".into(), inside: true }),
         ("mask disc.svg --keep outside", Action::Mask { shape: "disc.svg".into(), inside: false }),
@@ -133,7 +173,7 @@ fn help_names_the_true_ranges() {
             checked += 1;
         }
     }
-    assert_eq!(checked, 20);
+    assert_eq!(checked, 35);
 }
 
 #[test]
@@ -156,6 +196,10 @@ fn faults_are_told_with_what_would_be_right() {
         ("thin 2", "KEEP = 2 is out of range: 0 to 1", "KEEP takes 0 to 1"),
         ("thin 0.5 --order bluenoise", "is none of blue-noise, random, area", "did you mean 'blue-noise'?"),
         ("thin 0.5 --layer background", "'thin' cannot be done to the background", "tint, recolor, palette"),
+        ("vary --within layer", "nothing says what to change", "vary --color 1.5"),
+        ("vary --color 9", "--color = 9 is out of range: 0 to 4", "0 to 4"),
+        ("transform --move 3,x", "no number", "--move takes -1000000 to 1000000"),
+        ("order z", "none of x, y, area, lightness, random", "did you mean"),
         ("jitter --move 0", "nothing says what to change", "jitter --move 4"),
         ("delete --where colour=3", "'colour' is nothing that textons have", "did you mean"),
         ("delete --where area=3", "'area' is not compared by '='", "area>200"),
