@@ -53,10 +53,12 @@ pub(crate) fn command() -> clap::Command {
     let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "edit", &WORK[1..]);
     let command = hide(command, "transfer", &WORK[1..]);
+    let command = hide(command, "stylize", &WORK[1..]);
     let command = hide(command, "render", &WORK);
     let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS].concat());
     let command = hide(command, "interp", &WORK);
+    let command = hide(command, "check", &WORK);
     let command = hide(command, "layers", &WORK[1..]);
     let command = hide(command, "raster", &WORK[1..]);
     let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
@@ -88,6 +90,10 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("transfer", "structure"),
             ("transfer", "appearance"),
             ("tune", "library"),
+            ("check", "scene"),
+            ("check", "library"),
+            ("stylize", "picture"),
+            ("stylize", "with"),
             ("render", "file"),
             ("raster", "photo"),
             ("interp", "from"),

@@ -354,3 +354,31 @@ fn maps_stand_for_numbers_and_colours() {
     let error = apply(scene(), &[missing.into()], &Files::default(), None).unwrap_err();
     assert!(matches!(error, Error::Edit { fault: EditFault::NoFile(_), .. }));
 }
+
+#[test]
+fn what_is_drawn_on_one_element_appears_on_all_like_it() {
+    let mut before = scene();
+    // The drawing has a dot in the middle of the canvas: two pixels from the centre of this bar.
+    before.primary_mut()[5].transform = [0.0, 1.0, -1.0, 0.0, 200.0, 152.0];
+    let propagate = |similar, replace| Action::Propagate { drawing: "dot.svg".into(), similar, replace };
+    let (after, outcomes) = edited(&before, &[on("primary", propagate(None, false))]);
+    assert_eq!((outcomes[0].matched, outcomes[0].thin), (40, 0));
+    for (a, b) in after.instances().zip(before.instances()) {
+        let (new, old) = (after.element(a), before.element(b));
+        if old.category != Some(crate::scene::CategoryId(3)) {
+            assert_eq!(new, old);
+            continue;
+        }
+        let dot = &new.shapes[2];
+        assert_eq!((new.shapes.len(), dot.colour), (3, Colour([0, 0, 255])));
+        // In its own coordinates, where the bar was turned by a quarter.
+        let centre = dot.outline.bounds().center();
+        assert!((centre - Point::new(-2.0, 0.0)).hypot2() < 1e-3, "{centre}");
+        assert!((dot.outline.area() - 12.57).abs() < 0.1);
+    }
+    let replaced = edited(&before, &[on("primary", propagate(Some(0.01), true))]).0;
+    let bar = replaced.element(&replaced.primary()[5]);
+    assert_eq!((bar.shapes.len(), bar.outline()), (1, before.elements[0].outline()));
+    let all = edited(&before, &[on("primary", propagate(Some(2.0), false))]).1;
+    assert_eq!(all[0].matched, 60);
+}

@@ -3,9 +3,10 @@
 use crate::control::{self, ColourMap};
 use crate::error::{EditFault, Result};
 use crate::geometry::Region;
+use crate::import;
 use crate::library::Library;
 use crate::raster::ControlMap;
-use crate::scene::{Action, ColourOrMap, Condition, Direction, NumberOrMap, Operation};
+use crate::scene::{Action, ColourOrMap, Condition, Direction, NumberOrMap, Operation, Shape};
 use std::collections::BTreeMap;
 
 /// Files that operations need, by the names in the operations.
@@ -17,6 +18,8 @@ pub struct Files {
     pub colours: BTreeMap<String, ColourMap>,
     /// Insides of the shapes of `mask` and of conditions, in pixels of the canvas.
     pub shapes: BTreeMap<String, Region>,
+    /// Shapes of drawings, in pixels of the canvas.
+    pub drawings: BTreeMap<String, Vec<Shape>>,
     /// Libraries of `replace`.
     pub libraries: BTreeMap<String, Library>,
 }
@@ -54,6 +57,10 @@ impl Files {
                 Action::Tint { colour: ColourOrMap::Map(map), .. } => {
                     files.colours.insert(map.clone(), control::colours(&read(map)?, map)?);
                 }
+                Action::Propagate { drawing, .. } => {
+                    let shapes = import::drawn(&read(drawing)?, drawing, canvas)?;
+                    files.drawings.insert(drawing.clone(), shapes);
+                }
                 Action::Mask { shape, .. } => {
                     files.shapes.insert(shape.clone(), region(&read(shape)?, shape, canvas)?);
                 }
@@ -90,6 +97,10 @@ impl Files {
 
     pub(super) fn colours(&self, name: &str) -> Result<&ColourMap, EditFault> {
         self.colours.get(name).ok_or_else(|| EditFault::NoFile(name.to_owned()))
+    }
+
+    pub(super) fn drawing(&self, name: &str) -> Result<&[Shape], EditFault> {
+        self.drawings.get(name).map(Vec::as_slice).ok_or_else(|| EditFault::NoFile(name.to_owned()))
     }
 
     pub(super) fn map(&self, name: &str) -> Result<&ControlMap, EditFault> {

@@ -15,6 +15,7 @@ mod jitter;
 mod order;
 mod paint_order;
 mod place;
+mod propagate;
 mod relax;
 mod replace;
 mod selection;
@@ -147,6 +148,9 @@ fn act(
         Action::Relax { rounds, strength, minimum_distance } => {
             let how = Relaxing { rounds: *rounds, strength: *strength, minimum: *minimum_distance };
             relax::relax(scene, chosen, &how);
+        }
+        Action::Propagate { drawing, similar, replace } => {
+            return Ok(propagate::propagate(scene, chosen, files.drawing(drawing)?, *similar, *replace));
         }
         Action::Order { by, reverse } => paint_order::order(scene, chosen, *by, *reverse, draw),
         Action::Shuffle { within, share, outlines } => {

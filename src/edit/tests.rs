@@ -52,6 +52,7 @@ fn file(name: &str) -> Result<Vec<u8>> {
         "left.png" => picture(&|x| if x < 32 { 255 } else { 0 }),
         "fade.png" => picture(&|x| (x * 4) as u8),
         "disc.svg" => br#"<svg xmlns="http://www.w3.org/2000/svg" width="400" height="300"><circle cx="200" cy="150" r="100"/></svg>"#.to_vec(),
+        "dot.svg" => br##"<svg xmlns="http://www.w3.org/2000/svg" width="400" height="300"><circle cx="200" cy="150" r="2" fill="#00f"/></svg>"##.to_vec(),
         "two.txt" => b"#ffe0a0 #203040".to_vec(),
         _ => return Err(Error::read(name.as_ref(), std::io::ErrorKind::NotFound.into())),
     })

@@ -96,6 +96,9 @@ fn numbers(action: &Action) -> Vec<Number> {
             };
             pairs.into_iter().filter_map(number).collect()
         }
+        Action::Propagate { similar, .. } => {
+            similar.map(|v| ("similar", v, [0.0, 2.0], "")).into_iter().collect()
+        }
         Action::Relax { rounds, strength, minimum_distance } => {
             let least = minimum_distance.map(|v| length("min-distance", v));
             let own = [("rounds", f64::from(rounds), [1.0, 1000.0], ""), share("strength", strength)];

@@ -175,6 +175,17 @@ pub enum Action {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         minimum_distance: Option<f64>,
     },
+    /// What is drawn on one texton appears on all like it, in their frames.
+    Propagate {
+        /// File of the drawing, an SVG fitted to the canvas.
+        drawing: String,
+        /// Largest distance of median colours, in Oklab, of textons that are alike, 0 to 2; default: those of
+        /// the same category.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        similar: Option<f64>,
+        /// Whether it is drawn in place of what they show, else on it.
+        replace: bool,
+    },
     /// The painting order within each layer.
     Order {
         /// What is painted first: the least of it.

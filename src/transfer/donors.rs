@@ -46,15 +46,37 @@ impl<'a> Donors<'a> {
         Self { of_role }
     }
 
+    /// Whether there are any of a role.
+    pub(super) fn has(&self, role: Role) -> bool {
+        self.of_role.iter().any(|(known, donors)| *known == role && !donors.is_empty())
+    }
+
     /// A donor for an element, drawn from those of its role that are about as elongated. `None` if there is
     /// none of its role.
     pub(super) fn like(&self, role: Role, own: &Gaussian, mut random: Stream) -> Option<&Donor<'a>> {
+        let alike = self.alike(role, own)?;
+        Some(&alike[random.index(alike.len())].1)
+    }
+
+    /// The nearest of the donors that are about as elongated as an element; ties go to the first.
+    pub(super) fn nearest(
+        &self,
+        role: Role,
+        own: &Gaussian,
+        distance: impl Fn(&Instance) -> f32,
+    ) -> Option<&Donor<'a>> {
+        let alike = self.alike(role, own)?.iter().map(|(_, donor)| (distance(donor.instance), donor));
+        alike.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, donor)| donor)
+    }
+
+    /// The donors of a role that are about as elongated as an element; `None` if there are none.
+    fn alike(&self, role: Role, own: &Gaussian) -> Option<&[(f64, Donor<'a>)]> {
         let (_, donors) = self.of_role.iter().find(|(known, donors)| *known == role && !donors.is_empty())?;
         let wanted = elongation(own);
         let count = (libm::ceil(donors.len() as f64 * NEAREST) as usize).max(FEWEST).min(donors.len());
         let at = donors.partition_point(|(e, _)| *e < wanted);
         let first = at.saturating_sub(count / 2).min(donors.len() - count);
-        Some(&donors[first + random.index(count)].1)
+        Some(&donors[first..first + count])
     }
 }
 

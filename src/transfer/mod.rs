@@ -10,8 +10,11 @@
 
 mod donors;
 mod means;
+mod stylize;
 #[cfg(test)]
 mod tests;
+
+pub use stylize::{Keep, StylizeParams, stylize};
 
 use crate::document::Document;
 use crate::edit::draw_as;

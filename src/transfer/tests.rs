@@ -145,3 +145,64 @@ fn what_the_appearance_lacks_or_is_too_thin_is_counted() {
     assert_eq!((report.changed, report.removed, report.thin), (79, 120, 1));
     assert_eq!(after.primary()[7].transform, thin.primary()[7].transform);
 }
+
+/// A light disc with a dark bar on a ground that grows lighter to the right.
+fn picture() -> image::RgbImage {
+    image::RgbImage::from_fn(240, 180, |x, y| {
+        let (u, v) = (f64::from(x) - 120.0, f64::from(y) - 90.0);
+        if u.abs() < 50.0 && v.abs() < 8.0 {
+            image::Rgb([40, 30, 60])
+        } else if u * u + v * v < 4900.0 {
+            image::Rgb([230, 200, 150])
+        } else {
+            image::Rgb([60 + (x / 3) as u8, 90, 100])
+        }
+    })
+}
+
+fn redrawn(keep: Keep) -> Scene {
+    stylize(&picture(), &bars(), &StylizeParams { size: 480, keep, ..StylizeParams::default() }).unwrap()
+}
+
+/// Correlation of the lightness of elements with that of the picture where they stand.
+fn correlation(scene: &Scene) -> f64 {
+    let pairs: Vec<[f64; 2]> = scene
+        .gaussians()
+        .iter()
+        .zip(scene.appearances())
+        .filter_map(|(g, a)| {
+            let at = g.as_ref()?.mean;
+            let [x, y] = [(at.x / 2.0).clamp(0.0, 239.0) as u32, (at.y / 2.0).clamp(0.0, 179.0) as u32];
+            Some([f64::from(a.median[0]), f64::from(Colour(picture().get_pixel(x, y).0).to_oklab()[0])])
+        })
+        .collect();
+    let n = pairs.len() as f64;
+    let mean = [0, 1].map(|k| pairs.iter().map(|p| p[k]).sum::<f64>() / n);
+    let product = |i: usize, j: usize| pairs.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum::<f64>();
+    product(0, 1) / libm::sqrt(product(0, 0) * product(1, 1))
+}
+
+#[test]
+fn a_picture_is_redrawn_in_elements() {
+    let scene = redrawn(Keep::Color);
+    scene.validate().unwrap();
+    assert_eq!([scene.width, scene.height], [480, 360]);
+    assert!(scene.count() > 400 && scene.gaussians().iter().all(Option::is_some), "{}", scene.count());
+    for (keep, least) in [(Keep::Color, 0.9), (Keep::Lightness, 0.9)] {
+        let r = correlation(&redrawn(keep));
+        assert!(r > least, "{keep:?} {r}");
+    }
+    // Nothing is recoloured where the elements' own colours are kept.
+    let own = redrawn(Keep::None);
+    assert!(own.elements.iter().all(|e| bars().elements.contains(e)));
+    assert_eq!(redrawn(Keep::Color).to_json(), scene.to_json());
+    // Small elements lie where there are edges, and along them.
+    let small: Vec<Gaussian> = scene.gaussians().into_iter().flatten().filter(|g| g.size() < 4.0).collect();
+    assert!(small.len() > 50);
+    let bar =
+        |g: &&Gaussian| (g.mean.x - 240.0).abs() < 70.0 && ((g.mean.y - 180.0).abs() - 16.0).abs() < 4.0;
+    let along: Vec<f64> = small.iter().filter(bar).map(|g| g.angle().abs()).collect();
+    assert!(along.len() > 5 && along.iter().all(|a| *a < 0.5), "{along:?}");
+    let empty = testing::scene([9, 9], Vec::new(), Vec::new(), Vec::new(), testing::flat(Colour([0; 3])));
+    assert!(matches!(stylize(&picture(), &empty, &StylizeParams::default()), Err(Error::Unusable { .. })));
+}

@@ -2,6 +2,7 @@
 
 mod analyze;
 mod batch;
+mod check;
 mod completions;
 mod doctor;
 mod edit;
@@ -13,6 +14,7 @@ mod metrics;
 mod models;
 mod raster;
 mod render;
+mod stylize;
 mod synth;
 mod texture;
 mod transfer;
@@ -34,6 +36,7 @@ pub(crate) enum Command {
     Warp(warp::WarpArgs),
     Edit(edit::EditArgs),
     Transfer(transfer::TransferArgs),
+    Stylize(stylize::StylizeArgs),
     Tune(tune::TuneArgs),
     Render(render::RenderArgs),
     Interp(interp::InterpArgs),
@@ -41,6 +44,7 @@ pub(crate) enum Command {
     Raster(raster::RasterArgs),
     Inspect(inspect::InspectArgs),
     Metrics(metrics::MetricsArgs),
+    Check(check::CheckArgs),
     Doctor(doctor::DoctorArgs),
     Models(models::ModelsArgs),
     Completions(completions::CompletionsArgs),
@@ -59,6 +63,7 @@ impl Command {
             Self::Warp(a) => Box::new(a),
             Self::Edit(a) => Box::new(a),
             Self::Transfer(a) => Box::new(a),
+            Self::Stylize(a) => Box::new(a),
             Self::Tune(a) => Box::new(a),
             Self::Render(a) => Box::new(a),
             Self::Interp(a) => Box::new(a),
@@ -66,6 +71,7 @@ impl Command {
             Self::Raster(a) => Box::new(a),
             Self::Inspect(a) => Box::new(a),
             Self::Metrics(a) => Box::new(a),
+            Self::Check(a) => Box::new(a),
             Self::Doctor(a) => Box::new(a),
             Self::Models(a) => Box::new(a),
             Self::Completions(a) => Box::new(a),

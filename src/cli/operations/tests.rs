@@ -96,6 +96,10 @@ fn texts_mean_operations() {
             },
         ),
         ("relax --min-distance 9", Action::Relax { rounds: 20, strength: 0.5, minimum_distance: Some(9.0) }),
+        (
+            "propagate veins.svg --similar 0.1 --mode replace",
+            Action::Propagate { drawing: "veins.svg".into(), similar: Some(0.1), replace: true },
+        ),
         ("order y --first most", Action::Order { by: OrderBy::Y, reverse: true }),
         ("delete", Action::Delete),
         ("mask disc.svg", Action::Mask { shape: "disc.svg".into(), inside: true }),
@@ -173,7 +177,7 @@ fn help_names_the_true_ranges() {
             checked += 1;
         }
     }
-    assert_eq!(checked, 35);
+    assert_eq!(checked, 36);
 }
 
 #[test]

@@ -274,6 +274,22 @@ pub(super) enum Verb {
         #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
         min_distance: Option<f64>,
     },
+    /// Draw on one element, and it appears on all like it, fitted to their place, size and direction. The
+    /// drawing is an SVG over the whole canvas; the element under it is the one that is drawn on.
+    #[command(after_help = "propagate veins.svg --layer primary")]
+    Propagate {
+        /// what is drawn, an SVG of the canvas's size [a file]
+        #[arg(value_name = "DRAWING", value_parser = file)]
+        drawing: String,
+        /// alike are elements whose median colours are no further apart in Oklab; by default, those of the
+        /// same category [0 to 2]
+        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        similar: Option<f64>,
+        /// draw it on what elements show, or in place of that [add, replace, default: add]
+        #[arg(long = "mode", value_name = "WORD", default_value = "add", action = ArgAction::Set)]
+        #[arg(value_parser = PossibleValuesParser::new(["add", "replace"]).map(|word| word == "replace"))]
+        replace: bool,
+    },
     /// Sort the painting order within each layer.
     #[command(after_help = "order y --layer primary")]
     Order {
@@ -367,6 +383,7 @@ impl Verb {
             Self::Relax { rounds, strength, min_distance } => {
                 Action::Relax { rounds, strength, minimum_distance: min_distance }
             }
+            Self::Propagate { drawing, similar, replace } => Action::Propagate { drawing, similar, replace },
             Self::Order { by, reverse } => Action::Order { by, reverse },
             Self::Delete => Action::Delete,
             Self::Mask { shape, keep } => Action::Mask { shape, inside: keep },
