@@ -55,6 +55,7 @@ pub mod edit;
 pub mod element;
 #[cfg(feature = "onnx")]
 pub mod engine;
+pub mod flow;
 pub mod geometry;
 pub mod import;
 pub mod interpolate;

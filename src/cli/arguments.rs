@@ -58,6 +58,7 @@ pub(crate) fn command() -> clap::Command {
     let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS].concat());
     let command = hide(command, "interp", &WORK);
+    let command = hide(command, "animate", &WORK[1..]);
     let command = hide(command, "check", &WORK);
     let command = hide(command, "layers", &WORK[1..]);
     let command = hide(command, "raster", &WORK[1..]);
@@ -94,6 +95,7 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("check", "library"),
             ("stylize", "picture"),
             ("stylize", "with"),
+            ("animate", "scene"),
             ("render", "file"),
             ("raster", "photo"),
             ("interp", "from"),

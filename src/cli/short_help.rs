@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 
 /// Of each command: its options in the order of their use, each with a few words.
-const COMMON: [(&str, &[(&str, &str)]); 19] = [
+const COMMON: [(&str, &[(&str, &str)]); 20] = [
     (
         "texture",
         &[
@@ -78,6 +78,15 @@ const COMMON: [(&str, &[(&str, &str)]); 19] = [
             ("map", "Where which is used: a picture"),
             ("mode", "mean (colours only) or replace"),
             ("output", "Result: .svg, .pdf, .png, .scene.json"),
+        ],
+    ),
+    (
+        "animate",
+        &[
+            ("scene", "The scene; - reads stdin"),
+            ("flow", "shear, vortex, wind, or a picture of directions"),
+            ("frames", "Pictures in a loop"),
+            ("output", "Result: .gif, .png, .apng or a folder"),
         ],
     ),
     (

@@ -188,14 +188,12 @@ fn a_picture_is_redrawn_in_elements() {
     scene.validate().unwrap();
     assert_eq!([scene.width, scene.height], [480, 360]);
     assert!(scene.count() > 400 && scene.gaussians().iter().all(Option::is_some), "{}", scene.count());
-    for (keep, least) in [(Keep::Color, 0.9), (Keep::Lightness, 0.9)] {
-        let r = correlation(&redrawn(keep));
-        assert!(r > least, "{keep:?} {r}");
-    }
+    let grey = redrawn(Keep::Lightness);
+    assert!(correlation(&scene) > 0.9 && correlation(&grey) > 0.9);
     // Nothing is recoloured where the elements' own colours are kept.
     let own = redrawn(Keep::None);
     assert!(own.elements.iter().all(|e| bars().elements.contains(e)));
-    assert_eq!(redrawn(Keep::Color).to_json(), scene.to_json());
+    assert_ne!(grey.elements, scene.elements);
     // Small elements lie where there are edges, and along them.
     let small: Vec<Gaussian> = scene.gaussians().into_iter().flatten().filter(|g| g.size() < 4.0).collect();
     assert!(small.len() > 50);

@@ -1,6 +1,7 @@
 //! The commands, one file or folder for each.
 
 mod analyze;
+mod animate;
 mod batch;
 mod check;
 mod completions;
@@ -40,6 +41,7 @@ pub(crate) enum Command {
     Tune(tune::TuneArgs),
     Render(render::RenderArgs),
     Interp(interp::InterpArgs),
+    Animate(animate::AnimateArgs),
     Layers(Box<layers::LayersArgs>),
     Raster(raster::RasterArgs),
     Inspect(inspect::InspectArgs),
@@ -67,6 +69,7 @@ impl Command {
             Self::Tune(a) => Box::new(a),
             Self::Render(a) => Box::new(a),
             Self::Interp(a) => Box::new(a),
+            Self::Animate(a) => Box::new(a),
             Self::Layers(a) => a,
             Self::Raster(a) => Box::new(a),
             Self::Inspect(a) => Box::new(a),

@@ -5,15 +5,15 @@ use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::options::files::{ForceArgs, Makes, apart, check_files, outputs, required, targets};
+use crate::cli::options::frames::{AnimationKind, FrameFormat, Played, formats, played, rate};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
 use crate::cli::output::{Place, Targets};
 use crate::cli::values::{named, one_of};
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use serde::Deserialize;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use vtex::output::file::{Format, Kind};
 use vtex::scene::Axis;
 
@@ -59,7 +59,7 @@ pub(crate) struct InterpArgs {
     pub(super) back: bool,
     /// Frames in a folder are [svg or png, default: svg]
     #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
-    #[arg(value_parser = one_of(&["svg", "png"], named::<FrameFormat>))]
+    #[arg(value_parser = formats())]
     pub(super) format: Option<FrameFormat>,
     /// One scene only, so far along the way [0 to 1]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
@@ -98,19 +98,6 @@ fn where_it_turns(text: OsString) -> MorphFrom {
         Some("radial") => MorphFrom::Radial,
         _ => MorphFrom::Map(Input::new(text.into())),
     }
-}
-
-/// Formats of frames in a folder.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum FrameFormat {
-    Svg,
-    Png,
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|v| (0.1..=100.0).contains(v));
-    value.ok_or_else(|| "expected a number from 0.1 to 100".into())
 }
 
 fn share(text: &str) -> Result<f64, String> {
@@ -157,14 +144,6 @@ impl Wanted {
     }
 }
 
-/// Formats of an animation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum AnimationKind {
-    Svg { gzip: bool },
-    Gif,
-    Png,
-}
-
 /// How many frames there are and how they are played.
 #[derive(Clone, Copy)]
 pub(super) struct Pace {
@@ -207,45 +186,14 @@ impl Interpolating {
                     .hint("give -o animation.svg, animation.gif or animation.png, or a folder for frames"));
             }
             apart(&outputs(&a.output))?;
-            let play = |path| play(path, a.format, a.force.force, pace);
-            a.output.into_iter().map(play).collect::<Result<_, _>>()?
+            let play = |path| {
+                Ok(match played(path, a.format, a.force.force, "give --at, --across or --morph")? {
+                    Played::Frames { folder, kind, force } => Wanted::Frames { folder, kind, force, pace },
+                    Played::Animation { place, kind } => Wanted::Animation { place, kind, pace },
+                })
+            };
+            a.output.into_iter().map(play).collect::<Result<_, Failure>>()?
         };
         Ok(Self { from, to, wanted, scale: parameters.render, svg: parameters.svg })
     }
-}
-
-/// An animation, or frames in a folder, by the name of the output.
-fn play(path: PathBuf, format: Option<FrameFormat>, force: bool, pace: Pace) -> Result<Wanted, Failure> {
-    let name = path.to_string_lossy().to_ascii_lowercase();
-    let known = [
-        (".svg", AnimationKind::Svg { gzip: false }),
-        (".svgz", AnimationKind::Svg { gzip: true }),
-        (".gif", AnimationKind::Gif),
-        (".png", AnimationKind::Png),
-        (".apng", AnimationKind::Png),
-    ];
-    let found = known.iter().find(|(ending, _)| name.ends_with(ending)).filter(|_| !path.is_dir());
-    match found {
-        Some(_) if format.is_some() => {
-            Err(Failure::usage("--format is for frames in a folder").hint("give -o the name of a folder"))
-        }
-        Some(&(_, kind)) => Ok(Wanted::Animation { place: Place::File { path, force }, kind, pace }),
-        None if is_folder(&path) => {
-            let format = match format.unwrap_or(FrameFormat::Svg) {
-                FrameFormat::Svg => Format::Svg,
-                FrameFormat::Png => Format::Png,
-            };
-            Ok(Wanted::Frames { folder: path, kind: Kind { format, gzip: false }, force, pace })
-        }
-        None => Err(Failure::usage(format!("cannot tell the kind of animation from '{}'", path.display()))
-            .hint(
-                "give -o a name that ends in .svg, .svgz, .gif, .png or .apng, or the name of a folder; \
-                other files hold one scene: give --at, --across or --morph",
-            )),
-    }
-}
-
-/// Whether a path can only be meant as a folder.
-fn is_folder(path: &Path) -> bool {
-    path.is_dir() || path.as_os_str() != "-" && path.extension().is_none()
 }

@@ -1,8 +1,9 @@
 //! Frames, an animation, or a scene between two.
 
-use super::arguments::{AnimationKind, Interpolating, MorphFrom, One, Pace, Wanted};
+use super::arguments::{Interpolating, MorphFrom, One, Pace, Wanted};
 use crate::cli::common::Common;
 use crate::cli::input;
+use crate::cli::options::frames::{AnimationKind, digits};
 use crate::cli::options::render::Ground;
 use crate::cli::output::{Drawing, Place, Target, Targets, Written};
 use crate::cli::progress::Reporter;
@@ -157,11 +158,6 @@ fn frames<'a>(
     }
     let size = drawing(job).size_of(from, kind.format);
     Ok(Made { path: folder, written, size, counts: None, piped: false })
-}
-
-/// Digits of the numbers of these files, at least four, so that they sort by name.
-fn digits(count: u32) -> usize {
-    count.to_string().len().max(4)
 }
 
 /// One file that plays.
