@@ -18,7 +18,7 @@ use crate::geometry::{Affine, Point, Vec2};
 use crate::parallel;
 use crate::raster::ControlMap;
 use crate::scene::{Instance, InstanceId, Scene, Tile};
-use paths::Path;
+use paths::{Path, Start};
 
 /// What carries the elements.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +29,8 @@ pub enum Flow {
     Vortex,
     /// Gusts go over the canvas from left to right; elements give way, turn a little, and come back.
     Wind,
-    /// Directions by place, a map stretched over the canvas: 0 and 1 to the right, a quarter down. Elements
-    /// go a little way, vanish, and come again where they set out.
+    /// Directions by place, a map stretched over the canvas: 0 and 1 to the right, a quarter down. Large
+    /// elements go a little way, vanish, and come again where they set out; small ones stay.
     Field(ControlMap),
 }
 
@@ -71,10 +71,19 @@ impl Flowing {
         check((1..=100).contains(&params.rounds), "rounds", params.rounds, "1 to 100")?;
         check((0.01..=10.0).contains(&params.strength), "strength", params.strength, "0.01 to 10")?;
         let canvas = [f64::from(scene.width), f64::from(scene.height)];
-        let mut scene = listed(scene, paths::margin(flow, canvas, params));
+        let (mut scene, originals) = listed(scene, paths::margin(flow, canvas, params));
         scene.tile = Tile::default();
-        let ids: Vec<(u64, Point)> = scene.instances().map(|i| (u64::from(i.id.0), scene.place(i))).collect();
-        let paths = parallel::map(&ids, |(id, at)| Path::new(flow, *at, canvas, params, *id));
+        // A copy moves as its original does.
+        let layers = scene.layers.iter();
+        let individual = layers.flat_map(|l| std::iter::repeat_n(l.role.is_individual(), l.instances.len()));
+        let places = scene.instances().map(|i| scene.place(i));
+        let starts: Vec<Start> = originals
+            .into_iter()
+            .zip(places)
+            .zip(individual)
+            .map(|((id, at), individual)| Start { at, id: id.0.into(), individual })
+            .collect();
+        let paths = parallel::map(&starts, |start| Path::new(flow, start, canvas, params));
         Ok(Self { scene, paths })
     }
 
@@ -116,12 +125,12 @@ struct Now {
 }
 
 /// A scene that lists copies of its elements as far as `margin` pixels beyond the borders, each right after
-/// its original.
-fn listed(scene: &Scene, margin: [f64; 2]) -> Scene {
+/// its original; and the original of each instance, itself or another.
+fn listed(scene: &Scene, margin: [f64; 2]) -> (Scene, Vec<InstanceId>) {
     let canvas = [f64::from(scene.width), f64::from(scene.height)];
     let bounds: Vec<_> = scene.elements.iter().map(crate::scene::Element::bounds).collect();
     let mut next = scene.instances().map(|i| i.id.0).max().map_or(0, |id| id + 1);
-    let mut out = scene.clone();
+    let (mut out, mut originals) = (scene.clone(), Vec::with_capacity(scene.count()));
     for layer in &mut out.layers {
         let mut all = Vec::with_capacity(layer.instances.len());
         for instance in layer.instances.drain(..) {
@@ -136,6 +145,7 @@ fn listed(scene: &Scene, margin: [f64; 2]) -> Scene {
                 along(p.x, 0) && along(p.y, 1)
             };
             all.push(home.clone());
+            originals.push(home.id);
             for (i, j) in (-1..=1).flat_map(|j| (-1..=1).map(move |i| (i, j))).filter(|s| *s != (0, 0)) {
                 let p = at + Vec2::new(f64::from(i) * canvas[0], f64::from(j) * canvas[1]);
                 if near(p) && next < u32::MAX {
@@ -144,11 +154,12 @@ fn listed(scene: &Scene, margin: [f64; 2]) -> Scene {
                         transform: [a, b, c, d, p.x, p.y],
                         ..home.clone()
                     });
+                    originals.push(home.id);
                     next += 1;
                 }
             }
         }
         layer.instances = all;
     }
-    out
+    (out, originals)
 }

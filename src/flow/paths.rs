@@ -14,8 +14,8 @@ const WOBBLE: f64 = 1.0 / 60.0;
 /// radians.
 const GUST: f64 = 0.012;
 const BEND: f64 = 0.22;
-/// Length of the waves of wind, as a share of the width.
-const WAVE: f64 = 0.6;
+/// Length of the waves of wind, as a share of the width: a whole number of them fits.
+const WAVE: f64 = 0.5;
 /// Way along a field in a loop, as a share of the shorter side.
 const DRIFT: f64 = 0.18;
 /// Share of a loop in which an element along a field comes, and in which it goes.
@@ -52,8 +52,20 @@ pub(super) enum Path {
     Drift { points: Vec<Vec2>, phase: f64 },
 }
 
+/// An element that sets out.
+pub(super) struct Start {
+    /// Where it stands.
+    pub(super) at: Point,
+    /// Its id, or that of the element that it is a copy of.
+    pub(super) id: u64,
+    /// Whether it is a thing of its own. Others make up what is seen only together, so neighbours move
+    /// alike.
+    pub(super) individual: bool,
+}
+
 impl Path {
-    pub(super) fn new(flow: &Flow, at: Point, canvas: [f64; 2], params: &FlowParams, id: u64) -> Self {
+    pub(super) fn new(flow: &Flow, start: &Start, canvas: [f64; 2], params: &FlowParams) -> Self {
+        let Start { at, id, individual } = *start;
         let [width, height] = canvas;
         let rounds = f64::from(params.rounds);
         let shorter = width.min(height);
@@ -66,18 +78,22 @@ impl Path {
                 };
                 let mut random = stream(params.seed, "flow/shear", id);
                 // A loop begins where the scene has the element.
-                let wobble =
-                    std::array::from_fn(|k| if k == 0 { 0.0 } else { random.normal() * WOBBLE * width });
+                let wobble = std::array::from_fn(|k| {
+                    if k == 0 || !individual { 0.0 } else { random.normal() * WOBBLE * width }
+                });
                 Self::Band { distance: sign * rounds * width, from: at.x, period: width, wobble }
             }
             Flow::Vortex => Self::Round { arm: at - Point::new(width / 2.0, height / 2.0), rounds },
             Flow::Wind => {
                 let mut random = stream(params.seed, "flow/wind", id);
-                let phase = -at.x / (WAVE * width) - 0.3 * at.y / height + 0.08 * random.normal();
-                let strength = params.strength * random.range(0.6, 1.4);
-                let way = Vec2::new(1.0, 0.15 * random.normal()) * (GUST * shorter * strength);
-                Self::Sway { rounds, phase, way, bend: BEND * strength.min(3.0) }
+                let own = if individual { 1.0 } else { 0.0 };
+                let bulge = 0.12 * libm::sin(TAU * at.y / height);
+                let phase = bulge - at.x / (WAVE * width) + 0.05 * own * random.normal();
+                let strength = params.strength * (1.0 + own * random.range(-0.3, 0.3));
+                let way = Vec2::new(1.0, 0.15 * own * random.normal()) * (GUST * shorter * strength);
+                Self::Sway { rounds, phase, way, bend: BEND * own * strength.min(3.0) }
             }
+            Flow::Field(_) if !individual => Self::Still,
             Flow::Field(map) => {
                 // A whole number of steps, so that a loop begins exactly where the scene has the element.
                 let first = libm::ceil(FADE * STEPS as f64) as usize;
@@ -138,7 +154,9 @@ fn smooth(knots: &[f64; KNOTS], time: f64) -> f64 {
 fn drifted(map: &ControlMap, from: Point, canvas: [f64; 2], length: f64, phase: f64) -> Vec<Vec2> {
     let step = length / STEPS as f64;
     let direction = |p: Point| {
-        let (sine, cosine) = libm::sincos(TAU * map.at([p.x, p.y], canvas));
+        // Copies beyond the borders go as their originals.
+        let home = [p.x.rem_euclid(canvas[0]), p.y.rem_euclid(canvas[1])];
+        let (sine, cosine) = libm::sincos(TAU * map.at(home, canvas));
         Vec2::new(cosine, sine)
     };
     let walk = |share: f64, sign: f64| {

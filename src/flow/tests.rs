@@ -113,9 +113,8 @@ fn nothing_that_is_seen_jumps() {
             let old: std::collections::BTreeMap<_, _> = before.primary().iter().map(|i| (i.id, i)).collect();
             for i in seen(&now) {
                 let size = |i: &Instance| libm::sqrt(i.affine().determinant());
-                let jumps = |b: &&Instance| place(b).distance(place(i)) > 12.0;
                 // What jumps is too small to be seen, or comes from where nothing is seen.
-                if let Some(b) = old.get(&i.id).filter(jumps) {
+                if let Some(b) = old.get(&i.id).filter(|b| place(b).distance(place(i)) > 12.0) {
                     let outside = !seen(&before).iter().any(|s| s.id == b.id);
                     let copy = seen(&before).iter().any(|s| place(s).distance(place(i)) < 12.0);
                     assert!(size(i) < 0.35 || outside || copy, "{flow:?} {k} {i:?} {b:?}");

@@ -9,6 +9,8 @@
 //! other outlines leave other gaps.
 
 mod donors;
+#[cfg(test)]
+mod figures;
 mod means;
 mod stylize;
 #[cfg(test)]

@@ -145,6 +145,20 @@ impl View {
         [along(p.x, self.canvas[0], columns), along(p.y, self.canvas[1], rows)]
     }
 
+    /// Places at a distance. The largest elements are spread as evenly as can be; of smaller ones there are
+    /// many, and one at random in each cell of a lattice is cheaper.
+    fn points(&self, (level, distance): (u32, f64), seed: u64) -> Vec<[f64; 2]> {
+        let mut random = stream(seed, "stylize/level", level.into());
+        let [width, height] = self.canvas;
+        if level == 0 {
+            return poisson_disk(Area::plane(width, height), 0.8 * distance, &mut random);
+        }
+        let [columns, rows] = self.canvas.map(|v| libm::ceil(v / distance) as usize);
+        let side = [width / columns as f64, height / rows as f64];
+        let mut within = |i: usize, side: f64| (i as f64 + random.range(0.15, 0.85)) * side;
+        (0..columns * rows).map(|i| [within(i % columns, side[0]), within(i / columns, side[1])]).collect()
+    }
+
     /// The spots of a level at a distance, where what larger elements show differs from what is seen.
     fn level(
         &self,
@@ -153,9 +167,7 @@ impl View {
         shown: Option<&[Plane; 3]>,
         seed: u64,
     ) -> Vec<Spot> {
-        let mut random = stream(seed, "stylize/level", level.into());
-        let area = Area::plane(self.canvas[0], self.canvas[1]);
-        let points = poisson_disk(area, 0.8 * distance, &mut random);
+        let points = self.points((level, distance), seed);
         let tensor = Tensor::new(&seen[0], (distance / 2.0 * self.scale()) as f32);
         let spots = points.into_iter().filter_map(|[x, y]| {
             let at = Point::new(x, y);

@@ -49,7 +49,13 @@ fn params(mode: TransferMode, scale: f64) -> TransferParams {
     TransferParams { mode, scale, seed: 5 }
 }
 
-fn mean(scene: &Scene, roles: &[Role]) -> [f64; 3] {
+/// Distance in Oklab of the mean medians of the primaries of two scenes.
+pub(super) fn median_shift(a: &Scene, b: &Scene) -> f64 {
+    let [a, b] = [a, b].map(|s| mean(s, &[Role::Primary]));
+    libm::sqrt((0..3).map(|k| a[k] - b[k]).map(|d| d * d).sum())
+}
+
+pub(super) fn mean(scene: &Scene, roles: &[Role]) -> [f64; 3] {
     let of = scene.layers.iter().flat_map(|l| std::iter::repeat_n(l.role, l.instances.len()));
     let all: Vec<[f32; 3]> =
         of.zip(scene.appearances()).filter(|(r, _)| roles.contains(r)).map(|(_, a)| a.median).collect();
@@ -161,7 +167,8 @@ fn picture() -> image::RgbImage {
 }
 
 fn redrawn(keep: Keep) -> Scene {
-    stylize(&picture(), &bars(), &StylizeParams { size: 480, keep, ..StylizeParams::default() }).unwrap()
+    stylize(&picture(), &bars(), &StylizeParams { size: 480, levels: 3, keep, ..StylizeParams::default() })
+        .unwrap()
 }
 
 /// Correlation of the lightness of elements with that of the picture where they stand.
@@ -195,7 +202,7 @@ fn a_picture_is_redrawn_in_elements() {
     assert!(own.elements.iter().all(|e| bars().elements.contains(e)));
     assert_ne!(grey.elements, scene.elements);
     // Small elements lie where there are edges, and along them.
-    let small: Vec<Gaussian> = scene.gaussians().into_iter().flatten().filter(|g| g.size() < 4.0).collect();
+    let small: Vec<Gaussian> = scene.gaussians().into_iter().flatten().filter(|g| g.size() < 9.0).collect();
     assert!(small.len() > 50);
     let bar =
         |g: &&Gaussian| (g.mean.x - 240.0).abs() < 70.0 && ((g.mean.y - 180.0).abs() - 16.0).abs() < 4.0;

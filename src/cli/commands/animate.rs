@@ -26,7 +26,7 @@ use vtex::{Error, Progress, control};
 /// A scene in motion: its elements carried by a flow, in a loop without a jump
 #[derive(Args)]
 #[command(
-    override_usage = "vtex animate [OPTIONS] <SCENE> --flow <FLOW> --output <FILE>",
+    override_usage = "vtex animate [OPTIONS] <SCENE> --output <FILE>",
     after_help = "\
 Examples:
   vtex animate grass.scene.json --flow wind -o grass.gif

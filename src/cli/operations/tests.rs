@@ -166,7 +166,12 @@ fn help_names_the_true_ranges() {
             let (low, high): (f64, f64) = (low.parse().unwrap(), high.parse().unwrap());
             let ok = |value: f64| {
                 let flag = argument.get_long().map(|long| format!("--{long} ")).unwrap_or_default();
-                let before = if argument.get_id() == "y" { needed("y") } else { String::new() };
+                let before = match argument.get_id().as_str() {
+                    "y" => needed("y"),
+                    // Steps of nothing are nothing.
+                    "steps" => "--move 1".into(),
+                    _ => String::new(),
+                };
                 let after =
                     if argument.get_id() == "y" { String::new() } else { needed(argument.get_id().as_str()) };
                 parse(&format!("{} {before} {flag}{value} {after}", verb.get_name()), palette).is_ok()
@@ -185,7 +190,11 @@ fn faults_are_told_with_what_would_be_right() {
     for (text, message, hint) in [
         ("", "it is empty", "thin, density"),
         ("tnit #fff", "there is no operation 'tnit'", "did you mean 'tint'? the operations are thin,"),
-        ("tint", "COLOUR is missing (#rrggbb, #rgb or a name of CSS)", "tint COLOUR [--amount NUMBER]"),
+        (
+            "tint",
+            "COLOUR is missing (#rrggbb, #rgb or a name of CSS, or a file)",
+            "tint COLOUR [--amount NUMBER]",
+        ),
         ("tint reddish", "COLOUR = reddish is no colour", "#rrggbb"),
         ("tint #fff --amout 1", "'tint' has no flag '--amout'", "did you mean '--amount'?"),
         ("tint #fff --amount", "--amount needs a value", "0 to 1"),

@@ -228,7 +228,7 @@ pub(super) enum Verb {
         steps: u32,
     },
     /// Let appearances, colours and details, change places at random among elements of like size.
-    #[command(after_help = "shuffle --within category --share 0.5")]
+    #[command(after_help = "shuffle --layer primary --share 0.5")]
     Shuffle {
         /// among the elements of a layer, or of each category in it [layer, category, default: layer]
         #[arg(long, value_name = "WORD", value_parser = choice::<Within>(&["layer", "category"]))]
