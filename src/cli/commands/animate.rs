@@ -33,7 +33,8 @@ Examples:
   vtex animate pebbles.scene.json --flow vortex --frames 90 -o turning.png
   vtex animate leaves.scene.json --flow directions.png -o frames --format png
 
-Elements come in at the borders as others leave. Best are scenes that repeat ('vtex synth --tile')."
+Elements come in at the borders as others leave. Best are scenes that repeat
+('vtex synth --tile')."
 )]
 pub(crate) struct AnimateArgs {
     /// The scene, plain or gzip; - reads stdin

@@ -9,7 +9,7 @@ use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::options::files::{check_files, required};
 use crate::cli::options::layers::LayerFiles;
 use crate::cli::options::masks::MasksFrom;
-use crate::cli::output::print;
+use crate::cli::output::{print, print_styled};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::table::table;
@@ -29,9 +29,9 @@ Examples:
   vtex check out.scene.json --library photo.lib.json
   vtex check out.scene.json --library photo.lib.json --json
 
-Large elements count that lie whole on the canvas and are mostly seen. The picture is analysed with
-the parameters of the library. Compare the numbers with those of the library itself: 'vtex check
-photo.lib.json --library photo.lib.json'."
+Large elements count that lie whole on the canvas and are mostly seen. The
+picture is analysed with the parameters of the library. Compare the numbers
+with those of the library itself, given in place of the scene."
 )]
 pub(crate) struct CheckArgs {
     /// A scene, or a library as its exemplar is, plain or gzip; - reads stdin
@@ -100,7 +100,7 @@ fn run(common: &Common, reporter: &Reporter, checking: Checking) -> anyhow::Resu
     if common.json {
         return print(format!("{}\n", serde_json::to_string_pretty(&cycle)?).as_bytes());
     }
-    print(told(&cycle).as_bytes())
+    print_styled(&told(&cycle))
 }
 
 /// The numbers, with what they mean.

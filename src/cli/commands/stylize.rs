@@ -30,7 +30,7 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
     after_help = "\
 Examples:
   vtex stylize portrait.jpg --with leaves.lib.json -o portrait.svg
-  vtex stylize portrait.jpg --with pebbles.lib.json --keep lightness --element-size 24
+  vtex stylize portrait.jpg --with pebbles.lib.json --keep lightness
 
 Elements follow the edges of the picture, and are small where it has detail."
 )]

@@ -31,12 +31,13 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
     override_usage = "vtex transfer [OPTIONS] --structure <FILE> --appearance <FILE>...",
     after_help = "\
 Examples:
-  vtex transfer --structure leaves.scene.json --appearance pebbles.lib.json -o out.svg
-  vtex transfer --structure leaves.lib.json --appearance rust.lib.json --mode mean -o out.svg
-  vtex transfer --structure a.scene.json --appearance b.lib.json c.lib.json --map regions.png
+  vtex transfer --structure a.scene.json --appearance b.lib.json -o out.svg
+  vtex transfer --structure a.lib.json --appearance b.lib.json --mode mean
+  vtex transfer --structure a.json --appearance b.json c.json --map m.png
 
-A library stands for its exemplar as it is. Every element keeps its place, size and direction. What
-is too thin to be drawn anew keeps its shape and is counted."
+A library stands for its exemplar as it is. Every element keeps its place,
+size and direction. What is too thin to be drawn anew keeps its shape and is
+counted."
 )]
 pub(crate) struct TransferArgs {
     /// The texture whose arrangement is kept: a scene or a library, plain or gzip; - reads stdin

@@ -1,12 +1,13 @@
 //! The figures of benches/composable.md, measured on libraries and scenes in a folder.
 
-use super::tests::{mean, median_shift};
-use super::*;
 use crate::edit::{Action, Files, Operation, Within, apply};
-use crate::geometry::{Outline, Region};
+use crate::element::Gaussian;
+use crate::geometry::{Outline, Point, Region};
 use crate::library::Library;
-use crate::scene::Role;
+use crate::scene::{Role, Scene, TransferMode};
 use crate::synth::reconstruct;
+use crate::transfer::tests::{mean, median_shift};
+use crate::transfer::{TransferParams, transfer};
 use std::path::PathBuf;
 
 /// Samples in a standard deviation.
