@@ -320,7 +320,7 @@ fn maps_stand_for_numbers_and_colours() {
     for (a, b) in sizes.instances().zip(scene().instances()) {
         let x = b.transform[4];
         let factor = libm::sqrt(a.affine().determinant());
-        assert!((20.0..380.0).contains(&x) == false || (factor - x / 200.0).abs() < 0.03, "{x} {factor}");
+        assert!(!(20.0..380.0).contains(&x) || (factor - x / 200.0).abs() < 0.03, "{x} {factor}");
     }
     let turned = one(Action::Rotate { angle: map() });
     assert_ne!(turned.primary(), scene().primary());

@@ -46,7 +46,7 @@ pub(super) fn shuffle(
     }
     let jobs: Vec<usize> = (0..all.len()).filter(|&i| from[i] != i).collect();
     let exchange = Exchange { scene, all: &all, gaussians: &gaussians, outlines };
-    let made = parallel::map(&jobs, |&i| exchange.new(i, from[i]));
+    let made = parallel::map(&jobs, |&i| exchange.made(i, from[i]));
     let mut new: Vec<Option<Made>> = vec![None; all.len()];
     jobs.into_iter().zip(made).for_each(|(i, made)| new[i] = made);
     let mut elements = std::mem::take(&mut scene.elements);
@@ -99,7 +99,7 @@ struct Exchange<'a> {
 
 impl Exchange<'_> {
     /// The instance `to` with the appearance of the instance `from`.
-    fn new(&self, to: usize, from: usize) -> Option<Made> {
+    fn made(&self, to: usize, from: usize) -> Option<Made> {
         let (own, other) = (&self.all[to], &self.all[from]);
         let (target, source) = (self.gaussians[to]?, self.gaussians[from]?);
         let [into, out] = [own, other].map(|i| self.scene.element(i));

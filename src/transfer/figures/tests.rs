@@ -20,6 +20,7 @@ fn counted(outline: &Outline, gaussian: &Gaussian) -> ([f64; 3], f64) {
     let bounds = outline.bounds().inflate(gaussian.deviations()[0], gaussian.deviations()[0]);
     let mut sums = [0.0; 6];
     let [mut both, mut any] = [0.0; 2];
+    let step = gaussian.deviations()[1] / FINE;
     let steps =
         |from: f64, to: f64| (0..((to - from) / step) as usize).map(move |k| from + (k as f64 + 0.5) * step);
     for y in steps(bounds.y0, bounds.y1) {
