@@ -55,6 +55,7 @@ pub mod edit;
 pub mod element;
 #[cfg(feature = "onnx")]
 pub mod engine;
+pub mod flow;
 pub mod geometry;
 pub mod import;
 pub mod interpolate;
@@ -71,6 +72,7 @@ pub mod scene;
 pub mod segment;
 pub mod statistics;
 pub mod synth;
+pub mod transfer;
 pub mod tune;
 pub mod warp;
 

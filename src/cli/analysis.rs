@@ -144,7 +144,7 @@ fn check_drawing(analysis: &Analysis) -> Result<(), Failure> {
 }
 
 /// Loads what finds masks.
-fn segmenter(
+pub(crate) fn segmenter(
     common: &Common,
     analysis: &Analysis,
     reporter: &Reporter,

@@ -52,10 +52,14 @@ pub(crate) fn command() -> clap::Command {
     });
     let command = hide(command, "tune", &WORK[1..]);
     let command = hide(command, "edit", &WORK[1..]);
+    let command = hide(command, "transfer", &WORK[1..]);
+    let command = hide(command, "stylize", &WORK[1..]);
     let command = hide(command, "render", &WORK);
     let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
     let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS].concat());
     let command = hide(command, "interp", &WORK);
+    let command = hide(command, "animate", &WORK[1..]);
+    let command = hide(command, "check", &WORK);
     let command = hide(command, "layers", &WORK[1..]);
     let command = hide(command, "raster", &WORK[1..]);
     let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
@@ -84,7 +88,14 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
             ("batch", "out_dir"),
             ("warp", "scene"),
             ("warp", "library"),
+            ("transfer", "structure"),
+            ("transfer", "appearance"),
             ("tune", "library"),
+            ("check", "scene"),
+            ("check", "library"),
+            ("stylize", "picture"),
+            ("stylize", "with"),
+            ("animate", "scene"),
             ("render", "file"),
             ("raster", "photo"),
             ("interp", "from"),

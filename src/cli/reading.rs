@@ -7,7 +7,7 @@ use super::options::control::{DomainFrom, LeadFrom, Steering};
 use vtex::control;
 use vtex::library::Library;
 use vtex::scene::{Method, Scene, SynthParams};
-use vtex::synth::{Controls, Lead, layer_map};
+use vtex::synth::{Controls, Lead, layer_map, reconstruct};
 
 /// Reads the files that steer the synthesis of a number of libraries.
 pub(crate) fn controls(
@@ -84,6 +84,16 @@ pub(crate) fn scene(input: &Input) -> anyhow::Result<Scene> {
     Kind::expect(&bytes, input, &[Kind::Scene, Kind::Unknown])
         .map_err(|failure| failure.hint("make a scene with 'vtex synth photo.lib.json -o out.scene.json'"))?;
     Ok(Scene::from_bytes(bytes, &input.name())?)
+}
+
+/// Reads a scene, or a library as its exemplar is.
+pub(crate) fn texture(input: &Input) -> anyhow::Result<Scene> {
+    let bytes = input.read()?;
+    let kind = Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Unknown])?;
+    Ok(match kind {
+        Kind::Library => reconstruct(&Library::from_bytes(&bytes, &input.name())?),
+        _ => Scene::from_bytes(&bytes, &input.name())?,
+    })
 }
 
 /// Reads libraries.

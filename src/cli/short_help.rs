@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 
 /// Of each command: its options in the order of their use, each with a few words.
-const COMMON: [(&str, &[(&str, &str)]); 16] = [
+const COMMON: [(&str, &[(&str, &str)]); 20] = [
     (
         "texture",
         &[
@@ -68,6 +68,42 @@ const COMMON: [(&str, &[(&str, &str)]); 16] = [
             ("cage", "The cage before: an SVG with one path"),
             ("to", "The cage after"),
             ("output", "Result: .svg, .pdf, .png, .scene.json"),
+        ],
+    ),
+    (
+        "transfer",
+        &[
+            ("structure", "Whose arrangement is kept: a scene or library"),
+            ("appearance", "Whose elements are taken; several with --map"),
+            ("map", "Where which is used: a picture"),
+            ("mode", "mean (colours only) or replace"),
+            ("output", "Result: .svg, .pdf, .png, .scene.json"),
+        ],
+    ),
+    (
+        "animate",
+        &[
+            ("scene", "The scene; - reads stdin"),
+            ("flow", "shear, vortex, wind, or a picture of directions"),
+            ("frames", "Pictures in a loop"),
+            ("output", "Result: .gif, .png, .apng or a folder"),
+        ],
+    ),
+    (
+        "stylize",
+        &[
+            ("picture", "The picture; - reads stdin"),
+            ("with", "The texture that it is redrawn in"),
+            ("keep", "Of the picture: lightness, color or none"),
+            ("element_size", "Distance of the largest elements, px"),
+            ("output", "Result: .svg, .pdf, .png, .scene.json"),
+        ],
+    ),
+    (
+        "check",
+        &[
+            ("scene", "A scene or a library; - reads stdin"),
+            ("library", "Whose parameters of analysis are used"),
         ],
     ),
     (

@@ -1,18 +1,48 @@
 //! Other colours, shading kept. All arithmetic is in Oklab.
 
 use super::Draw;
+use super::amount::Paint;
 use super::selection::Chosen;
-use super::textons::{change, selected_mut};
+use super::textons::{change, repaint, selected, selected_mut};
+use crate::element::Appearance;
+use crate::geometry::Point;
 use crate::raster::colour::Colour;
+use crate::raster::oklab_map::OklabMap;
 use crate::scene::{CategoryId, Element, Gradient, Instance, InstanceId, LibraryId, Scene, Shape};
 use std::collections::BTreeMap;
 
 /// Mixes `amount` of a colour into those of a share of what is selected.
-pub(super) fn tint(scene: &mut Scene, chosen: &Chosen, colour: Colour, amount: f64, share: f64, draw: &Draw) {
+pub(super) fn tint(
+    scene: &mut Scene,
+    chosen: &Chosen,
+    paint: &Paint<'_>,
+    amount: f64,
+    share: f64,
+    draw: &Draw,
+) {
     let drawn = |id: InstanceId| share >= 1.0 || draw.of("edit/tint", id).chance(share);
     let point = |_: usize, i: usize| drawn(InstanceId(i as u32));
-    let chosen = chosen.only(scene, |i| drawn(i.id), point);
-    recolour(scene, &chosen, |_, c| c.mixed(colour, amount));
+    let chosen = &chosen.only(scene, |i| drawn(i.id), point);
+    if let Paint::Colour(colour) = paint {
+        return recolour(scene, chosen, |_, c| c.mixed(*colour, amount));
+    }
+    let canvas = [f64::from(scene.width), f64::from(scene.height)];
+    let mixed = |at: Point| {
+        let (colour, opacity) = paint.at(at, canvas);
+        OklabMap::mix(colour, (amount * opacity) as f32)
+    };
+    let maps: Vec<OklabMap> = selected(scene, chosen).map(|i| mixed(scene.place(i))).collect();
+    repaint(scene, chosen, &maps);
+    for (layer, chosen) in scene.layers.iter_mut().zip(&chosen.layers) {
+        let Some(field) = &mut layer.field else { continue };
+        let middle = Point::new(canvas[0] / 2.0, canvas[1] / 2.0);
+        if chosen.fallback {
+            field.fallback = mixed(middle).of(field.fallback);
+        }
+        for (point, _) in field.points.iter_mut().zip(&chosen.points).filter(|(_, chosen)| **chosen) {
+            point.colour = mixed(Point::new(point.x, point.y)).of(point.colour);
+        }
+    }
 }
 
 /// Moves colours near `from` as far as it is to `to`, those up to `reach` away less and less far. How
@@ -134,23 +164,7 @@ fn means(scene: &Scene, steps: usize) -> BTreeMap<Key, [f32; 3]> {
 /// The mean colour of a texton, details included: those painted later hide what lies below them, and
 /// what they hide is taken to be the base first.
 pub(super) fn mean(element: &Element) -> Colour {
-    let whole = element.outline().area();
-    let mut sum = [0.0; 3];
-    let mut add = |colour: Colour, gradient: Option<&Gradient>, area: f64| {
-        let [a, b] = gradient.map_or([colour; 2], |g| [g.start, g.end]).map(Colour::to_oklab);
-        (0..3).for_each(|i| sum[i] += area * f64::from(a[i] + b[i]) / 2.0);
-    };
-    let mut covered = 0.0;
-    for detail in element.details() {
-        let area = detail.outline.area();
-        add(detail.colour, detail.gradient.as_deref(), area);
-        covered += area;
-    }
-    let own = (whole - covered).max(0.0);
-    let base = element.base();
-    add(base.colour, base.gradient.as_deref(), own);
-    let all = covered + own;
-    if all > 0.0 { Colour::from_oklab(sum.map(|v| (v / all) as f32)) } else { base.colour }
+    Colour::from_oklab(Appearance::new(&element.shapes, element.outline().area(), None).mean)
 }
 
 fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
@@ -169,9 +183,8 @@ fn recolour(
     new: impl Fn(Option<&Element>, Colour) -> Colour + Sync + Send,
 ) {
     // The instances' own first, as long as they know the elements as they were.
-    let own: Vec<Option<Colour>> = super::textons::selected(scene, chosen)
-        .map(|i| i.colour.map(|c| new(Some(scene.element(i)), c)))
-        .collect();
+    let own: Vec<Option<Colour>> =
+        selected(scene, chosen).map(|i| i.colour.map(|c| new(Some(scene.element(i)), c))).collect();
     selected_mut(scene, chosen).zip(own).for_each(|(instance, colour)| instance.colour = colour);
     change(scene, chosen, |element, _| {
         let shapes = element.shapes.iter().map(|s| s.recoloured(|c| new(Some(element), c)));

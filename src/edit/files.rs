@@ -1,20 +1,25 @@
 //! The content of the files that operations name.
 
-use crate::control;
+use crate::control::{self, ColourMap};
 use crate::error::{EditFault, Result};
 use crate::geometry::Region;
+use crate::import;
 use crate::library::Library;
 use crate::raster::ControlMap;
-use crate::scene::{Action, Condition, Direction, Operation};
+use crate::scene::{Action, ColourOrMap, Condition, Direction, NumberOrMap, Operation, Shape};
 use std::collections::BTreeMap;
 
 /// Files that operations need, by the names in the operations.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
-    /// Maps of `density` and `orient`, 0 to 1.
+    /// Grey maps, 0 to 1.
     pub maps: BTreeMap<String, ControlMap>,
+    /// Maps of colours.
+    pub colours: BTreeMap<String, ColourMap>,
     /// Insides of the shapes of `mask` and of conditions, in pixels of the canvas.
     pub shapes: BTreeMap<String, Region>,
+    /// Shapes of drawings, in pixels of the canvas.
+    pub drawings: BTreeMap<String, Vec<Shape>>,
     /// Libraries of `replace`.
     pub libraries: BTreeMap<String, Library>,
 }
@@ -38,8 +43,23 @@ impl Files {
                 }
             }
             match action {
-                Action::Density { map } | Action::Orient { direction: Direction::Map(map), .. } => {
-                    files.maps.insert(map.clone(), control::level(&read(map)?, map)?);
+                Action::Density { map }
+                | Action::Orient { direction: Direction::Map(map), .. }
+                | Action::Scale { factor: NumberOrMap::Map(map) }
+                | Action::Rotate { angle: NumberOrMap::Map(map) } => files.add_map(map, &mut read)?,
+                Action::Vary { colour, shape, .. } => {
+                    for number in [colour, shape].into_iter().flatten() {
+                        if let NumberOrMap::Map(map) = number {
+                            files.add_map(map, &mut read)?;
+                        }
+                    }
+                }
+                Action::Tint { colour: ColourOrMap::Map(map), .. } => {
+                    files.colours.insert(map.clone(), control::colours(&read(map)?, map)?);
+                }
+                Action::Propagate { drawing, .. } => {
+                    let shapes = import::drawn(&read(drawing)?, drawing, canvas)?;
+                    files.drawings.insert(drawing.clone(), shapes);
                 }
                 Action::Mask { shape, .. } => {
                     files.shapes.insert(shape.clone(), region(&read(shape)?, shape, canvas)?);
@@ -59,11 +79,28 @@ impl Files {
                 | Action::Move { .. }
                 | Action::Scale { .. }
                 | Action::Rotate { .. }
-                | Action::Jitter { .. }
+                | Action::Transform { .. }
+                | Action::Jitter(_)
+                | Action::Shuffle { .. }
+                | Action::Relax { .. }
+                | Action::Order { .. }
                 | Action::Delete => {}
             }
         }
         Ok(files)
+    }
+
+    fn add_map(&mut self, name: &str, read: &mut impl FnMut(&str) -> Result<Vec<u8>>) -> Result<()> {
+        self.maps.insert(name.to_owned(), control::level(&read(name)?, name)?);
+        Ok(())
+    }
+
+    pub(super) fn colours(&self, name: &str) -> Result<&ColourMap, EditFault> {
+        self.colours.get(name).ok_or_else(|| EditFault::NoFile(name.to_owned()))
+    }
+
+    pub(super) fn drawing(&self, name: &str) -> Result<&[Shape], EditFault> {
+        self.drawings.get(name).map(Vec::as_slice).ok_or_else(|| EditFault::NoFile(name.to_owned()))
     }
 
     pub(super) fn map(&self, name: &str) -> Result<&ControlMap, EditFault> {

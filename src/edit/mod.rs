@@ -5,27 +5,44 @@
 //!
 //! A texton that several instances share is copied when only some of them change.
 
+mod amount;
 mod colours;
+#[cfg(test)]
+mod composing_tests;
 mod files;
+mod groups;
+mod jitter;
 mod order;
+mod paint_order;
 mod place;
+mod propagate;
+mod relax;
 mod replace;
 mod selection;
+mod shuffle;
 mod style;
 #[cfg(test)]
 mod tests;
 mod textons;
 mod thin;
 mod validate;
+mod vary;
 
-pub use crate::scene::{Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder};
+pub use crate::scene::{
+    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter,
+    NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
+};
 pub use files::Files;
+pub(crate) use place::draw_as;
 pub use validate::validate;
 
 use crate::document::Document;
 use crate::error::{EditFault, Error, Result};
+use crate::geometry::Affine;
 use crate::sampling::{Stream, stream};
 use crate::scene::{EditRecord, InstanceId, Recorded, Scene};
+use amount::{Amount, Paint};
+use relax::Relaxing;
 use selection::Chosen;
 use serde::Serialize;
 
@@ -37,6 +54,13 @@ pub struct Outcome {
     pub matched: usize,
     /// Textons that are gone after it.
     pub removed: usize,
+    /// Textons without a frame, not wider than a pixel or enclosing nothing, that it left as they were.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub thin: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// Random numbers of one operation, independent for each instance.
@@ -74,26 +98,31 @@ pub fn apply(
         let fail = |fault| Error::Edit { operation: operation.to_string(), fault };
         validate(operation).map_err(fail)?;
         let chosen = Chosen::new(&scene, operation, files).map_err(fail)?;
+        if operation.action.is_nothing() {
+            outcomes.push(Outcome { matched: chosen.count(), removed: 0, thin: 0 });
+            continue;
+        }
         let before = scene.count();
         let draw = Draw { seed, step: scene.edits.len() as u64 };
-        let matched = act(&mut scene, &chosen, &operation.action, files, &draw).map_err(fail)?;
+        let (matched, thin) = act(&mut scene, &chosen, &operation.action, files, &draw).map_err(fail)?;
         scene.drop_unused();
         let removed = before - scene.count();
         scene.edits.push(EditRecord { operation: Recorded::Edit(operation.clone()), seed });
         scene.validate().map_err(|reason| fail(EditFault::TooFar(reason)))?;
-        outcomes.push(Outcome { matched, removed });
+        outcomes.push(Outcome { matched, removed, thin });
     }
     Ok((scene, outcomes))
 }
 
-/// Does an operation; how many it was for.
+/// Does an operation; how many it was for, and how many of these were too thin.
 fn act(
     scene: &mut Scene,
     chosen: &Chosen,
     action: &Action,
     files: &Files,
     draw: &Draw,
-) -> Result<usize, EditFault> {
+) -> Result<(usize, usize), EditFault> {
+    let mut thin = 0;
     match action {
         Action::Thin { keep, order, minimum_area } => {
             thin::thin(scene, chosen, *keep, *order, *minimum_area, draw);
@@ -109,16 +138,37 @@ fn act(
             place::orient(scene, chosen, &towards, *strength);
         }
         Action::Move { x, y } => place::shift(scene, chosen, [*x, *y]),
-        Action::Scale { factor } => place::scale(scene, chosen, *factor),
-        Action::Rotate { angle } => place::rotate(scene, chosen, *angle),
-        Action::Jitter { distance, angle, scale } => {
-            place::jitter(scene, chosen, *distance, *angle, *scale, draw);
+        Action::Scale { factor } => place::scale(scene, chosen, &Amount::new(factor, files)?),
+        Action::Rotate { angle } => place::rotate(scene, chosen, &Amount::new(angle, files)?),
+        Action::Transform { by, scale: [x, y], angle, about } => {
+            let map = place::turn(angle.to_radians()) * Affine::scale_non_uniform(*x, *y);
+            place::transform(scene, chosen, map, *by, *about);
+        }
+        Action::Jitter(jitter) => jitter::jitter(scene, chosen, jitter, draw),
+        Action::Relax { rounds, strength, minimum_distance } => {
+            let how = Relaxing { rounds: *rounds, strength: *strength, minimum: *minimum_distance };
+            relax::relax(scene, chosen, &how);
+        }
+        Action::Propagate { drawing, similar, replace } => {
+            return Ok(propagate::propagate(scene, chosen, files.drawing(drawing)?, *similar, *replace));
+        }
+        Action::Order { by, reverse } => paint_order::order(scene, chosen, *by, *reverse, draw),
+        Action::Shuffle { within, share, outlines } => {
+            thin = shuffle::shuffle(scene, chosen, (*within, *share), *outlines, draw);
+        }
+        Action::Vary { colour, shape, within } => {
+            if let Some(factor) = colour {
+                vary::colours(scene, chosen, &Amount::new(factor, files)?, *within);
+            }
+            if let Some(factor) = shape {
+                thin = vary::shapes(scene, chosen, &Amount::new(factor, files)?, *within);
+            }
         }
         Action::Tint { colour, amount, share } => {
-            colours::tint(scene, chosen, *colour, *amount, *share, draw);
+            colours::tint(scene, chosen, &Paint::new(colour, files)?, *amount, *share, draw);
         }
         Action::Recolor { from, to, reach } => {
-            return Ok(colours::recolor(scene, chosen, *from, *to, *reach));
+            return Ok((colours::recolor(scene, chosen, *from, *to, *reach), 0));
         }
         Action::Palette { colours, .. } => colours::palette(scene, chosen, colours),
         Action::Shadow { angle, length, opacity, blur } => {
@@ -127,7 +177,9 @@ fn act(
         Action::Outline { width, colour } => style::outline(scene, chosen, *width, *colour),
         Action::Flatten => style::flatten(scene, chosen),
         Action::Simplify { tolerance } => style::simplify(scene, chosen, *tolerance),
-        Action::Replace { library } => return Ok(replace::replace(scene, chosen, files.library(library)?)),
+        Action::Replace { library } => {
+            return Ok((replace::replace(scene, chosen, files.library(library)?), 0));
+        }
     }
-    Ok(chosen.count())
+    Ok((chosen.count(), thin))
 }

@@ -1,11 +1,16 @@
 //! Textons moved, turned and scaled, each about its own centre.
 
-use super::Draw;
-use super::selection::{Chosen, place};
-use super::textons::{measured, selected_mut};
-use crate::geometry::{Affine, wrapped};
+use super::amount::Amount;
+use super::selection::Chosen;
+use super::style::keep_widths;
+use super::textons::{measured, selected, selected_mut, size};
+use crate::element::Gaussian;
+use crate::geometry::{Affine, Point, Vec2, shortest_offset, wrapped};
 use crate::raster::ControlMap;
-use crate::scene::{Instance, Scene};
+use crate::scene::{About, Instance, Scene};
+
+/// The least factor by which a texton is scaled.
+const SMALLEST: f64 = 0.01;
 
 /// Textons less elongated than this have no longer axis to speak of.
 const ROUND: f64 = 1.05;
@@ -19,7 +24,7 @@ pub(super) enum Towards<'a> {
 }
 
 /// Changes the linear part of an instance's map by `about` and moves it by `by`.
-fn put(instance: &mut Instance, about: Affine, by: [f64; 2], periods: [Option<f64>; 2]) {
+pub(super) fn put(instance: &mut Instance, about: Affine, by: [f64; 2], periods: [Option<f64>; 2]) {
     let [.., x, y] = instance.transform;
     let [a, b, c, d, ..] = (about * instance.affine()).as_coeffs();
     set(instance, [a, b, c, d, x + by[0], y + by[1]], periods);
@@ -37,47 +42,81 @@ pub(super) fn set(instance: &mut Instance, map: [f64; 6], periods: [Option<f64>;
     instance.transform = [a, b, c, d, along(x, periods[0]), along(y, periods[1])];
 }
 
+/// Draws an instance as another, which stands in the frame of `own`, in the frame of `target`; shadow and
+/// line keep their widths.
+pub(crate) fn draw_as(
+    instance: &mut Instance,
+    drawn: &Instance,
+    own: &Gaussian,
+    target: &Gaussian,
+    periods: [Option<f64>; 2],
+) {
+    let before = size(instance);
+    set(instance, drawn.decoded(own, target), periods);
+    keep_widths(instance, before);
+}
+
 pub(super) fn shift(scene: &mut Scene, chosen: &Chosen, by: [f64; 2]) {
     let periods = scene.periods();
     selected_mut(scene, chosen).for_each(|i| put(i, Affine::IDENTITY, by, periods));
 }
 
-pub(super) fn scale(scene: &mut Scene, chosen: &Chosen, factor: f64) {
-    let periods = scene.periods();
-    selected_mut(scene, chosen).for_each(|i| put(i, Affine::scale(factor), [0.0; 2], periods));
+/// Scales each texton by a factor that may differ from place to place.
+pub(super) fn scale(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>) {
+    each(scene, chosen, |scene, instance| Affine::scale(factor.factor(scene, instance).max(SMALLEST)));
 }
 
-pub(super) fn rotate(scene: &mut Scene, chosen: &Chosen, angle: f64) {
-    let (periods, turn) = (scene.periods(), turn(angle.to_radians()));
-    selected_mut(scene, chosen).for_each(|i| put(i, turn, [0.0; 2], periods));
+/// Turns each texton by an angle in degrees that may differ from place to place.
+pub(super) fn rotate(scene: &mut Scene, chosen: &Chosen, angle: &Amount<'_>) {
+    each(scene, chosen, |scene, instance| turn(angle.of(scene, instance, 360.0).to_radians()));
 }
 
-/// Moves, turns and scales each texton at random: evenly within a disc of radius `distance` pixels,
-/// by at most `angle` degrees and `scale` per cent either way.
-pub(super) fn jitter(scene: &mut Scene, chosen: &Chosen, distance: f64, angle: f64, scale: f64, draw: &Draw) {
+/// Changes the linear part of each map.
+fn each(scene: &mut Scene, chosen: &Chosen, about: impl Fn(&Scene, &Instance) -> Affine) {
+    let changes: Vec<Affine> = selected(scene, chosen).map(|i| about(scene, i)).collect();
     let periods = scene.periods();
-    for instance in selected_mut(scene, chosen) {
-        let mut random = draw.of("edit/jitter", instance.id);
-        let (radius, towards) =
-            (distance * libm::sqrt(random.unit()), random.range(0.0, std::f64::consts::TAU));
-        let by = [radius * libm::cos(towards), radius * libm::sin(towards)];
-        let angle = random.range(-angle, angle).to_radians();
-        let factor = 1.0 + random.range(-scale, scale) / 100.0;
-        put(instance, Affine::scale(factor) * turn(angle), by, periods);
+    for (instance, about) in selected_mut(scene, chosen).zip(changes) {
+        put(instance, about, [0.0; 2], periods);
     }
+}
+
+/// Moves, turns and scales textons, each about its own centre or all about theirs.
+pub(super) fn transform(scene: &mut Scene, chosen: &Chosen, map: Affine, by: [f64; 2], about: About) {
+    let periods = scene.periods();
+    let centre = match about {
+        About::Each => None,
+        About::Selection => middle(scene, chosen),
+    };
+    for instance in selected_mut(scene, chosen) {
+        let [.., x, y] = instance.transform;
+        let way = centre.map_or(Vec2::ZERO, |centre| {
+            let arm = shortest_offset(centre, Point::new(x, y), periods);
+            (map * arm.to_point()).to_vec2() - arm
+        });
+        put(instance, map, [by[0] + way.x, by[1] + way.y], periods);
+    }
+}
+
+/// Mean of the places of all that are selected; on a canvas that repeats, of the copies nearest to the
+/// first.
+fn middle(scene: &Scene, chosen: &Chosen) -> Option<Point> {
+    let places: Vec<Point> = selected(scene, chosen).map(|i| scene.place(i)).collect();
+    let first = *places.first()?;
+    let sum = places.iter().fold(Vec2::ZERO, |sum, p| sum + shortest_offset(first, *p, scene.periods()));
+    Some(first + sum / places.len() as f64)
 }
 
 /// Turns longer axes a share of the way to a direction, the shorter way round.
 pub(super) fn orient(scene: &mut Scene, chosen: &Chosen, towards: &Towards<'_>, strength: f64) {
     let moments = measured(scene);
     let canvas = [f64::from(scene.width), f64::from(scene.height)];
-    let turns: Vec<f64> = super::textons::selected(scene, chosen)
+    let turns: Vec<f64> = selected(scene, chosen)
         .map(|instance| {
             let now = moments[instance.element.index()].moved(instance.affine());
             let wanted = match towards {
                 Towards::Angle(angle) => *angle,
                 Towards::Map(map) => {
-                    let at = place(scene, instance);
+                    let at = scene.place(instance);
                     map.at([at.x, at.y], canvas) * std::f64::consts::PI
                 }
             };
@@ -97,7 +136,7 @@ fn half_turn(angle: f64) -> f64 {
     angle - std::f64::consts::PI * libm::round(angle / std::f64::consts::PI)
 }
 
-fn turn(angle: f64) -> Affine {
+pub(super) fn turn(angle: f64) -> Affine {
     let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
     Affine::new([cosine, sine, -sine, cosine, 0.0, 0.0])
 }

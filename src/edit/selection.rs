@@ -3,7 +3,7 @@
 use super::Files;
 use super::textons::measured;
 use crate::error::EditFault;
-use crate::geometry::{Point, Region, SecondMoments, wrapped};
+use crate::geometry::{Point, Region, SecondMoments};
 use crate::scene::{Condition, Identity, Instance, Layer, Operation, Quantity, Scene};
 
 /// A condition and the shape that it names.
@@ -50,7 +50,7 @@ impl Chosen {
             // Fields only where their layer is named.
             let field = layer.field.as_ref().filter(|_| is_asked && asked.is_some());
             let points = layer.field.iter().flat_map(|f| &f.points).map(|p| {
-                let at = on_canvas(scene, Point::new(p.x, p.y));
+                let at = scene.on_canvas(Point::new(p.x, p.y));
                 field.is_some() && conditions.iter().all(|c| holds_of_point(*c, at))
             });
             ChosenLayer {
@@ -104,17 +104,6 @@ fn is_called(layer: &Layer, name: &str) -> bool {
     name == role || own.strip_prefix(&name).is_some_and(ends)
 }
 
-/// Where the centre of an element lies: its origin, on the canvas where the scene repeats.
-pub(super) fn place(scene: &Scene, instance: &Instance) -> Point {
-    let [.., x, y] = instance.transform;
-    on_canvas(scene, Point::new(x, y))
-}
-
-fn on_canvas(scene: &Scene, p: Point) -> Point {
-    let [width, height] = scene.periods();
-    Point::new(wrapped(p.x, width), wrapped(p.y, height))
-}
-
 fn holds(
     (condition, shape): Test<'_>,
     scene: &Scene,
@@ -136,13 +125,13 @@ fn holds(
             let value = match quantity {
                 Quantity::Area => moments().area,
                 Quantity::Elongation => moments().elongation(),
-                Quantity::X => place(scene, instance).x,
-                Quantity::Y => place(scene, instance).y,
+                Quantity::X => scene.place(instance).x,
+                Quantity::Y => scene.place(instance).y,
             };
             comparison.holds(value, *limit)
         }
         Condition::Place { inside, .. } => {
-            shape.is_some_and(|shape| shape.contains(place(scene, instance)) == *inside)
+            shape.is_some_and(|shape| shape.contains(scene.place(instance)) == *inside)
         }
     }
 }

@@ -6,12 +6,12 @@ use crate::library::Library;
 use crate::raster::colour::Colour;
 use crate::scene::{ControlPoint, ElementId, Field, Instance, InstanceId, Shape, Tile, testing};
 
-fn outline(text: &str) -> Outline {
+pub(super) fn outline(text: &str) -> Outline {
     Outline::new(&parse_path(text).unwrap()).unwrap()
 }
 
 /// Bars of two categories with a detail each, and specks, on a canvas of 400 × 300 that repeats.
-fn scene() -> Scene {
+pub(super) fn scene() -> Scene {
     let bar = |source, category, colour| {
         let mut bar = testing::element(source, Some(category), outline("M-10-3h20v6h-20z"), colour);
         bar.shapes.push(Shape::new(outline("M-2-2h6v4h-6z"), Colour([240; 3])));
@@ -52,24 +52,25 @@ fn file(name: &str) -> Result<Vec<u8>> {
         "left.png" => picture(&|x| if x < 32 { 255 } else { 0 }),
         "fade.png" => picture(&|x| (x * 4) as u8),
         "disc.svg" => br#"<svg xmlns="http://www.w3.org/2000/svg" width="400" height="300"><circle cx="200" cy="150" r="100"/></svg>"#.to_vec(),
+        "dot.svg" => br##"<svg xmlns="http://www.w3.org/2000/svg" width="400" height="300"><circle cx="200" cy="150" r="2" fill="#00f"/></svg>"##.to_vec(),
         "two.txt" => b"#ffe0a0 #203040".to_vec(),
         _ => return Err(Error::read(name.as_ref(), std::io::ErrorKind::NotFound.into())),
     })
 }
 
-fn on(layer: &str, action: Action) -> Operation {
+pub(super) fn on(layer: &str, action: Action) -> Operation {
     Operation { layer: Some(layer.into()), ..action.into() }
 }
 
-fn those(conditions: &[Condition], action: Action) -> Operation {
+pub(super) fn those(conditions: &[Condition], action: Action) -> Operation {
     Operation { conditions: conditions.to_vec(), ..action.into() }
 }
 
-fn among(identity: Identity, numbers: &[u32], wanted: bool) -> Condition {
+pub(super) fn among(identity: Identity, numbers: &[u32], wanted: bool) -> Condition {
     Condition::Among { identity, numbers: numbers.to_vec(), wanted }
 }
 
-fn compare(quantity: Quantity, comparison: Comparison, limit: f64) -> Condition {
+pub(super) fn compare(quantity: Quantity, comparison: Comparison, limit: f64) -> Condition {
     Condition::Compare { quantity, comparison, limit }
 }
 
@@ -81,8 +82,8 @@ fn thin(keep: f64, order: ThinOrder) -> Action {
     Action::Thin { keep: Some(keep), order, minimum_area: None }
 }
 
-fn tint(colour: [u8; 3], amount: f64, share: f64) -> Action {
-    Action::Tint { colour: Colour(colour), amount, share }
+pub(super) fn tint(colour: [u8; 3], amount: f64, share: f64) -> Action {
+    Action::Tint { colour: Colour(colour).into(), amount, share }
 }
 
 fn recolor(from: [u8; 3], to: [u8; 3], reach: f64) -> Action {
@@ -97,12 +98,12 @@ fn shadow(angle: f64, length: f64, opacity: f64, blur: f64) -> Action {
     Action::Shadow { angle, length, opacity, blur }
 }
 
-fn edited(scene: &Scene, operations: &[Operation]) -> (Scene, Vec<Outcome>) {
+pub(super) fn edited(scene: &Scene, operations: &[Operation]) -> (Scene, Vec<Outcome>) {
     let files = Files::read(operations, [400, 300], file).unwrap();
     apply(scene.clone(), operations, &files, Some(5)).unwrap()
 }
 
-fn one(operation: impl Into<Operation>) -> Scene {
+pub(super) fn one(operation: impl Into<Operation>) -> Scene {
     edited(&scene(), &[operation.into()]).0
 }
 
@@ -112,11 +113,11 @@ fn what_cannot_be_done_is_a_fault() {
     let range = |name, value, [low, high]: [f64; 2], unit| EditFault::Range { name, value, low, high, unit };
     let background = |action| on("background", action);
     let nothing = Action::Thin { keep: None, order: ThinOrder::Area, minimum_area: None };
-    let still = Action::Jitter { distance: 0.0, angle: 0.0, scale: 0.0 };
+    let still = Action::Jitter(Jitter::default());
     let large = compare(Quantity::Area, Comparison::More, 3.0);
     for (operation, fault) in [
         (thin(2.0, ThinOrder::Area).into(), range("keep", 2.0, [0.0, 1.0], "")),
-        (Action::Scale { factor: 0.0 }.into(), range("factor", 0.0, [0.01, 100.0], "")),
+        (Action::Scale { factor: 0.0.into() }.into(), range("factor", 0.0, [0.01, 100.0], "")),
         (shadow(0.0, 1.0, 1.0, 201.0).into(), range("blur", 201.0, [0.0, Shadow::WIDEST], "px")),
         (nothing.into(), EditFault::NothingKept),
         (still.into(), EditFault::NothingChanged),
@@ -131,7 +132,7 @@ fn what_cannot_be_done_is_a_fault() {
         let error = apply(scene(), &[operation], &Files::default(), None).unwrap_err();
         assert!(matches!(&error, Error::Edit { fault: found, .. } if *found == fault), "{error}");
     }
-    let nan = validate(&Action::Rotate { angle: f64::NAN }.into());
+    let nan = validate(&Action::Rotate { angle: f64::NAN.into() }.into());
     assert!(matches!(nan, Err(EditFault::Range { .. })));
 }
 
@@ -148,7 +149,7 @@ fn files_are_read_by_name_and_their_errors_passed_on() {
 fn chains_are_recorded_and_may_be_done_one_by_one() {
     let chain: [Operation; 4] = [
         thin(0.6, ThinOrder::Random).into(),
-        Action::Jitter { distance: 9.0, angle: 0.0, scale: 0.0 }.into(),
+        Action::Jitter(Jitter { distance: 9.0, ..Jitter::default() }).into(),
         thin(0.5, ThinOrder::BlueNoise).into(),
         tint([255, 0, 0], 0.5, 0.5).into(),
     ];
@@ -255,9 +256,9 @@ fn orienting_turns_longer_axes_the_shorter_way() {
 fn places_stay_on_a_canvas_that_repeats() {
     for action in [
         Action::Move { x: 350.0, y: -290.5 },
-        Action::Jitter { distance: 30.0, angle: 40.0, scale: 20.0 },
-        Action::Scale { factor: 2.0 },
-        Action::Rotate { angle: 77.0 },
+        Action::Jitter(Jitter { distance: 30.0, angle: 40.0, scale: 20.0, ..Jitter::default() }),
+        Action::Scale { factor: 2.0.into() },
+        Action::Rotate { angle: 77.0.into() },
     ] {
         let text = action.to_string();
         let after = one(action);
@@ -268,7 +269,7 @@ fn places_stay_on_a_canvas_that_repeats() {
             assert_eq!(a.id, b.id);
         }
     }
-    let twice = one(Action::Scale { factor: 2.0 }).primary()[0].affine().determinant();
+    let twice = one(Action::Scale { factor: 2.0.into() }).primary()[0].affine().determinant();
     assert!((twice - 4.0).abs() < 1e-3);
 }
 
@@ -347,7 +348,7 @@ fn without_categories_a_palette_follows_lightness() {
 #[test]
 fn shadows_and_lines_have_the_size_asked_for_on_the_canvas() {
     let line = |width| Action::Outline { width, colour: Colour([16, 32, 48]) };
-    let twice = Action::Scale { factor: 2.0 };
+    let twice = Action::Scale { factor: 2.0.into() };
     let styled = edited(&scene(), &[twice.into(), shadow(90.0, 8.0, 0.4, 6.0).into(), line(3.0).into()]).0;
     let all = || styled.primary().iter().chain(styled.secondary());
     assert!(all().all(|i| i.shadow.unwrap().offset == [0.0, 8.0]));

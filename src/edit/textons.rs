@@ -3,7 +3,8 @@
 use super::selection::Chosen;
 use crate::geometry::SecondMoments;
 use crate::parallel;
-use crate::scene::{Element, ElementId, Instance, Scene};
+use crate::raster::oklab_map::OklabMap;
+use crate::scene::{Element, ElementId, Instance, Repaint, Scene};
 
 /// The moments of every element's outline, in its own coordinates.
 pub(super) fn measured(scene: &Scene) -> Vec<SecondMoments> {
@@ -28,6 +29,16 @@ pub(super) fn selected_mut<'a>(
 ) -> impl Iterator<Item = &'a mut Instance> {
     let all = scene.instances_mut().zip(chosen.instances());
     all.filter(|(_, chosen)| *chosen).map(|(instance, _)| instance)
+}
+
+/// Gives each selected instance colours of its own, by as many maps as are selected.
+pub(super) fn repaint(scene: &mut Scene, chosen: &Chosen, maps: &[OklabMap]) {
+    let mut elements = std::mem::take(&mut scene.elements);
+    let mut repaint = Repaint::default();
+    for (instance, map) in selected_mut(scene, chosen).zip(maps) {
+        repaint.paint(&mut elements, instance, map);
+    }
+    scene.elements = elements;
 }
 
 /// Changes the elements of the selected instances. `change` gets an element and the largest size at

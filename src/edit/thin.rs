@@ -1,6 +1,6 @@
 //! Fewer textons: a share, the large ones, those that a map or a shape leaves.
 
-use super::selection::{Chosen, place};
+use super::selection::Chosen;
 use super::textons::{change, measured, size};
 use super::{Draw, order};
 use crate::geometry::{Point, Region};
@@ -35,14 +35,14 @@ fn retain_marked<T>(items: &mut Vec<T>, marks: &[bool]) {
 pub(super) fn by_map(scene: &mut Scene, chosen: &Chosen, map: &ControlMap, draw: &Draw) {
     let canvas = [f64::from(scene.width), f64::from(scene.height)];
     retain(scene, chosen, |scene, instance| {
-        let at = place(scene, instance);
+        let at = scene.place(instance);
         draw.of("edit/density", instance.id).chance(map.at([at.x, at.y], canvas))
     });
 }
 
 /// Keeps the textons whose centre lies in a region, or those whose centre does not.
 pub(super) fn by_region(scene: &mut Scene, chosen: &Chosen, region: &Region, inside: bool) {
-    retain(scene, chosen, |scene, instance| region.contains(place(scene, instance)) == inside);
+    retain(scene, chosen, |scene, instance| region.contains(scene.place(instance)) == inside);
 }
 
 /// Takes small textons and details away, then all but a share of each layer.
@@ -112,7 +112,7 @@ fn kept(
             ranked[..count].iter().for_each(|&(_, i)| keep(i));
         }
         ThinOrder::BlueNoise => {
-            let points: Vec<Point> = selected.iter().map(|&i| place(scene, &instances[i])).collect();
+            let points: Vec<Point> = selected.iter().map(|&i| scene.place(&instances[i])).collect();
             let ties: Vec<u64> = selected.iter().map(|&i| random(i)).collect();
             order::spread(&points, &ties, scene.periods(), count).into_iter().for_each(|k| keep(selected[k]));
         }

@@ -1,10 +1,13 @@
 //! Operations that can be done: ranges, and what does not go together.
 
 use crate::error::EditFault;
-use crate::scene::{Action, Condition, Direction, Operation, Quantity, Role, Shadow};
+use crate::scene::{Action, Condition, Direction, Jitter, NumberOrMap, Operation, Quantity, Role, Shadow};
 
 /// Furthest that textons are moved, in pixels.
 const FAR: f64 = 1e6;
+
+/// Least and largest factor of sizes.
+const FACTOR: [f64; 2] = [0.01, 100.0];
 
 /// A number of an operation: its name, itself, its range and unit.
 type Number = (&'static str, f64, [f64; 2], &'static str);
@@ -24,9 +27,8 @@ pub fn validate(operation: &Operation) -> Result<(), EditFault> {
         Action::Thin { keep: None, minimum_area: None | Some(0.0), .. } => {
             return Err(EditFault::NothingKept);
         }
-        Action::Jitter { distance, angle, scale } if [distance, angle, scale] == [&0.0; 3] => {
-            return Err(EditFault::NothingChanged);
-        }
+        Action::Jitter(jitter) if jitter.is_nothing() => return Err(EditFault::NothingChanged),
+        Action::Vary { colour: None, shape: None, .. } => return Err(EditFault::NothingChanged),
         _ => {}
     }
     if layer.as_deref() != Some(Role::Background.name()) {
@@ -75,18 +77,56 @@ fn numbers(action: &Action) -> Vec<Number> {
         Action::Simplify { tolerance } => vec![("px", tolerance, [0.01, 100.0], "px")],
         Action::Outline { width, .. } => vec![length("width", width)],
         Action::Move { x, y } => vec![("x", x, [-FAR, FAR], "px"), ("y", y, [-FAR, FAR], "px")],
-        Action::Scale { factor } => vec![("factor", factor, [0.01, 100.0], "")],
-        Action::Rotate { angle: turn } => vec![angle("degrees", turn)],
-        Action::Jitter { distance, angle, scale } => vec![
-            ("move", distance, [0.0, FAR], "px"),
-            ("rotate", angle, [0.0, 180.0], "degrees"),
-            ("scale", scale, [0.0, 90.0], "per cent"),
+        Action::Scale { factor: NumberOrMap::Number(factor) } => vec![("factor", factor, FACTOR, "")],
+        Action::Rotate { angle: NumberOrMap::Number(turn) } => vec![angle("degrees", turn)],
+        Action::Transform { by: [x, y], scale: [wide, high], angle: turn, .. } => vec![
+            ("move", x, [-FAR, FAR], "px"),
+            ("move", y, [-FAR, FAR], "px"),
+            ("scale", wide, FACTOR, ""),
+            ("scale", high, FACTOR, ""),
+            angle("rotate", turn),
         ],
+        Action::Jitter(ref jitter) => of_jitter(jitter),
+        Action::Shuffle { share: some, .. } => vec![share("share", some)],
+        Action::Vary { ref colour, ref shape, .. } => {
+            let pairs = [("color", colour), ("shape", shape)];
+            let number = |(name, number): (_, &Option<NumberOrMap>)| match number {
+                Some(NumberOrMap::Number(factor)) => Some((name, *factor, [0.0, 4.0], "")),
+                _ => None,
+            };
+            pairs.into_iter().filter_map(number).collect()
+        }
+        Action::Propagate { similar, .. } => {
+            similar.map(|v| ("similar", v, [0.0, 2.0], "")).into_iter().collect()
+        }
+        Action::Relax { rounds, strength, minimum_distance } => {
+            let least = minimum_distance.map(|v| length("min-distance", v));
+            let own = [("rounds", f64::from(rounds), [1.0, 1000.0], ""), share("strength", strength)];
+            own.into_iter().chain(least).collect()
+        }
         Action::Density { .. }
+        | Action::Scale { .. }
+        | Action::Rotate { .. }
+        | Action::Order { .. }
         | Action::Palette { .. }
         | Action::Flatten
         | Action::Replace { .. }
         | Action::Delete
         | Action::Mask { .. } => Vec::new(),
     }
+}
+
+/// The numbers of a jitter.
+fn of_jitter(jitter: &Jitter) -> Vec<Number> {
+    vec![
+        ("move", jitter.distance, [0.0, FAR], "px"),
+        ("rotate", jitter.angle, [0.0, 180.0], "degrees"),
+        ("scale", jitter.scale, [0.0, 90.0], "per cent"),
+        ("stretch", jitter.stretch, [0.0, 90.0], "per cent"),
+        ("flip", jitter.flip, [0.0, 1.0], ""),
+        ("hue", jitter.hue, [0.0, 180.0], "degrees"),
+        ("chroma", jitter.chroma, [0.0, 100.0], "per cent"),
+        ("lightness", jitter.lightness, [0.0, 100.0], "per cent"),
+        ("steps", f64::from(jitter.steps), [0.0, 1000.0], ""),
+    ]
 }

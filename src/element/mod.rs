@@ -3,6 +3,8 @@
 //! An element is a list of shapes in painting order. Libraries and scenes share the shapes; what they
 //! know of an element besides differs ([`crate::library::Element`], [`crate::scene::Element`]).
 
+mod appearance;
+mod gaussian;
 mod gradient;
 mod line;
 mod shape;
@@ -11,6 +13,8 @@ mod similar;
 mod tests;
 pub(crate) mod version1;
 
+pub use appearance::Appearance;
+pub use gaussian::Gaussian;
 pub use gradient::{Gradient, GradientKind, Stop};
 pub(crate) use line::stroked;
 pub use line::{Cap, Join, Line};

@@ -60,6 +60,37 @@ pub(crate) fn edges(path: impl IntoIterator<Item = PathEl>, tolerance: f64) -> V
     rings.iter().flat_map(|r| (0..r.len()).map(|i| [r[i], r[(i + 1) % r.len()]])).collect()
 }
 
+/// Whether a point lies inside a ring.
+pub(crate) fn inside(ring: &[Point], p: Point) -> bool {
+    let mut within = false;
+    let mut last = ring[ring.len() - 1];
+    for &here in ring {
+        if (here.y > p.y) != (last.y > p.y) {
+            let x = last.x + (p.y - last.y) / (here.y - last.y) * (here.x - last.x);
+            within ^= p.x < x;
+        }
+        last = here;
+    }
+    within
+}
+
+/// The nearest point of a ring.
+pub(crate) fn nearest(ring: &[Point], p: Point) -> Point {
+    let mut best = (f64::INFINITY, p);
+    let mut last = ring[ring.len() - 1];
+    for &here in ring {
+        let side = here - last;
+        let share = ((p - last).dot(side) / side.hypot2().max(1e-12)).clamp(0.0, 1.0);
+        let q = last + side * share;
+        let far = (p - q).hypot2();
+        if far < best.0 {
+            best = (far, q);
+        }
+        last = here;
+    }
+    best.1
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,5 +123,13 @@ mod tests {
         assert!(Outline::default().polygons(0.1).is_empty());
         assert_eq!(Outline::along(&[vec![Point::ORIGIN; 2]], 0.1), Some(Outline::default()));
         assert_eq!(Outline::along(&[vec![Point::new(f64::NAN, 0.0); 3]], 0.1), None);
+    }
+
+    #[test]
+    fn points_lie_inside_a_ring_or_near_it() {
+        let angles = (0..64).map(|i| f64::from(i) * std::f64::consts::TAU / 64.0);
+        let ring: Vec<Point> = angles.map(|a| Point::new(5.0 * libm::cos(a), 5.0 * libm::sin(a))).collect();
+        assert!(inside(&ring, Point::new(3.0, 3.0)) && !inside(&ring, Point::new(4.0, 4.0)));
+        assert!((nearest(&ring, Point::new(20.0, 0.0)).distance(Point::ORIGIN) - 5.0).abs() < 0.02);
     }
 }

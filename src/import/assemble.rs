@@ -18,7 +18,7 @@ use crate::library::{
 };
 use crate::parallel;
 use crate::raster::colour::Colour;
-use crate::raster::contact::Ground;
+use crate::raster::contact;
 use crate::raster::{LabelMap, Mask};
 use crate::scene::{Field, pixels};
 use image::RgbImage;
@@ -215,9 +215,9 @@ fn drafts(
         (shapes, mask)
     })?;
     let sides = size.map(|v| v as i32);
-    let (ground, mut contacts) = Ground::new(sides, wrap, &masks);
+    let (seen, mut contacts) = contact::Page::new(sides, wrap, &masks);
     let reach = 2.5 * NEAREST * libm::sqrt(size[0] * size[1]);
-    ground.near(libm::ceil(reach).min(400.0) as u16, &mut contacts);
+    seen.near(libm::ceil(reach).min(400.0) as u16, &mut contacts);
     let known = Known {
         page,
         pieces,
@@ -359,8 +359,8 @@ fn silhouette(shapes: &[Shape]) -> Option<Outline> {
 /// The background, and the layers of the drawing that hold something.
 fn layers(page: &Page, drafts: &[Draft], colour: Colour) -> Vec<Layer> {
     let field = Field { spacing: 25.0, fallback: colour, points: Vec::new() };
-    let ground = Layer { field: Some(field), ..Layer::new(Role::Background) };
-    let mut layers = vec![ground];
+    let background = Layer { field: Some(field), ..Layer::new(Role::Background) };
+    let mut layers = vec![background];
     let mut first = 0;
     for run in drafts.chunk_by(|a, b| a.layer == b.layer) {
         let instances = (first..first + run.len()).map(|k| Instance::of(ElementId::after(k))).collect();

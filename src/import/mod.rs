@@ -29,7 +29,9 @@ mod torus;
 pub use crate::library::Grouping;
 pub use read::CONVERT;
 
+use crate::element::Shape;
 use crate::error::Result;
+use crate::geometry::Affine;
 use crate::library::{AnalyzeParams, Library};
 use crate::progress::{Progress, advance};
 use assemble::{Origin, assemble};
@@ -89,6 +91,29 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     }
     advance(progress, "drawing", 4, 4)?;
     Ok(library)
+}
+
+/// Reads the shapes of an SVG or SVGZ in painting order, its page fitted to a canvas of `width` × `height`
+/// pixels as SVG viewers do by default: scaled to the largest size that fits, and centred. `name` appears in
+/// errors. Nothing outside the file is ever loaded.
+///
+/// # Errors
+/// [`crate::Error::Control`] for what is no SVG, and for a drawing without shapes or with raster images,
+/// filters, masks, blend modes or pattern fills; [`crate::Error::TooLarge`] as [`import`].
+pub fn drawn(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Vec<Shape>> {
+    let page = read::read(bytes, name, false)?;
+    let [wide, high] = page.size;
+    let scale = (f64::from(width) / wide).min(f64::from(height) / high);
+    let left = (f64::from(width) - scale * wide) / 2.0;
+    let top = (f64::from(height) - scale * high) / 2.0;
+    let map = Affine::new([scale, 0.0, 0.0, scale, left, top]);
+    let all = page.items.iter().enumerate();
+    let pieces = all.flat_map(|(k, item)| pieces::pieces(k, item, false));
+    let shapes: Vec<Shape> = pieces.flat_map(|piece| shapes::shapes(&piece, map)).collect();
+    if shapes.is_empty() {
+        return Err(read::fault(name, "it has no shapes", "draw at least one shape in it"));
+    }
+    Ok(shapes)
 }
 
 /// Most shapes beneath the background that are drawn to look at the page.

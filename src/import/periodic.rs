@@ -18,7 +18,7 @@ pub(super) fn is_periodic(picture: &RgbImage) -> bool {
     off <= LOOSE * seen.max(LEAST * f64::from(picture.width() + picture.height()))
 }
 
-/// The commonest value of each component, about: the ground.
+/// The commonest value of each component, about: the background.
 fn median(picture: &RgbImage) -> [u8; 3] {
     [0, 1, 2].map(|k| {
         let mut counts = [0u64; 256];
@@ -35,8 +35,8 @@ fn median(picture: &RgbImage) -> [u8; 3] {
     })
 }
 
-/// How far two opposite borders differ, and how far both differ from the ground, summed along them.
-fn border(picture: &RgbImage, across_x: bool, ground: [u8; 3]) -> [f64; 2] {
+/// How far two opposite borders differ, and how far both differ from the background, summed along them.
+fn border(picture: &RgbImage, across_x: bool, background: [u8; 3]) -> [f64; 2] {
     let (w, h) = picture.dimensions();
     let (last, length) = if across_x { (w - 1, h) } else { (h - 1, w) };
     let pixel = |v: u32, t: i64| {
@@ -49,7 +49,7 @@ fn border(picture: &RgbImage, across_x: bool, ground: [u8; 3]) -> [f64; 2] {
         let near = (-SLANT..=SLANT).map(|s| apart(pixel(last, t), pixel(0, t + s)));
         near.fold(f64::INFINITY, f64::min)
     };
-    let seen = |t: i64| (apart(pixel(last, t), ground) + apart(pixel(0, t), ground)) / 2.0;
+    let seen = |t: i64| (apart(pixel(last, t), background) + apart(pixel(0, t), background)) / 2.0;
     [places().map(off).sum(), places().map(seen).sum()]
 }
 

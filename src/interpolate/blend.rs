@@ -149,6 +149,6 @@ mod tests {
         let [from, to] = blend.cages(&blend.at(0.0));
         let p = Point::new(3.0, -5.0);
         assert!(length(from.map(p) - p) < 1e-6);
-        assert!(crate::interpolate::ring::inside(&a, to.map(p)));
+        assert!(crate::geometry::inside(&a, to.map(p)));
     }
 }

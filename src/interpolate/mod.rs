@@ -36,6 +36,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Point, Vec2};
 use crate::parallel;
 use crate::progress::{Progress, advance};
+use crate::raster::ControlMap;
 use crate::scene::{
     Between, EditRecord, Element, ElementId, Instance, InstanceId, Layer, LibraryId, LibraryRef, Place,
     Recorded, Scene, Tile,
@@ -183,9 +184,11 @@ impl Interpolation {
     fn record(&self, when: &Progression) -> EditRecord {
         let [from, to] =
             self.ends.each_ref().map(|scene| scene.libraries.iter().map(|l| l.exemplar.clone()).collect());
-        let place = match *when {
-            Progression::Uniform(t) => Place::At(t),
-            Progression::Across(axis, _) => Place::Across(axis),
+        let place = match when {
+            Progression::Uniform(t) => Place::At(*t),
+            Progression::Across(axis, _) => Place::Across(*axis),
+            Progression::Radial(_) => Place::Radial,
+            Progression::Map(..) => Place::Map,
         };
         EditRecord { operation: Recorded::Interpolation(Between { from, to, place }), seed: 0 }
     }
@@ -241,8 +244,41 @@ impl Interpolation {
     }
 }
 
-/// A scene that changes across the canvas: it is the first scene at the left (or upper) side and
-/// becomes the second towards the opposite side. It is not periodic along that axis.
+/// Where on the canvas a scene becomes another.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Morph {
+    /// From the left to the right side, or from the upper to the lower.
+    Axis(Axis),
+    /// From the middle to the ellipse that touches the sides; corners are all of the second scene.
+    Radial,
+    /// By a map stretched over the canvas: 0 is the first scene, 1 the second.
+    Map(ControlMap),
+}
+
+/// A scene that changes over the canvas: one scene in some places, the other elsewhere, and scenes between
+/// them in between. It is not periodic along an axis along which it changes, and nowhere by a map.
+///
+/// # Errors
+/// As [`Interpolation::new`].
+pub fn morph(
+    from: impl Into<Arc<Scene>>,
+    to: impl Into<Arc<Scene>>,
+    morph: &Morph,
+    progress: &dyn Progress,
+) -> Result<Scene> {
+    let ends @ [from, to] = &[from.into(), to.into()];
+    let canvas = [f64::from(from.width), f64::from(from.height)];
+    let (keeps, when) = match morph {
+        Morph::Axis(Axis::X) => ([false, true], Progression::Across(Axis::X, canvas[0])),
+        Morph::Axis(Axis::Y) => ([true, false], Progression::Across(Axis::Y, canvas[1])),
+        Morph::Radial => ([true; 2], Progression::Radial(canvas)),
+        Morph::Map(map) => ([false; 2], Progression::Map(map.clone(), canvas)),
+    };
+    let tile = Tile { x: from.tile.x && to.tile.x && keeps[0], y: from.tile.y && to.tile.y && keeps[1] };
+    Ok(Interpolation::along(ends.clone(), tile, progress)?.between(&when))
+}
+
+/// [`morph`] along an axis.
 ///
 /// # Errors
 /// As [`Interpolation::new`].
@@ -252,13 +288,7 @@ pub fn across(
     axis: Axis,
     progress: &dyn Progress,
 ) -> Result<Scene> {
-    let ends @ [from, to] = &[from.into(), to.into()];
-    let tile = Tile {
-        x: from.tile.x && to.tile.x && axis != Axis::X,
-        y: from.tile.y && to.tile.y && axis != Axis::Y,
-    };
-    let length = f64::from(if axis == Axis::X { from.width } else { from.height });
-    Ok(Interpolation::along(ends.clone(), tile, progress)?.between(&Progression::Across(axis, length)))
+    morph(from, to, &Morph::Axis(axis), progress)
 }
 
 /// Name of the stage of [`Interpolation::new`] in [`Progress`].

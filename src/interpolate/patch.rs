@@ -3,8 +3,8 @@
 use super::correspond::{Plane, Properties, correspond};
 use super::envelope;
 use super::paint::Paint;
-use super::ring::{Ring, alignment, count, even, inside, moments, nearest, sine_cosine, turned};
-use crate::geometry::{Cage, Outline, Point};
+use super::ring::{Ring, alignment, count, even, moments, sine_cosine, turned};
+use crate::geometry::{Cage, Outline, Point, inside, nearest};
 use crate::raster::colour::Colour;
 use crate::sampling::Stream;
 use crate::scene::Shape;

@@ -1,6 +1,7 @@
 //! The progress of an interpolation: uniform over the canvas, or varying across it.
 
-use crate::geometry::Point;
+use crate::geometry::{Point, Vec2};
+use crate::raster::ControlMap;
 use crate::scene::Axis;
 
 /// Share of the canvas at either side that shows only one scene.
@@ -12,17 +13,28 @@ pub(super) enum Progression {
     Uniform(f64),
     /// From one side to the other of a canvas of the given length along the axis, in pixels.
     Across(Axis, f64),
+    /// From the middle of a canvas of the given width and height to the ellipse that touches its sides.
+    Radial([f64; 2]),
+    /// By a map, 0 to 1, stretched over a canvas of the given width and height.
+    Map(ControlMap, [f64; 2]),
+}
+
+/// Progress along a way from one end to the other, which both have a margin.
+fn along(share: f64) -> f64 {
+    ((share - MARGIN) / (1.0 - 2.0 * MARGIN)).clamp(0.0, 1.0)
 }
 
 impl Progression {
     /// The progress at a point.
     pub(super) fn at(&self, p: Point) -> f64 {
-        match *self {
-            Self::Uniform(t) => t,
-            Self::Across(axis, length) => {
-                let along = if axis == Axis::X { p.x } else { p.y };
-                ((along / length - MARGIN) / (1.0 - 2.0 * MARGIN)).clamp(0.0, 1.0)
+        match self {
+            Self::Uniform(t) => *t,
+            Self::Across(axis, length) => along(if *axis == Axis::X { p.x } else { p.y } / length),
+            Self::Radial([width, height]) => {
+                let out = Vec2::new(2.0 * p.x / width - 1.0, 2.0 * p.y / height - 1.0);
+                along(libm::sqrt(out.hypot2()))
             }
+            Self::Map(map, canvas) => map.at([p.x, p.y], *canvas).clamp(0.0, 1.0),
         }
     }
 
@@ -63,5 +75,12 @@ mod tests {
         assert_eq!(across.between([Point::new(4.0, 0.0), Point::new(30.0, 0.0)]), 0.0);
         let down = Progression::Across(Axis::Y, 100.0);
         assert_eq!(down.at(Point::new(99.0, 50.0)), 0.5);
+        let radial = Progression::Radial([100.0, 60.0]);
+        assert_eq!((radial.at(Point::new(50.0, 30.0)), radial.at(Point::new(50.0, 0.0))), (0.0, 1.0));
+        assert_eq!((radial.at(Point::new(0.0, 0.0)), radial.at(Point::new(75.0, 30.0))), (1.0, 0.5));
+        let map = Progression::Map(ControlMap::new(2, 1, vec![0.0, 1.0]).unwrap(), [100.0, 60.0]);
+        let ends = [Point::new(30.0, 7.0), Point::new(70.0, 9.0)];
+        let t = map.between(ends);
+        assert!((map.at(ends[0].lerp(ends[1], t)) - t).abs() < 1e-4);
     }
 }

@@ -134,37 +134,6 @@ pub(super) fn disc(ring: &[Point]) -> Ring {
     (0..n).map(point).collect()
 }
 
-/// Whether a point lies inside a ring.
-pub(super) fn inside(ring: &[Point], p: Point) -> bool {
-    let mut within = false;
-    let mut last = ring[ring.len() - 1];
-    for &here in ring {
-        if (here.y > p.y) != (last.y > p.y) {
-            let x = last.x + (p.y - last.y) / (here.y - last.y) * (here.x - last.x);
-            within ^= p.x < x;
-        }
-        last = here;
-    }
-    within
-}
-
-/// The nearest point of a ring.
-pub(super) fn nearest(ring: &[Point], p: Point) -> Point {
-    let mut best = (f64::INFINITY, p);
-    let mut last = ring[ring.len() - 1];
-    for &here in ring {
-        let side = here - last;
-        let share = ((p - last).dot(side) / side.hypot2().max(1e-12)).clamp(0.0, 1.0);
-        let q = last + side * share;
-        let far = (p - q).hypot2();
-        if far < best.0 {
-            best = (far, q);
-        }
-        last = here;
-    }
-    best.1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,7 +176,5 @@ mod tests {
         let ring = ellipse(5.0, 5.0, 64, 0.3);
         let far = ring.iter().zip(disc(&ring)).map(|(a, b)| length(*a - b)).fold(0.0, f64::max);
         assert!(far < 0.01, "{far}");
-        assert!(inside(&ring, Point::new(3.0, 3.0)) && !inside(&ring, Point::new(4.0, 4.0)));
-        assert!((length(nearest(&ring, Point::new(20.0, 0.0)).to_vec2()) - 5.0).abs() < 0.02);
     }
 }

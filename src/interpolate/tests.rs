@@ -1,8 +1,8 @@
 //! Properties of every scene between two scenes.
 
 use super::*;
-use crate::geometry::{Affine, BezPath, Outline};
-use crate::interpolate::ring::{Ring, inside, length, moments, nearest, sine_cosine};
+use crate::geometry::{Affine, BezPath, Outline, inside, nearest};
+use crate::interpolate::ring::{Ring, length, moments, sine_cosine};
 use crate::raster::colour::Colour;
 use crate::sampling::{Stream, stream};
 use crate::scene::field::Interpolant;
@@ -325,6 +325,49 @@ fn plain_backgrounds_mix_and_a_scene_between_says_what_it_is() {
     let recorded = |scene: &Scene| scene.edits.last().unwrap().operation.to_string();
     assert_eq!(recorded(&mixed), "interpolation from=25.png to=26.png across=x");
     assert_eq!(recorded(&between.at(0.25)), "interpolation from=25.png to=26.png at=0.25");
+}
+
+#[test]
+fn a_morph_has_each_scene_in_its_place() {
+    let (a, b) = (scene(12, 40, true), scene(13, 40, true));
+    let islands = morph(a.clone(), b.clone(), &Morph::Radial, &()).unwrap();
+    assert!(islands.tile.x && islands.tile.y, "all borders are of the second");
+    let half = crate::raster::ControlMap::new(2, 1, vec![1.0, 0.0]).unwrap();
+    let by_map = morph(a.clone(), b.clone(), &Morph::Map(half), &()).unwrap();
+    by_map.validate().unwrap();
+    assert!(!by_map.tile.any());
+    // Of a scene that repeats, copies are listed where the result does not.
+    let same = |a: [f64; 6], b: [f64; 6]| {
+        let periods = |k: usize| (a[k] - b[k]) / f64::from(SIZE);
+        a[..4] == b[..4] && [4, 5].iter().all(|&k| (periods(k) - libm::rint(periods(k))).abs() < 1e-9)
+    };
+    let there = |scene: &Scene, i: &Instance| scene.primary().iter().any(|k| same(k.transform, i.transform));
+    let at = |i: &Instance| (i.transform[4] - 60.0, i.transform[5] - 60.0);
+    let mut seen = [0; 4];
+    for i in islands.primary() {
+        let (x, y) = at(i);
+        let far = libm::sqrt(x * x + y * y) / 60.0;
+        if far < 0.1 {
+            assert!(there(&a, i));
+            seen[0] += 1;
+        } else if far > 1.0 && (-60.0..60.0).contains(&x) && (-60.0..60.0).contains(&y) {
+            assert!(there(&b, i));
+            seen[1] += 1;
+        }
+    }
+    for i in by_map.primary() {
+        let x = at(i).0;
+        if (-60.0..-30.0).contains(&x) {
+            assert!(there(&b, i));
+            seen[2] += 1;
+        } else if (30.0..60.0).contains(&x) {
+            assert!(there(&a, i));
+            seen[3] += 1;
+        }
+    }
+    assert!(seen[1..].iter().all(|n| *n > 0), "{seen:?}");
+    let recorded = |scene: &Scene| scene.edits.last().unwrap().operation.to_string();
+    assert!(recorded(&islands).ends_with("morph=radial") && recorded(&by_map).ends_with("morph=map"));
 }
 
 #[test]

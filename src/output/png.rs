@@ -51,6 +51,16 @@ pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
     Ok(pixmap)
 }
 
+/// A picture over white.
+pub fn over_white(pixmap: &Pixmap) -> RgbImage {
+    // Components are multiplied by the opacity already.
+    RgbImage::from_fn(pixmap.width(), pixmap.height(), |x, y| {
+        let pixel = pixmap.pixel(x, y).expect("within the picture");
+        let white = 255 - pixel.alpha();
+        image::Rgb([pixel.red(), pixel.green(), pixel.blue()].map(|v| v.saturating_add(white)))
+    })
+}
+
 /// Bilinear interpolation of the background's rows.
 fn paint_background(background: &Background, scale: [f64; 2], top: usize, band: &mut PixmapMut<'_>) {
     let (width, data) = (band.width() as usize, band.data_mut());

@@ -16,7 +16,7 @@ const AROUND: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 
 const NONE: u32 = u32::MAX;
 
 /// The page pixel by pixel: which mask is seen where, and which copy of it.
-pub(crate) struct Ground {
+pub(crate) struct Page {
     size: [i32; 2],
     periodic: bool,
     masks: Vec<u32>,
@@ -35,17 +35,17 @@ pub(crate) struct Contact {
     pub(crate) hidden: u32,
 }
 
-impl Ground {
+impl Page {
     /// The page of `size` pixels on which masks are painted in turn. Gives also how much of a mask others
     /// hide directly.
     pub(crate) fn new(size: [i32; 2], periodic: bool, masks: &[Mask]) -> (Self, BTreeMap<Pair, Contact>) {
         let count = (size[0] * size[1]) as usize;
-        let mut ground = Self { size, periodic, masks: vec![NONE; count], shifts: vec![[0; 2]; count] };
+        let mut page = Self { size, periodic, masks: vec![NONE; count], shifts: vec![[0; 2]; count] };
         let mut contacts = BTreeMap::new();
         for (k, mask) in masks.iter().enumerate() {
-            ground.paint(k as u32, mask, &mut contacts);
+            page.paint(k as u32, mask, &mut contacts);
         }
-        (ground, contacts)
+        (page, contacts)
     }
 
     fn paint(&mut self, k: u32, mask: &Mask, contacts: &mut BTreeMap<Pair, Contact>) {
@@ -180,15 +180,15 @@ mod tests {
     #[test]
     fn gaps_and_borders() {
         let masks = [block(2, 2, 4, 4), block(8, 2, 4, 4), block(18, 2, 4, 4), block(3, 3, 2, 2)];
-        let (ground, mut contacts) = Ground::new([20, 10], true, &masks);
-        ground.near(4, &mut contacts);
+        let (page, mut contacts) = Page::new([20, 10], true, &masks);
+        page.near(4, &mut contacts);
         assert_eq!(contacts[&(0, 1, [0, 0])].gap, 2);
         // The third wraps to columns 0 and 1 and touches the first.
         assert_eq!(contacts[&(0, 2, [-1, 0])].gap, 0);
         assert_eq!((contacts[&(0, 3, [0, 0])].hidden, contacts[&(0, 3, [0, 0])].gap), (4, 0));
-        assert_eq!(ground.areas(4), [12, 16, 16, 4]);
-        let (ground, mut contacts) = Ground::new([20, 10], false, &masks);
-        ground.near(4, &mut contacts);
+        assert_eq!(page.areas(4), [12, 16, 16, 4]);
+        let (page, mut contacts) = Page::new([20, 10], false, &masks);
+        page.near(4, &mut contacts);
         assert!(!contacts.contains_key(&(0, 2, [-1, 0])));
     }
 }

@@ -11,6 +11,7 @@ mod decode;
 mod distance;
 mod labels;
 mod mask;
+pub(crate) mod oklab_map;
 pub mod picture;
 
 pub use components::{Connectivity, components, components_of_mask};

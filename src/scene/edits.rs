@@ -24,9 +24,34 @@ pub enum Recorded {
     Edit(Operation),
     /// It was made from two scenes, as one between them.
     Interpolation(Between),
-    /// Either of these, as a command line says it: so it stands in files of older programs.
+    /// Its elements took the appearance of other textures.
+    Transfer(Transfer),
+    /// Any of these, as a command line says it: so it stands in files of older programs.
     #[serde(untagged)]
     Text(String),
+}
+
+/// The appearance of other textures, taken over.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Transfer {
+    /// Exemplars of the other textures.
+    pub appearance: Vec<String>,
+    /// What was taken over.
+    pub mode: TransferMode,
+    /// Factor of the size of elements.
+    pub scale: f64,
+}
+
+/// What elements take over from another texture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TransferMode {
+    /// The mean colour; shapes and differences between colours stay.
+    Mean,
+    /// All but place, size and direction: each becomes an element of the other texture.
+    #[default]
+    Replace,
 }
 
 /// A scene between two others.
@@ -49,6 +74,10 @@ pub enum Place {
     At(f64),
     /// At the first on one side of the canvas, at the second on the other.
     Across(Axis),
+    /// At the first in the middle of the canvas, at the second at its sides.
+    Radial,
+    /// By a map, between the first where it is black and the second where it is white.
+    Map,
 }
 
 /// An axis of the canvas.
@@ -66,11 +95,16 @@ impl Display for Recorded {
         match self {
             Self::Text(text) => f.write_str(text),
             Self::Edit(operation) => operation.fmt(f),
+            Self::Transfer(Transfer { appearance, mode, scale }) => {
+                write!(f, "transfer appearance={} mode={} scale={scale}", appearance.join("+"), word(mode))
+            }
             Self::Interpolation(Between { from, to, place }) => {
                 write!(f, "interpolation from={} to={} ", from.join("+"), to.join("+"))?;
                 match place {
                     Place::At(share) => write!(f, "at={share}"),
                     Place::Across(axis) => write!(f, "across={}", word(axis)),
+                    Place::Radial => f.write_str("morph=radial"),
+                    Place::Map => f.write_str("morph=map"),
                 }
             }
         }
@@ -153,7 +187,7 @@ mod tests {
 
     #[test]
     fn records_come_back_and_read_plainly() {
-        let tint = Action::Tint { colour: Colour([255, 0, 0]), amount: 0.5, share: 1.0 };
+        let tint = Action::Tint { colour: Colour([255, 0, 0]).into(), amount: 0.5, share: 1.0 };
         let conditions = vec![
             Condition::Among { identity: Identity::Category, numbers: vec![3, 5], wanted: false },
             Condition::Compare { quantity: Quantity::Area, comparison: Comparison::AtLeast, limit: 20.0 },
@@ -172,6 +206,14 @@ mod tests {
             (Recorded::Edit(orient.into()), "orient direction=30 strength=1"),
             (Recorded::Edit(Action::Delete.into()), "delete"),
             (Recorded::Interpolation(between), "interpolation from=a.png+b.png to=c.png across=x"),
+            (
+                Recorded::Transfer(Transfer {
+                    appearance: vec!["a.png".into(), "b.png".into()],
+                    mode: TransferMode::Mean,
+                    scale: 0.5,
+                }),
+                "transfer appearance=a.png+b.png mode=mean scale=0.5",
+            ),
             (Recorded::Text("thin 0.5 --layer primary".into()), "thin 0.5 --layer primary"),
         ] {
             assert_eq!(record.to_string(), text);

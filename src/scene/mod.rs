@@ -4,10 +4,12 @@
 mod edits;
 mod effects;
 pub mod field;
+mod gaussians;
 mod joined;
 mod operation;
 mod parameters;
 pub(crate) mod pixels;
+mod repaint;
 #[cfg(test)]
 pub(crate) mod testing;
 mod tile;
@@ -15,11 +17,15 @@ mod validate;
 mod version1;
 
 pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
-pub use edits::{Axis, Between, EditRecord, Place, Recorded};
+pub use edits::{Axis, Between, EditRecord, Place, Recorded, Transfer, TransferMode};
 pub use effects::{Shadow, Stroke};
 pub(crate) use joined::joined;
-pub use operation::{Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder};
+pub use operation::{
+    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter,
+    NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
+};
 pub use parameters::{Ablation, Method, SynthParams, Weights};
+pub(crate) use repaint::Repaint;
 pub use tile::Tile;
 pub(crate) use validate::{check_layer, check_spacing};
 

@@ -57,8 +57,8 @@ pub enum Action {
     },
     /// Colours are mixed with one, in Oklab.
     Tint {
-        /// The colour.
-        colour: Colour,
+        /// The colour, or a picture, stretched over the canvas, that has it where each texton stands.
+        colour: ColourOrMap,
         /// Its share. 0 to 1.
         amount: f64,
         /// Share of the textons that are tinted. 0 to 1.
@@ -120,22 +120,78 @@ pub enum Action {
     },
     /// Textons grow about their own centres.
     Scale {
-        /// The factor. 0.01 to 100.
-        factor: f64,
+        /// The factor, 0.01 to 100; or a map, black 0.01, middle grey 1, white 2.
+        factor: NumberOrMap,
     },
     /// Textons turn about their own centres.
     Rotate {
-        /// The angle. -360 to 360.
-        angle: f64,
+        /// The angle, -360 to 360; or a map, black 0 to white 360.
+        angle: NumberOrMap,
     },
-    /// Textons are moved, turned and scaled at random, each on its own.
-    Jitter {
-        /// Largest distance. 0 to 10⁶.
-        distance: f64,
-        /// Largest angle either way. 0 to 180.
+    /// Textons are moved, turned, scaled and stretched together, about their own centres or the centre of
+    /// all.
+    Transform {
+        /// Way to the right and down. -10⁶ to 10⁶ each.
+        by: [f64; 2],
+        /// Factors along x and y. 0.01 to 100 each.
+        scale: [f64; 2],
+        /// The angle, turned by after scaling. -360 to 360.
         angle: f64,
-        /// Largest change of size either way, in per cent. 0 to 90.
-        scale: f64,
+        /// The point that stays where it is, but for the way.
+        about: About,
+    },
+    /// Textons are moved, turned, scaled and recoloured at random, each on its own.
+    Jitter(Jitter),
+    /// Appearances, colours with details, change places among textons of like size.
+    Shuffle {
+        /// Among which textons.
+        within: Within,
+        /// Share of the textons that take part. 0 to 1.
+        share: f64,
+        /// Whether outlines change places too, each drawn in the other's frame.
+        outlines: bool,
+    },
+    /// Appearances and shapes are brought nearer to their mean or further from it (Tu, dissertation,
+    /// equations 4.27 to 4.30). Each factor is 0 to 4, where 0 makes all alike and 1 changes nothing, or a
+    /// map, black 0, middle grey 1, white 2.
+    Vary {
+        /// Factor of the distance of colours from their mean, in Oklab.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        colour: Option<NumberOrMap>,
+        /// Factor for size, elongation and direction.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        shape: Option<NumberOrMap>,
+        /// The textons that have one mean.
+        within: Within,
+    },
+    /// Textons move apart where they are close, so that distances become even.
+    Relax {
+        /// How often they move. 1 to 1000.
+        rounds: u32,
+        /// Share of the way at each time. 0 to 1.
+        strength: f64,
+        /// Distance that none is to be nearer than, from 0 to 1000; default: that of a regular lattice of as
+        /// many.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        minimum_distance: Option<f64>,
+    },
+    /// What is drawn on one texton appears on all like it, in their frames.
+    Propagate {
+        /// File of the drawing, an SVG fitted to the canvas.
+        drawing: String,
+        /// Largest distance of median colours, in Oklab, of textons that are alike, 0 to 2; default: those of
+        /// the same category.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        similar: Option<f64>,
+        /// Whether it is drawn in place of what they show, else on it.
+        replace: bool,
+    },
+    /// The painting order within each layer.
+    Order {
+        /// What is painted first: the least of it.
+        by: OrderBy,
+        /// Whether the most is painted first.
+        reverse: bool,
     },
     /// Textons are taken away.
     Delete,
@@ -146,6 +202,157 @@ pub enum Action {
         /// Whether those inside are kept, else those outside.
         inside: bool,
     },
+}
+
+impl Action {
+    /// Whether it leaves every scene as it is: such an operation is not recorded.
+    pub(crate) fn is_nothing(&self) -> bool {
+        let one =
+            |number: &Option<NumberOrMap>| number.as_ref().is_none_or(|n| *n == NumberOrMap::Number(1.0));
+        match self {
+            Self::Vary { colour, shape, .. } => one(colour) && one(shape),
+            Self::Transform { by, scale, angle, .. } => {
+                *by == [0.0; 2] && *scale == [1.0; 2] && *angle == 0.0
+            }
+            _ => false,
+        }
+    }
+}
+
+/// A number, or a map of numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum NumberOrMap {
+    /// Everywhere the same.
+    Number(f64),
+    /// By place: file of a grey picture, stretched over the canvas.
+    Map(String),
+}
+
+impl From<f64> for NumberOrMap {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+/// A colour, or a picture of colours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ColourOrMap {
+    /// Everywhere the same.
+    Colour(Colour),
+    /// By place: file of a picture, stretched over the canvas. Where it is transparent, nothing changes.
+    Map(String),
+}
+
+impl From<Colour> for ColourOrMap {
+    fn from(colour: Colour) -> Self {
+        Self::Colour(colour)
+    }
+}
+
+/// The random changes of [`Action::Jitter`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Jitter {
+    /// Largest distance. 0 to 10⁶.
+    pub distance: f64,
+    /// Largest angle either way. 0 to 180.
+    pub angle: f64,
+    /// Largest change of size either way, in per cent. 0 to 90.
+    pub scale: f64,
+    /// Largest change of the ratio of length to width either way, in per cent; areas stay. 0 to 90.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub stretch: f64,
+    /// Share of the textons that are mirrored, left to right. 0 to 1.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub flip: f64,
+    /// Largest turn of hues either way, in degrees. 0 to 180.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub hue: f64,
+    /// Largest change of chroma either way, in per cent. 0 to 100.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub chroma: f64,
+    /// Largest change of lightness either way, in per cent of that of white. 0 to 100.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub lightness: f64,
+    /// How changes are distributed.
+    #[serde(default, skip_serializing_if = "Distribution::is_uniform")]
+    pub distribution: Distribution,
+    /// Number of equal steps either way that changes are made of, up to 1000; 0 for any change.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub steps: u32,
+}
+
+impl Jitter {
+    /// Whether it changes anything.
+    pub(crate) fn is_nothing(&self) -> bool {
+        let Self { distance, angle, scale, stretch, flip, hue, chroma, lightness, .. } = self;
+        [distance, angle, scale, stretch, flip, hue, chroma, lightness].iter().all(|v| **v == 0.0)
+    }
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+fn is_none(steps: &u32) -> bool {
+    *steps == 0
+}
+
+/// How random changes are distributed between their bounds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Distribution {
+    /// Evenly.
+    #[default]
+    Uniform,
+    /// Normally, the bounds being two standard deviations from the middle; none lies beyond them.
+    Normal,
+}
+
+impl Distribution {
+    fn is_uniform(&self) -> bool {
+        *self == Self::Uniform
+    }
+}
+
+/// The textons that something is done among.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Within {
+    /// Those of a layer.
+    #[default]
+    Layer,
+    /// Those of a category within a layer; those without one are one category.
+    Category,
+}
+
+/// The point about which textons are transformed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum About {
+    /// The centre of each.
+    #[default]
+    Each,
+    /// The mean of the centres of all that are selected.
+    Selection,
+}
+
+/// The property by which textons are painted one after the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OrderBy {
+    /// Place of the centre from the left.
+    X,
+    /// Place of the centre from the top.
+    Y,
+    /// Area.
+    Area,
+    /// None: any order.
+    Random,
+    /// Lightness.
+    Lightness,
 }
 
 /// Which textons go first.

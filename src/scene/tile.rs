@@ -7,8 +7,8 @@
 //! [`Scene::copies`] which copies reach the canvas and draws them directly after the original, so
 //! two overlapping textons overlap alike at every edge.
 
-use super::Scene;
-use crate::geometry::{Rect, Vec2};
+use super::{Instance, Scene};
+use crate::geometry::{Point, Rect, Vec2, wrapped};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +48,18 @@ impl Scene {
     /// Period along each axis, in pixels; `None` along an axis that does not repeat.
     pub fn periods(&self) -> [Option<f64>; 2] {
         self.tile.periods([f64::from(self.width), f64::from(self.height)])
+    }
+
+    /// Where the centre of an element lies: its origin, on the canvas where the scene repeats.
+    pub(crate) fn place(&self, instance: &Instance) -> Point {
+        let [.., x, y] = instance.transform;
+        self.on_canvas(Point::new(x, y))
+    }
+
+    /// A point, moved onto the canvas where the scene repeats.
+    pub(crate) fn on_canvas(&self, p: Point) -> Point {
+        let [width, height] = self.periods();
+        Point::new(wrapped(p.x, width), wrapped(p.y, height))
     }
 
     /// Shifts, in pixels, at which something with the given bounds is drawn. The first is zero, for the

@@ -8,11 +8,13 @@
 //! scenes in a domain, under a map of densities or of several libraries.
 
 mod correlation;
+mod cycle;
 mod groups;
 mod overlap;
 mod repetition;
 
 pub use correlation::{Correlation, Curve, Difference, largest_categories};
+pub use cycle::Cycle;
 pub use groups::Groups;
 pub use overlap::Overlap;
 pub use repetition::{Copies, Repetition};

@@ -5,7 +5,7 @@ use crate::element::{bounds, classes};
 use crate::geometry::{Affine, Rect};
 use crate::library::{Element, Library};
 use crate::raster::Mask;
-use crate::raster::contact::Ground;
+use crate::raster::contact::Page;
 use crate::scene::{Shape, pixels};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -52,8 +52,8 @@ impl Known {
         let bounds: Vec<Rect> = elements.iter().map(|e| bounds(&e.shapes)).collect();
         let masks: Vec<Mask> = crate::parallel::map(elements, of_element);
         let on_page: Vec<Mask> = masks.iter().map(|m| near_page(m, size)).collect();
-        let (ground, mut contacts) = Ground::new(size, true, &on_page);
-        ground.near(REACH, &mut contacts);
+        let (page, mut contacts) = Page::new(size, true, &on_page);
+        page.near(REACH, &mut contacts);
         let mut free: Vec<bool> = elements.iter().map(|e| !e.clipped).collect();
         let mut gaps = vec![u16::MAX; elements.len()];
         for (&(a, b, _), contact) in &contacts {

@@ -167,7 +167,11 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
 
 /// The outcome of an operation.
 fn line(done: &Done<'_>) -> String {
-    let Done { operation, outcome: Outcome { matched, removed } } = done;
+    let Done { operation, outcome: Outcome { matched, removed, thin } } = done;
+    let thin = match thin {
+        0 => String::new(),
+        count => format!(", {count} too thin to be drawn anew and left as they are"),
+    };
     let removed = if *removed > 0 { format!(", {removed} removed") } else { String::new() };
-    format!("  {operation}: {matched} matched{removed}")
+    format!("  {operation}: {matched} matched{removed}{thin}")
 }

@@ -3,7 +3,10 @@
 use super::fault;
 use super::line::{Line, parse};
 use clap::CommandFactory;
-use vtex::edit::{Action, Comparison, Condition, Direction, Identity, Operation, Quantity, ThinOrder};
+use vtex::edit::{
+    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter,
+    NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
+};
 use vtex::raster::colour::Colour;
 
 fn palette(_: &str) -> vtex::Result<Vec<u8>> {
@@ -35,8 +38,8 @@ fn texts_mean_operations() {
             "orient C:\\x.png --strength=0.5",
             Action::Orient { direction: Direction::Map("C:\\x.png".into()), strength: 0.5 },
         ),
-        ("tint #f00", Action::Tint { colour: colour("#ff0000"), amount: 0.5, share: 1.0 }),
-        ("tint Red", Action::Tint { colour: colour("#ff0000"), amount: 0.5, share: 1.0 }),
+        ("tint #f00", Action::Tint { colour: colour("#ff0000").into(), amount: 0.5, share: 1.0 }),
+        ("tint Red", Action::Tint { colour: colour("#ff0000").into(), amount: 0.5, share: 1.0 }),
         (
             "recolor --to #102030 --from #fff",
             Action::Recolor { from: colour("#ffffff"), to: colour("#102030"), reach: 0.2 },
@@ -54,9 +57,50 @@ fn texts_mean_operations() {
         ("outline 1.5 #202020", Action::Outline { width: 1.5, colour: colour("#202020") }),
         ("replace b.lib.json", Action::Replace { library: "b.lib.json".into() }),
         ("move 20 -5", Action::Move { x: 20.0, y: -5.0 }),
-        ("scale 1.3", Action::Scale { factor: 1.3 }),
-        ("rotate -90", Action::Rotate { angle: -90.0 }),
-        ("jitter --move 4", Action::Jitter { distance: 4.0, angle: 0.0, scale: 0.0 }),
+        ("scale 1.3", Action::Scale { factor: 1.3.into() }),
+        ("rotate -90", Action::Rotate { angle: (-90.0).into() }),
+        ("jitter --move 4", Action::Jitter(Jitter { distance: 4.0, ..Jitter::default() })),
+        (
+            "tint photo.png",
+            Action::Tint { colour: ColourOrMap::Map("photo.png".into()), amount: 0.5, share: 1.0 },
+        ),
+        ("scale grow.png", Action::Scale { factor: NumberOrMap::Map("grow.png".into()) }),
+        (
+            "transform --move -20,5 --scale 2 --about selection",
+            Action::Transform { by: [-20.0, 5.0], scale: [2.0; 2], angle: 0.0, about: About::Selection },
+        ),
+        (
+            "transform --move -3 --scale 0.5,2 --rotate -9",
+            Action::Transform { by: [-3.0, 0.0], scale: [0.5, 2.0], angle: -9.0, about: About::Each },
+        ),
+        (
+            "jitter --hue 20 --flip 0.5 --distribution normal --steps 4",
+            Action::Jitter(Jitter {
+                hue: 20.0,
+                flip: 0.5,
+                distribution: Distribution::Normal,
+                steps: 4,
+                ..Jitter::default()
+            }),
+        ),
+        (
+            "shuffle --within category --outlines exchange",
+            Action::Shuffle { within: Within::Category, share: 1.0, outlines: true },
+        ),
+        (
+            "vary --color 2 --shape flat.png",
+            Action::Vary {
+                colour: Some(2.0.into()),
+                shape: Some(NumberOrMap::Map("flat.png".into())),
+                within: Within::Layer,
+            },
+        ),
+        ("relax --min-distance 9", Action::Relax { rounds: 20, strength: 0.5, minimum_distance: Some(9.0) }),
+        (
+            "propagate veins.svg --similar 0.1 --mode replace",
+            Action::Propagate { drawing: "veins.svg".into(), similar: Some(0.1), replace: true },
+        ),
+        ("order y --first most", Action::Order { by: OrderBy::Y, reverse: true }),
         ("delete", Action::Delete),
         ("mask disc.svg", Action::Mask { shape: "disc.svg".into(), inside: true }),
         ("mask disc.svg --keep outside", Action::Mask { shape: "disc.svg".into(), inside: false }),
@@ -122,7 +166,12 @@ fn help_names_the_true_ranges() {
             let (low, high): (f64, f64) = (low.parse().unwrap(), high.parse().unwrap());
             let ok = |value: f64| {
                 let flag = argument.get_long().map(|long| format!("--{long} ")).unwrap_or_default();
-                let before = if argument.get_id() == "y" { needed("y") } else { String::new() };
+                let before = match argument.get_id().as_str() {
+                    "y" => needed("y"),
+                    // Steps of nothing are nothing.
+                    "steps" => "--move 1".into(),
+                    _ => String::new(),
+                };
                 let after =
                     if argument.get_id() == "y" { String::new() } else { needed(argument.get_id().as_str()) };
                 parse(&format!("{} {before} {flag}{value} {after}", verb.get_name()), palette).is_ok()
@@ -133,7 +182,7 @@ fn help_names_the_true_ranges() {
             checked += 1;
         }
     }
-    assert_eq!(checked, 20);
+    assert_eq!(checked, 36);
 }
 
 #[test]
@@ -141,7 +190,11 @@ fn faults_are_told_with_what_would_be_right() {
     for (text, message, hint) in [
         ("", "it is empty", "thin, density"),
         ("tnit #fff", "there is no operation 'tnit'", "did you mean 'tint'? the operations are thin,"),
-        ("tint", "COLOUR is missing (#rrggbb, #rgb or a name of CSS)", "tint COLOUR [--amount NUMBER]"),
+        (
+            "tint",
+            "COLOUR is missing (#rrggbb, #rgb or a name of CSS, or a file)",
+            "tint COLOUR [--amount NUMBER]",
+        ),
         ("tint reddish", "COLOUR = reddish is no colour", "#rrggbb"),
         ("tint #fff --amout 1", "'tint' has no flag '--amout'", "did you mean '--amount'?"),
         ("tint #fff --amount", "--amount needs a value", "0 to 1"),
@@ -156,6 +209,10 @@ fn faults_are_told_with_what_would_be_right() {
         ("thin 2", "KEEP = 2 is out of range: 0 to 1", "KEEP takes 0 to 1"),
         ("thin 0.5 --order bluenoise", "is none of blue-noise, random, area", "did you mean 'blue-noise'?"),
         ("thin 0.5 --layer background", "'thin' cannot be done to the background", "tint, recolor, palette"),
+        ("vary --within layer", "nothing says what to change", "vary --color 1.5"),
+        ("vary --color 9", "--color = 9 is out of range: 0 to 4", "0 to 4"),
+        ("transform --move 3,x", "no number", "--move takes -1000000 to 1000000"),
+        ("order z", "none of x, y, area, lightness, random", "did you mean"),
         ("jitter --move 0", "nothing says what to change", "jitter --move 4"),
         ("delete --where colour=3", "'colour' is nothing that elements have", "did you mean"),
         ("delete --where area=3", "'area' is not compared by '='", "area>200"),

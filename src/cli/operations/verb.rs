@@ -6,7 +6,9 @@ use crate::cli::values::named;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgAction, Command, Subcommand};
 use serde::de::DeserializeOwned;
-use vtex::edit::{Action, Direction, ThinOrder};
+use vtex::edit::{
+    About, Action, ColourOrMap, Direction, Distribution, Jitter, NumberOrMap, OrderBy, ThinOrder, Within,
+};
 use vtex::raster::colour::Colour;
 
 /// Verbs of operations. Help ends in the allowed values; `after_help` is an example.
@@ -48,9 +50,11 @@ pub(super) enum Verb {
     /// Mix colours with one, in Oklab.
     #[command(after_help = "tint #ff0000 --amount 0.5 --share 0.3")]
     Tint {
-        /// the colour [#rrggbb, #rgb or a name of CSS]
-        #[arg(value_name = "COLOUR", value_parser = colour)]
-        colour: Colour,
+        /// the colour; or a picture, stretched over the canvas, that gives each element the colour it has
+        /// where the element stands, and none where it is transparent [#rrggbb, #rgb or a name of CSS, or a
+        /// file]
+        #[arg(value_name = "COLOUR", value_parser = colour_or_map)]
+        colour: ColourOrMap,
         /// its share in the mixture [0 to 1, default: 0.5]
         #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
         #[arg(default_value = "0.5")]
@@ -144,19 +148,43 @@ pub(super) enum Verb {
     /// Make elements larger or smaller, each about its own centre.
     #[command(after_help = "scale 1.3 --where 'area<200'")]
     Scale {
-        /// the factor [0.01 to 100]
-        #[arg(value_name = "FACTOR", value_parser = number, allow_negative_numbers = true)]
-        factor: f64,
+        /// the factor; or a grey picture, stretched over the canvas: black almost nothing, middle grey as it
+        /// is, white twice [0.01 to 100 or a file]
+        #[arg(value_name = "FACTOR", value_parser = number_or_map, allow_negative_numbers = true)]
+        factor: NumberOrMap,
     },
     /// Turn elements, each about its own centre.
     #[command(after_help = "rotate 90 --layer primary")]
     Rotate {
-        /// clockwise [-360 to 360 degrees]
-        #[arg(value_name = "DEGREES", value_parser = number, allow_negative_numbers = true)]
-        angle: f64,
+        /// clockwise; or a grey picture, black 0 to white 360 [-360 to 360 degrees or a file]
+        #[arg(value_name = "DEGREES", value_parser = number_or_map, allow_negative_numbers = true)]
+        angle: NumberOrMap,
     },
-    /// Move, turn and scale each element at random.
-    #[command(after_help = "jitter --move 4 --rotate 15 --scale 10")]
+    /// Scale, turn and move elements in one go, each about its own centre or all about theirs.
+    #[command(
+        after_help = "transform --scale 1.5 --rotate 30 --move 20,-5 --about selection --where category=3"
+    )]
+    Transform {
+        /// to the right, or to the right and down with a comma between [-1000000 to 1000000 px each, default: 0]
+        #[arg(long = "move", value_name = "NUMBER", value_parser = way, allow_hyphen_values = true)]
+        #[arg(default_value = "0")]
+        by: Pair,
+        /// the factor, or those along x and y with a comma between [0.01 to 100 each, default: 1]
+        #[arg(long, value_name = "NUMBER", value_parser = factors, allow_hyphen_values = true)]
+        #[arg(default_value = "1")]
+        scale: Pair,
+        /// clockwise, after scaling [-360 to 360 degrees, default: 0]
+        #[arg(long = "rotate", value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        #[arg(default_value = "0")]
+        angle: f64,
+        /// the point that stays: the centre of each, or the mean of the centres of all selected
+        /// [each, selection, default: each]
+        #[arg(long, value_name = "WORD", value_parser = choice::<About>(&["each", "selection"]))]
+        #[arg(default_value = "each")]
+        about: About,
+    },
+    /// Move, turn, scale, stretch, mirror and recolour each element at random.
+    #[command(after_help = "jitter --move 4 --rotate 15 --scale 10 --hue 8 --lightness 5")]
     Jitter {
         /// at most so far [0 to 1000000 px, default: 0]
         #[arg(long = "move", value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
@@ -170,6 +198,109 @@ pub(super) enum Verb {
         #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
         #[arg(default_value = "0")]
         scale: f64,
+        /// the ratio of length to width at most so much either way; areas stay [0 to 90 per cent, default: 0]
+        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        #[arg(default_value = "0")]
+        stretch: f64,
+        /// share of the elements that are mirrored, left to right [0 to 1, default: 0]
+        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        #[arg(default_value = "0")]
+        flip: f64,
+        /// hues turned at most so much either way [0 to 180 degrees, default: 0]
+        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        #[arg(default_value = "0")]
+        hue: f64,
+        /// chroma at most so much more or less [0 to 100 per cent, default: 0]
+        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        #[arg(default_value = "0")]
+        chroma: f64,
+        /// lightness at most so much more or less; white is 100 above black [0 to 100 per cent, default: 0]
+        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        #[arg(default_value = "0")]
+        lightness: f64,
+        /// evenly between the bounds, or normally, with the bounds at two standard deviations
+        /// [uniform, normal, default: uniform]
+        #[arg(long, value_name = "WORD", value_parser = choice::<Distribution>(&["uniform", "normal"]))]
+        #[arg(default_value = "uniform")]
+        distribution: Distribution,
+        /// every change is a multiple of the bound divided by this; 0 for any change [0 to 1000, default: 0]
+        #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, default_value = "0")]
+        steps: u32,
+    },
+    /// Let appearances, colours and details, change places at random among elements of like size.
+    #[command(after_help = "shuffle --layer primary --share 0.5")]
+    Shuffle {
+        /// among the elements of a layer, or of each category in it [layer, category, default: layer]
+        #[arg(long, value_name = "WORD", value_parser = choice::<Within>(&["layer", "category"]))]
+        #[arg(default_value = "layer")]
+        within: Within,
+        /// share of the elements that take part [0 to 1, default: 1]
+        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        #[arg(default_value = "1")]
+        share: f64,
+        /// whether outlines stay, or change places too, each fitted to the size and direction of the other
+        /// [keep, exchange, default: keep]
+        #[arg(long, value_name = "WORD", default_value = "keep", action = ArgAction::Set)]
+        #[arg(value_parser = PossibleValuesParser::new(["keep", "exchange"]).map(|word| word == "exchange"))]
+        outlines: bool,
+    },
+    /// Make colours and shapes more alike or more varied, about their mean.
+    #[command(after_help = "vary --color 1.5 --shape 0.5 --within category")]
+    Vary {
+        /// 0 gives all the same median colour, 1 changes nothing, 2 makes them vary twice as much; or a
+        /// grey picture, black 0 to white 2 [0 to 4 or a file]
+        #[arg(long = "color", value_name = "NUMBER", value_parser = number_or_map, allow_negative_numbers = true)]
+        colour: Option<NumberOrMap>,
+        /// as much for size, elongation and direction [0 to 4 or a file]
+        #[arg(long, value_name = "NUMBER", value_parser = number_or_map, allow_negative_numbers = true)]
+        shape: Option<NumberOrMap>,
+        /// one mean for the elements of a layer, or for each category in it [layer, category, default: layer]
+        #[arg(long, value_name = "WORD", value_parser = choice::<Within>(&["layer", "category"]))]
+        #[arg(default_value = "layer")]
+        within: Within,
+    },
+    /// Move elements apart where they are close, so that distances become even.
+    #[command(after_help = "relax --rounds 30 --layer secondary")]
+    Relax {
+        /// how often they move; it ends sooner if none moves any more [1 to 1000, default: 20]
+        #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, default_value = "20")]
+        rounds: u32,
+        /// share of the way each time [0 to 1, default: 0.5]
+        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        #[arg(default_value = "0.5")]
+        strength: f64,
+        /// no centres nearer than this; by default, the distance in a regular lattice of as many elements
+        /// [0 to 1000 px]
+        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        min_distance: Option<f64>,
+    },
+    /// Draw on one element, and it appears on all like it, fitted to their place, size and direction. The
+    /// drawing is an SVG over the whole canvas; the element under it is the one that is drawn on.
+    #[command(after_help = "propagate veins.svg --layer primary")]
+    Propagate {
+        /// what is drawn, an SVG of the canvas's size [a file]
+        #[arg(value_name = "DRAWING", value_parser = file)]
+        drawing: String,
+        /// alike are elements whose median colours are no further apart in Oklab; by default, those of the
+        /// same category [0 to 2]
+        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        similar: Option<f64>,
+        /// draw it on what elements show, or in place of that [add, replace, default: add]
+        #[arg(long = "mode", value_name = "WORD", default_value = "add", action = ArgAction::Set)]
+        #[arg(value_parser = PossibleValuesParser::new(["add", "replace"]).map(|word| word == "replace"))]
+        replace: bool,
+    },
+    /// Sort the painting order within each layer.
+    #[command(after_help = "order y --layer primary")]
+    Order {
+        /// place from the left or the top, size, lightness, or none [x, y, area, lightness, random]
+        #[arg(value_name = "WORD")]
+        #[arg(value_parser = choice::<OrderBy>(&["x", "y", "area", "lightness", "random"]))]
+        by: OrderBy,
+        /// which is painted first, and lies undermost [least, most, default: least]
+        #[arg(long = "first", value_name = "WORD", default_value = "least", action = ArgAction::Set)]
+        #[arg(value_parser = PossibleValuesParser::new(["least", "most"]).map(|word| word == "most"))]
+        reverse: bool,
     },
     /// Take elements away.
     #[command(after_help = "delete --where 'area<30'")]
@@ -221,7 +352,39 @@ impl Verb {
             Self::Move { x, y } => Action::Move { x, y },
             Self::Scale { factor } => Action::Scale { factor },
             Self::Rotate { angle } => Action::Rotate { angle },
-            Self::Jitter { distance, angle, scale } => Action::Jitter { distance, angle, scale },
+            Self::Transform { by, scale, angle, about } => {
+                Action::Transform { by: by.0, scale: scale.0, angle, about }
+            }
+            Self::Jitter {
+                distance,
+                angle,
+                scale,
+                stretch,
+                flip,
+                hue,
+                chroma,
+                lightness,
+                distribution,
+                steps,
+            } => Action::Jitter(Jitter {
+                distance,
+                angle,
+                scale,
+                stretch,
+                flip,
+                hue,
+                chroma,
+                lightness,
+                distribution,
+                steps,
+            }),
+            Self::Shuffle { within, share, outlines } => Action::Shuffle { within, share, outlines },
+            Self::Vary { colour, shape, within } => Action::Vary { colour, shape, within },
+            Self::Relax { rounds, strength, min_distance } => {
+                Action::Relax { rounds, strength, minimum_distance: min_distance }
+            }
+            Self::Propagate { drawing, similar, replace } => Action::Propagate { drawing, similar, replace },
+            Self::Order { by, reverse } => Action::Order { by, reverse },
             Self::Delete => Action::Delete,
             Self::Mask { shape, keep } => Action::Mask { shape, inside: keep },
         })
@@ -248,6 +411,41 @@ fn direction(text: &str) -> Result<Direction, String> {
     match text.parse() {
         Ok(angle) => Ok(Direction::Angle(angle)),
         Err(_) => file(text).map(Direction::Map),
+    }
+}
+
+/// Numbers along x and y.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair([f64; 2]);
+
+/// One or two numbers; `second` makes the other of one alone.
+fn pair(text: &str, second: impl Fn(f64) -> f64) -> Result<Pair, String> {
+    match text.split_once(',') {
+        Some((x, y)) => Ok(Pair([number(x.trim())?, number(y.trim())?])),
+        None => number(text).map(|x| Pair([x, second(x)])),
+    }
+}
+
+fn way(text: &str) -> Result<Pair, String> {
+    pair(text, |_| 0.0)
+}
+
+fn factors(text: &str) -> Result<Pair, String> {
+    pair(text, |x| x)
+}
+
+fn number_or_map(text: &str) -> Result<NumberOrMap, String> {
+    match text.parse() {
+        Ok(number) => Ok(NumberOrMap::Number(number)),
+        Err(_) => file(text).map(NumberOrMap::Map),
+    }
+}
+
+/// A colour; a name with an ending is that of a file.
+fn colour_or_map(text: &str) -> Result<ColourOrMap, String> {
+    match colour(text) {
+        Err(_) if text.contains('.') => file(text).map(ColourOrMap::Map),
+        colour => colour.map(ColourOrMap::Colour),
     }
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod analyze;
 pub(crate) mod control;
 pub(crate) mod engine;
 pub(crate) mod files;
+pub(crate) mod frames;
 pub(crate) mod global;
 pub(crate) mod layers;
 pub(crate) mod masks;

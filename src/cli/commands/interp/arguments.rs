@@ -5,15 +5,17 @@ use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::options::files::{ForceArgs, Makes, apart, check_files, outputs, required, targets};
+use crate::cli::options::frames::{AnimationKind, FrameFormat, Played, formats, played, rate};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
 use crate::cli::output::{Place, Targets};
 use crate::cli::values::{named, one_of};
 use clap::Args;
-use serde::Deserialize;
-use std::path::{Path, PathBuf};
+use clap::builder::{OsStringValueParser, TypedValueParser};
+use std::ffi::OsString;
+use std::path::PathBuf;
 use vtex::output::file::{Format, Kind};
-use vtex::scene::{self, Axis};
+use vtex::scene::Axis;
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "between" };
 
@@ -28,6 +30,7 @@ Examples:
   vtex interp a.scene.json b.scene.json -o frames --format png --scale 2
   vtex interp a.scene.json b.scene.json -o half.svg --at 0.5
   vtex interp a.scene.json b.scene.json -o blend.svg --across x
+  vtex interp a.scene.json b.scene.json -o island.svg --morph radial
 
 Both scenes must be of one size. An animated SVG moves in browsers and shows the first scene
 elsewhere."
@@ -40,8 +43,8 @@ pub(crate) struct InterpArgs {
     #[arg(value_name = "TO", required = true)]
     pub(super) to: Option<PathBuf>,
     /// Result, by extension an animation .svg, .svgz, .gif, .png or .apng, or a folder for frames;
-    /// with --at or --across .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; several -o write
-    /// several files [default with --at or --across: ./FROM.between.svg]
+    /// with --at, --across or --morph .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; several -o write
+    /// several files [default with these: ./FROM.between.svg]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(super) output: Vec<PathBuf>,
     /// Pictures, first and last included [2 to 10000, default: 30]
@@ -56,16 +59,21 @@ pub(crate) struct InterpArgs {
     pub(super) back: bool,
     /// Frames in a folder are [svg or png, default: svg]
     #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
-    #[arg(value_parser = one_of(&["svg", "png"], named::<FrameFormat>))]
+    #[arg(value_parser = formats())]
     pub(super) format: Option<FrameFormat>,
     /// One scene only, so far along the way [0 to 1]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
-    #[arg(conflicts_with_all = ["across", "frames", "fps", "back", "format"])]
+    #[arg(conflicts_with_all = ["across", "morph", "frames", "fps", "back", "format"])]
     pub(super) at: Option<f64>,
     /// One scene only, that turns into the other from left to right or from top to bottom [x or y]
     #[arg(long, value_name = "AXIS", value_parser = one_of(&["x", "y"], named::<Axis>), hide_possible_values = true)]
     #[arg(conflicts_with_all = ["frames", "fps", "back", "format"])]
     pub(super) across: Option<Axis>,
+    /// One scene only, that turns into the other over the canvas: as with --across, or from the middle to
+    /// the sides, or by a grey picture, black the first and white the second [x, y, radial or a file]
+    #[arg(long, value_name = "WHERE", value_parser = OsStringValueParser::new().map(where_it_turns))]
+    #[arg(conflicts_with_all = ["across", "frames", "fps", "back", "format"])]
+    pub(super) morph: Option<MorphFrom>,
     #[command(flatten)]
     pub(super) force: ForceArgs,
     #[command(flatten)]
@@ -74,17 +82,22 @@ pub(crate) struct InterpArgs {
     pub(super) svg: SvgFlags,
 }
 
-/// Formats of frames in a folder.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum FrameFormat {
-    Svg,
-    Png,
+/// Where a scene turns into another.
+#[derive(Clone, Debug)]
+pub(super) enum MorphFrom {
+    Axis(Axis),
+    Radial,
+    /// By a map in a file.
+    Map(Input),
 }
 
-fn rate(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|v| (0.1..=100.0).contains(v));
-    value.ok_or_else(|| "expected a number from 0.1 to 100".into())
+fn where_it_turns(text: OsString) -> MorphFrom {
+    match text.to_str() {
+        Some("x") => MorphFrom::Axis(Axis::X),
+        Some("y") => MorphFrom::Axis(Axis::Y),
+        Some("radial") => MorphFrom::Radial,
+        _ => MorphFrom::Map(Input::new(text.into())),
+    }
 }
 
 fn share(text: &str) -> Result<f64, String> {
@@ -102,10 +115,18 @@ pub(super) struct Interpolating {
     pub(super) svg: SvgParameters,
 }
 
+/// One scene between two.
+pub(super) enum One {
+    /// So far along the way.
+    At(f64),
+    /// Different from place to place.
+    Morph(MorphFrom),
+}
+
 /// The result wanted from two scenes.
 pub(super) enum Wanted {
     /// One scene.
-    Scene(scene::Place, Targets),
+    Scene(One, Targets),
     /// Files of their own, named by their number.
     Frames { folder: PathBuf, kind: Kind, force: bool, pace: Pace },
     /// One file that plays.
@@ -121,14 +142,6 @@ impl Wanted {
             Self::Animation { kind, .. } => !matches!(kind, AnimationKind::Svg { .. }),
         }
     }
-}
-
-/// Formats of an animation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum AnimationKind {
-    Svg { gzip: bool },
-    Gif,
-    Png,
 }
 
 /// How many frames there are and how they are played.
@@ -157,8 +170,13 @@ impl Interpolating {
     /// Checks what was asked for.
     pub(super) fn new(a: InterpArgs, parameters: &Parameters) -> Result<Self, Failure> {
         let (from, to) = (required(a.from)?, required(a.to)?);
-        check_files(&[("the first scene", &from), ("the second scene", &to)], &outputs(&a.output))?;
-        let between = a.at.map(scene::Place::At).or(a.across.map(scene::Place::Across));
+        let mut read = vec![("the first scene", &from), ("the second scene", &to)];
+        if let Some(MorphFrom::Map(map)) = &a.morph {
+            read.push(("--morph", map));
+        }
+        check_files(&read, &outputs(&a.output))?;
+        let morph = a.morph.or(a.across.map(MorphFrom::Axis)).map(One::Morph);
+        let between = a.at.map(One::At).or(morph);
         let wanted = if let Some(between) = between {
             vec![Wanted::Scene(between, targets(a.output, &a.force, &from, MAKES)?)]
         } else {
@@ -168,45 +186,14 @@ impl Interpolating {
                     .hint("give -o animation.svg, animation.gif or animation.png, or a folder for frames"));
             }
             apart(&outputs(&a.output))?;
-            let play = |path| play(path, a.format, a.force.force, pace);
-            a.output.into_iter().map(play).collect::<Result<_, _>>()?
+            let play = |path| {
+                Ok(match played(path, a.format, a.force.force, "give --at, --across or --morph")? {
+                    Played::Frames { folder, kind, force } => Wanted::Frames { folder, kind, force, pace },
+                    Played::Animation { place, kind } => Wanted::Animation { place, kind, pace },
+                })
+            };
+            a.output.into_iter().map(play).collect::<Result<_, Failure>>()?
         };
         Ok(Self { from, to, wanted, scale: parameters.render, svg: parameters.svg })
     }
-}
-
-/// An animation, or frames in a folder, by the name of the output.
-fn play(path: PathBuf, format: Option<FrameFormat>, force: bool, pace: Pace) -> Result<Wanted, Failure> {
-    let name = path.to_string_lossy().to_ascii_lowercase();
-    let known = [
-        (".svg", AnimationKind::Svg { gzip: false }),
-        (".svgz", AnimationKind::Svg { gzip: true }),
-        (".gif", AnimationKind::Gif),
-        (".png", AnimationKind::Png),
-        (".apng", AnimationKind::Png),
-    ];
-    let found = known.iter().find(|(ending, _)| name.ends_with(ending)).filter(|_| !path.is_dir());
-    match found {
-        Some(_) if format.is_some() => {
-            Err(Failure::usage("--format is for frames in a folder").hint("give -o the name of a folder"))
-        }
-        Some(&(_, kind)) => Ok(Wanted::Animation { place: Place::File { path, force }, kind, pace }),
-        None if is_folder(&path) => {
-            let format = match format.unwrap_or(FrameFormat::Svg) {
-                FrameFormat::Svg => Format::Svg,
-                FrameFormat::Png => Format::Png,
-            };
-            Ok(Wanted::Frames { folder: path, kind: Kind { format, gzip: false }, force, pace })
-        }
-        None => Err(Failure::usage(format!("cannot tell the kind of animation from '{}'", path.display()))
-            .hint(
-                "give -o a name that ends in .svg, .svgz, .gif, .png or .apng, or the name of a folder; \
-                other files hold one scene: give --at or --across",
-            )),
-    }
-}
-
-/// Whether a path can only be meant as a folder.
-fn is_folder(path: &Path) -> bool {
-    path.is_dir() || path.as_os_str() != "-" && path.extension().is_none()
 }

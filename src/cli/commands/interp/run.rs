@@ -1,7 +1,9 @@
 //! Frames, an animation, or a scene between two.
 
-use super::arguments::{AnimationKind, Interpolating, Pace, Wanted};
+use super::arguments::{Interpolating, MorphFrom, One, Pace, Wanted};
 use crate::cli::common::Common;
+use crate::cli::input;
+use crate::cli::options::frames::{AnimationKind, digits};
 use crate::cli::options::render::Background;
 use crate::cli::output::{Drawing, Place, Target, Targets, Written};
 use crate::cli::progress::Reporter;
@@ -10,12 +12,13 @@ use crate::cli::summary::{Counts, Summary};
 use std::cmp::Reverse;
 use std::path::Path;
 use std::sync::Arc;
-use vtex::interpolate::{Interpolation, across};
+use vtex::control;
+use vtex::interpolate::{Interpolation, Morph, morph};
 use vtex::output::file::{Format, Kind};
 use vtex::output::raster_animation::RasterAnimation;
 use vtex::output::reduce::GivenUp;
 use vtex::output::svg::Animation;
-use vtex::scene::{self, Scene};
+use vtex::scene::Scene;
 use vtex::{Error, Progress};
 
 pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> anyhow::Result<()> {
@@ -35,7 +38,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
     let mut all = Vec::new();
     for wanted in wanted {
         all.push(match wanted {
-            Wanted::Scene(between, targets) => one(reporter, job, &scenes, *between, targets)?,
+            Wanted::Scene(between, targets) => one(reporter, job, &scenes, between, targets)?,
             Wanted::Frames { folder, kind, force, pace } => {
                 frames(reporter, job, &scenes, folder, (*kind, *force), pace)?
             }
@@ -90,22 +93,36 @@ fn one<'a>(
     reporter: &Reporter,
     job: &Interpolating,
     [from, to]: &[Arc<Scene>; 2],
-    between: scene::Place,
+    between: &One,
     targets: &'a Targets,
 ) -> anyhow::Result<Made<'a>> {
     let scene = match between {
-        scene::Place::At(t) => {
+        One::At(t) => {
             let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
             reporter.stage("moving")?;
-            way.at(t)
+            way.at(*t)
         }
-        scene::Place::Across(axis) => across(from.clone(), to.clone(), axis, reporter)?,
+        One::Morph(place) => morph(from.clone(), to.clone(), &read(place)?, reporter)?,
     };
     reporter.stage("drawing")?;
     let written = targets.write_scene(&scene, None, drawing(job))?;
     let size = drawing(job).size_of(&scene, targets.first.kind.format);
     let counts = Some(Counts::of_scene(&scene));
     Ok(Made { path: targets.path(), written, size, counts, piped: targets.piped() })
+}
+
+/// Where a scene turns into another, with the map that says so.
+fn read(place: &MorphFrom) -> anyhow::Result<Morph> {
+    Ok(match place {
+        MorphFrom::Axis(axis) => Morph::Axis(*axis),
+        MorphFrom::Radial => Morph::Radial,
+        MorphFrom::Map(file) => {
+            let bytes = file.read()?;
+            input::Kind::expect(&bytes, file, &[input::Kind::Image, input::Kind::Unknown])
+                .map_err(|failure| failure.hint("--morph takes x, y, radial or a grey picture"))?;
+            Morph::Map(control::level(&bytes, &file.name())?)
+        }
+    })
 }
 
 /// Files of their own, one for each frame.
@@ -141,11 +158,6 @@ fn frames<'a>(
     }
     let size = drawing(job).size_of(from, kind.format);
     Ok(Made { path: folder, written, size, counts: None, piped: false })
-}
-
-/// Digits of the numbers of these files, at least four, so that they sort by name.
-fn digits(count: u32) -> usize {
-    count.to_string().len().max(4)
 }
 
 /// One file that plays.

@@ -63,12 +63,7 @@ fn draw(content: &Content, name: &str, reporter: &Reporter) -> anyhow::Result<Rg
         Content::Scene(scene) => png::render(scene, 1.0)?,
         Content::Library(library) => png::render(&vtex::synth::reconstruct(library), 1.0)?,
     };
-    // Components are multiplied by the opacity already.
-    Ok(RgbImage::from_fn(pixmap.width(), pixmap.height(), |x, y| {
-        let pixel = pixmap.pixel(x, y).expect("within the picture");
-        let white = 255 - pixel.alpha();
-        image::Rgb([pixel.red(), pixel.green(), pixel.blue()].map(|v| v.saturating_add(white)))
-    }))
+    Ok(png::over_white(&pixmap))
 }
 
 impl Found {

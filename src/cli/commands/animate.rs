@@ -1,0 +1,229 @@
+//! `vtex animate`: a scene carried by a flow, as pictures that play in a loop.
+
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
+use crate::cli::config::Given;
+use crate::cli::failure::Failure;
+use crate::cli::input::{Input, Kind};
+use crate::cli::options::files::{ForceArgs, check_files, outputs, required};
+use crate::cli::options::frames::{AnimationKind, FrameFormat, Played, digits, formats, played, rate};
+use crate::cli::options::render::{Background, RenderFlags, RenderParameters};
+use crate::cli::options::svg::{SvgFlags, SvgParameters};
+use crate::cli::output::{Drawing, Place, Target, Written};
+use crate::cli::progress::Reporter;
+use crate::cli::reading;
+use crate::cli::summary::Summary;
+use clap::Args;
+use clap::builder::{OsStringValueParser, TypedValueParser};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use vtex::flow::{Flow, FlowParams, Flowing};
+use vtex::output::file::{Format, Kind as FileKind};
+use vtex::output::raster_animation::RasterAnimation;
+use vtex::scene::Scene;
+use vtex::{Error, Progress, control};
+
+/// A scene in motion: its elements carried by a flow, in a loop without a jump
+#[derive(Args)]
+#[command(
+    override_usage = "vtex animate [OPTIONS] <SCENE> --output <FILE>",
+    after_help = "\
+Examples:
+  vtex animate grass.scene.json --flow wind -o grass.gif
+  vtex animate pebbles.scene.json --flow vortex --frames 90 -o turning.png
+  vtex animate leaves.scene.json --flow directions.png -o frames --format png
+
+Elements come in at the borders as others leave. Best are scenes that repeat
+('vtex synth --tile')."
+)]
+pub(crate) struct AnimateArgs {
+    /// The scene, plain or gzip; - reads stdin
+    #[arg(value_name = "SCENE", required = true)]
+    pub(crate) scene: Option<PathBuf>,
+    /// The upper and the lower third of the canvas sheared, all turned about the middle, gusts of wind,
+    /// or along directions: a grey picture, black right, dark grey down, middle grey left, light grey up
+    /// [shear, vortex, wind or a file, default: wind]
+    #[arg(long, value_name = "FLOW", value_parser = OsStringValueParser::new().map(flow))]
+    pub(crate) flow: Option<FlowFrom>,
+    /// Pictures in a loop [2 to 10000, default: 60]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(2..=10000))]
+    pub(crate) frames: Option<u32>,
+    /// Pictures in a second [0.1 to 100, default: 15]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = rate)]
+    pub(crate) fps: Option<f64>,
+    /// Rounds, or gusts, in a loop [1 to 100, default: 1]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub(crate) rounds: Option<u32>,
+    /// Factor of how far wind and directions carry elements [0.01 to 10, default: 1]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = strength)]
+    pub(crate) strength: Option<f64>,
+    /// Result, by extension .gif, .png or .apng, or a folder for frames; several -o write several files
+    #[arg(short, long, value_name = "FILE", required = true, help_heading = "Output")]
+    pub(crate) output: Vec<PathBuf>,
+    /// Frames in a folder are [svg or png, default: svg]
+    #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = formats())]
+    pub(crate) format: Option<FrameFormat>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+}
+
+/// A flow, or the file that says it.
+#[derive(Clone, Debug)]
+pub(crate) enum FlowFrom {
+    Known(Flow),
+    File(Input),
+}
+
+fn flow(text: OsString) -> FlowFrom {
+    match text.to_str() {
+        Some("shear") => FlowFrom::Known(Flow::Shear),
+        Some("vortex") => FlowFrom::Known(Flow::Vortex),
+        Some("wind") => FlowFrom::Known(Flow::Wind),
+        _ => FlowFrom::File(Input::new(text.into())),
+    }
+}
+
+fn strength(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|v| (0.01..=10.0).contains(v));
+    value.ok_or_else(|| "expected a number from 0.01 to 10".into())
+}
+
+/// A scene, and how it moves and is written.
+struct Animating {
+    scene: Input,
+    flow: FlowFrom,
+    params: FlowParams,
+    animation: RasterAnimation,
+    wanted: Vec<Played>,
+    drawing: Drawing<'static>,
+}
+
+impl Arguments for AnimateArgs {
+    fn give(&self, given: &mut Given) {
+        given.add("render", &self.render);
+        given.add("svg", &self.svg);
+    }
+
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
+        let job = Animating::new(*self, resolved.seed.0, svg, render)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &job)))
+    }
+}
+
+impl Animating {
+    fn new(a: AnimateArgs, seed: u64, svg: SvgParameters, render: RenderParameters) -> Result<Self, Failure> {
+        let scene = required(a.scene)?;
+        let flow = a.flow.unwrap_or(FlowFrom::Known(Flow::Wind));
+        let mut read = vec![("the scene", &scene)];
+        if let FlowFrom::File(file) = &flow {
+            read.push(("--flow", file));
+        }
+        check_files(&read, &outputs(&a.output))?;
+        if a.output.is_empty() {
+            return Err(Failure::usage("nothing says where the animation goes")
+                .hint("give -o animation.gif or animation.png, or a folder for frames"));
+        }
+        let one = |path| played(path, a.format, a.force.force, "'vtex edit' writes them");
+        let wanted: Vec<Played> = a.output.into_iter().map(one).collect::<Result<_, _>>()?;
+        let svg_file = |w: &Played| matches!(w, Played::Animation { kind: AnimationKind::Svg { .. }, .. });
+        if wanted.iter().any(svg_file) {
+            let failure = Failure::usage("a flow is not written as one SVG");
+            return Err(failure.hint("give -o a .gif, .png or .apng, or the name of a folder for frames"));
+        }
+        let params = FlowParams { rounds: a.rounds.unwrap_or(1), strength: a.strength.unwrap_or(1.0), seed };
+        let animation = RasterAnimation { frames: a.frames.unwrap_or(60), rate: a.fps.unwrap_or(15.0) };
+        let drawing = Drawing { svg, render, recipe: None };
+        Ok(Self { scene, flow, params, animation, wanted, drawing })
+    }
+}
+
+fn run(common: &Common, reporter: &Reporter, job: &Animating) -> anyhow::Result<()> {
+    for wanted in &job.wanted {
+        if let Played::Animation { place, .. } = wanted {
+            place.probe()?;
+        }
+    }
+    reporter.stage("reading")?;
+    let scene = reading::scene(&job.scene)?;
+    let flow = match &job.flow {
+        FlowFrom::Known(flow) => flow.clone(),
+        FlowFrom::File(file) => {
+            let bytes = file.read()?;
+            Kind::expect(&bytes, file, &[Kind::Image, Kind::Unknown])
+                .map_err(|failure| failure.hint("--flow takes shear, vortex, wind or a grey picture"))?;
+            Flow::Field(control::level(&bytes, &file.name())?)
+        }
+    };
+    let flowing = Flowing::new(&scene, &flow, &job.params)?;
+    let mut made = Vec::new();
+    for wanted in &job.wanted {
+        made.push(match wanted {
+            Played::Frames { folder, kind, force } => {
+                (folder.as_path(), frames(reporter, job, &flowing, folder, (*kind, *force))?)
+            }
+            Played::Animation { place, kind } => {
+                (place.path(), animated(reporter, job, (&scene, &flowing), place, *kind)?)
+            }
+        });
+    }
+    let mut made = made.into_iter();
+    let Some((path, mut written)) = made.next() else { return Ok(()) };
+    written.others.extend(made.map(|(path, other)| (path.to_owned(), other.bytes)));
+    let summary = Summary {
+        seed: Some(job.params.seed),
+        size: job.drawing.size_of(&scene, Format::Png),
+        ..Summary::new("animate", vec![job.scene.name()], path, written, reporter)
+    };
+    summary.tell(common, false)
+}
+
+/// Files of their own, one for each frame.
+fn frames(
+    reporter: &Reporter,
+    job: &Animating,
+    flowing: &Flowing,
+    folder: &Path,
+    (kind, force): (FileKind, bool),
+) -> anyhow::Result<Written> {
+    std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
+    let ending = if kind.format == Format::Png { "png" } else { "svg" };
+    let count = job.animation.frames;
+    let mut written = Written::default();
+    for k in 0..count {
+        let name = folder.join(format!("frame_{:0digits$}.{ending}", k + 1, digits = digits(count)));
+        let target = Target { place: Place::File { path: name, force }, kind };
+        let one = target.write_scene(&frame(reporter, job, flowing, k)?, job.drawing)?;
+        written.bytes += one.bytes;
+    }
+    Ok(written)
+}
+
+/// One file that plays.
+fn animated(
+    reporter: &Reporter,
+    job: &Animating,
+    (scene, flowing): (&Scene, &Flowing),
+    place: &Place,
+    kind: AnimationKind,
+) -> anyhow::Result<Written> {
+    let opaque = job.drawing.render.background != Some(Background::None) && scene.domain.is_none();
+    let picture = |k: u32| job.drawing.picture(&frame(reporter, job, flowing, k)?);
+    Ok(match kind {
+        AnimationKind::Gif => Written::of(place.write(|out| job.animation.write_gif(picture, out))?.1),
+        _ => Written::of(place.write(|out| job.animation.write_png(opaque, picture, out))?.1),
+    })
+}
+
+/// Frame `k` of the loop.
+fn frame(reporter: &Reporter, job: &Animating, flowing: &Flowing, k: u32) -> vtex::Result<Scene> {
+    let count = job.animation.frames;
+    let go_on = reporter.advance("drawing", u64::from(k), u64::from(count));
+    if go_on { Ok(flowing.at(f64::from(k) / f64::from(count))) } else { Err(Error::Interrupted) }
+}

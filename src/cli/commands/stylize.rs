@@ -1,0 +1,141 @@
+//! `vtex stylize`: any picture redrawn in the elements of a texture.
+
+use crate::cli::command::{Arguments, Job, Resolved};
+use crate::cli::common::Common;
+use crate::cli::config::Given;
+use crate::cli::failure::Failure;
+use crate::cli::format;
+use crate::cli::input::{Input, Kind};
+use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
+use crate::cli::options::render::{RenderFlags, RenderParameters};
+use crate::cli::options::svg::{SvgFlags, SvgParameters};
+use crate::cli::output::{Drawing, Targets};
+use crate::cli::progress::Reporter;
+use crate::cli::reading;
+use crate::cli::summary::{Counts, Summary};
+use crate::cli::values::{named, one_of};
+use clap::Args;
+use std::path::PathBuf;
+use vtex::Progress;
+use vtex::analyze::{Exemplar, Limits};
+use vtex::output::file::Format;
+use vtex::transfer::{Keep, StylizeParams, stylize};
+
+const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "stylized" };
+
+/// Any picture, redrawn in the elements of a texture
+#[derive(Args)]
+#[command(
+    override_usage = "vtex stylize [OPTIONS] <PICTURE> --with <FILE>",
+    after_help = "\
+Examples:
+  vtex stylize portrait.jpg --with leaves.lib.json -o portrait.svg
+  vtex stylize portrait.jpg --with pebbles.lib.json --keep lightness
+
+Elements follow the edges of the picture, and are small where it has detail."
+)]
+pub(crate) struct StylizeArgs {
+    /// The picture: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
+    #[arg(value_name = "PICTURE", required = true)]
+    pub(crate) picture: Option<PathBuf>,
+    /// The texture whose elements are used: a library or a scene, plain or gzip
+    #[arg(long, value_name = "FILE", required = true)]
+    pub(crate) with: Option<PathBuf>,
+    /// Whether elements take the picture's lightness, its colours, or keep their own, the nearest being
+    /// used [lightness, color or none, default: color]
+    #[arg(long, value_name = "WORD", hide_possible_values = true)]
+    #[arg(value_parser = one_of(&["lightness", "color", "none"], named::<Keep>))]
+    pub(crate) keep: Option<Keep>,
+    /// Longer side of the canvas [32 to 16384 px, default: 1000]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(32..=16_384))]
+    pub(crate) longer_side: Option<u32>,
+    /// Distance of the largest elements [2 to 1000 px, default: a 28th of the longer side]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, value_parser = element_size)]
+    pub(crate) element_size: Option<f64>,
+    /// Sizes of elements, each half the one before, for finer and finer detail [1 to 6, default: 4]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=6))]
+    pub(crate) levels: Option<u32>,
+    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
+    /// stdout; several -o write several files [default: ./PICTURE.stylized.svg]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+}
+
+fn element_size(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|v| (2.0..=1000.0).contains(v));
+    value.ok_or_else(|| "expected a number from 2 to 1000".into())
+}
+
+/// A picture, a texture, and how one is redrawn in the other.
+struct Stylizing {
+    picture: Input,
+    texture: Input,
+    params: StylizeParams,
+    svg: SvgParameters,
+    render: RenderParameters,
+    targets: Targets,
+}
+
+impl Arguments for StylizeArgs {
+    fn give(&self, given: &mut Given) {
+        given.add("render", &self.render);
+        given.add("svg", &self.svg);
+    }
+
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        let job = Stylizing::new(*self, &resolved)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &job)))
+    }
+}
+
+impl Stylizing {
+    fn new(a: StylizeArgs, resolved: &Resolved) -> Result<Self, Failure> {
+        let (picture, texture) = (required(a.picture)?, required(a.with)?);
+        check_files(&[("the picture", &picture), ("--with", &texture)], &outputs(&a.output))?;
+        let targets = targets(a.output, &a.force, &picture, MAKES)?;
+        let usual = StylizeParams::default();
+        let params = StylizeParams {
+            size: a.longer_side.unwrap_or(usual.size),
+            element: a.element_size,
+            levels: a.levels.unwrap_or(usual.levels),
+            keep: a.keep.unwrap_or_default(),
+            seed: resolved.seed.0,
+        };
+        let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
+        Ok(Self { picture, texture, params, svg, render, targets })
+    }
+}
+
+fn run(common: &Common, reporter: &Reporter, job: &Stylizing) -> anyhow::Result<()> {
+    let Stylizing { picture, texture, params, svg, render, targets } = job;
+    targets.probe()?;
+    if let Some(warning) = render.warning(targets.has(Format::Png)) {
+        reporter.warn(warning);
+    }
+    reporter.stage("reading")?;
+    let bytes = picture.read()?;
+    Kind::expect(&bytes, picture, &[Kind::Image, Kind::Unknown])
+        .map_err(|failure| failure.hint("give a picture, such as a photograph"))?;
+    let exemplar = Exemplar::from_bytes(&bytes, &picture.name(), &Limits::default())?;
+    let elements = reading::texture(texture)?;
+    reporter.stage("redrawing")?;
+    let scene = stylize(&exemplar.image, &elements, params)?;
+    reporter.stage("writing")?;
+    let drawing = Drawing { svg: *svg, render: *render, recipe: None };
+    let written = targets.write_scene(&scene, None, drawing)?;
+    let summary = Summary {
+        seed: Some(params.seed),
+        size: drawing.size_of(&scene, targets.first.kind.format),
+        counts: Some(Counts::of_scene(&scene)),
+        ..Summary::new("stylize", vec![picture.name(), texture.name()], targets.path(), written, reporter)
+    };
+    summary.tell(common, targets.piped())
+}

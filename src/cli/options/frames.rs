@@ -1,0 +1,90 @@
+//! Pictures one after another: what an animation is written as, by the name of the output.
+
+use crate::cli::failure::Failure;
+use crate::cli::output::Place;
+use crate::cli::values::{named, one_of};
+use clap::builder::TypedValueParser;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use vtex::output::file::{Format, Kind};
+
+/// Formats of frames in a folder.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum FrameFormat {
+    Svg,
+    Png,
+}
+
+/// The parser of a format of frames.
+pub(crate) fn formats() -> impl TypedValueParser<Value = FrameFormat> {
+    one_of(&["svg", "png"], named::<FrameFormat>)
+}
+
+/// The parser of a number of pictures in a second.
+pub(crate) fn rate(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|v| (0.1..=100.0).contains(v));
+    value.ok_or_else(|| "expected a number from 0.1 to 100".into())
+}
+
+/// Formats of an animation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum AnimationKind {
+    Svg { gzip: bool },
+    Gif,
+    Png,
+}
+
+/// What is played.
+pub(crate) enum Played {
+    /// Files of their own, named by their number.
+    Frames { folder: PathBuf, kind: Kind, force: bool },
+    /// One file that plays.
+    Animation { place: Place, kind: AnimationKind },
+}
+
+/// An animation, or frames in a folder, by the name of the output.
+pub(crate) fn played(
+    path: PathBuf,
+    format: Option<FrameFormat>,
+    force: bool,
+    otherwise: &str,
+) -> Result<Played, Failure> {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let known = [
+        (".svg", AnimationKind::Svg { gzip: false }),
+        (".svgz", AnimationKind::Svg { gzip: true }),
+        (".gif", AnimationKind::Gif),
+        (".png", AnimationKind::Png),
+        (".apng", AnimationKind::Png),
+    ];
+    let found = known.iter().find(|(ending, _)| name.ends_with(ending)).filter(|_| !path.is_dir());
+    match found {
+        Some(_) if format.is_some() => {
+            Err(Failure::usage("--format is for frames in a folder").hint("give -o the name of a folder"))
+        }
+        Some(&(_, kind)) => Ok(Played::Animation { place: Place::File { path, force }, kind }),
+        None if is_folder(&path) => {
+            let format = match format.unwrap_or(FrameFormat::Svg) {
+                FrameFormat::Svg => Format::Svg,
+                FrameFormat::Png => Format::Png,
+            };
+            Ok(Played::Frames { folder: path, kind: Kind { format, gzip: false }, force })
+        }
+        None => Err(Failure::usage(format!("cannot tell the kind of animation from '{}'", path.display()))
+            .hint(format!(
+                "give -o a name that ends in .svg, .svgz, .gif, .png or .apng, or the name of a folder; \
+                 other files hold one scene: {otherwise}"
+            ))),
+    }
+}
+
+/// Whether a path can only be meant as a folder.
+fn is_folder(path: &Path) -> bool {
+    path.is_dir() || path.as_os_str() != "-" && path.extension().is_none()
+}
+
+/// Digits of the numbers of these files, at least four, so that they sort by name.
+pub(crate) fn digits(count: u32) -> usize {
+    count.to_string().len().max(4)
+}

@@ -1,0 +1,165 @@
+//! Scene → the same scene carried by a flow, at any time of a loop (Tu, dissertation, sections 4.4.6 and
+//! 7.7.3).
+//!
+//! All flows are loops: at the end every element is where it began, or has gone unseen and come again. So
+//! that none is missed where the flow comes in, elements beyond the borders are listed as well, copies of
+//! those at the opposite side. Fields and regions stay where they are.
+//!
+//! When this works badly: scenes that do not repeat, whose copies beyond the borders reach in; shear through
+//! large elements, which its bands cut apart from one another.
+
+mod paths;
+#[cfg(test)]
+mod tests;
+
+use crate::document::Document;
+use crate::error::{Error, Result, check};
+use crate::geometry::{Affine, Point, Vec2};
+use crate::parallel;
+use crate::raster::ControlMap;
+use crate::scene::{Instance, InstanceId, Scene, Tile};
+use paths::{Path, Start};
+
+/// What carries the elements.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Flow {
+    /// The upper third of the canvas goes to the left, the lower third to the right, the middle stays.
+    Shear,
+    /// Everything turns about the middle, clockwise.
+    Vortex,
+    /// Gusts go over the canvas from left to right; elements give way, turn a little, and come back.
+    Wind,
+    /// Directions by place, a map stretched over the canvas: 0 and 1 to the right, a quarter down. Large
+    /// elements go a little way, vanish, and come again where they set out; small ones stay.
+    Field(ControlMap),
+}
+
+/// How fast a flow is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlowParams {
+    /// Rounds in a loop: of shear and vortex whole ones, of wind gusts. 1 to 100. Default 1.
+    pub rounds: u32,
+    /// Factor of the distances of wind and field, 0.01 to 10. Default 1.
+    pub strength: f64,
+    /// Seed of random choices. Default 0.
+    pub seed: u64,
+}
+
+impl Default for FlowParams {
+    fn default() -> Self {
+        Self { rounds: 1, strength: 1.0, seed: 0 }
+    }
+}
+
+/// A scene in a flow.
+pub struct Flowing {
+    /// Does not repeat; with the copies beyond the borders that come in.
+    scene: Scene,
+    /// The path of each instance, in painting order.
+    paths: Vec<Path>,
+}
+
+impl Flowing {
+    /// Prepares a scene.
+    ///
+    /// # Errors
+    /// [`Error::Format`] for a scene that breaks its invariants; [`Error::Parameter`] for a parameter out of
+    /// range.
+    pub fn new(scene: &Scene, flow: &Flow, params: &FlowParams) -> Result<Self> {
+        let format = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
+        scene.validate().map_err(format)?;
+        check((1..=100).contains(&params.rounds), "rounds", params.rounds, "1 to 100")?;
+        check((0.01..=10.0).contains(&params.strength), "strength", params.strength, "0.01 to 10")?;
+        let canvas = [f64::from(scene.width), f64::from(scene.height)];
+        let (mut scene, originals) = listed(scene, paths::margin(flow, canvas, params));
+        scene.tile = Tile::default();
+        // A copy moves as its original does.
+        let layers = scene.layers.iter();
+        let individual = layers.flat_map(|l| std::iter::repeat_n(l.role.is_individual(), l.instances.len()));
+        let places = scene.instances().map(|i| scene.place(i));
+        let starts: Vec<Start> = originals
+            .into_iter()
+            .zip(places)
+            .zip(individual)
+            .map(|((id, at), individual)| Start { at, id: id.0.into(), individual })
+            .collect();
+        let paths = parallel::map(&starts, |start| Path::new(flow, start, canvas, params));
+        Ok(Self { scene, paths })
+    }
+
+    /// The scene at a share of the loop, from 0; 1 is as 0. The same elements are listed at all times, but
+    /// for those that are too small to be seen.
+    pub fn at(&self, time: f64) -> Scene {
+        let time = time - libm::floor(time);
+        let mut scene = self.scene.clone();
+        let mut paths = self.paths.iter();
+        for layer in &mut scene.layers {
+            layer.instances.retain_mut(|instance| {
+                let Some(now) = paths.next().map(|path| path.at(time)) else { return true };
+                let [.., x, y] = instance.transform;
+                let linear = Affine::rotate(now.angle) * Affine::scale(now.size) * instance.affine();
+                let [a, b, c, d, ..] = linear.as_coeffs();
+                instance.transform = [a, b, c, d, x + now.way.x, y + now.way.y];
+                now.size >= VANISHED
+            });
+        }
+        scene.drop_unused();
+        scene
+    }
+
+    /// Number of elements that take part, those beyond the borders included.
+    pub fn count(&self) -> usize {
+        self.paths.len()
+    }
+}
+
+/// Size below which an element is not drawn.
+const VANISHED: f64 = 0.02;
+
+/// Where an element is, relative to where it stands in the scene.
+struct Now {
+    way: Vec2,
+    /// In radians.
+    angle: f64,
+    size: f64,
+}
+
+/// A scene that lists copies of its elements as far as `margin` pixels beyond the borders, each right after
+/// its original; and the original of each instance, itself or another.
+fn listed(scene: &Scene, margin: [f64; 2]) -> (Scene, Vec<InstanceId>) {
+    let canvas = [f64::from(scene.width), f64::from(scene.height)];
+    let bounds: Vec<_> = scene.elements.iter().map(crate::scene::Element::bounds).collect();
+    let mut next = scene.instances().map(|i| i.id.0).max().map_or(0, |id| id + 1);
+    let (mut out, mut originals) = (scene.clone(), Vec::with_capacity(scene.count()));
+    for layer in &mut out.layers {
+        let mut all = Vec::with_capacity(layer.instances.len());
+        for instance in layer.instances.drain(..) {
+            let at = scene.place(&instance);
+            let reach = instance.reach(bounds[instance.element.index()]);
+            let own = reach.width().max(reach.height());
+            // Elements of a scene that repeats may be listed beyond the canvas.
+            let [a, b, c, d, ..] = instance.transform;
+            let home = Instance { transform: [a, b, c, d, at.x, at.y], ..instance };
+            let near = |p: Point| {
+                let along = |v: f64, k: usize| (-own - margin[k]..canvas[k] + own + margin[k]).contains(&v);
+                along(p.x, 0) && along(p.y, 1)
+            };
+            all.push(home.clone());
+            originals.push(home.id);
+            for (i, j) in (-1..=1).flat_map(|j| (-1..=1).map(move |i| (i, j))).filter(|s| *s != (0, 0)) {
+                let p = at + Vec2::new(f64::from(i) * canvas[0], f64::from(j) * canvas[1]);
+                if near(p) && next < u32::MAX {
+                    all.push(Instance {
+                        id: InstanceId(next),
+                        transform: [a, b, c, d, p.x, p.y],
+                        ..home.clone()
+                    });
+                    originals.push(home.id);
+                    next += 1;
+                }
+            }
+        }
+        layer.instances = all;
+    }
+    (out, originals)
+}

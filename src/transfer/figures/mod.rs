@@ -1,0 +1,3 @@
+//! The figures of benches/composable.md.
+
+mod tests;
