@@ -71,7 +71,10 @@ impl Canvas<'_> {
         }
         for _ in 0..SETTLES {
             for &i in &all {
-                self.settle(placed, i, share, &mut random);
+                // Those at the border of the canvas settle once, at the end: what is seen of them changes.
+                if self.zone(&placed[i]) == 0 {
+                    self.settle(placed, i, share, &mut random);
+                }
             }
         }
         let mut sites = self.sites(placed, &all);
