@@ -115,16 +115,14 @@ pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
     if let Some(painted) = &analysis.layers.painted {
         exemplar.layers = Some(layer_maps::read(painted)?.layers()?);
     }
-    let mut parameters = analysis.parameters.clone();
-    if analysis.wrap.is_none() && analysis.looks_at_borders && borders_join(&exemplar.image) {
-        parameters.wrap = true;
-        reporter.hint("the photograph's borders join, so it is taken to repeat; --wrap=off if it does not");
-    }
     let segmenter = segmenter(common, analysis, reporter)?;
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
-    let library = vtex::analyze::analyze(&exemplar, &saving, &parameters, reporter)?;
+    let library = vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?;
     if let Some(save) = &analysis.layers.save {
         save.write(&layer_map(&library), [library.arrangement.periodic; 2], None)?;
+    }
+    if analysis.wrap.is_none() && analysis.looks_at_borders && borders_join(&exemplar.image) {
+        reporter.hint("the photograph's borders seem to join; with --wrap its texture runs on across them");
     }
     if let Some(hint) = hints::of_library(&library) {
         reporter.hint(hint);

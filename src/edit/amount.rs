@@ -36,7 +36,9 @@ impl<'a> Amount<'a> {
 
     /// As a factor: middle grey changes nothing, and white doubles.
     pub(super) fn factor(&self, scene: &Scene, instance: &Instance) -> f64 {
-        self.of(scene, instance, 2.0)
+        let factor = self.of(scene, instance, 2.0);
+        // Neither of the two middle greys of eight bits is exactly 1.
+        if matches!(self, Self::Map(_)) && (factor - 1.0).abs() < 1.0 / 255.0 { 1.0 } else { factor }
     }
 }
 

@@ -1,10 +1,10 @@
 //! Elements moved, turned, scaled, stretched, mirrored and recoloured at random, each on its own.
 
 use super::Draw;
-use super::place::{put, turn};
+use super::place::put;
 use super::selection::Chosen;
 use super::textons::{measured, repaint, selected, selected_mut};
-use crate::geometry::Affine;
+use crate::geometry::{Affine, rotation};
 use crate::raster::oklab_map::OklabMap;
 use crate::sampling::Stream;
 use crate::scene::{Distribution, Instance, Jitter, Scene};
@@ -81,10 +81,10 @@ fn placed(instance: &mut Instance, amounts: &mut Amounts<'_>, angle: f64, period
     let by = [radius * libm::cos(towards), radius * libm::sin(towards)];
     let turned = amounts.either_way(jitter.angle).to_radians();
     let factor = 1.0 + amounts.either_way(jitter.scale) / 100.0;
-    put(instance, Affine::scale(factor) * turn(turned), by, periods);
+    put(instance, Affine::scale(factor) * rotation(turned), by, periods);
     if jitter.stretch > 0.0 {
         let ratio = libm::sqrt(1.0 + amounts.either_way(jitter.stretch) / 100.0);
-        within(instance, turn(angle) * Affine::scale_non_uniform(ratio, 1.0 / ratio) * turn(-angle));
+        within(instance, rotation(angle) * Affine::scale_non_uniform(ratio, 1.0 / ratio) * rotation(-angle));
     }
     if jitter.flip > 0.0 && amounts.random.chance(jitter.flip) {
         within(instance, Affine::FLIP_X);

@@ -38,7 +38,7 @@ pub use validate::validate;
 
 use crate::document::Document;
 use crate::error::{EditFault, Error, Result};
-use crate::geometry::Affine;
+use crate::geometry::{Affine, rotation};
 use crate::sampling::{Stream, stream};
 use crate::scene::{EditRecord, InstanceId, Recorded, Scene};
 use amount::{Amount, Paint};
@@ -141,7 +141,7 @@ fn act(
         Action::Scale { factor } => place::scale(scene, chosen, &Amount::new(factor, files)?),
         Action::Rotate { angle } => place::rotate(scene, chosen, &Amount::new(angle, files)?),
         Action::Transform { by, scale: [x, y], angle, about } => {
-            let map = place::turn(angle.to_radians()) * Affine::scale_non_uniform(*x, *y);
+            let map = rotation(angle.to_radians()) * Affine::scale_non_uniform(*x, *y);
             place::transform(scene, chosen, map, *by, *about);
         }
         Action::Jitter(jitter) => jitter::jitter(scene, chosen, jitter, draw),

@@ -5,7 +5,7 @@ use super::selection::Chosen;
 use super::style::keep_widths;
 use super::textons::{measured, selected, selected_mut, size};
 use crate::element::Gaussian;
-use crate::geometry::{Affine, Point, Vec2, shortest_offset, wrapped};
+use crate::geometry::{Affine, Point, Vec2, rotation, shortest_offset, wrapped};
 use crate::raster::ControlMap;
 use crate::scene::{About, Instance, Scene};
 
@@ -68,7 +68,7 @@ pub(super) fn scale(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>) {
 
 /// Turns each texton by an angle in degrees that may differ from place to place.
 pub(super) fn rotate(scene: &mut Scene, chosen: &Chosen, angle: &Amount<'_>) {
-    each(scene, chosen, |scene, instance| turn(angle.of(scene, instance, 360.0).to_radians()));
+    each(scene, chosen, |scene, instance| rotation(angle.of(scene, instance, 360.0).to_radians()));
 }
 
 /// Changes the linear part of each map.
@@ -126,7 +126,7 @@ pub(super) fn orient(scene: &mut Scene, chosen: &Chosen, towards: &Towards<'_>, 
     let periods = scene.periods();
     for (instance, angle) in selected_mut(scene, chosen).zip(turns) {
         if angle != 0.0 {
-            put(instance, turn(angle), [0.0; 2], periods);
+            put(instance, rotation(angle), [0.0; 2], periods);
         }
     }
 }
@@ -134,9 +134,4 @@ pub(super) fn orient(scene: &mut Scene, chosen: &Chosen, towards: &Towards<'_>, 
 /// The angle moved by half turns to between -π/2 and π/2.
 fn half_turn(angle: f64) -> f64 {
     angle - std::f64::consts::PI * libm::round(angle / std::f64::consts::PI)
-}
-
-pub(super) fn turn(angle: f64) -> Affine {
-    let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
-    Affine::new([cosine, sine, -sine, cosine, 0.0, 0.0])
 }

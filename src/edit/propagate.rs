@@ -3,7 +3,7 @@
 use super::selection::Chosen;
 use super::textons::{change, selected_mut};
 use crate::element::Gaussian;
-use crate::geometry::{Affine, Outline, Point};
+use crate::geometry::{Affine, Outline, Point, Vec2, shortest_offset};
 use crate::scene::{Element, Instance, Scene, Shape};
 
 /// Adds shapes, given on the canvas, to the selected element under them and to all selected elements that
@@ -18,14 +18,14 @@ pub(super) fn propagate(
     replace: bool,
 ) -> (usize, usize) {
     let gaussians = scene.gaussians();
-    let Some(edited) = beneath(chosen, &gaussians, shapes) else { return (0, 0) };
+    let Some((edited, period)) = beneath(scene, chosen, &gaussians, shapes) else { return (0, 0) };
     let Some((source, own)) =
         scene.instances().nth(edited).and_then(|i| Some((i, scene.element(i).gaussian()?)))
     else {
         return (0, 0);
     };
     // From the canvas to the canonical frame of the edited element.
-    let canonical = own.frame().inverse() * source.affine().inverse();
+    let canonical = own.frame().inverse() * source.affine().inverse() * Affine::translate(-period);
     let like = likeness(scene, source, edited, similar);
     let mut alike = chosen.only(scene, |_| true, |_, _| false);
     let mut index = 0;
@@ -47,15 +47,30 @@ pub(super) fn propagate(
     (count, thin)
 }
 
-/// The selected element on which shapes are drawn: that whose Gaussian is largest at the middle of their
-/// bounds; of several, the one painted last.
-fn beneath(chosen: &Chosen, gaussians: &[Option<Gaussian>], shapes: &[Shape]) -> Option<usize> {
+/// Largest squared Mahalanobis distance of shapes from the element on which they are drawn. The border of a disc
+/// lies at 4.
+const FARTHEST: f64 = 6.0;
+
+/// The selected element on which shapes are drawn: the one whose mean is nearest to the middle of their
+/// bounds by its own covariance; of several, the one painted last. With the whole periods from the element to
+/// the copy of it on which they are drawn.
+fn beneath(
+    scene: &Scene,
+    chosen: &Chosen,
+    gaussians: &[Option<Gaussian>],
+    shapes: &[Shape],
+) -> Option<(usize, Vec2)> {
     let mut bounds = shapes.iter().map(|s| s.outline.bounds());
     let first = bounds.next()?;
     let middle: Point = bounds.fold(first, |all, next| all.union(next)).center();
-    let value = |(i, chosen): (usize, bool)| Some((gaussians[i].filter(|_| chosen)?.at(middle), i));
-    let values = chosen.instances().enumerate().filter_map(value);
-    values.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
+    let periods = scene.periods();
+    let value = |(i, chosen): (usize, bool)| {
+        let own = gaussians[i].filter(|_| chosen)?;
+        let way = shortest_offset(own.mean, middle, periods);
+        Some((own.squared_distance(way), (i, middle - own.mean - way)))
+    };
+    let near = chosen.instances().enumerate().filter_map(value).filter(|(far, _)| *far <= FARTHEST);
+    near.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.0.cmp(&a.1.0))).map(|(_, found)| found)
 }
 
 /// Whether each instance is like one.

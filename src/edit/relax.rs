@@ -3,10 +3,14 @@
 use super::place::put;
 use super::selection::Chosen;
 use crate::geometry::{Affine, NearPoints, Point, Vec2, shortest_offset};
+use crate::parallel;
 use crate::scene::Scene;
 
 /// Ratio of the distance between neighbours in a hexagonal lattice to the root of the area for each.
 const LATTICE: f64 = 1.074_569_93;
+
+/// Neighbours that push one element, at most: more are there only where many lie on one another.
+const MOST_NEIGHBOURS: u32 = 64;
 
 /// How elements are moved.
 pub(super) struct Relaxing {
@@ -30,7 +34,8 @@ pub(super) fn relax(scene: &mut Scene, chosen: &Chosen, how: &Relaxing) {
             continue;
         }
         let lattice = LATTICE * libm::sqrt(size[0] * size[1] / before.len() as f64);
-        let distance = how.minimum.unwrap_or(lattice);
+        // No arrangement of as many keeps twice the distance of a lattice.
+        let distance = how.minimum.map_or(lattice, |least| least.min(2.0 * lattice));
         if distance <= 0.0 {
             continue;
         }
@@ -58,10 +63,15 @@ struct Plane {
 impl Plane {
     /// One round. Whether any point has moved.
     fn spread(&self, at: &mut [Point], moves: &[bool], distance: f64, strength: f64) -> bool {
-        let near = NearPoints::new(at, self.periods, distance);
-        let ways: Vec<Vec2> = (0..at.len())
-            .map(|i| if moves[i] { self.way(at, &near, i, moves, distance) * strength } else { Vec2::ZERO })
-            .collect();
+        // Points far beyond the canvas must not make the cells of the index large.
+        let within: Vec<Point> = at.iter().map(|&p| self.clamped(p)).collect();
+        let near = NearPoints::new(&within, self.periods, distance);
+        let all: Vec<usize> = (0..at.len()).collect();
+        let way = |&i: &usize| match moves[i] {
+            true => self.way(at, &near, i, moves, distance) * strength,
+            false => Vec2::ZERO,
+        };
+        let ways = parallel::map(&all, way);
         let mut moved = false;
         for (point, way) in at.iter_mut().zip(ways) {
             moved |= way.hypot2() > 1e-6;
@@ -73,7 +83,10 @@ impl Plane {
     /// The way of one point in a round.
     fn way(&self, at: &[Point], near: &NearPoints, i: usize, moves: &[bool], distance: f64) -> Vec2 {
         let (mut sum, mut count) = (Vec2::ZERO, 0);
-        near.each(at[i], |j| {
+        near.each(self.clamped(at[i]), |j| {
+            if count >= MOST_NEIGHBOURS {
+                return;
+            }
             let apart = shortest_offset(at[j], at[i], self.periods);
             let square = apart.hypot2();
             if j == i || square >= distance * distance {
@@ -90,6 +103,12 @@ impl Plane {
         });
         // Neighbours on all sides push alike: of several, no more than the mean of two.
         if count == 0 { Vec2::ZERO } else { sum / f64::from(count).max(2.0) * 2.0 }
+    }
+
+    /// The nearest point of the canvas where it does not repeat.
+    fn clamped(&self, p: Point) -> Point {
+        let along = |v: f64, k: usize| if self.periods[k].is_none() { v.clamp(0.0, self.size[k]) } else { v };
+        Point::new(along(p.x, 0), along(p.y, 1))
     }
 
     /// A point that does not leave the canvas where it does not repeat.

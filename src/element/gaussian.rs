@@ -134,10 +134,13 @@ impl Gaussian {
 
     /// Its value at a point, 1 at the mean: exp(-M²) with M the Mahalanobis distance (equation 4.11).
     pub fn at(&self, point: Point) -> f64 {
+        libm::exp(-self.squared_distance(point - self.mean))
+    }
+
+    /// The squared Mahalanobis distance of a point from the mean, given the way to it.
+    pub(crate) fn squared_distance(&self, Vec2 { x, y }: Vec2) -> f64 {
         let [xx, xy, yy] = self.covariance;
-        let Vec2 { x, y } = point - self.mean;
-        let square = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy);
-        libm::exp(-square)
+        (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy)
     }
 }
 

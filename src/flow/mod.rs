@@ -14,11 +14,12 @@ mod tests;
 
 use crate::document::Document;
 use crate::error::{Error, Result, check};
-use crate::geometry::{Affine, Point, Vec2};
+use crate::geometry::{Affine, Point, Vec2, rotation};
 use crate::parallel;
 use crate::raster::ControlMap;
 use crate::scene::{Instance, InstanceId, Scene, Tile};
 use paths::{Path, Start};
+use std::collections::BTreeSet;
 
 /// What carries the elements.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,7 +98,7 @@ impl Flowing {
             layer.instances.retain_mut(|instance| {
                 let Some(now) = paths.next().map(|path| path.at(time)) else { return true };
                 let [.., x, y] = instance.transform;
-                let linear = Affine::rotate(now.angle) * Affine::scale(now.size) * instance.affine();
+                let linear = rotation(now.angle) * Affine::scale(now.size) * instance.affine();
                 let [a, b, c, d, ..] = linear.as_coeffs();
                 instance.transform = [a, b, c, d, x + now.way.x, y + now.way.y];
                 now.size >= VANISHED
@@ -129,7 +130,9 @@ struct Now {
 fn listed(scene: &Scene, margin: [f64; 2]) -> (Scene, Vec<InstanceId>) {
     let canvas = [f64::from(scene.width), f64::from(scene.height)];
     let bounds: Vec<_> = scene.elements.iter().map(crate::scene::Element::bounds).collect();
-    let mut next = scene.instances().map(|i| i.id.0).max().map_or(0, |id| id + 1);
+    let used: BTreeSet<u32> = scene.instances().map(|i| i.id.0).collect();
+    let first = used.last().map_or(0, |id| id.wrapping_add(1));
+    let mut unused = (first..=u32::MAX).chain(0..first).filter(|id| !used.contains(id));
     let (mut out, mut originals) = (scene.clone(), Vec::with_capacity(scene.count()));
     for layer in &mut out.layers {
         let mut all = Vec::with_capacity(layer.instances.len());
@@ -148,14 +151,12 @@ fn listed(scene: &Scene, margin: [f64; 2]) -> (Scene, Vec<InstanceId>) {
             originals.push(home.id);
             for (i, j) in (-1..=1).flat_map(|j| (-1..=1).map(move |i| (i, j))).filter(|s| *s != (0, 0)) {
                 let p = at + Vec2::new(f64::from(i) * canvas[0], f64::from(j) * canvas[1]);
-                if near(p) && next < u32::MAX {
-                    all.push(Instance {
-                        id: InstanceId(next),
-                        transform: [a, b, c, d, p.x, p.y],
-                        ..home.clone()
-                    });
+                if near(p)
+                    && let Some(id) = unused.next()
+                {
+                    let transform = [a, b, c, d, p.x, p.y];
+                    all.push(Instance { id: InstanceId(id), transform, ..home.clone() });
                     originals.push(home.id);
-                    next += 1;
                 }
             }
         }

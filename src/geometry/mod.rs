@@ -34,3 +34,9 @@ pub(crate) use region::Region;
 pub(crate) use second_moments::SecondMoments;
 pub use simple::is_simple;
 pub(crate) use trace::{OUTSIDE, PlanarMap};
+
+/// A rotation about the origin by an angle in radians, from x towards y; the same on every platform.
+pub(crate) fn rotation(angle: f64) -> Affine {
+    let (sine, cosine) = libm::sincos(angle);
+    Affine::new([cosine, sine, -sine, cosine, 0.0, 0.0])
+}

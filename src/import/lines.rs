@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 
 /// Cells along a side of the page.
 const CELLS: f64 = 128.0;
+/// Cells beyond the page that are looked at.
+const BEYOND: i64 = 2;
 /// How near a line has to come back to one that is drawn, in widths of its stroke.
 const NEAR: f64 = 0.2;
 /// Finest steps along lines, as a share of the page's larger side.
@@ -100,8 +102,10 @@ impl<'a> Lines<'a> {
         let [x, y] = self.cell_of(p);
         // Steps lie within a quarter of a cell of any place of their line.
         let around = libm::ceil(reach / self.cell + 0.25) as i64;
-        for v in y - around..=y + around {
-            for u in x - around..=x + around {
+        let cells = |at: i64| (at - around).max(-BEYOND)..=(at + around).min(CELLS as i64 + BEYOND);
+        for v in cells(y) {
+            for u in cells(x) {
+                self.left = self.left.saturating_sub(1);
                 for &number in self.cells.get(&[u, v]).into_iter().flatten() {
                     if self.left == 0 {
                         return false;

@@ -4,7 +4,7 @@ use super::period::rounded;
 use crate::arrange::period::equal;
 use crate::geometry::Affine;
 use crate::library::Library;
-use crate::scene::{Instance, Scene};
+use crate::scene::{ElementId, Instance, Scene};
 use std::collections::BTreeMap;
 
 /// Lists equal elements of a reconstruction once: their instances show the first, turned and moved.
@@ -14,11 +14,11 @@ pub(super) fn share_equal(scene: &mut Scene, library: &Library) {
         let [x, y] = library.elements[k].origin().map(f64::from);
         Affine::translate((x, y))
     };
-    let listed: BTreeMap<usize, crate::scene::ElementId> = scene
+    let listed: BTreeMap<usize, ElementId> = scene
         .elements
         .iter()
         .enumerate()
-        .filter_map(|(i, e)| Some((e.source?.index(), crate::scene::ElementId::after(i))))
+        .filter_map(|(i, e)| Some((e.source?.index(), ElementId::after(i))))
         .collect();
     let sources: Vec<Option<usize>> = scene.elements.iter().map(|e| e.source.map(|s| s.index())).collect();
     let change = |instance: &mut Instance| {
@@ -31,24 +31,5 @@ pub(super) fn share_equal(scene: &mut Scene, library: &Library) {
         }
     };
     scene.instances_mut().for_each(change);
-    let mut used = vec![None; scene.elements.len()];
-    let mut count = 0;
-    for instance in scene.instances() {
-        used[instance.element.index()].get_or_insert_with(|| {
-            count += 1;
-            crate::scene::ElementId::after(count - 1)
-        });
-    }
-    let mut kept: Vec<(crate::scene::ElementId, crate::scene::Element)> = std::mem::take(&mut scene.elements)
-        .into_iter()
-        .zip(&used)
-        .filter_map(|(element, id)| Some(((*id)?, element)))
-        .collect();
-    kept.sort_by_key(|e| e.0);
-    scene.elements = kept.into_iter().map(|e| e.1).collect();
-    scene.instances_mut().for_each(|i| {
-        if let Some(id) = used[i.element.index()] {
-            i.element = id;
-        }
-    });
+    scene.drop_unused();
 }

@@ -19,8 +19,10 @@ use crate::scene::{
 };
 use crate::statistics::{Overlap, Repetition};
 
-/// Places along each side of an element's box at which its part of the canvas is looked for.
-const PLACES: usize = 6;
+/// Distance of the places of an element's box at which its part of the canvas is looked for, in pixels, and the
+/// fewest and most along a side.
+const APART: f64 = 12.0;
+const PLACES: [usize; 2] = [6, 64];
 
 /// Whether libraries have parts of their own: a drawing is among several.
 pub(super) fn applies(libraries: &[Library], controls: &Controls) -> bool {
@@ -44,7 +46,8 @@ pub(super) fn synthesize(
     let references = libraries.iter().map(super::reference).collect();
     let mut whole = Whole { scene: Scene::new([params.width, params.height], references, Vec::new()), map };
     let mut reports = Vec::new();
-    for (g, group) in groups.iter().enumerate().filter(|(g, _)| shares[*g] > 0.0) {
+    let is_seen = |g: usize| shares[g] > 0.0 && (g == 0 || !outlines[g - 1].is_empty());
+    for (g, group) in groups.iter().enumerate().filter(|(g, _)| is_seen(*g)) {
         let own: Vec<Library> = group.iter().map(|&k| libraries[k].clone()).collect();
         let of_group = Controls {
             shares: if group.len() > 1 {
@@ -153,11 +156,14 @@ impl Whole {
 
     /// Whether a box reaches into a part.
     fn reaches(&self, b: Rect, part: usize) -> bool {
-        let place = |k: usize| k as f64 / (PLACES - 1) as f64;
-        let at = |k: usize| {
-            Point::new(b.x0 + place(k % PLACES) * b.width(), b.y0 + place(k / PLACES) * b.height())
-        };
-        (0..PLACES * PLACES).any(|k| self.part_at(at(k)) == part as u32)
+        let count = |side: f64| ((side / APART) as usize + 2).clamp(PLACES[0], PLACES[1]);
+        let [columns, rows] = [b.width(), b.height()].map(count);
+        let place = |k: usize, count: usize, low: f64, side: f64| low + k as f64 / (count - 1) as f64 * side;
+        let mut at = (0..columns * rows).map(|k| {
+            let [column, row] = [k % columns, k / columns];
+            Point::new(place(column, columns, b.x0, b.width()), place(row, rows, b.y0, b.height()))
+        });
+        at.any(|p| self.part_at(p) == part as u32)
     }
 
     /// A name that no layer has.

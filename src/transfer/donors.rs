@@ -23,7 +23,8 @@ pub(super) struct Donors<'a> {
 }
 
 impl<'a> Donors<'a> {
-    /// All elements of a scene that are not degenerate.
+    /// All elements of a scene that are not degenerate; but for layers of very few, without those that a border
+    /// of the scene may have cut.
     pub(super) fn new(scene: &'a Scene) -> Self {
         let gaussians = scene.gaussians();
         let mut of_role: Vec<(Role, Vec<(f64, Donor<'a>)>)> = Vec::new();
@@ -31,13 +32,16 @@ impl<'a> Donors<'a> {
         for layer in &scene.layers {
             let (own, others) = rest.split_at(layer.instances.len());
             rest = others;
-            let donors = layer.instances.iter().zip(own).filter_map(|(instance, gaussian)| {
+            let donor = |(instance, gaussian): (&'a Instance, &Option<Gaussian>)| {
                 let gaussian = (*gaussian)?;
                 Some((elongation(&gaussian), Donor { instance, gaussian }))
-            });
+            };
+            let own = layer.instances.iter().zip(own);
+            let whole: Vec<_> = own.clone().filter(|(i, _)| is_whole(scene, i)).filter_map(donor).collect();
+            let donors = if whole.len() >= FEWEST { whole } else { own.filter_map(donor).collect() };
             match of_role.iter().position(|(role, _)| *role == layer.role) {
                 Some(known) => of_role[known].1.extend(donors),
-                None => of_role.push((layer.role, donors.collect())),
+                None => of_role.push((layer.role, donors)),
             }
         }
         for (_, donors) in &mut of_role {
@@ -83,4 +87,17 @@ impl<'a> Donors<'a> {
 fn elongation(gaussian: &Gaussian) -> f64 {
     let [long, short] = gaussian.deviations();
     libm::log(long / short)
+}
+
+/// Whether an element is not a part of one, and lies on the canvas where that does not repeat.
+fn is_whole(scene: &Scene, instance: &Instance) -> bool {
+    const MARGIN: f64 = 1.0;
+    let element = scene.element(instance);
+    let bounds = instance.affine().transform_rect_bbox(element.bounds());
+    let within = |wrap: bool, low: f64, high: f64, size: u32| {
+        wrap || (low >= MARGIN && high <= f64::from(size) - MARGIN)
+    };
+    !element.fragment
+        && within(scene.tile.x, bounds.x0, bounds.x1, scene.width)
+        && within(scene.tile.y, bounds.y0, bounds.y1, scene.height)
 }

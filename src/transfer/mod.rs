@@ -74,8 +74,8 @@ pub fn transfer(
     shares: &[ControlMap],
     params: &TransferParams,
 ) -> Result<(Scene, TransferReport)> {
+    let format = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
     for scene in appearances.iter().chain([structure]) {
-        let format = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
         scene.validate().map_err(format)?;
     }
     check((0.01..=100.0).contains(&params.scale), "scale", params.scale, "0.01 to 100")?;
@@ -96,6 +96,7 @@ pub fn transfer(
     let names = appearances.iter().flat_map(|a| &a.libraries).map(|l| l.exemplar.clone()).collect();
     let record = Transfer { appearance: names, mode: params.mode, scale: params.scale };
     scene.edits.push(EditRecord { operation: Recorded::Transfer(record), seed: params.seed });
+    scene.validate().map_err(format)?;
     Ok((scene, report))
 }
 

@@ -72,22 +72,28 @@ impl Default for StylizeParams {
     }
 }
 
+/// Least distance of elements, in pixels: smaller ones are hardly wider than a pixel.
+const LEAST: f64 = 2.0;
+/// Most places at which elements may stand on one level.
+const MOST_PLACES: f64 = 4e6;
+
 /// A picture redrawn in the elements of a texture, on a canvas of its proportions. A texture without large
 /// elements is used with its small ones.
 ///
 /// # Errors
 /// [`Error::Format`] for a scene that breaks its invariants; [`Error::Parameter`] for a parameter out of
-/// range; [`Error::Unusable`] for a texture none of whose elements has a frame.
+/// range; [`Error::TooLarge`] for more than four million places on one level; [`Error::Unusable`] for a texture
+/// none of whose elements has a frame.
 pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> Result<Scene> {
-    let format = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
+    let format = |reason: String| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
     texture.validate().map_err(format)?;
     check((32..=16_384).contains(&params.size), "size", params.size, "32 to 16384 px")?;
     check((1..=6).contains(&params.levels), "levels", params.levels, "1 to 6")?;
     let [w, h] = [picture.width(), picture.height()].map(f64::from);
     let scale = f64::from(params.size) / w.max(h);
     let canvas = [w, h].map(|v| libm::round(v * scale).max(1.0));
-    let largest = params.element.unwrap_or(f64::from(params.size) / 28.0);
-    check((2.0..=1000.0).contains(&largest), "element-size", largest, "2 to 1000 px")?;
+    let largest = params.element.unwrap_or((f64::from(params.size) / 28.0).max(LEAST));
+    check((LEAST..=1000.0).contains(&largest), "element-size", largest, "2 to 1000 px")?;
     let donors = Donors::new(texture);
     let role = [Role::Primary, Role::Secondary].into_iter().find(|role| donors.has(*role));
     let Some(role) = role else {
@@ -99,12 +105,25 @@ pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> R
     let mut distance = largest;
     let mut shown: Option<[Plane; 3]> = None;
     for level in 0..params.levels {
+        if distance < LEAST {
+            break;
+        }
+        let places = canvas[0] * canvas[1] / (distance * distance);
+        if places > MOST_PLACES {
+            return Err(Error::TooLarge {
+                name: "picture".into(),
+                found: format!("{:.0} million places for elements {distance} px apart", places / 1e6),
+                limit: format!("{:.0} million places", MOST_PLACES / 1e6),
+            });
+        }
         let seen = view.blurred(distance / 2.5);
         spots.extend(view.level((level, distance), &seen, shown.as_ref(), params.seed));
         shown = Some(seen);
         distance /= 2.0;
     }
-    Ok(composed(&Painting { texture, donors, role, params }, &view, &spots, largest))
+    let scene = composed(&Painting { texture, donors, role, params }, &view, &spots, largest);
+    scene.validate().map_err(format)?;
+    Ok(scene)
 }
 
 /// An element that is to be.

@@ -67,8 +67,9 @@ impl<'a> Canvas<'a> {
     /// The pixels of an element in a map, and the whole pixels by which they are moved.
     fn mask(&mut self, p: &Placed) -> (Arc<Mask>, [i32; 2]) {
         let [a, b, c, d, e, f] = p.map.as_coeffs();
-        let shift = [e, f].map(|v| libm::round(v) as i32);
-        if [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] {
+        let shift = [e, f].map(|v| libm::round(v).clamp(-1e9, 1e9) as i32);
+        // What runs on stands in the map of the exemplar; it has no pixels of its own.
+        if [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] || self.library.elements[p.element].clipped {
             return (Arc::clone(&self.known.masks[p.element]), shift);
         }
         let key = (p.element, [a, b, c, d].map(|v| libm::round(v / STEP) as i64));
@@ -129,13 +130,16 @@ impl<'a> Canvas<'a> {
         let (mask, shift) = self.mask(p);
         let reach = libm::ceil(clearance * f64::from(self.known.clearance)) as i32;
         // A disc in rows close enough that nothing slips through between them.
-        let row = |part: f64| {
+        let step = (0.35 * f64::from(reach)).min(self.known.lowest).max(1.0);
+        let count = libm::ceil(f64::from(reach) / step) as i32;
+        let row = |k: i32| {
+            let part = f64::from(k) / f64::from(count.max(1));
             let [dy, beside] = [part, libm::sqrt(1.0 - part * part)].map(|v| v * f64::from(reach));
             (libm::round(dy) as i32, libm::round(beside) as i32)
         };
         // The mask itself first, for there it is most likely to fail.
-        let rows = [0.0, -0.7, 0.7, -1.0, 1.0, -0.35, 0.35].map(row);
-        rows.iter().all(|&(dy, beside)| {
+        let rows = std::iter::once(0).chain((1..=count).flat_map(|k| [-k, k])).map(row);
+        rows.into_iter().all(|(dy, beside)| {
             let spans = mask.spans().iter();
             spans.into_iter().all(|s| {
                 self.is_free(s.x0 + shift[0] - beside, s.x1 + shift[0] + beside, s.y + shift[1] + dy)

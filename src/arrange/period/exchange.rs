@@ -2,8 +2,9 @@
 
 use super::Placed;
 use super::canvas::Canvas;
-use crate::geometry::{Affine, NearPoints, Point, Vec2, shortest_offset};
+use crate::geometry::{Affine, NearPoints, Point, Vec2, rotation, shortest_offset};
 use crate::sampling::{Stream, stream};
+use std::f64::consts::TAU;
 
 /// Elements with which each may change places: so many where none alike stands near, then so many where none
 /// equal does.
@@ -27,6 +28,8 @@ const FARTHEST: f64 = 0.22;
 const CLEARANCES: [f64; 6] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0];
 /// Angles of elements that may be turned at will.
 const TURNS: usize = 24;
+/// Largest gap between the angles of such elements, in radians.
+const LARGEST_GAP: f64 = 1.75;
 
 /// Places at which elements stand that change them.
 struct Sites {
@@ -201,8 +204,10 @@ impl Canvas<'_> {
         let own = libm::atan2(b, a);
         let turn = match angles.len() {
             0 | 1 => 0.0,
-            2 => angles[random.index(2)] - own,
-            _ => random.index(TURNS) as f64 / TURNS as f64 * std::f64::consts::TAU,
+            _ if go_round(angles) => random.index(TURNS) as f64 / TURNS as f64 * TAU,
+            // The angles are those of elements that are not mirrored.
+            _ if class.1.determinant() < 0.0 => 0.0,
+            count => angles[random.index(count)] - own,
         };
         if self.wrap[0] {
             place.x -= f64::from(self.canvas[0]) * libm::floor(place.x / f64::from(self.canvas[0]));
@@ -213,15 +218,18 @@ impl Canvas<'_> {
         let centre = self.known.bounds[p.element].center();
         let [a, b, c, d, ..] = self.library.layers[p.order.0].instances[p.order.1].transform;
         let given = Affine::new([a, b, c, d, 0.0, 0.0]);
-        let linear = if turn.abs() < 1e-3 {
-            given
-        } else {
-            let (sin, cos) = (libm::sin(turn), libm::cos(turn));
-            Affine::new([cos, sin, -sin, cos, 0.0, 0.0]) * given
-        };
+        let linear = if turn.abs() < 1e-3 { given } else { rotation(turn) * given };
         let at = place - linear * centre;
         // On whole pixels, where it was looked at.
         let map = Affine::translate(Vec2::new(libm::round(at.x), libm::round(at.y))) * linear;
         Placed { map, ..*p }
     }
+}
+
+/// Whether angles, in rising order and in radians, leave no large gap on the circle, so that elements seem to
+/// stand at any.
+fn go_round(angles: &[f64]) -> bool {
+    let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return false };
+    let gaps = angles.windows(2).map(|pair| pair[1] - pair[0]);
+    gaps.chain([first + TAU - last]).all(|gap| gap < LARGEST_GAP)
 }

@@ -40,6 +40,8 @@ pub(super) struct Known {
     pub(super) clearance: i32,
     /// Mean distance between elements, in pixels.
     pub(super) spacing: f64,
+    /// Height of the flattest element, in pixels.
+    pub(super) lowest: f64,
     /// How far beyond the canvas elements are placed, in pixels.
     pub(super) margin: f64,
     pub(super) regular: bool,
@@ -72,6 +74,9 @@ impl Known {
         let angles = angles(&equal);
         let largest = elements.iter().zip(&bounds).filter(|(e, _)| !e.clipped).map(|(_, b)| b);
         let largest = largest.map(|b| b.width().max(b.height())).fold(0.0, f64::max);
+        let flat =
+            bounds.iter().zip(&free).filter(|(_, free)| **free).map(|(b, _)| b.width().min(b.height()));
+        let lowest = flat.fold(f64::INFINITY, f64::min);
         let few = free.iter().filter(|f| **f).count() < FEW;
         let area = |e: &&Element| f64::from(e.area);
         let endless: f64 = elements.iter().filter(|e| e.clipped).map(|e| area(&e)).sum();
@@ -89,6 +94,7 @@ impl Known {
             angles,
             clearance: i32::from(usual).clamp(2, 40) * 3 / 4,
             spacing,
+            lowest,
             margin: largest.min(0.5 * spacing) + spacing,
             regular,
         }

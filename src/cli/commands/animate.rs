@@ -5,7 +5,7 @@ use crate::cli::common::Common;
 use crate::cli::config::Given;
 use crate::cli::failure::Failure;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::files::{ForceArgs, check_files, outputs, required};
+use crate::cli::options::files::{ForceArgs, apart, check_files, outputs, required};
 use crate::cli::options::frames::{AnimationKind, FrameFormat, Played, digits, formats, played, rate};
 use crate::cli::options::render::{Background, RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
@@ -126,6 +126,7 @@ impl Animating {
             read.push(("--flow", file));
         }
         check_files(&read, &outputs(&a.output))?;
+        apart(&outputs(&a.output))?;
         if a.output.is_empty() {
             return Err(Failure::usage("nothing says where the animation goes")
                 .hint("give -o animation.gif or animation.png, or a folder for frames"));
