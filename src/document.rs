@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Result, clip};
 use crate::gzip;
-use serde::de::{DeserializeOwned, IgnoredAny};
-use serde::{Deserialize, Serialize};
+use serde::de::{DeserializeOwned, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
+use serde::{Deserializer, Serialize};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -38,26 +38,27 @@ pub(crate) fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name:
     let fail = |reason: String| Error::Format { name: name.into(), format: T::FORMAT, reason };
     let json = unpacked(bytes.into()).map_err(fail)?;
     // Name and version first, so that another format is told apart from a damaged file.
-    #[derive(Deserialize)]
-    struct Header {
-        format: Option<String>,
-        version: Option<u64>,
-        sha256: Option<IgnoredAny>,
-    }
-    let header: Header = serde_json::from_slice(&json).map_err(|e| fail(e.to_string()))?;
+    let header = Header::of(&json).map_err(|e| fail(e.to_string()))?;
     match header.format.as_deref() {
         Some(f) if f == T::FORMAT => {}
         Some(f) => return Err(fail(format!("its format is '{}'", clip(f)))),
         None => return Err(fail("it has no field 'format'".into())),
     }
     let Some(version) = header.version else { return Err(fail("it has no field 'version'".into())) };
-    let json = if header.sha256.is_some() { without_seal(json) } else { json };
     let known = u64::from(T::VERSION);
-    let read =
-        if version == known { Some(serde_json::from_slice(&json)) } else { T::read_older(version, &json) };
-    let Some(read) = read else {
+    let parse = |json: &[u8]| match version == known {
+        true => Some(serde_json::from_slice(json)),
+        false => T::read_older(version, json),
+    };
+    let json = without_seal(json);
+    let Some(read) = parse(&json) else {
         return Err(Error::Version { name: name.into(), format: T::FORMAT, found: version, known });
     };
+    let elsewhere = || parse(&without_seal_elsewhere(&json)?);
+    let read = read.or_else(|e: serde_json::Error| {
+        let is_seal = e.to_string().starts_with("unknown field `sha256`");
+        is_seal.then(elsewhere).flatten().unwrap_or(Err(e))
+    });
     let document: T = read.map_err(|e| fail(e.to_string()))?;
     document.validate().map_err(fail)?;
     Ok(document)
@@ -70,29 +71,80 @@ fn unpacked(bytes: Cow<'_, [u8]>) -> std::result::Result<Cow<'_, [u8]>, String> 
     Ok(gzip::unpack(&bytes, u64::MAX)?.into_owned().into())
 }
 
-/// A document without the seal that files of vtex have as their last field, `sha256`. Where another
-/// program has ordered the fields anew it may stand anywhere.
+/// The fields by which documents are told apart.
+#[derive(Default)]
+struct Header {
+    format: Option<String>,
+    version: Option<u64>,
+}
+
+impl Header {
+    /// Reads no further than to the second of the fields: they come first, and the rest is read with the
+    /// document.
+    fn of(json: &[u8]) -> serde_json::Result<Self> {
+        let mut header = Self::default();
+        let read = Fields(&mut header).deserialize(&mut serde_json::Deserializer::from_slice(json));
+        if header.format.is_some() && header.version.is_some() {
+            return Ok(header);
+        }
+        read.map(|()| header)
+    }
+}
+
+struct Fields<'a>(&'a mut Header);
+
+impl<'de> DeserializeSeed<'de> for Fields<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> std::result::Result<(), D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Fields<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<(), A::Error> {
+        let Header { format, version } = self.0;
+        while format.is_none() || version.is_none() {
+            match map.next_key::<String>()?.as_deref() {
+                Some("format") => *format = map.next_value()?,
+                Some("version") => *version = map.next_value()?,
+                Some(_) => _ = map.next_value::<IgnoredAny>()?,
+                None => break,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A document without the seal that files of vtex have as their last field, `sha256`.
 fn without_seal(json: Cow<'_, [u8]>) -> Cow<'_, [u8]> {
     const DIGITS: usize = 64;
-    let last = || {
+    let end = || {
         let rest = json.trim_ascii_end().strip_suffix(b"}")?.trim_ascii_end().strip_suffix(b"\"")?;
         let (rest, sum) = rest.split_at_checked(rest.len().checked_sub(DIGITS)?)?;
         let rest = rest.strip_suffix(b"\"")?.trim_ascii_end().strip_suffix(b":")?.trim_ascii_end();
         let rest = rest.strip_suffix(b"\"sha256\"")?.trim_ascii_end().strip_suffix(b",")?;
         sum.iter().all(u8::is_ascii_hexdigit).then_some(rest.len())
     };
-    let anywhere = || {
-        let mut fields: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(&json).ok()?;
-        fields.remove("sha256")?;
-        serde_json::to_vec(&fields).ok()
-    };
-    if let Some(end) = last() {
-        let mut rest = json.into_owned();
-        rest.truncate(end);
-        rest.push(b'}');
-        return rest.into();
-    }
-    anywhere().map_or(json, Into::into)
+    let Some(end) = end() else { return json };
+    let mut rest = json.into_owned();
+    rest.truncate(end);
+    rest.push(b'}');
+    rest.into()
+}
+
+/// A document without a seal that does not come last, because another program has ordered the fields anew;
+/// `None` if there is none.
+fn without_seal_elsewhere(json: &[u8]) -> Option<Vec<u8>> {
+    let mut fields: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(json).ok()?;
+    fields.remove("sha256")?;
+    serde_json::to_vec(&fields).ok()
 }
 
 /// The document as JSON, ending in a newline.
@@ -105,6 +157,16 @@ pub(crate) fn to_json<T: Document>(document: &T) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     #[test]
+    fn a_header_is_read_as_far_as_it_reaches() {
+        let of = |text: &str| super::Header::of(text.as_bytes()).map(|h| (h.format, h.version));
+        assert_eq!(of(r#"{"format":"x","version":2,"rest":"#).unwrap(), (Some("x".into()), Some(2)));
+        assert_eq!(of(r#"{"a":[1,{}],"version":2}"#).unwrap(), (None, Some(2)));
+        for wrong in ["", "[]", r#"{"format":"x""#, r#"{"format":7}"#, r#"{"version":-1}"#] {
+            assert!(of(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
     fn a_seal_is_left_out_wherever_it_stands() {
         let sum = "0a".repeat(32);
         let plain = r#"{"format":"x","a":{"sha256":"y"}}"#;
@@ -115,7 +177,10 @@ mod tests {
         let spread = sealed.replace(",\"sha256\":\"0", ",\n  \"sha256\": \"0").replace("}\n", "\n}\n\n");
         assert_eq!(without_seal(&spread), plain.as_bytes());
         let moved = format!("{{\"sha256\":\"{sum}\",\"format\":7,\"z\":[1.5]}}");
-        assert_eq!(without_seal(&moved), br#"{"format":7,"z":[1.5]}"#);
+        assert_eq!(without_seal(&moved), moved.as_bytes());
+        let elsewhere = super::without_seal_elsewhere(moved.as_bytes()).unwrap();
+        assert_eq!(elsewhere, br#"{"format":7,"z":[1.5]}"#);
+        assert_eq!(super::without_seal_elsewhere(plain.as_bytes()), None);
         for other in ["", "}", "\"}", "[1]", "{\"sha256\":1", &sum] {
             assert_eq!(without_seal(other), other.as_bytes());
         }

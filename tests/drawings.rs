@@ -72,7 +72,7 @@ fn a_drawing_of_many_kinds_of_shapes_is_read_and_drawn_back() {
     assert!(found <= 0.5, "{found}");
     // Equal elements are listed once: a flower, a leaf, two suns, three stems.
     assert_eq!(reconstruct(&library).elements.len(), 7);
-    let again = Library::from_bytes(&library.to_json(), "again").unwrap();
+    let again = Library::from_bytes(library.to_json(), "again").unwrap();
     assert!(again.to_json() == library.to_json(), "what is stored is read again");
 }
 
@@ -252,7 +252,7 @@ fn a_drawing_beside_a_photograph_has_its_part_to_itself() {
     let controls = Controls { shares, ..Controls::default() };
     let params = SynthParams { width: 1200, height: 600, seed: 4, ..SynthParams::default() };
     let (scene, report) = synthesize_with(&libraries, &params, &controls, &()).unwrap();
-    let scene = Scene::from_bytes(&scene.to_json(), "mixed").unwrap();
+    let scene = Scene::from_bytes(scene.to_json(), "mixed").unwrap();
     let mut found = [0; 2];
     for instance in scene.individuals() {
         let element = scene.element(instance);

@@ -60,7 +60,7 @@ fn small_scene(library: &Library) -> vtex::Result<Scene> {
 
 fn use_library(bytes: &[u8]) {
     let Ok(library) = Library::from_bytes(bytes, "damaged") else { return };
-    assert_eq!(Library::from_bytes(&library.to_json(), "again").unwrap().to_json(), library.to_json());
+    assert_eq!(Library::from_bytes(library.to_json(), "again").unwrap().to_json(), library.to_json());
     // A size that was changed can be anything up to the largest; only small ones are worked with.
     if u64::from(library.source.width) * u64::from(library.source.height) <= 1 << 16 {
         use_made(&reconstruct(&library));
@@ -72,7 +72,7 @@ fn use_library(bytes: &[u8]) {
 
 fn use_scene(bytes: &[u8]) {
     let Ok(scene) = Scene::from_bytes(bytes, "damaged") else { return };
-    assert_eq!(Scene::from_bytes(&scene.to_json(), "again").unwrap().to_json(), scene.to_json());
+    assert_eq!(Scene::from_bytes(scene.to_json(), "again").unwrap().to_json(), scene.to_json());
     use_made(&scene);
 }
 

@@ -109,7 +109,7 @@ fn libraries_and_scenes_survive_being_saved() {
     let scene = scene(&library);
     let replayed = self::scene(&read);
     assert!(replayed.to_json() == scene.to_json(), "a saved library gives another scene");
-    let read = Scene::from_bytes(&scene.to_json(), "saved").unwrap();
+    let read = Scene::from_bytes(scene.to_json(), "saved").unwrap();
     assert!(read == scene && read.to_json() == scene.to_json());
     assert!(svg_of(&read) == svg_of(&scene), "a saved scene gives another SVG");
     assert!(png_of(&read) == png_of(&scene), "a saved scene gives another picture");

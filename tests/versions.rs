@@ -33,7 +33,7 @@ fn a_library_of_version_1_gives_its_picture() {
     let scene = synthesize(&library, &params, &()).unwrap();
     assert!(difference(&scene, "synthesised.png") < 0.05);
     // What is written is of this version, and the same.
-    let again = Library::from_bytes(&library.to_json(), "again").unwrap();
+    let again = Library::from_bytes(library.to_json(), "again").unwrap();
     assert_eq!(again, library);
 }
 
@@ -46,7 +46,7 @@ fn a_scene_of_version_1_gives_its_picture() {
     let edits: Vec<String> = scene.edits.iter().map(|e| e.operation.to_string()).collect();
     assert_eq!(edits.len(), 2);
     assert!(edits[0].ends_with("layer=secondary") && edits[1].ends_with("layer=primary"), "{edits:?}");
-    assert_eq!(Scene::from_bytes(&scene.to_json(), "again").unwrap(), scene);
+    assert_eq!(Scene::from_bytes(scene.to_json(), "again").unwrap(), scene);
 }
 
 #[test]

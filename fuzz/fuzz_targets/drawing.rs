@@ -12,7 +12,7 @@ fuzz_target!(|bytes: &[u8]| {
         let analyze = AnalyzeParams { lenient, ..AnalyzeParams::default() };
         if let Ok(library) = import(bytes, "fuzz", &ImportParams { wrap: None, analyze }, &()) {
             // What is read is valid.
-            assert!(Library::from_bytes(&library.to_json(), "fuzz").is_ok());
+            assert!(Library::from_bytes(library.to_json(), "fuzz").is_ok());
             let _ = reconstruct(&library);
             textures(&library);
         }
@@ -35,7 +35,7 @@ fn textures(library: &Library) {
         let variation = Some(1.0);
         let params = SynthParams { width, height, method, tile, variation, ..SynthParams::default() };
         if let Ok(scene) = synthesize(library, &params, &()) {
-            assert!(vtex::scene::Scene::from_bytes(&scene.to_json(), "fuzz").is_ok());
+            assert!(vtex::scene::Scene::from_bytes(scene.to_json(), "fuzz").is_ok());
         }
     }
 }

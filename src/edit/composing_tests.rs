@@ -381,4 +381,10 @@ fn what_is_drawn_on_one_element_appears_on_all_like_it() {
     assert_eq!((bar.shapes.len(), bar.outline()), (1, before.elements[0].outline()));
     let all = edited(&before, &[on("primary", propagate(Some(2.0), false))]).1;
     assert_eq!(all[0].matched, 60);
+    // Where nothing is near, nothing is drawn on.
+    let far = |i: &mut Instance| {
+        i.transform[4] = if (150.0..250.0).contains(&i.transform[4]) { 20.0 } else { i.transform[4] }
+    };
+    before.primary_mut().iter_mut().for_each(far);
+    assert_eq!(edited(&before, &[on("primary", propagate(None, false))]).1[0].matched, 0);
 }

@@ -21,7 +21,7 @@ pub(super) fn scene() -> Scene {
     let mut random = stream(3, "test/scene", 0);
     let mut place = |id: u32, element: u32| {
         let at = [random.range(0.0, 400.0), random.range(0.0, 300.0)].map(libm::round);
-        let affine = Affine::translate((at[0], at[1])) * Affine::rotate(random.range(0.0, 6.0));
+        let affine = Affine::translate((at[0], at[1])) * crate::geometry::rotation(random.range(0.0, 6.0));
         Instance { transform: affine.as_coeffs(), ..Instance::new(InstanceId(id), ElementId(element)) }
     };
     let primary: Vec<Instance> = (0..60).map(|i| place(i, u32::from(i >= 40))).collect();
@@ -159,7 +159,7 @@ fn chains_are_recorded_and_may_be_done_one_by_one() {
     assert_eq!((outcomes[0].matched, outcomes[0].removed), (300, 120));
     let step = chain.iter().fold(scene(), |scene, done| edited(&scene, std::slice::from_ref(done)).0);
     assert_eq!(all.to_json(), step.to_json());
-    assert_eq!(Scene::from_bytes(&all.to_json(), "x").unwrap(), all);
+    assert_eq!(Scene::from_bytes(all.to_json(), "x").unwrap(), all);
     let other = apply(scene(), &chain[..1], &Files::default(), Some(6)).unwrap().0;
     assert_ne!(other.primary(), one(chain[0].clone()).primary());
     // The same operation again draws anew.

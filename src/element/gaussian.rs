@@ -165,8 +165,8 @@ mod tests {
     fn a_moved_gaussian_is_that_of_the_moved_shape() {
         let own = Gaussian::new(&outline(DROP)).unwrap();
         for affine in [
-            Affine::rotate(2.6),
-            Affine::rotate(-1.2) * Affine::scale(1.7),
+            crate::geometry::rotation(2.6),
+            crate::geometry::rotation(-1.2) * Affine::scale(1.7),
             Affine::translate((40.0, 9.0)) * Affine::FLIP_X,
         ] {
             let moved = Gaussian::new(&Outline::new(&(affine * outline(DROP).path())).unwrap()).unwrap();
@@ -198,7 +198,7 @@ mod tests {
             let own = Gaussian::new(&outline(text)).unwrap();
             for step in 0..24 {
                 let angle = f64::from(step) * std::f64::consts::TAU / 24.0;
-                let turned = own.moved(Affine::rotate(angle)).direction;
+                let turned = own.moved(crate::geometry::rotation(angle)).direction;
                 let Vec2 { x, y } = own.direction;
                 let (s, c) = libm::sincos(angle);
                 let wanted = Vec2::new(c * x - s * y, s * x + c * y);

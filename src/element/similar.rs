@@ -184,9 +184,9 @@ mod tests {
         let text = "M0 0h40l-10 30c-20 5-30-10-30-30z";
         let own = [shape(text, Affine::IDENTITY)];
         for map in [
-            Affine::rotate(0.7) * Affine::translate((30.0, 4.0)),
-            Affine::scale(1.7) * Affine::rotate(-2.0),
-            Affine::FLIP_Y * Affine::rotate(1.0),
+            crate::geometry::rotation(0.7) * Affine::translate((30.0, 4.0)),
+            Affine::scale(1.7) * crate::geometry::rotation(-2.0),
+            Affine::FLIP_Y * crate::geometry::rotation(1.0),
         ] {
             let found = similarity(&own, &[shape(text, map)], 0.05).unwrap();
             let p = Point::new(17.0, 11.0);

@@ -15,7 +15,8 @@ fn scene() -> Scene {
     let mut random = stream(1, "test/flow", 0);
     let primary = (0..120).map(|k| {
         let at = [random.range(9.0, 391.0), random.range(9.0, 291.0)].map(libm::round);
-        let transform = (Affine::translate((at[0], at[1])) * Affine::rotate(f64::from(k))).as_coeffs();
+        let transform =
+            (Affine::translate((at[0], at[1])) * crate::geometry::rotation(f64::from(k))).as_coeffs();
         Instance { transform, ..Instance::new(InstanceId(k), ElementId(0)) }
     });
     let primary = primary.collect();
@@ -137,4 +138,13 @@ fn strange_parameters_are_refused() {
     }
     let empty = testing::scene([9, 9], Vec::new(), Vec::new(), Vec::new(), testing::flat(Colour([0; 3])));
     assert_eq!(Flowing::new(&empty, &Flow::Vortex, &FlowParams::default()).unwrap().at(0.4).count(), 0);
+}
+
+#[test]
+fn copies_have_ids_of_their_own_even_if_the_last_is_taken() {
+    let mut before = scene();
+    before.layers.iter_mut().flat_map(|l| &mut l.instances).last().unwrap().id = InstanceId(u32::MAX);
+    let flowing = Flowing::new(&before, &Flow::Vortex, &FlowParams::default()).unwrap();
+    assert!(flowing.count() > before.count());
+    assert_eq!(flowing.at(0.3).validate(), Ok(()));
 }

@@ -83,7 +83,7 @@ fn add(sums: &mut [f64; 10], segment: PathSeg, origin: Point) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Affine, parse_path};
+    use crate::geometry::parse_path;
 
     fn outline(text: &str) -> Outline {
         Outline::new(&parse_path(text).unwrap()).unwrap()
@@ -135,7 +135,8 @@ mod tests {
         let path = parse_path("M0 0C300 -200 900 100 700 500C500 900 -200 600 0 0z").unwrap();
         let own = Moments::new(&Outline::new(&path).unwrap());
         for angle in [0.3, 1.9, 4.0] {
-            let turned = Moments::new(&Outline::new(&(Affine::rotate(angle) * path.clone())).unwrap());
+            let turned =
+                Moments::new(&Outline::new(&(crate::geometry::rotation(angle) * path.clone())).unwrap());
             let along = |a: f64| [libm::cos(a), libm::sin(a)];
             for direction in [0.0, 0.7, 2.0] {
                 let (a, b) = (own.skew(along(direction)), turned.skew(along(direction + angle)));

@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn moving_the_moments_is_measuring_the_moved() {
         let text = "M0 0c5 1 12 2 9 6c-4 5-11 3-9-6z";
-        for affine in [Affine::rotate(0.7), Affine::new([1.5, 0.3, -0.4, -0.8, 40.0, -7.0])] {
+        for affine in [crate::geometry::rotation(0.7), Affine::new([1.5, 0.3, -0.4, -0.8, 40.0, -7.0])] {
             let path = affine * parse_path(text).unwrap();
             let (moved, measured) =
                 (of(text).moved(affine), SecondMoments::new(&Outline::new(&path).unwrap()));

@@ -56,7 +56,7 @@ fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
     let size = f64::from(SIZE);
     let mut instance = |id: u32, element: u32, own: bool| {
         let (x, y) = (random.unit() * size, random.unit() * size);
-        let turn = Affine::translate((x, y)) * Affine::rotate(random.range(0.0, 0.5));
+        let turn = Affine::translate((x, y)) * crate::geometry::rotation(random.range(0.0, 0.5));
         Instance {
             transform: turn.as_coeffs(),
             colour: own.then(|| colour(random)),
@@ -108,7 +108,7 @@ fn the_ends_are_the_scenes_and_all_between_is_valid() {
         let scene = between.at(f64::from(k) / 10.0);
         scene.validate().unwrap();
         assert_eq!(scene.libraries.len(), 2);
-        assert!(Scene::from_bytes(&scene.to_json(), "between").unwrap() == scene);
+        assert!(Scene::from_bytes(scene.to_json(), "between").unwrap() == scene);
     }
 }
 

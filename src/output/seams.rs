@@ -254,7 +254,7 @@ fn layers_with_regions_strokes_and_radial_gradients_are_alike_in_all_writers() {
         for edge in [None, Some(Edge::Keep), Some(Edge::Clip)] {
             let mut scene = testing::drawn(testing::tiled(SIZE.0, SIZE.1, 11, tile));
             scene.domain = edge.map(|edge| domain(80.0, 90.0, edge));
-            assert_eq!(Scene::from_bytes(&scene.to_json(), "drawn").unwrap(), scene);
+            assert_eq!(Scene::from_bytes(scene.to_json(), "drawn").unwrap(), scene);
             let all = pictures(&scene, 1.0);
             for (name, other) in &all[1..] {
                 let (mean, bad) = difference(&all[0].1, other, 0, 0, 40);

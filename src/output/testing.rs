@@ -92,7 +92,7 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
             ));
             let affine = if turned && i % 3 == 0 {
                 let size = 0.8 + 0.4 * rng.unit();
-                shift * Affine::rotate(rng.unit() * 6.3) * Affine::scale_non_uniform(size, -size)
+                shift * crate::geometry::rotation(rng.unit() * 6.3) * Affine::scale_non_uniform(size, -size)
             } else {
                 shift
             };
@@ -223,7 +223,7 @@ pub(super) fn drawn(mut scene: Scene) -> Scene {
         for i in 0..4 {
             next += 1;
             let at = (w * (0.1 + 0.23 * f64::from(i)), h * (0.02 + 0.31 * k as f64));
-            let affine = Affine::translate(at) * Affine::rotate(f64::from(i)) * Affine::scale(1.2);
+            let affine = Affine::translate(at) * crate::geometry::rotation(f64::from(i)) * Affine::scale(1.2);
             let transform = affine.as_coeffs();
             instances.push(Instance { transform, ..Instance::new(InstanceId(next), element) });
         }

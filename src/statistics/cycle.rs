@@ -198,7 +198,8 @@ mod tests {
         let mut random = stream(1, "test/cycle", 0);
         let primary = (0..64).map(|k| {
             let at = [k % 8, k / 8].map(|v| 30.0 + 28.0 * f64::from(v) + random.range(-off, off));
-            let transform = (Affine::translate((at[0], at[1])) * Affine::rotate(f64::from(k))).as_coeffs();
+            let transform =
+                (Affine::translate((at[0], at[1])) * crate::geometry::rotation(f64::from(k))).as_coeffs();
             Instance { transform, ..Instance::new(InstanceId(k), ElementId(k % 3)) }
         });
         let primary = primary.filter(|i| keep(i.id.0)).collect();

@@ -230,7 +230,7 @@ mod tests {
     fn turned_and_scaled_shapes_keep_their_area() {
         let shape = square(40);
         for (transform, hidden) in [
-            (Affine::rotate(std::f64::consts::FRAC_PI_2), 0.5),
+            (crate::geometry::rotation(std::f64::consts::FRAC_PI_2), 0.5),
             (Affine::scale_non_uniform(-1.0, 1.0), 0.5),
             (Affine::scale(0.5), 0.2),
             (Affine::scale(0.0), 0.0),
@@ -242,7 +242,7 @@ mod tests {
             let found = Overlap::of_stamps(&stamps, [200, 200], Tile::default());
             assert!((found.hidden - hidden).abs() < 0.02, "{transform:?}: {found:?}");
         }
-        let eighth = Affine::translate((100.0, 100.0)) * Affine::rotate(0.7);
+        let eighth = Affine::translate((100.0, 100.0)) * crate::geometry::rotation(0.7);
         let area: u32 = turned(&Stamp { mask: &shape, transform: eighth }).iter().map(Span::len).sum();
         assert!((area as i32 - 1600).abs() < 30, "{area}");
     }

@@ -17,7 +17,8 @@ fn texture(seed: u64, text: &str, colour: [u8; 3]) -> Scene {
     let mut random = stream(seed, "test/texture", 0);
     let mut place = |id: u32, element: u32| {
         let at = [random.range(0.0, 300.0), random.range(0.0, 200.0)].map(libm::round);
-        let linear = Affine::rotate(random.range(0.0, 6.0)) * Affine::scale(random.range(0.7, 1.4));
+        let linear =
+            crate::geometry::rotation(random.range(0.0, 6.0)) * Affine::scale(random.range(0.7, 1.4));
         let transform = (Affine::translate((at[0], at[1])) * linear).as_coeffs();
         Instance { transform, ..Instance::new(InstanceId(id), ElementId(element)) }
     };
@@ -210,4 +211,16 @@ fn a_picture_is_redrawn_in_elements() {
     assert!(along.len() > 5 && along.iter().all(|a| *a < 0.5), "{along:?}");
     let empty = testing::scene([9, 9], Vec::new(), Vec::new(), Vec::new(), testing::flat(Colour([0; 3])));
     assert!(matches!(stylize(&picture(), &empty, &StylizeParams::default()), Err(Error::Unusable { .. })));
+}
+
+#[test]
+fn more_places_than_can_be_seen_are_refused_or_left_out() {
+    let of = |size, element, levels| {
+        stylize(&picture(), &bars(), &StylizeParams { size, levels, element, ..StylizeParams::default() })
+    };
+    assert!(matches!(of(16_384, Some(2.0), 1), Err(crate::Error::TooLarge { .. })));
+    // From the second level on elements would be hardly wider than a pixel.
+    let count = |levels| of(120, Some(3.0), levels).unwrap().count();
+    assert_eq!(count(6), count(1));
+    assert!(of(32, None, 1).is_ok());
 }

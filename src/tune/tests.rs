@@ -19,7 +19,7 @@ fn what_is_found_is_valid_and_no_worse() {
         Weights { empty: -9.0, mismatched: -9.0, same_overlap: -9.0, ..Weights::default() };
     let found = tune(&library, &params, &()).unwrap();
     assert_eq!(found.validate(), Ok(()));
-    assert_eq!(TunedWeights::from_bytes(&found.to_json(), "x").unwrap(), found);
+    assert_eq!(TunedWeights::from_bytes(found.to_json(), "x").unwrap(), found);
     assert!(found.after.objective() < 0.9 * found.before.objective(), "{found:?}");
     assert!((40..48).contains(&found.evaluations));
     assert_eq!(found.weights.target, 0.5);

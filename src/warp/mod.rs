@@ -126,13 +126,16 @@ pub fn warp(
     Ok((result, report))
 }
 
-/// Elements of the scene that stand in the new one: what they are, and the index and new place of each.
+/// Index of an element among those of the scene, and its place in the new one.
+type Standing = (usize, [f64; 2]);
+
+/// Elements of the scene that stand in the new one.
 fn carry(
     scene: &Scene,
     bend: &Bend,
     model: &mut Model,
     progress: &dyn Progress,
-) -> Result<(Vec<Fixed>, Vec<(usize, [f64; 2])>)> {
+) -> Result<(Vec<Fixed>, Vec<Standing>)> {
     let fragments = carried::fragments(model, scene);
     let (mut fixed, mut standing) = (Vec::new(), Vec::new());
     let carried: Vec<&Instance> = scene.individuals().collect();

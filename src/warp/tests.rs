@@ -23,7 +23,7 @@ fn plain() -> SynthParams {
 
 fn bent(scene: &Scene, bend: &Bend) -> (Scene, Report) {
     let (result, report) = warp(scene, vec![source()], bend, WarpParams::default(), &()).unwrap();
-    let again = Scene::from_bytes(&result.to_json(), "warped").unwrap();
+    let again = Scene::from_bytes(result.to_json(), "warped").unwrap();
     assert_eq!(again, result);
     (result, report)
 }

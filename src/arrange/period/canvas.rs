@@ -7,6 +7,7 @@ use crate::library::Library;
 use crate::raster::Mask;
 use crate::scene::SynthParams;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Largest canvas with its margins, in pixels, on which elements change places.
@@ -113,14 +114,35 @@ impl<'a> Canvas<'a> {
         }
     }
 
+    /// The cells of a stretch of a row, in two parts where it runs across a seam.
+    fn stretch(&self, x0: i64, x1: i64, y: i64) -> [Range<usize>; 2] {
+        let [width, height] = self.size.map(i64::from);
+        let [x0, x1, y] =
+            [x0 - i64::from(self.first[0]), x1 - i64::from(self.first[0]), y - i64::from(self.first[1])];
+        let y = if self.wrap[1] { y.rem_euclid(height) } else { y };
+        if !(0..height).contains(&y) {
+            return [0..0, 0..0];
+        }
+        let cells = |low: i64, high: i64| {
+            let [low, high] = [low, high.max(low)].map(|x| (y * width + x.clamp(0, width)) as usize);
+            low..high
+        };
+        if !self.wrap[0] {
+            return [cells(x0, x1), 0..0];
+        }
+        let length = (x1 - x0).min(width);
+        let start = x0.rem_euclid(width);
+        [cells(start, start + length), cells(0, start + length - width)]
+    }
+
     /// Writes `new` on the pixels of an element; over nothing but `old`, unless that is 0.
     pub(super) fn write(&mut self, p: &Placed, new: u32, old: u32) {
         let (mask, shift) = self.mask(p);
-        for (x, y) in mask.pixels() {
-            if let Some(i) = self.cell([x + shift[0], y + shift[1]])
-                && (old == 0 || self.cells[i] == old)
-            {
-                self.cells[i] = new;
+        let [dx, dy] = shift.map(i64::from);
+        for s in mask.spans() {
+            for part in self.stretch(i64::from(s.x0) + dx, i64::from(s.x1) + dx, i64::from(s.y) + dy) {
+                let cells = &mut self.cells[part];
+                cells.iter_mut().filter(|cell| old == 0 || **cell == old).for_each(|cell| *cell = new);
             }
         }
     }
@@ -139,25 +161,18 @@ impl<'a> Canvas<'a> {
         };
         // The mask itself first, for there it is most likely to fail.
         let rows = std::iter::once(0).chain((1..=count).flat_map(|k| [-k, k])).map(row);
+        let [x, y] = shift.map(i64::from);
         rows.into_iter().all(|(dy, beside)| {
-            let spans = mask.spans().iter();
-            spans.into_iter().all(|s| {
-                self.is_free(s.x0 + shift[0] - beside, s.x1 + shift[0] + beside, s.y + shift[1] + dy)
+            let (dy, beside) = (i64::from(dy), i64::from(beside));
+            mask.spans().iter().all(|s| {
+                let parts = self.stretch(
+                    i64::from(s.x0) + x - beside,
+                    i64::from(s.x1) + x + beside,
+                    i64::from(s.y) + y + dy,
+                );
+                parts.into_iter().all(|part| self.cells[part].iter().all(|cell| *cell == 0))
             })
         })
-    }
-
-    /// Whether nothing stands in a stretch of a row.
-    fn is_free(&self, x0: i32, x1: i32, y: i32) -> bool {
-        let (low, high) = (x0 - self.first[0], x1 - self.first[0]);
-        if low >= 0
-            && high <= self.size[0]
-            && let Some(i) = self.cell([x0, y])
-            && let Some(row) = self.cells.get(i..i + (high - low) as usize)
-        {
-            return row.iter().all(|cell| *cell == 0);
-        }
-        (x0..x1).all(|x| self.cell([x, y]).is_none_or(|i| self.cells[i] == 0))
     }
 
     pub(super) fn periods(&self) -> [Option<f64>; 2] {

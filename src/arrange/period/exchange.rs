@@ -233,3 +233,14 @@ fn go_round(angles: &[f64]) -> bool {
     let gaps = angles.windows(2).map(|pair| pair[1] - pair[0]);
     gaps.chain([first + TAU - last]).all(|gap| gap < LARGEST_GAP)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_few_angles_are_kept_to_and_many_go_round() {
+        assert!(!go_round(&[]) && !go_round(&[-0.14, 0.0, 0.14]) && !go_round(&[0.0, TAU / 2.0]));
+        assert!(go_round(&[-2.4, -0.8, 0.8, 2.4]));
+    }
+}
