@@ -60,9 +60,9 @@ fn sum(values: &Value, key: &str) -> f64 {
 fn check_textons(parts: &Parts, group: &Value) {
     let picture = parts.picture(group["picture"].as_str().unwrap());
     for texton in group["textons"].as_array().unwrap() {
-        let begin = format!("<g id=\"p{}\" class=\"category-{}\">", texton["id"], texton["category"]);
+        let begin = format!("<g id=\"p{}\" class=\"category-{}\"", texton["id"], texton["category"]);
         let found = picture.split_once(&begin).unwrap_or_else(|| panic!("no {begin}")).1;
-        let inside = found.split_once("</g>").unwrap().0;
+        let inside = found.split_once('>').unwrap().1.split_once("</g>").unwrap().0;
         assert!(
             inside.contains("<path ") && !inside.contains("<use ") && !inside.contains("<g "),
             "{inside}"

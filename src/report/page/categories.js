@@ -8,7 +8,7 @@ let thumbs = { pictures: new Map(), addresses: [] };
 async function cutOut(picture) {
   const text = await textOf(picture);
   const pieces = new Map();
-  for (const match of text.matchAll(/<g id="p(\d+)" class="category-\d+">([^]*?)<\/g>/g)) {
+  for (const match of text.matchAll(/<g id="p(\d+)" class="category-\d+"[^>]*>([^]*?)<\/g>/g)) {
     pieces.set(Number(match[1]), match[2]);
   }
   return pieces;
