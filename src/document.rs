@@ -36,7 +36,7 @@ pub(crate) fn read<T: Document>(path: &Path) -> Result<T> {
 /// Reads and validates a document from bytes, plain or gzip.
 pub(crate) fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) -> Result<T> {
     let fail = |reason: String| Error::Format { name: name.into(), format: T::FORMAT, reason };
-    let json = unpacked(bytes.into()).map_err(fail)?;
+    let json = gzip::unpack(bytes, u64::MAX).map_err(fail)?;
     // Name and version first, so that another format is told apart from a damaged file.
     let header = Header::of(&json).map_err(|e| fail(e.to_string()))?;
     match header.format.as_deref() {
@@ -62,13 +62,6 @@ pub(crate) fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name:
     let document: T = read.map_err(|e| fail(e.to_string()))?;
     document.validate().map_err(fail)?;
     Ok(document)
-}
-
-fn unpacked(bytes: Cow<'_, [u8]>) -> std::result::Result<Cow<'_, [u8]>, String> {
-    if !gzip::is_packed(&bytes) {
-        return Ok(bytes);
-    }
-    Ok(gzip::unpack(&bytes, u64::MAX)?.into_owned().into())
 }
 
 /// The fields by which documents are told apart.

@@ -19,13 +19,14 @@ pub(crate) fn is_packed(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// In words: damaged data, or more than 64 MB that are also more than 32 times the packed bytes.
-pub(crate) fn unpack(bytes: &[u8], limit: u64) -> Result<Cow<'_, [u8]>, String> {
-    if !is_packed(bytes) {
-        return Ok(bytes.into());
+pub(crate) fn unpack<'a>(bytes: impl Into<Cow<'a, [u8]>>, limit: u64) -> Result<Cow<'a, [u8]>, String> {
+    let bytes = bytes.into();
+    if !is_packed(&bytes) {
+        return Ok(bytes);
     }
     let most = ALWAYS.max(RATIO * bytes.len() as u64);
     let mut unpacked = Vec::new();
-    let read = GzDecoder::new(bytes).take(limit.min(most + 1)).read_to_end(&mut unpacked);
+    let read = GzDecoder::new(&*bytes).take(limit.min(most + 1)).read_to_end(&mut unpacked);
     read.map_err(|e| format!("damaged gzip data: {e}"))?;
     if unpacked.len() as u64 > most {
         return Err(format!("it unpacks to more than {} MB, over {RATIO} times its size", most / 1_000_000));
@@ -61,7 +62,7 @@ mod tests {
     fn plain_and_packed_are_the_same() {
         for bytes in [&b"{\"format\":1}"[..], b""] {
             assert_eq!(unpack(bytes, u64::MAX).unwrap(), bytes);
-            assert_eq!(unpack(&packed(bytes, 1), u64::MAX).unwrap(), bytes);
+            assert_eq!(unpack(packed(bytes, 1), u64::MAX).unwrap(), bytes);
             assert_eq!(beginning(&packed(bytes, 1), 3), &bytes[..bytes.len().min(3)]);
             assert_eq!(beginning(bytes, 3), &bytes[..bytes.len().min(3)]);
         }

@@ -12,6 +12,7 @@ pub(crate) mod exit;
 pub(crate) mod failure;
 mod foreign;
 mod format;
+mod frames;
 mod hints;
 mod input;
 pub(crate) mod interrupt;

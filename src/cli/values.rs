@@ -383,6 +383,14 @@ pub(crate) fn named<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     T::deserialize(name).map_err(|e| e.to_string())
 }
 
+/// The parser of a number in a range, ends included.
+pub(crate) fn between(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let value = text.parse().ok().filter(|value| (low..=high).contains(value));
+        value.ok_or_else(|| format!("expected a number from {low} to {high}"))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

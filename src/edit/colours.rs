@@ -6,7 +6,7 @@ use super::selection::Chosen;
 use super::textons::{change, repaint, selected, selected_mut};
 use crate::element::Appearance;
 use crate::geometry::Point;
-use crate::raster::colour::Colour;
+use crate::raster::colour::{Colour, squared_distance};
 use crate::raster::oklab_map::OklabMap;
 use crate::scene::{CategoryId, Element, Gradient, Instance, InstanceId, LibraryId, Scene, Shape};
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colo
     let way: [f32; 3] = std::array::from_fn(|i| to[i] - from[i]);
     let share = |colour: Colour| {
         // All within half the reach, none from it on, smoothly between.
-        let far = 2.0 * f64::from(distance(colour.to_oklab(), from)) / reach - 1.0;
+        let far = 2.0 * f64::from(libm::sqrtf(squared_distance(colour.to_oklab(), from))) / reach - 1.0;
         let far = far.clamp(0.0, 1.0);
         1.0 - far * far * (3.0 - 2.0 * far)
     };
@@ -165,11 +165,6 @@ fn means(scene: &Scene, steps: usize) -> BTreeMap<Key, [f32; 3]> {
 /// what they hide is taken to be the base first.
 pub(super) fn mean(element: &Element) -> Colour {
     Colour::from_oklab(Appearance::new(&element.shapes, element.outline().area(), None).mean)
-}
-
-fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
-    let squares: f32 = (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum();
-    libm::sqrtf(squares)
 }
 
 fn moved(lab: [f32; 3], way: [f32; 3], share: f32) -> Colour {

@@ -1,7 +1,7 @@
 //! Elements moved, turned, scaled, stretched, mirrored and recoloured at random, each on its own.
 
 use super::Draw;
-use super::place::put;
+use super::place::{put, set};
 use super::selection::Chosen;
 use super::textons::{measured, repaint, selected, selected_mut};
 use crate::geometry::{Affine, rotation};
@@ -84,17 +84,17 @@ fn placed(instance: &mut Instance, amounts: &mut Amounts<'_>, angle: f64, period
     put(instance, Affine::scale(factor) * rotation(turned), by, periods);
     if jitter.stretch > 0.0 {
         let ratio = libm::sqrt(1.0 + amounts.either_way(jitter.stretch) / 100.0);
-        within(instance, rotation(angle) * Affine::scale_non_uniform(ratio, 1.0 / ratio) * rotation(-angle));
+        let stretched = rotation(angle) * Affine::scale_non_uniform(ratio, 1.0 / ratio) * rotation(-angle);
+        within(instance, stretched, periods);
     }
     if jitter.flip > 0.0 && amounts.random.chance(jitter.flip) {
-        within(instance, Affine::FLIP_X);
+        within(instance, Affine::FLIP_X, periods);
     }
 }
 
 /// Changes an instance's map before it is applied.
-fn within(instance: &mut Instance, map: Affine) {
+fn within(instance: &mut Instance, map: Affine, periods: [Option<f64>; 2]) {
     let [.., x, y] = instance.transform;
     let [a, b, c, d, ..] = (instance.affine() * map).as_coeffs();
-    let [a, b, c, d] = [a, b, c, d].map(|v| libm::round(v * 1e5) / 1e5);
-    instance.transform = [a, b, c, d, x, y];
+    set(instance, [a, b, c, d, x, y], periods);
 }

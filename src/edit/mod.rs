@@ -90,8 +90,7 @@ pub fn apply(
     files: &Files,
     seed: Option<u64>,
 ) -> Result<(Scene, Vec<Outcome>)> {
-    let unsound = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
-    scene.validate().map_err(unsound)?;
+    scene.check()?;
     let seed = seed.or(scene.parameters.as_ref().map(|p| p.seed)).unwrap_or(0);
     let mut outcomes = Vec::with_capacity(operations.len());
     for operation in operations {

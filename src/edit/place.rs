@@ -4,16 +4,13 @@ use super::amount::Amount;
 use super::selection::Chosen;
 use super::style::keep_widths;
 use super::textons::{measured, selected, selected_mut, size};
-use crate::element::Gaussian;
-use crate::geometry::{Affine, Point, Vec2, rotation, shortest_offset, wrapped};
+use crate::element::{Gaussian, ROUND};
+use crate::geometry::{Affine, Point, Vec2, rotation, rounded, shortest_offset, wrapped};
 use crate::raster::ControlMap;
 use crate::scene::{About, Instance, Scene};
 
 /// The least factor by which a texton is scaled.
 const SMALLEST: f64 = 0.01;
-
-/// Textons less elongated than this have no longer axis to speak of.
-const ROUND: f64 = 1.05;
 
 /// Where longer axes are turned.
 pub(super) enum Towards<'a> {
@@ -33,13 +30,11 @@ pub(super) fn put(instance: &mut Instance, about: Affine, by: [f64; 2], periods:
 /// Gives an instance a map of numbers as long as those of synthesis; where the scene repeats, its
 /// origin comes onto the canvas.
 pub(super) fn set(instance: &mut Instance, map: [f64; 6], periods: [Option<f64>; 2]) {
-    let along = |v: f64, period: Option<f64>| {
-        // A rounded place may lie on the far edge.
-        wrapped(libm::round(wrapped(v, period) * 100.0) / 100.0, period)
-    };
     let [a, b, c, d, x, y] = map;
-    let [a, b, c, d] = [a, b, c, d].map(|v| libm::round(v * 1e5) / 1e5);
-    instance.transform = [a, b, c, d, along(x, periods[0]), along(y, periods[1])];
+    let [x, y] = [wrapped(x, periods[0]), wrapped(y, periods[1])];
+    let [a, b, c, d, x, y] = rounded(Affine::new([a, b, c, d, x, y]));
+    // A rounded place may lie on the far edge.
+    instance.transform = [a, b, c, d, wrapped(x, periods[0]), wrapped(y, periods[1])];
 }
 
 /// Draws an instance as another, which stands in the frame of `own`, in the frame of `target`; shadow and

@@ -98,8 +98,7 @@ fn drawn_on(element: &Element, shapes: &[Shape], canonical: Affine, replace: boo
     let map = own.frame() * canonical;
     let moved = |shape: &Shape| {
         let outline = Outline::new(&(map * shape.outline.path()))?;
-        let gradient =
-            shape.gradient.as_ref().map(|g| g.moved(map)).filter(|g| g.fault().is_none()).map(Box::new);
+        let gradient = shape.gradient.as_ref().and_then(|g| g.drawn(map));
         (!outline.is_empty()).then(|| Shape { gradient, ..shape.with_outline(outline) })
     };
     let new: Vec<Shape> = shapes.iter().filter_map(moved).collect();

@@ -114,7 +114,7 @@ impl Exchange<'_> {
             return Some((Instance { colour: Some(colour), ..own.clone() }, None));
         }
         let map = own.affine().inverse() * source.onto(&target) * other.affine();
-        let gradient = gradient.map(|g| g.moved(map)).filter(|g| g.fault().is_none()).map(Box::new);
+        let gradient = gradient.and_then(|g| g.drawn(map));
         let base = Shape { colour, gradient, ..into.base().clone() };
         let hull = into.base().outline.polygons(TOLERANCE);
         let hull = hull.iter().max_by(|a, b| extent(a).total_cmp(&extent(b)));
@@ -150,8 +150,7 @@ fn carried(detail: &Shape, map: Affine, hull: &[Point]) -> Option<Shape> {
     if outline.is_empty() || outline.area() < TOLERANCE {
         return None;
     }
-    let gradient =
-        detail.gradient.as_ref().map(|g| g.moved(map)).filter(|g| g.fault().is_none()).map(Box::new);
+    let gradient = detail.gradient.as_ref().and_then(|g| g.drawn(map));
     Some(Shape { gradient, ..detail.with_outline(outline) })
 }
 

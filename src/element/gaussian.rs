@@ -5,10 +5,10 @@
 //! an element has its mean at the origin, its covariance the identity and its direction along x; what is
 //! drawn in it can be drawn in the frame of any other Gaussian.
 
-use crate::geometry::{Affine, Moments, Outline, Point, Vec2};
+use crate::geometry::{Affine, Moments, Outline, Point, SecondMoments, Vec2};
 
 /// Elements less elongated than this have no longer axis to speak of.
-const ROUND: f64 = 1.05;
+pub(crate) const ROUND: f64 = 1.05;
 /// Third moments below this share of the cubed standard deviation say nothing of a direction.
 const SYMMETRIC: f64 = 1e-3;
 
@@ -58,15 +58,15 @@ impl Gaussian {
     /// same for a shape wherever it is placed, even where the shape itself has none.
     pub fn moved(&self, affine: Affine) -> Self {
         let [a, b, c, d, ..] = affine.as_coeffs();
-        let [xx, xy, yy] = self.covariance;
-        let covariance = [
-            a * a * xx + 2.0 * a * c * xy + c * c * yy,
-            a * b * xx + (a * d + b * c) * xy + c * d * yy,
-            b * b * xx + 2.0 * b * d * xy + d * d * yy,
-        ];
         let Vec2 { x, y } = self.direction;
         let towards = Vec2::new(a * x + c * y, b * x + d * y);
-        Self { mean: affine * self.mean, ..self.with(covariance, towards) }
+        let moved = self.moments().moved(affine);
+        Self { mean: moved.centroid, ..self.with(moved.covariance, towards) }
+    }
+
+    /// Its mean and covariance as moments of a shape of no area.
+    fn moments(&self) -> SecondMoments {
+        SecondMoments { area: 0.0, centroid: self.mean, covariance: self.covariance }
     }
 
     /// The Gaussian with another covariance, whose direction is the nearest to `towards`.
@@ -97,8 +97,7 @@ impl Gaussian {
 
     /// Direction of the longer axis, in radians from x towards y, above -π/2 and at most π/2.
     pub fn angle(&self) -> f64 {
-        let [xx, xy, yy] = self.covariance;
-        libm::atan2(2.0 * xy, xx - yy) / 2.0
+        self.moments().angle()
     }
 
     /// Area of the ellipse of one standard deviation over π, in pixels².

@@ -96,6 +96,12 @@ impl Gradient {
         self.carried(|p| affine * p)
     }
 
+    /// The gradient of a shape drawn by any map; `None` if nothing that can be stored is left of it.
+    pub(crate) fn drawn(&self, map: Affine) -> Option<Box<Self>> {
+        let moved = self.moved(map);
+        moved.fault().is_none().then(|| Box::new(moved))
+    }
+
     /// The gradient with its two points mapped.
     pub(crate) fn carried(&self, map: impl Fn(Point) -> Point) -> Self {
         let [from, to] = [self.from, self.to].map(|[x, y]| {

@@ -15,6 +15,7 @@ pub(crate) mod version1;
 
 pub use appearance::Appearance;
 pub use gaussian::Gaussian;
+pub(crate) use gaussian::ROUND;
 pub use gradient::{Gradient, GradientKind, Stop};
 pub(crate) use line::stroked;
 pub use line::{Cap, Join, Line};

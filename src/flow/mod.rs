@@ -12,12 +12,11 @@ mod paths;
 #[cfg(test)]
 mod tests;
 
-use crate::document::Document;
-use crate::error::{Error, Result, check};
+use crate::error::{Result, check};
 use crate::geometry::{Affine, Point, Vec2, rotation};
 use crate::parallel;
 use crate::raster::ControlMap;
-use crate::scene::{Instance, InstanceId, Scene, Tile};
+use crate::scene::{Instance, InstanceId, Role, Scene, Tile};
 use paths::{Path, Start};
 use std::collections::BTreeSet;
 
@@ -67,16 +66,14 @@ impl Flowing {
     /// [`Error::Format`] for a scene that breaks its invariants; [`Error::Parameter`] for a parameter out of
     /// range.
     pub fn new(scene: &Scene, flow: &Flow, params: &FlowParams) -> Result<Self> {
-        let format = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
-        scene.validate().map_err(format)?;
+        scene.check()?;
         check((1..=100).contains(&params.rounds), "rounds", params.rounds, "1 to 100")?;
         check((0.01..=10.0).contains(&params.strength), "strength", params.strength, "0.01 to 10")?;
         let canvas = [f64::from(scene.width), f64::from(scene.height)];
         let (mut scene, originals) = listed(scene, paths::margin(flow, canvas, params));
         scene.tile = Tile::default();
         // A copy moves as its original does.
-        let layers = scene.layers.iter();
-        let individual = layers.flat_map(|l| std::iter::repeat_n(l.role.is_individual(), l.instances.len()));
+        let individual = scene.roles().map(Role::is_individual);
         let places = scene.instances().map(|i| scene.place(i));
         let starts: Vec<Start> = originals
             .into_iter()

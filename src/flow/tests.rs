@@ -1,6 +1,7 @@
 //! Scenes in a flow.
 
 use super::*;
+use crate::document::Document;
 use crate::geometry::{Outline, parse_path};
 use crate::raster::colour::Colour;
 use crate::sampling::stream;
@@ -134,7 +135,7 @@ fn strange_parameters_are_refused() {
         FlowParams { rounds: 0, ..FlowParams::default() },
         FlowParams { strength: f64::NAN, ..FlowParams::default() },
     ] {
-        assert!(matches!(Flowing::new(&scene(), &Flow::Wind, &params), Err(Error::Parameter { .. })));
+        assert!(matches!(Flowing::new(&scene(), &Flow::Wind, &params), Err(crate::Error::Parameter { .. })));
     }
     let empty = testing::scene([9, 9], Vec::new(), Vec::new(), Vec::new(), testing::flat(Colour([0; 3])));
     assert_eq!(Flowing::new(&empty, &Flow::Vortex, &FlowParams::default()).unwrap().at(0.4).count(), 0);

@@ -35,6 +35,14 @@ pub(crate) use second_moments::SecondMoments;
 pub use simple::is_simple;
 pub(crate) use trace::{OUTSIDE, PlanarMap};
 
+/// Coefficients of a map as scenes hold them: five decimals of the linear part, two of the shift.
+pub(crate) fn rounded(map: Affine) -> [f64; 6] {
+    let [a, b, c, d, e, f] = map.as_coeffs();
+    let [a, b, c, d] = [a, b, c, d].map(|v| libm::round(v * 1e5) / 1e5);
+    let [e, f] = [e, f].map(|v| libm::round(v * 100.0) / 100.0);
+    [a, b, c, d, e, f]
+}
+
 /// A rotation about the origin by an angle in radians, from x towards y; the same on every platform.
 pub(crate) fn rotation(angle: f64) -> Affine {
     let (sine, cosine) = libm::sincos(angle);

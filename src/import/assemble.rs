@@ -304,12 +304,7 @@ fn draft(
 fn mask(shapes: &[Shape], size: [f64; 2], wrap: bool) -> Mask {
     let [w, h] = size.map(|v| v as i32);
     let (low, high) = if wrap { ([-w, -h], [2 * w, 2 * h]) } else { ([0, 0], [w, h]) };
-    let spans = shapes.iter().flat_map(|shape| pixels::mask(&shape.outline).spans().to_vec());
-    let kept = spans.filter(|s| (low[1]..high[1]).contains(&s.y)).map(|mut s| {
-        (s.x0, s.x1) = (s.x0.max(low[0]), s.x1.min(high[0]));
-        s
-    });
-    Mask::from_spans(kept.collect())
+    pixels::of_shapes(shapes).within(low, high)
 }
 
 fn paint(labels: &mut LabelMap, mask: &Mask, label: u32, wrap: bool) {

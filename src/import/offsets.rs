@@ -1,15 +1,10 @@
 //! Things that belong together on a torus, each a number of periods away from the others.
 
-pub(super) use crate::raster::contact::Shift;
+pub(super) use crate::raster::contact::{Shift, minus};
 
 /// The sum of two shifts.
 pub(super) fn plus(a: Shift, b: Shift) -> Shift {
     [a[0] + b[0], a[1] + b[1]]
-}
-
-/// The shift back.
-pub(super) fn minus(a: Shift) -> Shift {
-    a.map(|v| -v)
 }
 
 /// Disjoint sets of numbers with the shift of each relative to the first of its set.

@@ -26,8 +26,8 @@ fn shape(part: &Part, map: Affine) -> Option<Shape> {
     if base.outline.is_empty() || drawn.width() <= 0.0 || drawn.height() <= 0.0 {
         return None;
     }
-    let gradient = part.paint.gradient.as_ref().map(|g| g.moved(map)).filter(|g| g.fault().is_none());
-    Some(Shape { gradient: gradient.map(Box::new), opacity: part.paint.opacity.clamp(0.0, 1.0), ..base })
+    let gradient = part.paint.gradient.as_ref().and_then(|g| g.drawn(map));
+    Some(Shape { gradient, opacity: part.paint.opacity.clamp(0.0, 1.0), ..base })
 }
 
 /// A path on the grid of outlines, as files store it.

@@ -31,7 +31,6 @@ mod tween;
 pub use crate::scene::Axis;
 pub use motion::{Brush, LayerMotion, Motion, Moving};
 
-use crate::document::Document;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Vec2};
 use crate::parallel;
@@ -108,8 +107,7 @@ impl Interpolation {
     /// As [`Interpolation::new`], with both scenes periodic only along the axes of `tile`.
     fn along(ends: [Arc<Scene>; 2], tile: Tile, progress: &dyn Progress) -> Result<Self> {
         for scene in &ends {
-            let format = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
-            scene.validate().map_err(format)?;
+            scene.check()?;
         }
         let sizes = ends.each_ref().map(|s| [s.width, s.height]);
         if sizes[0] != sizes[1] {

@@ -1,6 +1,7 @@
 //! Properties of every scene between two scenes.
 
 use super::*;
+use crate::document::Document;
 use crate::geometry::{Affine, BezPath, Outline, inside, nearest};
 use crate::interpolate::ring::{Ring, length, moments, sine_cosine};
 use crate::raster::colour::Colour;

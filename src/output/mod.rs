@@ -27,7 +27,6 @@ mod testing;
 pub use categories::{SceneCategory, categories};
 pub use coverage::{coverage, inside};
 
-use crate::document::Document;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 
@@ -65,9 +64,4 @@ fn title(scene: &Scene) -> String {
 fn label(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// Refuses a scene whose references or sizes are unsound, so that no writer meets one.
-fn check_scene(scene: &Scene) -> Result<()> {
-    scene.validate().map_err(|reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason })
 }

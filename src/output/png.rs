@@ -31,7 +31,7 @@ const BAND: usize = 256;
 /// A scale that is not above 0; a scene that breaks its invariants; [`Error::TooLarge`] beyond 2³⁰
 /// pixels.
 pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
-    super::check_scene(scene)?;
+    scene.check()?;
     let (canvas_width, canvas_height) = (f64::from(scene.width), f64::from(scene.height));
     let (width, height) = picture_size(canvas_width, canvas_height, scale, "scene")?;
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| Error::TooLarge {

@@ -145,6 +145,11 @@ pub fn oklab(rgb: [u8; 3]) -> [f32; 3] {
     ]
 }
 
+/// Squared distance of two colours in Oklab.
+pub(crate) fn squared_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+    (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum()
+}
+
 /// Component-wise median of 8-bit sRGB colours; `None` for an empty sequence.
 pub fn median(colours: impl IntoIterator<Item = [u8; 3]>) -> Option<Colour> {
     let mut histogram = [[0u32; 256]; 3];

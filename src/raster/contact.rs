@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 /// Shift in whole pages along x and y.
 pub(crate) type Shift = [i32; 2];
 
-fn minus(shift: Shift) -> Shift {
+/// The shift back.
+pub(crate) fn minus(shift: Shift) -> Shift {
     shift.map(|v| -v)
 }
 

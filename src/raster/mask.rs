@@ -142,6 +142,13 @@ impl Mask {
         Self { spans: spans.collect() }
     }
 
+    /// The part that lies within a rectangle, from `low` up to and without `high`.
+    pub(crate) fn within(&self, low: [i32; 2], high: [i32; 2]) -> Self {
+        let rows = self.spans.iter().filter(|s| (low[1]..high[1]).contains(&s.y));
+        let kept = rows.map(|s| Span { x0: s.x0.max(low[0]), x1: s.x1.min(high[0]), ..*s });
+        Self::from_spans(kept.collect())
+    }
+
     /// The mask relative to an origin; on a torus of the given size, every pixel where it is nearest to
     /// the origin.
     pub(crate) fn around(&self, origin: [i32; 2], torus: Option<[i32; 2]>) -> Self {

@@ -351,6 +351,15 @@ impl Scene {
         vec![background, Layer::new(Role::Secondary), Layer::new(Role::Primary)]
     }
 
+    /// Refuses a scene made in memory that breaks its invariants.
+    ///
+    /// # Errors
+    /// [`Error::Format`](crate::Error::Format) that says what is wrong.
+    pub(crate) fn check(&self) -> Result<()> {
+        let refused = |reason| crate::Error::Format { name: "scene".into(), format: Self::FORMAT, reason };
+        self.validate().map_err(refused)
+    }
+
     /// All instances, in painting order.
     pub fn instances(&self) -> impl DoubleEndedIterator<Item = &Instance> {
         self.layers.iter().flat_map(|layer| &layer.instances)
@@ -371,6 +380,11 @@ impl Scene {
     pub fn individuals(&self) -> impl DoubleEndedIterator<Item = &Instance> {
         let layers = self.layers.iter().filter(|layer| layer.role.is_individual());
         layers.flat_map(|layer| &layer.instances)
+    }
+
+    /// The role of each instance, in painting order.
+    pub(crate) fn roles(&self) -> impl Iterator<Item = Role> {
+        self.layers.iter().flat_map(|layer| std::iter::repeat_n(layer.role, layer.instances.len()))
     }
 
     /// Number of instances in all layers.

@@ -1,5 +1,6 @@
 //! Outlines as pixels.
 
+use crate::element::Shape;
 use crate::geometry::{Outline, Region};
 use crate::raster::{Mask, Span};
 
@@ -17,6 +18,11 @@ pub(crate) fn mask(outline: &Outline) -> Mask {
         within.map(move |[a, b]| Span { y, x0: first(a), x1: first(b) }).filter(|s| s.x0 < s.x1)
     };
     Mask::from_spans((y0..y1).flat_map(row).collect())
+}
+
+/// The pixels of shapes.
+pub(crate) fn of_shapes(shapes: &[Shape]) -> Mask {
+    Mask::from_spans(shapes.iter().flat_map(|shape| mask(&shape.outline).spans().to_vec()).collect())
 }
 
 #[cfg(test)]

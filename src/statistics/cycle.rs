@@ -6,7 +6,7 @@
 
 use crate::element::{Appearance, Gaussian};
 use crate::geometry::{NearPoints, Point, Table, assign, shortest_offset};
-use crate::scene::Scene;
+use crate::scene::{Role, Scene};
 use serde::Serialize;
 
 /// Costs in the assignment are this many to one.
@@ -125,13 +125,11 @@ fn items(scene: &Scene) -> Vec<Item> {
 
 /// Each individual element, `None` if it is degenerate, in painting order.
 fn all(scene: &Scene) -> Vec<Option<Item>> {
-    let individual =
-        scene.layers.iter().flat_map(|l| std::iter::repeat_n(l.role.is_individual(), l.instances.len()));
-    let of = scene.gaussians().into_iter().zip(scene.appearances()).zip(individual);
-    let item = |((gaussian, Appearance { median, .. }), _): ((Option<Gaussian>, Appearance), bool)| {
+    let of = scene.gaussians().into_iter().zip(scene.appearances()).zip(scene.roles());
+    let item = |((gaussian, Appearance { median, .. }), _): ((Option<Gaussian>, Appearance), Role)| {
         gaussian.map(|gaussian| Item { gaussian, colour: median })
     };
-    of.filter(|(_, individual)| *individual).map(item).collect()
+    of.filter(|(_, role)| role.is_individual()).map(item).collect()
 }
 
 /// The individual elements that lie whole on the canvas and are mostly seen: of the ellipse of two standard

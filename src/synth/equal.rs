@@ -1,8 +1,7 @@
 //! Equal elements of a scene listed once.
 
-use super::period::rounded;
 use crate::arrange::period::equal;
-use crate::geometry::Affine;
+use crate::geometry::{Affine, rounded};
 use crate::library::Library;
 use crate::scene::{ElementId, Instance, Scene};
 use std::collections::BTreeMap;

@@ -5,7 +5,7 @@ use super::report::{CategoryReport, Report};
 use crate::arrange::controls::Controls;
 use crate::arrange::period::{Placed, Repeated, place};
 use crate::error::Result;
-use crate::geometry::{Affine, Rect};
+use crate::geometry::{Affine, Rect, rounded};
 use crate::library::{ElementId, Library, SourceKind};
 use crate::progress::Progress;
 use crate::scene::{Domain, Edge, Instance, InstanceId, Layer, LibraryId, Method, Role, Scene, SynthParams};
@@ -76,14 +76,6 @@ fn scene(library: &Library, params: &SynthParams, controls: &Controls, repeated:
         scene.layers.push(Layer { name, role: layer.role, region, field, instances });
     }
     scene
-}
-
-/// Coefficients of a map: five decimals of the linear part, two of the shift.
-pub(super) fn rounded(map: Affine) -> [f64; 6] {
-    let [a, b, c, d, e, f] = map.as_coeffs();
-    let [a, b, c, d] = [a, b, c, d].map(|v| libm::round(v * 1e5) / 1e5);
-    let [e, f] = [e, f].map(|v| libm::round(v * 100.0) / 100.0);
-    [a, b, c, d, e, f]
 }
 
 fn report(library: &Library, scene: &Scene, repeated: &Repeated) -> Report {

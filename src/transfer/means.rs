@@ -16,8 +16,7 @@ pub(super) struct Means {
 impl Means {
     /// Between a structure, whose instances are of the appearances `regions`, and these.
     pub(super) fn new(structure: &Scene, appearances: &[Scene], regions: &[usize]) -> Self {
-        let roles: Vec<Role> =
-            structure.layers.iter().flat_map(|l| std::iter::repeat_n(l.role, l.instances.len())).collect();
+        let roles: Vec<Role> = structure.roles().collect();
         let colours = medians(structure);
         let own = |k: usize, role: Role| -> Vec<[f32; 3]> {
             let all = roles.iter().zip(regions).zip(&colours);
@@ -29,10 +28,12 @@ impl Means {
         let elements = appearances.iter().enumerate().map(|(k, appearance)| {
             let colours = medians(appearance);
             let of = |role: Role| {
-                let known =
-                    appearance.layers.iter().flat_map(|l| std::iter::repeat_n(l.role, l.instances.len()));
-                let wanted: Vec<[f32; 3]> =
-                    known.zip(&colours).filter(|(r, _)| *r == role).map(|(_, lab)| *lab).collect();
+                let wanted: Vec<[f32; 3]> = appearance
+                    .roles()
+                    .zip(&colours)
+                    .filter(|(r, _)| *r == role)
+                    .map(|(_, lab)| *lab)
+                    .collect();
                 // A role that the appearance lacks takes the colours of all its elements.
                 let wanted = mean(if wanted.is_empty() { &colours } else { &wanted });
                 (role, between(&own(k, role), wanted))

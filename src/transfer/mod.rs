@@ -18,10 +18,9 @@ mod tests;
 
 pub use stylize::{Keep, StylizeParams, stylize};
 
-use crate::document::Document;
 use crate::edit::draw_as;
 use crate::element::Gaussian;
-use crate::error::{Error, Result, check};
+use crate::error::{Result, check};
 use crate::geometry::Point;
 use crate::raster::ControlMap;
 use crate::sampling::stream;
@@ -74,9 +73,8 @@ pub fn transfer(
     shares: &[ControlMap],
     params: &TransferParams,
 ) -> Result<(Scene, TransferReport)> {
-    let format = |reason| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
     for scene in appearances.iter().chain([structure]) {
-        scene.validate().map_err(format)?;
+        scene.check()?;
     }
     check((0.01..=100.0).contains(&params.scale), "scale", params.scale, "0.01 to 100")?;
     let count = appearances.len();
@@ -96,7 +94,7 @@ pub fn transfer(
     let names = appearances.iter().flat_map(|a| &a.libraries).map(|l| l.exemplar.clone()).collect();
     let record = Transfer { appearance: names, mode: params.mode, scale: params.scale };
     scene.edits.push(EditRecord { operation: Recorded::Transfer(record), seed: params.seed });
-    scene.validate().map_err(format)?;
+    scene.check()?;
     Ok((scene, report))
 }
 

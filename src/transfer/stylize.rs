@@ -8,14 +8,13 @@
 //! When this works badly: with large elements of strong contrast, whose own details hide the picture's.
 
 use super::donors::Donors;
-use crate::document::Document;
 use crate::edit::draw_as;
 use crate::element::{Appearance, Gaussian};
 use crate::error::{Error, Result, check};
 use crate::geometry::{Point, Vec2};
 use crate::parallel;
 use crate::raster::blur::{Plane, oklab_planes};
-use crate::raster::colour::Colour;
+use crate::raster::colour::{Colour, squared_distance};
 use crate::raster::oklab_map::OklabMap;
 use crate::sampling::{Area, poisson_disk, stream};
 use crate::scene::{
@@ -85,8 +84,7 @@ const MOST_PLACES: f64 = 4e6;
 /// range; [`Error::TooLarge`] for more than four million places on one level; [`Error::Unusable`] for a texture
 /// none of whose elements has a frame.
 pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> Result<Scene> {
-    let format = |reason: String| Error::Format { name: "scene".into(), format: Scene::FORMAT, reason };
-    texture.validate().map_err(format)?;
+    texture.check()?;
     check((32..=16_384).contains(&params.size), "size", params.size, "32 to 16384 px")?;
     check((1..=6).contains(&params.levels), "levels", params.levels, "1 to 6")?;
     let [w, h] = [picture.width(), picture.height()].map(f64::from);
@@ -122,7 +120,7 @@ pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> R
         distance /= 2.0;
     }
     let scene = composed(&Painting { texture, donors, role, params }, &view, &spots, largest);
-    scene.validate().map_err(format)?;
+    scene.check()?;
     Ok(scene)
 }
 
@@ -267,7 +265,9 @@ fn composed(painting: &Painting<'_>, view: &View, spots: &[Spot], largest: f64) 
             own.unwrap_or(appearances[i.element.index()]).median
         };
         let donor = match params.keep {
-            Keep::None => donors.nearest(*role, &spot.gaussian, |i| distance(colour_of(i), spot.colour)),
+            Keep::None => {
+                donors.nearest(*role, &spot.gaussian, |i| squared_distance(colour_of(i), spot.colour))
+            }
             Keep::Lightness | Keep::Color => donors.like(*role, &spot.gaussian, random),
         };
         let Some(donor) = donor else { continue };
@@ -290,10 +290,6 @@ fn composed(painting: &Painting<'_>, view: &View, spots: &[Spot], largest: f64) 
     scene.layers.push(layer);
     scene.drop_unused();
     scene
-}
-
-fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
-    (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum()
 }
 
 /// The change of an element's colours, given its own and the picture's. Rounded, so that elements that

@@ -1,6 +1,7 @@
 //! Arrangements with the appearance of others.
 
 use super::*;
+use crate::document::Document;
 use crate::geometry::{Affine, Outline, parse_path};
 use crate::raster::colour::Colour;
 use crate::scene::{Instance, InstanceId, Role, Shape, testing};
@@ -57,7 +58,7 @@ pub(super) fn median_shift(a: &Scene, b: &Scene) -> f64 {
 }
 
 pub(super) fn mean(scene: &Scene, roles: &[Role]) -> [f64; 3] {
-    let of = scene.layers.iter().flat_map(|l| std::iter::repeat_n(l.role, l.instances.len()));
+    let of = scene.roles();
     let all: Vec<[f32; 3]> =
         of.zip(scene.appearances()).filter(|(r, _)| roles.contains(r)).map(|(_, a)| a.median).collect();
     std::array::from_fn(|k| all.iter().map(|lab| f64::from(lab[k])).sum::<f64>() / all.len() as f64)
@@ -137,7 +138,7 @@ fn every_element_is_of_the_appearance_of_its_region() {
         transfer(&bars(), &[], &[], &TransferParams::default()),
         transfer(&bars(), &[drops()], &[], &params(TransferMode::Mean, 0.0)),
     ] {
-        assert!(matches!(fault, Err(Error::Parameter { .. })));
+        assert!(matches!(fault, Err(crate::Error::Parameter { .. })));
     }
 }
 
@@ -210,7 +211,10 @@ fn a_picture_is_redrawn_in_elements() {
     let along: Vec<f64> = small.iter().filter(bar).map(|g| g.angle().abs()).collect();
     assert!(along.len() > 5 && along.iter().all(|a| *a < 0.5), "{along:?}");
     let empty = testing::scene([9, 9], Vec::new(), Vec::new(), Vec::new(), testing::flat(Colour([0; 3])));
-    assert!(matches!(stylize(&picture(), &empty, &StylizeParams::default()), Err(Error::Unusable { .. })));
+    assert!(matches!(
+        stylize(&picture(), &empty, &StylizeParams::default()),
+        Err(crate::Error::Unusable { .. })
+    ));
 }
 
 #[test]

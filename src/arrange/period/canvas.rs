@@ -1,11 +1,11 @@
 //! The canvas pixel by pixel: who stands where, and what would keep its distance.
 
-use super::known::{Known, of_shapes};
+use super::known::Known;
 use super::{Placed, size_of};
 use crate::geometry::{Affine, Point, Rect};
 use crate::library::Library;
 use crate::raster::Mask;
-use crate::scene::SynthParams;
+use crate::scene::{SynthParams, pixels};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -77,7 +77,7 @@ impl<'a> Canvas<'a> {
         let own = &self.library.elements[p.element];
         let mask = self.turned.entry(key).or_insert_with(|| {
             let turn = Affine::new([a, b, c, d, 0.0, 0.0]);
-            Arc::new(of_shapes(&own.shapes.iter().map(|s| s.moved(turn)).collect::<Vec<_>>()))
+            Arc::new(pixels::of_shapes(&own.shapes.iter().map(|s| s.moved(turn)).collect::<Vec<_>>()))
         });
         (Arc::clone(mask), shift)
     }

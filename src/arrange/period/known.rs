@@ -6,7 +6,7 @@ use crate::geometry::{Affine, Rect};
 use crate::library::{Element, Library};
 use crate::raster::Mask;
 use crate::raster::contact::Page;
-use crate::scene::{Shape, pixels};
+use crate::scene::pixels;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -53,7 +53,9 @@ impl Known {
         let size = [library.source.width as i32, library.source.height as i32];
         let bounds: Vec<Rect> = elements.iter().map(|e| bounds(&e.shapes)).collect();
         let masks: Vec<Mask> = crate::parallel::map(elements, of_element);
-        let on_page: Vec<Mask> = masks.iter().map(|m| near_page(m, size)).collect();
+        // As far as they lie within a page around the page.
+        let [w, h] = size;
+        let on_page: Vec<Mask> = masks.iter().map(|m| m.within([-w, -h], [2 * w, 2 * h])).collect();
         let (page, mut contacts) = Page::new(size, true, &on_page);
         page.near(REACH, &mut contacts);
         let mut free: Vec<bool> = elements.iter().map(|e| !e.clipped).collect();
@@ -102,24 +104,10 @@ impl Known {
 }
 
 fn of_element(element: &Element) -> Mask {
-    if element.clipped { Mask::default() } else { of_shapes(&element.shapes) }
+    if element.clipped { Mask::default() } else { pixels::of_shapes(&element.shapes) }
 }
 
 /// The pixels that shapes paint.
-pub(super) fn of_shapes(shapes: &[Shape]) -> Mask {
-    Mask::from_spans(shapes.iter().flat_map(|s| pixels::mask(&s.outline).spans().to_vec()).collect())
-}
-
-/// A mask as far as it lies within a page around the page.
-fn near_page(mask: &Mask, [w, h]: [i32; 2]) -> Mask {
-    let spans = mask.spans().iter().filter(|s| (-h..2 * h).contains(&s.y)).map(|s| {
-        let mut s = *s;
-        (s.x0, s.x1) = (s.x0.max(-w), s.x1.min(2 * w));
-        s
-    });
-    Mask::from_spans(spans.collect())
-}
-
 /// For each element the first that is equal to it up to a similarity.
 pub(crate) fn equal(elements: &[Element]) -> Vec<(usize, Affine)> {
     classes(elements.len(), |k| &elements[k].shapes, |k| elements[k].clipped, EQUAL)

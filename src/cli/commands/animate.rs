@@ -4,24 +4,25 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::config::Given;
 use crate::cli::failure::Failure;
+use crate::cli::frames::Frames;
 use crate::cli::input::{Input, Kind};
 use crate::cli::options::files::{ForceArgs, apart, check_files, outputs, required};
-use crate::cli::options::frames::{AnimationKind, FrameFormat, Played, digits, formats, played, rate};
+use crate::cli::options::frames::{AnimationKind, FrameFormat, Played, formats, played, rate};
 use crate::cli::options::render::{Background, RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Drawing, Place, Target, Written};
+use crate::cli::output::Drawing;
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::Summary;
+use crate::cli::values::between;
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use vtex::control;
 use vtex::flow::{Flow, FlowParams, Flowing};
-use vtex::output::file::{Format, Kind as FileKind};
+use vtex::output::file::Format;
 use vtex::output::raster_animation::RasterAnimation;
-use vtex::scene::Scene;
-use vtex::{Error, Progress, control};
 
 /// A scene in motion: its elements carried by a flow, in a loop without a jump
 #[derive(Args)]
@@ -57,7 +58,7 @@ pub(crate) struct AnimateArgs {
     #[arg(value_parser = clap::value_parser!(u32).range(1..=100))]
     pub(crate) rounds: Option<u32>,
     /// Factor of how far wind and directions carry elements [0.01 to 10, default: 1]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = strength)]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = between(0.01, 10.0))]
     pub(crate) strength: Option<f64>,
     /// Result, by extension .gif, .png or .apng, or a folder for frames; several -o write several files
     #[arg(short, long, value_name = "FILE", required = true, help_heading = "Output")]
@@ -87,11 +88,6 @@ fn flow(text: OsString) -> FlowFrom {
         Some("wind") => FlowFrom::Known(Flow::Wind),
         _ => FlowFrom::File(Input::new(text.into())),
     }
-}
-
-fn strength(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|v| (0.01..=10.0).contains(v));
-    value.ok_or_else(|| "expected a number from 0.01 to 10".into())
 }
 
 /// A scene, and how it moves and is written.
@@ -147,9 +143,7 @@ impl Animating {
 
 fn run(common: &Common, reporter: &Reporter, job: &Animating) -> anyhow::Result<()> {
     for wanted in &job.wanted {
-        if let Played::Animation { place, .. } = wanted {
-            place.probe()?;
-        }
+        wanted.probe()?;
     }
     reporter.stage("reading")?;
     let scene = reading::scene(&job.scene)?;
@@ -163,68 +157,30 @@ fn run(common: &Common, reporter: &Reporter, job: &Animating) -> anyhow::Result<
         }
     };
     let flowing = Flowing::new(&scene, &flow, &job.params)?;
+    let share = |k: u32| f64::from(k) / f64::from(job.animation.frames);
+    let frames =
+        Frames { reporter, drawing: job.drawing, animation: job.animation, scene: &|k| flowing.at(share(k)) };
+    let opaque = job.drawing.render.background != Some(Background::None) && scene.domain.is_none();
     let mut made = Vec::new();
     for wanted in &job.wanted {
         made.push(match wanted {
             Played::Frames { folder, kind, force } => {
-                (folder.as_path(), frames(reporter, job, &flowing, folder, (*kind, *force))?)
+                (folder.as_path(), frames.write_files(folder, (*kind, *force))?)
             }
-            Played::Animation { place, kind } => {
-                (place.path(), animated(reporter, job, (&scene, &flowing), place, *kind)?)
-            }
+            Played::Animation { place, kind: AnimationKind::Gif } => (place.path(), frames.write_gif(place)?),
+            Played::Animation { place, .. } => (place.path(), frames.write_png(place, opaque)?),
         });
     }
     let mut made = made.into_iter();
     let Some((path, mut written)) = made.next() else { return Ok(()) };
-    written.others.extend(made.map(|(path, other)| (path.to_owned(), other.bytes)));
+    for (path, other) in made {
+        written.others.push((path.to_owned(), other.bytes));
+        written.warnings.extend(other.warnings);
+    }
     let summary = Summary {
         seed: Some(job.params.seed),
         size: job.drawing.size_of(&scene, Format::Png),
         ..Summary::new("animate", vec![job.scene.name()], path, written, reporter)
     };
     summary.tell(common, false)
-}
-
-/// Files of their own, one for each frame.
-fn frames(
-    reporter: &Reporter,
-    job: &Animating,
-    flowing: &Flowing,
-    folder: &Path,
-    (kind, force): (FileKind, bool),
-) -> anyhow::Result<Written> {
-    std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
-    let ending = if kind.format == Format::Png { "png" } else { "svg" };
-    let count = job.animation.frames;
-    let mut written = Written::default();
-    for k in 0..count {
-        let name = folder.join(format!("frame_{:0digits$}.{ending}", k + 1, digits = digits(count)));
-        let target = Target { place: Place::File { path: name, force }, kind };
-        let one = target.write_scene(&frame(reporter, job, flowing, k)?, job.drawing)?;
-        written.bytes += one.bytes;
-    }
-    Ok(written)
-}
-
-/// One file that plays.
-fn animated(
-    reporter: &Reporter,
-    job: &Animating,
-    (scene, flowing): (&Scene, &Flowing),
-    place: &Place,
-    kind: AnimationKind,
-) -> anyhow::Result<Written> {
-    let opaque = job.drawing.render.background != Some(Background::None) && scene.domain.is_none();
-    let picture = |k: u32| job.drawing.picture(&frame(reporter, job, flowing, k)?);
-    Ok(match kind {
-        AnimationKind::Gif => Written::of(place.write(|out| job.animation.write_gif(picture, out))?.1),
-        _ => Written::of(place.write(|out| job.animation.write_png(opaque, picture, out))?.1),
-    })
-}
-
-/// Frame `k` of the loop.
-fn frame(reporter: &Reporter, job: &Animating, flowing: &Flowing, k: u32) -> vtex::Result<Scene> {
-    let count = job.animation.frames;
-    let go_on = reporter.advance("drawing", u64::from(k), u64::from(count));
-    if go_on { Ok(flowing.at(f64::from(k) / f64::from(count))) } else { Err(Error::Interrupted) }
 }

@@ -13,7 +13,7 @@ use crate::cli::output::{Drawing, Targets};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
-use crate::cli::values::{named, one_of};
+use crate::cli::values::{between, named, one_of};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::Progress;
@@ -51,7 +51,7 @@ pub(crate) struct StylizeArgs {
     #[arg(value_parser = clap::value_parser!(u32).range(32..=16_384))]
     pub(crate) longer_side: Option<u32>,
     /// Distance of the largest elements [2 to 1000 px, default: a 28th of the longer side]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true, value_parser = element_size)]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, value_parser = between(2.0, 1000.0))]
     pub(crate) element_size: Option<f64>,
     /// Sizes of elements, each half the one before, for finer and finer detail [1 to 6, default: 4]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
@@ -67,11 +67,6 @@ pub(crate) struct StylizeArgs {
     pub(crate) render: RenderFlags,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
-}
-
-fn element_size(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|v| (2.0..=1000.0).contains(v));
-    value.ok_or_else(|| "expected a number from 2 to 1000".into())
 }
 
 /// A picture, a texture, and how one is redrawn in the other.

@@ -13,7 +13,7 @@ use crate::cli::output::{Drawing, Targets, say};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
-use crate::cli::values::{named, one_of};
+use crate::cli::values::{between, named, one_of};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -56,7 +56,7 @@ pub(crate) struct TransferArgs {
     #[arg(value_parser = one_of(&["mean", "replace"], named::<TransferMode>))]
     pub(crate) mode: Option<TransferMode>,
     /// Factor of the size of elements [0.01 to 100, default: 1]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = factor)]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = between(0.01, 100.0))]
     pub(crate) element_scale: Option<f64>,
     /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
     /// stdout; several -o write several files [default: ./STRUCTURE.transfer.svg]
@@ -68,11 +68,6 @@ pub(crate) struct TransferArgs {
     pub(crate) render: RenderFlags,
     #[command(flatten)]
     pub(crate) svg: SvgFlags,
-}
-
-fn factor(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|v| (0.01..=100.0).contains(v));
-    value.ok_or_else(|| "expected a number from 0.01 to 100".into())
 }
 
 /// Textures, and how they are put together and written.

@@ -2,7 +2,7 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::output::Place;
-use crate::cli::values::{named, one_of};
+use crate::cli::values::{between, named, one_of};
 use clap::builder::TypedValueParser;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -23,8 +23,7 @@ pub(crate) fn formats() -> impl TypedValueParser<Value = FrameFormat> {
 
 /// The parser of a number of pictures in a second.
 pub(crate) fn rate(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|v| (0.1..=100.0).contains(v));
-    value.ok_or_else(|| "expected a number from 0.1 to 100".into())
+    between(0.1, 100.0)(text)
 }
 
 /// Formats of an animation.
@@ -41,6 +40,24 @@ pub(crate) enum Played {
     Frames { folder: PathBuf, kind: Kind, force: bool },
     /// One file that plays.
     Animation { place: Place, kind: AnimationKind },
+}
+
+impl Played {
+    /// Whether it is made of pixels.
+    pub(crate) fn drawn(&self) -> bool {
+        match self {
+            Self::Frames { kind, .. } => kind.format == Format::Png,
+            Self::Animation { kind, .. } => !matches!(kind, AnimationKind::Svg { .. }),
+        }
+    }
+
+    /// Asks at once whether the file can be written.
+    pub(crate) fn probe(&self) -> vtex::Result<()> {
+        match self {
+            Self::Frames { .. } => Ok(()),
+            Self::Animation { place, .. } => place.probe(),
+        }
+    }
 }
 
 /// An animation, or frames in a folder, by the name of the output.

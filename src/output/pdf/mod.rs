@@ -45,7 +45,7 @@ const LARGEST_PAGE: f64 = 14_400.0;
 /// # Errors
 /// A scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
 pub fn write(scene: &Scene, mut out: impl Write) -> Result<u64> {
-    super::check_scene(scene)?;
+    scene.check()?;
     let bytes = document(scene).map_err(|e| Error::write(Path::new("-"), io::Error::other(e)))?;
     out.write_all(&bytes).and_then(|()| out.flush()).map_err(|e| Error::write(Path::new("-"), e))?;
     Ok(bytes.len() as u64)

@@ -60,7 +60,7 @@ pub fn to_fit<'a>(
     most: u64,
     measure: impl Fn(&Scene, &SvgOptions) -> Result<u64>,
 ) -> Result<Reduced<'a>> {
-    super::check_scene(scene)?;
+    scene.check()?;
     if measure(scene, options)? <= most {
         return Ok(Reduced { scene: Cow::Borrowed(scene), options: *options, given_up: None });
     }

@@ -190,7 +190,7 @@ struct Document<'a> {
 impl<'a> Document<'a> {
     fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Result<Self> {
         check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
-        super::check_scene(scene)?;
+        scene.check()?;
         let categories = crate::output::categories(scene);
         let textons = Textons::new(scene, &categories, options, bleed);
         let fields = scene.layers.iter().map(|layer| layer.field.as_ref());

@@ -53,7 +53,7 @@ fn edited(scene: &Scene, action: Action) -> Scene {
 
 /// The medians of the primaries.
 fn medians(scene: &Scene) -> Vec<[f32; 3]> {
-    let roles = scene.layers.iter().flat_map(|l| std::iter::repeat_n(l.role, l.instances.len()));
+    let roles = scene.roles();
     roles.zip(scene.appearances()).filter(|(r, _)| *r == Role::Primary).map(|(_, a)| a.median).collect()
 }
 
@@ -154,6 +154,6 @@ fn figures() {
 
 /// The Gaussians of the primaries.
 fn individual(scene: &Scene) -> Vec<Option<Gaussian>> {
-    let roles = scene.layers.iter().flat_map(|l| std::iter::repeat_n(l.role, l.instances.len()));
+    let roles = scene.roles();
     roles.zip(scene.gaussians()).filter(|(r, _)| *r == Role::Primary).map(|(_, g)| g).collect()
 }

@@ -5,16 +5,16 @@ use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::options::files::{ForceArgs, Makes, apart, check_files, outputs, required, targets};
-use crate::cli::options::frames::{AnimationKind, FrameFormat, Played, formats, played, rate};
+use crate::cli::options::frames::{FrameFormat, Played, formats, played, rate};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Place, Targets};
-use crate::cli::values::{named, one_of};
+use crate::cli::output::Targets;
+use crate::cli::values::{between, named, one_of};
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::ffi::OsString;
 use std::path::PathBuf;
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::Format;
 use vtex::scene::Axis;
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "between" };
@@ -62,7 +62,7 @@ pub(crate) struct InterpArgs {
     #[arg(value_parser = formats())]
     pub(super) format: Option<FrameFormat>,
     /// One scene only, so far along the way [0 to 1]
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = between(0.0, 1.0))]
     #[arg(conflicts_with_all = ["across", "morph", "frames", "fps", "back", "format"])]
     pub(super) at: Option<f64>,
     /// One scene only, that turns into the other from left to right or from top to bottom [x or y]
@@ -100,11 +100,6 @@ fn where_it_turns(text: OsString) -> MorphFrom {
     }
 }
 
-fn share(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|v| (0.0..=1.0).contains(v));
-    value.ok_or_else(|| "expected a number from 0 to 1".into())
-}
-
 /// Which scenes, and what of them is wanted.
 pub(super) struct Interpolating {
     pub(super) from: Input,
@@ -127,10 +122,8 @@ pub(super) enum One {
 pub(super) enum Wanted {
     /// One scene.
     Scene(One, Targets),
-    /// Files of their own, named by their number.
-    Frames { folder: PathBuf, kind: Kind, force: bool, pace: Pace },
-    /// One file that plays.
-    Animation { place: Place, kind: AnimationKind, pace: Pace },
+    /// Frames in a folder, or one file that plays.
+    Played(Played, Pace),
 }
 
 impl Wanted {
@@ -138,8 +131,7 @@ impl Wanted {
     pub(super) fn drawn(&self) -> bool {
         match self {
             Self::Scene(_, targets) => targets.has(Format::Png),
-            Self::Frames { kind, .. } => kind.format == Format::Png,
-            Self::Animation { kind, .. } => !matches!(kind, AnimationKind::Svg { .. }),
+            Self::Played(played, _) => played.drawn(),
         }
     }
 }
@@ -187,10 +179,8 @@ impl Interpolating {
             }
             apart(&outputs(&a.output))?;
             let play = |path| {
-                Ok(match played(path, a.format, a.force.force, "give --at, --across or --morph")? {
-                    Played::Frames { folder, kind, force } => Wanted::Frames { folder, kind, force, pace },
-                    Played::Animation { place, kind } => Wanted::Animation { place, kind, pace },
-                })
+                let played = played(path, a.format, a.force.force, "give --at, --across or --morph")?;
+                Ok(Wanted::Played(played, pace))
             };
             a.output.into_iter().map(play).collect::<Result<_, Failure>>()?
         };

@@ -2,32 +2,30 @@
 
 use super::arguments::{Interpolating, MorphFrom, One, Pace, Wanted};
 use crate::cli::common::Common;
+use crate::cli::frames::Frames;
 use crate::cli::input;
-use crate::cli::options::frames::{AnimationKind, digits};
+use crate::cli::options::frames::{AnimationKind, Played};
 use crate::cli::options::render::Background;
 use crate::cli::output::{Drawing, Place, Target, Targets, Written};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
-use std::cmp::Reverse;
 use std::path::Path;
 use std::sync::Arc;
+use vtex::Progress;
 use vtex::control;
 use vtex::interpolate::{Interpolation, Morph, morph};
 use vtex::output::file::{Format, Kind};
 use vtex::output::raster_animation::RasterAnimation;
-use vtex::output::reduce::GivenUp;
 use vtex::output::svg::Animation;
 use vtex::scene::Scene;
-use vtex::{Error, Progress};
 
 pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> anyhow::Result<()> {
     let Interpolating { from, to, wanted, .. } = job;
     for wanted in wanted {
         match wanted {
             Wanted::Scene(_, targets) => targets.probe()?,
-            Wanted::Animation { place, .. } => place.probe()?,
-            Wanted::Frames { .. } => {}
+            Wanted::Played(played, _) => played.probe()?,
         }
     }
     reporter.stage("reading")?;
@@ -39,10 +37,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
     for wanted in wanted {
         all.push(match wanted {
             Wanted::Scene(between, targets) => one(reporter, job, &scenes, between, targets)?,
-            Wanted::Frames { folder, kind, force, pace } => {
-                frames(reporter, job, &scenes, folder, (*kind, *force), pace)?
-            }
-            Wanted::Animation { place, kind, pace } => animation(reporter, job, &scenes, place, *kind, pace)?,
+            Wanted::Played(wanted, pace) => played(reporter, job, &scenes, wanted, pace)?,
         });
     }
     let mut all = all.into_iter();
@@ -61,8 +56,9 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
 
 /// Notes on options that change nothing here.
 fn idle(job: &Interpolating) -> Vec<&'static str> {
-    let svg =
-        job.wanted.iter().all(|w| matches!(w, Wanted::Animation { kind: AnimationKind::Svg { .. }, .. }));
+    let is_svg =
+        |played: &Played| matches!(played, Played::Animation { kind: AnimationKind::Svg { .. }, .. });
+    let svg = job.wanted.iter().all(|w| matches!(w, Wanted::Played(played, _) if is_svg(played)));
     let limit = svg && job.svg.max_bytes.is_some();
     let expand = svg && job.svg.expand;
     let warnings = [
@@ -125,74 +121,39 @@ fn read(place: &MorphFrom) -> anyhow::Result<Morph> {
     })
 }
 
-/// Files of their own, one for each frame.
-fn frames<'a>(
+/// Frames in a folder, or one file that plays.
+fn played<'a>(
     reporter: &Reporter,
     job: &Interpolating,
     [from, to]: &[Arc<Scene>; 2],
-    folder: &'a Path,
-    (kind, force): (Kind, bool),
+    played: &'a Played,
     pace: &Pace,
 ) -> anyhow::Result<Made<'a>> {
     let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
-    std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
-    let drawn = kind.format == Format::Png;
-    let ending = if drawn { "png" } else { "svg" };
-    let count = pace.played();
-    let name = |k: u32| folder.join(format!("frame_{k:0digits$}.{ending}", digits = digits(count)));
-    let mut written = Written::default();
-    for k in 0..count {
-        let target = Target { place: Place::File { path: name(k + 1), force }, kind };
-        let one = target.write_scene(&frame(reporter, &way, pace, k)?, drawing(job))?;
-        written.bytes += one.bytes;
-        one.warnings.iter().for_each(|warning| reporter.warn(warning));
-        // The most that any frame had to give up.
-        let lost = |given: &GivenUp| (given.details + given.elements, Reverse(given.decimals));
-        written.given_up = written.given_up.into_iter().chain(one.given_up).max_by_key(lost);
-    }
-    if name(count + 1).exists() {
-        reporter.warn(&format!(
-            "the folder holds frames of another animation as well, from '{}' on",
-            name(count + 1).display()
-        ));
-    }
-    let size = drawing(job).size_of(from, kind.format);
-    Ok(Made { path: folder, written, size, counts: None, piped: false })
-}
-
-/// One file that plays.
-fn animation<'a>(
-    reporter: &Reporter,
-    job: &Interpolating,
-    [from, to]: &[Arc<Scene>; 2],
-    place: &'a Place,
-    kind: AnimationKind,
-    pace: &Pace,
-) -> anyhow::Result<Made<'a>> {
-    let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
+    let drawing = drawing(job);
     let animation = RasterAnimation { frames: pace.played(), rate: pace.rate };
-    let with_background = job.scale.background != Some(Background::None);
-    let opaque = with_background && from.domain.is_none() && to.domain.is_none();
-    let picture = |k: u32| drawing(job).picture(&frame(reporter, &way, pace, k)?);
-    let written = match kind {
-        AnimationKind::Gif => Written::of(place.write(|out| animation.write_gif(picture, out))?.1),
-        AnimationKind::Png => Written::of(place.write(|out| animation.write_png(opaque, picture, out))?.1),
-        AnimationKind::Svg { gzip } => {
+    let frames = Frames { reporter, drawing, animation, scene: &|k| way.at(pace.share(k)) };
+    let written = match played {
+        Played::Frames { folder, kind, force } => frames.write_files(folder, (*kind, *force))?,
+        Played::Animation { place, kind: AnimationKind::Gif } => frames.write_gif(place)?,
+        Played::Animation { place, kind: AnimationKind::Png } => {
+            let with_background = job.scale.background != Some(Background::None);
+            frames.write_png(place, with_background && from.domain.is_none() && to.domain.is_none())?
+        }
+        Played::Animation { place, kind: AnimationKind::Svg { gzip } } => {
             reporter.stage("drawing")?;
             // As long as the way is in pictures, back not included.
             let seconds = f64::from(pace.frames) / pace.rate;
             let animation = Animation { seconds, back: pace.back, precision: job.svg.precision };
-            let target = Target { place: place.clone(), kind: Kind { format: Format::Svg, gzip } };
+            let target = Target { place: place.clone(), kind: Kind { format: Format::Svg, gzip: *gzip } };
             target.write_animation(&way, &animation)?
         }
     };
-    let svg = matches!(kind, AnimationKind::Svg { .. });
-    let size = drawing(job).size_of(from, if svg { Format::Svg } else { Format::Png });
-    Ok(Made { path: place.path(), written, size, counts: None, piped: *place == Place::Stdout })
-}
-
-/// Frame `k` of those played.
-fn frame(reporter: &Reporter, way: &Interpolation, pace: &Pace, k: u32) -> vtex::Result<Scene> {
-    let go_on = reporter.advance("drawing", u64::from(k), u64::from(pace.played()));
-    if go_on { Ok(way.at(pace.share(k))) } else { Err(Error::Interrupted) }
+    let (path, format) = match played {
+        Played::Frames { folder, kind, .. } => (folder.as_path(), kind.format),
+        Played::Animation { place, kind: AnimationKind::Svg { .. } } => (place.path(), Format::Svg),
+        Played::Animation { place, .. } => (place.path(), Format::Png),
+    };
+    let piped = matches!(played, Played::Animation { place: Place::Stdout, .. });
+    Ok(Made { path, written, size: drawing.size_of(from, format), counts: None, piped })
 }
