@@ -49,7 +49,8 @@ pub struct AnalyzeParams {
     /// Cells along each side of a pixel, for separating details and secondaries and for tracing. 1 to 4,
     /// or 0 (the default) for 2 up to 2.5 million pixels and 1 above.
     pub cells: u32,
-    /// Whether the exemplar tiles, that is, its opposite borders join. Default false.
+    /// Whether the exemplar tiles, that is, its opposite borders join. What they cut is one element then. Default
+    /// false; [`crate::analyze::borders_join`] finds it out.
     pub wrap: bool,
     /// Number of nested layers, such as rust on paint. 1 to 6, or 0 (the default) for one to three, by the
     /// photograph, written as `auto`.
