@@ -30,5 +30,6 @@ def main(photos: str, out: str, workers: int = 2, client: Any = None) -> list[di
 
 
 if __name__ == "__main__":
-    for row in main(*sys.argv[1:3], *map(int, sys.argv[3:])):
+    folder, results, *number = sys.argv[1:]
+    for row in main(folder, results, *map(int, number)):
         print(row["path"], row["error"] or "done")

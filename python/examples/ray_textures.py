@@ -35,9 +35,10 @@ def main(photos: str, out: str, workers: int = 2) -> list[dict[str, Any]]:
     # As bytes: read_images would fail as a whole at the first damaged photograph.
     rows = ray.data.read_binary_files(photos, include_paths=True, override_num_blocks=4 * workers)
     actors = ray.data.ActorPoolStrategy(size=workers)
-    return rows.map_batches(Maker, fn_constructor_args=[out], batch_size=1, compute=actors).take_all()
+    return list(rows.map_batches(Maker, fn_constructor_args=[out], batch_size=1, compute=actors).take_all())
 
 
 if __name__ == "__main__":
-    for row in main(*sys.argv[1:3], *map(int, sys.argv[3:])):
+    folder, results, *number = sys.argv[1:]
+    for row in main(folder, results, *map(int, number)):
         print(row["path"], row["error"] or "done")

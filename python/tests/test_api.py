@@ -204,13 +204,13 @@ def test_masks_take_the_place_of_a_segmenter(pixels):
     assert library.to_dict()["source"]["segmenter"] == "masks:array"
 
 
-SCHEMA = {"library": "AnalyzeParams", "scene": "SynthParams"}
-
-
-@pytest.mark.parametrize(("schema", "definition", "function"), [
-    ("library", "AnalyzeParams", vtex.analyze),
-    ("scene", "SynthParams", vtex.synthesize),
-])
+@pytest.mark.parametrize(
+    ("schema", "definition", "function"),
+    [
+        ("library", "AnalyzeParams", vtex.analyze),
+        ("scene", "SynthParams", vtex.synthesize),
+    ],
+)
 def test_parameters_have_the_names_and_defaults_of_the_schema(schema, definition, function):
     document = json.loads((ROOT / "schema" / f"{schema}.schema.json").read_text())
     fields = document["$defs"][definition]["properties"]

@@ -131,8 +131,8 @@ def folder(tmp_path_factory, scene, library):
     library.save(folder / "other.lib.json")
     Image.fromarray(np.tile(np.arange(256, dtype=np.uint8), (8, 1))).save(folder / "map.png")
     (folder / "palette.txt").write_text("#402010 #80a060 #f0e0d0")
-    shape = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 200"><path d="M60 40h160v120h-160z" fill="red"/></svg>'
-    (folder / "shape.svg").write_text(shape)
+    svg = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 200"><path d="M60 40h160v120h-160z"/></svg>'
+    (folder / "shape.svg").write_text(svg)
     return folder
 
 

@@ -40,8 +40,15 @@ def test_photographs_come_in_many_forms(quick, known, photo_path, pixels):
     data = photo_path.read_bytes()
     with photo_path.open("rb") as file:
         forms = [
-            str(photo_path), photo_path, data, bytearray(data), memoryview(data), io.BytesIO(data), file,
-            Image.open(photo_path), np.dstack([pixels, np.full(pixels.shape[:2], 255, np.uint8)]),
+            str(photo_path),
+            photo_path,
+            data,
+            bytearray(data),
+            memoryview(data),
+            io.BytesIO(data),
+            file,
+            Image.open(photo_path),
+            np.dstack([pixels, np.full(pixels.shape[:2], 255, np.uint8)]),
         ]
         for form in forms:
             assert same(quick(form), known), type(form)
@@ -114,7 +121,7 @@ def test_arrays_of_other_shapes_are_refused(quick, shape):
     assert ("transpose" in hint) == (shape == (3, 160, 128))
 
 
-@pytest.mark.parametrize("kind", [np.float32, np.float64, np.int32, np.int8, np.complex64, object, "datetime64[s]", "U3"])
+@pytest.mark.parametrize("kind", ["f4", "f8", "i4", "i1", "c8", "O", "M8[s]", "U3"])
 def test_arrays_of_other_types_are_refused(quick, kind):
     with pytest.raises(TypeError, match="photograph is an array") as error:
         quick(np.zeros((40, 40, 3), kind))
@@ -179,51 +186,57 @@ def test_closed_files_and_files_of_text(quick, photo_path, tmp_path):
     told(error)
 
 
-@pytest.mark.parametrize(("given", "message"), [
-    ({"minimum_area": 0}, "minimum_area = 0 is out of range"),
-    ({"detail_scale": -1.0}, "detail_scale"),
-    ({"fidelity": 99}, "fidelity"),
-    ({"fidelity": float("nan")}, "finite"),
-    ({"fidelity": "much"}, "invalid type"),
-    ({"shading": "bright"}, "bright"),
-    ({"categories": 0}, "auto or a number"),
-    ({"seed": -1}, "seed"),
-    ({"seed": 2**64}, "seed"),
-    ({"layers": 9}, "layers"),
-    ({"minimum_area": 5.5}, "invalid type"),
-    ({"engine": "steam"}, "steam"),
-])
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"minimum_area": 0}, "minimum_area = 0 is out of range"),
+        ({"detail_scale": -1.0}, "detail_scale"),
+        ({"fidelity": 99}, "fidelity"),
+        ({"fidelity": float("nan")}, "finite"),
+        ({"fidelity": "much"}, "invalid type"),
+        ({"shading": "bright"}, "bright"),
+        ({"categories": 0}, "auto or a number"),
+        ({"seed": -1}, "seed"),
+        ({"seed": 2**64}, "seed"),
+        ({"layers": 9}, "layers"),
+        ({"minimum_area": 5.5}, "invalid type"),
+        ({"engine": "steam"}, "steam"),
+    ],
+)
 def test_parameters_out_of_range(pixels, given, message):
     with pytest.raises(ValueError, match=message) as error:
         vtex.analyze(pixels, **{"segmenter": "felzenszwalb"} | given)
     assert isinstance(error.value, vtex.InputError)
 
 
-@pytest.mark.parametrize(("given", "kind", "message"), [
-    ({"size": 0}, ValueError, "size"),
-    ({"size": (10, 0)}, ValueError, "size"),
-    ({"size": (1, 2, 3)}, TypeError, "size"),
-    ({"size": "large"}, TypeError, "size"),
-    ({"size": 10.5}, TypeError, "size"),
-    ({"size": True}, TypeError, "size"),
-    ({"size": (60_000, 60_000)}, ValueError, "megapixels"),
-    ({"tile": "z"}, ValueError, "tile"),
-    ({"method": "magic"}, ValueError, "magic"),
-    ({"weights": (1, 2)}, ValueError, "weights"),
-    ({"weights": (99, 0, 0, 0, 0)}, ValueError, "weights"),
-    ({"ablate": ["all"]}, ValueError, "all"),
-    ({"rotate": 181}, ValueError, "rotate"),
-    ({"scale_jitter": -1}, ValueError, "scale_jitter"),
-    ({"density": np.full((4, 4), 2.5)}, ValueError, "0 to 2"),
-    ({"density": np.full((4, 4), np.nan)}, ValueError, "0 to 2"),
-    ({"density": np.ones((4, 4, 3))}, ValueError, "floats"),
-    ({"density": np.ones((4, 4), np.int64)}, TypeError, "int64"),
-    ({"density": np.ones(4)}, ValueError, "shape"),
-    ({"density": 1.0}, TypeError, "density is float"),
-    ({"domain": np.zeros((9, 9))}, ValueError, "white"),
-    ({"map": np.ones((4, 4))}, ValueError, "several libraries"),
-    ({"control": np.zeros((4, 4), np.uint8), "guide": np.zeros((4, 4), np.uint8)}, ValueError, "both"),
-])
+@pytest.mark.parametrize(
+    ("given", "kind", "message"),
+    [
+        ({"size": 0}, ValueError, "size"),
+        ({"size": (10, 0)}, ValueError, "size"),
+        ({"size": (1, 2, 3)}, TypeError, "size"),
+        ({"size": "large"}, TypeError, "size"),
+        ({"size": 10.5}, TypeError, "size"),
+        ({"size": True}, TypeError, "size"),
+        ({"size": (60_000, 60_000)}, ValueError, "megapixels"),
+        ({"tile": "z"}, ValueError, "tile"),
+        ({"method": "magic"}, ValueError, "magic"),
+        ({"weights": (1, 2)}, ValueError, "weights"),
+        ({"weights": (99, 0, 0, 0, 0)}, ValueError, "weights"),
+        ({"ablate": ["all"]}, ValueError, "all"),
+        ({"rotate": 181}, ValueError, "rotate"),
+        ({"scale_jitter": -1}, ValueError, "scale_jitter"),
+        ({"density": np.full((4, 4), 2.5)}, ValueError, "0 to 2"),
+        ({"density": np.full((4, 4), np.nan)}, ValueError, "0 to 2"),
+        ({"density": np.ones((4, 4, 3))}, ValueError, "floats"),
+        ({"density": np.ones((4, 4), np.int64)}, TypeError, "int64"),
+        ({"density": np.ones(4)}, ValueError, "shape"),
+        ({"density": 1.0}, TypeError, "density is float"),
+        ({"domain": np.zeros((9, 9))}, ValueError, "white"),
+        ({"map": np.ones((4, 4))}, ValueError, "several libraries"),
+        ({"control": np.zeros((4, 4), np.uint8), "guide": np.zeros((4, 4), np.uint8)}, ValueError, "both"),
+    ],
+)
 def test_synthesis_refuses(known, given, kind, message):
     with pytest.raises(kind, match=message) as error:
         vtex.synthesize(known, **given)
@@ -249,36 +262,39 @@ def test_synthesis_needs_libraries(known):
         told(error)
 
 
-@pytest.mark.parametrize(("edit", "kind", "message"), [
-    (vtex.Tint("no colour"), ValueError, "no colour"),
-    (vtex.Tint((1, 2)), TypeError, "no colour"),
-    (vtex.Tint((1, 2, 256)), ValueError, "0 to 255"),
-    (vtex.Tint("red", amount=2), ValueError, "amount = 2 is out of range: 0 to 1"),
-    (vtex.Tint("none.png"), OSError, "none.png"),
-    (vtex.Thin(), ValueError, "how much to keep"),
-    (vtex.Thin(minimum_area=-1.0), ValueError, "minimum_area = -1"),
-    (vtex.Thin("half"), ValueError, "invalid type"),
-    (vtex.Simplify(0), ValueError, "tolerance = 0"),
-    (vtex.Orient(999), ValueError, "direction = 999"),
-    (vtex.Jitter(distance=-1), ValueError, "distance = -1"),
-    (vtex.Jitter(), ValueError, "what to change"),
-    (vtex.Jitter(steps=1.5, hue=3), TypeError, "steps"),
-    (vtex.Transform(by=(1, 2, 3)), TypeError, "by"),
-    (vtex.Transform(angle=999), ValueError, "angle = 999"),
-    (vtex.Relax(rounds=0), ValueError, "rounds"),
-    (vtex.Order("z"), ValueError, "z"),
-    (vtex.Delete(layer="clouds"), ValueError, "no layer 'clouds'"),
-    (vtex.Delete(layer=3), TypeError, "layer"),
-    (vtex.Delete(where="size>3"), ValueError, "'size' is nothing that elements have"),
-    (vtex.Delete(where="area"), ValueError, "no condition"),
-    (vtex.Flatten(layer="background"), ValueError, "background"),
-    (vtex.Density(3), TypeError, "map is int"),
-    (vtex.Density(None), TypeError, "map"),
-    (vtex.Replace("none.lib.json"), OSError, "none"),
-    (vtex.Edit(), TypeError, "nothing to do"),
-    (vtex.Tint, TypeError, "no edit"),
-    ("tint red", TypeError, "no edit"),
-])
+@pytest.mark.parametrize(
+    ("edit", "kind", "message"),
+    [
+        (vtex.Tint("no colour"), ValueError, "no colour"),
+        (vtex.Tint((1, 2)), TypeError, "no colour"),
+        (vtex.Tint((1, 2, 256)), ValueError, "0 to 255"),
+        (vtex.Tint("red", amount=2), ValueError, "amount = 2 is out of range: 0 to 1"),
+        (vtex.Tint("none.png"), OSError, "none.png"),
+        (vtex.Thin(), ValueError, "how much to keep"),
+        (vtex.Thin(minimum_area=-1.0), ValueError, "minimum_area = -1"),
+        (vtex.Thin("half"), ValueError, "invalid type"),
+        (vtex.Simplify(0), ValueError, "tolerance = 0"),
+        (vtex.Orient(999), ValueError, "direction = 999"),
+        (vtex.Jitter(distance=-1), ValueError, "distance = -1"),
+        (vtex.Jitter(), ValueError, "what to change"),
+        (vtex.Jitter(steps=1.5, hue=3), TypeError, "steps"),
+        (vtex.Transform(by=(1, 2, 3)), TypeError, "by"),
+        (vtex.Transform(angle=999), ValueError, "angle = 999"),
+        (vtex.Relax(rounds=0), ValueError, "rounds"),
+        (vtex.Order("z"), ValueError, "z"),
+        (vtex.Delete(layer="clouds"), ValueError, "no layer 'clouds'"),
+        (vtex.Delete(layer=3), TypeError, "layer"),
+        (vtex.Delete(where="size>3"), ValueError, "'size' is nothing that elements have"),
+        (vtex.Delete(where="area"), ValueError, "no condition"),
+        (vtex.Flatten(layer="background"), ValueError, "background"),
+        (vtex.Density(3), TypeError, "map is int"),
+        (vtex.Density(None), TypeError, "map"),
+        (vtex.Replace("none.lib.json"), OSError, "none"),
+        (vtex.Edit(), TypeError, "nothing to do"),
+        (vtex.Tint, TypeError, "no edit"),
+        ("tint red", TypeError, "no edit"),
+    ],
+)
 def test_edits_that_cannot_be_done(scene, edit, kind, message):
     with pytest.raises(kind, match=message) as error:
         scene.edit(edit)

@@ -17,7 +17,9 @@ def made(program, photo_path, tmp_path_factory):
         subprocess.run(command, check=True, cwd=folder)
 
     run("analyze", photo_path, "--segmenter", "texton", "-o", "p.lib.json")
-    run("synth", "p.lib.json", "--size", "300x200", "-o", "p.svg", "-o", "p.scene.json.gz", "-o", "p.pdf", "-o", "p.png")
+    run(
+        "synth", "p.lib.json", "--size", "300x200", "-o", "p.svg", "-o", "p.scene.json.gz", "-o", "p.pdf", "-o", "p.png"
+    )
     run("synth", "p.lib.json", "--size", "256", "--tile", "-o", "tile.svg", "--precision", "2", "--css")
     run("synth", "p.lib.json", "--size", "300", "-o", "small.svgz", "--max-bytes", "9kB", "--background", "navy")
     return folder

@@ -91,9 +91,7 @@ _KINDS: dict[str, type[FileError]] = {
 }
 
 
-def file_error(
-    kind: str, message: str, hint: str | None, errno: int | None, path: str | os.PathLike[str]
-) -> FileError:
+def file_error(kind: str, message: str, hint: str | None, errno: int | None, path: str | os.PathLike[str]) -> FileError:
     """Make the exception for a file."""
     error = _KINDS.get(kind, FileError)(message, hint)
     error.errno = errno

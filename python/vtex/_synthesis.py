@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 from vtex import _inputs, _vtex
 from vtex._analysis import _MOST_SEED
@@ -124,8 +124,7 @@ def synthesize(
         raise InputError("control and guide are both given", "give one of them")
     if control is not None and len(libraries) > 1:
         raise InputError(f"control is for a single library, {len(libraries)} are given")
-    wanted = _inputs.size_of(size)
-    width, height = wanted or (1000, 1000)
+    width, height = _inputs.size_of(size) or (1000, 1000)
     parameters = {
         "width": width,
         "height": height,
@@ -144,13 +143,13 @@ def synthesize(
         "ablate": [ablate] if isinstance(ablate, str) else list(ablate),
     }
     maps = _maps(map, len(libraries))
-    steering = [_inputs.picture(domain, "domain"), _inputs.picture(density, "density", 2.0)]
-    leads = [_inputs.picture(control, "control"), _inputs.picture(guide, "guide")]
+    shape, densities = _inputs.picture(domain, "domain"), _inputs.picture(density, "density", 2.0)
+    layers, lightness = _inputs.picture(control, "control"), _inputs.picture(guide, "guide")
     # Pictures that steer are fitted to the canvas, so its size is as good as given.
-    sized = wanted is not None or bool(maps) or any(given is not None for given in steering + leads)
+    sized = size is not None or bool(maps) or any((shape, densities, layers, lightness))
     cores = [library._core for library in libraries]
     return Scene._of(
-        _vtex.synthesize(cores, _inputs.to_json(parameters), sized, *steering, maps, *leads, progress)
+        _vtex.synthesize(cores, _inputs.to_json(parameters), sized, shape, densities, maps, layers, lightness, progress)
     )
 
 
@@ -186,7 +185,7 @@ def _several(libraries: object) -> list[Library]:
 
 
 def _maps(given: _inputs.Picture | Sequence[_inputs.Picture] | None, libraries: int) -> list[_inputs.Named]:
-    several = list(given) if isinstance(given, (list, tuple)) else [] if given is None else [given]
+    several: list[Any] = list(given) if isinstance(given, (list, tuple)) else [] if given is None else [given]
     if libraries == 1 and several:
         raise InputError("map is for several libraries, one is given")
     if libraries > 1 and len(several) not in (1, libraries):

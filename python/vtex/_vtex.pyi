@@ -10,7 +10,6 @@ __version__: str
 
 _Named = tuple[str, bytes]
 _Progress = Callable[[str, int, int], bool | None]
-_Viewed = bytes | npt.NDArray[Any] | Library | Scene
 
 @final
 class Library:
@@ -55,9 +54,7 @@ class Scene:
     def encode(self, ending: str, options: str) -> bytes: ...
     def save(self, path: str | os.PathLike[str], options: str, force: bool) -> int: ...
     def render(self, options: str, alpha: bool) -> npt.NDArray[np.uint8]: ...
-    def edit(
-        self, operations: str, files: Mapping[str, bytes], seed: int | None
-    ) -> tuple[Scene, list[int]]: ...
+    def edit(self, operations: str, files: Mapping[str, bytes], seed: int | None) -> tuple[Scene, list[int]]: ...
     @property
     def width(self) -> int: ...
     @property
@@ -100,8 +97,8 @@ def synthesize(
 ) -> Scene: ...
 def reconstruct(library: Library) -> Scene: ...
 def compare(
-    exemplar: tuple[str, _Viewed],
-    result: tuple[str, _Viewed],
+    exemplar: tuple[str, bytes | npt.NDArray[Any] | Library | Scene],
+    result: tuple[str, bytes | npt.NDArray[Any] | Library | Scene],
     scale: float,
     progress: _Progress | None,
 ) -> str: ...
