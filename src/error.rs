@@ -201,6 +201,9 @@ pub enum EditFault {
     /// Jitter changes neither place nor angle nor size.
     #[error("nothing says what to change")]
     NothingChanged,
+    /// Of several parameters one has to be given, and no more.
+    #[error("one of {0} is needed, and only one")]
+    NotOneOf(&'static str),
     /// Only colours of the background can be changed.
     #[error("it cannot be done to the background")]
     NotForBackground,

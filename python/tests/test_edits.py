@@ -118,6 +118,8 @@ DEFAULTS = [
     (vtex.Density("map.png"), "density map.png"),
     (vtex.Palette("palette.txt"), "palette palette.txt"),
     (vtex.Propagate("shape.svg"), "propagate shape.svg"),
+    (vtex.Propagate(element="shape.svg"), "propagate --element shape.svg"),
+    (vtex.Propagate(fill="teal", layer="primary"), "propagate --fill teal --layer primary"),
     (vtex.Replace("other.lib.json"), "replace other.lib.json"),
 ]
 
@@ -136,7 +138,7 @@ def folder(tmp_path_factory, scene, library):
     return folder
 
 
-@pytest.mark.parametrize(("edit", "text"), DEFAULTS, ids=[text.split()[0] for _, text in DEFAULTS])
+@pytest.mark.parametrize(("edit", "text"), DEFAULTS, ids=[text for _, text in DEFAULTS])
 def test_defaults_are_those_of_the_program(edit, text, program, folder, scene, monkeypatch):
     monkeypatch.chdir(folder)
     command = [program, "edit", "scene.scene.json", "--op", text, "-o", "by-program.scene.json", "--force", "--quiet"]

@@ -290,6 +290,8 @@ def test_synthesis_needs_libraries(known):
         (vtex.Density(3), TypeError, "map is int"),
         (vtex.Density(None), TypeError, "map"),
         (vtex.Replace("none.lib.json"), OSError, "none"),
+        (vtex.Propagate(), ValueError, "one of drawing, element and fill"),
+        (vtex.Propagate("a.svg", fill="red"), ValueError, "one of drawing, element and fill"),
         (vtex.Edit(), TypeError, "nothing to do"),
         (vtex.Tint, TypeError, "no edit"),
         ("tint red", TypeError, "no edit"),

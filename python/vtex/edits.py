@@ -587,28 +587,46 @@ class Relax(Edit):
 class Propagate(Edit):
     """Draw on one element, and it appears on all like it, fitted to their place, size and direction.
 
+    One of `drawing`, `element` and `fill` is given.
+
     Parameters
     ----------
-    drawing : path, bytes or file
+    drawing : path, bytes or file, optional
         An SVG of the canvas's size; the element under it is the one that is drawn on.
+    element : path, bytes or file, optional
+        An SVG of any size that every element becomes, fitted by its largest shape.
+    fill : colour, optional
+        The colour that every element is filled with.
+    of : int, optional
+        Id of the element that the others are like. Default: the one under `drawing`; without that all
+        that are selected are alike.
     similar : float, optional
         Alike are elements whose median colours are no further apart in Oklab, 0 to 2. Default: those of
         the same category.
-    replace : bool, default False
-        Whether it is drawn in place of what elements show, else on it.
+    replace : bool, optional
+        Whether it is drawn in place of what elements show, else on it. Default: in place with `element`.
     """
 
-    drawing: _inputs.Picture
+    drawing: _inputs.Picture | None = None
+    element: _inputs.Picture | None = None
+    fill: Colour | None = None
+    of: int | None = None
     similar: float | None = None
-    replace: bool = False
+    replace: bool | None = None
 
     _word: ClassVar[str] = "propagate"
 
     def _action(self, files: _Files) -> dict[str, Any]:
+        given = {"drawing": self.drawing, "element": self.element, "fill": self.fill}
+        if sum(value is not None for value in given.values()) != 1:
+            raise InputError("Propagate needs one of drawing, element and fill", "give one of them by name")
         return {
-            "drawing": files.add(self.drawing, "drawing"),
+            "drawing": None if self.drawing is None else files.add(self.drawing, "drawing"),
+            "element": None if self.element is None else files.add(self.element, "element"),
+            "fill": None if self.fill is None else _colour(self.fill, "fill"),
+            "of": None if self.of is None else _inputs.whole("of", self.of, 0, 2**32 - 1),
             "similar": self.similar,
-            "replace": bool(self.replace),
+            "replace": self.element is not None if self.replace is None else bool(self.replace),
         }
 
 

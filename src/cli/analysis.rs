@@ -14,6 +14,7 @@ use super::options::layers::{LayerFiles, LayerFilesArgs};
 use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
 use super::output::{Place, Target, say};
 use super::progress::Reporter;
+use super::reading;
 use super::values::Name;
 use image::RgbImage;
 use std::path::PathBuf;
@@ -22,10 +23,11 @@ use vtex::engine::{Choice, EngineOptions, Source, choose};
 use vtex::import::{ImportParams, import};
 use vtex::library::{AnalyzeParams, Library};
 use vtex::output::file::{Format, Kind};
+use vtex::scene::{Scene, splat};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
 use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
-use vtex::synth::layer_map;
+use vtex::synth::{layer_map, reconstruct};
 use vtex::{Error, Progress};
 
 /// How a photograph is analyzed.
@@ -85,16 +87,49 @@ impl Analysis {
 }
 
 impl Analysis {
+    /// As `vtex analyze` does it without options.
+    pub(crate) fn plain(photo: Input, engine: EngineOptions, parameters: AnalyzeParams) -> Self {
+        Self {
+            photo,
+            masks: MasksFrom::Auto,
+            engine,
+            save_masks: None,
+            layers: LayerFiles::default(),
+            parameters,
+            wrap: None,
+            looks_at_borders: false,
+        }
+    }
+
     /// Where masks come from in the end: what [`MasksFrom::Auto`] comes to is decided.
     pub(crate) fn masks(&self) -> MasksFrom {
         sam_from(&self.masks).map_or_else(|| self.masks.clone(), MasksFrom::Sam)
     }
 }
 
-/// Photograph → library; saves the masks if asked.
+/// Photograph or drawing → library; saves the masks if asked.
 pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
     reporter.stage("reading")?;
+    library_of(common, analysis, analysis.photo.read()?, reporter)
+}
+
+/// Any texture as a scene: a scene as it is, a library as its exemplar is, and a photograph or a drawing
+/// analysed before.
+pub(crate) fn texture(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Scene> {
     let bytes = analysis.photo.read()?;
+    if matches!(input::Kind::of(&bytes), input::Kind::Image | input::Kind::Svg) {
+        return Ok(reconstruct(&library_of(common, analysis, bytes, reporter)?));
+    }
+    reading::texture_of(bytes, &analysis.photo)
+}
+
+/// The library of the bytes of a photograph or a drawing.
+fn library_of(
+    common: &Common,
+    analysis: &Analysis,
+    bytes: Vec<u8>,
+    reporter: &Reporter,
+) -> anyhow::Result<Library> {
     let wanted = [input::Kind::Image, input::Kind::Svg, input::Kind::Unknown];
     let kind = input::Kind::expect(&bytes, &analysis.photo, &wanted)?;
     let name = match &analysis.photo {
@@ -118,6 +153,7 @@ pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
     let segmenter = segmenter(common, analysis, reporter)?;
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
     let library = vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?;
+    reporter.picture("gaussians", &|| splat(&reconstruct(&library)));
     if let Some(save) = &analysis.layers.save {
         save.write(&layer_map(&library), [library.arrangement.periodic; 2], None)?;
     }

@@ -14,6 +14,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tiny_skia::Pixmap;
+use vtex::flow::Flowing;
 use vtex::interpolate::Interpolation;
 use vtex::library::Library;
 use vtex::output::file::{Format, Kind, gzip, remove_abandoned, write_file};
@@ -282,6 +283,21 @@ impl Target {
     pub(crate) fn write_animation(&self, way: &Interpolation, animation: &svg::Animation) -> Result<Written> {
         let (summary, bytes) =
             self.place.write(|out| self.pack(out, |w| svg::write_animation(way, animation, w)))?;
+        Ok(Written { bytes, warnings: summary.warnings, ..Written::default() })
+    }
+
+    /// Writes a scene in a flow; a loop takes so many seconds.
+    ///
+    /// # Errors
+    /// As [`Place::write`], and those of [`svg::write_flow`].
+    pub(crate) fn write_flow(
+        &self,
+        flowing: &Flowing,
+        seconds: f64,
+        options: &svg::SvgOptions,
+    ) -> Result<Written> {
+        let write = |out: &mut dyn Write| svg::write_flow(flowing, seconds, options, out);
+        let (summary, bytes) = self.place.write(|out| self.pack(out, |w| write(w)))?;
         Ok(Written { bytes, warnings: summary.warnings, ..Written::default() })
     }
 

@@ -86,9 +86,8 @@ pub(crate) fn scene(input: &Input) -> anyhow::Result<Scene> {
     Ok(Scene::from_bytes(bytes, &input.name())?)
 }
 
-/// Reads a scene, or a library as its exemplar is.
-pub(crate) fn texture(input: &Input) -> anyhow::Result<Scene> {
-    let bytes = input.read()?;
+/// A scene out of its bytes, or out of those of a library, as its exemplar is.
+pub(crate) fn texture_of(bytes: Vec<u8>, input: &Input) -> anyhow::Result<Scene> {
     let kind = Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Unknown])?;
     Ok(match kind {
         Kind::Library => reconstruct(&Library::from_bytes(&bytes, &input.name())?),

@@ -15,7 +15,7 @@ use serde_json::Value;
 use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::file::Format;
-use vtex::scene::{Scene, SynthParams};
+use vtex::scene::{Scene, SynthParams, splat};
 use vtex::synth::{Controls, Report, default_size, synthesize_with};
 
 /// How a texture is made and written.
@@ -126,6 +126,7 @@ impl Made<'_> {
         pattern: Option<&Target>,
     ) -> anyhow::Result<()> {
         let Self { command, inputs, library, scene, report } = self;
+        reporter.picture("gaussians", &|| splat(&scene));
         reporter.stage("writing")?;
         let written = targets.write_scene(&scene, library, drawing)?;
         if let Some(pattern) = pattern {

@@ -360,7 +360,14 @@ fn what_is_drawn_on_one_element_appears_on_all_like_it() {
     let mut before = scene();
     // The drawing has a dot in the middle of the canvas: two pixels from the centre of this bar.
     before.primary_mut()[5].transform = [0.0, 1.0, -1.0, 0.0, 200.0, 152.0];
-    let propagate = |similar, replace| Action::Propagate { drawing: "dot.svg".into(), similar, replace };
+    let propagate = |similar, replace| Action::Propagate {
+        drawing: Some("dot.svg".into()),
+        element: None,
+        fill: None,
+        of: None,
+        similar,
+        replace,
+    };
     let (after, outcomes) = edited(&before, &[on("primary", propagate(None, false))]);
     assert_eq!((outcomes[0].matched, outcomes[0].thin), (40, 0));
     for (a, b) in after.instances().zip(before.instances()) {
@@ -387,4 +394,52 @@ fn what_is_drawn_on_one_element_appears_on_all_like_it() {
     };
     before.primary_mut().iter_mut().for_each(far);
     assert_eq!(edited(&before, &[on("primary", propagate(None, false))]).1[0].matched, 0);
+}
+
+#[test]
+fn all_elements_like_one_take_a_drawing_or_a_colour() {
+    let before = scene();
+    let id = before.primary()[5].id;
+    let category = before.element(&before.primary()[5]).category;
+    let like = |i: &Instance, scene: &Scene| scene.element(i).category == category;
+    let propagate = |element: Option<&str>, fill, of, replace| Action::Propagate {
+        drawing: None,
+        element: element.map(str::to_owned),
+        fill,
+        of,
+        similar: None,
+        replace,
+    };
+    let red = Colour([255, 0, 0]);
+    let (after, outcomes) = edited(&before, &[on("primary", propagate(None, Some(red), Some(id), false))]);
+    let count = before.primary().iter().filter(|i| like(i, &before)).count();
+    assert_eq!((outcomes[0].matched, outcomes[0].thin), (count, 0));
+    for (a, b) in after.instances().zip(before.instances()) {
+        let is = a.colour == Some(red);
+        assert_eq!(is, like(b, &before) && before.primary().contains(b));
+    }
+    // A drawing by itself takes the place of each, in its frame.
+    let (after, outcomes) =
+        edited(&before, &[on("primary", propagate(Some("dot.svg"), None, Some(id), true))]);
+    assert_eq!(outcomes[0].matched, count);
+    let pairs = after.gaussians().into_iter().zip(before.gaussians());
+    for ((a, b), (new, old)) in after.instances().zip(before.instances()).zip(pairs) {
+        if !(before.primary().contains(b) && like(b, &before)) {
+            assert_eq!(after.element(a), before.element(b));
+            continue;
+        }
+        let element = after.element(a);
+        assert_eq!((element.shapes.len(), element.shapes[0].colour), (1, Colour([0, 0, 255])));
+        let (new, old) = (new.unwrap(), old.unwrap());
+        let size = old.covariance[0] + old.covariance[2];
+        let alike = new.covariance.iter().zip(old.covariance).all(|(a, b)| (a - b).abs() < 2e-3 * size);
+        assert!(alike && new.mean.distance(old.mean) < 0.05, "{new:?} {old:?}");
+    }
+    // Without one that they are like, all that are selected; of an id that is not selected, none.
+    let all = edited(&before, &[on("primary", propagate(None, Some(red), None, false))]).1;
+    assert_eq!(all[0].matched, before.primary().len());
+    let none = edited(&before, &[on("secondary", propagate(None, Some(red), Some(id), false))]);
+    assert_eq!((none.1[0].matched, none.0.elements), (0, before.elements.clone()));
+    let error = apply(before, &[propagate(None, None, None, false).into()], &Files::default(), None);
+    assert!(matches!(error, Err(Error::Edit { fault: EditFault::NotOneOf(_), .. })));
 }

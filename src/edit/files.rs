@@ -57,9 +57,11 @@ impl Files {
                 Action::Tint { colour: ColourOrMap::Map(map), .. } => {
                     files.colours.insert(map.clone(), control::colours(&read(map)?, map)?);
                 }
-                Action::Propagate { drawing, .. } => {
-                    let shapes = import::drawn(&read(drawing)?, drawing, canvas)?;
-                    files.drawings.insert(drawing.clone(), shapes);
+                Action::Propagate { drawing, element, .. } => {
+                    for file in [drawing, element].into_iter().flatten() {
+                        let shapes = import::drawn(&read(file)?, file, canvas)?;
+                        files.drawings.insert(file.clone(), shapes);
+                    }
                 }
                 Action::Mask { shape, .. } => {
                     files.shapes.insert(shape.clone(), region(&read(shape)?, shape, canvas)?);

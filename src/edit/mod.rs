@@ -43,6 +43,7 @@ use crate::geometry::{Affine, rotation};
 use crate::sampling::{Stream, stream};
 use crate::scene::{EditRecord, InstanceId, Recorded, Scene};
 use amount::{Amount, Paint};
+use propagate::Propagated;
 use relax::Relaxing;
 use selection::Chosen;
 use serde::Serialize;
@@ -149,8 +150,15 @@ fn act(
             let how = Relaxing { rounds: *rounds, strength: *strength, minimum: *minimum_distance };
             relax::relax(scene, chosen, &how);
         }
-        Action::Propagate { drawing, similar, replace } => {
-            return Ok(propagate::propagate(scene, chosen, files.drawing(drawing)?, *similar, *replace));
+        Action::Propagate { drawing, element, fill, of, similar, replace } => {
+            let what = match (drawing, element, fill) {
+                (Some(file), None, None) => Propagated::Over(files.drawing(file)?),
+                (None, Some(file), None) => Propagated::Alone(files.drawing(file)?),
+                (None, None, Some(colour)) => Propagated::Fill(*colour),
+                _ => return Err(EditFault::NotOneOf("a drawing, --element and --fill")),
+            };
+            let like = propagate::Like { of: *of, similar: *similar };
+            return Ok(propagate::propagate(scene, chosen, &what, like, *replace));
         }
         Action::Order { by, reverse } => paint_order::order(scene, chosen, *by, *reverse, draw),
         Action::Shuffle { within, share, outlines } => {

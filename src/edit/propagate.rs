@@ -4,29 +4,72 @@ use super::selection::Chosen;
 use super::textons::{change, selected_mut};
 use crate::element::Gaussian;
 use crate::geometry::{Affine, Outline, Point, Vec2, shortest_offset};
-use crate::scene::{Element, Instance, Scene, Shape};
+use crate::raster::colour::Colour;
+use crate::scene::{Element, Instance, InstanceId, Scene, Shape};
 
-/// Adds shapes, given on the canvas, to the selected element under them and to all selected elements that
-/// are like it, in their frames; or puts them in place of these. Elements are alike if they are of one
-/// category, or, with `similar`, if their median colours are no further apart in Oklab. How many there are,
-/// and how many of them have no frame.
+/// What appears on elements.
+pub(super) enum Propagated<'a> {
+    /// Shapes on the canvas; the element under them is the one that is drawn on.
+    Over(&'a [Shape]),
+    /// Shapes by themselves, the largest of which is brought onto each element.
+    Alone(&'a [Shape]),
+    /// A colour of the first shape.
+    Fill(Colour),
+}
+
+/// Which elements are alike.
+#[derive(Clone, Copy)]
+pub(super) struct Like {
+    /// As this one; by default as the one that is drawn on, and if none is, all are.
+    pub(super) of: Option<InstanceId>,
+    /// By median colours that are no further apart in Oklab; by default of one category.
+    pub(super) similar: Option<f64>,
+}
+
+/// Draws on all selected elements that are alike, in their frames, or in place of what they show. How many
+/// they are, and how many of them have no frame.
 pub(super) fn propagate(
     scene: &mut Scene,
     chosen: &Chosen,
-    shapes: &[Shape],
-    similar: Option<f64>,
+    what: &Propagated<'_>,
+    like: Like,
     replace: bool,
 ) -> (usize, usize) {
     let gaussians = scene.gaussians();
-    let Some((edited, period)) = beneath(scene, chosen, &gaussians, shapes) else { return (0, 0) };
-    let Some((source, own)) =
-        scene.instances().nth(edited).and_then(|i| Some((i, scene.element(i).gaussian()?)))
-    else {
+    let named = like.of.and_then(|id| {
+        let mut all = scene.instances().zip(chosen.instances());
+        all.position(|(instance, chosen)| chosen && instance.id == id)
+    });
+    if like.of.is_some() && named.is_none() {
         return (0, 0);
+    }
+    let mut edited = named;
+    // From where the shapes are given to the canonical frame of an element.
+    let mut canonical = Affine::IDENTITY;
+    match what {
+        Propagated::Over(shapes) => {
+            let under = |k: &usize| named.is_none_or(|named| named == *k);
+            let Some((found, map)) = beneath(scene, chosen, &gaussians, shapes)
+                .filter(|(found, _)| under(found))
+                .and_then(|(found, period)| Some((found, drawn_over(scene, found, period)?)))
+            else {
+                return (0, 0);
+            };
+            (edited, canonical) = (Some(found), map);
+        }
+        Propagated::Alone(shapes) => {
+            let Some(own) = largest(shapes).and_then(|shape| Gaussian::new(&shape.outline)) else {
+                return (0, 0);
+            };
+            canonical = own.frame().inverse();
+        }
+        Propagated::Fill(_) => (),
+    }
+    let like = match edited.and_then(|k| Some((scene.instances().nth(k)?, k))) {
+        Some((source, k)) => likeness(scene, source, k, like.similar),
+        None => vec![true; gaussians.len()],
     };
-    // From the canvas to the canonical frame of the edited element.
-    let canonical = own.frame().inverse() * source.affine().inverse() * Affine::translate(-period);
-    let like = likeness(scene, source, edited, similar);
+    let fill = matches!(what, Propagated::Fill(_));
     let mut alike = chosen.only(scene, |_| true, |_, _| false);
     let mut index = 0;
     let (mut count, mut thin) = (0, 0);
@@ -34,17 +77,39 @@ pub(super) fn propagate(
         layer.fallback = false;
         for chosen in &mut layer.instances {
             let is = *chosen && like[index];
+            let can = fill || gaussians[index].is_some();
             count += usize::from(is);
-            thin += usize::from(is && gaussians[index].is_none());
-            *chosen = is && gaussians[index].is_some();
+            thin += usize::from(is && !can);
+            *chosen = is && can;
             index += 1;
         }
     }
-    change(scene, &alike, |element, _| drawn_on(element, shapes, canonical, replace));
-    if replace {
-        selected_mut(scene, &alike).for_each(|i| i.colour = None);
+    match what {
+        Propagated::Fill(colour) => selected_mut(scene, &alike).for_each(|i| i.colour = Some(*colour)),
+        Propagated::Over(shapes) | Propagated::Alone(shapes) => {
+            let outline = matches!(what, Propagated::Alone(_)).then(|| largest(shapes)).flatten();
+            change(scene, &alike, |element, _| {
+                let replaced = replace.then_some(outline);
+                drawn_on(element, shapes, canonical, replaced)
+            });
+            if replace {
+                selected_mut(scene, &alike).for_each(|i| i.colour = None);
+            }
+        }
     }
     (count, thin)
+}
+
+/// The shape that encloses most.
+fn largest(shapes: &[Shape]) -> Option<&Shape> {
+    shapes.iter().max_by(|a, b| a.outline.area().total_cmp(&b.outline.area()))
+}
+
+/// The map from the canvas to the canonical frame of an element of which the copy so far away is drawn on.
+fn drawn_over(scene: &Scene, edited: usize, period: Vec2) -> Option<Affine> {
+    let source = scene.instances().nth(edited)?;
+    let own = scene.element(source).gaussian()?;
+    Some(own.frame().inverse() * source.affine().inverse() * Affine::translate(-period))
 }
 
 /// Largest squared Mahalanobis distance of shapes from the element on which they are drawn. The border of a disc
@@ -92,8 +157,15 @@ fn likeness(scene: &Scene, source: &Instance, edited: usize, similar: Option<f64
     scene.instances().map(like).collect()
 }
 
-/// An element with shapes that `canonical` brings to the canonical frame.
-fn drawn_on(element: &Element, shapes: &[Shape], canonical: Affine, replace: bool) -> Element {
+/// An element with shapes that `canonical` brings to the canonical frame, on what it shows or in place of that.
+/// In its place the outline of the whole is that of a shape, or else stays, so that the element has the frame
+/// that it had.
+fn drawn_on(
+    element: &Element,
+    shapes: &[Shape],
+    canonical: Affine,
+    replaced: Option<Option<&Shape>>,
+) -> Element {
     let Some(own) = element.gaussian() else { return element.clone() };
     let map = own.frame() * canonical;
     let moved = |shape: &Shape| {
@@ -102,12 +174,13 @@ fn drawn_on(element: &Element, shapes: &[Shape], canonical: Affine, replace: boo
         (!outline.is_empty()).then(|| Shape { gradient, ..shape.with_outline(outline) })
     };
     let new: Vec<Shape> = shapes.iter().filter_map(moved).collect();
-    if !replace {
+    let Some(outline) = replaced else {
         return element.with_shapes(element.shapes.iter().cloned().chain(new).collect());
-    }
+    };
     if new.is_empty() {
         return element.clone();
     }
-    // The outline of the whole stays, so that the element has the frame that it had.
-    Element { silhouette: Some(element.outline().clone()), shapes: new, ..*element }
+    let whole = outline.and_then(moved).map(|shape| shape.outline);
+    let silhouette = Some(whole.unwrap_or_else(|| element.outline().clone()));
+    Element { silhouette: silhouette.filter(|s| *s != new[0].outline), shapes: new, ..*element }
 }

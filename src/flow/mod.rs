@@ -11,6 +11,9 @@
 mod paths;
 #[cfg(test)]
 mod tests;
+mod track;
+
+pub use track::Key;
 
 use crate::error::{Result, check};
 use crate::geometry::{Affine, Point, Vec2, rotation};
@@ -103,6 +106,27 @@ impl Flowing {
         }
         scene.drop_unused();
         scene
+    }
+
+    /// The scene at rest. It does not repeat, and lists the copies beyond the borders that come in.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The rounds that all turn about the middle of the canvas in a loop, clockwise, if that is what they do.
+    pub fn rounds(&self) -> Option<f64> {
+        let rounds = |path: &Path| match path {
+            Path::Round { rounds, .. } => Some(*rounds),
+            _ => None,
+        };
+        let first = self.paths.first().and_then(rounds)?;
+        self.paths.iter().all(|path| rounds(path) == Some(first)).then_some(first)
+    }
+
+    /// The ways of the elements of [`Flowing::scene`] through a loop, in painting order: keys between which an
+    /// element goes evenly, within a quarter of a pixel of where it belongs. None of one that stays.
+    pub fn ways(&self) -> Vec<Vec<Key>> {
+        parallel::map(&self.paths, track::keys)
     }
 
     /// Number of elements that take part, those beyond the borders included.

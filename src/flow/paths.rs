@@ -105,6 +105,37 @@ impl Path {
         }
     }
 
+    /// The times at which it vanishes at one place and comes at another, as shares of the loop, 0 and 1 not among
+    /// them.
+    pub(super) fn jumps(&self) -> Vec<f64> {
+        let inner = |time: &f64| (1e-6..1.0 - 1e-6).contains(time);
+        match self {
+            Self::Still | Self::Round { .. } | Self::Sway { .. } => Vec::new(),
+            Self::Band { distance, from, period, .. } => {
+                let begin = from.rem_euclid(*period);
+                let wraps = libm::ceil((distance / period).abs()) as i64 + 1;
+                let at = |k: i64| (k as f64 * period - begin) / distance;
+                (-wraps..=wraps).map(at).filter(inner).collect()
+            }
+            Self::Drift { phase, .. } => Some(1.0 - phase).filter(inner).into_iter().collect(),
+        }
+    }
+
+    /// Times in a loop at which it has to be looked at to be known.
+    pub(super) fn samples(&self) -> f64 {
+        match self {
+            Self::Still => 1.0,
+            Self::Band { .. } => 8.0 * KNOTS as f64,
+            // Chords of so many a round are an eighth of a pixel from the circle at most.
+            Self::Round { arm, rounds } => {
+                let radius = libm::sqrt(arm.hypot2());
+                rounds * (16.0 + libm::ceil(std::f64::consts::PI * libm::sqrt(4.0 * radius)))
+            }
+            Self::Sway { rounds, .. } => 48.0 * rounds,
+            Self::Drift { .. } => 2.0 * STEPS as f64,
+        }
+    }
+
     /// Where it leads at a share of the loop, 0 to 1.
     pub(super) fn at(&self, time: f64) -> Now {
         let still = Now { way: Vec2::ZERO, angle: 0.0, size: 1.0 };

@@ -10,7 +10,7 @@ use crate::scene::{ElementId, testing};
 const CANVAS: [f64; 2] = [400.0, 300.0];
 
 /// Small bars on a canvas that repeats, none across a border.
-fn scene() -> Scene {
+pub(super) fn scene() -> Scene {
     let outline = Outline::new(&parse_path("M-4-2h8v4h-8z").unwrap()).unwrap();
     let bar = testing::element(0, Some(0), outline, Colour([90; 3]));
     let mut random = stream(1, "test/flow", 0);

@@ -3,7 +3,7 @@
 use super::Named;
 use super::distributions::{self, Distribution};
 use super::groups::Group;
-use crate::element;
+use crate::element::{self, Gaussian};
 use crate::geometry::Rect;
 use crate::library::{AnalyzeParams, Arrangement, Library};
 use crate::output::{coverage, inside};
@@ -35,6 +35,8 @@ pub(super) struct GroupData<'a> {
     pub(super) photo_missing: Option<String>,
     /// Id of the picture that shows its textons one by one.
     pub(super) picture: Option<String>,
+    /// The Gaussians of what that picture shows, if it is the exemplar drawn back.
+    pub(super) ellipses: Vec<Ellipse>,
     library: Option<LibraryData<'a>>,
     /// Whether the scene was made from it.
     in_scene: bool,
@@ -97,7 +99,12 @@ pub(super) struct SceneData<'a> {
     details: usize,
     secondaries: usize,
     background: BackgroundData,
+    ellipses: Vec<Ellipse>,
 }
+
+/// The ellipse of two standard deviations of an individual element: x, y, half axes, all in pixels, and the
+/// angle of its direction in degrees from x towards y. Of an elliptic element it is the outline.
+pub(super) type Ellipse = [f64; 5];
 
 /// An operation that was applied to the result.
 #[derive(Serialize)]
@@ -169,6 +176,7 @@ impl<'a> GroupData<'a> {
             photo: None,
             photo_missing: None,
             picture: None,
+            ellipses: Vec::new(),
             library: group.library.map(LibraryData::new),
             in_scene: !group.references.is_empty(),
             categories: categories(group, scene, &textons),
@@ -289,6 +297,18 @@ fn look(group: &Group<'_>, scene: &Scene, id: CategoryId) -> CategoryData {
     CategoryData { id, colour, area: libm::round(mean(area)), ..CategoryData::default() }
 }
 
+/// The Gaussians of a scene's individual elements, in painting order.
+pub(super) fn ellipses(scene: &Scene) -> Vec<Ellipse> {
+    let own = scene.gaussians().into_iter().zip(scene.roles()).filter(|(_, role)| role.is_individual());
+    let ellipse = |g: Gaussian| {
+        let [long, short] = g.deviations();
+        let short_of = |v: f64| libm::round(v * 10.0) / 10.0;
+        let angle = libm::atan2(g.direction.y, g.direction.x).to_degrees();
+        [g.mean.x, g.mean.y, 2.0 * long, 2.0 * short, angle].map(short_of)
+    };
+    own.filter_map(|(g, _)| g.map(ellipse)).collect()
+}
+
 impl<'a> LibraryData<'a> {
     fn new(named: &'a Named<Library>) -> Self {
         let library = &named.content;
@@ -354,6 +374,7 @@ impl<'a> SceneData<'a> {
             details: scene.individuals().map(|i| scene.element(i).details().len()).sum(),
             secondaries: scene.of_role(Role::Secondary).count(),
             background: BackgroundData::new(first.0, first.1, &points),
+            ellipses: ellipses(scene),
         }
     }
 }

@@ -78,6 +78,9 @@ pub fn write(subject: &Subject<'_>, mut out: impl Write) -> Result<Vec<String>> 
             let id = format!("textons-{number}");
             files.push(picture(id.clone(), &drawn)?);
             about.picture = Some(id);
+            if group.library.is_some() {
+                about.ellipses = data::ellipses(&drawn);
+            }
         }
         described.push(about);
     }

@@ -10,6 +10,7 @@ mod operation;
 mod parameters;
 pub(crate) mod pixels;
 mod repaint;
+mod splat;
 #[cfg(test)]
 pub(crate) mod testing;
 mod tile;
@@ -26,6 +27,7 @@ pub use operation::{
 };
 pub use parameters::{Ablation, Method, SynthParams, Weights};
 pub(crate) use repaint::Repaint;
+pub use splat::splat;
 pub use tile::Tile;
 pub(crate) use validate::{check_layer, check_spacing};
 

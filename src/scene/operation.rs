@@ -1,6 +1,7 @@
 //! Operations on scenes as plain data: what is done to which elements. Scenes record them, and
 //! `edit` does them.
 
+use super::InstanceId;
 use crate::raster::colour::Colour;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -175,10 +176,22 @@ pub enum Action {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         minimum_distance: Option<f64>,
     },
-    /// What is drawn on one texton appears on all like it, in their frames.
+    /// What is drawn on one texton appears on all like it, in their frames. One of `drawing`, `element` and
+    /// `fill` is given.
     Propagate {
-        /// File of the drawing, an SVG fitted to the canvas.
-        drawing: String,
+        /// File of a drawing over the canvas, an SVG fitted to it. What lies under it is the texton drawn on.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        drawing: Option<String>,
+        /// File of a drawing by itself, an SVG: its largest shape is brought onto each texton.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        element: Option<String>,
+        /// A colour that replaces that of the texton's first shape.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        fill: Option<Colour>,
+        /// The texton that the others are like; default: the one under `drawing`, and for the others all that are
+        /// selected are alike.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        of: Option<InstanceId>,
         /// Largest distance of median colours, in Oklab, of textons that are alike, 0 to 2; default: those of
         /// the same category.
         #[serde(default, skip_serializing_if = "Option::is_none")]

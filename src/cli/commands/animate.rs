@@ -10,7 +10,7 @@ use crate::cli::options::files::{ForceArgs, apart, check_files, outputs, require
 use crate::cli::options::frames::{AnimationKind, FrameFormat, Played, formats, played, rate};
 use crate::cli::options::render::{Background, RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::Drawing;
+use crate::cli::output::{Drawing, Target};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::Summary;
@@ -19,10 +19,10 @@ use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::ffi::OsString;
 use std::path::PathBuf;
-use vtex::control;
 use vtex::flow::{Flow, FlowParams, Flowing};
-use vtex::output::file::Format;
+use vtex::output::file::{Format, Kind as FileKind};
 use vtex::output::raster_animation::RasterAnimation;
+use vtex::{Progress, control};
 
 /// A scene in motion: its elements carried by a flow, in a loop without a jump
 #[derive(Args)]
@@ -31,11 +31,12 @@ use vtex::output::raster_animation::RasterAnimation;
     after_help = "\
 Examples:
   vtex animate grass.scene.json --flow wind -o grass.gif
-  vtex animate pebbles.scene.json --flow vortex --frames 90 -o turning.png
+  vtex animate pebbles.scene.json --flow vortex --frames 90 -o turning.svg
   vtex animate leaves.scene.json --flow directions.png -o frames --format png
 
 Elements come in at the borders as others leave. Best are scenes that repeat
-('vtex synth --tile')."
+('vtex synth --tile'). An animated SVG moves in browsers and shows the scene
+at rest elsewhere."
 )]
 pub(crate) struct AnimateArgs {
     /// The scene, plain or gzip; - reads stdin
@@ -60,7 +61,8 @@ pub(crate) struct AnimateArgs {
     /// Factor of how far wind and directions carry elements [0.01 to 10, default: 1]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = between(0.01, 10.0))]
     pub(crate) strength: Option<f64>,
-    /// Result, by extension .gif, .png or .apng, or a folder for frames; several -o write several files
+    /// Result, by extension .svg, .svgz, .gif, .png or .apng, or a folder for frames; several -o write
+    /// several files
     #[arg(short, long, value_name = "FILE", required = true, help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
     /// Frames in a folder are [svg or png, default: svg]
@@ -125,15 +127,10 @@ impl Animating {
         apart(&outputs(&a.output))?;
         if a.output.is_empty() {
             return Err(Failure::usage("nothing says where the animation goes")
-                .hint("give -o animation.gif or animation.png, or a folder for frames"));
+                .hint("give -o animation.svg, .gif or .png, or a folder for frames"));
         }
         let one = |path| played(path, a.format, a.force.force, "'vtex edit' writes them");
         let wanted: Vec<Played> = a.output.into_iter().map(one).collect::<Result<_, _>>()?;
-        let svg_file = |w: &Played| matches!(w, Played::Animation { kind: AnimationKind::Svg { .. }, .. });
-        if wanted.iter().any(svg_file) {
-            let failure = Failure::usage("a flow is not written as one SVG");
-            return Err(failure.hint("give -o a .gif, .png or .apng, or the name of a folder for frames"));
-        }
         let params = FlowParams { rounds: a.rounds.unwrap_or(1), strength: a.strength.unwrap_or(1.0), seed };
         let animation = RasterAnimation { frames: a.frames.unwrap_or(60), rate: a.fps.unwrap_or(15.0) };
         let drawing = Drawing { svg, render, recipe: None };
@@ -157,6 +154,11 @@ fn run(common: &Common, reporter: &Reporter, job: &Animating) -> anyhow::Result<
         }
     };
     let flowing = Flowing::new(&scene, &flow, &job.params)?;
+    let is_svg = |w: &Played| matches!(w, Played::Animation { kind: AnimationKind::Svg { .. }, .. });
+    let svg = job.wanted.first().is_some_and(is_svg);
+    if job.drawing.svg.max_bytes.is_some() && job.wanted.iter().all(is_svg) {
+        reporter.warn("--max-bytes has no effect here: nothing of an animation can be given up");
+    }
     let share = |k: u32| f64::from(k) / f64::from(job.animation.frames);
     let frames =
         Frames { reporter, drawing: job.drawing, animation: job.animation, scene: &|k| flowing.at(share(k)) };
@@ -168,7 +170,16 @@ fn run(common: &Common, reporter: &Reporter, job: &Animating) -> anyhow::Result<
                 (folder.as_path(), frames.write_files(folder, (*kind, *force))?)
             }
             Played::Animation { place, kind: AnimationKind::Gif } => (place.path(), frames.write_gif(place)?),
-            Played::Animation { place, .. } => (place.path(), frames.write_png(place, opaque)?),
+            Played::Animation { place, kind: AnimationKind::Png } => {
+                (place.path(), frames.write_png(place, opaque)?)
+            }
+            Played::Animation { place, kind: AnimationKind::Svg { gzip } } => {
+                reporter.stage("drawing")?;
+                let kind = FileKind { format: Format::Svg, gzip: *gzip };
+                let target = Target { place: place.clone(), kind };
+                let seconds = f64::from(job.animation.frames) / job.animation.rate;
+                (place.path(), target.write_flow(&flowing, seconds, &job.drawing.svg.into())?)
+            }
         });
     }
     let mut made = made.into_iter();
@@ -179,7 +190,7 @@ fn run(common: &Common, reporter: &Reporter, job: &Animating) -> anyhow::Result<
     }
     let summary = Summary {
         seed: Some(job.params.seed),
-        size: job.drawing.size_of(&scene, Format::Png),
+        size: job.drawing.size_of(&scene, if svg { Format::Svg } else { Format::Png }),
         ..Summary::new("animate", vec![job.scene.name()], path, written, reporter)
     };
     summary.tell(common, false)

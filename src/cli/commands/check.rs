@@ -4,19 +4,23 @@ use crate::cli::analysis::{Analysis, segmenter};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
-use crate::cli::input::Input;
+use crate::cli::input::{Input, Kind};
 use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::options::files::{check_files, required};
-use crate::cli::options::layers::LayerFiles;
-use crate::cli::options::masks::MasksFrom;
 use crate::cli::output::{print, print_styled};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::table::table;
 use clap::Args;
 use std::path::PathBuf;
+use tiny_skia::Pixmap;
 use vtex::analyze::{Exemplar, analyze};
+use vtex::geometry::Affine;
+use vtex::import::{ImportParams, import};
+use vtex::library::AnalyzeParams;
 use vtex::output::png;
+use vtex::output::raster_svg::render_svg;
+use vtex::scene::{Layer, Role, Scene};
 use vtex::statistics::Cycle;
 use vtex::synth::reconstruct;
 
@@ -27,14 +31,15 @@ use vtex::synth::reconstruct;
     after_help = "\
 Examples:
   vtex check out.scene.json --library photo.lib.json
-  vtex check out.scene.json --library photo.lib.json --json
+  vtex check out.svg --library photo.lib.json --json
 
 Large elements count that lie whole on the canvas and are mostly seen. The
 picture is analysed with the parameters of the library. Compare the numbers
-with those of the library itself, given in place of the scene."
+with those of the library itself, given in place of the scene. An SVG is read
+as a drawing."
 )]
 pub(crate) struct CheckArgs {
-    /// A scene, or a library as its exemplar is, plain or gzip; - reads stdin
+    /// A scene, plain or gzip, an SVG, or a library as its exemplar is; - reads stdin
     #[arg(value_name = "SCENE", required = true)]
     pub(crate) scene: Option<PathBuf>,
     /// The library whose parameters of analysis are used
@@ -46,7 +51,6 @@ pub(crate) struct CheckArgs {
 
 /// A scene, and how its picture is analysed.
 struct Checking {
-    scene: Input,
     library: Input,
     analysis: Analysis,
 }
@@ -66,31 +70,31 @@ impl Checking {
             check_files(&[("the scene", &scene), ("--library", &library)], &[])?;
         }
         let parameters = &resolved.parameters;
-        let analysis = Analysis {
-            photo: scene.clone(),
-            masks: MasksFrom::Auto,
-            engine: engine(a.engine, parameters.threads),
-            save_masks: None,
-            layers: LayerFiles::default(),
-            parameters: parameters.analyze.clone(),
-            wrap: None,
-            looks_at_borders: false,
-        };
-        Ok(Self { scene, library, analysis })
+        let engine = engine(a.engine, parameters.threads);
+        let analysis = Analysis::plain(scene, engine, parameters.analyze.clone());
+        Ok(Self { library, analysis })
     }
 }
 
 fn run(common: &Common, reporter: &Reporter, checking: Checking) -> anyhow::Result<()> {
-    let Checking { scene: input, library, mut analysis } = checking;
+    let Checking { library, mut analysis } = checking;
     reporter.stage("reading")?;
-    let scene = reading::texture(&input)?;
     let known = reading::libraries(&[library])?.remove(0);
     analysis.parameters = known.source.parameters.clone();
-    reporter.stage("drawing")?;
-    let pixmap = png::render(&scene, 1.0)?;
+    let bytes = analysis.photo.read()?;
+    let wanted = [Kind::Scene, Kind::Library, Kind::Svg, Kind::Unknown];
+    let (scene, picture) = match Kind::expect(&bytes, &analysis.photo, &wanted)? {
+        Kind::Svg => of_svg(&bytes, &analysis, reporter)?,
+        _ => {
+            let scene = reading::texture_of(bytes, &analysis.photo)?;
+            reporter.stage("drawing")?;
+            let picture = png::render(&scene, 1.0)?;
+            (scene, picture)
+        }
+    };
     let exemplar = Exemplar {
-        image: png::over_white(&pixmap),
-        file: input.name(),
+        image: png::over_white(&picture),
+        file: analysis.photo.name(),
         sha256: known.source.sha256.clone(),
         layers: None,
         warnings: Vec::new(),
@@ -102,6 +106,26 @@ fn run(common: &Common, reporter: &Reporter, checking: Checking) -> anyhow::Resu
         return print(format!("{}\n", serde_json::to_string_pretty(&cycle)?).as_bytes());
     }
     print_styled(&told(&cycle))
+}
+
+/// The elements of an SVG at its own size, and its picture. Where layers are named as vtex names them, the large
+/// elements alone count.
+fn of_svg(bytes: &[u8], analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<(Scene, Pixmap)> {
+    let name = analysis.photo.name();
+    // What is left out is drawn all the same.
+    let lenient = AnalyzeParams { lenient: true, ..AnalyzeParams::default() };
+    let params = ImportParams { analyze: lenient, ..ImportParams::default() };
+    let mut scene = reconstruct(&import(bytes, &name, &params, reporter)?);
+    let picture = render_svg(bytes, 1.0, &name, reporter)?;
+    let is_primary = |layer: &Layer| layer.name.eq_ignore_ascii_case(Role::Primary.name());
+    if scene.layers.iter().any(is_primary) {
+        scene.layers.retain(is_primary);
+    }
+    // A drawing is enlarged where its elements are small.
+    let size = Affine::scale(f64::from(picture.width()) / f64::from(scene.width));
+    scene.instances_mut().for_each(|i| i.transform = (size * i.affine()).as_coeffs());
+    (scene.width, scene.height) = (picture.width(), picture.height());
+    Ok((scene, picture))
 }
 
 /// The numbers, with what they mean.

@@ -1,17 +1,18 @@
 //! `vtex stylize`: any picture redrawn in the elements of a texture.
 
+use crate::cli::analysis::{Analysis, texture};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::config::Given;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, Kind};
+use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
 use crate::cli::output::{Drawing, Targets};
 use crate::cli::progress::Reporter;
-use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
 use crate::cli::values::{between, named, one_of};
 use clap::Args;
@@ -38,7 +39,7 @@ pub(crate) struct StylizeArgs {
     /// The picture: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PICTURE", required = true)]
     pub(crate) picture: Option<PathBuf>,
-    /// The texture whose elements are used: a library or a scene, plain or gzip
+    /// The texture whose elements are used: a library or a scene, plain or gzip, a photograph or a drawing
     #[arg(long, value_name = "FILE", required = true)]
     pub(crate) with: Option<PathBuf>,
     /// Whether elements take the picture's lightness, its colours, or keep their own, the nearest being
@@ -62,6 +63,8 @@ pub(crate) struct StylizeArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
+    pub(crate) engine: EngineArgs,
+    #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
     pub(crate) render: RenderFlags,
@@ -72,7 +75,7 @@ pub(crate) struct StylizeArgs {
 /// A picture, a texture, and how one is redrawn in the other.
 struct Stylizing {
     picture: Input,
-    texture: Input,
+    with: Analysis,
     params: StylizeParams,
     svg: SvgParameters,
     render: RenderParameters,
@@ -93,8 +96,8 @@ impl Arguments for StylizeArgs {
 
 impl Stylizing {
     fn new(a: StylizeArgs, resolved: &Resolved) -> Result<Self, Failure> {
-        let (picture, texture) = (required(a.picture)?, required(a.with)?);
-        check_files(&[("the picture", &picture), ("--with", &texture)], &outputs(&a.output))?;
+        let (picture, with) = (required(a.picture)?, required(a.with)?);
+        check_files(&[("the picture", &picture), ("--with", &with)], &outputs(&a.output))?;
         let targets = targets(a.output, &a.force, &picture, MAKES)?;
         let usual = StylizeParams::default();
         let params = StylizeParams {
@@ -104,13 +107,16 @@ impl Stylizing {
             keep: a.keep.unwrap_or_default(),
             seed: resolved.seed.0,
         };
-        let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
-        Ok(Self { picture, texture, params, svg, render, targets })
+        let parameters = &resolved.parameters;
+        let engine = engine(a.engine, parameters.threads);
+        let with = Analysis::plain(with, engine, parameters.analyze.clone());
+        let (svg, render) = (parameters.svg, parameters.render);
+        Ok(Self { picture, with, params, svg, render, targets })
     }
 }
 
 fn run(common: &Common, reporter: &Reporter, job: &Stylizing) -> anyhow::Result<()> {
-    let Stylizing { picture, texture, params, svg, render, targets } = job;
+    let Stylizing { picture, with, params, svg, render, targets } = job;
     targets.probe()?;
     if let Some(warning) = render.warning(targets.has(Format::Png)) {
         reporter.warn(warning);
@@ -120,17 +126,18 @@ fn run(common: &Common, reporter: &Reporter, job: &Stylizing) -> anyhow::Result<
     Kind::expect(&bytes, picture, &[Kind::Image, Kind::Unknown])
         .map_err(|failure| failure.hint("give a picture, such as a photograph"))?;
     let exemplar = Exemplar::from_bytes(&bytes, &picture.name(), &Limits::default())?;
-    let elements = reading::texture(texture)?;
+    let elements = texture(common, with, reporter)?;
     reporter.stage("redrawing")?;
     let scene = stylize(&exemplar.image, &elements, params)?;
     reporter.stage("writing")?;
     let drawing = Drawing { svg: *svg, render: *render, recipe: None };
     let written = targets.write_scene(&scene, None, drawing)?;
+    let inputs = vec![picture.name(), with.photo.name()];
     let summary = Summary {
         seed: Some(params.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),
         counts: Some(Counts::of_scene(&scene)),
-        ..Summary::new("stylize", vec![picture.name(), texture.name()], targets.path(), written, reporter)
+        ..Summary::new("stylize", inputs, targets.path(), written, reporter)
     };
     summary.tell(common, targets.piped())
 }

@@ -1,17 +1,18 @@
 //! `vtex transfer`: the arrangement of one texture with the appearance of others.
 
+use crate::cli::analysis::{Analysis, texture};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::config::Given;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, Kind};
+use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
 use crate::cli::output::{Drawing, Targets, say};
 use crate::cli::progress::Reporter;
-use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
 use crate::cli::values::{between, named, one_of};
 use clap::Args;
@@ -35,15 +36,17 @@ Examples:
   vtex transfer --structure a.lib.json --appearance b.lib.json --mode mean
   vtex transfer --structure a.json --appearance b.json c.json --map m.png
 
-A library stands for its exemplar as it is. Every element keeps its place,
+A library stands for its exemplar as it is; photographs and drawings are
+analysed first, as by 'vtex analyze'. Every element keeps its place,
 size and direction. What is too thin to be drawn anew keeps its shape and is
 counted."
 )]
 pub(crate) struct TransferArgs {
-    /// The texture whose arrangement is kept: a scene or a library, plain or gzip; - reads stdin
+    /// The texture whose arrangement is kept: a scene or a library, plain or gzip, a photograph or a drawing;
+    /// - reads stdin
     #[arg(long, value_name = "FILE", required = true)]
     pub(crate) structure: Option<PathBuf>,
-    /// The texture whose appearance is taken over: a library or a scene; several with --map
+    /// The texture whose appearance is taken over, of the same kinds; several with --map
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) appearance: Vec<PathBuf>,
     /// Where which appearance is used: a picture with one colour for each, in the order of its palette, else
@@ -63,6 +66,8 @@ pub(crate) struct TransferArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
+    pub(crate) engine: EngineArgs,
+    #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
     pub(crate) render: RenderFlags,
@@ -72,8 +77,8 @@ pub(crate) struct TransferArgs {
 
 /// Textures, and how they are put together and written.
 struct Transferring {
-    structure: Input,
-    appearances: Vec<Input>,
+    structure: Analysis,
+    appearances: Vec<Analysis>,
     map: Option<Input>,
     params: TransferParams,
     svg: SvgParameters,
@@ -124,6 +129,9 @@ impl Transferring {
             seed: resolved.seed.0,
         };
         let (svg, render) = (parameters.svg, parameters.render);
+        let engine = engine(a.engine, parameters.threads);
+        let analysis = |input| Analysis::plain(input, engine.clone(), parameters.analyze.clone());
+        let (structure, appearances) = (analysis(structure), appearances.into_iter().map(analysis).collect());
         Ok(Self { structure, appearances, map, params, svg, render, targets })
     }
 }
@@ -144,8 +152,9 @@ fn run(common: &Common, reporter: &Reporter, job: &Transferring) -> anyhow::Resu
         reporter.warn(warning);
     }
     reporter.stage("reading")?;
-    let scene = reading::texture(structure)?;
-    let others = appearances.iter().map(reading::texture).collect::<anyhow::Result<Vec<_>>>()?;
+    let read = |from| texture(common, from, reporter);
+    let scene = read(structure)?;
+    let others = appearances.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let shares = match map {
         Some(file) => {
             let bytes = file.read()?;
@@ -164,7 +173,8 @@ fn run(common: &Common, reporter: &Reporter, job: &Transferring) -> anyhow::Resu
     reporter.stage("writing")?;
     let drawing = Drawing { svg: *svg, render: *render, recipe: None };
     let written = targets.write_scene(&scene, None, drawing)?;
-    let inputs = std::iter::once(structure).chain(appearances).chain(map).map(Input::name).collect();
+    let textures = std::iter::once(structure).chain(appearances).map(|from| &from.photo);
+    let inputs = textures.chain(map).map(Input::name).collect();
     let summary = Summary {
         seed: Some(params.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),

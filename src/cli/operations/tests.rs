@@ -8,6 +8,7 @@ use vtex::edit::{
     NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
 };
 use vtex::raster::colour::Colour;
+use vtex::scene::InstanceId;
 
 fn palette(_: &str) -> vtex::Result<Vec<u8>> {
     Ok(b"#ffe0a0 #203040".to_vec())
@@ -98,7 +99,36 @@ fn texts_mean_operations() {
         ("relax --min-distance 9", Action::Relax { rounds: 20, strength: 0.5, minimum_distance: Some(9.0) }),
         (
             "propagate veins.svg --similar 0.1 --mode replace",
-            Action::Propagate { drawing: "veins.svg".into(), similar: Some(0.1), replace: true },
+            Action::Propagate {
+                drawing: Some("veins.svg".into()),
+                element: None,
+                fill: None,
+                of: None,
+                similar: Some(0.1),
+                replace: true,
+            },
+        ),
+        (
+            "propagate --element star.svg --of p7",
+            Action::Propagate {
+                drawing: None,
+                element: Some("star.svg".into()),
+                fill: None,
+                of: Some(InstanceId(7)),
+                similar: None,
+                replace: true,
+            },
+        ),
+        (
+            "propagate --fill red --of 7",
+            Action::Propagate {
+                drawing: None,
+                element: None,
+                fill: Some(Colour([255, 0, 0])),
+                of: Some(InstanceId(7)),
+                similar: None,
+                replace: false,
+            },
         ),
         ("order y --first most", Action::Order { by: OrderBy::Y, reverse: true }),
         ("delete", Action::Delete),

@@ -3,12 +3,13 @@
 use super::fault::{self, Fault};
 use crate::cli::values::named;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{ArgAction, Command, Subcommand};
+use clap::{ArgAction, ArgGroup, Command, Subcommand};
 use serde::de::DeserializeOwned;
 use vtex::edit::{
     About, Action, ColourOrMap, Direction, Distribution, Jitter, NumberOrMap, OrderBy, ThinOrder, Within,
 };
 use vtex::raster::colour::Colour;
+use vtex::scene::InstanceId;
 
 /// Verbs of operations. Help ends in the allowed values; `after_help` is an example.
 #[derive(Debug, Subcommand)]
@@ -274,20 +275,33 @@ pub(super) enum Verb {
         min_distance: Option<f64>,
     },
     /// Draw on one element, and it appears on all like it, fitted to their place, size and direction. The
-    /// drawing is an SVG over the whole canvas; the element under it is the one that is drawn on.
+    /// drawing is an SVG over the whole canvas, and the element under it is the one that is drawn on; or a
+    /// drawing by itself, or a colour.
     #[command(after_help = "propagate veins.svg --layer primary")]
+    #[command(group(ArgGroup::new("what").required(true).args(["drawing", "element", "fill"])))]
     Propagate {
         /// what is drawn, an SVG of the canvas's size [a file]
         #[arg(value_name = "DRAWING", value_parser = file)]
-        drawing: String,
+        drawing: Option<String>,
+        /// what every element becomes, an SVG of any size, fitted by its largest shape [a file]
+        #[arg(long, value_name = "FILE", value_parser = file)]
+        element: Option<String>,
+        /// the colour that every element is filled with [#rrggbb, #rgb or a name of CSS]
+        #[arg(long, value_name = "COLOUR", value_parser = colour)]
+        fill: Option<Colour>,
+        /// id of the element that the others are like, as in p7 of an SVG; by default the one under the
+        /// drawing, and without a drawing all that are selected are alike [0 or more]
+        #[arg(long, value_name = "ID", value_parser = instance)]
+        of: Option<InstanceId>,
         /// alike are elements whose median colours are no further apart in Oklab; by default, those of the
         /// same category [0 to 2]
         #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
         similar: Option<f64>,
-        /// draw it on what elements show, or in place of that [add, replace, default: add]
-        #[arg(long = "mode", value_name = "WORD", default_value = "add", action = ArgAction::Set)]
+        /// draw it on what elements show, or in place of that [add, replace, default: add, with --element
+        /// replace]
+        #[arg(long = "mode", value_name = "WORD", action = ArgAction::Set)]
         #[arg(value_parser = PossibleValuesParser::new(["add", "replace"]).map(|word| word == "replace"))]
-        replace: bool,
+        replace: Option<bool>,
     },
     /// Sort the painting order within each layer.
     #[command(after_help = "order y --layer primary")]
@@ -382,7 +396,10 @@ impl Verb {
             Self::Relax { rounds, strength, min_distance } => {
                 Action::Relax { rounds, strength, minimum_distance: min_distance }
             }
-            Self::Propagate { drawing, similar, replace } => Action::Propagate { drawing, similar, replace },
+            Self::Propagate { drawing, element, fill, of, similar, replace } => {
+                let replace = replace.unwrap_or(element.is_some());
+                Action::Propagate { drawing, element, fill, of, similar, replace }
+            }
             Self::Order { by, reverse } => Action::Order { by, reverse },
             Self::Delete => Action::Delete,
             Self::Mask { shape, keep } => Action::Mask { shape, inside: keep },
@@ -400,6 +417,11 @@ where
 
 fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "no number".into())
+}
+
+fn instance(text: &str) -> Result<InstanceId, String> {
+    let number = text.strip_prefix('p').unwrap_or(text).parse();
+    number.map(InstanceId).map_err(|_| "no id of an element, such as p7".into())
 }
 
 fn file(text: &str) -> Result<String, String> {

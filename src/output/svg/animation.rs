@@ -32,7 +32,7 @@ const SMOOTH: [f64; 5] = [0.0, 0.156, 0.5, 0.844, 1.0];
 /// where it is then.
 const STRAIGHT: f64 = 0.6;
 /// From this many moving shapes on viewers no longer play smoothly.
-const MANY_SHAPES: usize = 5000;
+pub(super) const MANY_SHAPES: usize = 5000;
 
 /// How an animation is played, again and again.
 #[derive(Clone, Copy, Debug, PartialEq)]

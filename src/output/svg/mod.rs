@@ -27,6 +27,7 @@
 mod animation;
 mod background;
 mod css;
+mod flowing;
 mod gradients;
 mod layers;
 mod metadata;
@@ -37,12 +38,14 @@ mod textons;
 mod xml;
 
 pub use animation::{Animation, write_animation};
+pub use flowing::write_flow;
 
 use super::background::Background;
 use super::categories::{SceneCategory, class};
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::scene::{Instance, Scene};
+use flowing::{Moving, at_origin};
 use layers::Frame;
 use number::Paint;
 use std::io::{self, Write};
@@ -185,6 +188,8 @@ struct Document<'a> {
     bleed: f64,
     /// The recipe in the metadata: how the scene was made.
     recipe: Option<&'a serde_json::Value>,
+    /// How elements move; `None` if they stay.
+    moving: Option<Moving<'a>>,
 }
 
 impl<'a> Document<'a> {
@@ -198,7 +203,7 @@ impl<'a> Document<'a> {
         let layers = scene.layers.iter().map(|l| (l.name.as_str(), l.role, l.region.is_some()));
         let frames = Frame::of(layers, scene.domain.as_ref().map(|d| d.edge));
         let css = options.css;
-        Ok(Self { scene, backgrounds, frames, textons, categories, css, bleed, recipe: None })
+        Ok(Self { scene, backgrounds, frames, textons, categories, css, bleed, recipe: None, moving: None })
     }
 
     /// The canvas as it is.
@@ -297,11 +302,20 @@ impl<'a> Document<'a> {
                 background.write_bands(xml, self.bleed, name)?;
             }
             let layer = &self.scene.layers[k];
+            let turns = match &self.moving {
+                Some(moving) if !layer.instances.is_empty() => moving.begin_turn(xml, self.scene)?,
+                _ => false,
+            };
             if layer.role.is_individual() {
-                self.write_individuals(xml, &layer.instances)
+                self.write_individuals(xml, &layer.instances)?;
             } else {
-                self.write_compactly(xml, &layer.instances)
+                self.write_compactly(xml, &layer.instances)?;
             }
+            if turns {
+                xml.close()?;
+                xml.line();
+            }
+            Ok(())
         })
     }
 
@@ -319,7 +333,15 @@ impl<'a> Document<'a> {
             }
             for instance in run {
                 for shift in textons.copies(instance) {
-                    textons.write_instance(xml, instance, shift, fill.is_none())?;
+                    match self.moving.as_ref().and_then(|moving| moving.way(instance)) {
+                        Some(way) => {
+                            xml.open("g");
+                            way.write(xml, instance)?;
+                            textons.write_instance(xml, &at_origin(instance), shift, fill.is_none())?;
+                            xml.close()?;
+                        }
+                        None => textons.write_instance(xml, instance, shift, fill.is_none())?,
+                    }
                     xml.line();
                 }
             }
@@ -381,7 +403,13 @@ impl<'a> Document<'a> {
                 xml.open("g");
                 xml.attribute("id", format_args!("p{}", instance.id));
                 self.write_category(xml, instance);
-                self.textons.write_instance(xml, instance, Vec2::ZERO, true)?;
+                match self.moving.as_ref().and_then(|moving| moving.way(instance)) {
+                    Some(way) => {
+                        way.write(xml, instance)?;
+                        self.textons.write_instance(xml, &at_origin(instance), Vec2::ZERO, true)?;
+                    }
+                    None => self.textons.write_instance(xml, instance, Vec2::ZERO, true)?,
+                }
             }
         }
         xml.close()?;

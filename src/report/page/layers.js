@@ -1,11 +1,14 @@
 // Layers to switch on and off, in the reconstruction and in the result.
 
-const hidden = { layers: new Set(), categories: new Set() };
+// Hidden until they are switched on.
+const EXTRA = ["ellipses"];
+const hidden = { layers: new Set(EXTRA), categories: new Set() };
 const LAYERS = [
   ["background", "Background"],
   ["secondary", "Secondaries"],
   ["primary", "Primaries"],
   ["details", "Details"],
+  ["ellipses", "Ellipses"],
 ];
 
 // An SVG taken apart: how it begins, its definitions line by line, and its layers.
@@ -26,10 +29,19 @@ function partsOf(text) {
   return { begin: text.slice(0, begin), definitions: text.slice(from + 6, to).split("\n"), layers };
 }
 
+// The Gaussians of primaries: ellipses of two standard deviations with a line along the direction, light in
+// dark, so that they are seen on anything.
+function ellipsesText(ellipses) {
+  const shapes = ellipses.map(([x, y, long, short, angle]) =>
+    `<g transform="translate(${x} ${y})rotate(${angle})"><ellipse rx="${long}" ry="${short}"/><path d="M0 0H${long}"/></g>`);
+  const drawn = (colour, width) => `<g stroke="${colour}" stroke-width="${width}">${shapes.join("")}</g>`;
+  return `<g fill="none" stroke-linecap="round">${drawn("#000b", 2)}${drawn("#fff", 0.8)}</g>`;
+}
+
 // One layer as an SVG of its own: with the definitions that it can need, without what is switched off.
 function layerText(pane, layer) {
   const { begin, definitions, layers } = pane.parts;
-  const own = { background: /^$/, secondary: /^s/, primary: /^t/ }[layer];
+  const own = { secondary: /^s/, primary: /^t/ }[layer] ?? /^$/;
   const needed = definitions.filter((line) => {
     const texton = line.match(/^<(?:path|symbol|linearGradient) id="([st]\d)/);
     return !texton || own.test(texton[1]);
@@ -47,7 +59,8 @@ function layerText(pane, layer) {
       style += "path~path:where(:not(.outline)){display:none}.shadow>path,defs>path,clipPath>path{display:inline}";
     }
   }
-  const clips = pane.picture === "result" && scene.domain && !(layer === "primary" && scene.domain === "keep");
+  const whole = ["primary", "ellipses"].includes(layer) && scene?.domain === "keep";
+  const clips = pane.picture === "result" && scene.domain && !whole;
   if (clips) content = `<g clip-path="url(#domain)">${content}</g>`;
   return `${begin}<style>${style}</style><defs>${needed.join("\n")}</defs>${content}</svg>`;
 }
@@ -68,7 +81,7 @@ function toggle(set, key, button) {
 }
 
 function makeLayers() {
-  hidden.layers.clear();
+  hidden.layers = new Set(EXTRA);
   hidden.categories.clear();
   const box = byId("layers");
   box.replaceChildren();
@@ -78,7 +91,7 @@ function makeLayers() {
       type: "button",
       class: "switch",
       "data-layer": key,
-      "aria-pressed": "true",
+      "aria-pressed": String(!hidden.layers.has(key)),
       onclick: (event) => toggle(hidden.layers, key, event.currentTarget),
     }, name));
   box.append(el("div", { class: "row", role: "group", "aria-label": "Layers" },

@@ -13,8 +13,10 @@ function makePanes() {
     const size = library ?? { width: null, height: null };
     addPane("Exemplar", about.file, size, { photo: about.photo });
   }
-  if (library) addPane("Reconstruction", library.name, library, { picture: about.picture });
-  if (scene) addPane("Result", scene.name, scene, { picture: "result" });
+  if (library) {
+    addPane("Reconstruction", library.name, library, { picture: about.picture, ellipses: about.ellipses });
+  }
+  if (scene) addPane("Result", scene.name, scene, { picture: "result", ellipses: scene.ellipses });
   panes.forEach((pane) => showPicture(pane).catch(fail));
 }
 
@@ -44,6 +46,7 @@ async function showPicture(pane) {
     putInto(pane, pane.image, null);
   } else {
     pane.parts = partsOf(await textOf(pane.picture));
+    pane.parts.layers.ellipses = ellipsesText(pane.ellipses);
     await Promise.all(Object.keys(pane.parts.layers).map((layer) => showLayer(pane, layer)));
   }
   place();
