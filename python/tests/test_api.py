@@ -141,12 +141,11 @@ def test_reconstructions_look_like_their_exemplar(library, pixels):
     assert near["ssim"] > far["ssim"] and near["emd_rgb"] < far["emd_rgb"]
 
 
-def test_metrics_of_equal_pictures_are_zero(pixels, photo_path, library, scene):
+def test_metrics_of_equal_pictures_are_zero(pixels, photo_path, scene):
     same = vtex.metrics(photo_path, pixels)
     assert same["emd_rgb"] == 0 and same["ssim"] == pytest.approx(1)
     assert set(same) == set(vtex.Metrics.__annotations__)
     assert set(same["structure"][0]) == set(vtex.Spread.__annotations__)
-    assert vtex.metrics(library, scene) == vtex.metrics(vtex.reconstruct(library).render(), scene.render())
     assert vtex.metrics(scene, scene.svg().encode())["ssim"] > 0.9
     halved = vtex.metrics(pixels, np.kron(pixels, np.ones((2, 2, 1), np.uint8)), scale=2)
     assert halved["result_size"] == [160, 128]

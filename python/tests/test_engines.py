@@ -36,13 +36,15 @@ def test_an_engine_makes_the_textures_of_a_folder(engine, photos, tmp_path):
         pytest.skip("Spark needs Java, which is not installed")
     environment = os.environ | {"PYTHONWARNINGS": "ignore", "PYSPARK_PYTHON": sys.executable}
     command = [sys.executable, str(EXAMPLES / f"{engine}_textures.py"), str(photos), str(tmp_path), "2"]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=400, env=environment)
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=600, env=environment)
     assert ran.returncode == 0, ran.stderr[-3000:]
-    rows = dict(line.split(" ", 1) for line in ran.stdout.splitlines() if ".png" in line)
+    rows = dict(line.split(" ", 1) for line in ran.stdout.splitlines() if ".png " in line)
     rows = {Path(path).name: told for path, told in rows.items()}
     made = {f"photo-{k}.png": "done" for k in range(4)}
     assert {name: told for name, told in rows.items() if told == "done"} == made
-    assert "the file is empty" in rows["empty.png"] and "cannot decode" in rows["cut.png"]
+    assert "cannot decode" in rows["cut.png"]
+    # Spark passes over empty files.
+    assert engine == "spark" or "the file is empty" in rows["empty.png"]
     # What workers make is what is made here.
     for name in made:
         scene = vtex.synthesize(vtex.analyze(photos / name), 600, seed=7)

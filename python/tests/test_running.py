@@ -161,18 +161,18 @@ def run_alone(code: str) -> str:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
-def test_a_fork_after_use_works():
+def test_a_fork_after_use_works(photo_path):
     out = run_alone(
         f"""
         import os, vtex
-        library = vtex.analyze({str(EXEMPLARS / "terrazzo.png")!r}, segmenter="texton")
+        library = vtex.analyze({str(photo_path)!r}, segmenter="texton")
         scene = vtex.synthesize(library, 200)
         scene.render()
         children = []
         for k in range(3):
             child = os.fork()
             if child == 0:
-                again = vtex.analyze({str(EXEMPLARS / "terrazzo.png")!r}, segmenter="texton")
+                again = vtex.analyze({str(photo_path)!r}, segmenter="texton")
                 same = again == library and vtex.synthesize(library, 200) == scene
                 os._exit(0 if same else 3)
             children.append(child)
@@ -183,11 +183,11 @@ def test_a_fork_after_use_works():
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
-def test_a_fork_while_other_threads_work():
+def test_a_fork_while_other_threads_work(photo_path):
     out = run_alone(
         f"""
         import os, threading, time, vtex
-        library = vtex.analyze({str(EXEMPLARS / "terrazzo.png")!r}, segmenter="felzenszwalb")
+        library = vtex.analyze({str(photo_path)!r}, segmenter="felzenszwalb")
         scene = vtex.synthesize(library, 200)
         thread = threading.Thread(target=lambda: [vtex.synthesize(library, 400, seed=k) for k in range(5)])
         thread.start()

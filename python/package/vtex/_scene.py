@@ -219,8 +219,14 @@ class Scene:
         path : str or os.PathLike
             Its ending says the format: ``.svg``, ``.svgz``, ``.pdf``, ``.png``, ``.scene.json`` or
             ``.scene.json.gz``.
-        precision, expand, css, max_bytes
-            As for `svg`; for SVGs only.
+        precision : int, default 1
+            As for `svg`, and for SVGs only.
+        expand : bool, default False
+            As for `svg`, and for SVGs only.
+        css : bool, default False
+            As for `svg`, and for SVGs only.
+        max_bytes : int, optional
+            As for `svg`, and for SVGs only.
         scale : float, default 1.0
             As for `render`; for PNGs only.
         background : str, optional

@@ -18,6 +18,7 @@ height x width of uint8 or of floats from 0 to 1; colours are height x width x 3
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -86,6 +87,13 @@ def _pair(value: float | tuple[float, float], role: str, second: float | None = 
     return pair
 
 
+_SHARED = """layer : str, optional
+    Only the elements of this layer, by its name or role. Default: the elements of all layers.
+where : str or sequence of str, default ()
+    Only the elements that fulfil all of these conditions, such as ``"area>200"``; see `vtex.edits`.
+"""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Edit:
     """Any of the edits; not made itself.
@@ -117,6 +125,13 @@ class Edit:
         conditions = [condition for condition in where if condition.strip()]
         action = self._action(files)
         return {"action": {self._word: action} if action else self._word, "layer": self.layer, "conditions": conditions}
+
+    def __init_subclass__(cls) -> None:
+        """Document the parameters that all share."""
+        doc = inspect.cleandoc(cls.__doc__ or "")
+        if "Parameters\n---" not in doc:
+            doc += "\n\nParameters\n----------"
+        cls.__doc__ = f"{doc}\n{_SHARED}"
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
