@@ -10,6 +10,16 @@ use resvg::usvg::{self, roxmltree};
 /// Largest SVG read, unpacked, in bytes.
 const LARGEST_TEXT: usize = 1 << 30;
 
+/// Bytes by which an SVG is recognised.
+const HEAD: usize = 4096;
+
+/// Whether bytes, plain or gzip, begin as an SVG does.
+pub(crate) fn is_svg(bytes: &[u8]) -> bool {
+    let head = gzip::beginning(bytes, HEAD);
+    let text = String::from_utf8_lossy(&head);
+    text.trim_start_matches('\u{feff}').trim_start().starts_with('<') && text.contains("<svg")
+}
+
 /// Parses an SVG or SVGZ; `name` appears in errors.
 ///
 /// # Errors

@@ -47,6 +47,19 @@ fn lossless_formats_keep_every_pixel() {
 }
 
 #[test]
+fn an_image_in_memory_is_what_its_file_would_be() {
+    let image = Exemplar::from_image(halves().into(), "photo").unwrap();
+    assert_eq!(image, load(&encode(halves(), ImageFormat::Pnm)).unwrap());
+    let clear = RgbaImage::from_fn(40, 32, |x, _| Rgba([9, 9, 9, if x < 20 { 0 } else { 255 }]));
+    let flat = Exemplar::from_image(clear.into(), "photo").unwrap();
+    assert_eq!((flat.image.get_pixel(0, 0).0, flat.warnings.len()), ([255; 3], 1));
+    let small = Exemplar::from_image(RgbImage::new(20, 40).into(), "photo");
+    assert!(matches!(small, Err(Error::Unusable { .. })));
+    let wide = Exemplar::from_image(RgbImage::new(16_385, 40).into(), "photo");
+    assert!(matches!(wide, Err(Error::TooLarge { .. })));
+}
+
+#[test]
 fn jpeg_in_rgb_cmyk_and_turned_by_exif() {
     let plain = load(&encode(halves(), ImageFormat::Jpeg)).unwrap();
     assert_red_and_blue(&plain.image, (8, 16), (32, 16), 12);

@@ -51,6 +51,31 @@ impl Exemplar {
     pub fn from_bytes(bytes: &[u8], name: &str, limits: &Limits) -> Result<Self> {
         let mut warnings = Vec::new();
         let image = decode(bytes, name, limits, &mut warnings)?;
+        Ok(Self { sha256: sha256(bytes), warnings, ..Self::new(image, name, String::new())? })
+    }
+
+    /// An image in memory, converted as in [`Exemplar::from_bytes`]. Its sum is that of the binary PPM file
+    /// that its pixels would be.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] below 32 × 32 pixels or if all pixels have the same colour,
+    /// [`Error::TooLarge`] beyond [`Exemplar::LARGEST_SIDE`].
+    pub fn from_image(image: DynamicImage, name: &str) -> Result<Self> {
+        let (width, height) = (image.width(), image.height());
+        if width.max(height) > Self::LARGEST_SIDE {
+            let found = format!("{width} x {height} pixels");
+            let limit = format!("{} pixels on each side", Self::LARGEST_SIDE);
+            return Err(Error::TooLarge { name: name.into(), found, limit });
+        }
+        let mut warnings = Vec::new();
+        let image = flatten(image, &mut warnings);
+        let mut hash = Sha256::new();
+        hash.update(format!("P6\n{width} {height}\n255\n"));
+        hash.update(image.as_raw());
+        Ok(Self { warnings, ..Self::new(image, name, hexadecimal(hash))? })
+    }
+
+    fn new(image: RgbImage, name: &str, sha256: String) -> Result<Self> {
         let (width, height) = image.dimensions();
         let unusable = |reason| Error::Unusable { name: name.into(), reason };
         if width.min(height) < Self::SMALLEST_SIDE {
@@ -64,7 +89,7 @@ impl Exemplar {
             let colour = crate::raster::colour::Colour(first);
             return Err(unusable(format!("every pixel has the colour {colour}, there is no texture to see")));
         }
-        Ok(Self { image, file: name.into(), sha256: sha256(bytes), layers: None, warnings })
+        Ok(Self { image, file: name.into(), sha256, layers: None, warnings: Vec::new() })
     }
 }
 
@@ -111,5 +136,9 @@ fn flatten(image: DynamicImage, warnings: &mut Vec<String>) -> RgbImage {
 }
 
 fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+    hexadecimal(Sha256::new_with_prefix(bytes))
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
 }

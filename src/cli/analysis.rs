@@ -19,7 +19,7 @@ use super::values::Name;
 use image::RgbImage;
 use std::path::PathBuf;
 use vtex::analyze::{Exemplar, Limits, borders_join};
-use vtex::engine::{Choice, EngineOptions, Runtime, Source, choose};
+use vtex::engine::{Choice, EngineOptions, Source, choose};
 use vtex::import::{ImportParams, import};
 use vtex::library::{AnalyzeParams, Library};
 use vtex::output::file::{Format, Kind};
@@ -199,7 +199,7 @@ pub(crate) fn segmenter(
     }
     reporter.stage("loading")?;
     let Some(from) = sam_from(&analysis.masks) else {
-        return Ok(Box::new(Texton::new(&for_texton(&analysis.engine))?));
+        return Ok(Box::new(Texton::new(&analysis.engine.built_in())?));
     };
     let sam = sam(&from, &analysis.engine)?;
     if common.verbosity > 0 && !common.json {
@@ -248,15 +248,8 @@ pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow:
         (MasksFrom::Regions, None) => "regions".into(),
         (MasksFrom::Felzenszwalb, None) => "felzenszwalb".into(),
         (MasksFrom::File(path), None) => format!("file {}", sums_of_network(path)?.join(" ")),
-        (_, None) => format!("texton {}", engine(&for_texton(options))?),
+        (_, None) => format!("texton {}", engine(&options.built_in())?),
     })
-}
-
-/// The engine of the network that is part of the program: ONNX Runtime only if asked for by name, so
-/// that masks do not depend on what else is installed.
-fn for_texton(engine: &EngineOptions) -> EngineOptions {
-    let unnamed = engine.runtime == Runtime::Auto && engine.library.is_none();
-    EngineOptions { runtime: if unnamed { Runtime::Rten } else { engine.runtime }, ..engine.clone() }
 }
 
 /// Loads Segment Anything.

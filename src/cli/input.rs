@@ -132,10 +132,8 @@ impl Kind {
             if named(vtex::library::Library::FORMAT) {
                 return Self::Library;
             }
-        } else if text.starts_with('<') && text.contains("<svg") {
-            return Self::Svg;
         }
-        Self::Unknown
+        if vtex::import::is_drawing(bytes) { Self::Svg } else { Self::Unknown }
     }
 
     /// The kind, which must be one of `wanted`; otherwise an error that says what the file is and

@@ -3,7 +3,6 @@
 
 mod analysis;
 pub(crate) mod arguments;
-mod colours;
 mod command;
 mod commands;
 mod common;

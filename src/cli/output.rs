@@ -21,7 +21,7 @@ use vtex::output::file::{Format, Kind, gzip, remove_abandoned, write_file};
 use vtex::output::reduce::{self, GivenUp};
 use vtex::output::seal::Sealed;
 use vtex::output::{pdf, png, svg};
-use vtex::scene::{Field, Scene};
+use vtex::scene::Scene;
 use vtex::{Error, Result};
 
 /// A file or standard output.
@@ -66,14 +66,10 @@ impl Drawing<'_> {
     /// The scene with the background that is wanted.
     fn scene<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
         let Some(background) = self.render.background else { return Cow::Borrowed(scene) };
-        let mut scene = scene.clone();
-        for layer in &mut scene.layers {
-            layer.field = layer.field.take().and_then(|field| match background {
-                Background::Colour(colour) => Some(Field { points: Vec::new(), fallback: colour, ..field }),
-                Background::None => None,
-            });
-        }
-        Cow::Owned(scene)
+        Cow::Owned(scene.clone().with_background(match background {
+            Background::Colour(colour) => Some(colour),
+            Background::None => None,
+        }))
     }
 
     /// Size of a scene that is written in a format, in pixels: of its picture, or of its canvas where that

@@ -13,10 +13,10 @@ use super::progress::Reporter;
 use super::summary::{Counts, Coverage, LayersReport, Summary};
 use serde_json::Value;
 use vtex::Progress;
-use vtex::library::{Library, SourceKind};
+use vtex::library::Library;
 use vtex::output::file::Format;
 use vtex::scene::{Scene, SynthParams, splat};
-use vtex::synth::{Controls, Report, synthesize_with};
+use vtex::synth::{Controls, Report, default_size, synthesize_with};
 
 /// How a texture is made and written.
 pub(crate) struct Synthesis {
@@ -69,17 +69,11 @@ pub(crate) struct Origin<'a> {
     pub(crate) recipe: Option<&'a Value>,
 }
 
-/// The canvas of a periodic drawing, unless a size was given: some whole periods, about as large as that of
-/// other textures.
+/// The parameters with the canvas that suits the libraries, unless a size was given.
 pub(crate) fn canvas(parameters: &SynthParams, sized: bool, libraries: &[Library]) -> SynthParams {
     let mut parameters = parameters.clone();
-    if let ([library], false) = (libraries, sized)
-        && library.source.kind == SourceKind::Drawing
-        && library.arrangement.periodic
-    {
-        let [w, h] = [library.source.width, library.source.height];
-        let periods = |side: u32| (1000 + side / 2).div_euclid(side).max(2);
-        (parameters.width, parameters.height) = (w * periods(w), h * periods(h));
+    if !sized {
+        [parameters.width, parameters.height] = default_size(libraries);
     }
     parameters
 }

@@ -9,6 +9,7 @@ mod amount;
 mod colours;
 #[cfg(test)]
 mod composing_tests;
+pub mod condition;
 mod files;
 mod groups;
 mod jitter;

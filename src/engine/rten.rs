@@ -1,7 +1,9 @@
 //! Networks run by rten, which is part of this crate.
 //!
 //! rten has its own thread pool: by default one thread per physical core, or as many as the variable
-//! `RTEN_NUM_THREADS` or [`EngineOptions::threads`](super::EngineOptions::threads) requests.
+//! `RTEN_NUM_THREADS` or [`EngineOptions::threads`](super::EngineOptions::threads) requests. Loading always
+//! takes the default threads, which a process forked later does not have: there, networks that were loaded
+//! before run, with a number of threads of their own, and others are refused.
 
 use super::{Engine, Port, Source, Tensor, Values, given, guarded, places, structure};
 use crate::error::{Error, Result};
@@ -9,12 +11,13 @@ use ::rten::{DataType, Dimension, Model, NodeId, RunOptions, ThreadPool, Value, 
 use rten_tensor::prelude::*;
 use std::fs::File;
 use std::io::{BufReader, Cursor};
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// A loaded network.
 pub(super) struct Network {
     name: String,
-    model: Model,
+    model: Arc<Model>,
     inputs: Vec<Port>,
     outputs: Vec<Port>,
     pool: Option<Arc<ThreadPool>>,
@@ -27,35 +30,10 @@ impl Network {
     /// [`Error::Network`], [`Error::Read`].
     pub(super) fn load(source: Source<'_>, threads: Option<usize>) -> Result<Self> {
         let name = source.name();
-        let failure = |reason: String| Error::Network {
-            name: name.clone(),
-            reason: format!("rten cannot read it: {reason}"),
-            advice: "is it an ONNX file with 32-bit weights, and complete? ONNX Runtime reads more kinds: 'vtex doctor' says how to get it",
+        let model = match source {
+            Source::BuiltIn { bytes, .. } => kept(bytes, &name)?,
+            _ => Arc::new(loaded(source, &name)?),
         };
-        let model = guarded(&name, || {
-            let model = match source {
-                Source::File(path) => {
-                    let open = || -> std::io::Result<(BufReader<File>, u64)> {
-                        let file = File::open(path)?;
-                        let length = file.metadata()?.len();
-                        Ok((BufReader::new(file), length))
-                    };
-                    let (file, length) = open().map_err(|e| Error::read(path, e))?;
-                    structure::check(file, length).map_err(failure)?;
-                    // By path only for `.onnx` files, so that weights in a second file are found.
-                    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("onnx")) {
-                        Model::load_file(path)
-                    } else {
-                        Model::load(std::fs::read(path).map_err(|e| Error::read(path, e))?)
-                    }
-                }
-                Source::Bytes { bytes, .. } => {
-                    structure::check(Cursor::new(bytes), bytes.len() as u64).map_err(failure)?;
-                    Model::load(bytes.to_vec())
-                }
-            };
-            model.map_err(|e| failure(e.to_string()))
-        })?;
         let ports = |ids: &[NodeId]| ids.iter().map(|id| port(&model, *id)).collect();
         let (inputs, outputs) = (ports(model.input_ids()), ports(model.output_ids()));
         let pool = threads.map(|n| Arc::new(ThreadPool::with_num_threads(n.max(1))));
@@ -132,6 +110,77 @@ impl Network {
             }
             _ => return Err(self.failure("an output is neither of floats nor of integers".into())),
         })
+    }
+}
+
+/// A network that is part of the program, loaded once.
+///
+/// # Errors
+/// As [`loaded`].
+fn kept(bytes: &'static [u8], name: &str) -> Result<Arc<Model>> {
+    // There is one such network; another would be loaded each time.
+    static KEPT: OnceLock<(&[u8], Arc<Model>)> = OnceLock::new();
+    if let Some((_, model)) = KEPT.get().filter(|(known, _)| std::ptr::eq(*known, bytes)) {
+        return Ok(model.clone());
+    }
+    // Not loaded within `get_or_init`: a process forked meanwhile would wait for that forever.
+    let model = Arc::new(loaded(Source::Bytes { name, bytes }, name)?);
+    let _ = KEPT.set((bytes, model.clone()));
+    Ok(model)
+}
+
+/// Loads a network.
+///
+/// # Errors
+/// As [`Network::load`].
+fn loaded(source: Source<'_>, name: &str) -> Result<Model> {
+    let failure = |reason: String| Error::Network {
+        name: name.to_owned(),
+        reason: format!("rten cannot read it: {reason}"),
+        advice: "is it an ONNX file with 32-bit weights, and complete? ONNX Runtime reads more kinds: 'vtex doctor' says how to get it",
+    };
+    only_with_threads(name)?;
+    guarded(name, || {
+        let model = match source {
+            Source::File(path) => {
+                let open = || -> std::io::Result<(BufReader<File>, u64)> {
+                    let file = File::open(path)?;
+                    let length = file.metadata()?.len();
+                    Ok((BufReader::new(file), length))
+                };
+                let (file, length) = open().map_err(|e| Error::read(path, e))?;
+                structure::check(file, length).map_err(failure)?;
+                // By path only for `.onnx` files, so that weights in a second file are found.
+                if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("onnx")) {
+                    Model::load_file(path)
+                } else {
+                    Model::load(std::fs::read(path).map_err(|e| Error::read(path, e))?)
+                }
+            }
+            Source::Bytes { bytes, .. } | Source::BuiltIn { bytes, .. } => {
+                structure::check(Cursor::new(bytes), bytes.len() as u64).map_err(failure)?;
+                Model::load(bytes.to_vec())
+            }
+        };
+        model.map_err(|e| failure(e.to_string()))
+    })
+}
+
+/// Refuses to load in a process that was forked after its parent had loaded networks: rten's threads, which
+/// loading needs, are not there, and it would wait for them forever.
+///
+/// # Errors
+/// [`Error::Network`].
+fn only_with_threads(name: &str) -> Result<()> {
+    static FIRST: AtomicU32 = AtomicU32::new(0);
+    let own = std::process::id();
+    match FIRST.compare_exchange(0, own, Ordering::Relaxed, Ordering::Relaxed) {
+        Err(first) if first != own => Err(Error::Network {
+            name: name.to_owned(),
+            reason: "it cannot be loaded in a process forked from one that has loaded networks".into(),
+            advice: "start processes anew rather than by a fork, or run networks by ONNX Runtime",
+        }),
+        _ => Ok(()),
     }
 }
 

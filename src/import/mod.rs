@@ -34,6 +34,7 @@ use crate::error::Result;
 use crate::geometry::Affine;
 use crate::library::{AnalyzeParams, Library};
 use crate::progress::{Progress, advance};
+use crate::svg_tree;
 use assemble::{Origin, assemble};
 use torus::Torus;
 
@@ -45,6 +46,11 @@ pub struct ImportParams {
     pub wrap: Option<bool>,
     /// Of these `elements`, `lenient`, `categories` and `descriptor_reach` have an effect.
     pub analyze: AnalyzeParams,
+}
+
+/// Whether bytes, plain or gzip, look like an SVG: they may still be a damaged one.
+pub fn is_drawing(bytes: &[u8]) -> bool {
+    svg_tree::is_svg(bytes)
 }
 
 /// Reads an SVG or SVGZ as a library. `name` appears in errors and in the library. Nothing outside the

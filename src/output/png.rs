@@ -342,8 +342,9 @@ pub fn encode(pixmap: &Pixmap, seed: Option<u64>, out: impl Write) -> Result<()>
     encode_data(pixmap.width(), pixmap.height(), opaque, &data, seed, out).map_err(failed)
 }
 
-/// The components of all pixels, 3 or 4 each, not multiplied by alpha.
-pub(super) fn straight(pixmap: &Pixmap, channels: usize) -> Vec<u8> {
+/// The components of all pixels, 8-bit sRGB, not multiplied by alpha: `channels` of each, 3 or 4 for
+/// those with alpha.
+pub fn straight(pixmap: &Pixmap, channels: usize) -> Vec<u8> {
     let mut data = Vec::with_capacity(pixmap.pixels().len() * channels);
     for pixel in pixmap.pixels() {
         let c = pixel.demultiply();

@@ -7,6 +7,7 @@ pub mod colour_names;
 mod components;
 pub(crate) mod contact;
 mod control_map;
+pub mod css;
 mod decode;
 mod distance;
 mod labels;

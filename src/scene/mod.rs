@@ -362,6 +362,16 @@ impl Scene {
         self.validate().map_err(refused)
     }
 
+    /// The scene with a background of one colour, or with none, so that it is transparent between the
+    /// elements.
+    pub fn with_background(mut self, colour: Option<Colour>) -> Self {
+        let plain = |field: Field| Some(Field { points: Vec::new(), fallback: colour?, ..field });
+        for layer in &mut self.layers {
+            layer.field = layer.field.take().and_then(plain);
+        }
+        self
+    }
+
     /// All instances, in painting order.
     pub fn instances(&self) -> impl DoubleEndedIterator<Item = &Instance> {
         self.layers.iter().flat_map(|layer| &layer.instances)

@@ -96,6 +96,19 @@ pub fn synthesize_with(
     Ok((scene, report))
 }
 
+/// The canvas, width and height in pixels, that suits libraries where no size is asked for: 1000 × 1000;
+/// for a single periodic drawing some whole periods, at least two along each axis, about as large.
+pub fn default_size(libraries: &[Library]) -> [u32; 2] {
+    let SynthParams { width, height, .. } = SynthParams::default();
+    match libraries {
+        [library] if is_drawing(library) && library.arrangement.periodic => {
+            let whole = |about: u32, side: u32| side * ((about + side / 2) / side).max(2);
+            [whole(width, library.source.width), whole(height, library.source.height)]
+        }
+        _ => [width, height],
+    }
+}
+
 /// The parameters, with overlaps refused if all exemplars are drawings without touching elements.
 fn keeping_apart(libraries: &[Library], params: &SynthParams) -> SynthParams {
     let mut params = params.clone();

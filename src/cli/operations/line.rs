@@ -1,11 +1,12 @@
 //! The text of an operation as clap sees it, and what it means.
 
-use super::condition::condition;
 use super::fault::{self, Fault};
 use super::verb::Verb;
 use super::words::words;
 use crate::cli::failure::Failure;
+use crate::cli::nearest::nearest;
 use clap::{CommandFactory, Parser};
+use vtex::edit::condition::{EXPECTED, NAMES};
 use vtex::edit::{Condition, Operation, validate};
 
 /// An operation and the text that asked for it.
@@ -31,6 +32,15 @@ pub(super) struct Line {
     #[arg(long = "where", global = true, value_name = "CONDITIONS", value_delimiter = ',')]
     #[arg(value_parser = condition)]
     conditions: Vec<Condition>,
+}
+
+/// A condition of `--where`.
+fn condition(text: &str) -> Result<Condition, Fault> {
+    text.parse().map_err(|fault: vtex::edit::condition::ConditionFault| {
+        let expected = format!("conditions are {EXPECTED}, with commas between");
+        let meant = fault.unknown.as_ref().map(|name| format!("did you mean '{}'? ", nearest(name, &NAMES)));
+        Fault::new(fault.reason, meant.unwrap_or_default() + &expected)
+    })
 }
 
 /// Reads an operation and checks it. `read` gives the bytes of a file by its name; only palettes are

@@ -1,7 +1,6 @@
 //! The text of an operation on a scene, such as `tint #ff0000 --amount 0.5 --layer primary`, and the
 //! operation that it means.
 
-mod condition;
 mod fault;
 mod line;
 mod list;

@@ -1,7 +1,6 @@
 //! The operations: their words and flags, their help, and the actions that they are.
 
 use super::fault::{self, Fault};
-use crate::cli::colours;
 use crate::cli::values::named;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgAction, ArgGroup, Command, Subcommand};
@@ -473,5 +472,5 @@ fn colour_or_map(text: &str) -> Result<ColourOrMap, String> {
 
 /// A colour, as the command line reads it.
 fn colour(text: &str) -> Result<Colour, String> {
-    colours::colour(text).map_err(|_| "no colour".into())
+    vtex::raster::css::colour(text).ok_or_else(|| "no colour".into())
 }

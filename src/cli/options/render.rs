@@ -1,11 +1,11 @@
 //! How a picture is drawn.
 
-use crate::cli::colours::colour;
 use clap::Args;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::str::FromStr;
 use vtex::raster::colour::Colour;
+use vtex::raster::css;
 
 /// Section `[render]`.
 #[derive(Args, Serialize)]
@@ -45,7 +45,8 @@ impl FromStr for Background {
         if text == "none" {
             Ok(Self::None)
         } else {
-            colour(text).map(Self::Colour).map_err(|e| e + ", or none")
+            let expected = || "expected #rrggbb, #rgb or a name such as red, or none".into();
+            css::colour(text).map(Self::Colour).ok_or_else(expected)
         }
     }
 }

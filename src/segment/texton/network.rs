@@ -44,7 +44,7 @@ impl TextonNetwork {
     /// # Errors
     /// [`Error::Network`] if the engine cannot be loaded.
     pub fn built_in(options: &EngineOptions) -> Result<Self> {
-        let source = Source::Bytes { name: "texton encoder", bytes: ENCODER };
+        let source = Source::BuiltIn { name: "texton encoder", bytes: ENCODER };
         Ok(Self { encoder: engine::load(source, options)? })
     }
 

@@ -1,0 +1,107 @@
+"""Photographs and drawings of textures become editable vector textures of any size.
+
+`analyze` finds the elements of a photograph or an SVG, `synthesize` makes a `Scene` of any size of
+them, and a scene is drawn, edited and saved as SVG, PDF, PNG or JSON.
+
+Examples
+--------
+>>> import vtex
+>>> library = vtex.analyze("photo.jpg")                                # doctest: +SKIP
+>>> scene = vtex.synthesize(library, size=(1000, 600), tile="both")    # doctest: +SKIP
+>>> scene.edit(vtex.Tint("#d08030", amount=0.3)).save("out.svg")       # doctest: +SKIP
+"""
+
+from vtex._analysis import analyze
+from vtex._comparing import Metrics, Spread, metrics
+from vtex._errors import (
+    EngineError,
+    Error,
+    FileError,
+    InputError,
+    InputTypeError,
+    Interrupted,
+    VtexWarning,
+)
+from vtex._layer import Layer
+from vtex._library import Library
+from vtex._scene import Scene
+from vtex._synthesis import reconstruct, synthesize
+from vtex._threads import get_threads, set_threads
+from vtex._vtex import __version__
+from vtex.edits import (
+    Delete,
+    Density,
+    Edit,
+    Flatten,
+    Jitter,
+    Mask,
+    Move,
+    Order,
+    Orient,
+    Outline,
+    Palette,
+    Propagate,
+    Recolor,
+    Relax,
+    Replace,
+    Rotate,
+    Scale,
+    Shadow,
+    Shuffle,
+    Simplify,
+    Thin,
+    Tint,
+    Transform,
+    Vary,
+)
+
+__all__ = [
+    "Delete",
+    "Density",
+    "Edit",
+    "EngineError",
+    "Error",
+    "FileError",
+    "Flatten",
+    "InputError",
+    "InputTypeError",
+    "Interrupted",
+    "Jitter",
+    "Layer",
+    "Library",
+    "Mask",
+    "Metrics",
+    "Move",
+    "Order",
+    "Orient",
+    "Outline",
+    "Palette",
+    "Propagate",
+    "Recolor",
+    "Relax",
+    "Replace",
+    "Rotate",
+    "Scale",
+    "Scene",
+    "Shadow",
+    "Shuffle",
+    "Simplify",
+    "Spread",
+    "Thin",
+    "Tint",
+    "Transform",
+    "Vary",
+    "VtexWarning",
+    "__version__",
+    "analyze",
+    "get_threads",
+    "metrics",
+    "reconstruct",
+    "set_threads",
+    "synthesize",
+]
+
+# Users, tracebacks and pickles know public names only.
+for _name in __all__:
+    if not _name.startswith("_"):
+        globals()[_name].__module__ = "vtex"

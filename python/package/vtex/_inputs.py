@@ -1,0 +1,233 @@
+"""What users give, brought into the few forms that the compiled half takes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Sequence
+from typing import IO, Any, Protocol, TypeAlias, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from vtex import _vtex
+from vtex._errors import InputError, InputTypeError
+
+
+class PillowImage(Protocol):
+    """An image of Pillow."""
+
+    mode: str
+    info: dict[Any, Any]
+
+    def convert(self, mode: str) -> PillowImage:
+        """Give the same picture in another mode."""
+        ...
+
+
+Path: TypeAlias = Union[str, "os.PathLike[str]"]
+#: A picture: the path of a file, its bytes, a file open for reading, an array, or an image of Pillow.
+Picture: TypeAlias = Union[Path, bytes, bytearray, memoryview, IO[bytes], npt.NDArray[Any], PillowImage]
+#: Called with the name of a stage, the steps done, and the steps in all (0 while that is unknown). The
+#: work goes on unless it answers False or raises.
+Progress: TypeAlias = Callable[[str, int, int], Union[bool, None]]
+
+Named: TypeAlias = "tuple[str, bytes]"
+
+_BYTES = "give height x width x 3 of uint8, 0 to 255: array.astype('uint8')"
+
+
+def path_of(path: Path) -> str:
+    """Give a path as text."""
+    text = os.fspath(path)
+    if not isinstance(text, str):
+        raise InputTypeError("a path of bytes cannot be used", "give str or pathlib.Path")
+    return text
+
+
+def contents(source: Picture, name: str | None) -> tuple[str, bytes] | None:
+    """Give the name and the bytes of a file, in whatever form; None for what is no file."""
+    if isinstance(source, (str, os.PathLike)):
+        path = path_of(source)
+        return name or path, _vtex.read(path)
+    if isinstance(source, (bytes, bytearray, memoryview)):
+        return name or "bytes", bytes(source)
+    read = getattr(source, "read", None)
+    if read is None:
+        return None
+    try:
+        data = read()
+    except ValueError as error:
+        raise InputError(f"the file cannot be read: {error}", "open it, and give it while it is open") from error
+    if not isinstance(data, bytes):
+        raise InputTypeError("the file gives text", "open it with mode 'rb'")
+    given = getattr(source, "name", None)
+    return name or (given if isinstance(given, str) else "file"), data
+
+
+def pixels_of_pillow(image: Any) -> npt.NDArray[Any]:
+    """Give the pixels of an image of Pillow as a file of it would be read."""
+    from PIL import ImageOps
+
+    try:
+        # As files are read: turned by what the camera noted.
+        image = ImageOps.exif_transpose(image)
+        if image.mode not in ("L", "RGB", "RGBA", "I;16"):
+            if image.mode in ("I", "F"):
+                message = f"an image of mode '{image.mode}' has no range of values"
+                raise InputTypeError(message, "convert it to 'L' or 'RGB'")
+            clear = "A" in image.mode or "a" in image.mode or "transparency" in image.info
+            image = image.convert("RGBA" if clear else "RGB")
+        return np.asarray(image)
+    except ValueError as error:
+        raise InputError(f"the image cannot be read: {error}", "give it before it is closed") from error
+
+
+def is_pillow(source: object) -> bool:
+    """Tell whether something is an image of Pillow, without importing that."""
+    return any(kind.__module__ == "PIL.Image" for kind in type(source).__mro__)
+
+
+def array_of(source: object, role: str) -> npt.NDArray[Any]:
+    """Give what has pixels as an array of two or three axes."""
+    if is_pillow(source):
+        return pixels_of_pillow(source)
+    if isinstance(source, np.ndarray) or hasattr(source, "__array__") or hasattr(source, "__array_interface__"):
+        array: npt.NDArray[Any] = np.asarray(source)
+        if array.ndim == 3 and array.shape[2] == 1:
+            array = array[:, :, 0]
+        if array.ndim not in (2, 3) or 0 in array.shape:
+            raise InputError(
+                f"{role} is an array of shape {array.shape}", "arrays are height x width, or height x width x 3 or 4"
+            )
+        if array.ndim == 3 and array.shape[2] not in (3, 4):
+            first = array.shape[0] in (3, 4)
+            raise InputError(
+                f"{role} is an array of shape {array.shape}",
+                "colours come last: array.transpose(1, 2, 0)" if first else "colours are 3 or 4, on the last axis",
+            )
+        return array
+    raise InputTypeError(
+        f"{role} is {type(source).__name__}",
+        "give a path, bytes, an open file, an array of numpy, or an image of Pillow",
+    )
+
+
+def photo(source: Picture, name: str | None) -> tuple[str, bytes | npt.NDArray[Any]]:
+    """Give a photograph as bytes or as pixels of 8 bits."""
+    file = contents(source, name)
+    if file is not None:
+        return file
+    array = array_of(source, "the photograph")
+    if array.dtype == np.uint16:
+        # Rounded as the samples of a file are.
+        array = ((array.astype(np.uint32) + 128) // 257).astype(np.uint8)
+    elif array.dtype == np.bool_:
+        array = array.astype(np.uint8) * 255
+    elif array.dtype != np.uint8:
+        scaled = "(array * 255).round().astype('uint8') if it is 0 to 1"
+        raise InputTypeError(
+            f"the photograph is an array of {array.dtype}", scaled if array.dtype.kind == "f" else _BYTES
+        )
+    return name or "array", np.ascontiguousarray(array)
+
+
+def picture(source: Picture | None, role: str, most: float = 1.0) -> Named | None:
+    """Give a picture that steers as the bytes of a file; floats are 0 to `most`."""
+    if source is None:
+        return None
+    file = contents(source, None)
+    if file is not None:
+        return file
+    array = array_of(source, role)
+    if array.dtype.kind == "f":
+        if array.ndim != 2:
+            raise InputError(f"{role} is an array of floats of shape {array.shape}", "give height x width")
+        if not bool(((array >= 0) & (array <= most)).all()):
+            raise InputError(f"{role} has values that are not 0 to {most:g}", "clip them: array.clip(0, ...)")
+        array = np.rint(array.astype(np.float64) * (65535 / most)).astype(np.uint16)
+    elif array.dtype == np.bool_:
+        array = array.astype(np.uint8) * 255
+    elif array.dtype != np.uint8 and not (array.dtype == np.uint16 and array.ndim == 2):
+        raise InputTypeError(f"{role} is an array of {array.dtype}", "give uint8, bool, or floats in range")
+    data = _vtex.encode(np.ascontiguousarray(array))
+    return f"array-{hashlib.sha256(data).hexdigest()[:12]}.png", data
+
+
+def labels(source: Picture | None) -> Named | None:
+    """Give masks as the bytes of a file; arrays hold a number for each pixel, 0 where there is none."""
+    if source is None:
+        return None
+    file = contents(source, None)
+    if file is not None:
+        # They are named after the file alone in the library.
+        return os.path.basename(file[0]), file[1]
+    array = array_of(source, "masks")
+    if array.ndim != 2 or array.dtype.kind not in "biu":
+        raise InputTypeError(
+            f"masks are an array of {array.dtype} of shape {array.shape}",
+            "give height x width of whole numbers: 0 for none, 1, 2, ... for each mask",
+        )
+    least, most = int(array.min()), int(array.max())
+    if least < 0 or most > 65535:
+        raise InputError(f"masks have numbers from {least} to {most}", "they are 0 to 65535")
+    array = array.astype(np.uint8 if most < 256 else np.uint16)
+    return "array", _vtex.encode(np.ascontiguousarray(array))
+
+
+def size_of(size: int | Sequence[int] | None) -> tuple[int, int] | None:
+    """Give width and height of a canvas."""
+    if size is None:
+        return None
+    wrong = InputTypeError(f"size = {size!r} cannot be used", "give a number of pixels, or (width, height)")
+    try:
+        sides = [size, size] if isinstance(size, (int, np.integer)) else list(size)
+        width, height = (int(side) if isinstance(side, (int, np.integer)) else None for side in sides)
+    except (TypeError, ValueError):
+        raise wrong from None
+    if width is None or height is None or isinstance(size, bool):
+        raise wrong
+    if not (1 <= width <= 100_000 and 1 <= height <= 100_000):
+        raise InputError(f"size = {width}x{height} is out of range: 1 to 100000 px on each side")
+    return width, height
+
+
+def plain(value: object) -> Any:
+    """Give a number of numpy as Python has it, for JSON."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    raise InputTypeError(f"{value!r} cannot be used here", "give numbers, text, True or False")
+
+
+def to_json(value: object) -> str:
+    """Write parameters for the compiled half."""
+    try:
+        return json.dumps(value, default=plain, allow_nan=False)
+    except ValueError:
+        raise InputError("a parameter is not a finite number") from None
+
+
+def whole(name: str, value: object, least: int, most: int) -> int:
+    """Give a whole number in a range."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise InputTypeError(f"{name} = {value!r} is no whole number", f"give {least} to {most}")
+    if not least <= value <= most:
+        raise InputError(f"{name} = {value} is out of range: {least} to {most}")
+    return int(value)
+
+
+def number(name: str, value: object) -> float:
+    """Give a number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise InputTypeError(f"{name} = {value!r} is no number")
+    return float(value)
+
+
+def document(data: object) -> Named:
+    """Give the bytes of a document."""
+    if not isinstance(data, (bytes, bytearray, memoryview)):
+        raise InputTypeError(f"{type(data).__name__} are no bytes", "to read a file, call read")
+    return "bytes", bytes(data)

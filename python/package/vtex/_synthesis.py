@@ -1,0 +1,194 @@
+"""Libraries to scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from vtex import _inputs, _vtex
+from vtex._analysis import _MOST_SEED
+from vtex._errors import InputError, InputTypeError
+from vtex._library import Library
+from vtex._scene import Scene
+
+_MOST_LIBRARIES = 16
+
+
+def synthesize(
+    library: Library | Sequence[Library],
+    size: int | tuple[int, int] | None = None,
+    *,
+    seed: int = 0,
+    method: Literal["auto", "correspondence", "descriptor", "period"] = "auto",
+    variation: float | None = None,
+    candidates: int = 20,
+    moves: int = 5,
+    weights: Sequence[float] = (0.5, -0.4, -0.2, -0.5, -0.5),
+    background_spacing: float | None = None,
+    tile: Literal["none", "both", "x", "y"] = "none",
+    rotate: float = 0.0,
+    mirror: bool = False,
+    scale_jitter: float = 0.0,
+    edge: Literal["keep", "clip", "avoid"] = "clip",
+    ablate: Sequence[str] = (),
+    domain: _inputs.Picture | None = None,
+    density: _inputs.Picture | None = None,
+    map: _inputs.Picture | Sequence[_inputs.Picture] | None = None,
+    control: _inputs.Picture | None = None,
+    guide: _inputs.Picture | None = None,
+    progress: _inputs.Progress | None = None,
+) -> Scene:
+    """Make a texture of any size like the exemplar of a library.
+
+    The same libraries, parameters and seed give the same scene on any number of threads, and the same
+    as the program ``vtex synth``. Lengths are pixels of the canvas. Pictures that steer are stretched
+    over the canvas; they are paths, bytes, open files, images of Pillow, or arrays height x width (greys
+    of uint8, or floats as said below) or height x width x 3 of uint8.
+
+    Parameters
+    ----------
+    library : Library or sequence of Library
+        What the texture is made of. Several, at most 16, share the canvas by `map`.
+    size : int or (int, int), optional
+        Width and height of the canvas, 1 to 100 000 pixels each, at most 400 megapixels. Default: 1000,
+        or some whole periods of a periodic drawing.
+    seed : int, default 0
+        Seed of random choices, 0 to 2**64 - 1.
+    method : {"auto", "correspondence", "descriptor", "period"}, default "auto"
+        How elements are placed: carried from the exemplar along a field of correspondences, one by one
+        by the descriptors of their neighbours, by the period of a drawing, or as the library allows.
+    variation : float, optional
+        Share of a periodic drawing's free elements that leave their places, 0 to 1. Default: 0 for a
+        regular drawing, else 1.
+    candidates : int, default 20
+        Elements tried for each place, by descriptors, 1 to 1000.
+    moves : int, default 5
+        Moves by one cell that may better a placement, 0 to 100.
+    weights : sequence of five floats, default (0.5, -0.4, -0.2, -0.5, -0.5)
+        Weights of target, uncovered, empty, mismatched and same-overlap areas in the score of a
+        placement, -10 to 10 each.
+    background_spacing : float, optional
+        Distance between background colours, 4 to 1000 pixels. Default: as in the library.
+    tile : {"none", "both", "x", "y"}, default "none"
+        Axes along which it repeats without a seam.
+    rotate : float, default 0.0
+        Largest angle by which elements are turned either way, 0 to 180 degrees.
+    mirror : bool, default False
+        Whether half of the elements are mirrored.
+    scale_jitter : float, default 0.0
+        Largest change of an element's size either way, 0 to 50 per cent.
+    edge : {"clip", "keep", "avoid"}, default "clip"
+        What becomes of elements at the edge of a domain.
+    ablate : sequence of str, default ()
+        Parts of the method that are left out, for experiments: "secondary", "overlap", "density",
+        "decay", "improve", "growth", "removal", "copies", "seeds", "neighbourhoods".
+    domain : picture or SVG, optional
+        The shape to fill: an SVG with one closed path, fitted to the canvas, or a mask, white (1.0) inside.
+    density : picture, optional
+        Density relative to the exemplar's: black 0, middle grey 1, white 2; floats are densities, 0 to 2.
+    map : picture or sequence of pictures, optional
+        Which library is where, for several: one grey picture for two (black the first, white the second),
+        one with a colour for each, or a grey one for each (floats are shares, 0 to 1).
+    control : picture, optional
+        Layers as in a map, in the colours of the library's layers.
+    guide : picture, optional
+        Light and dark as in another picture; floats are lightness, 0 to 1.
+    progress : callable, optional
+        Called as ``progress(stage, done, total)`` in this thread; the work stops if it returns False or
+        raises.
+
+    Returns
+    -------
+    Scene
+        The texture.
+
+    Raises
+    ------
+    InputError
+        If a parameter is out of range, or what is given does not go together.
+    InputTypeError
+        If something has a type that cannot be used.
+    FileError
+        If a file cannot be read.
+    Interrupted
+        If `progress` returned False.
+    """
+    libraries = [library] if isinstance(library, Library) else _several(library)
+    if tile not in ("none", "both", "x", "y"):
+        raise InputError(f"tile = {tile!r} cannot be used", "give 'none', 'both', 'x' or 'y'")
+    names = ("target", "uncovered", "empty", "mismatched", "same_overlap")
+    numbers = list(weights)
+    if len(numbers) != len(names):
+        raise InputError(f"weights has {len(numbers)} numbers, not {len(names)}")
+    if control is not None and guide is not None:
+        raise InputError("control and guide are both given", "give one of them")
+    if control is not None and len(libraries) > 1:
+        raise InputError(f"control is for a single library, {len(libraries)} are given")
+    width, height = _inputs.size_of(size) or (1000, 1000)
+    parameters = {
+        "width": width,
+        "height": height,
+        "seed": _inputs.whole("seed", seed, 0, _MOST_SEED),
+        "method": method,
+        "variation": variation,
+        "candidates": candidates,
+        "moves": moves,
+        "weights": dict(zip(names, numbers, strict=True)),
+        "background_spacing": background_spacing,
+        "tile": {"x": tile in ("both", "x"), "y": tile in ("both", "y")},
+        "rotate": rotate,
+        "mirror": mirror,
+        "scale_jitter": scale_jitter,
+        "edge": edge,
+        "ablate": [ablate] if isinstance(ablate, str) else list(ablate),
+    }
+    maps = _maps(map, len(libraries))
+    shape, densities = _inputs.picture(domain, "domain"), _inputs.picture(density, "density", 2.0)
+    layers, lightness = _inputs.picture(control, "control"), _inputs.picture(guide, "guide")
+    # Pictures that steer are fitted to the canvas, so its size is as good as given.
+    sized = size is not None or bool(maps) or any((shape, densities, layers, lightness))
+    cores = [library._core for library in libraries]
+    return Scene._of(
+        _vtex.synthesize(cores, _inputs.to_json(parameters), sized, shape, densities, maps, layers, lightness, progress)
+    )
+
+
+def reconstruct(library: Library) -> Scene:
+    """Draw the exemplar back from its library.
+
+    Parameters
+    ----------
+    library : Library
+        What analysis knows of the exemplar.
+
+    Returns
+    -------
+    Scene
+        A scene of the exemplar's size, without parameters.
+    """
+    if not isinstance(library, Library):
+        raise InputTypeError(f"{type(library).__name__} is no Library", "make one with vtex.analyze")
+    return Scene._of(_vtex.reconstruct(library._core))
+
+
+def _several(libraries: object) -> list[Library]:
+    if not isinstance(libraries, Sequence) or isinstance(libraries, (str, bytes)):
+        hint = "make one with vtex.analyze, or read one with vtex.Library.read"
+        raise InputTypeError(f"{type(libraries).__name__} is no Library", hint)
+    several = list(libraries)
+    for library in several:
+        if not isinstance(library, Library):
+            raise InputTypeError(f"{type(library).__name__} is no Library", "make one with vtex.analyze")
+    if not 1 <= len(several) <= _MOST_LIBRARIES:
+        raise InputError(f"{len(several)} libraries are given, not 1 to {_MOST_LIBRARIES}")
+    return several
+
+
+def _maps(given: _inputs.Picture | Sequence[_inputs.Picture] | None, libraries: int) -> list[_inputs.Named]:
+    several: list[Any] = list(given) if isinstance(given, (list, tuple)) else [] if given is None else [given]
+    if libraries == 1 and several:
+        raise InputError("map is for several libraries, one is given")
+    if libraries > 1 and len(several) not in (1, libraries):
+        message = f"{len(several)} maps are given for {libraries} libraries"
+        raise InputError(message, "give one map for all libraries, or one for each")
+    return [named for picture in several if (named := _inputs.picture(picture, "map")) is not None]

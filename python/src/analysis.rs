@@ -1,0 +1,134 @@
+//! Photograph or drawing → library.
+
+use crate::library::Library;
+use crate::pictures::{Named, Picture};
+use crate::run::run;
+use crate::writing::from_json;
+use pyo3::prelude::*;
+use serde::Deserialize;
+use std::path::PathBuf;
+use vtex::analyze::{Exemplar, Limits, borders_join};
+use vtex::engine::{EngineOptions, Runtime, Source};
+use vtex::import::{ImportParams, import, is_drawing};
+use vtex::layers::LayerPicture;
+use vtex::library::AnalyzeParams;
+use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
+use vtex::segment::texton::Texton;
+use vtex::segment::{Felzenszwalb, MasksFile, Regions, Segmenter};
+use vtex::{Error, Result};
+
+/// How an exemplar is analysed.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Options {
+    segmenter: Name,
+    /// Files of a network of Segment Anything.
+    networks: Vec<PathBuf>,
+    engine: Engine,
+    onnxruntime: Option<PathBuf>,
+    /// Whether the exemplar tiles; to be found out if it is not given.
+    wrap: Option<bool>,
+    parameters: AnalyzeParams,
+}
+
+/// What finds masks.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Name {
+    Auto,
+    Texton,
+    Regions,
+    Felzenszwalb,
+    Sam,
+}
+
+/// What runs networks.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Engine {
+    Auto,
+    OnnxRuntime,
+    Rten,
+}
+
+impl Options {
+    /// What finds masks.
+    ///
+    /// # Errors
+    /// Those of loading it.
+    fn segmenter(&self) -> Result<Box<dyn Segmenter>> {
+        let runtime = match self.engine {
+            Engine::Auto => Runtime::Auto,
+            Engine::OnnxRuntime => Runtime::OnnxRuntime,
+            Engine::Rten => Runtime::Rten,
+        };
+        // With a number, networks have threads of their own, which end with them.
+        let threads = Some(crate::run::threads());
+        let engine = EngineOptions { runtime, library: self.onnxruntime.clone(), threads };
+        let sam = || -> Result<Box<dyn Segmenter>> {
+            let files: Vec<Source<'_>> = self.networks.iter().map(|path| Source::File(path)).collect();
+            let sam = Sam::open(&files, &engine)?;
+            Ok(Box::new(Generator::new(Box::new(sam), GeneratorParams::default())?))
+        };
+        match self.segmenter {
+            Name::Auto if !self.networks.is_empty() => sam(),
+            Name::Sam => sam(),
+            Name::Auto | Name::Texton => Ok(Box::new(Texton::new(&engine.built_in())?)),
+            Name::Regions => Ok(Box::new(Regions)),
+            Name::Felzenszwalb => Ok(Box::new(Felzenszwalb::default())),
+        }
+    }
+}
+
+/// Analyses an exemplar.
+#[pyfunction]
+pub(crate) fn analyze(
+    py: Python<'_>,
+    name: String,
+    exemplar: Picture,
+    options: &str,
+    masks: Option<Named>,
+    layer_map: Option<Named>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Library> {
+    let options: Options = from_json(py, options, "analyze")?;
+    let found = run(py, progress, move |progress| {
+        let drawing = match &exemplar {
+            Picture::Bytes(bytes) if is_drawing(bytes) => Some(&bytes[..]),
+            _ => None,
+        };
+        // Errors name the file as it was given.
+        let file =
+            std::path::Path::new(&name).file_name().map_or(name.clone(), |n| n.to_string_lossy().into());
+        if let Some(bytes) = drawing {
+            if masks.is_some() || layer_map.is_some() {
+                return Err(Error::Control {
+                    name,
+                    role: "an exemplar with masks or a layer map",
+                    reason: "it is a drawing, which has neither".into(),
+                    advice: "leave out masks and layer_map",
+                });
+            }
+            let params = ImportParams { wrap: options.wrap, analyze: options.parameters };
+            let mut library = import(bytes, &name, &params, progress)?;
+            library.source.file = file;
+            return Ok(library);
+        }
+        let mut exemplar = match exemplar {
+            Picture::Bytes(bytes) => Exemplar::from_bytes(&bytes, &name, &Limits::default())?,
+            Picture::Pixels(image) => Exemplar::from_image(image, &name)?,
+        };
+        exemplar.file = file;
+        if let Some((name, bytes)) = layer_map {
+            exemplar.layers = Some(LayerPicture::from_bytes(&bytes, &name, &Limits::default())?.layers()?);
+        }
+        let segmenter = match masks {
+            Some((name, bytes)) => Box::new(MasksFile::from_bytes(bytes.to_vec(), &name)?),
+            None => options.segmenter()?,
+        };
+        let wrap = options.wrap.unwrap_or_else(|| borders_join(&exemplar.image));
+        let params = AnalyzeParams { wrap, ..options.parameters };
+        vtex::analyze::analyze(&exemplar, &*segmenter, &params, progress)
+    });
+    found.map(Library::from)
+}

@@ -1,0 +1,115 @@
+//! Errors of the library as exceptions, with hints in the words of Python.
+
+use pyo3::prelude::*;
+use std::io;
+use vtex::Error;
+use vtex::error::EditFault;
+
+/// An exception made by a function of `vtex._errors`; what goes wrong with that is raised instead.
+fn made<'py>(py: Python<'py>, name: &str, arguments: impl pyo3::call::PyCallArgs<'py>) -> PyErr {
+    let value = py.import("vtex._errors").and_then(|module| module.getattr(name)?.call1(arguments));
+    value.map_or_else(|error| error, PyErr::from_value)
+}
+
+/// A value that cannot be used.
+pub(crate) fn input(py: Python<'_>, message: &str, hint: Option<&str>) -> PyErr {
+    made(py, "InputError", (message, hint))
+}
+
+/// Something that is not of a type that can be used.
+pub(crate) fn kind(py: Python<'_>, message: &str, hint: &str) -> PyErr {
+    made(py, "InputTypeError", (message, hint))
+}
+
+/// A fault of what runs networks or threads.
+pub(crate) fn engine(py: Python<'_>, message: &str) -> PyErr {
+    made(py, "EngineError", (message, None::<&str>))
+}
+
+/// The exception for an error of the library.
+pub(crate) fn raised(py: Python<'_>, error: &Error) -> PyErr {
+    let (message, hint) = (message(error), hint(error));
+    match error {
+        Error::Read { path, source } | Error::Write { path, source } => {
+            let what = match source.kind() {
+                io::ErrorKind::NotFound => "missing",
+                io::ErrorKind::PermissionDenied => "denied",
+                io::ErrorKind::IsADirectory => "folder",
+                io::ErrorKind::AlreadyExists => "exists",
+                _ => "other",
+            };
+            made(py, "file_error", (what, message, hint, source.raw_os_error(), path))
+        }
+        Error::Exists { path, .. } => made(py, "file_error", ("exists", message, hint, None::<i32>, path)),
+        Error::Interrupted => made(py, "Interrupted", (message, hint)),
+        Error::Network { .. } | Error::Runtime { .. } | Error::Engine { .. } => {
+            made(py, "EngineError", (message, hint))
+        }
+        _ => made(py, "InputError", (message, hint)),
+    }
+}
+
+/// The message, with parameters named as in Python.
+fn message(error: &Error) -> String {
+    match error {
+        Error::Parameter { name, value, allowed } => {
+            format!("{} = {value} is out of range: {allowed}", name.replace('-', "_"))
+        }
+        Error::Edit { operation, fault: EditFault::Range { name, value, low, high, unit } } => {
+            let name = field(operation, name);
+            let blank = if unit.is_empty() { "" } else { " " };
+            format!("cannot do '{operation}': {name} = {value} is out of range: {low} to {high}{blank}{unit}")
+        }
+        _ => error.to_string(),
+    }
+}
+
+/// The field of a class of edits for a number that the command line calls `name`.
+fn field<'a>(operation: &str, name: &'a str) -> &'a str {
+    let verb = operation.split(' ').next().unwrap_or_default();
+    match (verb, name) {
+        ("orient", "degrees") => "direction",
+        ("jitter", "move") => "distance",
+        (_, "move") => "by",
+        (_, "degrees" | "rotate") => "angle",
+        (_, "px") => "tolerance",
+        (_, "min-area") => "minimum_area",
+        (_, "min-distance") => "minimum_distance",
+        (_, "color") => "colour",
+        _ => name,
+    }
+}
+
+/// A hint that names what Python has, else the library's own.
+fn hint(error: &Error) -> Option<String> {
+    let text = match error {
+        Error::Exists { .. } => "give another name, or force=True to replace it",
+        Error::Format { format: "vtex-library", .. } => "make a library with vtex.analyze",
+        Error::Format { format: "vtex-scene", .. } => "make a scene with vtex.synthesize",
+        Error::Runtime { .. } => {
+            "'pip install onnxruntime' brings it; name its library by onnxruntime=, or use engine='rten'"
+        }
+        Error::Engine { engine: "rten", .. } => "try engine='onnxruntime'",
+        Error::Engine { engine: "ONNX Runtime", .. } => {
+            "use an export with 32-bit inputs and outputs, or try engine='rten'"
+        }
+        Error::Edit { fault: EditFault::TooFar(_), .. } => "give smaller numbers",
+        Error::Edit { fault: EditFault::NoLayer { known, .. }, .. } => {
+            return Some(format!("layer takes {}", known.join(", ")));
+        }
+        Error::Edit { fault: EditFault::BackgroundCondition, .. } => {
+            "its points are told apart by x, y, inside and outside"
+        }
+        Error::Control { role: "a drawing", advice, .. } if *advice == vtex::import::CONVERT => {
+            return Some(format!("{advice}; lenient=True leaves it out"));
+        }
+        Error::Parameter { name: "size", value, .. } if value.contains("the drawing repeats") => {
+            "give another size, or method='descriptor', which fits any"
+        }
+        Error::MaxBytes { smallest, .. } => {
+            return Some(format!("give max_bytes={smallest} or more, or make the texture smaller"));
+        }
+        _ => return error.hint(),
+    };
+    Some(text.to_owned())
+}

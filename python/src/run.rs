@@ -1,0 +1,150 @@
+//! Work away from the interpreter: detached from its lock, on threads of its own, with progress,
+//! warnings and signals carried between the two.
+//!
+//! Every call has its own threads, which end with it. So a process may fork between calls, calls from
+//! several threads do not wait for one another, and nothing runs at exit.
+
+use crate::errors;
+use pyo3::prelude::*;
+use rayon::ThreadPoolBuilder;
+use std::ffi::CString;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::available_parallelism;
+use std::time::Duration;
+use vtex::Progress;
+
+/// How often signals are looked for.
+const POLL: Duration = Duration::from_millis(20);
+/// Stack of a thread: as much as a program's first thread has.
+const STACK: usize = 8 << 20;
+/// Most threads.
+const MOST: usize = 1024;
+
+/// Number of threads; 0 for the default.
+static THREADS: AtomicUsize = AtomicUsize::new(0);
+
+/// Sets the number of threads of each call; `None` for the default.
+#[pyfunction]
+pub(crate) fn set_threads(py: Python<'_>, number: Option<usize>) -> PyResult<()> {
+    if let Some(number) = number.filter(|n| !(1..=MOST).contains(n)) {
+        return Err(errors::input(py, &format!("threads = {number} is out of range: 1 to {MOST}"), None));
+    }
+    THREADS.store(number.unwrap_or(0), Ordering::Relaxed);
+    Ok(())
+}
+
+/// The number of threads of each call.
+#[pyfunction]
+pub(crate) fn threads() -> usize {
+    let cores = || available_parallelism().map_or(1, usize::from);
+    let asked = || std::env::var("VTEX_THREADS").ok()?.parse().ok().filter(|n| (1..=MOST).contains(n));
+    match THREADS.load(Ordering::Relaxed) {
+        0 => asked().unwrap_or_else(cores),
+        number => number,
+    }
+}
+
+/// News of the work.
+enum News {
+    Advance(&'static str, u64, u64),
+    Warning(String),
+}
+
+/// Tells the interpreter's side what happens, and hears from it when to stop.
+struct Listener<'a> {
+    news: Sender<News>,
+    stop: &'a AtomicBool,
+    /// Whether anyone looks at steps.
+    watched: bool,
+}
+
+impl Progress for Listener<'_> {
+    fn advance(&self, stage: &'static str, done: u64, total: u64) -> bool {
+        if self.watched {
+            // Without a receiver nobody wants to know.
+            let _ = self.news.send(News::Advance(stage, done, total));
+        }
+        !self.stop.load(Ordering::Relaxed)
+    }
+
+    fn warn(&self, message: &str) {
+        let _ = self.news.send(News::Warning(message.to_owned()));
+    }
+}
+
+/// Does work detached from the interpreter. `progress` is called with stage, steps done and steps in all
+/// in the caller's thread; what it raises, and what a signal's handler raises, stops the work and is
+/// raised here.
+pub(crate) fn run<T: Send>(
+    py: Python<'_>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&dyn Progress) -> vtex::Result<T> + Send,
+) -> PyResult<T> {
+    let stop = AtomicBool::new(false);
+    let mut outcome = None;
+    let mut raised = None;
+    let mut warnings = Vec::new();
+    let built = py.detach(|| {
+        let pool = ThreadPoolBuilder::new().num_threads(threads()).stack_size(STACK).build();
+        pool.map(|pool| {
+            let (news, inbox) = channel();
+            let listener = Listener { news, stop: &stop, watched: progress.is_some() };
+            pool.in_place_scope(|scope| {
+                let outcome = &mut outcome;
+                scope.spawn(move |_| *outcome = Some(work(&listener)));
+                loop {
+                    let heard = match inbox.recv_timeout(POLL) {
+                        Ok(News::Warning(message)) => {
+                            warnings.push(message);
+                            continue;
+                        }
+                        Ok(News::Advance(stage, done, total)) => match &progress {
+                            // What comes after the end of interest is not told.
+                            Some(progress) if !stop.load(Ordering::Relaxed) => {
+                                Python::attach(|py| tell(py, progress, stage, done, total))
+                            }
+                            _ => continue,
+                        },
+                        Err(RecvTimeoutError::Timeout) => {
+                            Python::attach(|py| py.check_signals()).map(|()| true)
+                        }
+                        Err(RecvTimeoutError::Disconnected) => break,
+                    };
+                    match heard {
+                        Ok(true) => continue,
+                        Ok(false) => {}
+                        Err(error) => raised = raised.take().or(Some(error)),
+                    }
+                    stop.store(true, Ordering::Relaxed);
+                }
+            });
+        })
+    });
+    built.map_err(|e| errors::engine(py, &format!("threads cannot be started: {e}")))?;
+    if let Some(error) = raised {
+        return Err(error);
+    }
+    for message in warnings {
+        warn(py, &message)?;
+    }
+    match outcome {
+        Some(outcome) => outcome.map_err(|error| errors::raised(py, &error)),
+        None => Err(errors::engine(py, "the work ended without a result")),
+    }
+}
+
+/// Calls the progress function; `false` if it asks to stop.
+fn tell(py: Python<'_>, progress: &Py<PyAny>, stage: &str, done: u64, total: u64) -> PyResult<bool> {
+    let answer = progress.bind(py).call1((stage, done, total))?;
+    // Nothing, as of a function without `return`, means to go on.
+    py.check_signals()?;
+    if answer.is_none() { Ok(true) } else { answer.is_truthy() }
+}
+
+/// Issues a warning at the caller of the Python function that called this.
+pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let category = py.import("vtex._errors")?.getattr("VtexWarning")?;
+    let message = CString::new(message.replace('\0', " "))?;
+    PyErr::warn(py, &category, &message, 2)
+}

@@ -1,0 +1,172 @@
+//! Scenes.
+
+use crate::editing::Asked;
+use crate::errors;
+use crate::pictures::Named;
+use crate::run::{run, warn};
+use crate::writing::{Options, check_scale, from_json, gzipped, json};
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::PyBytes;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use vtex::edit::{self, Files};
+use vtex::output::file::{Format, Kind};
+use vtex::output::png;
+use vtex::{Error, scene};
+
+/// A synthesised texture.
+#[pyclass(frozen, module = "vtex._vtex")]
+pub(crate) struct Scene {
+    pub(crate) inner: Arc<scene::Scene>,
+}
+
+impl From<scene::Scene> for Scene {
+    fn from(scene: scene::Scene) -> Self {
+        Self { inner: Arc::new(scene) }
+    }
+}
+
+#[pymethods]
+impl Scene {
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, named: Named) -> PyResult<Self> {
+        let (name, bytes) = named;
+        run(py, None, move |_| scene::Scene::from_bytes(&bytes[..], &name)).map(Self::from)
+    }
+
+    fn json(&self, py: Python<'_>) -> Py<PyBytes> {
+        let json = py.detach(|| self.inner.to_json());
+        PyBytes::new(py, &json).unbind()
+    }
+
+    fn gzip(&self, py: Python<'_>) -> PyResult<Py<PyBytes>> {
+        let packed = py.detach(|| gzipped(&self.inner.to_json()));
+        Ok(PyBytes::new(py, &packed.map_err(|e| errors::raised(py, &e))?).unbind())
+    }
+
+    fn equals(&self, py: Python<'_>, other: &Self) -> bool {
+        Arc::ptr_eq(&self.inner, &other.inner) || py.detach(|| self.inner == other.inner)
+    }
+
+    /// The bytes of a file whose name has this ending, with its dot.
+    fn encode(&self, py: Python<'_>, ending: &str, options: &str) -> PyResult<Py<PyBytes>> {
+        let options: Options = from_json(py, options, "scene")?;
+        let kind = kind(py, Path::new(&format!("scene{ending}")))?;
+        let (bytes, warnings) = run(py, None, |_| options.bytes(&self.inner, kind))?;
+        warnings.iter().try_for_each(|warning| warn(py, warning))?;
+        Ok(PyBytes::new(py, &bytes).unbind())
+    }
+
+    /// Writes a file of the format that its name asks for; the number of bytes.
+    fn save(&self, py: Python<'_>, path: PathBuf, options: &str, force: bool) -> PyResult<u64> {
+        let options: Options = from_json(py, options, "scene")?;
+        let kind = kind(py, &path)?;
+        let (bytes, warnings) = run(py, None, |_| options.save(&self.inner, &path, kind, force))?;
+        warnings.iter().try_for_each(|warning| warn(py, warning))?;
+        Ok(bytes)
+    }
+
+    /// Pixels: height × width × 3 over white, or × 4 with opacity.
+    fn render<'py>(&self, py: Python<'py>, options: &str, alpha: bool) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let options: Options = from_json(py, options, "render")?;
+        let (values, width, height) = run(py, None, |_| {
+            check_scale(options.scale)?;
+            let pixmap = png::render(&*options.scene(&self.inner)?, options.scale)?;
+            let (width, height) = (pixmap.width() as usize, pixmap.height() as usize);
+            let values = if alpha { png::straight(&pixmap, 4) } else { png::over_white(&pixmap).into_raw() };
+            Ok((values, width, height))
+        })?;
+        // The array takes the pixels over.
+        PyArray1::from_vec(py, values).reshape([height, width, if alpha { 4 } else { 3 }])
+    }
+
+    /// Operations done one after the other; the scene, and for each how many elements it was for.
+    fn edit(
+        &self,
+        py: Python<'_>,
+        operations: &str,
+        files: BTreeMap<String, PyBackedBytes>,
+        seed: Option<u64>,
+    ) -> PyResult<(Self, Vec<usize>)> {
+        let asked: Vec<Asked> = from_json(py, operations, "edit")?;
+        let operations = asked.into_iter().map(|a| a.operation(py)).collect::<PyResult<Vec<_>>>()?;
+        let (scene, outcomes) = run(py, None, |_| {
+            let canvas = [self.inner.width, self.inner.height];
+            let read = |name: &str| match files.get(name) {
+                Some(bytes) => Ok(bytes.to_vec()),
+                None => std::fs::read(name).map_err(|e| Error::read(Path::new(name), e)),
+            };
+            let files = Files::read(&operations, canvas, read)?;
+            edit::apply((*self.inner).clone(), &operations, &files, seed)
+        })?;
+        for (operation, outcome) in operations.iter().zip(&outcomes) {
+            if outcome.matched == 0 {
+                warn(py, &format!("'{operation}' matches nothing: the scene stays as it was"))?;
+            }
+        }
+        Ok((scene.into(), outcomes.iter().map(|outcome| outcome.matched).collect()))
+    }
+
+    #[getter]
+    fn width(&self) -> u32 {
+        self.inner.width
+    }
+
+    #[getter]
+    fn height(&self) -> u32 {
+        self.inner.height
+    }
+
+    #[getter]
+    fn seed(&self) -> Option<u64> {
+        self.inner.parameters.as_ref().map(|p| p.seed)
+    }
+
+    #[getter]
+    fn tile(&self) -> (bool, bool) {
+        (self.inner.tile.x, self.inner.tile.y)
+    }
+
+    #[getter]
+    fn exemplars(&self) -> Vec<&str> {
+        self.inner.libraries.iter().map(|l| l.exemplar.as_str()).collect()
+    }
+
+    #[getter]
+    fn elements(&self) -> usize {
+        self.inner.elements.len()
+    }
+
+    #[getter]
+    fn instances(&self) -> usize {
+        self.inner.count()
+    }
+
+    #[getter]
+    fn layers(&self) -> Vec<(&str, &str, usize)> {
+        self.inner.layers.iter().map(|l| (&*l.name, l.role.name(), l.instances.len())).collect()
+    }
+
+    #[getter]
+    fn parameters(&self, py: Python<'_>) -> PyResult<String> {
+        json(py, &self.inner.parameters)
+    }
+
+    #[getter]
+    fn edits(&self, py: Python<'_>) -> PyResult<String> {
+        json(py, &self.inner.edits)
+    }
+}
+
+/// What a file's name asks for.
+fn kind(py: Python<'_>, path: &Path) -> PyResult<Kind> {
+    let kind = Kind::from_path(path).filter(|kind| kind.format != Format::Library);
+    kind.ok_or_else(|| {
+        let message = format!("the name of '{}' says no format that a scene is written in", path.display());
+        let hint = "names end in .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz";
+        errors::input(py, &message, Some(hint))
+    })
+}

@@ -1,0 +1,91 @@
+//! Libraries → scene.
+
+use crate::library::Library;
+use crate::pictures::Named;
+use crate::run::run;
+use crate::scene::Scene;
+use crate::writing::from_json;
+use pyo3::prelude::*;
+use std::borrow::Cow;
+use vtex::analyze::Limits;
+use vtex::import::is_drawing;
+use vtex::layers::LayerPicture;
+use vtex::scene::SynthParams;
+use vtex::synth::{self, Controls, Lead, default_size, layer_map, synthesize_with};
+use vtex::{Result, control, library};
+
+/// Files that steer.
+struct Steering {
+    domain: Option<Named>,
+    density: Option<Named>,
+    maps: Vec<Named>,
+    control: Option<Named>,
+    guide: Option<Named>,
+}
+
+impl Steering {
+    /// The content of the files.
+    ///
+    /// # Errors
+    /// That of a file which cannot be used so.
+    fn controls(&self, canvas: [u32; 2], libraries: &[library::Library]) -> Result<Controls> {
+        let domain = self.domain.as_ref().map(|(name, bytes)| match is_drawing(bytes) {
+            true => control::shape(bytes, name, canvas),
+            false => control::mask(bytes, name, canvas),
+        });
+        let density = self.density.as_ref().map(|(name, bytes)| control::density(bytes, name));
+        let maps: Vec<(&str, &[u8])> =
+            self.maps.iter().map(|(name, bytes)| (&name[..], &bytes[..])).collect();
+        let shares = if maps.is_empty() { Vec::new() } else { control::shares(&maps, libraries.len())? };
+        let lead = match (&self.control, &self.guide, libraries) {
+            (Some((name, bytes)), _, [library]) => {
+                let picture = LayerPicture::from_bytes(bytes, name, &Limits::default())?;
+                Some(Lead::Strata(picture.in_colours_of(&layer_map(library))?))
+            }
+            (_, Some((name, bytes)), _) => Some(Lead::Lightness(control::level(bytes, name)?)),
+            _ => None,
+        };
+        Ok(Controls { domain: domain.transpose()?, density: density.transpose()?, shares, lead })
+    }
+}
+
+/// Synthesises a texture. Without `size` the canvas is that which suits the libraries.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "called by keyword from Python, in one place")]
+pub(crate) fn synthesize(
+    py: Python<'_>,
+    libraries: Vec<PyRef<'_, Library>>,
+    parameters: &str,
+    sized: bool,
+    domain: Option<Named>,
+    density: Option<Named>,
+    maps: Vec<Named>,
+    control: Option<Named>,
+    guide: Option<Named>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Scene> {
+    let mut params: SynthParams = from_json(py, parameters, "synthesize")?;
+    let libraries: Vec<_> = libraries.iter().map(|library| library.inner.clone()).collect();
+    let steering = Steering { domain, density, maps, control, guide };
+    let made = run(py, progress, move |progress| {
+        // A single library, the usual case, is not copied.
+        let libraries: Cow<'_, [library::Library]> = match &libraries[..] {
+            [library] => Cow::Borrowed(std::slice::from_ref(&**library)),
+            several => several.iter().map(|library| (**library).clone()).collect(),
+        };
+        if !sized {
+            [params.width, params.height] = default_size(&libraries);
+        }
+        params.validate()?;
+        let controls = steering.controls([params.width, params.height], &libraries)?;
+        synthesize_with(&libraries, &params, &controls, progress)
+    });
+    made.map(|(scene, _)| scene.into())
+}
+
+/// The exemplar drawn back from its library.
+#[pyfunction]
+pub(crate) fn reconstruct(py: Python<'_>, library: PyRef<'_, Library>) -> PyResult<Scene> {
+    let library = library.inner.clone();
+    run(py, None, move |_| Ok(synth::reconstruct(&library))).map(Scene::from)
+}

@@ -1,0 +1,192 @@
+//! Scenes and libraries as bytes and files, the same that the program writes.
+
+use crate::errors;
+use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::io::{self, Write};
+use std::path::Path;
+use vtex::output::file::{Format, Kind, gzip, write_file};
+use vtex::output::seal::Sealed;
+use vtex::output::svg::{self, SvgOptions};
+use vtex::output::{pdf, png, reduce};
+use vtex::raster::css;
+use vtex::scene::Scene;
+use vtex::{Error, Result};
+
+/// How a scene is written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Options {
+    precision: u8,
+    expand: bool,
+    css: bool,
+    max_bytes: Option<u64>,
+    /// Pixels of a PNG for each pixel of the canvas.
+    pub(crate) scale: f64,
+    /// A colour, or `none`; the exemplar's if it is not given.
+    background: Option<String>,
+}
+
+fn failed(error: io::Error) -> Error {
+    Error::write(Path::new("-"), error)
+}
+
+impl Options {
+    /// The scene with the background asked for.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for what is no colour.
+    pub(crate) fn scene<'s>(&self, scene: &'s Scene) -> Result<Cow<'s, Scene>> {
+        let Some(background) = &self.background else { return Ok(Cow::Borrowed(scene)) };
+        let colour = match background.as_str() {
+            "none" => None,
+            text => Some(css::colour(text).ok_or_else(|| Error::Parameter {
+                name: "background",
+                value: format!("'{}'", text.chars().take(24).collect::<String>()),
+                allowed: "#rrggbb, #rgb, a name of CSS, or none",
+            })?),
+        };
+        Ok(Cow::Owned(scene.clone().with_background(colour)))
+    }
+
+    /// Writes a scene in a format; warnings of the writer.
+    ///
+    /// # Errors
+    /// Those of the writers and of [`reduce::to_fit`].
+    fn write(&self, scene: &Scene, kind: Kind, out: &mut dyn Write) -> Result<Vec<String>> {
+        let Kind { format, gzip } = kind;
+        match format {
+            Format::Svg => return self.write_svg(scene, gzip, out),
+            Format::Pdf => drop(pdf::write(scene, out)?),
+            Format::Png => {
+                check_scale(self.scale)?;
+                let seed = scene.parameters.as_ref().map(|p| p.seed);
+                png::encode(&png::render(scene, self.scale)?, seed, out)?;
+            }
+            Format::Scene | Format::Library => {
+                let json = scene.to_json();
+                packed(gzip, out, |out| out.write_all(&json).map_err(failed))?;
+            }
+        }
+        Ok(Vec::new())
+    }
+
+    fn write_svg(&self, scene: &Scene, gzip: bool, out: &mut dyn Write) -> Result<Vec<String>> {
+        let options = SvgOptions { precision: self.precision, expand: self.expand, css: self.css };
+        let Some(most) = self.max_bytes else {
+            return Ok(packed(gzip, out, |out| svg::write(scene, &options, out))?.warnings);
+        };
+        let measure = |scene: &Scene, options: &SvgOptions| {
+            let mut out = Sealed::new(Counting(0));
+            packed(gzip, &mut out, |out| svg::write(scene, options, out))?;
+            Ok(out.finish().map_err(failed)?.0)
+        };
+        let reduced = reduce::to_fit(scene, &options, most, measure)?;
+        Ok(packed(gzip, out, |out| svg::write(&reduced.scene, &reduced.options, out))?.warnings)
+    }
+
+    /// The bytes of a file, sealed as a file is.
+    ///
+    /// # Errors
+    /// As [`Options::save`].
+    pub(crate) fn bytes(&self, scene: &Scene, kind: Kind) -> Result<(Vec<u8>, Vec<String>)> {
+        let mut out = Sealed::new(Vec::new());
+        let warnings = self.write(&*self.scene(scene)?, kind, &mut out)?;
+        Ok((out.finish().map_err(failed)?, warnings))
+    }
+
+    /// Writes a file; its size and warnings of the writer.
+    ///
+    /// # Errors
+    /// Those of the writers, of [`reduce::to_fit`] and of [`write_file`].
+    pub(crate) fn save(
+        &self,
+        scene: &Scene,
+        path: &Path,
+        kind: Kind,
+        force: bool,
+    ) -> Result<(u64, Vec<String>)> {
+        let scene = self.scene(scene)?;
+        let (warnings, bytes) = write_file(path, force, |out| self.write(&scene, kind, out))?;
+        Ok((bytes, warnings))
+    }
+}
+
+/// Refuses a scale out of range.
+///
+/// # Errors
+/// [`Error::Parameter`].
+pub(crate) fn check_scale(scale: f64) -> Result<()> {
+    if (0.01..=100.0).contains(&scale) {
+        return Ok(());
+    }
+    Err(Error::Parameter { name: "scale", value: scale.to_string(), allowed: "0.01 to 100" })
+}
+
+/// Counts bytes.
+struct Counting(u64);
+
+impl Write for Counting {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0 += bytes.len() as u64;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Hands a writer to `content` that packs if asked to; then the content is sealed here.
+fn packed<T>(
+    pack: bool,
+    out: &mut dyn Write,
+    content: impl FnOnce(&mut dyn Write) -> Result<T>,
+) -> Result<T> {
+    if !pack {
+        return content(out);
+    }
+    let mut packed = Sealed::new(gzip(out));
+    let value = content(&mut packed)?;
+    packed.finish().and_then(|packed| packed.finish()).map_err(failed)?;
+    Ok(value)
+}
+
+/// Writes a file, packed if asked to; its size.
+///
+/// # Errors
+/// Those of `content` and of [`write_file`].
+pub(crate) fn save(
+    path: &Path,
+    force: bool,
+    pack: bool,
+    content: impl FnOnce(&mut dyn Write) -> Result<()>,
+) -> Result<u64> {
+    Ok(write_file(path, force, |out| packed(pack, out, content))?.1)
+}
+
+/// A document packed as gzip, without a seal.
+///
+/// # Errors
+/// None that can be expected: memory is written to.
+pub(crate) fn gzipped(json: &[u8]) -> Result<Vec<u8>> {
+    let mut out = gzip(Vec::new());
+    out.write_all(json).map_err(failed)?;
+    out.finish().map_err(failed)
+}
+
+/// A value as JSON.
+pub(crate) fn json(py: Python<'_>, value: &impl Serialize) -> PyResult<String> {
+    serde_json::to_string(value).map_err(|e| errors::input(py, &e.to_string(), None))
+}
+
+/// A value from JSON. `what` names it in errors.
+pub(crate) fn from_json<T: for<'de> Deserialize<'de>>(py: Python<'_>, text: &str, what: &str) -> PyResult<T> {
+    serde_json::from_str(text).map_err(|e| {
+        // The place within the text tells users nothing.
+        let reason = e.to_string();
+        let reason = reason.split(" at line ").next().unwrap_or_default();
+        errors::input(py, &format!("{what}: {reason}"), None)
+    })
+}

@@ -1,0 +1,245 @@
+"""What users do: analyse, synthesise, draw, write, edit, compare."""
+
+import inspect
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import vtex
+
+
+def test_a_photograph_becomes_a_library(library, photo_path):
+    assert (library.width, library.height, library.file) == (160, 128, photo_path.name)
+    assert 5 < library.primaries <= library.elements
+    assert 1 <= library.categories <= 15
+    assert 0 < library.coverage < 1
+    assert [layer.role for layer in library.layers] == ["background", "secondary", "primary"]
+    assert not library.is_drawing and not library.is_periodic
+    assert library.parameters["seed"] == 0
+    assert f"{library.primaries} primary elements" in repr(library)
+
+
+def test_a_library_becomes_a_scene(scene, library):
+    assert (scene.width, scene.height, scene.seed, scene.tile) == (300, 200, 7, "none")
+    assert scene.exemplars == [library.file]
+    assert scene.instances == sum(layer.instances for layer in scene.layers) > 10
+    assert scene.parameters["width"] == 300
+    assert scene.edits == []
+    assert "300 x 200 px" in repr(scene)
+
+
+def test_the_size_is_a_number_a_pair_or_the_default(library):
+    assert (vtex.synthesize(library, 90).width, vtex.synthesize(library, 90).height) == (90, 90)
+    by_numpy = vtex.synthesize(library, np.array([80, 70]))
+    assert (by_numpy.width, by_numpy.height) == (80, 70)
+
+
+def test_seeds_decide(library, scene):
+    assert vtex.synthesize(library, (300, 200), seed=7) == scene
+    assert vtex.synthesize(library, (300, 200), seed=8) != scene
+    most = 2**64 - 1
+    assert vtex.synthesize(library, 60, seed=most).seed == most
+
+
+def test_results_do_not_depend_on_threads(library, scene, photo_path):
+    before = vtex.get_threads()
+    try:
+        vtex.set_threads(1)
+        assert vtex.get_threads() == 1
+        alone = vtex.analyze(photo_path), vtex.synthesize(library, (300, 200), seed=7)
+        vtex.set_threads(3)
+        assert alone == (library, scene)
+        assert vtex.synthesize(library, (300, 200), seed=7) == scene
+    finally:
+        vtex.set_threads(None)
+    assert vtex.get_threads() == before
+
+
+def test_tiles_continue_at_their_borders(library):
+    tile = vtex.synthesize(library, 160, tile="both")
+    assert tile.tile == "both" and "both axes" in repr(tile)
+    image = tile.render().astype(int)
+    across = np.abs(image[:, 0] - image[:, -1]).mean()
+    within = np.abs(np.diff(image, axis=1)).mean()
+    assert across < 2 * within
+
+
+def test_scenes_are_written_in_every_format(scene, tmp_path):
+    starts = {
+        "out.svg": b"<?xml",
+        "out.svgz": b"\x1f\x8b",
+        "out.pdf": b"%PDF",
+        "out.png": b"\x89PNG",
+        "out.scene.json": b'{"format":"vtex-scene"',
+        "out.scene.json.gz": b"\x1f\x8b",
+    }
+    for name, start in starts.items():
+        size = scene.save(tmp_path / name)
+        data = (tmp_path / name).read_bytes()
+        assert data.startswith(start) and len(data) == size, name
+    assert scene.svg() == (tmp_path / "out.svg").read_text(encoding="utf-8")
+    assert scene.png() == (tmp_path / "out.png").read_bytes()
+    assert scene.pdf().startswith(b"%PDF")
+    assert vtex.Scene.read(tmp_path / "out.scene.json") == scene
+    assert vtex.Scene.read(str(tmp_path / "out.scene.json.gz")) == scene
+
+
+def test_own_files_are_replaced_and_others_only_by_force(scene, tmp_path):
+    path = tmp_path / "out.svg"
+    scene.save(path)
+    scene.save(path)
+    path.write_text("mine")
+    with pytest.raises(FileExistsError) as error:
+        scene.save(path)
+    assert isinstance(error.value, vtex.FileError) and "force=True" in error.value.hint
+    assert path.read_text() == "mine"
+    scene.save(path, force=True)
+    assert path.read_text(encoding="utf-8") == scene.svg()
+
+
+def test_svgs_are_as_asked_for(scene):
+    plain = scene.svg()
+    assert len(scene.svg(precision=0)) < len(plain) < len(scene.svg(precision=3))
+    assert "<use" not in scene.svg(expand=True)
+    assert "<style" in scene.svg(css=True) and "<style" not in plain
+    most = len(plain) * 2 // 3
+    assert len(scene.svg(max_bytes=most)) <= most
+    assert "#123456" in scene.svg(background="#123456")
+
+
+def test_pictures_have_their_scale_and_background(scene):
+    image = scene.render()
+    assert image.shape == (200, 300, 3) and image.dtype == np.uint8 and image.flags.c_contiguous
+    assert scene.render(scale=2).shape == (400, 600, 3)
+    clear = scene.render(background="none", alpha=True)
+    assert clear.shape == (200, 300, 4) and clear[..., 3].min() == 0 and clear[..., 3].max() == 255
+    red = scene.render(background="red")
+    assert (red == [255, 0, 0]).all(axis=2).any()
+    # Over white where nothing else is asked for.
+    where = clear[..., 3] == 0
+    assert (scene.render(background="none")[where] == 255).all()
+
+
+def test_libraries_are_saved_and_read(library, tmp_path):
+    for name in ("a.lib.json", "a.lib.json.gz"):
+        assert library.save(tmp_path / name) == (tmp_path / name).stat().st_size
+        assert vtex.Library.read(tmp_path / name) == library
+    assert library.to_dict()["format"] == "vtex-library"
+    assert vtex.Library.from_bytes(library.to_bytes()) == library
+    assert vtex.Library.from_bytes(json.dumps(library.to_dict()).encode()) == library
+
+
+def test_reconstructions_look_like_their_exemplar(library, pixels):
+    back = vtex.reconstruct(library)
+    assert (back.width, back.height, back.seed, back.parameters) == (160, 128, None, None)
+    near = vtex.metrics(pixels, back)
+    far = vtex.metrics(pixels, np.random.default_rng(0).integers(0, 256, pixels.shape, dtype=np.uint8))
+    assert near["ssim"] > far["ssim"] and near["emd_rgb"] < far["emd_rgb"]
+
+
+def test_metrics_of_equal_pictures_are_zero(pixels, photo_path, scene):
+    same = vtex.metrics(photo_path, pixels)
+    assert same["emd_rgb"] == 0 and same["ssim"] == pytest.approx(1)
+    assert set(same) == set(vtex.Metrics.__annotations__)
+    assert set(same["structure"][0]) == set(vtex.Spread.__annotations__)
+    assert vtex.metrics(scene, scene.svg().encode())["ssim"] > 0.9
+    halved = vtex.metrics(pixels, np.kron(pixels, np.ones((2, 2, 1), np.uint8)), scale=2)
+    assert halved["result_size"] == [160, 128]
+
+
+def test_drawings_are_exemplars_too():
+    library = vtex.analyze(ROOT / "examples" / "drawings" / "garden.svg")
+    assert library.is_drawing and library.primaries > 3
+    small = vtex.synthesize(library, 200)
+    assert small.render().shape == (200, 200, 3)
+    if library.is_periodic:
+        whole = vtex.synthesize(library)
+        assert whole.width % library.width == 0 and whole.height % library.height == 0
+
+
+def test_several_libraries_share_a_canvas(library, pixels):
+    dark = vtex.analyze((pixels // 3).astype(np.uint8), name="dark", segmenter="regions")
+    ramp = np.zeros((4, 100))
+    ramp[:, 50:] = 1
+    mixed = vtex.synthesize([library, dark], (300, 150), map=ramp)
+    assert mixed.exemplars == [library.file, "dark"]
+    image = mixed.render().mean(axis=2)
+    assert image[:, :120].mean() > 1.5 * image[:, 180:].mean()
+    masks = [np.full((2, 2), 1.0), np.full((2, 2), 0.0)]
+    only = vtex.synthesize([library, dark], 150, map=masks)
+    assert only.render().mean() > 1.5 * vtex.synthesize(dark, 150).render().mean()
+
+
+def test_pictures_steer(library):
+    density = np.ones((10, 10))
+    density[:, 5:] = 0.0
+    half = vtex.synthesize(library, 300, density=density)
+    full = vtex.synthesize(library, 300)
+    assert half.layers[2].instances < 0.8 * full.layers[2].instances
+    # An array of greys means the same as its picture.
+    greys = np.where(density > 0, 128, 0).astype(np.uint8)
+    from io import BytesIO
+
+    from PIL import Image
+
+    file = BytesIO()
+    Image.fromarray(greys).save(file, "PNG")
+    assert vtex.synthesize(library, 300, density=greys) == vtex.synthesize(library, 300, density=file.getvalue())
+    disc = np.hypot(*np.mgrid[-1:1:64j, -1:1:64j]) < 0.7
+    shaped = vtex.synthesize(library, 200, domain=disc)
+    alpha = shaped.render(alpha=True)[..., 3]
+    assert alpha[100, 100] == 255 and alpha[2, 2] == 0
+
+
+def test_masks_take_the_place_of_a_segmenter(pixels):
+    labels = np.zeros(pixels.shape[:2], np.int64)
+    labels[20:50, 20:60], labels[70:100, 80:130] = 1, 2
+    library = vtex.analyze(pixels, masks=labels, secondary_tolerance=0.0)
+    assert library.primaries == 2
+    assert library.to_dict()["source"]["segmenter"] == "masks:array"
+
+
+@pytest.mark.parametrize(
+    ("schema", "definition", "function"),
+    [
+        ("library", "AnalyzeParams", vtex.analyze),
+        ("scene", "SynthParams", vtex.synthesize),
+    ],
+)
+def test_parameters_have_the_names_and_defaults_of_the_schema(schema, definition, function):
+    document = json.loads((ROOT / "schema" / f"{schema}.schema.json").read_text())
+    fields = document["$defs"][definition]["properties"]
+    signature = inspect.signature(function).parameters
+    # Two are said in another way.
+    named = {"width": "size", "height": "size"}
+    differently = {"width", "height", "weights", "tile", "wrap"}
+    for name, field in fields.items():
+        assert named.get(name, name) in signature, name
+        if name not in differently:
+            given = signature[name].default
+            given = list(given) if isinstance(given, tuple) else given
+            assert given == field.get("default"), name
+
+
+def test_every_public_name_is_documented():
+    for name in vtex.__all__:
+        thing = getattr(vtex, name)
+        if callable(thing):
+            assert (thing.__doc__ or "").strip(), name
+    assert vtex.__version__ == re.search(r'^version = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.M)[1]
+    assert (Path(vtex.__file__).parent / "py.typed").exists()
+
+
+def test_notebooks_show_scenes_and_libraries(scene, library):
+    for thing in (scene, library):
+        assert thing._repr_svg_().startswith("<?xml") and thing._repr_png_().startswith(b"\x89PNG")
+    large = vtex.synthesize(library, (1700, 100))
+    from io import BytesIO
+
+    from PIL import Image
+
+    assert Image.open(BytesIO(large._repr_png_())).size == (800, 47)
