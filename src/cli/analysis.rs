@@ -26,7 +26,7 @@ use vtex::output::file::{Format, Kind};
 use vtex::scene::{Scene, splat};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
-use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
+use vtex::segment::{Felzenszwalb, MasksFile, OneTree, Regions, ScoredMask, Segmenter, masks_to_bytes};
 use vtex::synth::{layer_map, reconstruct};
 use vtex::{Error, Progress};
 
@@ -195,6 +195,7 @@ pub(crate) fn segmenter(
         }
         MasksFrom::Felzenszwalb => return Ok(Box::new(Felzenszwalb::default())),
         MasksFrom::Regions => return Ok(Box::new(Regions)),
+        MasksFrom::OneTree => return Ok(Box::new(OneTree)),
         MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_) => {}
     }
     reporter.stage("loading")?;
@@ -246,6 +247,7 @@ pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow:
             format!("sam {} {}", sums.join(" "), engine(options)?)
         }
         (MasksFrom::Regions, None) => "regions".into(),
+        (MasksFrom::OneTree, None) => "one-tree".into(),
         (MasksFrom::Felzenszwalb, None) => "felzenszwalb".into(),
         (MasksFrom::File(path), None) => format!("file {}", sums_of_network(path)?.join(" ")),
         (_, None) => format!("texton {}", engine(&options.built_in())?),
