@@ -1,9 +1,12 @@
-"""Throughput of two workers against one, for each engine: python engines.py [PHOTOS] [ROUNDS].
+"""Throughput of two workers against one, for each engine: python engines.py [PHOTOS] [ENGINE...].
 
-The cluster is up and its workers have made a texture each before the clock starts.
+A cluster of one worker and one of two work at the same time, the second on twice as many photographs. So
+whatever else the machine does slows both alike, and the ratio holds on a busy machine too. The clock starts
+when both are up and have made a texture for each worker.
 """
 
 import os
+import subprocess
 import sys
 import tempfile
 import time
@@ -14,20 +17,21 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-import vtex
+HERE = Path(__file__).resolve().parent
+EXEMPLARS = HERE.parents[1] / "examples" / "exemplars"
+sys.path.insert(0, str(HERE.parent / "examples"))
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples"))
-EXEMPLARS = Path(__file__).resolve().parents[2] / "examples" / "exemplars"
 
-
-def photographs(folder: Path, number: int) -> None:
-    """Parts of the exemplars, 192 x 192 pixels."""
+def photographs(folder: Path, number: int) -> str:
+    """Make parts of the exemplars, 192 x 192 pixels, in turn."""
+    folder.mkdir()
     draw = np.random.default_rng(1)
     exemplars = [Image.open(path).convert("RGB") for path in sorted(EXEMPLARS.glob("*.png"))]
     for k in range(number):
         exemplar = exemplars[k % len(exemplars)]
         left, top = draw.integers(0, np.array(exemplar.size) - 192)
         exemplar.crop((left, top, left + 192, top + 192)).save(folder / f"{k:03}.png")
+    return str(folder)
 
 
 def of_ray(workers: int) -> Callable[[str, str], Any]:
@@ -35,8 +39,7 @@ def of_ray(workers: int) -> Callable[[str, str], Any]:
     import ray
     import ray_textures
 
-    ray.shutdown()
-    ray.init(num_cpus=workers + 1, include_dashboard=False, logging_level="ERROR", log_to_driver=False)
+    ray.init("local", num_cpus=workers, include_dashboard=False, logging_level="ERROR", log_to_driver=False)
     ray.data.DataContext.get_current().enable_progress_bars = False
     return lambda photos, out: ray_textures.main(photos, out, workers)
 
@@ -60,44 +63,62 @@ def of_spark(workers: int) -> Callable[[str, str], Any]:
     return lambda photos, out: spark_textures.main(photos, out, workers, spark)
 
 
-def main(number: int = 24, rounds: int = 3) -> None:
-    """Print photographs each second by engine and number of workers, the best of some rounds."""
+def work(engine: str, workers: int, number: int) -> None:
+    """One of the clusters: says when it is ready, waits, and says how many seconds its photographs took."""
     with tempfile.TemporaryDirectory() as folder:
-        photos, few, out = (Path(folder) / name for name in ("photos", "few", "out"))
-        for made in (photos, few, out):
-            made.mkdir()
-        photographs(photos, number)
-        photographs(few, 4)
-        vtex.set_threads(1)
+        run = {"ray": of_ray, "dask": of_dask, "spark": of_spark}[engine](workers)
+        out = Path(folder) / "out"
+        out.mkdir()
+        run(photographs(Path(folder) / "first", workers), str(out))
+        photos = photographs(Path(folder) / "photos", workers * number)
+        print("ready", flush=True)
+        sys.stdin.readline()
         began = time.perf_counter()
-        for path in sorted(photos.iterdir()):
-            vtex.synthesize(vtex.analyze(path), 600, seed=7).svg()
-        print(f"plain loop, one thread: {number / (time.perf_counter() - began):.2f} photographs a second")
-        engines = [sys.argv[3]] if len(sys.argv) > 3 else ["ray", "dask", "spark"]
-        for name in engines:
-            best = {}
-            for workers in (1, 2):
-                run = {"ray": of_ray, "dask": of_dask, "spark": of_spark}[name](workers)
-                run(str(few), str(out))
-                times = []
-                for _ in range(rounds):
-                    began = time.perf_counter()
-                    rows = run(str(photos), str(out))
-                    times.append(time.perf_counter() - began)
-                    assert len(rows) == number and not any(row["error"] for row in rows)
-                best[workers] = number / min(times)
-                load = os.getloadavg()[0]
-                print(f"{name}, {workers}: {best[workers]:.2f} a second, best of {times}, load {load:.1f}", flush=True)
-                if name == "spark":
-                    # The next session gets another number of cores.
-                    from pyspark.sql import SparkSession
+        rows = run(photos, str(out))
+        print(f"seconds {time.perf_counter() - began}", flush=True)
+        assert len(rows) == workers * number and not any(row["error"] for row in rows)
+        # The end of a cluster takes time, which the other one may still need.
+        sys.stdin.readline()
 
-                    SparkSession.getActiveSession().stop()
-            print(f"{name}: {best[2] / best[1]:.2f} times as many with two workers", flush=True)
+
+def told(child: "subprocess.Popen[str]", word: str) -> str:
+    """Give what a child says after a word."""
+    assert child.stdout is not None
+    for line in child.stdout:
+        if line.startswith(word):
+            return line.removeprefix(word).strip()
+    raise SystemExit(f"a cluster ended before it said '{word}'")
+
+
+def compare(engine: str, number: int) -> None:
+    """Print the throughput of both."""
+    paths = os.pathsep.join([str(HERE.parent / "examples"), os.environ.get("PYTHONPATH", "")])
+    environment = os.environ | {"PYTHONPATH": paths, "PYTHONWARNINGS": "ignore", "PYSPARK_PYTHON": sys.executable}
+    command = [sys.executable, __file__, "--work", engine]
+    pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
+    children = [
+        subprocess.Popen(
+            [*command, str(workers), str(number)], text=True, env=environment, stdin=pipe, stdout=pipe, stderr=nowhere
+        )
+        for workers in (1, 2)
+    ]
+    for child in children:
+        told(child, "ready")
+    for child in children:
+        assert child.stdin is not None
+        print("go", file=child.stdin, flush=True)
+    seconds = [float(told(child, "seconds")) for child in children]
+    load = os.getloadavg()[0]
+    for child in children:
+        child.communicate("end\n")
+    one, two = number / seconds[0], 2 * number / seconds[1]
+    ratio = f"{one:.3f} photographs a second with one worker, {two:.3f} with two, {two / one:.2f} times"
+    print(f"{engine}: {ratio}; load {load:.1f}", flush=True)
 
 
 if __name__ == "__main__":
-    import warnings
-
-    warnings.filterwarnings("ignore", category=vtex.VtexWarning)
-    main(*map(int, sys.argv[1:3]))
+    if sys.argv[1:2] == ["--work"]:
+        work(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
+    else:
+        for engine in sys.argv[2:] or ["ray", "dask", "spark"]:
+            compare(engine, int(sys.argv[1]) if len(sys.argv) > 1 else 12)

@@ -31,7 +31,7 @@ def photos(tmp_path_factory, pixels):
 def test_an_engine_makes_the_textures_of_a_folder(engine, photos, tmp_path):
     for module in NEEDS[engine]:
         if importlib.util.find_spec(module) is None:
-            pytest.skip(f"{module} is not installed: pip install 'vtex[engines]'")
+            pytest.skip(f"{module} is not installed: pip install './python[engines]'")
     if engine == "spark" and shutil.which("java") is None and "JAVA_HOME" not in os.environ:
         pytest.skip("Spark needs Java, which is not installed")
     environment = os.environ | {"PYTHONWARNINGS": "ignore", "PYSPARK_PYTHON": sys.executable}

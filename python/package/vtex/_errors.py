@@ -2,8 +2,18 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from typing import Any
+
+_SHARED = """
+Parameters
+----------
+message : str
+    What is wrong.
+hint : str, optional
+    What to try, in one sentence without a full stop.
+"""
 
 
 class Error(Exception):
@@ -23,6 +33,10 @@ class Error(Exception):
     """
 
     hint: str | None
+
+    def __init_subclass__(cls) -> None:
+        """Document the parameters that all share."""
+        cls.__doc__ = f"{inspect.cleandoc(cls.__doc__ or cls.__base__.__doc__ or '')}\n{_SHARED}"
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         super().__init__(message)
@@ -64,24 +78,20 @@ class VtexWarning(UserWarning):
 
 
 class _FileNotFound(FileError, FileNotFoundError):
-    pass
+    """A file that is not there."""
 
 
 class _PermissionDenied(FileError, PermissionError):
-    pass
+    """A file that may not be read or written."""
 
 
 class _IsAFolder(FileError, IsADirectoryError):
-    pass
+    """A folder in place of a file."""
 
 
 class _FileExists(FileError, FileExistsError):
-    pass
+    """A file that is there and not replaced."""
 
-
-# Users see the class that is documented.
-for _kind in (_FileNotFound, _PermissionDenied, _IsAFolder, _FileExists):
-    _kind.__doc__ = FileError.__doc__
 
 _KINDS: dict[str, type[FileError]] = {
     "missing": _FileNotFound,

@@ -6,11 +6,18 @@ from typing import NamedTuple
 
 
 class Layer(NamedTuple):
-    """A layer of a library or scene."""
+    """A layer of a library or scene.
 
-    #: Its name, by which edits select it.
+    Parameters
+    ----------
+    name : str
+        Its name, by which edits select it.
+    role : {"primary", "secondary", "background"}
+        What its elements are to the texture.
+    instances : int
+        Number of its elements at their places.
+    """
+
     name: str
-    #: What its elements are to the texture: ``"primary"``, ``"secondary"`` or ``"background"``.
     role: str
-    #: Number of its elements at their places.
     instances: int

@@ -6,7 +6,21 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
-__all__: list[str]
+__all__ = [
+    "Library",
+    "Scene",
+    "__version__",
+    "analyze",
+    "colour",
+    "compare",
+    "encode",
+    "palette",
+    "read",
+    "reconstruct",
+    "set_threads",
+    "synthesize",
+    "threads",
+]
 __version__: str
 
 _Named = tuple[str, bytes]
