@@ -10,16 +10,20 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use tiny_skia::Pixmap;
 use vtex::Progress;
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 use vtex::engine::{EngineOptions, Runtime};
+use vtex::interpolate::{Morph, morph};
 use vtex::library::Library;
 use vtex::output::png;
+use vtex::output::raster_svg::render_svg;
 use vtex::procedural::{self, Kind, SceneParams};
 use vtex::scene::{Scene, SynthParams};
 use vtex::segment::MasksFile;
 use vtex::segment::texton::Texton;
 use vtex::synth::{reconstruct, synthesize};
+use vtex::transfer::{StylizeParams, TransferParams, stylize, transfer};
 
 /// White between the parts of a picture, in pixels.
 const GAP: u32 = 8;
@@ -43,6 +47,8 @@ fn main() -> Outcome {
     }
     zoom(&folder.join("zoom.png"))?;
     stages(&folder.join("stages.png"))?;
+    composing(&folder.join("composing.png"))?;
+    portrait(&folder.join("portrait.png"))?;
     fails(&folder.join("fails.png"))
 }
 
@@ -89,6 +95,33 @@ fn fails(path: &Path) -> Outcome {
     save(&row(&parts), path)
 }
 
+/// Two textures, the arrangement of the first with the appearance of the second, and the second that turns into
+/// the first towards the middle.
+fn composing(path: &Path) -> Outcome {
+    let pebbles = scene(&library(&open("pebbles")?, &())?, 500, 500, &())?;
+    let leaves = library(&open("leaves")?, &())?;
+    let params = TransferParams { seed: 7, ..TransferParams::default() };
+    let (transferred, _) = transfer(&pebbles, &[reconstruct(&leaves)], &[], &params)?;
+    let leaves = scene(&leaves, 500, 500, &())?;
+    let island = morph(pebbles.clone(), leaves.clone(), &Morph::Radial, &())?;
+    let parts = [&pebbles, &leaves, &transferred, &island].map(|scene| draw(scene, 0.4));
+    save(&row(&parts.into_iter().collect::<Outcome<Vec<_>>>()?), path)
+}
+
+/// A portrait of our own, and the same redrawn in leaves and in pebbles.
+fn portrait(path: &Path) -> Outcome {
+    let bytes = std::fs::read("examples/drawings/portrait.svg")?;
+    let picture = rgb(&render_svg(&bytes, 1.0, "portrait.svg", &())?)?;
+    let mut parts = vec![picture.clone()];
+    for name in ["leaves", "pebbles"] {
+        let elements = reconstruct(&library(&open(name)?, &())?);
+        let params = StylizeParams { size: 900, seed: 7, ..StylizeParams::default() };
+        parts.push(draw(&stylize(&picture, &elements, &params)?, 1.0)?);
+    }
+    let small = |part: &RgbImage| imageops::resize(part, 272, 340, Scaling::CatmullRom);
+    save(&row(&parts.iter().map(small).collect::<Vec<_>>()), path)
+}
+
 fn open(name: &str) -> Outcome<Exemplar> {
     Ok(Exemplar::open(Path::new(&format!("examples/exemplars/{name}.png")), &Limits::default())?)
 }
@@ -104,7 +137,10 @@ fn scene(library: &Library, width: u32, height: u32, progress: &dyn Progress) ->
 }
 
 fn draw(scene: &Scene, scale: f64) -> Outcome<RgbImage> {
-    let picture = png::render(scene, scale)?;
+    rgb(&png::render(scene, scale)?)
+}
+
+fn rgb(picture: &Pixmap) -> Outcome<RgbImage> {
     let rgb = picture.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
     Ok(RgbImage::from_raw(picture.width(), picture.height(), rgb).ok_or("too few pixels")?)
 }

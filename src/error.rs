@@ -204,6 +204,9 @@ pub enum EditFault {
     /// Of several parameters one has to be given, and no more.
     #[error("one of {0} is needed, and only one")]
     NotOneOf(&'static str),
+    /// Elements are to be like another, and nothing says like which.
+    #[error("--similar needs a drawing or --of, which say what the others are like")]
+    LikeNothing,
     /// Only colours of the background can be changed.
     #[error("it cannot be done to the background")]
     NotForBackground,

@@ -3,11 +3,32 @@
 //! Results come back in the order of the input, so what is computed from them does not depend on
 //! the number of threads. Nothing here reduces across threads.
 
+/// Pieces of work for each thread, so that none waits long for the last.
+#[cfg(feature = "parallel")]
+const PIECES: usize = 32;
+
 /// `f` of every item, in order.
 #[cfg(feature = "parallel")]
 pub(crate) fn map<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
+    use std::sync::{Mutex, PoisonError};
+    let size = items.len().div_ceil(PIECES * rayon::current_num_threads()).max(1);
+    let done: Vec<Mutex<Vec<R>>> = items.chunks(size).map(|_| Mutex::default()).collect();
+    for_each(done.len(), &|k| {
+        let piece = items[k * size..].iter().take(size).map(&f).collect();
+        *done[k].lock().unwrap_or_else(PoisonError::into_inner) = piece;
+    });
+    let pieces = done.into_iter().map(|piece| piece.into_inner().unwrap_or_else(PoisonError::into_inner));
+    let mut all = Vec::with_capacity(items.len());
+    pieces.for_each(|piece| all.extend(piece));
+    all
+}
+
+/// Does every piece of work from 0 up to `count`. Not generic: it is compiled once, and what rayon needs
+/// for it, not for each of some hundred closures.
+#[cfg(feature = "parallel")]
+fn for_each(count: usize, work: &(dyn Fn(usize) + Sync)) {
     use rayon::prelude::*;
-    items.par_iter().map(f).collect()
+    (0..count).into_par_iter().for_each(work);
 }
 
 /// `f` of every item, in order.

@@ -1,7 +1,5 @@
 //! Drawings as exemplars: what is read of them, what is refused, and textures made of them.
 
-mod support;
-
 use std::collections::BTreeSet;
 use vtex::import::{Grouping, ImportParams, import};
 use vtex::library::{AnalyzeParams, Library, SourceKind};
@@ -245,7 +243,7 @@ fn a_tile_is_a_whole_number_of_periods() {
 
 #[test]
 fn a_drawing_beside_a_photograph_has_its_part_to_itself() {
-    let libraries = [support::library("pebbles"), read(GARDEN).unwrap()];
+    let libraries = [crate::support::library("pebbles"), read(GARDEN).unwrap()];
     let left = vec![1.0, 1.0, 0.0, 0.0];
     let right = left.iter().map(|v| 1.0 - v).collect();
     let shares = [left, right].map(|values| ControlMap::new(4, 1, values).unwrap()).to_vec();

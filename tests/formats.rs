@@ -1,7 +1,5 @@
 //! All files of one scene show the same picture, and a reader of the SVG finds what it is made of.
 
-mod support;
-
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -23,7 +21,7 @@ fn scene() -> &'static Scene {
     SCENE.get_or_init(|| {
         let tile = Tile { x: true, y: true };
         let params = SynthParams { width: 260, height: 200, seed: 4, tile, ..SynthParams::default() };
-        synthesize(&support::library("pebbles"), &params, &()).unwrap()
+        synthesize(&crate::support::library("pebbles"), &params, &()).unwrap()
     })
 }
 

@@ -4,8 +4,6 @@
 //! is left, with the picture of the difference, in the target folder's folder for temporary files.
 //! `VTEX_BLESS=1 cargo test --test golden` stores what is made now.
 
-mod support;
-
 use image::RgbImage;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -30,7 +28,7 @@ fn bless() -> bool {
 /// The scene of one of the generated exemplars.
 fn scene(name: &str) -> Scene {
     let params = SynthParams { width: 200, height: 160, seed: 5, ..SynthParams::default() };
-    synthesize(&support::library(name), &params, &()).unwrap()
+    synthesize(&crate::support::library(name), &params, &()).unwrap()
 }
 
 /// A PNG beside the stored one.

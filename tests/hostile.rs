@@ -230,7 +230,8 @@ fn changes() -> impl Strategy<Value = Vec<(Vec<f64>, Value)>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    // Other ones in each run; the fuzz targets make millions.
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn damaged_bytes_are_survived(list in damage()) {

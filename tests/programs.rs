@@ -2,10 +2,8 @@
 //!
 //! Each program that is installed draws each kind of file, and its picture is compared with that of
 //! vtex. What is not installed is skipped, and said so. It is run by hand, because it starts other
-//! programs: `cargo test --test programs -- --ignored --nocapture` prints the table of
+//! programs: `cargo test --test all programs:: -- --ignored --nocapture` prints the table of
 //! `benches/vectors.md`.
-
-mod support;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -126,7 +124,7 @@ fn text(scene: &Scene) -> String {
 /// A scene wide enough that its background has several columns.
 fn scene(seed: u64, tile: Tile) -> Scene {
     let params = SynthParams { width: 560, height: 200, seed, tile, ..SynthParams::default() };
-    synthesize(&support::library("pebbles"), &params, &()).unwrap()
+    synthesize(&crate::support::library("pebbles"), &params, &()).unwrap()
 }
 
 fn shaped(mut scene: Scene) -> Scene {
@@ -212,7 +210,7 @@ fn cases() -> Vec<Case> {
 }
 
 #[test]
-#[ignore = "starts Inkscape, Chromium, Firefox and rsvg-convert: cargo test --test programs -- --ignored --nocapture"]
+#[ignore = "starts Inkscape, Chromium, Firefox and rsvg-convert: cargo test --test all programs:: -- --ignored --nocapture"]
 fn programs_draw_what_vtex_draws() {
     let missing = Program::ALL.into_iter().filter(|p| p.find().is_none());
     missing.for_each(|p| {

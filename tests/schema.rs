@@ -1,5 +1,5 @@
 //! The JSON Schemas of `schema/` are those of the types, and what is written follows them.
-//! `VTEX_BLESS=1 cargo test --test schema` writes them anew.
+//! `VTEX_BLESS=1 cargo test --test all schema::` writes them anew.
 
 use schemars::{Schema, schema_for};
 use serde_json::{Value, json};

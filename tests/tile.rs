@@ -1,7 +1,5 @@
 //! A texture made to tile shows no seam where copies of it meet.
 
-mod support;
-
 use std::sync::OnceLock;
 use tiny_skia::Pixmap;
 use vtex::geometry::{Affine, Outline, Vec2};
@@ -16,7 +14,7 @@ const HEIGHT: u32 = 200;
 /// Of the middle of a self-made exemplar.
 fn library() -> &'static Library {
     static LIBRARY: OnceLock<Library> = OnceLock::new();
-    LIBRARY.get_or_init(|| support::library("pebbles"))
+    LIBRARY.get_or_init(|| crate::support::library("pebbles"))
 }
 
 fn texture(tile: Tile) -> Scene {
@@ -79,7 +77,10 @@ fn three_by_three_tiles_have_no_seam() {
 
 #[test]
 fn regions_have_no_seam() {
-    no_seams(&support::library_with("pebbles", &AnalyzeParams { layers: 2, ..AnalyzeParams::default() }), 6);
+    no_seams(
+        &crate::support::library_with("pebbles", &AnalyzeParams { layers: 2, ..AnalyzeParams::default() }),
+        6,
+    );
 }
 
 fn no_seams(library: &Library, layers: usize) {

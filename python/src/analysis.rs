@@ -7,7 +7,7 @@ use crate::writing::from_json;
 use pyo3::prelude::*;
 use serde::Deserialize;
 use std::path::PathBuf;
-use vtex::analyze::{Exemplar, Limits};
+use vtex::analyze::{Exemplar, Limits, borders_join};
 use vtex::engine::{EngineOptions, Runtime, Source};
 use vtex::import::{ImportParams, import, is_drawing};
 use vtex::layers::LayerPicture;
@@ -126,7 +126,8 @@ pub(crate) fn analyze(
             Some((name, bytes)) => Box::new(MasksFile::from_bytes(bytes.to_vec(), &name)?),
             None => options.segmenter()?,
         };
-        let params = AnalyzeParams { wrap: options.wrap == Some(true), ..options.parameters };
+        let wrap = options.wrap.unwrap_or_else(|| borders_join(&exemplar.image));
+        let params = AnalyzeParams { wrap, ..options.parameters };
         vtex::analyze::analyze(&exemplar, &*segmenter, &params, progress)
     });
     found.map(Library::from)

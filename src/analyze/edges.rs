@@ -61,16 +61,24 @@ impl<'a> Edges<'a> {
 
     /// Bilinear sample of the image; beyond the border the nearest pixel.
     fn colour(&self, at: Point) -> [f64; 3] {
-        let (width, height) = self.image.dimensions();
+        let (width, height) = (self.image.width() as i32, self.image.height() as i32);
         let (x, y) = (at.x - 0.5, at.y - 0.5);
-        let (x0, y0) = (libm::floor(x), libm::floor(y));
-        let pixel = |dx: f64, dy: f64| {
-            let (x, y) = ((x0 + dx).max(0.0) as u32, (y0 + dy).max(0.0) as u32);
-            self.image.get_pixel(x.min(width - 1), y.min(height - 1)).0.map(f64::from)
+        let (x0, y0) = (floor(x), floor(y));
+        let (column, line) = (x0 as i32, y0 as i32);
+        let columns = [column, column.saturating_add(1)].map(|x| 3 * x.clamp(0, width - 1) as usize);
+        let row = |y: i32| {
+            let row = &self.image.as_raw()[3 * (y.clamp(0, height - 1) * width) as usize..];
+            let [a, b] = columns.map(|k| [row[k], row[k + 1], row[k + 2]].map(f64::from));
+            mix(a, b, x - x0)
         };
-        let row = |dy: f64| mix(pixel(0.0, dy), pixel(1.0, dy), x - x0);
-        mix(row(0.0), row(1.0), y - y0)
+        mix(row(line), row(line + 1), y - y0)
     }
+}
+
+/// The largest whole number up to `v`, for places in an image.
+fn floor(v: f64) -> f64 {
+    let whole = f64::from(v as i32);
+    if whole > v { whole - 1.0 } else { whole }
 }
 
 fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {

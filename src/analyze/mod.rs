@@ -14,6 +14,7 @@ mod grid;
 pub(crate) mod guide;
 mod joining;
 mod kmeans;
+mod margin;
 mod moments;
 mod neighbours;
 mod palette;
@@ -40,8 +41,11 @@ use crate::scene::field::Interpolant;
 use crate::segment::{Segmenter, Smoothed, details};
 use grid::{Cells, Grid};
 use image::RgbImage;
+use margin::Margin;
 use rate_distortion::RateDistortion;
 use shapes::Style;
+use simplify::Counts;
+use std::borrow::Cow;
 use strata::Strata;
 use unmix::unmixed;
 
@@ -86,7 +90,19 @@ pub fn analyze(
 
     advance(progress, "primaries", 0, 1)?;
     let mut primaries = candidates::select(image, &masks, params.minimum_area);
-    let grid = Grid::new(image, params);
+    // Of a photograph that repeats, all until the outlines is done with a margin of what comes next.
+    let margin = params.wrap.then(|| Margin::new(&primaries));
+    let (image, cut) = match &margin {
+        None => (Cow::Borrowed(image), Vec::new()),
+        Some(margin) => {
+            let (whole, cut) = margin.primaries(&primaries);
+            primaries = whole;
+            (Cow::Owned(margin.image(image)), cut)
+        }
+    };
+    let image = &*image;
+    let inner = |map: &LabelMap| margin.as_ref().map_or_else(|| map.clone(), |margin| margin.inner(map));
+    let grid = Grid::new(&exemplar.image, params);
     let (fine, in_cells) = (grid.image(image), grid.params(params));
     let mut cells = grid.labels(image, &fine, &primaries);
     let patches = secondaries::find(&own_colours(&fine, &cells, grid, params), &cells, &in_cells);
@@ -96,7 +112,7 @@ pub fn analyze(
     let primary_masks: Vec<Cells<Mask>> = primary_masks.into_iter().map(Cells).collect();
     progress.picture("primaries", &|| crate::raster::picture::outlines(image, &primaries));
 
-    let strata = Strata::new(exemplar, &primaries, params, progress)?;
+    let strata = Strata::new(exemplar, &inner(&primaries), params, progress)?;
 
     advance(progress, "details", 0, count as u64)?;
     // From here on shapes take the colours of `clean`; only edges are located in the photograph.
@@ -109,20 +125,30 @@ pub fn analyze(
 
     advance(progress, "background", 0, 1)?;
     let textons = grid.pixels(&any_texton(&cells, &patches.secondaries));
-    let background = background::palette(image, &primaries, &textons, params);
-    progress.picture("background", &|| pictures::background(image, &textons, &background));
-    let interpolant = Interpolant::new(&background, width, height, Tile::default());
+    let textons = inner(&textons);
+    let background = background::palette(&exemplar.image, &inner(&primaries), &textons, params);
+    progress.picture("background", &|| pictures::background(&exemplar.image, &textons, &background));
+    let tile = Tile { x: params.wrap, y: params.wrap };
+    let interpolant = Interpolant::new(&background, width, height, tile);
+    let place = |at: [f64; 2]| margin.as_ref().map_or(at, |margin| margin.place(at));
+    let behind = |at: [f64; 2]| {
+        let [x, y] = place(at);
+        interpolant.at(x, y)
+    };
     let joined = joining::join_secondaries(
         &clean,
         &patches.secondaries,
         RateDistortion::new(params, grid),
         in_cells.secondary_maximum,
     );
-    let patches = shapes::patches(&clean, joined, grid, &interpolant);
+    let patches = shapes::patches(&clean, joined, grid, &behind);
 
     advance(progress, "joining", 0, 1)?;
     let mut warnings = exemplar.warnings.clone();
-    let (pieces, cost) = simplify::simplify(&clean, &details, patches, params, grid, &mut warnings);
+    let counts = |mask: &Cells<Mask>| margin.as_ref().is_none_or(|m| m.holds(grid.centroid(mask)));
+    let counts = Counts { primaries: primary_masks.iter().map(counts).collect(), patch: &counts };
+    let (pieces, cost) =
+        simplify::simplify(&clean, &details, patches, (params, grid), &counts, &mut warnings);
     let (pieces, palette) = simplify::reduce_colours(&clean, pieces, params);
 
     advance(progress, "outlines", 0, 1)?;
@@ -130,11 +156,19 @@ pub fn analyze(
     let shapes = shapes::outlines(image, &clean, &pieces, &style);
 
     advance(progress, "categories", 0, 1)?;
-    let mut primary_textons = shapes.primaries;
-    let (ids, categories) = categorise(&mut primary_textons, f64::from(width) * f64::from(height), params);
-    for (p, mask) in primary_textons.iter_mut().zip(&primary_masks) {
-        p.clipped = !params.wrap && touches_border(mask, fine.width(), fine.height());
+    let (mut primary_textons, mut secondary_textons) = (shapes.primaries, shapes.secondaries);
+    for (label, (p, mask)) in (1..).zip(primary_textons.iter_mut().zip(&primary_masks)) {
+        p.clipped = touches_border(mask, fine.width(), fine.height()) || cut.contains(&label);
     }
+    if let Some(margin) = &margin {
+        let (kept, indices) = margin.kept(primary_textons);
+        let mut new = vec![0; primary_masks.len() + 1];
+        (1..).zip(&indices).for_each(|(label, &old)| new[old + 1] = label);
+        primary_textons = kept;
+        primaries = margin.kept_labels(&primaries, &new);
+        (secondary_textons, _) = margin.kept(secondary_textons);
+    }
+    let (ids, categories) = categorise(&mut primary_textons, f64::from(width) * f64::from(height), params);
     progress.picture("categories", &|| pictures::categories(&primaries, &ids));
 
     let centroids: Vec<[f64; 2]> = primary_textons.iter().map(|p| p.centroid).collect();
@@ -145,8 +179,8 @@ pub fn analyze(
     for warning in &warnings {
         progress.warn(warning);
     }
-    let spacing = secondaries::spacing(&centres(&shapes.secondaries), &primaries);
-    let elements: Vec<Element> = primary_textons.into_iter().chain(shapes.secondaries).collect();
+    let spacing = secondaries::spacing(&centres(&secondary_textons), &primaries);
+    let elements: Vec<Element> = primary_textons.into_iter().chain(secondary_textons).collect();
     let maps = [&primaries, &textons];
     let layers = strata.layers(exemplar, maps, &elements, (background, spacing), params);
     let library = Library {
@@ -160,7 +194,7 @@ pub fn analyze(
         categories,
         arrangement: Arrangement { periodic: params.wrap, ..Arrangement::from_labels(&primaries) },
         descriptor_half,
-        guide: Some(guide::guide(image)),
+        guide: Some(guide::guide(&exemplar.image)),
     };
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)

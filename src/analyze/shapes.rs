@@ -13,7 +13,6 @@ use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
 use crate::library::{CategoryId, Element, Shape};
 use crate::raster::colour::{self, Colour};
 use crate::raster::{LabelMap, Mask};
-use crate::scene::field::Interpolant;
 use image::RgbImage;
 
 /// Largest secondary that is traced on its own, in cells. Such specks have only the shape of their
@@ -62,16 +61,16 @@ pub(super) struct Shapes {
     pub(super) secondaries: Vec<Element>,
 }
 
-/// Patches with their median colours, and these relative to the background field.
+/// Patches with their median colours, and these relative to the background's at their centroids, `behind`.
 pub(super) fn patches(
     image: &Cells<RgbImage>,
     masks: Vec<Cells<Mask>>,
     grid: Grid,
-    field: &Interpolant,
+    behind: &(dyn Fn([f64; 2]) -> [f64; 3] + Sync),
 ) -> Vec<Patch> {
     let found = crate::parallel::map(&masks, |mask| {
-        let (colour, [x, y]) = (median(image, mask), grid.centroid(mask));
-        let (own, behind) = (colour.to_f64(), field.at(x, y));
+        let colour = median(image, mask);
+        let (own, behind) = (colour.to_f64(), behind(grid.centroid(mask)));
         (colour, std::array::from_fn(|i| libm::round(own[i] - behind[i].clamp(0.0, 255.0)) as i16))
     });
     masks

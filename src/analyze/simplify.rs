@@ -10,6 +10,14 @@ use crate::parallel;
 use crate::raster::Mask;
 use image::RgbImage;
 
+/// Which pieces count to those that are asked for.
+pub(super) struct Counts<'a> {
+    /// Whether each primary does.
+    pub(super) primaries: Vec<bool>,
+    /// Whether a patch does.
+    pub(super) patch: &'a dyn Fn(&Cells<Mask>) -> bool,
+}
+
 /// Joins details and drops patches that cost more bytes than they save error. If `max_paths` is
 /// above 0, the cost of a byte rises until at most that many shapes remain; a warning says if the
 /// primaries alone exceed it.
@@ -17,8 +25,8 @@ pub(super) fn simplify(
     image: &Cells<RgbImage>,
     details: &[Vec<Cells<Mask>>],
     patches: Vec<Patch>,
-    params: &AnalyzeParams,
-    grid: Grid,
+    (params, grid): (&AnalyzeParams, Grid),
+    counts: &Counts<'_>,
     warnings: &mut Vec<String>,
 ) -> (Pieces, RateDistortion) {
     let join = |cost: RateDistortion| parallel::map(details, |masks| joining::join(image, masks, cost));
@@ -27,14 +35,15 @@ pub(super) fn simplify(
     if params.max_paths > 0 {
         let most = params.max_paths as usize;
         cost = cost.with_limit(most, |cost| {
-            let kept = patches.iter().filter(|p| worthwhile(cost, p)).count();
-            kept + join(cost).iter().map(Vec::len).sum::<usize>()
+            let kept = patches.iter().filter(|p| worthwhile(cost, p) && (counts.patch)(&p.mask)).count();
+            let joined = join(cost).into_iter().zip(&counts.primaries).filter(|(_, counts)| **counts);
+            kept + joined.map(|(details, _)| details.len()).sum::<usize>()
         });
-        if details.len() > most {
+        let primaries = counts.primaries.iter().filter(|counts| **counts).count();
+        if primaries > most {
             warnings.push(format!(
-                "there are {} primary elements, more than the {most} paths asked for: each is drawn as one \
-                 (raise the minimum area)",
-                details.len()
+                "there are {primaries} primary elements, more than the {most} paths asked for: each is drawn as \
+                 one (raise the minimum area)"
             ));
         }
     }

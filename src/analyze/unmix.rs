@@ -5,6 +5,7 @@
 //! nothing is lost. Edges are still located in the photograph.
 
 use super::grid::{Cells, Grid};
+use crate::parallel::map;
 use crate::raster::LabelMap;
 use image::{Rgb, RgbImage};
 
@@ -28,14 +29,13 @@ pub(super) fn unmixed(image: &Cells<RgbImage>, labels: &Cells<LabelMap>, grid: G
     let mut clean = image.0.clone();
     // From the inner rings outwards: cleaned inner cells tell the outer ones their colour.
     for ring in (1..=depth).rev() {
-        let before = clean.clone();
-        for y in 0..labels.height {
-            for x in 0..labels.width {
-                if rings[(y * labels.width + x) as usize] == ring
-                    && let Some(own) = mixture(&before, labels, &rings, [x as i32, y as i32], grid)
-                {
-                    clean.put_pixel(x, y, own);
-                }
+        let cells: Vec<u32> = (0..).zip(&rings).filter(|(_, r)| **r == ring).map(|(i, _)| i).collect();
+        let place = |i: u32| [i % labels.width, i / labels.width];
+        let own = map(&cells, |&i| mixture(&clean, labels, &rings, place(i).map(|v| v as i32), grid));
+        for (i, own) in cells.into_iter().zip(own) {
+            if let Some(own) = own {
+                let [x, y] = place(i);
+                clean.put_pixel(x, y, own);
             }
         }
     }
@@ -45,26 +45,38 @@ pub(super) fn unmixed(image: &Cells<RgbImage>, labels: &Cells<LabelMap>, grid: G
 /// The ring of each cell: 1 at the border of its label, 2 next to a cell of ring 1 of the same label,
 /// and so on up to `depth`; `depth + 1` further inside.
 fn rings(labels: &LabelMap, depth: u8) -> Vec<u8> {
-    let (w, h) = (i64::from(labels.width), i64::from(labels.height));
+    let (w, h) = (labels.width as usize, labels.height as usize);
     let mut rings = vec![depth + 1; labels.labels.len()];
-    for ring in 1..=depth {
-        let before = rings.clone();
-        for y in 0..h {
-            for x in 0..w {
-                let i = (y * w + x) as usize;
-                let own = labels.labels[i];
-                let near = |(dx, dy): (i64, i64)| {
-                    let other = labels.at(x + dx, y + dy);
-                    let beside = ring > 1
-                        && other == Some(own)
-                        && before[((y + dy) * w + x + dx) as usize] == ring - 1;
-                    other.is_some_and(|l| l != own) || beside
-                };
-                if before[i] > depth && [(-1, 0), (1, 0), (0, -1), (0, 1)].into_iter().any(near) {
-                    rings[i] = ring;
+    let all = &labels.labels;
+    let beside = |i: usize| {
+        let (x, y) = (i % w, i / w);
+        let there = [(x > 0, 1, 0), (x + 1 < w, 0, 1), (y > 0, w, 0), (y + 1 < h, 0, w)];
+        there.into_iter().filter(|t| t.0).map(move |(_, less, more)| i + more - less)
+    };
+    let mut edge: Vec<usize> = Vec::new();
+    for y in 0..h {
+        for x in 0..w {
+            let i = y * w + x;
+            if x + 1 < w && all[i] != all[i + 1] {
+                edge.extend([i, i + 1]);
+            }
+            if y + 1 < h && all[i] != all[i + w] {
+                edge.extend([i, i + w]);
+            }
+        }
+    }
+    edge.iter().for_each(|&i| rings[i] = 1);
+    for ring in 2..=depth {
+        let mut next = Vec::new();
+        for i in edge {
+            for j in beside(i).filter(|&j| all[j] == all[i]) {
+                if rings[j] > depth {
+                    rings[j] = ring;
+                    next.push(j);
                 }
             }
         }
+        edge = next;
     }
     rings
 }

@@ -8,7 +8,7 @@ use super::hints;
 use super::input::{self, Input, note_read};
 use super::layer_maps;
 use super::models::{Store, sums_of_network};
-use super::options::engine::engine;
+use super::options::engine::{EngineArgs, engine};
 use super::options::files::{ForceArgs, apart, outputs};
 use super::options::layers::{LayerFiles, LayerFilesArgs};
 use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
@@ -26,7 +26,7 @@ use vtex::output::file::{Format, Kind};
 use vtex::scene::{Scene, splat};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
-use vtex::segment::{Felzenszwalb, MasksFile, Regions, ScoredMask, Segmenter, masks_to_bytes};
+use vtex::segment::{Felzenszwalb, MasksFile, OneTree, Regions, ScoredMask, Segmenter, masks_to_bytes};
 use vtex::synth::{layer_map, reconstruct};
 use vtex::{Error, Progress};
 
@@ -87,18 +87,18 @@ impl Analysis {
 }
 
 impl Analysis {
-    /// As `vtex analyze` does it without options.
-    pub(crate) fn plain(photo: Input, engine: EngineOptions, parameters: AnalyzeParams) -> Self {
-        Self {
+    /// As `vtex analyze` does it without options of its own.
+    pub(crate) fn plain(photo: Input, args: EngineArgs, parameters: &Parameters) -> Result<Self, Failure> {
+        Ok(Self {
             photo,
-            masks: MasksFrom::Auto,
-            engine,
+            masks: masks_from(None, parameters.segmenter, None)?,
+            engine: engine(args, parameters.threads),
             save_masks: None,
             layers: LayerFiles::default(),
-            parameters,
-            wrap: None,
-            looks_at_borders: false,
-        }
+            parameters: parameters.analyze.clone(),
+            wrap: parameters.wrap.given(),
+            looks_at_borders: true,
+        })
     }
 
     /// Where masks come from in the end: what [`MasksFrom::Auto`] comes to is decided.
@@ -152,13 +152,18 @@ fn library_of(
     }
     let segmenter = segmenter(common, analysis, reporter)?;
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
-    let library = vtex::analyze::analyze(&exemplar, &saving, &analysis.parameters, reporter)?;
+    let joins = || analysis.looks_at_borders && borders_join(&exemplar.image);
+    let wrap = analysis.wrap.unwrap_or_else(joins);
+    let parameters = AnalyzeParams { wrap, ..analysis.parameters.clone() };
+    let library = vtex::analyze::analyze(&exemplar, &saving, &parameters, reporter)?;
     reporter.picture("gaussians", &|| splat(&reconstruct(&library)));
     if let Some(save) = &analysis.layers.save {
         save.write(&layer_map(&library), [library.arrangement.periodic; 2], None)?;
     }
-    if analysis.wrap.is_none() && analysis.looks_at_borders && borders_join(&exemplar.image) {
-        reporter.hint("the photograph's borders seem to join; with --wrap its texture runs on across them");
+    if wrap && analysis.wrap.is_none() {
+        reporter.hint(
+            "the photograph's borders join, so its texture runs on across them; not so with 'vtex analyze --wrap=off'",
+        );
     }
     if let Some(hint) = hints::of_library(&library) {
         reporter.hint(hint);
@@ -190,6 +195,7 @@ pub(crate) fn segmenter(
         }
         MasksFrom::Felzenszwalb => return Ok(Box::new(Felzenszwalb::default())),
         MasksFrom::Regions => return Ok(Box::new(Regions)),
+        MasksFrom::OneTree => return Ok(Box::new(OneTree)),
         MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_) => {}
     }
     reporter.stage("loading")?;
@@ -241,6 +247,7 @@ pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow:
             format!("sam {} {}", sums.join(" "), engine(options)?)
         }
         (MasksFrom::Regions, None) => "regions".into(),
+        (MasksFrom::OneTree, None) => "one-tree".into(),
         (MasksFrom::Felzenszwalb, None) => "felzenszwalb".into(),
         (MasksFrom::File(path), None) => format!("file {}", sums_of_network(path)?.join(" ")),
         (_, None) => format!("texton {}", engine(&options.built_in())?),

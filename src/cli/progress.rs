@@ -42,12 +42,12 @@ const STEPS: u64 = 1000;
 const STAGES: [(&str, f64); 29] = [
     ("reading", 0.1),
     ("loading", 0.1),
+    ("merging regions", 4.0),
     ("reading the image", 8.0),
     ("finding masks", 0.1),
     ("finding masks: coarse grid", 0.2),
     ("finding masks: fine grid", 0.7),
     ("finding masks: finest grid", 3.0),
-    ("merging regions", 5.6),
     ("judging masks", 5.0),
     ("segmentation", 5.0),
     ("primaries", 2.2),

@@ -78,7 +78,7 @@ pub(crate) fn of(
             SegmenterName::Sam
         }
         MasksFrom::Auto | MasksFrom::Texton => SegmenterName::Texton,
-        MasksFrom::Regions => SegmenterName::Regions,
+        MasksFrom::Regions | MasksFrom::OneTree => SegmenterName::Regions,
         MasksFrom::Felzenszwalb => SegmenterName::Felzenszwalb,
     };
     Ok(write(parameters, segmenter, &parts, model.as_ref().map(Name::as_str)))

@@ -440,6 +440,16 @@ fn all_elements_like_one_take_a_drawing_or_a_colour() {
     assert_eq!(all[0].matched, before.primary().len());
     let none = edited(&before, &[on("secondary", propagate(None, Some(red), Some(id), false))]);
     assert_eq!((none.1[0].matched, none.0.elements), (0, before.elements.clone()));
+    let similar = Action::Propagate {
+        drawing: None,
+        element: None,
+        fill: Some(red),
+        of: None,
+        similar: Some(0.1),
+        replace: false,
+    };
+    let error = apply(before.clone(), &[similar.into()], &Files::default(), None);
+    assert!(matches!(error, Err(Error::Edit { fault: EditFault::LikeNothing, .. })));
     let error = apply(before, &[propagate(None, None, None, false).into()], &Files::default(), None);
     assert!(matches!(error, Err(Error::Edit { fault: EditFault::NotOneOf(_), .. })));
 }

@@ -157,6 +157,9 @@ fn act(
                 (None, None, Some(colour)) => Propagated::Fill(*colour),
                 _ => return Err(EditFault::NotOneOf("a drawing, --element and --fill")),
             };
+            if similar.is_some() && drawing.is_none() && of.is_none() {
+                return Err(EditFault::LikeNothing);
+            }
             let like = propagate::Like { of: *of, similar: *similar };
             return Ok(propagate::propagate(scene, chosen, &what, like, *replace));
         }

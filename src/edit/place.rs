@@ -112,7 +112,7 @@ pub(super) fn orient(scene: &mut Scene, chosen: &Chosen, towards: &Towards<'_>, 
                 Towards::Angle(angle) => *angle,
                 Towards::Map(map) => {
                     let at = scene.place(instance);
-                    map.at([at.x, at.y], canvas) * std::f64::consts::PI
+                    map.turn_at([at.x, at.y], canvas) * std::f64::consts::PI
                 }
             };
             if now.elongation() < ROUND { 0.0 } else { strength * half_turn(wanted - now.angle()) }

@@ -2,12 +2,14 @@
 
 use crate::geometry::{Affine, Point};
 use crate::raster::colour::Colour;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A gradient in sRGB components, as in SVG: `start` up to where it begins, `end` beyond where it ends,
 /// linear between these and the stops between them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Gradient {
     /// Whether it changes along a line or outwards from a point.
@@ -31,7 +33,8 @@ pub struct Gradient {
 }
 
 /// Whether a gradient changes along a line or outwards from a point.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum GradientKind {
     /// Along a line; constant at right angles to it.
@@ -48,7 +51,8 @@ impl GradientKind {
 }
 
 /// A colour at a place of a gradient.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Stop {
     /// Share of the way from where the gradient begins to where it ends, 0 to 1.

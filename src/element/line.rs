@@ -1,11 +1,13 @@
 //! Stroked paths.
 
 use crate::geometry::{Affine, BezPath, Curve, Outline};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A path that is stroked. Lengths are in pixels of the element.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Line {
     /// The path that the stroke follows.
@@ -30,7 +32,8 @@ pub struct Line {
 }
 
 /// The form of the ends of a stroke, as in SVG.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Cap {
     /// Cut off at the end.
@@ -43,7 +46,8 @@ pub enum Cap {
 }
 
 /// The form of the corners of a stroke, as in SVG.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Join {
     /// Pointed.

@@ -3,6 +3,7 @@
 use super::{Gradient, Line};
 use crate::geometry::{Affine, Outline};
 use crate::raster::colour::Colour;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
@@ -11,9 +12,10 @@ use serde::{Deserialize, Serialize, Serializer};
 ///
 /// A stroked path is stored as its line; its outline, the area that the stroke paints, is derived when
 /// it is read, so that whatever looks at shapes sees outlines only.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(try_from = "Stored")]
-#[schemars(with = "Stored")]
+#[cfg_attr(feature = "schema", schemars(with = "Stored"))]
 pub struct Shape {
     /// Its outline, in the coordinates of the element.
     pub outline: Outline,
@@ -28,8 +30,9 @@ pub struct Shape {
 }
 
 /// A shape as files hold it: with either an outline or a line.
-#[derive(Deserialize, JsonSchema)]
-#[schemars(rename = "Shape")]
+#[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "Shape"))]
 #[serde(deny_unknown_fields)]
 struct Stored {
     /// A filled outline, in the coordinates of the element.

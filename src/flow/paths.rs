@@ -105,10 +105,9 @@ impl Path {
         }
     }
 
-    /// The times at which it vanishes at one place and comes at another, as shares of the loop, 0 and 1 not among
-    /// them.
+    /// The times at which it vanishes at one place and comes at another, as shares of the loop, 0 to 1.
     pub(super) fn jumps(&self) -> Vec<f64> {
-        let inner = |time: &f64| (1e-6..1.0 - 1e-6).contains(time);
+        let inner = |time: &f64| (0.0..=1.0).contains(time);
         match self {
             Self::Still | Self::Round { .. } | Self::Sway { .. } => Vec::new(),
             Self::Band { distance, from, period, .. } => {
@@ -187,7 +186,7 @@ fn drifted(map: &ControlMap, from: Point, canvas: [f64; 2], length: f64, phase: 
     let direction = |p: Point| {
         // Copies beyond the borders go as their originals.
         let home = [p.x.rem_euclid(canvas[0]), p.y.rem_euclid(canvas[1])];
-        let (sine, cosine) = libm::sincos(TAU * map.at(home, canvas));
+        let (sine, cosine) = libm::sincos(TAU * map.turn_at(home, canvas));
         Vec2::new(cosine, sine)
     };
     let walk = |share: f64, sign: f64| {

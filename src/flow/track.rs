@@ -8,7 +8,7 @@ use crate::geometry::Vec2;
 /// How far an element may be from where it belongs: in pixels, radians, and shares of its size.
 const TOLERANCE: [f64; 3] = [0.25, 0.01, 0.02];
 /// Just before and after what happens at once, as a share of the loop.
-const INSTANT: f64 = 1e-7;
+const INSTANT: f64 = 1e-6;
 
 /// Where an element is at a time, relative to where it stands in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,9 +46,12 @@ pub(super) fn keys(path: &Path) -> Vec<Key> {
     if matches!(path, Path::Still) {
         return Vec::new();
     }
-    let mut ends = path.jumps();
+    // What happens at the ends of the loop happens within it.
+    let within = |time: f64| time.clamp(3.0 * INSTANT, 1.0 - 3.0 * INSTANT);
+    let mut ends: Vec<f64> = path.jumps().into_iter().map(within).collect();
     ends.sort_by(f64::total_cmp);
     ends.push(1.0);
+    ends.dedup();
     let mut keys = Vec::new();
     let mut begin = 0.0;
     for end in ends {
@@ -56,7 +59,6 @@ pub(super) fn keys(path: &Path) -> Vec<Key> {
         let samples = libm::ceil(path.samples() * (last - begin)).max(1.0) as usize;
         let key = |k: usize| {
             let time = begin + (last - begin) * (k as f64 / samples as f64);
-            // The end of a loop is its beginning, but for what goes on in the same direction.
             let Now { way, angle, size } = path.at(time);
             Key { time, way, angle, size }
         };
@@ -96,7 +98,10 @@ mod tests {
 
     #[test]
     fn keys_lead_where_the_flow_does() {
-        let scene = crate::flow::tests::scene();
+        let mut scene = crate::flow::tests::scene();
+        // One on the border, which crosses it at the very ends of a loop.
+        let on_border = scene.layers.iter_mut().rev().find_map(|layer| layer.instances.first_mut()).unwrap();
+        on_border.transform[4] = 0.0;
         let field = Flow::Field(ControlMap::new(2, 1, vec![0.1, 0.4]).unwrap());
         for flow in [Flow::Shear, Flow::Vortex, Flow::Wind, field] {
             let params = FlowParams { rounds: 2, strength: 3.0, seed: 5 };

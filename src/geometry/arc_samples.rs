@@ -10,6 +10,7 @@ use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap};
 use crate::parallel;
 use kurbo::{Point, Vec2};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Rounds of the filter, per cell along a pixel.
 const ROUNDS: usize = 6;
@@ -48,19 +49,19 @@ impl Samples {
         let fixed: Vec<Vec<bool>> = (midpoints.iter().zip(&map.arcs))
             .map(|(p, arc)| if soft(arc) { vec![false; p.len()] } else { corners(p, arc.closed, cells) })
             .collect();
-        let relaxed = |reach: f64| {
-            let mut points = midpoints.clone();
-            for round in 0..2 * ROUNDS * cells as usize {
-                relax(map, &mut points, &midpoints, &fixed, junctions, reach, STEPS[round % 2]);
-            }
+        let filter = Filter::new(map, &midpoints, fixed, junctions);
+        let relaxed = |reach: &f64| {
+            let mut points = filter.relaxed(*reach, 2 * ROUNDS * cells as usize);
             let inner = |arc: &Arc| arc.closed && !borders_outside(arc);
             for (points, arc) in points.iter_mut().zip(&map.arcs).filter(|(_, arc)| inner(arc)) {
                 keep_area(points, map.points_of(arc));
             }
             points
         };
-        let smooth = relaxed(REACH * cells);
-        let mut smoothed = if cells > 1.0 { relaxed(REACH) } else { smooth.clone() };
+        let reaches = if cells > 1.0 { &[REACH * cells, REACH][..] } else { &[REACH * cells] };
+        let mut versions = parallel::map(reaches, relaxed).into_iter();
+        let smooth = versions.next().unwrap_or_default();
+        let mut smoothed = versions.next().unwrap_or_else(|| smooth.clone());
         // All versions of an arc end where its junction has refined to, so that arcs stay joined.
         for other in [&mut midpoints, &mut smoothed] {
             for ((points, smooth), _) in
@@ -159,52 +160,108 @@ fn corners(points: &[Point], closed: bool, cells: f64) -> Vec<bool> {
     found
 }
 
-/// One step of the filter over all arcs and junctions.
-fn relax(
-    map: &PlanarMap,
-    points: &mut [Vec<Point>],
-    midpoints: &[Vec<Point>],
-    fixed: &[Vec<bool>],
-    junctions: &Junctions,
-    reach: f64,
-    step: f64,
-) {
-    // Junctions first, computed from the unmodified points around them.
-    let ends: Vec<Point> = (junctions.list.iter())
-        .map(|junction| {
-            let here = ahead(points, junction.arms[0], 0);
+/// The filter over all arcs and junctions, whose points lie one after the other.
+struct Filter {
+    midpoints: Vec<Point>,
+    /// Points that stay.
+    fixed: Vec<bool>,
+    arcs: Vec<Strand>,
+    joints: Vec<Joint>,
+}
+
+/// The points of an arc.
+struct Strand {
+    points: Range<usize>,
+    closed: bool,
+    /// The joints at its ends.
+    ends: Option<[usize; 2]>,
+}
+
+/// A junction, as points beside it.
+struct Joint {
+    /// Its lattice point.
+    at: Point,
+    /// Any of the points that are this junction's.
+    own: usize,
+    /// The points whose mean attracts it; none if it stays.
+    around: Vec<usize>,
+}
+
+impl Filter {
+    fn new(map: &PlanarMap, midpoints: &[Vec<Point>], fixed: Vec<Vec<bool>>, junctions: &Junctions) -> Self {
+        let mut first = 0;
+        let arcs = midpoints.iter().zip(&map.arcs).zip(&junctions.ends).map(|((points, arc), &ends)| {
+            first += points.len();
+            Strand { points: first - points.len()..first, closed: arc.closed, ends }
+        });
+        let arcs: Vec<Strand> = arcs.collect();
+        // The point `steps` points along a half arc, or its last point.
+        let ahead = |h: &HalfArc, steps: usize| {
+            let Range { start, end } = arcs[h.arc as usize].points;
+            let k = steps.min(end - start - 1);
+            if h.reversed { end - 1 - k } else { start + k }
+        };
+        let joint = |junction: &Junction| {
             let at_border = |h: &HalfArc| borders_outside(&map.arcs[h.arc as usize]);
-            if junction.arms.iter().any(at_border) {
-                return junction.at;
-            }
+            let stays = junction.arms.iter().any(at_border);
             let arms = junction.through.as_ref().map_or(&junction.arms[..], |pair| &pair[..]);
-            let sum = arms.iter().fold(Vec2::ZERO, |sum, &h| sum + ahead(points, h, 1).to_vec2());
-            let mean = (sum / arms.len() as f64).to_point();
-            let away = here + (mean - here) * step - junction.at;
+            let around = arms.iter().filter(|_| !stays).map(|h| ahead(h, 1)).collect();
+            Joint { at: junction.at, own: ahead(&junction.arms[0], 0), around }
+        };
+        let joints = junctions.list.iter().map(joint).collect();
+        Self { midpoints: midpoints.concat(), fixed: fixed.concat(), arcs, joints }
+    }
+
+    /// The points of every arc after some steps, none further than `reach` from its midpoint.
+    fn relaxed(&self, reach: f64, rounds: usize) -> Vec<Vec<Point>> {
+        let mut points = self.midpoints.clone();
+        let mut ends = Vec::with_capacity(self.joints.len());
+        for round in 0..rounds {
+            self.relax(&mut points, &mut ends, reach, STEPS[round % 2]);
+        }
+        self.arcs.iter().map(|arc| points[arc.points.clone()].to_vec()).collect()
+    }
+
+    /// One step. `ends` is room for the junctions' places.
+    fn relax(&self, points: &mut [Point], ends: &mut Vec<Point>, reach: f64, step: f64) {
+        // Junctions first, computed from the unmodified points around them.
+        ends.clear();
+        ends.extend(self.joints.iter().map(|joint| {
+            if joint.around.is_empty() {
+                return joint.at;
+            }
+            let here = points[joint.own];
+            let sum = joint.around.iter().fold(Vec2::ZERO, |sum, &k| sum + points[k].to_vec2());
+            let mean = (sum / joint.around.len() as f64).to_point();
+            let away = here + (mean - here) * step - joint.at;
             // Stays within the diamond of the four surrounding midpoints.
             let size = away.x.abs() + away.y.abs();
-            junction.at + if size > 0.49 { away * (0.49 / size) } else { away }
-        })
-        .collect();
-    for (i, arc) in map.arcs.iter().enumerate() {
-        let p = &mut points[i];
-        let n = p.len();
-        let first = p[0];
-        // The previous point before its modification.
-        let mut before = if arc.closed { p[n - 1] } else { p[0] };
-        let range = if arc.closed { 0..n } else { 1..n - 1 };
-        for k in range {
-            let here = p[k];
-            let after = if k + 1 < n { p[k + 1] } else { first };
-            if !fixed[i][k] {
-                let away = here + (before.midpoint(after) - here) * step - midpoints[i][k];
-                let length = libm::sqrt(away.hypot2());
-                p[k] = midpoints[i][k] + if length > reach { away * (reach / length) } else { away };
+            joint.at + if size > 0.49 { away * (0.49 / size) } else { away }
+        }));
+        // Most points stay so near that no root is needed.
+        let near = reach * reach * (1.0 - 1e-9);
+        for arc in &self.arcs {
+            let p = &mut points[arc.points.clone()];
+            let (midpoints, fixed) = (&self.midpoints[arc.points.clone()], &self.fixed[arc.points.clone()]);
+            let n = p.len();
+            let first = p[0];
+            // The previous point before its modification.
+            let mut before = if arc.closed { p[n - 1] } else { p[0] };
+            let range = if arc.closed { 0..n } else { 1..n - 1 };
+            for k in range {
+                let here = p[k];
+                let after = if k + 1 < n { p[k + 1] } else { first };
+                if !fixed[k] {
+                    let away = here + (before.midpoint(after) - here) * step - midpoints[k];
+                    let squared = away.hypot2();
+                    let length = if squared > near { libm::sqrt(squared) } else { 0.0 };
+                    p[k] = midpoints[k] + if length > reach { away * (reach / length) } else { away };
+                }
+                before = here;
             }
-            before = here;
-        }
-        if let Some([a, b]) = junctions.ends[i] {
-            (p[0], p[n - 1]) = (ends[a], ends[b]);
+            if let Some([a, b]) = arc.ends {
+                (p[0], p[n - 1]) = (ends[a], ends[b]);
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Curves: paths that may be open, such as strokes follow.
 
 use super::{Affine, BezPath, PathEl, parse_path, path_text, write_path};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -49,6 +50,7 @@ impl<'de> Deserialize<'de> for Curve {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Curve {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Curve".into()

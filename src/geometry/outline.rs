@@ -2,6 +2,7 @@
 
 use super::{parse_path, path_text, write_path};
 use kurbo::{Affine, BezPath, PathEl, Point, Rect, Shape};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
@@ -130,6 +131,7 @@ impl<'de> Deserialize<'de> for Outline {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Outline {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Outline".into()

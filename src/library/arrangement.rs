@@ -2,6 +2,7 @@
 
 use super::LARGEST_SIDE;
 use crate::raster::LabelMap;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
@@ -11,7 +12,8 @@ use std::fmt;
 ///
 /// Descriptors are not stored individually. Each is a window of this map around its texton, extended
 /// by the textons that reach out of it, and is derived from the map when needed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Arrangement {
     /// Width, in pixels.

@@ -1,5 +1,6 @@
 //! How many categories primaries are divided into.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -89,6 +90,7 @@ impl<'de> Deserialize<'de> for Categories {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Categories {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Categories".into()

@@ -6,13 +6,15 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _, RgbImage};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Mean colours of the exemplar over square cells.
 ///
 /// The elements in a cell are not stored; the arrangement has them pixel by pixel.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Guide {
     /// Side of a cell, in exemplar pixels. Cells at the right and lower border may be cut off.
@@ -82,6 +84,7 @@ impl<'de> Deserialize<'de> for Picture {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Picture {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Picture".into()

@@ -2,6 +2,7 @@
 
 use super::ElementId;
 use crate::geometry::Affine;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
@@ -9,8 +10,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// An element where it stands in the exemplar. In JSON an element that stands where its shapes say is
 /// its index alone.
-#[derive(Clone, Copy, Debug, PartialEq, JsonSchema)]
-#[schemars(with = "Stored")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(with = "Stored"))]
 pub struct Instance {
     /// Index in [`Library::elements`](super::Library::elements).
     pub element: ElementId,
@@ -20,8 +22,9 @@ pub struct Instance {
 }
 
 /// An instance as files hold it.
-#[derive(Serialize, JsonSchema)]
-#[schemars(rename = "Instance")]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "Instance"))]
 #[serde(untagged)]
 enum Stored {
     /// Index of an element that stands where its shapes say.
@@ -30,7 +33,8 @@ enum Stored {
     Placed(Placed),
 }
 
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct Placed {
     /// Index of the element.

@@ -26,6 +26,7 @@ use crate::error::Result;
 use crate::geometry::Outline;
 use crate::raster::colour::Colour;
 use crate::scene::Field;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -37,7 +38,8 @@ const LARGEST_SIDE: u32 = 16_384;
 
 /// The result of analysing one exemplar. Coordinates are exemplar pixels, x right, y down, pixel
 /// centres at .5; colours are 8-bit sRGB.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Library {
     /// Always `vtex-library`.
@@ -65,7 +67,8 @@ pub struct Library {
 }
 
 /// What an exemplar is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SourceKind {
     /// A photograph, or any other raster image.
@@ -75,7 +78,8 @@ pub enum SourceKind {
 }
 
 /// The origin of a library.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Source {
     /// What the exemplar is.
@@ -104,7 +108,8 @@ pub struct Source {
 }
 
 /// An element of the exemplar: a texton of a photograph.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Element {
     /// Category of similar primaries; `None` for a secondary.
@@ -160,7 +165,8 @@ impl Element {
 }
 
 /// A layer of the exemplar.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Layer {
     /// Its name, unique within the library. Not empty.
@@ -193,7 +199,8 @@ impl Layer {
 }
 
 /// A cluster of similar primaries.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Category {
     /// Mean of its members' features: red, green, blue (0 to 255), area (pixels), compactness (0 to 1).

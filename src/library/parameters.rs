@@ -3,11 +3,13 @@
 use super::categories::Categories;
 use super::layer_count;
 use crate::error::{Result, check};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of analysis. Lengths are in exemplar pixels, areas in square pixels.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct AnalyzeParams {
     /// Seed of all random choices. Default 0.
@@ -49,12 +51,13 @@ pub struct AnalyzeParams {
     /// Cells along each side of a pixel, for separating details and secondaries and for tracing. 1 to 4,
     /// or 0 (the default) for 2 up to 2.5 million pixels and 1 above.
     pub cells: u32,
-    /// Whether the exemplar tiles, that is, its opposite borders join. Default false.
+    /// Whether the exemplar tiles, that is, its opposite borders join. What they cut is one element then. Default
+    /// false; [`crate::analyze::borders_join`] finds it out.
     pub wrap: bool,
     /// Number of nested layers, such as rust on paint. 1 to 6, or 0 (the default) for one to three, by the
     /// photograph, written as `auto`.
     #[serde(with = "layer_count")]
-    #[schemars(schema_with = "layer_count::schema")]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "layer_count::schema"))]
     pub layers: u32,
     /// The layers found, counted from 0 at the bottom, listed from the new bottom to the new top. Empty
     /// (the default) for the order in which layers that are not next to each other touch least.
@@ -66,7 +69,8 @@ pub struct AnalyzeParams {
 }
 
 /// Which shapes of a drawing are one element.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Grouping {
     /// Groups that are small against the page; else the connected pieces of paths that lie within one
@@ -82,7 +86,8 @@ pub enum Grouping {
 }
 
 /// Fills of details and primaries.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Shading {
     /// A single colour each.

@@ -1,5 +1,6 @@
 //! Colours: 8-bit sRGB for files; linear light and Oklab for arithmetic.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
@@ -105,6 +106,7 @@ impl<'de> Deserialize<'de> for Colour {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Colour {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Colour".into()

@@ -120,18 +120,60 @@ impl Mask {
         }
     }
 
-    /// Calls `f(pixel, step)` for every crack, an edge between a pixel of the set and one outside it.
-    /// `pixel` is the one in the set; `step` is the unit step from it across the crack.
-    pub fn for_cracks(&self, mut f: impl FnMut([i32; 2], [i32; 2])) {
+    /// Calls `f(pixel, step, behind)` for every crack, an edge between a pixel of the set and one outside
+    /// it. `pixel` is the one in the set, `step` the unit step from it across the crack, and `behind`
+    /// whether the pixel on its other side is in the set.
+    pub fn for_cracks(&self, mut f: impl FnMut([i32; 2], [i32; 2], bool)) {
+        let mut beside = [0, 0];
         for s in &self.spans {
-            f([s.x0, s.y], [-1, 0]);
-            f([s.x1 - 1, s.y], [1, 0]);
+            let thick = s.len() > 1;
+            f([s.x0, s.y], [-1, 0], thick);
+            f([s.x1 - 1, s.y], [1, 0], thick);
+            self.advance(&mut beside, *s);
+            let mut at = beside;
             for x in s.x0..s.x1 {
-                for dy in [-1, 1] {
-                    if !self.contains(x, s.y + dy) {
-                        f([x, s.y], [0, dy]);
+                let inside = [0, 1].map(|k| {
+                    let y = s.y + [-1, 1][k];
+                    while self.spans.get(at[k]).is_some_and(|o| o.y == y && o.x1 <= x) {
+                        at[k] += 1;
                     }
+                    self.spans.get(at[k]).is_some_and(|o| o.y == y && o.x0 <= x)
+                });
+                if !inside[0] {
+                    f([x, s.y], [0, -1], inside[1]);
                 }
+                if !inside[1] {
+                    f([x, s.y], [0, 1], inside[0]);
+                }
+            }
+        }
+    }
+
+    /// The pixels whose four neighbours are in the set too.
+    pub fn interior(&self) -> Self {
+        let (mut spans, mut beside) = (Vec::new(), [0, 0]);
+        for s in &self.spans {
+            self.advance(&mut beside, *s);
+            let [mut i, mut j] = beside;
+            while let (Some(a), Some(b)) = (self.spans.get(i), self.spans.get(j)) {
+                let (x0, x1) = (a.x0.max(b.x0).max(s.x0 + 1), a.x1.min(b.x1).min(s.x1 - 1));
+                if a.y != s.y - 1 || b.y != s.y + 1 || a.x0.max(b.x0) >= s.x1 {
+                    break;
+                }
+                if x0 < x1 {
+                    spans.push(Span { y: s.y, x0, x1 });
+                }
+                if a.x1 <= b.x1 { i += 1 } else { j += 1 }
+            }
+        }
+        Self { spans }
+    }
+
+    /// Moves two indices on to the first runs above and below `s` that do not end before it.
+    fn advance(&self, beside: &mut [usize; 2], s: Span) {
+        for (at, y) in beside.iter_mut().zip([s.y - 1, s.y + 1]) {
+            while self.spans.get(*at).is_some_and(|o| (o.y, o.x1) <= (y, s.x0)) {
+                *at += 1;
             }
         }
     }
@@ -217,13 +259,24 @@ mod tests {
         #[test]
         fn cracks_lie_between_the_set_and_the_rest(a in mask_strategy()) {
             let mut found = Vec::new();
-            a.for_cracks(|p, d| found.push((p, d)));
+            a.for_cracks(|p, d, behind| found.push((p, d, behind)));
             let steps = [[-1, 0], [1, 0], [0, -1], [0, 1]];
-            let all = a.pixels().flat_map(|(x, y)| steps.map(|d| ([x, y], d)));
-            let mut wanted: Vec<_> = all.filter(|([x, y], [dx, dy])| !a.contains(x + dx, y + dy)).collect();
+            let all = a.pixels().flat_map(|(x, y)| {
+                steps.map(|[dx, dy]| ([x, y], [dx, dy], a.contains(x - dx, y - dy)))
+            });
+            let mut wanted: Vec<_> = all.filter(|([x, y], [dx, dy], _)| !a.contains(x + dx, y + dy)).collect();
             found.sort_unstable();
             wanted.sort_unstable();
             prop_assert_eq!(found, wanted);
+        }
+
+        #[test]
+        fn the_interior_is_what_no_crack_touches(a in mask_strategy()) {
+            let deep = |x: i32, y: i32| {
+                [(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)].iter().all(|(dx, dy)| a.contains(x + dx, y + dy))
+            };
+            let wanted: Vec<_> = a.pixels().filter(|&(x, y)| deep(x, y)).collect();
+            prop_assert_eq!(a.interior().pixels().collect::<Vec<_>>(), wanted);
         }
 
         #[test]

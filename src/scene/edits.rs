@@ -1,13 +1,15 @@
 //! The record of what was done to a scene after it was made.
 
 use super::operation::{Action, Comparison, Condition, Identity, Operation, Quantity};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fmt::{self, Display, Formatter};
 
 /// Something that a scene has gone through.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct EditRecord {
     /// The operation.
@@ -17,7 +19,8 @@ pub struct EditRecord {
 }
 
 /// An operation that was applied to a scene. As text it reads like `tint amount=0.5 colour=#ff0000 share=1`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Recorded {
     /// An operation was done to it.
@@ -32,7 +35,8 @@ pub enum Recorded {
 }
 
 /// The appearance of other textures, taken over.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Transfer {
     /// Exemplars of the other textures.
@@ -44,7 +48,8 @@ pub struct Transfer {
 }
 
 /// What elements take over from another texture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TransferMode {
     /// The mean colour; shapes and differences between colours stay.
@@ -55,7 +60,8 @@ pub enum TransferMode {
 }
 
 /// A scene between two others.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Between {
     /// Exemplars of the first scene.
@@ -67,7 +73,8 @@ pub struct Between {
 }
 
 /// Where a scene stands between two others.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Place {
     /// This share of the way along. 0 to 1.
@@ -81,7 +88,8 @@ pub enum Place {
 }
 
 /// An axis of the canvas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Axis {
     /// From left to right.

@@ -3,12 +3,14 @@
 use super::Instance;
 use crate::geometry::{Rect, Vec2};
 use crate::raster::colour::Colour;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A black shadow of a texton's outline. It is painted immediately before its texton, so it darkens
 /// only what is painted earlier.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Shadow {
     /// Offset from the texton along x and y, in pixels of the canvas.
@@ -21,7 +23,8 @@ pub struct Shadow {
 }
 
 /// A line along a texton's outline, painted over its details.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Stroke {
     /// Width of the line, half inside and half outside, in the texton's own pixels.

@@ -36,6 +36,7 @@ use crate::element;
 use crate::error::Result;
 use crate::geometry::{Affine, Outline, Rect};
 use crate::raster::colour::Colour;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -45,7 +46,8 @@ use std::path::Path;
 /// texture of a homogeneous photograph has three: background, secondary and primary elements.
 /// Coordinates are canvas pixels, x right, y down. A scene contains the elements that it uses, so it
 /// needs no library.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// Always `vtex-scene`.
@@ -79,7 +81,8 @@ pub struct Scene {
 }
 
 /// A shape that the texture is limited to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Domain {
     /// Outline of the shape, on the canvas. Layers are clipped to it, but for those of individual
@@ -97,7 +100,8 @@ impl Domain {
 }
 
 /// Treatment of individual elements at the edge of a domain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Edge {
     /// Elements whose centre lies inside are kept whole and may extend beyond the edge; others are
@@ -111,7 +115,8 @@ pub enum Edge {
 }
 
 /// A layer of a scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Layer {
     /// Its name, unique within the scene: what operations and writers call it. Not empty.
@@ -138,7 +143,8 @@ impl Layer {
 }
 
 /// A library that a scene was made from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LibraryRef {
     /// File name of the library's exemplar.
@@ -149,7 +155,8 @@ pub struct LibraryRef {
 
 /// An element that instances show, in its own coordinates. For elements of photographs these are the
 /// exemplar's, shifted so that the centroid, rounded to whole pixels, is at (0, 0).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Element {
     /// Its library, by index in [`Scene::libraries`].
@@ -209,9 +216,8 @@ impl Element {
 }
 
 /// Index of a library in [`Scene::libraries`], or in the list of libraries that something is made from.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(transparent)]
 pub struct LibraryId(pub u32);
 
@@ -229,7 +235,8 @@ impl std::fmt::Display for LibraryId {
 }
 
 /// Identifier of an instance, unique within its scene; operations keep it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(transparent)]
 pub struct InstanceId(pub u32);
 
@@ -240,7 +247,8 @@ impl std::fmt::Display for InstanceId {
 }
 
 /// An element placed on the canvas. In a scene that tiles it stands for all its copies.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Instance {
     /// Identifier, unique within the scene; operations keep it.
@@ -275,7 +283,8 @@ impl Instance {
 }
 
 /// A smooth colour field through control points (see [`field`]).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Field {
     /// Typical distance between control points, in pixels.
@@ -288,7 +297,8 @@ pub struct Field {
 }
 
 /// A control point of the background field.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ControlPoint {
     /// Distance from the left border, in pixels.

@@ -3,11 +3,13 @@
 
 use super::InstanceId;
 use crate::raster::colour::Colour;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Something done to a selection of a scene's textons. Files are named, not held.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Operation {
     /// The action.
@@ -30,7 +32,8 @@ impl From<Action> for Operation {
 
 /// An action on elements. Lengths in pixels of the canvas, angles in degrees, clockwise on the screen, shares
 /// 0 to 1.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Action {
     /// Fewer textons: a share of each layer is kept, or those that are large enough.
@@ -233,7 +236,8 @@ impl Action {
 }
 
 /// A number, or a map of numbers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum NumberOrMap {
     /// Everywhere the same.
@@ -249,7 +253,8 @@ impl From<f64> for NumberOrMap {
 }
 
 /// A colour, or a picture of colours.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum ColourOrMap {
     /// Everywhere the same.
@@ -265,7 +270,8 @@ impl From<Colour> for ColourOrMap {
 }
 
 /// The random changes of [`Action::Jitter`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Jitter {
     /// Largest distance. 0 to 10⁶.
@@ -314,7 +320,8 @@ fn is_none(steps: &u32) -> bool {
 }
 
 /// How random changes are distributed between their bounds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Distribution {
     /// Evenly.
@@ -331,7 +338,8 @@ impl Distribution {
 }
 
 /// The textons that something is done among.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Within {
     /// Those of a layer.
@@ -342,7 +350,8 @@ pub enum Within {
 }
 
 /// The point about which textons are transformed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum About {
     /// The centre of each.
@@ -353,7 +362,8 @@ pub enum About {
 }
 
 /// The property by which textons are painted one after the other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum OrderBy {
     /// Place of the centre from the left.
@@ -369,7 +379,8 @@ pub enum OrderBy {
 }
 
 /// Which textons go first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ThinOrder {
     /// The smallest.
@@ -382,7 +393,8 @@ pub enum ThinOrder {
 }
 
 /// A direction for longer axes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Direction {
     /// Everywhere the same, in degrees. -360 to 360.
@@ -392,7 +404,8 @@ pub enum Direction {
 }
 
 /// A condition that an element must fulfil to be selected.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Condition {
     /// One of some numbers is its own, or none is.
@@ -423,7 +436,8 @@ pub enum Condition {
 }
 
 /// Properties of elements that are whole numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Identity {
     /// Category; secondaries have none.
@@ -435,7 +449,8 @@ pub enum Identity {
 }
 
 /// Properties of an element that are measured where it stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// Area, in pixels².
@@ -449,7 +464,8 @@ pub enum Quantity {
 }
 
 /// How a quantity is compared with a limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Comparison {
     /// Smaller.

@@ -2,11 +2,13 @@
 
 use super::{Edge, Tile};
 use crate::error::{Result, check};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of synthesis. Lengths in pixels.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SynthParams {
     /// Width of the canvas. 1 to 100 000, default 1000.
@@ -44,7 +46,8 @@ pub struct SynthParams {
 }
 
 /// How primaries are placed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// `period` for one periodic drawing, `descriptor` for other drawings; else `correspondence` if
@@ -63,7 +66,8 @@ pub enum Method {
 }
 
 /// A part of the method that can be left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Ablation {
     /// No secondary textons (paper, table 3).
@@ -105,7 +109,8 @@ impl Ablation {
 }
 
 /// Weights of the five areas in a candidate's score (paper §3.2.1). Each -10 to 10.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Weights {
     /// Covered area of the requested region. Default 0.5.

@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::progress::{Progress, advance};
 use crate::raster::{LabelMap, Mask, Span};
 use image::RgbImage;
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, schema_for};
 use serde::{Deserialize, Serialize};
 use std::io::{Cursor, Write};
@@ -21,9 +22,10 @@ const LARGEST_SIDE: u32 = 1 << 14;
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Masks found in an image. They may overlap. Uncovered pixels are background.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Masks")]
+#[cfg_attr(feature = "schema", schemars(title = "Masks"))]
 struct MasksDocument {
     /// Always `vtex-masks`.
     format: String,
@@ -40,9 +42,10 @@ struct MasksDocument {
 }
 
 /// A mask with a confidence.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
-#[schemars(rename = "Mask")]
+#[cfg_attr(feature = "schema", schemars(rename = "Mask"))]
 struct StoredMask {
     /// Confidence, 0 to 1.
     score: f32,
@@ -88,7 +91,8 @@ enum Content {
 }
 
 impl MasksFile {
-    /// The JSON Schema of the run-length JSON.
+    /// The JSON Schema of the run-length JSON. With the feature `schema`.
+    #[cfg(feature = "schema")]
     pub fn json_schema() -> Schema {
         schema_for!(MasksDocument)
     }

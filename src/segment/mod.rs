@@ -2,6 +2,7 @@
 
 mod felzenszwalb;
 mod flood;
+mod hashing;
 mod masks_file;
 mod perceptron;
 pub mod prompt;
@@ -15,7 +16,7 @@ pub(crate) use felzenszwalb::{Smoothed, details};
 pub(crate) use flood::flood;
 pub use masks_file::{MasksFile, masks_to_bytes};
 pub use perceptron::Perceptron;
-pub use regions::Regions;
+pub use regions::{OneTree, Regions};
 
 use crate::error::Result;
 use crate::progress::Progress;

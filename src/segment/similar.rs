@@ -1,7 +1,7 @@
 //! Search for masks similar to a given one.
 
+use super::hashing::ByNumber;
 use crate::raster::Mask;
-use std::collections::BTreeMap;
 
 /// Box `(x0, y0, x1, y1)`, ends exclusive.
 pub(super) type Bounds = (i32, i32, i32, i32);
@@ -10,7 +10,7 @@ pub(super) type Bounds = (i32, i32, i32, i32);
 /// neighbouring squares.
 #[derive(Default)]
 pub(super) struct SimilarMasks {
-    squares: BTreeMap<(u32, i32, i32), Vec<usize>>,
+    squares: ByNumber<Vec<usize>>,
 }
 
 impl SimilarMasks {
@@ -24,9 +24,15 @@ impl SimilarMasks {
         (class, (b.0 + b.2).div_euclid(2 * side), (b.1 + b.3).div_euclid(2 * side))
     }
 
+    /// The number of a square. Squares of images of up to 2³⁰ pixels have different ones.
+    fn key((class, x, y): (u32, i32, i32)) -> u64 {
+        let low = |v: i32| u64::from(v as u32) & 0x0fff_ffff;
+        u64::from(class) << 56 | low(x) << 28 | low(y)
+    }
+
     /// Adds a box under an index.
     pub(super) fn add(&mut self, bounds: Bounds, index: usize) {
-        self.squares.entry(Self::square(bounds, Self::class(bounds))).or_default().push(index);
+        self.squares.entry(Self::key(Self::square(bounds, Self::class(bounds)))).or_default().push(index);
     }
 
     /// Indices of boxes whose masks may be similar, ascending.
@@ -37,7 +43,8 @@ impl SimilarMasks {
             let (_, x, y) = Self::square(bounds, class);
             for j in y - 2..=y + 2 {
                 for i in x - 2..=x + 2 {
-                    indices.extend(self.squares.get(&(class, i, j)).into_iter().flatten().copied());
+                    indices
+                        .extend(self.squares.get(&Self::key((class, i, j))).into_iter().flatten().copied());
                 }
             }
         }

@@ -90,9 +90,9 @@ pub fn reconstruct(library: &Library) -> Scene {
         let (name, region, field) = (layer.name.clone(), layer.region.clone(), layer.field.clone());
         scene.layers.push(Layer { name, role: layer.role, region, field, instances });
     }
+    let wrap = library.arrangement.periodic;
+    scene.tile = Tile { x: wrap, y: wrap };
     if library.source.kind == SourceKind::Drawing {
-        let wrap = library.arrangement.periodic;
-        scene.tile = Tile { x: wrap, y: wrap };
         share_equal(&mut scene, library);
         return scene;
     }

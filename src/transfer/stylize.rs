@@ -21,6 +21,7 @@ use crate::scene::{
     ControlPoint, Element, ElementId, Field, Instance, InstanceId, Layer, Repaint, Role, Scene,
 };
 use image::RgbImage;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -37,7 +38,8 @@ const LONGEST: f64 = 2.6;
 const SQUARE: f64 = 0.288_675;
 
 /// What elements take over from the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Keep {
     /// Lightness; hue and chroma are their own.

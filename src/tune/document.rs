@@ -4,6 +4,7 @@ use super::Terms;
 use crate::document::{self, Document};
 use crate::error::Result;
 use crate::scene::{LibraryRef, SynthParams, Weights};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -11,7 +12,8 @@ use std::path::Path;
 
 /// The result of tuning for one library: the weights of the placement score, and the measured quality of
 /// placement before and after.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TunedWeights {
     /// Always `vtex-weights`.

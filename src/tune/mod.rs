@@ -36,6 +36,7 @@ use crate::scene::LibraryId;
 use crate::scene::{LibraryRef, SynthParams, Weights};
 use crate::statistics::{Correlation, Layout, Overlap, Repetition, largest_categories, neighbour_distance};
 use crate::synth::primaries_alone;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -78,7 +79,8 @@ impl TuneParams {
 }
 
 /// Terms of a set of weights; of each, less is better.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Terms {
     /// Coverage missing or too much, category by category, before density is corrected, as a share

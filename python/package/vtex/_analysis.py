@@ -100,7 +100,8 @@ def analyze(
         Cells along each side of a pixel, on which small shapes are told apart, 1 to 4; 0 as fits the
         photograph.
     wrap : bool, optional
-        Whether opposite borders join. Default: where those of a drawing are seen to.
+        Whether opposite borders join, so that what they cut is one element. Default: where they are seen
+        to.
     layers : int, "auto" or "off", default "auto"
         Number of nested layers, such as rust on paint, 1 to 6.
     layer_order : sequence of int, default ()

@@ -118,13 +118,13 @@ impl Lab {
     /// only in places.
     pub(super) fn rim(&self, mask: &Mask) -> (f32, u32) {
         let (mut steps, mut cracks) = (Vec::new(), 0u32);
-        mask.for_cracks(|[x, y], [dx, dy]| {
+        mask.for_cracks(|[x, y], [dx, dy], thick| {
             cracks += 1;
             let (ox, oy) = (x + dx, y + dy);
             if ox < 0 || oy < 0 || ox >= self.width || oy >= self.height {
                 return;
             }
-            let inner = if mask.contains(x - dx, y - dy) { self.at(x - dx, y - dy) } else { self.at(x, y) };
+            let inner = if thick { self.at(x - dx, y - dy) } else { self.at(x, y) };
             let outer = self.at(ox + dx, oy + dy);
             let d2: f32 = inner.iter().zip(outer).map(|(a, b)| (a - b) * (a - b)).sum();
             steps.push(d2.sqrt());

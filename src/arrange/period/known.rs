@@ -107,7 +107,6 @@ fn of_element(element: &Element) -> Mask {
     if element.clipped { Mask::default() } else { pixels::of_shapes(&element.shapes) }
 }
 
-/// The pixels that shapes paint.
 /// For each element the first that is equal to it up to a similarity.
 pub(crate) fn equal(elements: &[Element]) -> Vec<(usize, Affine)> {
     classes(elements.len(), |k| &elements[k].shapes, |k| elements[k].clipped, EQUAL)

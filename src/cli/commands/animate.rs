@@ -154,6 +154,9 @@ fn run(common: &Common, reporter: &Reporter, job: &Animating) -> anyhow::Result<
         }
     };
     let flowing = Flowing::new(&scene, &flow, &job.params)?;
+    if let Some(warning) = job.drawing.render.warning(job.wanted.iter().any(Played::drawn)) {
+        reporter.warn(warning);
+    }
     let is_svg = |w: &Played| matches!(w, Played::Animation { kind: AnimationKind::Svg { .. }, .. });
     let svg = job.wanted.first().is_some_and(is_svg);
     if job.drawing.svg.max_bytes.is_some() && job.wanted.iter().all(is_svg) {

@@ -5,7 +5,7 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::engine::{EngineArgs, engine};
+use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::{check_files, required};
 use crate::cli::output::{print, print_styled};
 use crate::cli::progress::Reporter;
@@ -70,8 +70,7 @@ impl Checking {
             check_files(&[("the scene", &scene), ("--library", &library)], &[])?;
         }
         let parameters = &resolved.parameters;
-        let engine = engine(a.engine, parameters.threads);
-        let analysis = Analysis::plain(scene, engine, parameters.analyze.clone());
+        let analysis = Analysis::plain(scene, a.engine, parameters)?;
         Ok(Self { library, analysis })
     }
 }
@@ -92,6 +91,7 @@ fn run(common: &Common, reporter: &Reporter, checking: Checking) -> anyhow::Resu
             (scene, picture)
         }
     };
+    analysis.parameters.wrap = scene.tile.both();
     let exemplar = Exemplar {
         image: png::over_white(&picture),
         file: analysis.photo.name(),
@@ -117,7 +117,10 @@ fn of_svg(bytes: &[u8], analysis: &Analysis, reporter: &Reporter) -> anyhow::Res
     let params = ImportParams { analyze: lenient, ..ImportParams::default() };
     let mut scene = reconstruct(&import(bytes, &name, &params, reporter)?);
     let picture = render_svg(bytes, 1.0, &name, reporter)?;
-    let is_primary = |layer: &Layer| layer.name.eq_ignore_ascii_case(Role::Primary.name());
+    let is_primary = |layer: &Layer| {
+        let last = layer.name.rsplit(' ').next().unwrap_or_default();
+        last.eq_ignore_ascii_case(Role::Primary.name())
+    };
     if scene.layers.iter().any(is_primary) {
         scene.layers.retain(is_primary);
     }

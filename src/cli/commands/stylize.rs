@@ -7,7 +7,7 @@ use crate::cli::config::Given;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::engine::{EngineArgs, engine};
+use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
@@ -108,8 +108,7 @@ impl Stylizing {
             seed: resolved.seed.0,
         };
         let parameters = &resolved.parameters;
-        let engine = engine(a.engine, parameters.threads);
-        let with = Analysis::plain(with, engine, parameters.analyze.clone());
+        let with = Analysis::plain(with, a.engine, parameters)?;
         let (svg, render) = (parameters.svg, parameters.render);
         Ok(Self { picture, with, params, svg, render, targets })
     }

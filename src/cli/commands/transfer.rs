@@ -7,7 +7,7 @@ use crate::cli::config::Given;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, Kind};
-use crate::cli::options::engine::{EngineArgs, engine};
+use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
@@ -129,9 +129,9 @@ impl Transferring {
             seed: resolved.seed.0,
         };
         let (svg, render) = (parameters.svg, parameters.render);
-        let engine = engine(a.engine, parameters.threads);
-        let analysis = |input| Analysis::plain(input, engine.clone(), parameters.analyze.clone());
-        let (structure, appearances) = (analysis(structure), appearances.into_iter().map(analysis).collect());
+        let analysis = |input| Analysis::plain(input, a.engine.clone(), parameters);
+        let structure = analysis(structure)?;
+        let appearances = appearances.into_iter().map(analysis).collect::<Result<_, _>>()?;
         Ok(Self { structure, appearances, map, params, svg, render, targets })
     }
 }

@@ -9,7 +9,7 @@ use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::files::{ForceArgs, Makes, required, targets};
 use crate::cli::options::layers::LayerFilesArgs;
-use crate::cli::options::masks::MasksArgs;
+use crate::cli::options::masks::{MasksArgs, MasksFrom};
 use crate::cli::options::preset::PresetArgs;
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
@@ -28,6 +28,7 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
 #[derive(Args)]
 #[command(
     override_usage = "vtex vectorize [OPTIONS] <PHOTO>",
+    mut_arg("segmenter", |arg| arg.help(SEGMENTER)),
     after_help = "\
 Examples:
   vtex vectorize photo.jpg
@@ -59,6 +60,15 @@ pub(crate) struct VectorizeArgs {
     pub(crate) analyze: AnalyzeFlags,
 }
 
+/// Help of `--segmenter` here.
+const SEGMENTER: &str = "Segmenter that finds the elements: auto is regions, which takes a third of texton's time and \
+     draws the picture as well [auto, texton, regions, felzenszwalb or sam, default: auto]";
+
+/// Where masks come from in the end. The picture is drawn as well without a network.
+fn without_network(masks: MasksFrom) -> MasksFrom {
+    if matches!(masks, MasksFrom::Auto) { MasksFrom::OneTree } else { masks }
+}
+
 impl Arguments for VectorizeArgs {
     fn give(&self, given: &mut Given) {
         given.add("analyze", &self.analyze);
@@ -76,7 +86,8 @@ impl Arguments for VectorizeArgs {
         let targets = targets(output.clone(), &force, &photo, MAKES)?;
         let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &resolved.parameters)?;
         // Nothing is repeated here.
-        let analysis = Analysis { looks_at_borders: false, ..analysis };
+        let masks = without_network(analysis.masks);
+        let analysis = Analysis { looks_at_borders: false, masks, ..analysis };
         let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
         let drawing = Drawing { svg, render, recipe: None };
         Ok(Box::new(move |common, reporter| {

@@ -299,7 +299,7 @@ pub(super) enum Verb {
         similar: Option<f64>,
         /// draw it on what elements show, or in place of that [add, replace, default: add, with --element
         /// replace]
-        #[arg(long = "mode", value_name = "WORD", action = ArgAction::Set)]
+        #[arg(long = "mode", value_name = "WORD", action = ArgAction::Set, conflicts_with = "fill")]
         #[arg(value_parser = PossibleValuesParser::new(["add", "replace"]).map(|word| word == "replace"))]
         replace: Option<bool>,
     },

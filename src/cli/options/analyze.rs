@@ -84,8 +84,8 @@ pub(crate) struct AnalyzeFlags {
     /// photograph [0 to 4, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) cells: Option<u32>,
-    /// The exemplar tiles: opposite borders join. auto: a drawing whose borders are seen to join
-    /// [auto, on or off; alone: on; default: auto]
+    /// The exemplar tiles: opposite borders join, and what they cut is one element. auto: where they are
+    /// seen to, but for vectorize [auto, on or off; alone: on; default: auto]
     #[arg(long, value_name = "WHETHER", num_args = 0..=1, require_equals = true, default_missing_value = "on")]
     #[arg(hide_possible_values = true)]
     #[arg(value_parser = one_of(&Wrap::NAMES, str::parse::<Wrap>))]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use vtex::engine::{EngineOptions, Runtime};
 
 /// The engine that runs networks.
-#[derive(Args)]
+#[derive(Args, Clone)]
 #[command(next_help_heading = "Networks")]
 pub(crate) struct EngineArgs {
     /// Engine that runs networks: ONNX Runtime where it is found, or rten, which is part of vtex [auto,

@@ -45,6 +45,8 @@ pub(crate) enum MasksFrom {
     Auto,
     Texton,
     Regions,
+    /// As `Regions`, but of one tree: what [`Auto`](Self::Auto) is to `vectorize`.
+    OneTree,
     Felzenszwalb,
     Sam(SamFrom),
     File(PathBuf),

@@ -9,25 +9,39 @@
 //! gradients, one for each odd column and row; the cells are plain rectangles in a packed stream.
 
 use super::Background;
+use super::content::Content;
+use super::file::{File, Ref};
+use super::paint::{set_gradient, set_mask};
+use crate::element::Stop;
+use crate::geometry::{Affine, Rect};
 use crate::raster::colour::Colour;
-use krilla::geom::{PathBuilder, Transform};
-use krilla::mask::{Mask, MaskType};
-use krilla::num::NormalizedF32;
-use krilla::paint::{LinearGradient, SpreadMethod, Stop};
-use krilla::stream::Stream;
-use krilla::surface::Surface;
+use crate::scene::Gradient;
+use std::io::Result;
 
 /// How far a cell reaches beneath the next, and the outermost beyond the canvas, in pixels.
 const OVERLAP: f64 = 1.0;
 
 /// Paints the background.
-pub(super) fn draw(background: &Background, surface: &mut Surface<'_>) {
+///
+/// # Errors
+/// Those of packing.
+pub(super) fn draw(background: &Background, content: &mut Content, file: &mut File) -> Result<()> {
     let lattice = Lattice::new(background);
-    let masks = [lattice.mask(surface, Axis::X), lattice.mask(surface, Axis::Y)];
-    lattice.draw_rows(surface, 0, &masks[0]);
-    surface.push_mask(Mask::new(masks[1].clone(), MaskType::Luminosity));
-    lattice.draw_rows(surface, 1, &masks[0]);
-    surface.pop();
+    let masks = [lattice.mask(file, Axis::X)?, lattice.mask(file, Axis::Y)?];
+    lattice.draw_rows(content, file, 0, masks[0])?;
+    let mut odd = Content::default();
+    lattice.draw_rows(&mut odd, file, 1, masks[0])?;
+    let odd = odd.group(file, lattice.bounds())?;
+    masked(content, file, masks[1], odd);
+    Ok(())
+}
+
+/// Draws a form through a mask.
+fn masked(content: &mut Content, file: &mut File, mask: Ref, form: Ref) {
+    content.within(|c| {
+        set_mask(c, file, mask);
+        c.draw(form);
+    });
 }
 
 #[derive(Clone, Copy)]
@@ -74,16 +88,30 @@ impl Lattice {
         [from, (node + 1).min(last) as f64 * step + OVERLAP]
     }
 
+    /// Width and height, in pixels.
+    fn size(&self) -> [f64; 2] {
+        [Axis::X, Axis::Y].map(|axis| self.last(axis) as f64 * self.step[axis as usize])
+    }
+
+    /// All that is painted.
+    fn bounds(&self) -> Rect {
+        let [width, height] = self.size();
+        Rect::new(0.0, 0.0, width, height).inset(OVERLAP)
+    }
+
     /// The even rows, or with `first` 1 the odd ones.
-    fn draw_rows(&self, surface: &mut Surface<'_>, first: usize, mask: &Stream) {
-        self.draw_cells(surface, first, 0);
-        surface.push_mask(Mask::new(mask.clone(), MaskType::Luminosity));
-        self.draw_cells(surface, first, 1);
-        surface.pop();
+    fn draw_rows(&self, content: &mut Content, file: &mut File, first: usize, mask: Ref) -> Result<()> {
+        self.draw_cells(content, first, 0);
+        let mut odd = Content::default();
+        self.draw_cells(&mut odd, first, 1);
+        let odd = odd.group(file, self.bounds())?;
+        masked(content, file, mask, odd);
+        Ok(())
     }
 
     /// Every second cell of every second row. Neighbours of one colour are one rectangle.
-    fn draw_cells(&self, surface: &mut Surface<'_>, first_row: usize, first: usize) {
+    fn draw_cells(&self, content: &mut Content, first_row: usize, first: usize) {
+        let mut last = None;
         for (k, row) in self.rows.iter().enumerate().skip(first_row).step_by(2) {
             let [top, bottom] = self.reach(Axis::Y, k);
             let mut i = first;
@@ -95,64 +123,38 @@ impl Lattice {
                     right = self.reach(Axis::X, i)[1];
                     i += 2;
                 }
-                if let Some(path) = rectangle(left, top, right, bottom) {
-                    super::fill(surface, &path, super::flat(colour));
+                if last != Some(colour) {
+                    content.fill_with(colour);
                 }
+                last = Some(colour);
+                content.fill_rectangle(Rect::new(left, top, right, bottom));
             }
         }
     }
 
     /// White at odd nodes, black at even ones, linear between.
-    fn mask(&self, surface: &mut Surface<'_>, axis: Axis) -> Stream {
-        let length = |axis| self.last(axis) as f64 * self.step[axis as usize];
-        let (width, height, step) = (length(Axis::X), length(Axis::Y), self.step[axis as usize]);
-        let stop = |offset: f32, light: u8| Stop {
-            offset: NormalizedF32::new(offset).unwrap_or(NormalizedF32::ZERO),
-            color: krilla::color::luma::Color::new(light).into(),
-            opacity: NormalizedF32::ONE,
-        };
-        let mut builder = surface.stream_builder();
-        let mut inner = builder.surface();
+    fn mask(&self, file: &mut File, axis: Axis) -> Result<Ref> {
+        let ([width, height], step) = (self.size(), self.step[axis as usize]);
         // All are one form, moved. The last may end beyond the canvas.
-        let (end, path) = match axis {
-            Axis::X => ([1.0, 0.0], rectangle(0.0, -OVERLAP, 2.0 * step, height + OVERLAP)),
-            Axis::Y => ([0.0, 1.0], rectangle(-OVERLAP, 0.0, width + OVERLAP, 2.0 * step)),
+        let (end, bounds) = match axis {
+            Axis::X => ([1.0, 0.0], Rect::new(0.0, -OVERLAP, 2.0 * step, height + OVERLAP)),
+            Axis::Y => ([0.0, 1.0], Rect::new(-OVERLAP, 0.0, width + OVERLAP, 2.0 * step)),
         };
-        let gradient = LinearGradient {
-            x1: 0.0,
-            y1: 0.0,
-            x2: (end[0] * 2.0 * step) as f32,
-            y2: (end[1] * 2.0 * step) as f32,
-            transform: Transform::identity(),
-            spread_method: SpreadMethod::Pad,
-            stops: vec![stop(0.0, 0), stop(0.5, 255), stop(1.0, 0)],
-            anti_alias: false,
-        };
-        let tent = super::layer(&mut inner, |s| {
-            if let Some(path) = &path {
-                super::fill(s, path, gradient.into());
-            }
-        });
+        let [black, white] = [0, 255].map(|light| Colour([light; 3]));
+        let mut gradient = Gradient::linear([0.0; 2], end.map(|v| v * 2.0 * step), [black; 2]);
+        gradient.between = vec![Stop { offset: 0.5, colour: white, opacity: 1.0 }];
+        let mut tent = Content::default();
+        set_gradient(&mut tent, file, &gradient, bounds)?;
+        tent.fill_rectangle(bounds);
+        let tent = tent.form(file, bounds)?;
+        let mut content = Content::default();
         for node in (1..=self.last(axis)).step_by(2) {
             let from = (node - 1) as f64 * step;
-            let [x, y] = end.map(|v| (v * from) as f32);
-            inner.push_transform(&Transform::from_translate(x, y));
-            inner.draw_graphic(tent.clone());
-            inner.pop();
+            content.within(|c| {
+                c.transform(Affine::translate((end[0] * from, end[1] * from)));
+                c.draw(tent);
+            });
         }
-        inner.finish();
-        builder.finish()
+        content.group(file, self.bounds())
     }
-}
-
-fn rectangle(left: f64, top: f64, right: f64, bottom: f64) -> Option<krilla::geom::Path> {
-    let [left, top, right, bottom] =
-        [left, top, right, bottom].map(|v| (libm::round(v * 1000.0) / 1000.0) as f32);
-    let mut builder = PathBuilder::new();
-    builder.move_to(left, top);
-    builder.line_to(right, top);
-    builder.line_to(right, bottom);
-    builder.line_to(left, bottom);
-    builder.close();
-    builder.finish()
 }

@@ -6,31 +6,27 @@
 //! longer than that, or if it has a gradient; other textons are written where they stand.
 //!
 //! Gradients are drawn in forms of their own because Inkscape 1.2 places a gradient wrongly where the
-//! same content stream has changed the coordinates before (see also `layers.rs`).
+//! same content stream has changed the coordinates before. So the page changes its coordinates once,
+//! outside of all that is saved and restored.
 //!
 //! Works badly beyond [`LARGEST_PAGE`]: viewers then need a page that is scaled down, and its
 //! numbers are rounded to more than a hundredth of a pixel.
 
 mod background;
-mod layers;
+mod content;
+mod file;
+mod paint;
 #[cfg(test)]
 mod tests;
 mod textons;
 
 use super::background::Background;
-use crate::element::{self, GradientKind};
 use crate::error::{Error, Result};
-use crate::geometry::{Outline, PathEl, Point, Rect, Vec2};
-use crate::raster::colour::Colour;
-use crate::scene::{Gradient, Layer, Scene};
-use krilla::geom::{Path as PdfPath, PathBuilder, Transform};
-use krilla::graphic::Graphic;
-use krilla::metadata::Metadata;
-use krilla::num::NormalizedF32;
-use krilla::page::PageSettings;
-use krilla::paint::{Fill, FillRule, LinearGradient, Paint, RadialGradient, SpreadMethod, Stop};
-use krilla::surface::Surface;
-use krilla::{Document, SerializeSettings};
+use crate::geometry::{Affine, Outline, Rect, Vec2};
+use crate::scene::{Layer, Scene};
+use content::Content;
+use file::{File, Ref};
+use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
 use textons::Textons;
@@ -46,175 +42,109 @@ const LARGEST_PAGE: f64 = 14_400.0;
 /// A scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
 pub fn write(scene: &Scene, mut out: impl Write) -> Result<u64> {
     scene.check()?;
-    let bytes = document(scene).map_err(|e| Error::write(Path::new("-"), io::Error::other(e)))?;
+    let bytes = document(scene).map_err(|e| Error::write(Path::new("-"), e))?;
     out.write_all(&bytes).and_then(|()| out.flush()).map_err(|e| Error::write(Path::new("-"), e))?;
     Ok(bytes.len() as u64)
 }
 
 /// The whole file.
-fn document(scene: &Scene) -> std::result::Result<Vec<u8>, String> {
-    let (width, height) = (f64::from(scene.width), f64::from(scene.height));
-    let scale = (LARGEST_PAGE / width.max(height)).min(POINTS);
-    let mut document = Document::new_with(SerializeSettings { enable_tagging: false, ..Default::default() });
-    let settings = PageSettings::from_wh((width * scale) as f32, (height * scale) as f32);
-    let mut page = document.start_page_with(settings.ok_or("the page is empty")?);
-    let mut surface = page.surface();
-    surface.push_transform(&Transform::from_scale(scale as f32, scale as f32));
-    let drawn = draw(scene, &mut surface);
-    surface.pop();
-    surface.finish();
-    page.finish();
-    let mut metadata =
-        Metadata::new().title(super::title(scene)).creator("vtex".into()).producer(crate::PROGRAM.into());
+fn document(scene: &Scene) -> io::Result<Vec<u8>> {
+    let mut file = File::default();
+    let mut page = Content::default();
+    let size = [scene.width, scene.height].map(f64::from);
+    let scale = (LARGEST_PAGE / size[0].max(size[1])).min(POINTS);
+    // Once and for all: Inkscape 1.2 takes a change within `q` and `Q` for one that gradients in forms
+    // ignore.
+    page.transform(Affine::new([scale, 0.0, 0.0, -scale, 0.0, size[1] * scale]));
+    let groups = draw(scene, &mut page, &mut file)?;
+
+    let all: Vec<String> = groups.iter().map(Ref::to_string).collect();
+    // Viewers list the topmost layer first.
+    let order: Vec<String> = groups.iter().rev().map(Ref::to_string).collect();
+    let properties: String = groups.iter().enumerate().map(|(k, group)| format!("/l{k} {group} ")).collect();
+    let mut bounds = String::new();
+    content::numbers(&mut bounds, size.map(|side| side * scale), 3);
+    let pages = file.reserve();
+    let content = page.page(&mut file);
+    let resources = page.resources(&format!("/Properties <<{}>>", properties.trim_end()));
+    let page = file.add(format!(
+        "<</Type /Page/Parent {pages}/MediaBox [0 0 {}]{resources}/Contents {content}>>",
+        bounds.trim_end()
+    ));
+    file.put(pages, format!("<</Type /Pages/Kids [{page}]/Count 1>>"));
+    let catalog = file.add(format!(
+        "<</Type /Catalog/Pages {pages}/OCProperties <</OCGs [{}]/D <</Order [{}]>>>>>>",
+        all.join(" "),
+        order.join(" ")
+    ));
+    let mut information = format!(
+        "<</Title {}/Creator (vtex)/Producer {}",
+        file::text(&super::title(scene)),
+        file::text(crate::PROGRAM)
+    );
     if let Some(parameters) = &scene.parameters {
-        metadata = metadata.description(format!("Seed {}", parameters.seed));
+        let _ = write!(information, "/Subject (Seed {})", parameters.seed);
     }
-    document.set_metadata(metadata);
-    let file = document.finish().map_err(|e| format!("{e:?}"))?;
-    layers::named(&file, &drawn).ok_or_else(|| "the layers of the page are not found".into())
+    let information = file.add(information + ">>");
+    Ok(file.finish(catalog, information))
 }
 
-/// The layers, those that a domain clips inside its outline. Gives the names of those drawn.
-fn draw(scene: &Scene, surface: &mut Surface<'_>) -> Vec<String> {
+/// The layers, those that a domain clips inside its outline. Gives the group of each that is drawn.
+fn draw(scene: &Scene, page: &mut Content, file: &mut File) -> io::Result<Vec<Ref>> {
     let mut textons = Textons::new(scene);
-    let layers: Vec<(&Layer, Graphic)> = scene
-        .layers
-        .iter()
-        .map(|own| {
-            let graphic = layer(surface, |s| {
-                let clip = own.region.as_ref().map(|outline| clip_path(scene, outline));
-                // A region without any room shows nothing.
-                let Some(clip) = clip.map_or(Some(None), |path| path.map(Some)) else { return };
-                if let Some(clip) = &clip {
-                    s.push_clip_path(clip, &FillRule::NonZero);
-                }
-                if let Some(field) = &own.field {
-                    background::draw(&Background::new(scene, field), s);
-                }
-                textons.draw(&own.instances, s);
-                if clip.is_some() {
-                    s.pop();
-                }
-            });
-            (own, graphic)
-        })
-        .collect();
     // A domain without any room shows nothing; elements that stick out lie outside of it.
-    let domain = scene.domain.as_ref().and_then(|d| clip_path(scene, &d.outline));
-    let mut names = Vec::new();
-    for run in layers.chunk_by(|a, b| scene.is_clipped(a.0) == scene.is_clipped(b.0)) {
-        let clipped = scene.is_clipped(run[0].0);
-        match &domain {
-            Some(clip) if clipped => surface.push_clip_path(clip, &FillRule::NonZero),
-            None if clipped => continue,
-            _ => {}
+    let domain = scene.domain.as_ref().map(|d| &d.outline).filter(|outline| !is_empty(outline));
+    let mut groups = Vec::new();
+    for run in scene.layers.chunk_by(|a, b| scene.is_clipped(a) == scene.is_clipped(b)) {
+        let clipped = scene.is_clipped(&run[0]);
+        if clipped && domain.is_none() {
+            continue;
         }
-        for (layer, graphic) in run {
-            surface.draw_graphic(graphic.clone());
-            names.push(super::label(&layer.name));
-        }
-        if clipped {
-            surface.pop();
-        }
-    }
-    names
-}
-
-/// An outline on the canvas of a scene, with its copies; `None` if nothing can be seen of it.
-fn clip_path(scene: &Scene, outline: &Outline) -> Option<PdfPath> {
-    let mut clip = PathBuilder::new();
-    for shift in scene.copies(outline.bounds()) {
-        append(&mut clip, outline, shift);
-    }
-    clip.finish()
-}
-
-/// The drawing of `content` as a graphic of its own.
-fn layer(surface: &mut Surface<'_>, content: impl FnOnce(&mut Surface<'_>)) -> Graphic {
-    let mut builder = surface.stream_builder();
-    let mut inner = builder.surface();
-    content(&mut inner);
-    inner.finish();
-    Graphic::new(builder.finish(), false)
-}
-
-/// Fills a path.
-fn fill(surface: &mut Surface<'_>, path: &PdfPath, paint: Paint) {
-    surface.set_fill(Some(Fill { paint, ..Fill::default() }));
-    surface.draw_path(path);
-}
-
-/// One colour everywhere.
-fn flat(colour: Colour) -> Paint {
-    rgb(colour).into()
-}
-
-/// A gradient in the coordinates of what it fills.
-fn gradual(gradient: &Gradient) -> Paint {
-    let share = |v: f64| NormalizedF32::new(v as f32).unwrap_or(NormalizedF32::ONE);
-    let stop = |s: element::Stop| Stop {
-        offset: share(s.offset),
-        color: rgb(s.colour).into(),
-        opacity: share(s.opacity),
-    };
-    let [[x1, y1], [x2, y2]] = [gradient.from, gradient.to].map(|p| p.map(|v| v as f32));
-    let stops = gradient.stops().map(stop).collect();
-    let (transform, spread_method) = (Transform::identity(), SpreadMethod::Pad);
-    match gradient.kind {
-        GradientKind::Linear => {
-            LinearGradient { x1, y1, x2, y2, transform, spread_method, stops, anti_alias: false }.into()
-        }
-        GradientKind::Radial => RadialGradient {
-            fx: x1,
-            fy: y1,
-            fr: 0.0,
-            cx: x1,
-            cy: y1,
-            cr: libm::hypotf(x2 - x1, y2 - y1),
-            transform,
-            spread_method,
-            stops,
-            anti_alias: false,
-        }
-        .into(),
-    }
-}
-
-fn rgb(Colour([r, g, b]): Colour) -> krilla::color::rgb::Color {
-    krilla::color::rgb::Color::new(r, g, b)
-}
-
-/// The path as PDF knows it; none if there is nothing to fill.
-fn path_of(outline: &Outline) -> Option<PdfPath> {
-    let mut builder = PathBuilder::new();
-    append(&mut builder, outline, Vec2::ZERO);
-    builder.finish()
-}
-
-/// Adds an outline, moved by `shift`, to a path.
-fn append(builder: &mut PathBuilder, outline: &Outline, shift: Vec2) {
-    let at = |p: Point| ((p.x + shift.x) as f32, (p.y + shift.y) as f32);
-    for element in outline.path().elements() {
-        match *element {
-            PathEl::MoveTo(p) => {
-                let p = at(p);
-                builder.move_to(p.0, p.1);
+        page.within(|page| {
+            if let Some(outline) = domain.filter(|_| clipped) {
+                clip(scene, outline, page);
             }
-            PathEl::LineTo(p) => {
-                let p = at(p);
-                builder.line_to(p.0, p.1);
+            for layer in run {
+                let form = form_of(scene, layer, &mut textons, file)?;
+                page.draw_optional(form, groups.len());
+                let name = file::text(&super::label(&layer.name));
+                // Layers of one name are groups of their own.
+                let group = file.reserve();
+                file.put(group, format!("<</Type /OCG/Name {name}>>"));
+                groups.push(group);
             }
-            PathEl::QuadTo(a, p) => {
-                let (a, p) = (at(a), at(p));
-                builder.quad_to(a.0, a.1, p.0, p.1);
-            }
-            PathEl::CurveTo(a, b, p) => {
-                let (a, b, p) = (at(a), at(b), at(p));
-                builder.cubic_to(a.0, a.1, b.0, b.1, p.0, p.1);
-            }
-            PathEl::ClosePath => builder.close(),
-        }
+            Ok::<(), io::Error>(())
+        })?;
     }
+    Ok(groups)
+}
+
+/// A layer as a form.
+fn form_of(scene: &Scene, layer: &Layer, textons: &mut Textons<'_>, file: &mut File) -> io::Result<Ref> {
+    let mut content = Content::default();
+    // A region without any room shows nothing.
+    if layer.region.as_ref().is_none_or(|outline| !is_empty(outline)) {
+        if let Some(outline) = &layer.region {
+            clip(scene, outline, &mut content);
+        }
+        if let Some(field) = &layer.field {
+            background::draw(&Background::new(scene, field), &mut content, file)?;
+        }
+        textons.draw(&layer.instances, &mut content, file)?;
+    }
+    content.form(file, Rect::new(0.0, 0.0, f64::from(scene.width), f64::from(scene.height)))
+}
+
+/// Clips what follows to an outline on the canvas of a scene, with its copies.
+fn clip(scene: &Scene, outline: &Outline, content: &mut Content) {
+    let shifts: Vec<Vec2> = scene.copies(outline.bounds()).collect();
+    content.clip(outline, &shifts);
+}
+
+/// Whether an outline encloses nothing; some viewers draw a hair where one is filled.
+fn is_empty(outline: &Outline) -> bool {
+    let bounds = outline.bounds();
+    outline.is_empty() || bounds.width() <= 0.0 || bounds.height() <= 0.0
 }
 
 /// Whether anything within `bounds` can be seen on the canvas of a scene.

@@ -1,19 +1,17 @@
 //! Textons in PDF: defined once and drawn often, or written where they stand.
 
-use super::{flat, gradual, is_seen, layer, path_of};
-use crate::geometry::{Affine, Rect};
+use super::content::Content;
+use super::file::{File, Ref};
+use super::paint::{set_gradient, set_opacity};
+use super::{is_empty, is_seen};
+use crate::geometry::{Affine, Outline, Rect};
 use crate::output::shadow::{self, Shadows};
 use crate::raster::colour::Colour;
 use crate::scene::{Element, ElementId, Instance, Scene};
-use krilla::geom::Transform;
-use krilla::graphic::Graphic;
-use krilla::num::NormalizedF32;
-use krilla::paint::{Fill, LineJoin, Stroke};
-use krilla::surface::Surface;
 use std::collections::BTreeMap;
+use std::io::Result;
 
-/// From how many path elements on, in all copies but one, a texton is worth an object of its own:
-/// the object takes some 500 bytes, an element some 12 when packed.
+/// From how many path elements on, in all copies but one, a texton is worth an object of its own.
 const WORTH: usize = 40;
 
 /// The textons of a scene and how each is written.
@@ -23,10 +21,10 @@ pub(super) struct Textons<'a> {
     /// How often each is drawn in which colour.
     uses: BTreeMap<(ElementId, Option<Colour>), usize>,
     /// Those that are defined already.
-    defined: BTreeMap<(ElementId, Option<Colour>), Graphic>,
+    defined: BTreeMap<(ElementId, Option<Colour>), Ref>,
     shadows: Shadows,
     /// The shadows that are defined already.
-    defined_shadows: BTreeMap<shadow::Key, Graphic>,
+    defined_shadows: BTreeMap<shadow::Key, Ref>,
 }
 
 impl<'a> Textons<'a> {
@@ -51,7 +49,15 @@ impl<'a> Textons<'a> {
     }
 
     /// Draws a layer.
-    pub(super) fn draw(&mut self, instances: &[Instance], surface: &mut Surface<'_>) {
+    ///
+    /// # Errors
+    /// Those of packing.
+    pub(super) fn draw(
+        &mut self,
+        instances: &[Instance],
+        content: &mut Content,
+        file: &mut File,
+    ) -> Result<()> {
         for instance in instances {
             let key = (instance.element, instance.colour);
             let element = self.scene.element(instance);
@@ -60,51 +66,66 @@ impl<'a> Textons<'a> {
                 || has_gradient(element, instance.colour);
             for affine in self.places(instance) {
                 if let Some(shadow) = &instance.shadow {
-                    let key = shadow::key(instance, shadow);
-                    let layers = self.shadows.of(instance, shadow);
-                    let define = || layer(surface, |s| darken(layers, s));
-                    let graphic = self.defined_shadows.entry(key).or_insert_with(define).clone();
-                    surface.push_transform(&transform(affine.then_translate(shadow.shift())));
-                    surface.draw_graphic(graphic);
-                    surface.pop();
+                    let form = self.shadow(instance, shadow, file)?;
+                    content.within(|c| {
+                        c.transform(affine.then_translate(shadow.shift()));
+                        c.draw(form);
+                    });
                 }
-                surface.push_transform(&transform(affine));
-                if shared {
-                    let define = || layer(surface, |s| paint(element, instance.colour, s));
-                    let graphic = self.defined.entry(key).or_insert_with(define).clone();
-                    surface.draw_graphic(graphic);
-                } else {
-                    // In its own coordinates, whose numbers are short.
-                    paint(element, instance.colour, surface);
-                }
-                if let (Some(stroke), Some(path)) = (instance.stroke, path_of(element.outline())) {
-                    let (paint, width) = (flat(stroke.colour), stroke.width as f32);
-                    let line = Stroke { paint, width, line_join: LineJoin::Round, ..Stroke::default() };
-                    surface.set_fill(None);
-                    surface.set_stroke(Some(line));
-                    surface.draw_path(&path);
-                    surface.set_stroke(None);
-                }
-                surface.pop();
+                let form = if shared { Some(self.form(key, element, file)?) } else { None };
+                content.within(|c| -> Result<()> {
+                    c.transform(affine);
+                    match form {
+                        Some(form) => c.draw(form),
+                        // In its own coordinates, whose numbers are short.
+                        None => paint(element, instance.colour, c, file)?,
+                    }
+                    if let Some(stroke) = instance.stroke {
+                        c.stroke(element.outline(), stroke.colour, stroke.width);
+                    }
+                    Ok(())
+                })?;
             }
         }
+        Ok(())
     }
-}
 
-fn transform(affine: Affine) -> Transform {
-    let [a, b, c, d, e, f] = affine.as_coeffs().map(|v| v as f32);
-    Transform::from_row(a, b, c, d, e, f)
-}
-
-/// The layers of a shadow.
-fn darken(layers: &[shadow::Layer], surface: &mut Surface<'_>) {
-    for layer in layers {
-        let opacity = NormalizedF32::new(layer.opacity as f32).unwrap_or(NormalizedF32::ONE);
-        if let Some(path) = path_of(&layer.outline) {
-            surface.set_fill(Some(Fill { paint: flat(Colour([0; 3])), opacity, ..Fill::default() }));
-            surface.draw_path(&path);
+    /// A texton that is defined once, in one colour.
+    fn form(&mut self, key: (ElementId, Option<Colour>), element: &Element, file: &mut File) -> Result<Ref> {
+        if let Some(form) = self.defined.get(&key) {
+            return Ok(*form);
         }
+        let mut content = Content::default();
+        paint(element, key.1, &mut content, file)?;
+        let bounds = union(element.shapes.iter().map(|shape| &shape.outline));
+        let form = content.form(file, bounds)?;
+        self.defined.insert(key, form);
+        Ok(form)
     }
+
+    /// A shadow, which is defined once.
+    fn shadow(&mut self, instance: &Instance, shadow: &crate::scene::Shadow, file: &mut File) -> Result<Ref> {
+        let key = shadow::key(instance, shadow);
+        if let Some(form) = self.defined_shadows.get(&key) {
+            return Ok(*form);
+        }
+        let layers = self.shadows.of(instance, shadow);
+        let mut content = Content::default();
+        content.fill_with(Colour([0; 3]));
+        for layer in layers.iter().filter(|layer| !is_empty(&layer.outline)) {
+            set_opacity(&mut content, file, layer.opacity);
+            content.fill(&layer.outline);
+        }
+        let form = content.form(file, union(layers.iter().map(|layer| &layer.outline)))?;
+        self.defined_shadows.insert(key, form);
+        Ok(form)
+    }
+}
+
+/// What outlines fill together, and a little more.
+fn union<'a>(outlines: impl Iterator<Item = &'a Outline>) -> Rect {
+    let bounds = outlines.filter(|o| !is_empty(o)).map(Outline::bounds).reduce(|a, b| a.union(b));
+    bounds.map_or(Rect::ZERO, |b| b.inset(0.01))
 }
 
 /// Number of path elements of all shapes of an element.
@@ -118,14 +139,31 @@ fn has_gradient(element: &Element, colour: Option<Colour>) -> bool {
 }
 
 /// The shapes of an element, its base in `colour` if there is one.
-fn paint(element: &Element, colour: Option<Colour>, surface: &mut Surface<'_>) {
-    for (i, shape) in element.shapes.iter().enumerate() {
-        let Some(path) = path_of(&shape.outline) else { continue };
+fn paint(element: &Element, colour: Option<Colour>, content: &mut Content, file: &mut File) -> Result<()> {
+    let mut last = None;
+    for (i, shape) in element.shapes.iter().enumerate().filter(|(_, shape)| !is_empty(&shape.outline)) {
         let own = colour.filter(|_| i == 0);
         let gradient = shape.gradient.as_deref().filter(|_| own.is_none());
-        let paint = gradient.map_or_else(|| flat(own.unwrap_or(shape.colour)), gradual);
-        let opacity = NormalizedF32::new(shape.opacity as f32).unwrap_or(NormalizedF32::ONE);
-        surface.set_fill(Some(Fill { paint, opacity, ..Fill::default() }));
-        surface.draw_path(&path);
+        let flat = own.unwrap_or(shape.colour);
+        if gradient.is_none() && shape.opacity == 1.0 {
+            if last != Some(flat) {
+                content.fill_with(flat);
+            }
+            last = Some(flat);
+            content.fill(&shape.outline);
+            continue;
+        }
+        content.within(|c| -> Result<()> {
+            if shape.opacity != 1.0 {
+                set_opacity(c, file, shape.opacity);
+            }
+            match gradient {
+                Some(gradient) => set_gradient(c, file, gradient, shape.outline.bounds())?,
+                None => c.fill_with(flat),
+            }
+            c.fill(&shape.outline);
+            Ok(())
+        })?;
     }
+    Ok(())
 }

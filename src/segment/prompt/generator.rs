@@ -3,6 +3,7 @@
 use super::proposal::Proposal;
 use super::{Embedded, PromptMask, Prompter};
 use crate::error::{Result, check};
+use crate::parallel::map;
 use crate::progress::{Progress, advance};
 use crate::raster::{LabelMap, Mask};
 use crate::segment::similar::{Measured, SimilarMasks};
@@ -277,9 +278,13 @@ impl Search<'_> {
             if level == 0 {
                 break;
             }
-            for proposal in self.kept.iter().filter(|p| p.score() >= self.params.confident) {
-                explained.fill(&self.mask(proposal), 1);
-            }
+            let confident: Vec<&Proposal> =
+                self.kept.iter().filter(|p| p.score() >= self.params.confident).collect();
+            // Found on all threads, kept with the proposals.
+            map(&confident, |proposal| {
+                self.mask(proposal);
+            });
+            confident.iter().for_each(|proposal| explained.fill(self.mask(proposal), 1));
         }
         Ok(())
     }
@@ -304,9 +309,11 @@ impl Search<'_> {
         let mut done = 0;
         for batch in points.chunks(embedded.batch().max(1)) {
             advance(progress, STAGES[level as usize], done, points.len() as u64)?;
-            for (&point, masks) in batch.iter().zip(embedded.masks(batch)?) {
-                proposals.extend(masks.iter().filter_map(|mask| self.judge(point, mask)));
-            }
+            let masks: Vec<(&[f32; 2], Vec<PromptMask>)> = batch.iter().zip(embedded.masks(batch)?).collect();
+            let judged = map(&masks, |(point, masks)| -> Vec<Proposal> {
+                masks.iter().filter_map(|mask| self.judge(**point, mask)).collect()
+            });
+            proposals.extend(judged.into_iter().flatten());
             done += batch.len() as u64;
         }
         proposals.sort_by(|a, b| b.score().total_cmp(&a.score()));
@@ -328,7 +335,7 @@ impl Search<'_> {
     fn judge(&self, point: [f32; 2], mask: &PromptMask) -> Option<Proposal> {
         let proposal = Proposal::new(point, mask)?;
         let View { width, height, scale, .. } = *self.view;
-        let area = proposal.pixels() / (scale * scale);
+        let area = proposal.area() / (scale * scale);
         // A NaN fails the threshold.
         let good = mask.predicted_iou >= self.params.predicted_iou
             && proposal.stability >= self.params.stability
@@ -338,37 +345,35 @@ impl Search<'_> {
     }
 
     /// The pixels of a proposal in the view, at the image's scale.
-    fn mask(&self, proposal: &Proposal) -> Mask {
-        let mut logits = proposal.logits.clone();
-        let by = 1.0 / self.view.scale;
-        logits.origin = logits.origin.map(|v| v * by);
-        logits.step = logits.step.map(|v| v * by);
-        logits.rasterise(self.view.width, self.view.height)
+    fn mask<'a>(&self, proposal: &'a Proposal) -> &'a Mask {
+        proposal.pixels.get_or_init(|| {
+            let by = 1.0 / self.view.scale;
+            proposal.logits.rasterise(by, self.view.width, self.view.height)
+        })
     }
 
     /// The masks kept, in pixels of the whole image. Masks cut off by a crop are left to adjacent crops.
     fn finish(self, width: u32, height: u32) -> Vec<Found> {
         let View { x, y, width: w, height: h, index, .. } = *self.view;
-        let mut found = Vec::new();
-        for proposal in &self.kept {
+        let found = map(&self.kept, |proposal| {
             let mask = self.mask(proposal);
-            let Some((x0, y0, x1, y1)) = mask.bounds() else { continue };
+            let (x0, y0, x1, y1) = mask.bounds()?;
             let cut = (x > 0 && x0 <= 0)
                 || (y > 0 && y0 <= 0)
                 || (x + w < width && x1 >= w as i32)
                 || (y + h < height && y1 >= h as i32);
             if cut || (mask.area() as f32) < self.params.smallest {
-                continue;
+                return None;
             }
-            found.push(Found {
+            Some(Found {
                 mask: mask.shifted(x as i32, y as i32),
                 predicted_iou: proposal.predicted_iou,
                 stability: proposal.stability,
                 votes: proposal.votes,
                 scale: index,
-            });
-        }
-        found
+            })
+        });
+        found.into_iter().flatten().collect()
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{Logits, PromptMask};
 use crate::raster::{Connectivity, Mask, Span, components_of_mask};
 use crate::segment::similar::Measured;
+use std::sync::OnceLock;
 
 /// Offsets ±1 of the threshold at which the stability of a mask is measured.
 const STABILITY_OFFSET: f32 = 1.0;
@@ -21,6 +22,8 @@ pub(super) struct Proposal {
     pub(super) stability: f32,
     /// Number of prompts that gave this mask or a duplicate of it.
     pub(super) votes: u32,
+    /// Its pixels, once they are wanted.
+    pub(super) pixels: OnceLock<Mask>,
 }
 
 impl Proposal {
@@ -92,6 +95,7 @@ impl Proposal {
             predicted_iou: mask.predicted_iou,
             stability: firm as f32 / loose.max(1) as f32,
             votes: 1,
+            pixels: OnceLock::new(),
         })
     }
 
@@ -100,46 +104,54 @@ impl Proposal {
     }
 
     /// Area in pixels of the image.
-    pub(super) fn pixels(&self) -> f32 {
+    pub(super) fn area(&self) -> f32 {
         self.cells.area as f32 * self.logits.step[0] * self.logits.step[1]
     }
 }
 
 impl Logits {
-    /// The pixels of an image of the given size whose centres have positive interpolated logits. Only the
-    /// largest connected piece is kept.
-    pub(super) fn rasterise(&self, width: u32, height: u32) -> Mask {
+    /// The pixels of an image of the given size, reduced by the factor `by`, whose centres have positive
+    /// interpolated logits. Only the largest connected piece is kept.
+    pub(super) fn rasterise(&self, by: f32, width: u32, height: u32) -> Mask {
+        let [origin, step] = [self.origin, self.step].map(|v| v.map(|v| v * by));
         let end = |axis: usize, n: usize, most: u32| {
-            (libm::ceilf(self.origin[axis] + self.step[axis] * n as f32).max(0.0) as u32).min(most)
+            (libm::ceilf(origin[axis] + step[axis] * n as f32).max(0.0) as u32).min(most)
         };
-        let begin = |axis: usize| libm::floorf(self.origin[axis]).max(0.0) as u32;
-        let (x1, y1) = (end(0, self.width, width), end(1, self.height, height));
-        let mut spans = Vec::new();
+        let begin = |axis: usize| libm::floorf(origin[axis]).max(0.0) as u32;
+        let between = |axis: usize, n: usize, pixel: u32| between(origin[axis], step[axis], n, pixel);
+        let (x0, x1, y1) = (begin(0), end(0, self.width, width), end(1, self.height, height));
+        let columns: Vec<Between> = (x0..x1).map(|x| between(0, self.width, x)).collect();
+        let mut spans: Vec<Span> = Vec::new();
         for y in begin(1)..y1 {
-            for x in begin(0)..x1 {
-                if self.at([x as f32 + 0.5, y as f32 + 0.5]) > 0.0 {
-                    spans.push(Span { y: y as i32, x0: x as i32, x1: x as i32 + 1 });
+            let (above, below, v) = between(1, self.height, y);
+            let [above, below] = [above, below].map(|row| &self.values[row * self.width..][..self.width]);
+            let mut open: Option<Span> = None;
+            for (x, &(left, right, u)) in (x0 as i32..).zip(&columns) {
+                let along = |row: &[f32]| row[left] * (1.0 - u) + row[right] * u;
+                let inside = along(above) * (1.0 - v) + along(below) * v > 0.0;
+                match &mut open {
+                    Some(span) if inside => span.x1 = x + 1,
+                    None if inside => open = Some(Span { y: y as i32, x0: x, x1: x + 1 }),
+                    _ => spans.extend(open.take()),
                 }
             }
+            spans.extend(open);
         }
         let pieces = components_of_mask(&Mask::from_spans(spans), Connectivity::Four);
         // Ties go to the first.
         pieces.into_iter().rev().max_by_key(Mask::area).unwrap_or_default()
     }
-
-    /// The logit at a point of the image, bilinear between the centres of cells.
-    fn at(&self, point: [f32; 2]) -> f32 {
-        let along = |axis: usize, n: usize| {
-            let t = ((point[axis] - self.origin[axis]) / self.step[axis] - 0.5).clamp(0.0, (n - 1) as f32);
-            let i = (t as usize).min(n.saturating_sub(2));
-            (i, (i + 1).min(n - 1), t - i as f32)
-        };
-        let ((x0, x1, u), (y0, y1, v)) = (along(0, self.width), along(1, self.height));
-        let value = |x: usize, y: usize| self.values[y * self.width + x];
-        let row = |y| value(x0, y) * (1.0 - u) + value(x1, y) * u;
-        row(y0) * (1.0 - v) + row(y1) * v
-    }
 }
+
+/// The two of `n` cells between whose centres the centre of a pixel lies, and the second one's share.
+fn between(origin: f32, step: f32, n: usize, pixel: u32) -> Between {
+    let t = ((pixel as f32 + 0.5 - origin) / step - 0.5).clamp(0.0, (n - 1) as f32);
+    let i = (t as usize).min(n.saturating_sub(2));
+    (i, (i + 1).min(n - 1), t - i as f32)
+}
+
+/// Two cells, and the share of the second.
+type Between = (usize, usize, f32);
 
 /// The logits of a box and two cells around it. Those of other pieces are set far below 0.
 fn cut_out(l: &Logits, inside: &[bool], [x0, y0, x1, y1]: [usize; 4]) -> Logits {
@@ -178,7 +190,7 @@ mod tests {
         for step in [1.0, 2.0, 4.0] {
             let p =
                 Proposal::new([30.0, 31.0], &disc([30.3, 31.7], 12.4, step, (64.0 / step) as usize)).unwrap();
-            let area = p.logits.rasterise(64, 64).area() as f32;
+            let area = p.logits.rasterise(1.0, 64, 64).area() as f32;
             let truth = std::f32::consts::PI * 12.4 * 12.4;
             assert!((area - truth).abs() < 0.03 * truth, "step {step}: {area} of {truth}");
         }
@@ -190,7 +202,7 @@ mod tests {
         for (v, w) in a.logits.values.iter_mut().zip(&b.logits.values) {
             *v = v.max(*w);
         }
-        let piece = Proposal::new([33.0, 30.0], &a).unwrap().logits.rasterise(48, 48);
+        let piece = Proposal::new([33.0, 30.0], &a).unwrap().logits.rasterise(1.0, 48, 48);
         assert!(piece.contains(34, 34) && !piece.contains(12, 12));
         assert!(Proposal::new([22.5, 22.5], &a).is_none());
         assert!(Proposal::new([-3.0, 5.0], &a).is_none());

@@ -3,9 +3,9 @@
 use super::oversegmentation::Field;
 use crate::error::Result;
 use crate::progress::{Progress, advance};
+use crate::segment::hashing::ByNumber;
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
-use std::hash::{BuildHasherDefault, Hasher};
+use std::collections::BinaryHeap;
 
 /// Bins of the histogram of gradients along a rim. Each is twice as wide as the previous one, from 0.25.
 pub(super) const BINS: usize = 8;
@@ -116,27 +116,8 @@ pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
 }
 
-/// Index of the border between two regions, by [`key`]. Never iterated over.
-type Index = HashMap<u64, u32, BuildHasherDefault<PairHasher>>;
-
-/// Multiplicative hashing. Keys are pairs of indices, so it needs no protection against attacks.
-#[derive(Default)]
-struct PairHasher(u64);
-
-impl Hasher for PairHasher {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&b| self.write_u64(u64::from(b)));
-    }
-
-    fn write_u64(&mut self, n: u64) {
-        let mixed = (self.0 ^ n).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        self.0 = mixed ^ (mixed >> 29);
-    }
-}
+/// Index of the border between two regions, by [`key`].
+type Index = ByNumber<u32>;
 
 /// Basins and the borders between them.
 fn graph(field: &Field, labels: &[u32], count: usize) -> (Vec<Sums>, Vec<Border>, Index) {
@@ -144,7 +125,7 @@ fn graph(field: &Field, labels: &[u32], count: usize) -> (Vec<Sums>, Vec<Border>
     let empty = Sums { bounds: [u32::MAX, u32::MAX, 0, 0], basins: 1, ..Sums::default() };
     let mut sums = vec![empty; count];
     let mut borders: Vec<Border> = Vec::with_capacity(3 * count);
-    let mut index = Index::with_capacity_and_hasher(3 * count, BuildHasherDefault::default());
+    let mut index = Index::with_capacity_and_hasher(3 * count, Default::default());
     let mut last = (u64::MAX, 0);
     for y in 0..h {
         for x in 0..w {
@@ -212,16 +193,65 @@ fn key(a: u32, b: u32) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
 
+/// What the weight of a merge takes of a region.
+#[derive(Clone, Copy)]
+struct Look {
+    mean: [f32; 3],
+    /// How much cheaper the region is to merge for its size: 1, or less if it is small.
+    size: f32,
+}
+
+impl Look {
+    fn new(sums: &Sums) -> Self {
+        Self { mean: sums.mean(), size: libm::powf(sums.area.min(SMALL) / SMALL, SMALL_POWER) }
+    }
+}
+
 /// Weight of a merge: the difference between two regions, reduced if one is small.
-fn weight(a: &Sums, b: &Sums, rim: &Rim, border: f32) -> f32 {
-    let (p, q) = (a.mean(), b.mean());
+fn weight([a, b]: [&Look; 2], rim: &Rim, border: f32) -> f32 {
+    let (p, q) = (a.mean, b.mean);
     let d = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
     let means = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
     let step = rim.step;
     let coherent = (step[0] * step[0] + step[1] * step[1] + step[2] * step[2]).sqrt() / rim.length;
     let across = 0.5 * (rim.step_length / rim.length + coherent);
-    let small = a.area.min(b.area).min(SMALL) / SMALL;
-    (border * across + (1.0 - border) * means) * libm::powf(small, SMALL_POWER)
+    (border * across + (1.0 - border) * means) * a.size.min(b.size)
+}
+
+/// Borders in the order of their weights.
+struct Queue {
+    heap: BinaryHeap<Reverse<(u32, u32)>>,
+    /// The least weight under which each border waits, as bits; those of positive floats have their order.
+    least: Vec<u32>,
+}
+
+impl Queue {
+    fn new(weights: impl Iterator<Item = f32>) -> Self {
+        let least: Vec<u32> = weights.map(f32::to_bits).collect();
+        Self { heap: least.iter().zip(0..).map(|(&bits, e)| Reverse((bits, e))).collect(), least }
+    }
+
+    /// Lets a border wait under a new weight. A larger one is taken into account when its turn comes.
+    fn lower(&mut self, border: u32, weight: f32) {
+        if weight.to_bits() < self.least[border as usize] {
+            self.push(border, weight);
+        }
+    }
+
+    fn push(&mut self, border: u32, weight: f32) {
+        self.least[border as usize] = weight.to_bits();
+        self.heap.push(Reverse((weight.to_bits(), border)));
+    }
+
+    /// The border of least weight, and that weight.
+    fn pop(&mut self) -> Option<(f32, u32)> {
+        while let Some(Reverse((bits, border))) = self.heap.pop() {
+            if bits == self.least[border as usize] {
+                return Some((f32::from_bits(bits), border));
+            }
+        }
+        None
+    }
 }
 
 impl Tree {
@@ -252,21 +282,19 @@ impl Tree {
         }
         // The current node of each region. A region is identified by one of its basins.
         let mut current: Vec<u32> = (0..count as u32).collect();
-        let now = |nodes: &[Node], current: &[u32], border: &Border| {
-            let [a, b] = border.ends.map(|end| &nodes[current[end as usize] as usize].sums);
-            weight(a, b, &border.rim, share)
+        let mut looks: Vec<Look> = nodes.iter().map(|node| Look::new(&node.sums)).collect();
+        let now = |looks: &[Look], border: &Border| {
+            weight(border.ends.map(|end| &looks[end as usize]), &border.rim, share)
         };
-        let mut heap: BinaryHeap<Reverse<(u32, u32)>> = (borders.iter().enumerate())
-            .map(|(e, border)| Reverse((now(&nodes, &current, border).to_bits(), e as u32)))
-            .collect();
-        while let Some(Reverse((bits, e))) = heap.pop() {
+        let mut queue = Queue::new(borders.iter().map(|border| now(&looks, border)));
+        while let Some((least, e)) = queue.pop() {
             let border = &borders[e as usize];
             if !border.alive {
                 continue;
             }
-            let weight = now(&nodes, &current, border);
-            if weight > f32::from_bits(bits) {
-                heap.push(Reverse((weight.to_bits(), e)));
+            let weight = now(&looks, border);
+            if weight > least {
+                queue.push(e, weight);
                 continue;
             }
             let made = nodes.len();
@@ -291,6 +319,7 @@ impl Tree {
             let (gone, kept) =
                 if around[a as usize].len() < around[b as usize].len() { (a, b) } else { (b, a) };
             current[kept as usize] = made as u32;
+            looks[kept as usize] = Look::new(&nodes[made].sums);
             for e in std::mem::take(&mut around[gone as usize]) {
                 let old = &mut borders[e as usize];
                 if !old.alive {
@@ -299,19 +328,16 @@ impl Tree {
                 let at = usize::from(old.ends[1] == gone);
                 let other = old.ends[1 - at];
                 old.ends[at] = kept;
-                if let Some(&twin) = index.get(&key(kept, other)).filter(|&&t| t != e) {
+                let changed = *index.entry(key(kept, other)).or_insert(e);
+                if changed == e {
+                    around[kept as usize].push(e);
+                } else {
                     old.alive = false;
                     let (ends, rim) = (old.ends, old.rim);
-                    let twin = &mut borders[twin as usize];
+                    let twin = &mut borders[changed as usize];
                     twin.rim.add(&rim, 1.0, if twin.ends == ends { 1.0 } else { -1.0 });
-                    let renewed = now(&nodes, &current, &borders[index[&key(kept, other)] as usize]);
-                    heap.push(Reverse((renewed.to_bits(), index[&key(kept, other)])));
-                } else {
-                    index.insert(key(kept, other), e);
-                    around[kept as usize].push(e);
-                    let renewed = now(&nodes, &current, &borders[e as usize]);
-                    heap.push(Reverse((renewed.to_bits(), e)));
                 }
+                queue.lower(changed, now(&looks, &borders[changed as usize]));
             }
         }
         Ok(Self { nodes })
@@ -320,6 +346,7 @@ impl Tree {
 
 #[cfg(test)]
 mod tests {
+    use super::super::oversegmentation::Colours;
     use super::*;
     use image::RgbImage;
     use proptest::prelude::*;
@@ -333,7 +360,7 @@ mod tests {
                 let v = 40 * values[(y * 14 + x) as usize];
                 image::Rgb([v, 255 - v, v / 2])
             });
-            let field = Field::new(&image, 0.5);
+            let field = Field::new(&Colours::new(&image), 0.5);
             let (labels, count) = field.basins();
             let tree = Tree::new(&field, &labels, count, 0.7, &()).unwrap();
             prop_assert_eq!(tree.nodes.len(), 2 * count - 1);

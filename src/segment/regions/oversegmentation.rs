@@ -1,5 +1,6 @@
 //! An image in Oklab, its gradient, and the gradient's basins.
 
+use crate::parallel::for_chunks;
 use crate::raster::colour::oklab;
 use crate::segment::felzenszwalb::{convolve, gaussian};
 use image::RgbImage;
@@ -16,17 +17,33 @@ pub(super) struct Field {
     pub(super) gradient: Vec<f32>,
 }
 
+/// An image in Oklab, L times 100, a and b times 200.
+pub(super) struct Colours {
+    width: usize,
+    height: usize,
+    pixels: Vec<[f32; 3]>,
+}
+
+impl Colours {
+    pub(super) fn new(image: &RgbImage) -> Self {
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let mut pixels = vec![[0.0; 3]; width * height];
+        let rows = image.as_raw();
+        for_chunks(&mut pixels, width.max(1), |y, row| {
+            for (pixel, rgb) in row.iter_mut().zip(rows[3 * y * width..].chunks_exact(3)) {
+                let [l, a, b] = oklab([rgb[0], rgb[1], rgb[2]]);
+                *pixel = [100.0 * l, 200.0 * a, 200.0 * b];
+            }
+        });
+        Self { width, height, pixels }
+    }
+}
+
 impl Field {
     /// Smooths an image by `sigma` pixels and computes its gradient.
-    pub(super) fn new(image: &RgbImage, sigma: f64) -> Self {
-        let (width, height) = (image.width() as usize, image.height() as usize);
-        let raw: Vec<[f32; 3]> = (image.pixels())
-            .map(|p| {
-                let [l, a, b] = oklab(p.0);
-                [100.0 * l, 200.0 * a, 200.0 * b]
-            })
-            .collect();
-        let colours = convolve(&raw, width, height, &gaussian(sigma));
+    pub(super) fn new(image: &Colours, sigma: f64) -> Self {
+        let (width, height) = (image.width, image.height);
+        let colours = convolve(&image.pixels, width, height, &gaussian(sigma));
         let mut gradient = vec![0.0; width * height];
         for y in 0..height {
             let (up, down) = (y.saturating_sub(1) * width, (y + 1).min(height - 1) * width);
@@ -110,7 +127,7 @@ mod tests {
         #[test]
         fn basins_are_connected(values in prop::collection::vec(any::<[u8; 3]>(), 15 * 11)) {
             let image = RgbImage::from_fn(15, 11, |x, y| image::Rgb(values[(y * 15 + x) as usize]));
-            let (labels, count) = Field::new(&image, 0.8).basins();
+            let (labels, count) = Field::new(&Colours::new(&image), 0.8).basins();
             let map = LabelMap { width: 15, height: 11, labels: labels.iter().map(|l| l + 1).collect() };
             let (_, pieces) = components(&map, Connectivity::Four);
             prop_assert_eq!(pieces.len(), count + 1);
@@ -120,6 +137,6 @@ mod tests {
     #[test]
     fn a_constant_image_is_one_basin() {
         let image = RgbImage::from_pixel(9, 6, image::Rgb([10, 200, 90]));
-        assert_eq!(Field::new(&image, 0.8).basins().1, 1);
+        assert_eq!(Field::new(&Colours::new(&image), 0.8).basins().1, 1);
     }
 }

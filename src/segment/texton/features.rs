@@ -36,6 +36,10 @@ pub(super) struct Context {
     colours: Vec<[f32; 3]>,
     fine: Maps,
     coarse: Maps,
+    /// For each cell of the fine maps, the squared lengths of its appearance and of its centre, and its
+    /// largest expected IoU as a logit.
+    squares: Vec<[f64; 2]>,
+    quality: Vec<f32>,
     /// Means of the two probability maps over the image.
     texton: f32,
     border: f32,
@@ -49,35 +53,50 @@ struct Maps {
     /// Probabilities, row by row.
     texton: Vec<f32>,
     border: Vec<f32>,
+    /// Column of cells of each column of pixels, and first cell of each row of pixels.
+    columns: Vec<u32>,
+    rows: Vec<u32>,
 }
 
 impl Maps {
-    fn new(embedding: Embedding, scale: f32) -> Self {
+    fn new(embedding: Embedding, scale: f32, [width, height]: [u32; 2]) -> Self {
         let sure = |v: f32| 1.0 / (1.0 + libm::expf(-v));
         let texton = embedding.texton().map(sure).collect();
         let border = embedding.border().map(sure).collect();
-        Self { scale: scale / super::network::CELL as f32, embedding, texton, border }
+        let scale = scale / super::network::CELL as f32;
+        let at = |v: u32, n: usize| (((v as f32 + 0.5) * scale) as usize).min(n - 1);
+        let columns = (0..width).map(|x| at(x, embedding.width) as u32).collect();
+        let rows = (0..height).map(|y| (at(y, embedding.height) * embedding.width) as u32).collect();
+        Self { scale, embedding, texton, border, columns, rows }
     }
 
     fn cell(&self, x: i32, y: i32) -> usize {
-        let at = |v: i32, n: usize| (((v as f32 + 0.5) * self.scale) as usize).min(n - 1);
-        at(y, self.embedding.height) * self.embedding.width + at(x, self.embedding.width)
+        (self.rows[y as usize] + self.columns[x as usize]) as usize
     }
 }
 
 impl Context {
     /// From the network's embeddings of the image at two scales.
     pub(super) fn new(image: &RgbImage, [fine, coarse]: [(Embedding, f32); 2]) -> Self {
-        let fine = Maps::new(fine.0, fine.1);
+        let size = [image.width(), image.height()];
+        let fine = Maps::new(fine.0, fine.1, size);
+        let cells = 0..fine.embedding.width * fine.embedding.height;
+        let square = |v: &[f32]| v.iter().map(|&v| f64::from(v) * f64::from(v)).sum::<f64>();
+        let squares = |i: usize| {
+            let cell = fine.embedding.cell(i);
+            [Embedding::APPEARANCE, Embedding::CENTRE_RANGE].map(|range| square(&cell[range]))
+        };
         let mean = |v: &[f32]| (v.iter().map(|&v| f64::from(v)).sum::<f64>() / v.len().max(1) as f64) as f32;
         Self {
             width: image.width() as i32,
             height: image.height() as i32,
             colours: image.pixels().map(|p| oklab(p.0)).collect(),
+            squares: cells.clone().map(squares).collect(),
+            quality: cells.map(|i| fine.embedding.quality(i)).collect(),
             texton: mean(&fine.texton),
             border: mean(&fine.border),
             fine,
-            coarse: Maps::new(coarse.0, coarse.1),
+            coarse: Maps::new(coarse.0, coarse.1, size),
         }
     }
 
@@ -128,17 +147,17 @@ impl Context {
     fn inside(&self, mask: &Mask) -> Inside {
         const DIMENSIONS: usize = Embedding::CENTRE_RANGE.end;
         let mut sums = [0.0f64; DIMENSIONS];
-        let mut squares = [0.0f64; DIMENSIONS];
+        let mut squares = [0.0f64; 2];
         let (mut colour, mut colour_square) = ([0.0f64; 3], 0.0f64);
         let (mut texton, mut border, mut quality) = ([0.0f64; 2], [0.0f64; 2], 0.0f64);
-        let (mut moments, mut n, mut inner) = ([0.0f64; 5], 0.0f64, 0.0f64);
+        let (mut moments, mut n) = ([0.0f64; 5], 0.0f64);
         for (x, y) in mask.pixels() {
             let (fine, coarse) = (self.fine.cell(x, y), self.coarse.cell(x, y));
-            let cell = self.fine.embedding.cell(fine);
-            for ((sum, square), v) in sums.iter_mut().zip(&mut squares).zip(cell) {
-                let v = f64::from(*v);
+            for (sum, v) in sums.iter_mut().zip(self.fine.embedding.cell(fine)) {
+                *sum += f64::from(*v);
+            }
+            for (sum, v) in squares.iter_mut().zip(self.squares[fine]) {
                 *sum += v;
-                *square += v * v;
             }
             for (sum, v) in colour.iter_mut().zip(self.colours[(y * self.width + x) as usize]) {
                 *sum += f64::from(v);
@@ -146,22 +165,23 @@ impl Context {
             }
             texton[0] += f64::from(self.fine.texton[fine]);
             texton[1] += f64::from(self.coarse.texton[coarse]);
-            quality += f64::from(self.fine.embedding.quality(fine));
-            let deep =
-                [(-1, 0), (1, 0), (0, -1), (0, 1)].iter().all(|&(dx, dy)| mask.contains(x + dx, y + dy));
-            if deep {
-                inner += 1.0;
-                border[0] += f64::from(self.fine.border[fine]);
-                border[1] += f64::from(self.coarse.border[coarse]);
-            }
+            quality += f64::from(self.quality[fine]);
             let (px, py) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
             for (m, v) in moments.iter_mut().zip([px, py, px * px, py * py, px * py]) {
                 *m += v;
             }
             n += 1.0;
         }
-        let variance = |k: usize| (squares[k] - sums[k] * sums[k] / n).max(0.0) / n;
-        let spread = |range: std::ops::Range<usize>| range.map(variance).sum::<f64>() as f32;
+        let interior = mask.interior();
+        for (x, y) in interior.pixels() {
+            border[0] += f64::from(self.fine.border[self.fine.cell(x, y)]);
+            border[1] += f64::from(self.coarse.border[self.coarse.cell(x, y)]);
+        }
+        let inner = f64::from(interior.area());
+        let spread = |square: f64, range: std::ops::Range<usize>| {
+            let mean: f64 = sums[range].iter().map(|s| s * s).sum::<f64>() / n;
+            ((square - mean).max(0.0) / n) as f32
+        };
         let mean = [moments[0] / n, moments[1] / n];
         let (xx, yy) = (moments[2] / n - mean[0] * mean[0], moments[3] / n - mean[1] * mean[1]);
         let xy = moments[4] / n - mean[0] * mean[1];
@@ -179,8 +199,8 @@ impl Context {
             elongation: libm::sqrt((short + 0.08) / (long + 0.08)) as f32,
             texton: texton.map(|v| (v / n) as f32),
             border: border.map(|v| if inner > 0.0 { (v / inner) as f32 } else { 0.5 }),
-            appearance: spread(Embedding::APPEARANCE),
-            centre_spread: spread(Embedding::CENTRE_RANGE) * unit * unit,
+            appearance: spread(squares[0], Embedding::APPEARANCE),
+            centre_spread: spread(squares[1], Embedding::CENTRE_RANGE) * unit * unit,
             centre_offset: libm::sqrt(away) as f32,
             colour: libm::sqrt((colour_square - colour_mean).max(0.0) / n) as f32,
             quality: (quality / n) as f32,
@@ -191,21 +211,21 @@ impl Context {
         let (mut borders, mut steps) = (Vec::new(), Vec::new());
         let (mut coarse, mut appearance, mut texton) = (0.0f64, 0.0f64, [0.0f64; 2]);
         let (mut cracks, mut outside) = (0.0f32, 0.0f32);
-        mask.for_cracks(|[x, y], [dx, dy]| {
+        mask.for_cracks(|[x, y], [dx, dy], thick| {
             cracks += 1.0;
             let (ox, oy) = (x + dx, y + dy);
             if ox < 0 || oy < 0 || ox >= self.width || oy >= self.height {
                 outside += 1.0;
                 return;
             }
-            let within = if mask.contains(x - dx, y - dy) { (x - dx, y - dy) } else { (x, y) };
+            let within = if thick { (x - dx, y - dy) } else { (x, y) };
             let (fx, fy) = ((ox + dx).clamp(0, self.width - 1), (oy + dy).clamp(0, self.height - 1));
             let at = |m: &Maps, map: &[f32]| map[m.cell(x, y)].max(map[m.cell(ox, oy)]);
             borders.push(at(&self.fine, &self.fine.border));
             coarse += f64::from(at(&self.coarse, &self.coarse.border));
-            texton[0] += f64::from(self.fine.texton[self.fine.cell(fx, fy)]);
-            texton[1] += f64::from(self.coarse.texton[self.coarse.cell(fx, fy)]);
             let (a, b) = (self.fine.cell(within.0, within.1), self.fine.cell(fx, fy));
+            texton[0] += f64::from(self.fine.texton[b]);
+            texton[1] += f64::from(self.coarse.texton[self.coarse.cell(fx, fy)]);
             let [a, b] = [a, b].map(|i| &self.fine.embedding.cell(i)[Embedding::APPEARANCE]);
             appearance += a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum::<f64>();
             let colour = |(x, y): (i32, i32)| self.colours[(y * self.width + x) as usize];

@@ -93,22 +93,24 @@ impl Texton {
         }
         let pixels = image.width() as f32 * image.height() as f32;
         let enlarge = (PIXELS / pixels).sqrt().clamp(1.0, ENLARGE);
+        // Before anything is embedded: trees and embeddings take the most memory.
+        let regions = distinct(nodes(image, LEAST_NODE_SCORE, progress)?);
         let (mut offers, mut embeddings) = (Vec::new(), Vec::new());
         for index in 0..SIZES {
             let scale = enlarge / (1 << index) as f32;
             let view = View::whole(size, scale, index);
             advance(progress, "reading the image", index as u64, SIZES as u64)?;
-            let seen = self.network.view(&view.image(image))?;
+            let seen = self.network.view(&view.image(image), self.search.predicted_iou)?;
             let found =
                 view.search(&seen as &dyn Embedded, size, &self.search, progress, &mut Cost::default())?;
             for Found { mask, predicted_iou, stability, votes, .. } in found {
                 let origin = Origin { predicted_iou, stability, votes, ..Origin::default() };
                 offers.extend(Measured::new(mask).map(|mask| Unmeasured { mask, size: Some(index), origin }));
             }
-            embeddings.push((seen.embedding, scale));
+            if embeddings.len() < 2 {
+                embeddings.push((seen.embedding, scale));
+            }
         }
-        embeddings.truncate(2);
-        let regions = distinct(nodes(image, LEAST_NODE_SCORE, progress)?);
         advance(progress, "judging masks", 0, 0)?;
         for (mask, region) in regions {
             offers.push(Unmeasured { mask, size: None, origin: Origin { region, ..Origin::default() } });

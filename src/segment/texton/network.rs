@@ -48,12 +48,12 @@ impl TextonNetwork {
         Ok(Self { encoder: engine::load(source, options)? })
     }
 
-    /// Embeds an image.
+    /// Embeds an image. Masks of which the network expects less than `least_iou` are not decoded.
     ///
     /// # Errors
     /// [`Error::Network`] if the network fails.
-    pub(super) fn view(&self, image: &RgbImage) -> Result<View> {
-        Ok(View { embedding: self.encode(image)? })
+    pub(super) fn view(&self, image: &RgbImage, least_iou: f32) -> Result<View> {
+        Ok(View::new(self.encode(image)?, least_iou))
     }
 
     /// The embedding of an image. Large images are encoded in pieces, which bounds memory.
@@ -177,54 +177,93 @@ impl Embedding {
 /// An embedded image.
 pub(super) struct View {
     pub(super) embedding: Embedding,
+    /// What every cell adds to the logits of any mask.
+    texton: Vec<f32>,
+    /// Least predicted IoU of a mask.
+    least_iou: f32,
 }
 
 /// The decoder at one prompt. It computes the same as `models/texton/decoder.onnx`, but only for the
-/// cells that a mask can reach.
+/// cells that a mask can reach, and only the heads that may give a mask.
 struct Prompt<'a> {
-    embedding: &'a Embedding,
+    view: &'a View,
     at: &'a [f32; CHANNELS],
-    /// For each head: decrease with the distance in appearance, decrease with that of centres, and offset.
-    heads: [[f32; 3]; HEADS],
+    heads: Vec<Head>,
+}
+
+/// A head at a prompt.
+struct Head {
+    predicted_iou: f32,
+    /// Decrease of the logit with the distance in appearance, and with that of centres.
+    slopes: [f32; 2],
+    offset: f32,
+}
+
+impl Head {
+    fn logit(&self, look: f32, place: f32, texton: f32) -> f32 {
+        self.offset - self.slopes[0] * look - self.slopes[1] * place + texton
+    }
 }
 
 impl<'a> Prompt<'a> {
-    fn new(embedding: &'a Embedding, cell: usize) -> Self {
-        let at = embedding.cell(cell);
+    fn new(view: &'a View, cell: usize) -> Self {
+        let at = view.embedding.cell(cell);
         let softplus = |v: f32| if v > 20.0 { v } else { libm::log1pf(libm::expf(v)) };
-        let heads = std::array::from_fn(|k| {
+        let heads = (0..HEADS).filter_map(|k| {
             let h = &at[HEAD + 4 * k..];
+            let predicted_iou = 1.0 / (1.0 + libm::expf(-h[3]));
             // The heads' initial offsets range from tight to loose.
-            [softplus(h[0]), softplus(h[1] + 1.0), h[2] + 3.0 + k as f32 - (HEADS - 1) as f32 / 2.0]
+            let offset = h[2] + 3.0 + k as f32 - (HEADS - 1) as f32 / 2.0;
+            // A NaN fails both.
+            let may_be = predicted_iou >= view.least_iou && offset + view.texton[cell] > 0.0;
+            let slopes = || [softplus(h[0]), softplus(h[1] + 1.0)];
+            may_be.then(|| Head { predicted_iou, slopes: slopes(), offset })
         });
-        Self { embedding, at, heads }
+        Self { view, at, heads: heads.collect() }
     }
 
-    fn predicted_iou(&self, head: usize) -> f32 {
-        1.0 / (1.0 + libm::expf(-self.at[HEAD + 4 * head + 3]))
-    }
-
-    /// The logits of a cell.
+    /// The logits of a cell; those of heads that are not wanted are [`FAR`].
     fn logits(&self, cell: usize) -> [f32; HEADS] {
-        let e = self.embedding.cell(cell);
+        let e = self.view.embedding.cell(cell);
         let apart = |range: std::ops::Range<usize>| -> f32 {
             e[range.clone()].iter().zip(&self.at[range]).map(|(a, b)| (a - b) * (a - b)).sum()
         };
         let (look, place) = (apart(Embedding::APPEARANCE), apart(Embedding::CENTRE_RANGE));
-        let texton = TEXTON_WEIGHT * libm::tanhf(e[TEXTON] / 3.0);
-        self.heads.map(|[a, s, b]| b - a * look - s * place + texton)
+        let mut logits = [FAR; HEADS];
+        for (logit, head) in logits.iter_mut().zip(&self.heads) {
+            *logit = head.logit(look, place, self.view.texton[cell]);
+        }
+        logits
     }
 }
 
+/// Where a search over cells has been, for many searches one after the other.
+struct Seen {
+    turns: Vec<u32>,
+    turn: u32,
+    reached: Vec<(u32, [f32; HEADS])>,
+}
+
 impl View {
+    fn new(embedding: Embedding, least_iou: f32) -> Self {
+        let texton = embedding.texton().map(|v| TEXTON_WEIGHT * libm::tanhf(v / 3.0)).collect();
+        Self { embedding, texton, least_iou }
+    }
+
     /// The masks at a cell, evaluated over all cells connected to it that the loosest head reaches, and
-    /// their neighbours. `None` if it exceeds [`MOST_CELLS`].
-    fn decode(&self, [x, y]: [usize; 2], seen: &mut [u32], turn: u32) -> Option<Vec<PromptMask>> {
+    /// their neighbours. None if they exceed [`MOST_CELLS`].
+    fn decode(&self, [x, y]: [usize; 2], seen: &mut Seen) -> Vec<PromptMask> {
         let e = &self.embedding;
-        let prompt = Prompt::new(e, y * e.width + x);
+        let prompt = Prompt::new(self, y * e.width + x);
+        if prompt.heads.is_empty() {
+            return Vec::new();
+        }
         let most = MOST_CELLS.max(e.cells.len() / 4);
-        let mut reached = vec![(y * e.width + x, prompt.logits(y * e.width + x))];
-        seen[y * e.width + x] = turn;
+        seen.turn += 1;
+        let Seen { turns, turn, reached } = seen;
+        reached.clear();
+        reached.push(((y * e.width + x) as u32, prompt.logits(y * e.width + x)));
+        turns[y * e.width + x] = *turn;
         let (mut x0, mut x1, mut y0, mut y1) = (x, x + 1, y, y + 1);
         let mut next = 0;
         while next < reached.len() {
@@ -233,12 +272,12 @@ impl View {
             if logits.iter().all(|&v| v <= -MARGIN) {
                 continue;
             }
-            let (x, y) = (cell % e.width, cell / e.width);
+            let (x, y) = (cell as usize % e.width, cell as usize / e.width);
             let mut visit = |x: usize, y: usize| {
                 let cell = y * e.width + x;
-                if seen[cell] != turn {
-                    seen[cell] = turn;
-                    reached.push((cell, prompt.logits(cell)));
+                if turns[cell] != *turn {
+                    turns[cell] = *turn;
+                    reached.push((cell as u32, prompt.logits(cell)));
                     (x0, x1, y0, y1) = (x0.min(x), x1.max(x + 1), y0.min(y), y1.max(y + 1));
                 }
             };
@@ -255,20 +294,21 @@ impl View {
                 visit(x, y + 1)
             }
             if reached.len() > most {
-                return None;
+                return Vec::new();
             }
         }
         let (width, height) = (x1 - x0, y1 - y0);
-        let masks = (0..HEADS).map(|head| {
+        let masks = prompt.heads.iter().enumerate().map(|(k, head)| {
             let mut values = vec![FAR; width * height];
-            for (cell, logits) in &reached {
-                values[(cell / e.width - y0) * width + cell % e.width - x0] = logits[head];
+            for &(cell, logits) in &*reached {
+                let (x, y) = (cell as usize % e.width, cell as usize / e.width);
+                values[(y - y0) * width + x - x0] = logits[k];
             }
             let origin = [(x0 * CELL) as f32, (y0 * CELL) as f32];
             let logits = Logits { origin, step: [CELL as f32; 2], width, height, values };
-            PromptMask { predicted_iou: prompt.predicted_iou(head), logits }
+            PromptMask { predicted_iou: head.predicted_iou, logits }
         });
-        Some(masks.collect())
+        masks.collect()
     }
 }
 
@@ -287,11 +327,9 @@ impl Embedded for View {
 
     fn masks(&self, points: &[[f32; 2]]) -> Result<Vec<Vec<PromptMask>>> {
         let part = |points: &&[[f32; 2]]| -> Vec<Vec<PromptMask>> {
-            let mut seen = vec![0; self.embedding.cells.len()];
-            let one = |(point, turn): (&[f32; 2], u32)| {
-                self.decode(self.embedding.at(*point), &mut seen, turn).unwrap_or_default()
-            };
-            points.iter().zip(1..).map(one).collect()
+            let turns = vec![0; self.embedding.cells.len()];
+            let mut seen = Seen { turns, turn: 0, reached: Vec::new() };
+            points.iter().map(|point| self.decode(self.embedding.at(*point), &mut seen)).collect()
         };
         let parts: Vec<&[[f32; 2]]> = points.chunks(256).collect();
         Ok(map(&parts, part).concat())
@@ -304,6 +342,6 @@ impl Prompter for TextonNetwork {
     }
 
     fn embed<'a>(&'a self, image: &RgbImage) -> Result<Box<dyn Embedded + 'a>> {
-        Ok(Box::new(self.view(image)?))
+        Ok(Box::new(self.view(image, 0.0)?))
     }
 }

@@ -20,7 +20,7 @@ use crate::cli::output::{Drawing, Place, Target, say};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::recipe;
-use crate::cli::values::Seed;
+use crate::cli::values::{Seed, Wrap};
 use crate::cli::weights::read_weights;
 use serde::Serialize;
 use serde_json::Value;
@@ -45,6 +45,8 @@ struct Origin<'a> {
     /// Of a photograph: what finds masks, with the sums of its networks.
     masks: Option<String>,
     analyze: Option<&'a AnalyzeParams>,
+    /// Whether the exemplar tiles, or that it is found out.
+    wrap: Wrap,
     synth: &'a SynthParams,
     svg: SvgParameters,
     render: RenderParameters,
@@ -252,6 +254,7 @@ impl<'a> Run<'a> {
             steering: steering.collect::<vtex::Result<_>>()?,
             masks: (!is_library).then(|| self.finders.of(self.batch, self.job)).transpose()?,
             analyze: (!is_library).then_some(&analyze),
+            wrap: self.job.parameters.wrap,
             synth: &synth,
             svg: self.job.parameters.svg,
             render: self.job.parameters.render,

@@ -2,6 +2,7 @@
 #![cfg(feature = "cli")]
 
 mod batch;
+mod composing;
 mod config;
 mod damaged;
 mod edit;

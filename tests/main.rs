@@ -1,0 +1,24 @@
+//! Properties of the whole, in one program: every test program would link all of vtex anew. Run a part of
+//! them by the name of its file, as in `cargo test --test all golden::`.
+
+mod cli;
+mod drawings;
+mod exemplar;
+mod exemplars;
+#[cfg(feature = "pdf")]
+mod formats;
+#[cfg(feature = "pdf")]
+mod golden;
+#[cfg(feature = "pdf")]
+mod hostile;
+mod layers;
+mod odd_drawings;
+mod pipeline;
+mod programs;
+mod readme;
+mod report;
+mod schema;
+mod support;
+mod tile;
+mod vectors;
+mod versions;
