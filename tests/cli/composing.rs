@@ -30,7 +30,7 @@ fn textures_of_all_kinds_lend_arrangement_and_appearance() {
     assert!(is_document(&folder.read("2.scene.json"), "vtex-scene"));
     // A photograph lends the arrangement that its library has.
     folder.run("transfer --structure photo.png --appearance a.scene.json -o b.svg --seed 3").succeeds();
-    folder.run("analyze photo.png -o own.lib.json").succeeds();
+    folder.run("analyze photo.png -o own.lib.json --seed 3").succeeds();
     folder.run("transfer --structure own.lib.json --appearance a.scene.json -o c.svg --seed 3").succeeds();
     assert!(folder.read("b.svg") == folder.read("c.svg"));
     folder.write("page.html", "<!doctype html><p>no texture</p>");
@@ -103,7 +103,7 @@ fn a_colour_or_a_drawing_spreads_to_all_like_one() {
         super::support::Run::from(command.args(["--op", operation]).output().unwrap())
     };
     let filled = edit("propagate --fill #ff0000 --layer primary", "1.svg").succeeds().json();
-    assert!(filled["edits"][0]["matched"].as_u64().unwrap() > 10, "{filled}");
+    assert!(filled["operations"][0]["matched"].as_u64().unwrap() > 10, "{filled}");
     assert!(String::from_utf8(folder.read("1.svg")).unwrap().contains("\"#f00\""));
     edit("propagate --element swatch.svg --layer primary", "2.scene.json").succeeds();
     let told = folder.run("inspect 2.scene.json").succeeds();
@@ -136,7 +136,9 @@ fn a_photograph_whose_borders_join_is_found_to_repeat() {
         let disc = dx * dx + dy * dy < 120;
         image::Rgb(if disc { [40 + grain as u8 / 4, 60, 90] } else { [120 + grain as u8; 3] })
     });
-    folder.write("torus.png", super::support::encode(&image.into(), image::ImageFormat::Png));
+    let image = image::DynamicImage::from(image);
+    let part = image.crop_imm(0, 0, 80, 80);
+    folder.write("torus.png", super::support::encode(&image, image::ImageFormat::Png));
     let analyzed = |option: &str, name: &str| {
         let run = folder.run(&format!("analyze torus.png -o {name} --segmenter felzenszwalb {option}"));
         let library: serde_json::Value = serde_json::from_slice(&folder.read(name)).unwrap();
@@ -146,8 +148,8 @@ fn a_photograph_whose_borders_join_is_found_to_repeat() {
     assert!(periodic && told.contains("borders join"), "{told}");
     let (told, periodic) = analyzed("--wrap=off", "off.lib.json");
     assert!(!periodic && !told.contains("borders join"), "{told}");
-    // The photograph of the other tests does not repeat.
-    folder.run("analyze photo.png -o photo.lib.json").succeeds();
-    let library: serde_json::Value = serde_json::from_slice(&folder.read("photo.lib.json")).unwrap();
-    assert!(library["arrangement"]["periodic"] != true);
+    // A part of it does not repeat.
+    folder.write("torus.png", super::support::encode(&part, image::ImageFormat::Png));
+    let (told, periodic) = analyzed("", "part.lib.json");
+    assert!(!periodic && !told.contains("borders join"), "{told}");
 }

@@ -198,6 +198,8 @@ fn help_names_the_true_ranges() {
                 let flag = argument.get_long().map(|long| format!("--{long} ")).unwrap_or_default();
                 let before = match argument.get_id().as_str() {
                     "y" => needed("y"),
+                    // What the others are like.
+                    "similar" => "a.svg".into(),
                     // Steps of nothing are nothing.
                     "steps" => "--move 1".into(),
                     _ => String::new(),
