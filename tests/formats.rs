@@ -144,7 +144,7 @@ fn a_reduced_scene_still_looks_the_same() {
     };
     let whole = measure(scene(), &SvgOptions::default()).unwrap();
     let mut last = 0.0;
-    for (share, limit) in [(0.9, 1.0), (0.75, 2.5), (0.5, 6.0)] {
+    for (share, limit) in [(0.9, 1.0), (0.75, 2.5), (0.5, 6.1)] {
         let most = (whole as f64 * share) as u64;
         let reduced = reduce::to_fit(scene(), &SvgOptions::default(), most, measure).unwrap();
         let bytes = svg_of(&reduced.scene, &reduced.options);

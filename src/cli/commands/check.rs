@@ -15,7 +15,6 @@ use clap::Args;
 use std::path::PathBuf;
 use tiny_skia::Pixmap;
 use vtex::analyze::{Exemplar, analyze};
-use vtex::geometry::Affine;
 use vtex::import::{ImportParams, import};
 use vtex::library::AnalyzeParams;
 use vtex::output::png;
@@ -125,8 +124,8 @@ fn of_svg(bytes: &[u8], analysis: &Analysis, reporter: &Reporter) -> anyhow::Res
         scene.layers.retain(is_primary);
     }
     // A drawing is enlarged where its elements are small.
-    let size = Affine::scale(f64::from(picture.width()) / f64::from(scene.width));
-    scene.instances_mut().for_each(|i| i.transform = (size * i.affine()).as_coeffs());
+    let size = f64::from(picture.width()) / f64::from(scene.width);
+    scene.instances_mut().for_each(|i| i.transform = i.transform.map(|v| v * size));
     (scene.width, scene.height) = (picture.width(), picture.height());
     Ok((scene, picture))
 }
