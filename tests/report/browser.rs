@@ -76,7 +76,7 @@ fn the_page_works_by_clicking() {
     assert_eq!(seen["errors"], Value::Array(Vec::new()), "{seen}");
     assert_eq!(seen["panes"], serde_json::json!(["Exemplar", "Reconstruction", "Result"]));
     // Every layer and a category change what is seen, and what is switched on again is as it was.
-    for layer in ["background", "secondary", "primary", "details", "category"] {
+    for layer in ["background", "secondary", "primary", "details", "ellipses", "category"] {
         assert!(seen["changed"][layer].as_f64().unwrap() > 0.0, "{layer}: {seen}");
     }
     assert_eq!(seen["restored"], 0, "{seen}");
