@@ -271,7 +271,6 @@ mod tests {
     use crate::element;
     use crate::library::Library;
     use crate::segment::Felzenszwalb;
-    use crate::synth::reconstruct;
     use image::{Rgb, RgbImage};
 
     /// Dark discs of several sizes on light ground, on a torus.
@@ -329,17 +328,6 @@ mod tests {
             let pixels = labels.labels.iter().filter(|l| **l as usize == found + 1).count();
             assert!((pixels as f64 / area - 1.0).abs() < 0.2, "{x} {y} {pixels}");
         }
-    }
-
-    #[test]
-    fn drawn_back_it_is_the_photograph_across_the_borders_too() {
-        let scene = reconstruct(&library(discs(), true));
-        assert!(scene.tile.both());
-        let drawn = crate::output::png::over_white(&crate::output::png::render(&scene, 1.0).unwrap());
-        let photo = discs();
-        let off = drawn.pixels().zip(photo.pixels()).map(|(a, b)| f64::from(a.0[1].abs_diff(b.0[1])));
-        let mean = off.sum::<f64>() / (SIDE * SIDE) as f64;
-        assert!(mean < 4.0, "{mean}");
     }
 
     #[test]
