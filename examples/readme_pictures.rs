@@ -104,7 +104,7 @@ fn composing(path: &Path) -> Outcome {
     let (transferred, _) = transfer(&pebbles, &[reconstruct(&leaves)], &[], &params)?;
     let leaves = scene(&leaves, 500, 500, &())?;
     let island = morph(pebbles.clone(), leaves.clone(), &Morph::Radial, &())?;
-    let parts = [&pebbles, &leaves, &transferred, &island].map(|scene| draw(scene, 0.4));
+    let parts = [&pebbles, &leaves, &transferred, &island].map(|scene| draw(scene, 0.34));
     save(&row(&parts.into_iter().collect::<Outcome<Vec<_>>>()?), path)
 }
 
@@ -118,7 +118,7 @@ fn portrait(path: &Path) -> Outcome {
         let params = StylizeParams { size: 900, seed: 7, ..StylizeParams::default() };
         parts.push(draw(&stylize(&picture, &elements, &params)?, 1.0)?);
     }
-    let small = |part: &RgbImage| imageops::resize(part, 272, 340, Scaling::CatmullRom);
+    let small = |part: &RgbImage| imageops::resize(part, 240, 300, Scaling::CatmullRom);
     save(&row(&parts.iter().map(small).collect::<Vec<_>>()), path)
 }
 
