@@ -101,7 +101,6 @@ pub fn analyze(
         }
     };
     let image = &*image;
-    let inner = |map: &LabelMap| margin.as_ref().map_or_else(|| map.clone(), |margin| margin.inner(map));
     let grid = Grid::new(&exemplar.image, params);
     let (fine, in_cells) = (grid.image(image), grid.params(params));
     let mut cells = grid.labels(image, &fine, &primaries);
@@ -112,7 +111,8 @@ pub fn analyze(
     let primary_masks: Vec<Cells<Mask>> = primary_masks.into_iter().map(Cells).collect();
     progress.picture("primaries", &|| crate::raster::picture::outlines(image, &primaries));
 
-    let strata = Strata::new(exemplar, &inner(&primaries), params, progress)?;
+    let primaries_inside = inside(margin.as_ref(), &primaries);
+    let strata = Strata::new(exemplar, &primaries_inside, params, progress)?;
 
     advance(progress, "details", 0, count as u64)?;
     // From here on shapes take the colours of `clean`; only edges are located in the photograph.
@@ -125,8 +125,8 @@ pub fn analyze(
 
     advance(progress, "background", 0, 1)?;
     let textons = grid.pixels(&any_texton(&cells, &patches.secondaries));
-    let textons = inner(&textons);
-    let background = background::palette(&exemplar.image, &inner(&primaries), &textons, params);
+    let textons = inside(margin.as_ref(), &textons);
+    let background = background::palette(&exemplar.image, &primaries_inside, &textons, params);
     progress.picture("background", &|| pictures::background(&exemplar.image, &textons, &background));
     let tile = Tile { x: params.wrap, y: params.wrap };
     let interpolant = Interpolant::new(&background, width, height, tile);
@@ -198,6 +198,11 @@ pub fn analyze(
     };
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)
+}
+
+/// The part of a map that is the photograph.
+fn inside<'a>(margin: Option<&Margin>, map: &'a LabelMap) -> Cow<'a, LabelMap> {
+    margin.map_or(Cow::Borrowed(map), |margin| Cow::Owned(margin.inner(map)))
 }
 
 /// Divides primaries into categories: the category of each, and all of them. `image_area` is in pixels.

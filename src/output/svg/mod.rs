@@ -45,7 +45,7 @@ use super::categories::{SceneCategory, class};
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::scene::{Instance, Scene};
-use flowing::{Moving, at_origin};
+use flowing::{Moving, Way, at_origin};
 use layers::Frame;
 use number::Paint;
 use std::io::{self, Write};
@@ -333,14 +333,13 @@ impl<'a> Document<'a> {
             }
             for instance in run {
                 for shift in textons.copies(instance) {
-                    match self.moving.as_ref().and_then(|moving| moving.way(instance)) {
-                        Some(way) => {
-                            xml.open("g");
-                            way.write(xml, instance)?;
-                            textons.write_instance(xml, &at_origin(instance), shift, fill.is_none())?;
-                            xml.close()?;
-                        }
-                        None => textons.write_instance(xml, instance, shift, fill.is_none())?,
+                    let moves = self.way(instance).is_some();
+                    if moves {
+                        xml.open("g");
+                    }
+                    self.write_in_group(xml, instance, shift, fill.is_none())?;
+                    if moves {
+                        xml.close()?;
                     }
                     xml.line();
                 }
@@ -351,6 +350,28 @@ impl<'a> Document<'a> {
             }
         }
         Ok(())
+    }
+
+    /// How an element moves, unless it stays.
+    fn way(&self, instance: &Instance) -> Option<Way<'_>> {
+        self.moving.as_ref().and_then(|moving| moving.way(instance))
+    }
+
+    /// An element in the group that is open, which is carried along its way if it moves.
+    fn write_in_group<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        instance: &Instance,
+        shift: Vec2,
+        fill: bool,
+    ) -> io::Result<()> {
+        match self.way(instance) {
+            Some(way) => {
+                way.write(xml, instance)?;
+                self.textons.write_instance(xml, &at_origin(instance), shift, fill)
+            }
+            None => self.textons.write_instance(xml, instance, shift, fill),
+        }
     }
 
     /// The category of an individual element, as the class of its group, and by name in its label.
@@ -403,13 +424,7 @@ impl<'a> Document<'a> {
                 xml.open("g");
                 xml.attribute("id", format_args!("p{}", instance.id));
                 self.write_category(xml, instance);
-                match self.moving.as_ref().and_then(|moving| moving.way(instance)) {
-                    Some(way) => {
-                        way.write(xml, instance)?;
-                        self.textons.write_instance(xml, &at_origin(instance), Vec2::ZERO, true)?;
-                    }
-                    None => self.textons.write_instance(xml, instance, Vec2::ZERO, true)?,
-                }
+                self.write_in_group(xml, instance, Vec2::ZERO, true)?;
             }
         }
         xml.close()?;
