@@ -12,7 +12,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use support::{MEASURE, Outcome, Watch, child, kilo, mega, peak_memory, row, seconds, sum};
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
-use vtex::engine::{EngineOptions, Runtime};
 use vtex::library::Library;
 use vtex::output::{file, png, svg};
 use vtex::scene::SynthParams;
@@ -102,8 +101,7 @@ fn measure(arguments: &[String]) -> Outcome {
 fn measure_analysis(photo: &Path, place: &Path) -> Outcome<Value> {
     let exemplar = Exemplar::open(photo, &Limits::default())?;
     let watch = Watch::start("segment");
-    let engine = EngineOptions { runtime: Runtime::Rten, ..EngineOptions::default() };
-    let library = analyze(&exemplar, &Silent(Texton::new(&engine)?), &AnalyzeParams::default(), &watch)?;
+    let library = analyze(&exemplar, &Silent(Texton::new()?), &AnalyzeParams::default(), &watch)?;
     let stages = watch.stop();
     let peak = peak_memory();
     let bytes = library.to_json();

@@ -5,7 +5,6 @@
 use std::error::Error;
 use std::path::PathBuf;
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
-use vtex::engine::{EngineOptions, Runtime};
 use vtex::output::{file, svg};
 use vtex::scene::SynthParams;
 use vtex::segment::texton::Texton;
@@ -16,10 +15,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let photo = arguments.next().unwrap_or("examples/exemplars/terrazzo.png".into());
     let out = arguments.next().unwrap_or(std::env::temp_dir().join("terrazzo.svg"));
 
-    // Photograph → library. `Texton` is the program's default segmenter; its network runs in the engine
-    // that is part of the crate. `()` is a `Progress` that reports nothing and never stops the work.
+    // Photograph → library. `Texton` is the program's default segmenter. `()` is a `Progress` that reports
+    // nothing and never stops the work.
     let exemplar = Exemplar::open(&photo, &Limits::default())?;
-    let segmenter = Texton::new(&EngineOptions { runtime: Runtime::Rten, ..EngineOptions::default() })?;
+    let segmenter = Texton::new()?;
     let library = analyze(&exemplar, &segmenter, &AnalyzeParams::default(), &())?;
     println!(
         "{} primaries in {} categories cover {:.0} % of {}",

@@ -6,7 +6,6 @@
 //! masks and the nodes of the region tree. Seeds start at 5 000 000: neither the network's training
 //! nor any test or evaluation uses them.
 
-use vtex::engine::EngineOptions;
 use vtex::segment::texton::{Judge, Texton};
 
 mod fitting;
@@ -18,8 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = arguments.next().ok_or("usage: fit_texton OUT.rs [scenes] [passes]")?;
     let scenes: u64 = arguments.next().map_or(Ok(400), |n| n.parse())?;
     let passes: usize = arguments.next().map_or(Ok(10), |n| n.parse())?;
-    let segmenter =
-        Texton::new(&EngineOptions { runtime: vtex::engine::Runtime::Rten, ..EngineOptions::default() })?;
+    let segmenter = Texton::new()?;
     let mut samples = fitting::samples(FIRST_SEED, scenes, |image| {
         let found = segmenter.candidates(image, &()).expect("nothing interrupts");
         found.into_iter().map(|c| (c.mask, c.features)).collect()

@@ -13,7 +13,6 @@ use std::sync::Mutex;
 use tiny_skia::Pixmap;
 use vtex::Progress;
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
-use vtex::engine::{EngineOptions, Runtime};
 use vtex::interpolate::{Morph, morph};
 use vtex::library::Library;
 use vtex::output::png;
@@ -127,8 +126,7 @@ fn open(name: &str) -> Outcome<Exemplar> {
 }
 
 fn library(photo: &Exemplar, progress: &dyn Progress) -> Outcome<Library> {
-    let options = EngineOptions { runtime: Runtime::Rten, ..EngineOptions::default() };
-    Ok(analyze(photo, &Texton::new(&options)?, &AnalyzeParams::default(), progress)?)
+    Ok(analyze(photo, &Texton::new()?, &AnalyzeParams::default(), progress)?)
 }
 
 fn scene(library: &Library, width: u32, height: u32, progress: &dyn Progress) -> Outcome<Scene> {

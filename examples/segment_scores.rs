@@ -14,7 +14,6 @@
 //! of prompts that the coarse-to-fine search finds too, and the share of prompts that it needs.
 
 use std::path::{Path, PathBuf};
-use vtex::engine::EngineOptions;
 use vtex::procedural::{Exemplar, Kind, SceneParams, generate};
 use vtex::raster::{LabelMap, Mask, Span, picture};
 use vtex::segment::prompt::{Generator, GeneratorParams};
@@ -57,7 +56,7 @@ fn main() -> Result<(), Failure> {
     let felzenszwalb = search(256)?;
     println!("Felzenszwalb's best setting: {felzenszwalb:?}");
     let methods: [(&str, Box<dyn Segmenter>); 4] = [
-        ("texton", Box::new(Texton::new(&EngineOptions::default())?)),
+        ("texton", Box::new(Texton::new()?)),
         ("network", Box::new(NetworkAlone::new(3)?)),
         ("regions", Box::new(Regions)),
         ("felzensz.", Box::new(felzenszwalb)),
@@ -73,7 +72,7 @@ struct NetworkAlone(Generator);
 
 impl NetworkAlone {
     fn new(levels: u32) -> Result<Self, Failure> {
-        let network = TextonNetwork::built_in(&EngineOptions::default())?;
+        let network = TextonNetwork::built_in()?;
         let params = GeneratorParams {
             scales: vec![2.0, 1.0, 0.5],
             predicted_iou: 0.6,
@@ -385,7 +384,7 @@ fn search(side: u32) -> Result<Felzenszwalb, Failure> {
 
 fn draw_photos(folder: &Path, out: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(out)?;
-    let texton = Texton::new(&EngineOptions::default())?;
+    let texton = Texton::new()?;
     for path in pictures(folder)? {
         let photo = image::open(&path)?.to_rgb8();
         let name = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -200,7 +200,7 @@ pub(crate) fn segmenter(
     }
     reporter.stage("loading")?;
     let Some(from) = sam_from(&analysis.masks) else {
-        return Ok(Box::new(Texton::new(&analysis.engine.built_in())?));
+        return Ok(Box::new(Texton::new()?));
     };
     let sam = sam(&from, &analysis.engine)?;
     if common.verbosity > 0 && !common.json {
@@ -225,12 +225,6 @@ fn sam_from(masks: &MasksFrom) -> Option<SamFrom> {
 /// All that masks depend on but the photograph and its parameters, as text: what finds them, sums of
 /// files, the engine.
 pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow::Result<String> {
-    let engine = |engine: &EngineOptions| {
-        Ok::<_, Error>(match choose(engine)? {
-            Choice::OnnxRuntime { version, .. } => format!("ONNX Runtime {version}"),
-            Choice::Rten { .. } => "rten".to_owned(),
-        })
-    };
     Ok(match (masks, sam_from(masks)) {
         (_, Some(from)) => {
             let sums = match &from {
@@ -244,13 +238,17 @@ pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow:
                     store.sums(&model_name(&store, name.as_ref())?)?
                 }
             };
-            format!("sam {} {}", sums.join(" "), engine(options)?)
+            let engine = match choose(options)? {
+                Choice::OnnxRuntime { version, .. } => format!("ONNX Runtime {version}"),
+                Choice::Rten { .. } => "rten".to_owned(),
+            };
+            format!("sam {} {engine}", sums.join(" "))
         }
         (MasksFrom::Regions, None) => "regions".into(),
         (MasksFrom::OneTree, None) => "one-tree".into(),
         (MasksFrom::Felzenszwalb, None) => "felzenszwalb".into(),
         (MasksFrom::File(path), None) => format!("file {}", sums_of_network(path)?.join(" ")),
-        (_, None) => format!("texton {}", engine(&options.built_in())?),
+        (_, None) => "texton".into(),
     })
 }
 

@@ -130,15 +130,6 @@ pub struct EngineOptions {
     pub threads: Option<usize>,
 }
 
-impl EngineOptions {
-    /// The options for networks that are part of this crate: ONNX Runtime only if it is asked for by
-    /// name, so that what they find does not depend on what else is installed.
-    pub fn built_in(&self) -> Self {
-        let unnamed = self.runtime == Runtime::Auto && self.library.is_none();
-        Self { runtime: if unnamed { Runtime::Rten } else { self.runtime }, ..self.clone() }
-    }
-}
-
 /// The source of a network.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
@@ -151,13 +142,6 @@ pub enum Source<'a> {
         /// The content of the file.
         bytes: &'a [u8],
     },
-    /// An ONNX file that is part of the program. rten loads it once and keeps it.
-    BuiltIn {
-        /// Name for errors.
-        name: &'static str,
-        /// The content of the file.
-        bytes: &'static [u8],
-    },
 }
 
 impl Source<'_> {
@@ -165,7 +149,7 @@ impl Source<'_> {
     pub(crate) fn name(&self) -> String {
         match self {
             Self::File(path) => path.display().to_string(),
-            Self::Bytes { name, .. } | Self::BuiltIn { name, .. } => (*name).to_owned(),
+            Self::Bytes { name, .. } => (*name).to_owned(),
         }
     }
 }

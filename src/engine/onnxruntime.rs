@@ -115,9 +115,7 @@ impl Network {
                 builder = builder.with_intra_op_spinning(false).map_err(|e| failure(e.into()))?;
                 let session = match source {
                     Source::File(path) => builder.commit_from_file(path),
-                    Source::Bytes { bytes, .. } | Source::BuiltIn { bytes, .. } => {
-                        builder.commit_from_memory(bytes)
-                    }
+                    Source::Bytes { bytes, .. } => builder.commit_from_memory(bytes),
                 };
                 let session = session.map_err(failure)?;
                 let ports = |outlets: &[ort::value::Outlet]| {

@@ -2,8 +2,7 @@
 //!
 //! rten has its own thread pool: by default one thread per physical core, or as many as the variable
 //! `RTEN_NUM_THREADS` or [`EngineOptions::threads`](super::EngineOptions::threads) requests. Loading always
-//! takes the default threads, which a process forked later does not have: there, networks that were loaded
-//! before run, with a number of threads of their own, and others are refused.
+//! takes the default threads, which a process forked later does not have: there, networks are refused.
 
 use super::{Engine, Port, Source, Tensor, Values, given, guarded, places, structure};
 use crate::error::{Error, Result};
@@ -11,13 +10,13 @@ use ::rten::{DataType, Dimension, Model, NodeId, RunOptions, ThreadPool, Value, 
 use rten_tensor::prelude::*;
 use std::fs::File;
 use std::io::{BufReader, Cursor};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, OnceLock};
 
 /// A loaded network.
 pub(super) struct Network {
     name: String,
-    model: Arc<Model>,
+    model: Model,
     inputs: Vec<Port>,
     outputs: Vec<Port>,
     pool: Option<Arc<ThreadPool>>,
@@ -30,10 +29,7 @@ impl Network {
     /// [`Error::Network`], [`Error::Read`].
     pub(super) fn load(source: Source<'_>, threads: Option<usize>) -> Result<Self> {
         let name = source.name();
-        let model = match source {
-            Source::BuiltIn { bytes, .. } => kept(bytes, &name)?,
-            _ => Arc::new(loaded(source, &name)?),
-        };
+        let model = loaded(source, &name)?;
         let ports = |ids: &[NodeId]| ids.iter().map(|id| port(&model, *id)).collect();
         let (inputs, outputs) = (ports(model.input_ids()), ports(model.output_ids()));
         let pool = threads.map(|n| Arc::new(ThreadPool::with_num_threads(n.max(1))));
@@ -113,22 +109,6 @@ impl Network {
     }
 }
 
-/// A network that is part of the program, loaded once.
-///
-/// # Errors
-/// As [`loaded`].
-fn kept(bytes: &'static [u8], name: &str) -> Result<Arc<Model>> {
-    // There is one such network; another would be loaded each time.
-    static KEPT: OnceLock<(&[u8], Arc<Model>)> = OnceLock::new();
-    if let Some((_, model)) = KEPT.get().filter(|(known, _)| std::ptr::eq(*known, bytes)) {
-        return Ok(model.clone());
-    }
-    // Not loaded within `get_or_init`: a process forked meanwhile would wait for that forever.
-    let model = Arc::new(loaded(Source::Bytes { name, bytes }, name)?);
-    let _ = KEPT.set((bytes, model.clone()));
-    Ok(model)
-}
-
 /// Loads a network.
 ///
 /// # Errors
@@ -157,7 +137,7 @@ fn loaded(source: Source<'_>, name: &str) -> Result<Model> {
                     Model::load(std::fs::read(path).map_err(|e| Error::read(path, e))?)
                 }
             }
-            Source::Bytes { bytes, .. } | Source::BuiltIn { bytes, .. } => {
+            Source::Bytes { bytes, .. } => {
                 structure::check(Cursor::new(bytes), bytes.len() as u64).map_err(failure)?;
                 Model::load(bytes.to_vec())
             }

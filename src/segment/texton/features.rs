@@ -188,7 +188,7 @@ impl Context {
         let root = libm::sqrt((xx - yy) * (xx - yy) / 4.0 + xy * xy);
         let (long, short) = ((xx + yy) / 2.0 + root, ((xx + yy) / 2.0 - root).max(0.0));
         // Predicted centres are in units of pixels of the enlarged image.
-        let unit = super::network::UNIT / (self.fine.scale * super::network::CELL as f32);
+        let unit = super::encoder::UNIT / (self.fine.scale * super::network::CELL as f32);
         let place = Embedding::CENTRE_RANGE.start;
         let centre = [sums[place] / n * f64::from(unit), sums[place + 1] / n * f64::from(unit)];
         let away =

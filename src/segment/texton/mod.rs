@@ -9,6 +9,8 @@
 //! Both networks were trained only on generated scenes. Works less well on subjects that these do not
 //! cover: crumpled litter, fur, grass.
 
+mod convolution;
+mod encoder;
 mod features;
 mod network;
 mod weights;
@@ -20,7 +22,6 @@ use super::prompt::{Cost, Embedded, Found, GeneratorParams, View};
 use super::regions::{nodes, worth};
 use super::similar::{Measured, SimilarMasks};
 use super::{Perceptron, ScoredMask, Segmenter};
-use crate::engine::EngineOptions;
 use crate::error::Result;
 use crate::parallel::map;
 use crate::progress::{Progress, advance};
@@ -70,9 +71,9 @@ impl Texton {
     /// Creates the segmenter with the built-in network.
     ///
     /// # Errors
-    /// [`crate::Error::Network`] if the engine cannot be loaded.
-    pub fn new(options: &EngineOptions) -> Result<Self> {
-        let network = TextonNetwork::built_in(options)?;
+    /// [`crate::Error::Network`] if it is damaged.
+    pub fn new() -> Result<Self> {
+        let network = TextonNetwork::built_in()?;
         let search = GeneratorParams {
             predicted_iou: 0.3,
             stability: 0.3,
@@ -85,7 +86,7 @@ impl Texton {
     /// All masks that may be textons. They may contain one another.
     ///
     /// # Errors
-    /// [`crate::Error::Interrupted`] and [`crate::Error::Network`].
+    /// [`crate::Error::Interrupted`].
     pub fn candidates(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<Candidate>> {
         let size = [image.width(), image.height()];
         if size.contains(&0) {
@@ -100,7 +101,7 @@ impl Texton {
             let scale = enlarge / (1 << index) as f32;
             let view = View::whole(size, scale, index);
             advance(progress, "reading the image", index as u64, SIZES as u64)?;
-            let seen = self.network.view(&view.image(image), self.search.predicted_iou)?;
+            let seen = self.network.view(&view.image(image), self.search.predicted_iou);
             let found =
                 view.search(&seen as &dyn Embedded, size, &self.search, progress, &mut Cost::default())?;
             for Found { mask, predicted_iou, stability, votes, .. } in found {

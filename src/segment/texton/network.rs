@@ -1,26 +1,19 @@
 //! The built-in texton network as a [`Prompter`]. `models/texton` describes it and its training.
 
-use crate::engine::{self, Engine, EngineOptions, Source, Tensor, Values};
-use crate::error::{Error, Result};
+use super::convolution::Maps;
+use super::encoder::{ALIGN, CENTRE, CHANNELS, Encoder, UNIT};
+use crate::error::Result;
 use crate::parallel::map;
 use crate::segment::prompt::{Embedded, Logits, PromptMask, Prompter};
 use image::RgbImage;
 
-/// The encoder, exported by `models/texton/export.py`.
-const ENCODER: &[u8] = include_bytes!("../../../models/texton/encoder.onnx");
 /// Side of an embedding's cell, in pixels of the image.
 pub(super) const CELL: usize = 2;
-/// The encoder requires sides that are multiples of this.
-const ALIGN: usize = 16;
-/// Number of channels of the embedding, in the order of `models/texton/network.py`.
-const CHANNELS: usize = 32;
-const CENTRE: usize = 16;
+/// Channels of the embedding, in the order of `models/texton/network.py`.
 const HEADS: usize = 3;
 const HEAD: usize = 18;
 const TEXTON: usize = 30;
 const BORDER: usize = 31;
-/// Unit of predicted centres, in pixels.
-pub(super) const UNIT: f32 = 16.0;
 /// Longest side encoded in one piece, and the overlap of adjacent pieces, in pixels.
 const TILE: usize = 1536;
 const OVERLAP: usize = 256;
@@ -35,72 +28,35 @@ const TEXTON_WEIGHT: f32 = 1.6555;
 
 /// The built-in texton network, a promptable network for textures.
 pub struct TextonNetwork {
-    encoder: Box<dyn Engine>,
+    encoder: Encoder,
 }
 
 impl TextonNetwork {
-    /// Loads the network that is part of this crate.
+    /// Reads the network, which is part of this crate.
     ///
     /// # Errors
-    /// [`Error::Network`] if the engine cannot be loaded.
-    pub fn built_in(options: &EngineOptions) -> Result<Self> {
-        let source = Source::BuiltIn { name: "texton encoder", bytes: ENCODER };
-        Ok(Self { encoder: engine::load(source, options)? })
+    /// [`crate::Error::Network`] if it is damaged.
+    pub fn built_in() -> Result<Self> {
+        Ok(Self { encoder: Encoder::built_in()? })
     }
 
     /// Embeds an image. Masks of which the network expects less than `least_iou` are not decoded.
-    ///
-    /// # Errors
-    /// [`Error::Network`] if the network fails.
-    pub(super) fn view(&self, image: &RgbImage, least_iou: f32) -> Result<View> {
-        Ok(View::new(self.encode(image)?, least_iou))
+    pub(super) fn view(&self, image: &RgbImage, least_iou: f32) -> View {
+        View::new(self.encode(image), least_iou)
     }
 
     /// The embedding of an image. Large images are encoded in pieces, which bounds memory.
-    ///
-    /// # Errors
-    /// [`Error::Network`] if the network fails.
-    fn encode(&self, image: &RgbImage) -> Result<Embedding> {
+    fn encode(&self, image: &RgbImage) -> Embedding {
         let (w, h) = (image.width() as usize, image.height() as usize);
         let (width, height) = (w.div_ceil(ALIGN) * ALIGN / CELL, h.div_ceil(ALIGN) * ALIGN / CELL);
         let mut all = Embedding { width, height, cells: vec![[0.0; CHANNELS]; width * height] };
         for (y, tall) in pieces(height * CELL) {
             for (x, wide) in pieces(width * CELL) {
-                let piece = self.encode_piece(image, [x, y], [wide, tall])?;
-                all.paste(&piece, [x / CELL, y / CELL], [wide / CELL, tall / CELL]);
+                let piece = self.encoder.encode(image, [x, y], [wide, tall]);
+                all.paste(&piece, [x / CELL, y / CELL]);
             }
         }
-        Ok(all)
-    }
-
-    fn encode_piece(&self, image: &RgbImage, [x0, y0]: [usize; 2], [w, h]: [usize; 2]) -> Result<Vec<f32>> {
-        let mut values = vec![0.0; 3 * w * h];
-        let last = [image.width(), image.height()].map(|n| (n as usize).saturating_sub(1));
-        for y in 0..h {
-            for x in 0..w {
-                // The image is mirrored at its border.
-                let at = |v: usize, last: usize| if v <= last { v } else { (2 * last).saturating_sub(v) };
-                let pixel = image.get_pixel(at(x0 + x, last[0]) as u32, at(y0 + y, last[1]) as u32);
-                for c in 0..3 {
-                    values[(c * h + y) * w + x] = f32::from(pixel.0[c]) / 255.0;
-                }
-            }
-        }
-        let image = Tensor { shape: vec![1, 3, h, w], values: Values::F32(values) };
-        let mut out = self.encoder.run(&[("image", &image)], &["image_embeddings"])?;
-        floats(out.pop(), &[1, CHANNELS, h / CELL, w / CELL])
-    }
-}
-
-/// The values of an output, which must be floats of the given shape.
-fn floats(tensor: Option<Tensor>, shape: &[usize]) -> Result<Vec<f32>> {
-    match tensor {
-        Some(Tensor { shape: found, values: Values::F32(values) }) if found == shape => Ok(values),
-        _ => Err(Error::Network {
-            name: "texton".into(),
-            reason: format!("an output is not an array of shape {shape:?}"),
-            advice: "",
-        }),
+        all
     }
 }
 
@@ -156,19 +112,22 @@ impl Embedding {
         [at(point[0], self.width), at(point[1], self.height)]
     }
 
-    /// Inserts a piece (channel by channel) whose first cell is given. In an overlap, each piece supplies
-    /// its inner half.
-    fn paste(&mut self, piece: &[f32], [x0, y0]: [usize; 2], [w, h]: [usize; 2]) {
+    /// Inserts a piece whose first cell is given. In an overlap, each piece supplies its inner half.
+    fn paste(&mut self, piece: &Maps, [x0, y0]: [usize; 2]) {
         let margin = OVERLAP / CELL / 2;
         let from = |start: usize| if start == 0 { 0 } else { margin };
-        // Predicted centres are relative to the corner of the piece.
-        let shift = [x0, y0].map(|v| (v * CELL) as f32 / UNIT);
-        for y in from(y0)..h.min(self.height - y0) {
-            for x in from(x0)..w.min(self.width - x0) {
-                let mut cell: [f32; CHANNELS] = std::array::from_fn(|c| piece[(c * h + y) * w + x]);
-                cell[CENTRE] += shift[0];
-                cell[CENTRE + 1] += shift[1];
-                self.cells[(y0 + y) * self.width + x0 + x] = cell;
+        let (begin, end) = (from(x0), piece.width.min(self.width - x0));
+        for y in from(y0)..piece.height.min(self.height - y0) {
+            let row = (y0 + y) * self.width + x0;
+            let cells = &mut self.cells[row + begin..row + end];
+            for channel in 0..CHANNELS {
+                // Predicted centres are relative to the corner of the piece.
+                let shift = match channel.checked_sub(CENTRE) {
+                    Some(axis @ 0..2) => ([x0, y0][axis] * CELL) as f32 / UNIT,
+                    _ => 0.0,
+                };
+                let values = &piece.row(channel, y)[begin..end];
+                cells.iter_mut().zip(values).for_each(|(cell, value)| cell[channel] = value + shift);
             }
         }
     }
@@ -342,6 +301,6 @@ impl Prompter for TextonNetwork {
     }
 
     fn embed<'a>(&'a self, image: &RgbImage) -> Result<Box<dyn Embedded + 'a>> {
-        Ok(Box::new(self.view(image, 0.0)?))
+        Ok(Box::new(self.view(image, 0.0)))
     }
 }
