@@ -1,5 +1,6 @@
 //! Image → masks: candidates for textons. Knows nothing of textons.
 
+mod disjoint;
 mod felzenszwalb;
 mod flood;
 mod hashing;
@@ -10,6 +11,7 @@ pub mod regions;
 mod similar;
 #[cfg(feature = "onnx")]
 pub mod texton;
+mod tiles;
 
 pub use felzenszwalb::Felzenszwalb;
 pub(crate) use felzenszwalb::{Smoothed, details};

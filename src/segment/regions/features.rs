@@ -1,6 +1,6 @@
 //! Features of a node of the merge tree.
 
-use super::merge_tree::{BINS, Node, Tree};
+use super::merge_tree::{BINS, Region, Union};
 use super::oversegmentation::Field;
 
 /// Number of features.
@@ -99,10 +99,9 @@ impl Context {
         std::array::from_fn(|k| if k < 4 { d[k] - b[k] - c[k] + a[k] } else { area })
     }
 
-    /// The features of node `i` of a tree. Quantities that span orders of magnitude are logarithms.
-    pub(super) fn features(&self, tree: &Tree, i: usize) -> [f32; FEATURES] {
-        let node = &tree.nodes[i];
-        let (s, rim) = (&node.sums, &node.rim);
+    /// The features of a region. Quantities that span orders of magnitude are logarithms.
+    pub(super) fn features(&self, region: &Region, union: Option<Union>) -> [f32; FEATURES] {
+        let (s, rim) = (&region.sums, &region.rim);
         let ln = |v: f32| libm::logf(v.max(0.0) + 0.05);
         let length = |v: [f32; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
         let (n, mean) = (f64::from(s.area), s.mean());
@@ -156,9 +155,8 @@ impl Context {
             quantile = BINS as f32;
         }
         let box_area = ((x1 + 1 - x0) * (y1 + 1 - y0)) as f32;
-        let parent: Option<&Node> = node.parent.map(|p| &tree.nodes[p as usize]);
-        let outer = parent.map_or(4.0 * node.weight + 40.0, |p| p.weight);
-        let sibling = parent.map_or(0.0, |p| p.sums.area - s.area);
+        let outer = union.map_or(4.0 * region.weight + 40.0, |union| union.weight);
+        let sibling = union.map_or(0.0, |union| union.area - s.area);
         let step = [rim.step[0] / around, rim.step[1] / around, rim.step[2] / around];
         let step_length = rim.step_length / around;
         [
@@ -178,7 +176,7 @@ impl Context {
             ln((s.gradient / n) as f32),
             ln(libm::sqrt(variance[0] + variance[1] + variance[2]) as f32),
             ln(libm::sqrt(residual) as f32),
-            ln(node.weight),
+            ln(region.weight),
             ln(outer),
             libm::logf((sibling + 1.0) / s.area),
             libm::logf(s.area / s.basins as f32),
@@ -191,7 +189,7 @@ impl Context {
             ln(length(self.deviation)),
             ln(self.gradient),
             ln(libm::sqrt(ring_variance) as f32),
-            libm::logf(outer + 0.5) - libm::logf(node.weight + 0.5),
+            libm::logf(outer + 0.5) - libm::logf(region.weight + 0.5),
             self.sigma,
         ]
     }

@@ -90,17 +90,35 @@ impl Rim {
     }
 }
 
-/// A node of the tree: a basin, or the union of two nodes.
+/// A region: a basin, or the union of several.
 #[derive(Clone, Debug)]
-pub(super) struct Node {
+pub(super) struct Region {
     pub(super) sums: Sums,
     pub(super) rim: Rim,
+    /// Weight of the merge that made it, not below those of its parts; 0 for a basin.
+    pub(super) weight: f32,
+    /// Its node.
+    node: u32,
+    /// The first of its borders, and their number, with those that are gone.
+    first: u32,
+    borders: u32,
+}
+
+/// The union that a region becomes part of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Union {
+    pub(super) weight: f32,
+    pub(super) area: f32,
+}
+
+/// A region's place in the tree.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) area: f32,
     /// `None` for a basin.
     pub(super) children: Option<[u32; 2]>,
     /// `None` for a root.
     pub(super) parent: Option<u32>,
-    /// Weight of the merge that made it, not below its children's; 0 for a basin.
-    pub(super) weight: f32,
 }
 
 /// A border between two regions. Steps go from the first to the second.
@@ -109,7 +127,12 @@ struct Border {
     ends: [u32; 2],
     rim: Rim,
     alive: bool,
+    /// The next border of each end.
+    next: [u32; 2],
 }
+
+/// Where a list of borders ends.
+const END: u32 = u32::MAX;
 
 /// The nodes in order of creation: basins first, children before parents.
 pub(super) struct Tree {
@@ -160,7 +183,12 @@ fn graph(field: &Field, labels: &[u32], count: usize) -> (Vec<Sums>, Vec<Border>
                     last.1
                 } else {
                     *index.entry(key).or_insert_with(|| {
-                        borders.push(Border { ends: [a, b], rim: Rim::default(), alive: true });
+                        borders.push(Border {
+                            ends: [a, b],
+                            rim: Rim::default(),
+                            alive: true,
+                            next: [END; 2],
+                        });
                         borders.len() as u32 - 1
                     })
                 };
@@ -254,41 +282,52 @@ impl Queue {
     }
 }
 
+impl Region {
+    /// Adds a border to the list.
+    fn link(&mut self, e: u32, border: &mut Border, end: usize) {
+        border.next[end] = self.first;
+        self.first = e;
+        self.borders += 1;
+    }
+}
+
 impl Tree {
     /// Merges neighbours, least weight first (ties: the older border), until none are left. `share` is the
-    /// weight of the step across the border; the rest is that of the difference of means.
+    /// weight of the step across the border; the rest is that of the difference of means. Each node is shown
+    /// to `see` once, with its number, the region, and the union that it becomes part of, if any: regions are
+    /// not kept.
     pub(super) fn new(
         field: &Field,
         labels: &[u32],
         count: usize,
         share: f32,
         progress: &dyn Progress,
+        see: &mut dyn FnMut(usize, &Region, Option<Union>),
     ) -> Result<Self> {
         let (sums, mut borders, mut index) = graph(field, labels, count);
+        let node = |sums: &Sums| Node { area: sums.area, children: None, parent: None };
         let mut nodes: Vec<Node> = Vec::with_capacity(2 * count);
-        nodes.extend(sums.into_iter().map(|sums| Node {
-            sums,
-            rim: Rim::default(),
-            children: None,
-            parent: None,
-            weight: 0.0,
-        }));
-        let mut around: Vec<Vec<u32>> = vec![Vec::new(); count];
-        for (e, border) in borders.iter().enumerate() {
-            for (end, sign) in border.ends.into_iter().zip([1.0, -1.0]) {
-                around[end as usize].push(e as u32);
-                nodes[end as usize].rim.add(&border.rim, 1.0, sign);
+        nodes.extend(sums.iter().map(node));
+        let region = |(node, sums)| {
+            let rim = Rim::default();
+            Region { sums, rim, weight: 0.0, node, first: END, borders: 0 }
+        };
+        // A region is identified by one of its basins.
+        let mut regions: Vec<Region> = (0..).zip(sums).map(region).collect();
+        for (e, border) in (0..).zip(&mut borders) {
+            for (end, sign) in [1.0, -1.0].into_iter().enumerate() {
+                let region = &mut regions[border.ends[end] as usize];
+                region.rim.add(&border.rim, 1.0, sign);
+                region.link(e, border, end);
             }
         }
-        // The current node of each region. A region is identified by one of its basins.
-        let mut current: Vec<u32> = (0..count as u32).collect();
-        let mut looks: Vec<Look> = nodes.iter().map(|node| Look::new(&node.sums)).collect();
+        let mut looks: Vec<Look> = regions.iter().map(|region| Look::new(&region.sums)).collect();
         let now = |looks: &[Look], border: &Border| {
             weight(border.ends.map(|end| &looks[end as usize]), &border.rim, share)
         };
         let mut queue = Queue::new(borders.iter().map(|border| now(&looks, border)));
         while let Some((least, e)) = queue.pop() {
-            let border = &borders[e as usize];
+            let border = &mut borders[e as usize];
             if !border.alive {
                 continue;
             }
@@ -301,36 +340,40 @@ impl Tree {
             if made.is_multiple_of(4096) {
                 advance(progress, "merging regions", (made - count) as u64, count as u64)?;
             }
-            let (shared, [a, b]) = (border.rim, border.ends);
-            let children = [current[a as usize], current[b as usize]];
-            let [p, q] = children.map(|c| &nodes[c as usize]);
-            let mut node = p.clone();
-            node.sums.add(&q.sums);
-            node.rim.add(&q.rim, 1.0, 1.0);
-            node.rim.add(&shared, -2.0, 0.0);
-            node.weight = weight.max(p.weight).max(q.weight);
-            (node.children, node.parent) = (Some(children), None);
-            for child in children {
-                nodes[child as usize].parent = Some(made as u32);
+            border.alive = false;
+            let ends = border.ends.map(|end| end as usize);
+            let parts = ends.map(|end| &regions[end]);
+            let weight = weight.max(parts[0].weight).max(parts[1].weight);
+            let union = Union { weight, area: parts[0].sums.area + parts[1].sums.area };
+            for part in parts {
+                see(part.node as usize, part, Some(union));
+                nodes[part.node as usize].parent = Some(made as u32);
             }
-            nodes.push(node);
-            borders[e as usize].alive = false;
+            let children = Some(parts.map(|part| part.node));
+            nodes.push(Node { area: union.area, children, parent: None });
             // The region with more borders keeps its identifier.
-            let (gone, kept) =
-                if around[a as usize].len() < around[b as usize].len() { (a, b) } else { (b, a) };
-            current[kept as usize] = made as u32;
-            looks[kept as usize] = Look::new(&nodes[made].sums);
-            for e in std::mem::take(&mut around[gone as usize]) {
+            let [gone, kept] = if parts[0].borders < parts[1].borders { ends } else { [ends[1], ends[0]] };
+            let part = regions[gone].clone();
+            let whole = &mut regions[kept];
+            whole.sums.add(&part.sums);
+            whole.rim.add(&part.rim, 1.0, 1.0);
+            whole.rim.add(&borders[e as usize].rim, -2.0, 0.0);
+            (whole.weight, whole.node) = (weight, made as u32);
+            looks[kept] = Look::new(&whole.sums);
+            let (gone, id) = (gone as u32, kept as u32);
+            let mut e = part.first;
+            while e != END {
                 let old = &mut borders[e as usize];
+                let at = usize::from(old.ends[1] == gone);
+                let (this, next) = (e, old.next[at]);
+                e = next;
                 if !old.alive {
                     continue;
                 }
-                let at = usize::from(old.ends[1] == gone);
-                let other = old.ends[1 - at];
-                old.ends[at] = kept;
-                let changed = *index.entry(key(kept, other)).or_insert(e);
-                if changed == e {
-                    around[kept as usize].push(e);
+                old.ends[at] = id;
+                let changed = *index.entry(key(id, old.ends[1 - at])).or_insert(this);
+                if changed == this {
+                    whole.link(this, old, at);
                 } else {
                     old.alive = false;
                     let (ends, rim) = (old.ends, old.rim);
@@ -339,6 +382,9 @@ impl Tree {
                 }
                 queue.lower(changed, now(&looks, &borders[changed as usize]));
             }
+        }
+        for region in regions.iter().filter(|region| nodes[region.node as usize].parent.is_none()) {
+            see(region.node as usize, region, None);
         }
         Ok(Self { nodes })
     }
@@ -362,17 +408,27 @@ mod tests {
             });
             let field = Field::new(&Colours::new(&image), 0.5);
             let (labels, count) = field.basins();
-            let tree = Tree::new(&field, &labels, count, 0.7, &()).unwrap();
+            let mut regions = vec![None; 2 * count - 1];
+            let mut see = |node: usize, region: &Region, union: Option<Union>| {
+                assert!(regions[node].replace((region.clone(), union)).is_none());
+            };
+            let tree = Tree::new(&field, &labels, count, 0.7, &(), &mut see).unwrap();
             prop_assert_eq!(tree.nodes.len(), 2 * count - 1);
+            let regions: Vec<(Region, Option<Union>)> = regions.into_iter().map(Option::unwrap).collect();
             let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); count];
             for (i, &label) in labels.iter().enumerate() {
                 pixels[label as usize].push(i);
             }
             for (i, node) in tree.nodes.iter().enumerate() {
+                let region = &regions[i].0;
                 if let Some([a, b]) = node.children {
                     let both = [&pixels[a as usize][..], &pixels[b as usize][..]].concat();
                     pixels.push(both);
-                    prop_assert!(node.weight >= tree.nodes[a as usize].weight);
+                    for child in [a, b] {
+                        let union = regions[child as usize].1.unwrap();
+                        prop_assert_eq!([union.weight, union.area], [regions[i].0.weight, node.area]);
+                        prop_assert!(union.weight >= regions[child as usize].0.weight);
+                    }
                     prop_assert_eq!(tree.nodes[b as usize].parent, Some(i as u32));
                 }
                 let inside = |x: usize, y: usize| pixels[i].contains(&(y * 14 + x));
@@ -384,11 +440,11 @@ mod tests {
                     border += u32::from(x == 0) + u32::from(y == 0) + u32::from(x == 13) + u32::from(y == 11);
                     lightness += field.colours[p][0];
                 }
-                prop_assert_eq!(node.sums.area, pixels[i].len() as f32);
-                prop_assert!((node.rim.length - rim as f32).abs() < 1e-3);
-                prop_assert!((node.rim.histogram.iter().sum::<f32>() - rim as f32).abs() < 1e-3);
-                prop_assert_eq!(node.sums.border.iter().sum::<u32>(), border);
-                prop_assert!((node.sums.mean()[0] - lightness / pixels[i].len() as f32).abs() < 1e-2);
+                prop_assert_eq!(region.sums.area, pixels[i].len() as f32);
+                prop_assert!((region.rim.length - rim as f32).abs() < 1e-3);
+                prop_assert!((region.rim.histogram.iter().sum::<f32>() - rim as f32).abs() < 1e-3);
+                prop_assert_eq!(region.sums.border.iter().sum::<u32>(), border);
+                prop_assert!((region.sums.mean()[0] - lightness / pixels[i].len() as f32).abs() < 1e-2);
             }
         }
     }

@@ -15,18 +15,17 @@ mod select;
 mod weights;
 
 pub use features::FEATURES;
-#[cfg(feature = "onnx")]
 pub(super) use select::worth;
 pub use select::{HIDDEN, Network};
 
-use super::{ScoredMask, Segmenter};
+use super::{ScoredMask, Segmenter, tiles};
 use crate::error::Result;
 use crate::parallel::map;
 use crate::progress::{Progress, advance};
 use crate::raster::{Connectivity, LabelMap, Mask, components};
 use features::Context;
 use image::RgbImage;
-use merge_tree::Tree;
+use merge_tree::{Region, Sums, Tree, Union};
 use oversegmentation::{Colours, Field};
 
 /// Area of the smallest mask, in pixels. Smaller ones have no shape to judge.
@@ -55,68 +54,59 @@ pub struct Candidate {
     pub features: [f32; FEATURES],
 }
 
-/// A tree over the whole image.
-struct Layer {
+/// A tree over the whole image, with something for each node that may be a texton.
+struct Layer<T> {
     labels: Vec<u32>,
     tree: Tree,
-    context: Context,
+    nodes: Vec<Option<T>>,
 }
 
-impl Layer {
-    fn new(image: &Colours, sigma: f64, share: f32, progress: &dyn Progress) -> Result<Self> {
+/// The score of a node's features.
+fn score(features: [f32; FEATURES]) -> f32 {
+    weights::NETWORK.score(&features)
+}
+
+/// What `then` makes of the tree of each smoothing and share of the border, which is dropped afterwards. Nodes
+/// have what `f` makes of their features.
+fn layers<T: Send, R: Send>(
+    image: &RgbImage,
+    layers: &[(f64, f32)],
+    progress: &dyn Progress,
+    f: fn([f32; FEATURES]) -> T,
+    then: impl Fn(Layer<T>) -> R + Sync + Send,
+) -> Result<Vec<R>> {
+    let colours = Colours::new(image);
+    let made = map(layers, |&(sigma, share)| Layer::new(&colours, sigma, share, progress, f).map(&then));
+    made.into_iter().collect()
+}
+
+/// Whether a region may be a texton. Those that touch opposite borders are background.
+fn eligible(field: &Field, sums: &Sums) -> bool {
+    let [left, top, right, bottom] = sums.border;
+    let all = field.width as f32 * field.height as f32;
+    let spans = left > 0 && right > 0 || top > 0 && bottom > 0;
+    sums.area >= SMALLEST && sums.area <= LARGEST * all && !spans
+}
+
+impl<T> Layer<T> {
+    fn new(
+        image: &Colours,
+        sigma: f64,
+        share: f32,
+        progress: &dyn Progress,
+        f: fn([f32; FEATURES]) -> T,
+    ) -> Result<Self> {
         advance(progress, "merging regions", 0, 0)?;
         let field = Field::new(image, sigma);
         let (labels, count) = field.basins();
         let context = Context::new(&field);
-        let tree = Tree::new(&field, &labels, count, share, progress)?;
-        Ok(Self { labels, tree, context })
-    }
-
-    /// Layers of an image, each with its smoothing and the share of the border.
-    fn all(image: &RgbImage, layers: &[(f64, f32)], progress: &dyn Progress) -> Result<Vec<Self>> {
-        Self::each(image, layers, progress, |layer| layer)
-    }
-
-    /// What `f` makes of each layer, which is dropped afterwards.
-    fn each<T: Send>(
-        image: &RgbImage,
-        layers: &[(f64, f32)],
-        progress: &dyn Progress,
-        f: impl Fn(Self) -> T + Sync + Send,
-    ) -> Result<Vec<T>> {
-        let colours = Colours::new(image);
-        let made = map(layers, |&(sigma, share)| Self::new(&colours, sigma, share, progress).map(&f));
-        made.into_iter().collect()
-    }
-
-    /// Whether a node may be a texton. Nodes that touch opposite borders are background.
-    fn eligible(&self, image: &RgbImage, i: usize) -> bool {
-        let sums = &self.tree.nodes[i].sums;
-        let [left, top, right, bottom] = sums.border;
-        let all = image.width() as f32 * image.height() as f32;
-        let spans = left > 0 && right > 0 || top > 0 && bottom > 0;
-        sums.area >= SMALLEST && sums.area <= LARGEST * all && !spans
-    }
-
-    fn scores(&self, image: &RgbImage) -> Vec<Option<f32>> {
-        let score = |i| weights::NETWORK.score(&self.context.features(&self.tree, i));
-        (0..self.tree.nodes.len()).map(|i| self.eligible(image, i).then(|| score(i))).collect()
-    }
-
-    /// Removes the scores of nodes that lost too many pixels to selected masks.
-    fn block(&self, taken: &LabelMap, scores: &mut [Option<f32>]) {
-        let mut lost = vec![0u32; scores.len()];
-        for (&label, &t) in self.labels.iter().zip(&taken.labels) {
-            lost[label as usize] += u32::from(t != 0);
-        }
-        for (i, node) in self.tree.nodes.iter().enumerate() {
-            if let Some([a, b]) = node.children {
-                lost[i] = lost[a as usize] + lost[b as usize];
-            }
-            if lost[i] as f32 > MOST_LOST * node.sums.area {
-                scores[i] = None;
-            }
-        }
+        let mut nodes: Vec<Option<T>> = Vec::new();
+        nodes.resize_with(2 * count - 1, || None);
+        let mut see = |node: usize, region: &Region, union: Option<Union>| {
+            nodes[node] = eligible(&field, &region.sums).then(|| f(context.features(region, union)));
+        };
+        let tree = Tree::new(&field, &labels, count, share, progress, &mut see)?;
+        Ok(Self { labels, tree, nodes })
     }
 
     /// The masks of disjoint nodes.
@@ -155,20 +145,43 @@ impl Layer {
         Mask::from_spans(spans)
     }
 
-    /// The eligible nodes that score at least `least`.
-    #[cfg(feature = "onnx")]
-    fn best(&self, image: &RgbImage, least: f32) -> Vec<ScoredMask> {
-        let (basins, scores) = (self.basins(image), self.scores(image));
-        let good = scores.iter().enumerate().filter_map(|(i, s)| Some((i, s.filter(|&s| s >= least)?)));
-        good.map(|(i, score)| ScoredMask { mask: self.mask(&basins, i), score }).collect()
+    /// The nodes that may be textons.
+    fn eligible(&self) -> impl Iterator<Item = (usize, &T)> {
+        self.nodes.iter().enumerate().filter_map(|(i, node)| Some((i, node.as_ref()?)))
+    }
+}
+
+impl Layer<f32> {
+    /// Removes the scores of nodes that lost too many pixels to selected masks.
+    fn block(&mut self, taken: &LabelMap) {
+        let mut lost = vec![0u32; self.nodes.len()];
+        for (&label, &t) in self.labels.iter().zip(&taken.labels) {
+            lost[label as usize] += u32::from(t != 0);
+        }
+        for (i, node) in self.tree.nodes.iter().enumerate() {
+            if let Some([a, b]) = node.children {
+                lost[i] = lost[a as usize] + lost[b as usize];
+            }
+            if lost[i] as f32 > MOST_LOST * node.area {
+                self.nodes[i] = None;
+            }
+        }
     }
 
+    /// The nodes that score at least `least`.
+    #[cfg(feature = "onnx")]
+    fn best(&self, image: &RgbImage, least: f32) -> Vec<ScoredMask> {
+        let basins = self.basins(image);
+        let good = self.eligible().filter(|(_, score)| **score >= least);
+        good.map(|(i, &score)| ScoredMask { mask: self.mask(&basins, i), score }).collect()
+    }
+}
+
+impl Layer<[f32; FEATURES]> {
     fn candidates(&self, image: &RgbImage) -> Vec<Candidate> {
         let basins = self.basins(image);
-        let eligible = (0..self.tree.nodes.len()).filter(|&i| self.eligible(image, i));
-        let candidate =
-            |i| Candidate { mask: self.mask(&basins, i), features: self.context.features(&self.tree, i) };
-        eligible.map(candidate).collect()
+        let candidate = |(i, &features)| Candidate { mask: self.mask(&basins, i), features };
+        self.eligible().map(candidate).collect()
     }
 }
 
@@ -182,7 +195,7 @@ pub(super) fn nodes(image: &RgbImage, least: f32, progress: &dyn Progress) -> Re
     if image.width() == 0 || image.height() == 0 {
         return Ok(Vec::new());
     }
-    Ok(Layer::each(image, &LAYERS, progress, |layer| layer.best(image, least))?.concat())
+    Ok(layers(image, &LAYERS, progress, score, |layer| layer.best(image, least))?.concat())
 }
 
 /// All nodes of the trees that may be textons. They may contain one another.
@@ -190,7 +203,7 @@ pub(super) fn nodes(image: &RgbImage, least: f32, progress: &dyn Progress) -> Re
 /// # Errors
 /// [`crate::Error::Interrupted`].
 pub fn candidates(image: &RgbImage, progress: &dyn Progress) -> Result<Vec<Candidate>> {
-    Ok(Layer::each(image, &LAYERS, progress, |layer| layer.candidates(image))?.concat())
+    Ok(layers(image, &LAYERS, progress, |features| features, |layer| layer.candidates(image))?.concat())
 }
 
 impl Segmenter for Regions {
@@ -199,7 +212,7 @@ impl Segmenter for Regions {
     }
 
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
-        search(image, &LAYERS, progress)
+        tiles::segment(image, &|image| search(image, &LAYERS, progress))
     }
 }
 
@@ -214,26 +227,25 @@ impl Segmenter for OneTree {
     }
 
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
-        search(image, &LAYERS[1..2], progress)
+        tiles::segment(image, &|image| search(image, &LAYERS[1..2], progress))
     }
 }
 
 /// The disjoint nodes of the trees with the largest total worth.
-fn search(image: &RgbImage, layers: &[(f64, f32)], progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
+fn search(image: &RgbImage, trees: &[(f64, f32)], progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
     if image.width() == 0 || image.height() == 0 {
         return Ok(Vec::new());
     }
-    let layers = Layer::all(image, layers, progress)?;
-    let mut scores = map(&layers, |layer| layer.scores(image));
+    let mut layers = layers(image, trees, progress, score, |layer| layer)?;
     let mut taken = LabelMap::filled(image.width(), image.height(), 0);
     let mut taken_scores = vec![0.0];
     for _ in 0..ROUNDS {
         let mut offers = Vec::new();
-        for (layer, scores) in layers.iter().zip(&mut scores) {
-            layer.block(&taken, scores);
-            let chosen = select::best_cut(&layer.tree, scores);
+        for layer in &mut layers {
+            layer.block(&taken);
+            let chosen = select::best_cut(&layer.tree, &layer.nodes);
             let masks = layer.masks(image, &chosen);
-            offers.extend(masks.into_iter().zip(chosen.iter().map(|&i| scores[i].unwrap_or(0.0))));
+            offers.extend(masks.into_iter().zip(chosen.iter().map(|&i| layer.nodes[i].unwrap_or(0.0))));
         }
         let worth = |(mask, score): &(Mask, f32)| select::worth(mask.area() as f32, *score);
         let mut order: Vec<(f32, usize)> = offers.iter().map(worth).zip(0..).collect();

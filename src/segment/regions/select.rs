@@ -31,7 +31,7 @@ pub(super) fn best_cut(tree: &Tree, scores: &[Option<f32>]) -> Vec<usize> {
     let mut take = vec![false; tree.nodes.len()];
     for (i, node) in tree.nodes.iter().enumerate() {
         let below = node.children.map_or(0.0, |c| c.iter().map(|&c| best[c as usize]).sum());
-        let own = scores[i].map_or(0.0, |s| worth(node.sums.area, s));
+        let own = scores[i].map_or(0.0, |s| worth(node.area, s));
         take[i] = own > 0.0 && own >= below;
         best[i] = below.max(own);
     }
@@ -49,18 +49,12 @@ pub(super) fn best_cut(tree: &Tree, scores: &[Option<f32>]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::merge_tree::{Node, Rim, Sums};
+    use super::super::merge_tree::Node;
     use super::*;
 
     /// Basins 0, 1, 2 of 100 px each; 3 = 0 + 1, 4 = 3 + 2.
     fn tree() -> Tree {
-        let node = |area: f32, children, parent| Node {
-            sums: Sums { area, ..Sums::default() },
-            rim: Rim::default(),
-            children,
-            parent,
-            weight: 0.0,
-        };
+        let node = |area: f32, children, parent| Node { area, children, parent };
         Tree {
             nodes: vec![
                 node(100.0, None, Some(3)),

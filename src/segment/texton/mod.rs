@@ -19,13 +19,13 @@ pub use features::FEATURES;
 pub use network::TextonNetwork;
 
 use super::prompt::{Cost, Embedded, Found, GeneratorParams, View};
-use super::regions::{nodes, worth};
+use super::regions::nodes;
 use super::similar::{Measured, SimilarMasks};
-use super::{Perceptron, ScoredMask, Segmenter};
+use super::{Perceptron, ScoredMask, Segmenter, disjoint::disjoint, tiles};
 use crate::error::Result;
 use crate::parallel::map;
 use crate::progress::{Progress, advance};
-use crate::raster::{Connectivity, LabelMap, Mask, Span, components_of_mask};
+use crate::raster::Mask;
 use features::{Context, Origin, PREDICTED, REGION, STABILITY};
 use image::RgbImage;
 
@@ -49,8 +49,6 @@ const SAME_IOU: f32 = 0.9;
 const REGION_SHARE: f32 = 0.55;
 /// Weight of the network's own estimate beside the judge's. The judge has seen only generated scenes.
 const OWN_WEIGHT: f32 = 0.15;
-/// Largest share of its pixels that a mask may lose to masks of higher worth.
-const MOST_LOST: f32 = 0.25;
 
 /// The texton segmenter. Its masks are disjoint and 4-connected.
 pub struct Texton {
@@ -175,28 +173,15 @@ impl Segmenter for Texton {
     }
 
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
-        let candidates = self.candidates(image, progress)?;
-        let judged = |c: &Candidate| score(weights::NETWORK.score(&c.features), &c.features);
-        let scores = map(&candidates, judged);
-        let worth = |k: usize| worth(candidates[k].mask.area() as f32, scores[k]);
-        let mut order: Vec<(f32, usize)> = (0..scores.len()).map(|k| (worth(k), k)).collect();
-        order.retain(|(worth, _)| *worth > 0.0);
-        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let mut taken = LabelMap::filled(image.width(), image.height(), 0);
-        let mut found = Vec::new();
-        for (_, k) in order {
-            let mask = &candidates[k].mask;
-            let left = mask.pixels().filter(|&(x, y)| taken.get(x as u32, y as u32) == 0);
-            let spans: Vec<Span> = left.map(|(x, y)| Span { y, x0: x, x1: x + 1 }).collect();
-            if (spans.len() as f32) < (1.0 - MOST_LOST) * mask.area() as f32 {
-                continue;
-            }
-            let pieces = components_of_mask(&Mask::from_spans(spans), Connectivity::Four);
-            let Some(mask) = pieces.into_iter().rev().max_by_key(Mask::area) else { continue };
-            taken.fill(&mask, 1);
-            found.push(ScoredMask { mask, score: scores[k] });
-        }
-        Ok(found)
+        tiles::segment(image, &|image| {
+            let candidates = self.candidates(image, progress)?;
+            let judged = |c: &Candidate| score(weights::NETWORK.score(&c.features), &c.features);
+            let scores = map(&candidates, judged);
+            let scored = candidates.into_iter().zip(scores);
+            let offers: Vec<ScoredMask> =
+                scored.map(|(c, score)| ScoredMask { mask: c.mask, score }).collect();
+            Ok(disjoint(&offers, image.width(), image.height()))
+        })
     }
 }
 
