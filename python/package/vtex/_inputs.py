@@ -219,11 +219,33 @@ def whole(name: str, value: object, least: int, most: int) -> int:
     return int(value)
 
 
-def number(name: str, value: object) -> float:
-    """Give a number."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+def is_number(value: object) -> bool:
+    """Tell whether something is a number; True and False are none."""
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+
+
+def seed_of(seed: int) -> int:
+    """Give the seed of random choices."""
+    return whole("seed", seed, 0, 2**64 - 1)
+
+
+def number(name: str, value: object, least: float, most: float) -> float:
+    """Give a number in a range."""
+    if not is_number(value):
         raise InputTypeError(f"{name} = {value!r} is no number")
-    return float(value)
+    if not least <= value <= most:  # type: ignore[operator]
+        raise InputError(f"{name} = {value} is out of range: {least:g} to {most:g}")
+    return float(value)  # type: ignore[arg-type]
+
+
+def pair(name: str, value: object, second: float | None = None) -> list[Any]:
+    """Give numbers for x and y; a single one is for both, or `second` is that for y."""
+    if is_number(value):
+        return [value, value if second is None else second]
+    several = list(value) if isinstance(value, (Sequence, np.ndarray)) else []
+    if len(several) != 2:
+        raise InputTypeError(f"{name} = {value!r} cannot be used", "give a number, or one for x and one for y")
+    return several
 
 
 def document(data: object) -> Named:
