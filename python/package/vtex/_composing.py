@@ -69,10 +69,11 @@ def warp(
     Interrupted
         If `progress` returned False.
     """
+    given = [value is not None for value in (stretch, cage, to)]
+    if given not in ([True, False, False], [False, True, True]):
+        raise InputError("warp takes stretch, or cage and to", "give one number or two, or two SVGs")
     before, after = _inputs.picture(cage, "cage"), _inputs.picture(to, "to")
-    cages = (before, after) if before is not None and after is not None else None
-    if (stretch is None) == (cages is None) or (before is None) != (after is None):
-        raise InputError("it takes stretch, or cage and to", "give one number, or two SVGs")
+    cages = None if before is None or after is None else (before, after)
     factors = None if stretch is None else _inputs.pair("stretch", stretch)
     options = {
         "stretch": None if factors is None else [_inputs.number("stretch", factor, 0.1, 10) for factor in factors],
@@ -153,14 +154,13 @@ def interpolate(
     """
     ends = _core(first), _core(second)
     if (at is None) == (morph is None):
-        raise InputError("it takes at or morph", "give at=0.5 for the scene half-way, or morph='x'")
+        raise InputError("interpolate takes at or morph", "give at=0.5 for the scene half-way, or morph='x'")
     if morph is not None:
         place = morph if isinstance(morph, str) and morph in ("x", "y", "radial") else "map"
         map = _inputs.picture(morph, "morph") if place == "map" else None
         return Scene._of(_vtex.morph(*ends, place, map, progress))
-    several = [at] if _inputs.is_number(at) else at
-    if not isinstance(several, (Sequence, np.ndarray)):
-        raise InputTypeError(f"at = {at!r} cannot be used", "give a number from 0 to 1, or several")
+    at = at.tolist() if isinstance(at, np.ndarray) else at
+    several = at if isinstance(at, Sequence) else [at]
     shares = [_inputs.number("at", share, 0, 1) for share in several]
     scenes = [Scene._of(core) for core in _vtex.interpolate(*ends, shares, progress)]
     return scenes if several is at else scenes[0]

@@ -180,7 +180,7 @@ class Scene(Document[_vtex.Scene]):
         *edits : Edit
             What to do: `Tint`, `Shadow`, `Thin` and the other classes of `vtex.edits`.
         seed : int, optional
-            Seed of random choices, from 0; default: the scene's own.
+            Seed of random choices, 0 to 2**64 - 1. Default: the scene's own.
 
         Returns
         -------
@@ -195,7 +195,7 @@ class Scene(Document[_vtex.Scene]):
             If something is no edit.
         """
         asked, files = _asked(edits)
-        core, _ = self._core.edit(_inputs.to_json(asked), files, seed)
+        core, _ = self._core.edit(_inputs.to_json(asked), files, None if seed is None else _inputs.seed_of(seed))
         return Scene._of(core)
 
     @property
