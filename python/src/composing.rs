@@ -7,7 +7,6 @@ use crate::scene::Scene;
 use crate::writing::from_json;
 use pyo3::prelude::*;
 use serde::Deserialize;
-use vtex::analyze::{Exemplar, Limits};
 use vtex::interpolate::{Axis, Interpolation, Morph};
 use vtex::scene::{Edge, TransferMode};
 use vtex::transfer::{Keep, StylizeParams, TransferParams};
@@ -153,13 +152,9 @@ pub(crate) fn stylize(
     let options: StylizeOptions = from_json(py, options, "stylize")?;
     let texture = texture.inner.clone();
     let made = run(py, None, move |_| {
-        let exemplar = match picture {
-            Picture::Bytes(bytes) => Exemplar::from_bytes(&bytes, &name, &Limits::default())?,
-            Picture::Pixels(image) => Exemplar::from_image(image, &name)?,
-        };
         let StylizeOptions { keep, longer_side, element_size, levels, seed } = options;
         let params = StylizeParams { size: longer_side, element: element_size, levels, keep, seed };
-        vtex::transfer::stylize(&exemplar.image, &texture, &params)
+        vtex::transfer::stylize(&picture.exemplar(&name)?.image, &texture, &params)
     });
     made.map(Scene::from)
 }

@@ -63,9 +63,7 @@ impl Options {
                 let seed = scene.parameters.as_ref().map(|p| p.seed);
                 png::encode(&png::render(scene, self.scale)?, seed, out)?;
             }
-            Format::Scene | Format::Library => {
-                write_document(&scene.to_json(), gzip, out)?;
-            }
+            Format::Scene | Format::Library => write_document(&scene.to_json(), gzip, out)?,
         }
         Ok(Vec::new())
     }
