@@ -7,7 +7,7 @@ use crate::writing::from_json;
 use pyo3::prelude::*;
 use serde::Deserialize;
 use std::path::PathBuf;
-use vtex::analyze::{Exemplar, Limits, borders_join};
+use vtex::analyze::{Limits, borders_join};
 use vtex::engine::{EngineOptions, Runtime, Source};
 use vtex::import::{ImportParams, import, is_drawing};
 use vtex::layers::LayerPicture;
@@ -114,10 +114,7 @@ pub(crate) fn analyze(
             library.source.file = file;
             return Ok(library);
         }
-        let mut exemplar = match exemplar {
-            Picture::Bytes(bytes) => Exemplar::from_bytes(&bytes, &name, &Limits::default())?,
-            Picture::Pixels(image) => Exemplar::from_image(image, &name)?,
-        };
+        let mut exemplar = exemplar.exemplar(&name)?;
         exemplar.file = file;
         if let Some((name, bytes)) = layer_map {
             exemplar.layers = Some(LayerPicture::from_bytes(&bytes, &name, &Limits::default())?.layers()?);

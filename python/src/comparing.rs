@@ -8,7 +8,6 @@ use crate::writing::json;
 use image::RgbImage;
 use pyo3::prelude::*;
 use std::sync::Arc;
-use vtex::analyze::{Exemplar, Limits};
 use vtex::import::is_drawing;
 use vtex::output::{png, raster_svg};
 use vtex::synth::reconstruct;
@@ -42,13 +41,10 @@ impl Viewed {
     /// Those of decoding and drawing.
     fn picture(self, name: &str, progress: &dyn Progress) -> Result<RgbImage> {
         let pixmap = match self {
-            Self::Picture(Picture::Bytes(bytes)) if is_drawing(&bytes) => {
-                raster_svg::render_svg(&bytes, 1.0, name, progress)?
+            Self::Picture(Picture::Bytes(ref bytes)) if is_drawing(bytes) => {
+                raster_svg::render_svg(bytes, 1.0, name, progress)?
             }
-            Self::Picture(Picture::Bytes(bytes)) => {
-                return Ok(Exemplar::from_bytes(&bytes, name, &Limits::default())?.image);
-            }
-            Self::Picture(Picture::Pixels(image)) => return Ok(Exemplar::from_image(image, name)?.image),
+            Self::Picture(picture) => return Ok(picture.exemplar(name)?.image),
             Self::Scene(scene) => png::render(&scene, 1.0)?,
             Self::Library(library) => png::render(&reconstruct(&library), 1.0)?,
         };

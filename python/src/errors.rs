@@ -106,6 +106,10 @@ fn hint(error: &Error) -> Option<String> {
         Error::Parameter { name: "size", value, .. } if value.contains("the drawing repeats") => {
             "give another size, or method='descriptor', which fits any"
         }
+        Error::Control { role: "a library of the scene", .. } => {
+            "give the libraries that the scene was made from: scene.exemplars names them"
+        }
+        Error::Sizes { .. } => "make both of the same size, or stretch one by vtex.warp",
         Error::MaxBytes { smallest, .. } => {
             return Some(format!("give max_bytes={smallest} or more, or make the texture smaller"));
         }

@@ -3,6 +3,8 @@
 
 mod analysis;
 mod comparing;
+mod composing;
+mod document;
 mod editing;
 mod errors;
 mod library;
@@ -19,6 +21,8 @@ mod _vtex {
     use crate::analysis::analyze;
     #[pymodule_export]
     use crate::comparing::compare;
+    #[pymodule_export]
+    use crate::composing::{interpolate, morph, stylize, transfer, warp};
     #[pymodule_export]
     use crate::editing::{colour, palette};
     #[pymodule_export]

@@ -1,14 +1,14 @@
 //! Libraries.
 
+use crate::document;
 use crate::errors;
 use crate::pictures::Named;
 use crate::run::run;
-use crate::writing::{gzipped, save};
+use crate::writing::{json, save_document};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
-use vtex::Error;
 use vtex::library::{self, SourceKind};
 use vtex::output::file::{Format, Kind};
 
@@ -27,19 +27,16 @@ impl From<library::Library> for Library {
 #[pymethods]
 impl Library {
     #[staticmethod]
-    fn from_bytes(py: Python<'_>, named: Named) -> PyResult<Self> {
-        let (name, bytes) = named;
-        run(py, None, move |_| library::Library::from_bytes(&bytes[..], &name)).map(Self::from)
+    fn read(py: Python<'_>, named: Named) -> PyResult<Self> {
+        document::read::<library::Library>(py, named).map(Self::from)
     }
 
-    fn json(&self, py: Python<'_>) -> Py<PyBytes> {
-        let json = py.detach(|| self.inner.to_json());
-        PyBytes::new(py, &json).unbind()
+    fn content(&self, py: Python<'_>, pack: bool) -> PyResult<Py<PyBytes>> {
+        document::content(py, &*self.inner, pack)
     }
 
-    fn gzip(&self, py: Python<'_>) -> PyResult<Py<PyBytes>> {
-        let packed = py.detach(|| gzipped(&self.inner.to_json()));
-        Ok(PyBytes::new(py, &packed.map_err(|e| errors::raised(py, &e))?).unbind())
+    fn equals(&self, py: Python<'_>, other: &Self) -> bool {
+        document::equal(py, &self.inner, &other.inner)
     }
 
     /// Writes a file; the number of bytes.
@@ -48,15 +45,7 @@ impl Library {
             let message = format!("the name of '{}' is not that of a library", path.display());
             return Err(errors::input(py, &message, Some("names end in .lib.json or .lib.json.gz")));
         };
-        run(py, None, |_| {
-            let json = self.inner.to_json();
-            let fail = |e| Error::write(Path::new("-"), e);
-            save(&path, force, gzip, |out| out.write_all(&json).map_err(fail))
-        })
-    }
-
-    fn equals(&self, py: Python<'_>, other: &Self) -> bool {
-        Arc::ptr_eq(&self.inner, &other.inner) || py.detach(|| self.inner == other.inner)
+        run(py, None, |_| save_document(&path, force, gzip, &self.inner.to_json()))
     }
 
     #[getter]
@@ -116,6 +105,6 @@ impl Library {
 
     #[getter]
     fn parameters(&self, py: Python<'_>) -> PyResult<String> {
-        crate::writing::json(py, &self.inner.source.parameters)
+        json(py, &self.inner.source.parameters)
     }
 }

@@ -10,11 +10,25 @@ use pyo3::types::PyBytes;
 use std::io::Cursor;
 use std::path::PathBuf;
 use vtex::Error;
+use vtex::analyze::{Exemplar, Limits};
 
 /// A picture: a file's bytes, or pixels.
 pub(crate) enum Picture {
     Bytes(PyBackedBytes),
     Pixels(DynamicImage),
+}
+
+impl Picture {
+    /// The photograph that it is.
+    ///
+    /// # Errors
+    /// Those of decoding.
+    pub(crate) fn exemplar(self, name: &str) -> vtex::Result<Exemplar> {
+        match self {
+            Self::Bytes(bytes) => Exemplar::from_bytes(&bytes, name, &Limits::default()),
+            Self::Pixels(image) => Exemplar::from_image(image, name),
+        }
+    }
 }
 
 /// A picture with the name that errors call it by.

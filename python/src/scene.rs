@@ -1,10 +1,11 @@
 //! Scenes.
 
+use crate::document;
 use crate::editing::Asked;
 use crate::errors;
 use crate::pictures::Named;
 use crate::run::{run, warn};
-use crate::writing::{Options, check_scale, from_json, gzipped, json};
+use crate::writing::{Options, from_json, json};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -32,23 +33,16 @@ impl From<scene::Scene> for Scene {
 #[pymethods]
 impl Scene {
     #[staticmethod]
-    fn from_bytes(py: Python<'_>, named: Named) -> PyResult<Self> {
-        let (name, bytes) = named;
-        run(py, None, move |_| scene::Scene::from_bytes(&bytes[..], &name)).map(Self::from)
+    fn read(py: Python<'_>, named: Named) -> PyResult<Self> {
+        document::read::<scene::Scene>(py, named).map(Self::from)
     }
 
-    fn json(&self, py: Python<'_>) -> Py<PyBytes> {
-        let json = py.detach(|| self.inner.to_json());
-        PyBytes::new(py, &json).unbind()
-    }
-
-    fn gzip(&self, py: Python<'_>) -> PyResult<Py<PyBytes>> {
-        let packed = py.detach(|| gzipped(&self.inner.to_json()));
-        Ok(PyBytes::new(py, &packed.map_err(|e| errors::raised(py, &e))?).unbind())
+    fn content(&self, py: Python<'_>, pack: bool) -> PyResult<Py<PyBytes>> {
+        document::content(py, &*self.inner, pack)
     }
 
     fn equals(&self, py: Python<'_>, other: &Self) -> bool {
-        Arc::ptr_eq(&self.inner, &other.inner) || py.detach(|| self.inner == other.inner)
+        document::equal(py, &self.inner, &other.inner)
     }
 
     /// The bytes of a file whose name has this ending, with its dot.
@@ -73,7 +67,6 @@ impl Scene {
     fn render<'py>(&self, py: Python<'py>, options: &str, alpha: bool) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let options: Options = from_json(py, options, "render")?;
         let (values, width, height) = run(py, None, |_| {
-            check_scale(options.scale)?;
             let pixmap = png::render(&*options.scene(&self.inner)?, options.scale)?;
             let (width, height) = (pixmap.width() as usize, pixmap.height() as usize);
             let values = if alpha { png::straight(&pixmap, 4) } else { png::over_white(&pixmap).into_raw() };

@@ -60,14 +60,10 @@ impl Options {
             Format::Svg => return self.write_svg(scene, gzip, out),
             Format::Pdf => drop(pdf::write(scene, out)?),
             Format::Png => {
-                check_scale(self.scale)?;
                 let seed = scene.parameters.as_ref().map(|p| p.seed);
                 png::encode(&png::render(scene, self.scale)?, seed, out)?;
             }
-            Format::Scene | Format::Library => {
-                let json = scene.to_json();
-                packed(gzip, out, |out| out.write_all(&json).map_err(failed))?;
-            }
+            Format::Scene | Format::Library => write_document(&scene.to_json(), gzip, out)?,
         }
         Ok(Vec::new())
     }
@@ -113,17 +109,6 @@ impl Options {
     }
 }
 
-/// Refuses a scale out of range.
-///
-/// # Errors
-/// [`Error::Parameter`].
-pub(crate) fn check_scale(scale: f64) -> Result<()> {
-    if (0.01..=100.0).contains(&scale) {
-        return Ok(());
-    }
-    Err(Error::Parameter { name: "scale", value: scale.to_string(), allowed: "0.01 to 100" })
-}
-
 /// Counts bytes.
 struct Counting(u64);
 
@@ -153,17 +138,17 @@ fn packed<T>(
     Ok(value)
 }
 
-/// Writes a file, packed if asked to; its size.
+/// Writes a document, packed if asked to.
+fn write_document(json: &[u8], pack: bool, out: &mut dyn Write) -> Result<()> {
+    packed(pack, out, |out| out.write_all(json).map_err(failed))
+}
+
+/// Writes a document's file, packed if asked to; its size.
 ///
 /// # Errors
-/// Those of `content` and of [`write_file`].
-pub(crate) fn save(
-    path: &Path,
-    force: bool,
-    pack: bool,
-    content: impl FnOnce(&mut dyn Write) -> Result<()>,
-) -> Result<u64> {
-    Ok(write_file(path, force, |out| packed(pack, out, content))?.1)
+/// Those of [`write_file`].
+pub(crate) fn save_document(path: &Path, force: bool, pack: bool, json: &[u8]) -> Result<u64> {
+    Ok(write_file(path, force, |out| write_document(json, pack, out))?.1)
 }
 
 /// A document packed as gzip, without a seal.

@@ -303,6 +303,13 @@ def test_edits_that_cannot_be_done(scene, edit, kind, message):
     assert isinstance(error.value, vtex.Error)
 
 
+@pytest.mark.parametrize(("seed", "kind"), [(-1, ValueError), (2**64, ValueError), (1.5, TypeError), ("7", TypeError)])
+def test_seeds_of_edits(scene, seed, kind):
+    with pytest.raises(kind, match="seed") as error:
+        scene.edit(vtex.Jitter(hue=20), seed=seed)
+    assert isinstance(error.value, vtex.Error)
+
+
 def test_what_matches_nothing_is_warned_of(scene):
     with pytest.warns(vtex.VtexWarning, match="matches nothing") as seen:
         assert scene.edit(vtex.Delete(where="x>99999")).instances == scene.instances

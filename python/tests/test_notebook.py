@@ -16,6 +16,6 @@ def test_the_notebook_runs_and_shows_its_pictures():
     nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources=resources).execute()
     shown = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     pictures = [output for output in shown if "image/png" in output.get("data", {})]
-    assert len(pictures) == 5
+    assert len(pictures) == 7
     assert any("image/svg+xml" in output.data for output in pictures)
     assert not any(output.output_type == "error" for output in shown)

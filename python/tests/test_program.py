@@ -3,8 +3,13 @@
 import subprocess
 
 import pytest
+from conftest import EXEMPLARS
+from PIL import Image
 
 import vtex
+
+CAGE = """<svg xmlns="http://www.w3.org/2000/svg" width="300" height="200">
+<path d="M0 0 L300 0 L300 200 L0 200 Z"/></svg>"""
 
 
 @pytest.fixture(scope="module")
@@ -22,6 +27,28 @@ def made(program, photo_path, tmp_path_factory):
     )
     run("synth", "p.lib.json", "--size", "256", "--tile", "-o", "tile.svg", "--precision", "2", "--css")
     run("synth", "p.lib.json", "--size", "300", "-o", "small.svgz", "--max-bytes", "25kB", "--background", "navy")
+    run("analyze", EXEMPLARS / "terrazzo.png", "--segmenter", "regions", "-o", "t.lib.json")
+    run("synth", "t.lib.json", "--size", "300x200", "-o", "t.scene.json")
+    (folder / "a.svg").write_text(CAGE)
+    (folder / "b.svg").write_text(CAGE.replace("L300 200", "L250 180"))
+    Image.linear_gradient("L").save(folder / "map.png")
+    run("warp", "p.scene.json.gz", "p.lib.json", "--stretch", "1.5x1", "-o", "stretched.svg")
+    run(
+        "warp", "p.scene.json.gz", "p.lib.json", "--cage", "a.svg", "--to", "b.svg", "--edge", "avoid", "-o", "bent.svg"
+    )
+    run("interp", "p.scene.json.gz", "t.scene.json", "--at", "0.4", "-o", "at.scene.json")
+    for place in ("x", "radial", "map.png"):
+        run("interp", "p.scene.json.gz", "t.scene.json", "--morph", place, "-o", f"morph-{place}.svg")
+    run("transfer", "--structure", "p.scene.json.gz", "--appearance", "t.lib.json", "-o", "replaced.scene.json")
+    run(
+        *("transfer", "--structure", "p.lib.json", "--appearance", "t.lib.json", "p.scene.json.gz", "--map", "map.png"),
+        *("--mode", "mean", "--element-scale", "0.8", "-o", "mixed.svg"),
+    )
+    run("stylize", photo_path, "--with", "t.lib.json", "-o", "drawn.svg")
+    run(
+        *("stylize", photo_path, "--with", "t.scene.json", "--keep", "none", "--longer-side", "200"),
+        *("--element-size", "20", "--levels", "2", "-o", "small-drawn.svg"),
+    )
     return folder
 
 
@@ -34,10 +61,36 @@ def test_one_seed_gives_the_same_bytes(made, photo_path, tmp_path):
     vtex.synthesize(library, 256, tile="both", seed=7).save(tmp_path / "tile.svg", precision=2, css=True)
     small = vtex.synthesize(library, 300, seed=7)
     small.save(tmp_path / "small.svgz", max_bytes=25000, background="navy")
-    for path in sorted(made.iterdir()):
-        assert (tmp_path / path.name).read_bytes() == path.read_bytes(), path.name
+    same(made, tmp_path, 7)
+
+
+def same(made, folder, number):
+    """Compare the files of a folder, so many, with those of the program."""
+    names = sorted(path.name for path in folder.iterdir())
+    assert len(names) == number
+    for name in names:
+        assert (folder / name).read_bytes() == (made / name).read_bytes(), name
 
 
 def test_documents_of_the_program_are_read(made):
     library = vtex.Library.read(made / "p.lib.json")
     assert vtex.synthesize(library, (300, 200), seed=7) == vtex.Scene.read(made / "p.scene.json.gz")
+
+
+def test_scenes_of_scenes_are_the_same_bytes(made, photo_path, tmp_path):
+    pebbles, terrazzo = vtex.Library.read(made / "p.lib.json"), vtex.Library.read(made / "t.lib.json")
+    scene, other = vtex.Scene.read(made / "p.scene.json.gz"), vtex.Scene.read(made / "t.scene.json")
+    vtex.warp(scene, pebbles, (1.5, 1), seed=7).save(tmp_path / "stretched.svg")
+    bent = vtex.warp(scene, pebbles, cage=made / "a.svg", to=made / "b.svg", edge="avoid")
+    bent.save(tmp_path / "bent.svg")
+    vtex.interpolate(scene, other, 0.4).save(tmp_path / "at.scene.json")
+    for place in ("x", "radial", "map.png"):
+        morph = made / place if place == "map.png" else place
+        vtex.interpolate(scene, other, morph=morph).save(tmp_path / f"morph-{place}.svg")
+    vtex.transfer(scene, terrazzo, seed=7).save(tmp_path / "replaced.scene.json")
+    mixed = vtex.transfer(pebbles, [terrazzo, scene], map=made / "map.png", mode="mean", element_scale=0.8, seed=7)
+    mixed.save(tmp_path / "mixed.svg")
+    vtex.stylize(photo_path, terrazzo, seed=7).save(tmp_path / "drawn.svg")
+    drawn = vtex.stylize(photo_path, other, keep="none", longer_side=200, element_size=20, levels=2, seed=7)
+    drawn.save(tmp_path / "small-drawn.svg")
+    same(made, tmp_path, 10)

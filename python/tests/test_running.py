@@ -15,11 +15,14 @@ from conftest import EXEMPLARS
 import vtex
 
 
-def test_progress_is_told_in_this_thread(library, pixels):
+def test_progress_is_told_in_this_thread(library, pixels, scene):
     for work in (
         lambda watch: vtex.analyze(pixels, progress=watch),
         lambda watch: vtex.synthesize(library, 300, progress=watch),
         lambda watch: vtex.metrics(pixels, pixels, progress=watch),
+        lambda watch: vtex.warp(scene, library, 2, progress=watch),
+        lambda watch: vtex.interpolate(scene, scene, [0, 0.5], progress=watch),
+        lambda watch: vtex.interpolate(scene, scene, morph="x", progress=watch),
     ):
         seen = []
 

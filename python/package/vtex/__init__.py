@@ -1,7 +1,8 @@
 """Photographs and drawings of textures become editable vector textures of any size.
 
 `analyze` finds the elements of a photograph or an SVG, `synthesize` makes a `Scene` of any size of
-them, and a scene is drawn, edited and saved as SVG, PDF, PNG or JSON.
+them, and a scene is drawn, edited and saved as SVG, PDF, PNG or JSON. `warp`, `interpolate`, `transfer` and
+`stylize` make scenes of scenes.
 
 Examples
 --------
@@ -13,6 +14,7 @@ Examples
 
 from vtex._analysis import analyze
 from vtex._comparing import Metrics, Spread, metrics
+from vtex._composing import interpolate, stylize, transfer, warp
 from vtex._errors import (
     EngineError,
     Error,
@@ -95,10 +97,14 @@ __all__ = [
     "__version__",
     "analyze",
     "get_threads",
+    "interpolate",
     "metrics",
     "reconstruct",
     "set_threads",
+    "stylize",
     "synthesize",
+    "transfer",
+    "warp",
 ]
 
 # Users, tracebacks and pickles know public names only.

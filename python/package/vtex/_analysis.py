@@ -9,8 +9,6 @@ from vtex import _inputs, _vtex
 from vtex._errors import InputError
 from vtex._library import Library
 
-_MOST_SEED = 2**64 - 1
-
 
 def analyze(
     exemplar: _inputs.Picture,
@@ -148,7 +146,7 @@ def analyze(
     if segmenter == "sam" and not networks:
         raise InputError("segmenter = 'sam' needs a network", "name its ONNX files by encoder= and decoder=")
     parameters = {
-        "seed": _inputs.whole("seed", seed, 0, _MOST_SEED),
+        "seed": _inputs.seed_of(seed),
         "minimum_area": minimum_area,
         "detail_scale": detail_scale,
         "detail_sigma": detail_sigma,

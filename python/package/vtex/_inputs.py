@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Sequence
-from typing import IO, Any, Protocol, TypeAlias, Union
+from typing import IO, Any, Protocol, TypeAlias, TypeGuard, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -219,11 +219,33 @@ def whole(name: str, value: object, least: int, most: int) -> int:
     return int(value)
 
 
-def number(name: str, value: object) -> float:
-    """Give a number."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise InputTypeError(f"{name} = {value!r} is no number")
+def seed_of(seed: int) -> int:
+    """Give the seed of random choices."""
+    return whole("seed", seed, 0, 2**64 - 1)
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Tell whether something is a number; True and False are none."""
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+
+
+def number(name: str, value: object, least: float, most: float) -> float:
+    """Give a number in a range."""
+    if not is_number(value):
+        raise InputTypeError(f"{name} = {value!r} is no number", f"give {least:g} to {most:g}")
+    if not least <= value <= most:
+        raise InputError(f"{name} = {value} is out of range: {least:g} to {most:g}")
     return float(value)
+
+
+def pair(name: str, value: object, second: float | None = None) -> list[Any]:
+    """Give numbers for x and y; a single one is for both, or `second` is that for y."""
+    value = value.tolist() if isinstance(value, np.ndarray) else value
+    if is_number(value):
+        return [value, value if second is None else second]
+    if not isinstance(value, Sequence) or len(value) != 2:
+        raise InputTypeError(f"{name} = {value!r} cannot be used", "give a number, or one for x and one for y")
+    return list(value)
 
 
 def document(data: object) -> Named:

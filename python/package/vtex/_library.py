@@ -3,101 +3,23 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any
 
-from vtex import _inputs, _showing, _vtex
-from vtex._errors import InputTypeError
-from vtex._layer import Layer
+from vtex import _inputs, _vtex
+from vtex._document import Document
 
 
-class Library:
+class Library(Document[_vtex.Library]):
     """The elements of an exemplar, and how they are arranged: what `synthesize` makes textures of.
 
     Libraries do not change. They are equal if their content is, and pickled as the bytes of their
     document. `analyze` makes them, `read` and `from_bytes` bring them back.
     """
 
-    __slots__ = ("_core",)
-    __hash__ = None  # type: ignore[assignment]
+    __slots__ = ()
 
-    _core: _vtex.Library
-
-    def __init__(self) -> None:
-        raise InputTypeError("libraries are not made by hand", "call vtex.analyze or Library.read")
-
-    @classmethod
-    def _of(cls, core: _vtex.Library) -> Library:
-        library = cls.__new__(cls)
-        library._core = core
-        return library
-
-    @classmethod
-    def read(cls, path: _inputs.Path) -> Library:
-        """Read a library from a file.
-
-        Parameters
-        ----------
-        path : str or os.PathLike
-            A ``.lib.json`` or ``.lib.json.gz``; the content decides, not the name.
-
-        Returns
-        -------
-        Library
-            The library, checked.
-
-        Raises
-        ------
-        FileError
-            If the file cannot be read.
-        InputError
-            If it is no library, or damaged.
-        """
-        name = _inputs.path_of(path)
-        return cls._of(_vtex.Library.from_bytes((name, _vtex.read(name))))
-
-    @classmethod
-    def from_bytes(cls, data: bytes) -> Library:
-        """Read a library from the bytes of its document.
-
-        Parameters
-        ----------
-        data : bytes
-            JSON, plain or gzip.
-
-        Returns
-        -------
-        Library
-            The library, checked.
-
-        Raises
-        ------
-        InputError
-            If the bytes are no library, or damaged.
-        """
-        return cls._of(_vtex.Library.from_bytes(_inputs.document(data)))
-
-    def to_bytes(self) -> bytes:
-        """Give the library's document as gzip.
-
-        Returns
-        -------
-        bytes
-            Packed JSON; the same for equal libraries.
-        """
-        return self._core.gzip()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Give the library's document as plain data.
-
-        Returns
-        -------
-        dict
-            As ``schema/library.schema.json`` describes it. Lengths in pixels of the exemplar, x to the
-            right, y down.
-        """
-        document: dict[str, Any] = json.loads(self._core.json())
-        return document
+    _kind = _vtex.Library
+    _maker = "vtex.analyze"
 
     def save(self, path: _inputs.Path, *, force: bool = False) -> int:
         """Write the library to a file, as a whole or not at all.
@@ -169,11 +91,6 @@ class Library:
         return self._core.categories
 
     @property
-    def layers(self) -> list[Layer]:
-        """Its layers, from bottom to top."""
-        return [Layer(*layer) for layer in self._core.layers]
-
-    @property
     def warnings(self) -> list[str]:
         """What analysis had to say, a sentence each."""
         return self._core.warnings
@@ -184,20 +101,11 @@ class Library:
         parameters: dict[str, Any] = json.loads(self._core.parameters)
         return parameters
 
-    def __eq__(self, other: object) -> bool:
-        return self._core.equals(other._core) if isinstance(other, Library) else NotImplemented
-
-    def __reduce__(self) -> tuple[Callable[[bytes], Library], tuple[bytes]]:
-        return Library.from_bytes, (self.to_bytes(),)
-
     def __repr__(self) -> str:
         return (
             f"<vtex.Library of '{self.file}', {self.width} x {self.height} px: {self.primaries} primary elements in "
             f"{self.categories} categories, {self.elements - self.primaries} others>"
         )
 
-    def _repr_svg_(self) -> str | None:
-        return _showing.svg(_vtex.reconstruct(self._core))
-
-    def _repr_png_(self) -> bytes:
-        return _showing.png(_vtex.reconstruct(self._core))
+    def _as_scene(self) -> _vtex.Scene:
+        return _vtex.reconstruct(self._core)

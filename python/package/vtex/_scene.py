@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from vtex import _inputs, _showing, _vtex
-from vtex._errors import InputTypeError
-from vtex._layer import Layer
+from vtex._document import Document
 from vtex.edits import Edit, _asked
 
 
-class Scene:
+class Scene(Document[_vtex.Scene]):
     """A texture: layers of elements at their places, over fields of colour.
 
     Scenes do not change; `edit` gives another. They are equal if their content is, and pickled as the
@@ -23,85 +21,10 @@ class Scene:
     shows a scene as its picture.
     """
 
-    __slots__ = ("_core",)
-    __hash__ = None  # type: ignore[assignment]
+    __slots__ = ()
 
-    _core: _vtex.Scene
-
-    def __init__(self) -> None:
-        raise InputTypeError("scenes are not made by hand", "call vtex.synthesize or Scene.read")
-
-    @classmethod
-    def _of(cls, core: _vtex.Scene) -> Scene:
-        scene = cls.__new__(cls)
-        scene._core = core
-        return scene
-
-    @classmethod
-    def read(cls, path: _inputs.Path) -> Scene:
-        """Read a scene from a file.
-
-        Parameters
-        ----------
-        path : str or os.PathLike
-            A ``.scene.json`` or ``.scene.json.gz``; the content decides, not the name.
-
-        Returns
-        -------
-        Scene
-            The scene, checked.
-
-        Raises
-        ------
-        FileError
-            If the file cannot be read.
-        InputError
-            If it is no scene, or damaged.
-        """
-        name = _inputs.path_of(path)
-        return cls._of(_vtex.Scene.from_bytes((name, _vtex.read(name))))
-
-    @classmethod
-    def from_bytes(cls, data: bytes) -> Scene:
-        """Read a scene from the bytes of its document.
-
-        Parameters
-        ----------
-        data : bytes
-            JSON, plain or gzip.
-
-        Returns
-        -------
-        Scene
-            The scene, checked.
-
-        Raises
-        ------
-        InputError
-            If the bytes are no scene, or damaged.
-        """
-        return cls._of(_vtex.Scene.from_bytes(_inputs.document(data)))
-
-    def to_bytes(self) -> bytes:
-        """Give the scene's document as gzip.
-
-        Returns
-        -------
-        bytes
-            Packed JSON; the same for equal scenes.
-        """
-        return self._core.gzip()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Give the scene's document as plain data.
-
-        Returns
-        -------
-        dict
-            As ``schema/scene.schema.json`` describes it.
-        """
-        document: dict[str, Any] = json.loads(self._core.json())
-        return document
+    _kind = _vtex.Scene
+    _maker = "vtex.synthesize"
 
     def svg(
         self,
@@ -257,7 +180,7 @@ class Scene:
         *edits : Edit
             What to do: `Tint`, `Shadow`, `Thin` and the other classes of `vtex.edits`.
         seed : int, optional
-            Seed of random choices, from 0; default: the scene's own.
+            Seed of random choices, 0 to 2**64 - 1. Default: the scene's own.
 
         Returns
         -------
@@ -272,7 +195,7 @@ class Scene:
             If something is no edit.
         """
         asked, files = _asked(edits)
-        core, _ = self._core.edit(_inputs.to_json(asked), files, seed)
+        core, _ = self._core.edit(_inputs.to_json(asked), files, None if seed is None else _inputs.seed_of(seed))
         return Scene._of(core)
 
     @property
@@ -311,11 +234,6 @@ class Scene:
         return self._core.instances
 
     @property
-    def layers(self) -> list[Layer]:
-        """Its layers, in painting order."""
-        return [Layer(*layer) for layer in self._core.layers]
-
-    @property
     def parameters(self) -> dict[str, Any] | None:
         """The parameters of its synthesis, by name; None for a reconstruction."""
         parameters: dict[str, Any] | None = json.loads(self._core.parameters)
@@ -327,12 +245,6 @@ class Scene:
         edits: list[dict[str, Any]] = json.loads(self._core.edits)
         return edits
 
-    def __eq__(self, other: object) -> bool:
-        return self._core.equals(other._core) if isinstance(other, Scene) else NotImplemented
-
-    def __reduce__(self) -> tuple[Callable[[bytes], Scene], tuple[bytes]]:
-        return Scene.from_bytes, (self.to_bytes(),)
-
     def __repr__(self) -> str:
         tile = {"none": "", "both": ", repeats along both axes"}.get(self.tile, f", repeats along {self.tile}")
         exemplars = ", ".join(f"'{name}'" for name in self.exemplars)
@@ -341,8 +253,5 @@ class Scene:
             f"{self.elements} elements{tile}>"
         )
 
-    def _repr_svg_(self) -> str | None:
-        return _showing.svg(self._core)
-
-    def _repr_png_(self) -> bytes:
-        return _showing.png(self._core)
+    def _as_scene(self) -> _vtex.Scene:
+        return self._core

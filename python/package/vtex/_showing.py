@@ -25,7 +25,7 @@ def options(
             "expand": bool(expand),
             "css": bool(css),
             "max_bytes": None if max_bytes is None else _inputs.whole("max_bytes", max_bytes, 1, 10**12),
-            "scale": _inputs.number("scale", scale),
+            "scale": _inputs.number("scale", scale, 0.01, 100),
             "background": background,
         }
     )

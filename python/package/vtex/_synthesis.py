@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 from vtex import _inputs, _vtex
-from vtex._analysis import _MOST_SEED
 from vtex._errors import InputError, InputTypeError
 from vtex._library import Library
 from vtex._scene import Scene
@@ -113,7 +112,7 @@ def synthesize(
     Interrupted
         If `progress` returned False.
     """
-    libraries = [library] if isinstance(library, Library) else _several(library)
+    libraries = libraries_of(library)
     if tile not in ("none", "both", "x", "y"):
         raise InputError(f"tile = {tile!r} cannot be used", "give 'none', 'both', 'x' or 'y'")
     names = ("target", "uncovered", "empty", "mismatched", "same_overlap")
@@ -128,7 +127,7 @@ def synthesize(
     parameters = {
         "width": width,
         "height": height,
-        "seed": _inputs.whole("seed", seed, 0, _MOST_SEED),
+        "seed": _inputs.seed_of(seed),
         "method": method,
         "variation": variation,
         "candidates": candidates,
@@ -142,7 +141,7 @@ def synthesize(
         "edge": edge,
         "ablate": [ablate] if isinstance(ablate, str) else list(ablate),
     }
-    maps = _maps(map, len(libraries))
+    maps = maps_of(map, len(libraries), "libraries")
     shape, densities = _inputs.picture(domain, "domain"), _inputs.picture(density, "density", 2.0)
     layers, lightness = _inputs.picture(control, "control"), _inputs.picture(guide, "guide")
     # Pictures that steer are fitted to the canvas, so its size is as good as given.
@@ -171,11 +170,12 @@ def reconstruct(library: Library) -> Scene:
     return Scene._of(_vtex.reconstruct(library._core))
 
 
-def _several(libraries: object) -> list[Library]:
-    if not isinstance(libraries, Sequence) or isinstance(libraries, (str, bytes)):
+def libraries_of(given: Library | Sequence[Library]) -> list[Library]:
+    """Give one library or several as a list."""
+    if not isinstance(given, (Library, Sequence)) or isinstance(given, (str, bytes)):
         hint = "make one with vtex.analyze, or read one with vtex.Library.read"
-        raise InputTypeError(f"{type(libraries).__name__} is no Library", hint)
-    several = list(libraries)
+        raise InputTypeError(f"{type(given).__name__} is no Library", hint)
+    several = [given] if isinstance(given, Library) else list(given)
     for library in several:
         if not isinstance(library, Library):
             raise InputTypeError(f"{type(library).__name__} is no Library", "make one with vtex.analyze")
@@ -184,11 +184,12 @@ def _several(libraries: object) -> list[Library]:
     return several
 
 
-def _maps(given: _inputs.Picture | Sequence[_inputs.Picture] | None, libraries: int) -> list[_inputs.Named]:
+def maps_of(given: _inputs.Picture | Sequence[_inputs.Picture] | None, number: int, what: str) -> list[_inputs.Named]:
+    """Give the maps that say where which of several things is."""
     several: list[Any] = list(given) if isinstance(given, (list, tuple)) else [] if given is None else [given]
-    if libraries == 1 and several:
-        raise InputError("map is for several libraries, one is given")
-    if libraries > 1 and len(several) not in (1, libraries):
-        message = f"{len(several)} maps are given for {libraries} libraries"
-        raise InputError(message, "give one map for all libraries, or one for each")
+    if number == 1 and several:
+        raise InputError(f"map is for several {what}, one is given")
+    if number > 1 and len(several) not in (1, number):
+        message = f"{len(several)} maps are given for {number} {what}"
+        raise InputError(message, f"give one map for all {what}, or one for each")
     return [named for picture in several if (named := _inputs.picture(picture, "map")) is not None]

@@ -54,13 +54,9 @@ class _Files:
         return name
 
     def number(self, value: float | _inputs.Picture | None, role: str) -> Any:
-        if value is None or _is_number(value):
+        if value is None or _inputs.is_number(value):
             return value
         return self.add(value, role)  # type: ignore[arg-type]
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
 
 
 def _colour(value: object, role: str) -> str:
@@ -76,15 +72,6 @@ def _colour(value: object, role: str) -> str:
     if len(parts) != 3:
         raise InputTypeError(f"{role} = {value!r} is no colour", "give '#rrggbb', a name of CSS, or (r, g, b)")
     return "#{:02x}{:02x}{:02x}".format(*parts)
-
-
-def _pair(value: float | tuple[float, float], role: str, second: float | None = None) -> list[float]:
-    if _is_number(value):
-        return [value, value if second is None else second]  # type: ignore[list-item]
-    pair = list(value)  # type: ignore[arg-type]
-    if len(pair) != 2:
-        raise InputTypeError(f"{role} = {value!r} cannot be used", "give a number, or one for x and one for y")
-    return pair
 
 
 _SHARED = """layer : str, optional
@@ -462,7 +449,7 @@ class Transform(Edit):
     _word: ClassVar[str] = "transform"
 
     def _action(self, files: _Files) -> dict[str, Any]:
-        by, scale = _pair(self.by, "by", 0.0), _pair(self.scale, "scale")
+        by, scale = _inputs.pair("by", self.by, 0.0), _inputs.pair("scale", self.scale)
         return {"by": by, "scale": scale, "angle": self.angle, "about": self.about}
 
 
