@@ -73,7 +73,7 @@ impl Options {
         match self.segmenter {
             Name::Auto if !self.networks.is_empty() => sam(),
             Name::Sam => sam(),
-            Name::Auto | Name::Texton => Ok(Box::new(Texton::new(&engine.built_in())?)),
+            Name::Auto | Name::Texton => Ok(Box::new(Texton::new()?)),
             Name::Regions => Ok(Box::new(Regions)),
             Name::Felzenszwalb => Ok(Box::new(Felzenszwalb::default())),
         }

@@ -29,15 +29,34 @@ fn distance2<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
 }
 
-fn nearest<const N: usize>(p: &[f64; N], centres: &[[f64; N]]) -> (usize, f64) {
-    let mut best = (0, f64::INFINITY);
-    for (i, c) in centres.iter().enumerate() {
-        let d = distance2(p, c);
-        if d < best.1 {
-            best = (i, d);
+/// Share by which bounds are taken wider than they come out, so that rounding never misleads.
+const ROUNDING: f64 = 1e-9;
+
+/// A point's cluster, with bounds that tell whether another centre can be nearer after centres have moved
+/// (Hamerly 2010, "Making k-means even faster").
+#[derive(Clone)]
+struct Member {
+    cluster: usize,
+    /// At least the distance to the cluster's centre, and at most that to any other.
+    own: f64,
+    others: f64,
+}
+
+impl Member {
+    /// Ties go to the first centre.
+    fn of<const N: usize>(p: &[f64; N], centres: &[[f64; N]]) -> Self {
+        let (mut best, mut second) = ((0, f64::INFINITY), f64::INFINITY);
+        for (i, c) in centres.iter().enumerate() {
+            let d = distance2(p, c);
+            if d < best.1 {
+                (best, second) = ((i, d), best.1);
+            } else if d < second {
+                second = d;
+            }
         }
+        let [own, others] = [best.1, second].map(f64::sqrt);
+        Self { cluster: best.0, own: own * (1.0 + ROUNDING), others: others * (1.0 - ROUNDING) }
     }
-    best
 }
 
 /// One run: the cluster of each point, and the sum of squared distances.
@@ -48,33 +67,49 @@ fn lloyd<const N: usize>(
     random: &mut Stream,
 ) -> (Vec<usize>, f64) {
     let mut centres = vec![points[random.index(points.len())]];
+    let mut far = vec![f64::INFINITY; points.len()];
     while centres.len() < k {
-        let far = points.iter().zip(weights).map(|(p, w)| w * nearest(p, &centres).1);
-        match random.weighted(far.collect::<Vec<_>>()) {
+        let newest = centres[centres.len() - 1];
+        far.iter_mut().zip(points).for_each(|(far, p)| *far = far.min(distance2(p, &newest)));
+        match random.weighted(far.iter().zip(weights).map(|(far, w)| w * far)) {
             Some(i) => centres.push(points[i]),
             None => break, // fewer different points than clusters
         }
     }
-    let mut assigned: Vec<usize> = points.iter().map(|p| nearest(p, &centres).0).collect();
+    let mut members: Vec<Member> = points.iter().map(|p| Member::of(p, &centres)).collect();
     for _ in 0..ROUNDS {
         let mut sums = vec![([0.0; N], 0.0); centres.len()];
-        for ((p, w), &c) in points.iter().zip(weights).zip(&assigned) {
+        for ((p, w), member) in points.iter().zip(weights).zip(&members) {
+            let sum = &mut sums[member.cluster];
             for i in 0..N {
-                sums[c].0[i] += w * p[i];
+                sum.0[i] += w * p[i];
             }
-            sums[c].1 += w;
+            sum.1 += w;
         }
-        for (centre, (sum, count)) in centres.iter_mut().zip(&sums) {
+        let mut moves = vec![0.0; centres.len()];
+        for ((centre, (sum, count)), moved) in centres.iter_mut().zip(&sums).zip(&mut moves) {
             if *count > 0.0 {
-                *centre = sum.map(|s| s / count);
+                let to = sum.map(|s| s / count);
+                *moved = distance2(centre, &to).sqrt() * (1.0 + ROUNDING);
+                *centre = to;
             }
         }
-        let next: Vec<usize> = points.iter().map(|p| nearest(p, &centres).0).collect();
-        if next == assigned {
+        let furthest = moves.iter().copied().fold(0.0, f64::max);
+        let mut changed = false;
+        for (p, member) in points.iter().zip(&mut members) {
+            member.own += moves[member.cluster];
+            member.others -= furthest;
+            if member.own >= member.others {
+                let next = Member::of(p, &centres);
+                changed |= next.cluster != member.cluster;
+                *member = next;
+            }
+        }
+        if !changed {
             break;
         }
-        assigned = next;
     }
+    let assigned: Vec<usize> = members.into_iter().map(|member| member.cluster).collect();
     let error = |((p, w), &c): ((&[f64; N], &f64), &usize)| w * distance2(p, &centres[c]);
     let error = points.iter().zip(weights).zip(&assigned).map(error).sum();
     (assigned, error)

@@ -26,12 +26,14 @@ const LINE_TOLERANCE: [f32; 2] = [8.0, 0.2];
 pub(super) fn unmixed(image: &Cells<RgbImage>, labels: &Cells<LabelMap>, grid: Grid) -> Cells<RgbImage> {
     let depth = (DEPTH * grid.cells) as u8;
     let rings = rings(labels, depth);
+    let around = around(labels.width, grid);
     let mut clean = image.0.clone();
     // From the inner rings outwards: cleaned inner cells tell the outer ones their colour.
     for ring in (1..=depth).rev() {
         let cells: Vec<u32> = (0..).zip(&rings).filter(|(_, r)| **r == ring).map(|(i, _)| i).collect();
         let place = |i: u32| [i % labels.width, i / labels.width];
-        let own = map(&cells, |&i| mixture(&clean, labels, &rings, place(i).map(|v| v as i32), grid));
+        let own =
+            map(&cells, |&i| mixture(&clean, labels, &rings, place(i).map(|v| v as i32), &around, grid));
         for (i, own) in cells.into_iter().zip(own) {
             if let Some(own) = own {
                 let [x, y] = place(i);
@@ -81,35 +83,50 @@ fn rings(labels: &LabelMap, depth: u8) -> Vec<u8> {
     rings
 }
 
+/// A pixel near another: steps in cells to the right, down, and along the label map; and its weight.
+type Near = ([i32; 2], i32, f32);
+
+/// The pixels up to [`REACH`] away. Nearer ones weigh more.
+fn around(width: u32, grid: Grid) -> Vec<Near> {
+    let steps = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| [dx, dy]));
+    let near = steps.filter_map(|[dx, dy]| {
+        let distance2 = dx * dx + dy * dy;
+        let [x, y] = [dx, dy].map(|d| d * grid.cells as i32);
+        let weight = 1.0 / (distance2 * distance2) as f32;
+        (1..=REACH * REACH).contains(&distance2).then_some(([x, y], y * width as i32 + x, weight))
+    });
+    near.collect()
+}
+
 /// The unmixed colour of a cell, or `None` if the cell does not show a mixture of both sides.
 fn mixture(
     image: &RgbImage,
     labels: &LabelMap,
     rings: &[u8],
     [x, y]: [i32; 2],
+    around: &[Near],
     grid: Grid,
 ) -> Option<Rgb<u8>> {
-    let at = |x: i32, y: i32| (y * labels.width as i32 + x) as usize;
-    let (own_label, ring) = (labels.labels[at(x, y)], rings[at(x, y)]);
+    let (width, height) = (labels.width as i32, labels.height as i32);
+    let at = y * width + x;
+    let (own_label, ring) = (labels.labels[at as usize], rings[at as usize]);
     let cells = grid.cells as i32;
+    let pixels = image.as_raw().as_chunks::<3>().0;
     let (mut own, mut other) = (Mean::default(), Mean::default());
-    for dy in -REACH..=REACH {
-        for dx in -REACH..=REACH {
-            let (px, py) = (x + dx * cells, y + dy * cells);
-            let inside = px >= 0 && py >= 0 && px < labels.width as i32 && py < labels.height as i32;
-            if !inside || dx * dx + dy * dy > REACH * REACH {
-                continue;
+    let reach = REACH * cells;
+    let within = x >= reach && y >= reach && x + reach < width && y + reach < height;
+    for &([dx, dy], step, weight) in around {
+        let inside = || (0..width).contains(&(x + dx)) && (0..height).contains(&(y + dy));
+        if !within && !inside() {
+            continue;
+        }
+        let i = (at + step) as usize;
+        if labels.labels[i] == own_label {
+            if rings[i] > ring {
+                own.add(pixels[i], weight);
             }
-            let i = at(px, py);
-            let colour = image.get_pixel(px as u32, py as u32).0;
-            let distance = dx * dx + dy * dy;
-            if labels.labels[i] == own_label {
-                if rings[i] > ring {
-                    own.add(colour, distance);
-                }
-            } else if i32::from(rings[i]) > cells {
-                other.add(colour, distance);
-            }
+        } else if i32::from(rings[i]) > cells {
+            other.add(pixels[i], weight);
         }
     }
     let (own, other) = (own.mean()?, other.mean()?);
@@ -135,8 +152,7 @@ struct Mean {
 }
 
 impl Mean {
-    fn add(&mut self, colour: [u8; 3], distance2: i32) {
-        let weight = 1.0 / (distance2 * distance2) as f32;
+    fn add(&mut self, colour: [u8; 3], weight: f32) {
         (0..3).for_each(|c| self.sum[c] += weight * f32::from(colour[c]));
         self.weight += weight;
     }

@@ -18,6 +18,7 @@ use super::reading;
 use super::values::Name;
 use image::RgbImage;
 use std::path::PathBuf;
+use vtex::Progress;
 use vtex::analyze::{Exemplar, Limits, borders_join};
 use vtex::engine::{Choice, EngineOptions, Source, choose};
 use vtex::import::{ImportParams, import};
@@ -28,7 +29,6 @@ use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
 use vtex::segment::{Felzenszwalb, MasksFile, OneTree, Regions, ScoredMask, Segmenter, masks_to_bytes};
 use vtex::synth::{layer_map, reconstruct};
-use vtex::{Error, Progress};
 
 /// How a photograph is analyzed.
 pub(crate) struct Analysis {
