@@ -114,7 +114,7 @@ def analyze(
         ONNX files of a network of Segment Anything: the image encoder, or one file with both parts, and
         the prompt decoder.
     engine : {"auto", "onnxruntime", "rten"}, default "auto"
-        What runs networks. The network that is part of vtex is run by rten unless ONNX Runtime is named.
+        What runs networks of Segment Anything. The network that is part of vtex needs no engine.
     onnxruntime : path, optional
         ONNX Runtime's shared library. Default: the first found.
     progress : callable, optional
