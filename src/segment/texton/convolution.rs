@@ -212,12 +212,17 @@ impl Row<'_> {
                 let bias = &convolution.bias[first..first + M];
                 let lines = &mut lines[first * line..(first + M) * line];
                 for x in (0..width).step_by(step) {
-                    let mut sums: [[I::F32; 2]; M] = std::array::from_fn(|m| [ops.splat(bias[m]); 2]);
+                    // No closures here: where one is not inlined, it knows nothing of the vectors.
+                    let mut sums = [[ops.zero(); 2]; M];
+                    for (sum, &bias) in sums.iter_mut().zip(bias) {
+                        *sum = [ops.splat(bias); 2];
+                    }
                     for (&offset, weights) in offsets.iter().zip(weights.chunks_exact(TOGETHER)) {
-                        let values: [I::F32; 2] = ops.load_many(&input[offset + x..]);
+                        let (first, second) = input[offset + x..offset + x + step].split_at(step / 2);
+                        let (first, second) = (ops.load(first), ops.load(second));
                         for (sum, &weight) in sums.iter_mut().zip(&weights[part..part + M]) {
                             let weight = ops.splat(weight);
-                            *sum = [0, 1].map(|k| ops.mul_add(values[k], weight, sum[k]));
+                            *sum = [ops.mul_add(first, weight, sum[0]), ops.mul_add(second, weight, sum[1])];
                         }
                     }
                     for (sum, line) in sums.into_iter().zip(lines.chunks_exact_mut(line)) {
