@@ -110,10 +110,10 @@ impl Grid {
         let k = self.cells;
         let mut map = LabelMap::filled(labels.width * k, labels.height * k, 0);
         let width = map.width as usize;
-        let weights = self.weights();
+        let windows = self.windows();
         parallel::for_chunks(&mut map.labels, width, |y, row| {
             for (x, label) in row.iter_mut().enumerate() {
-                *label = self.vote(image, fine, labels, [x as u32, y as u32], &weights);
+                *label = self.vote(image, fine, labels, [x as u32, y as u32], &windows);
             }
         });
         let (before, after) = (labels.areas(), map.areas());
@@ -172,17 +172,17 @@ impl Grid {
         }
     }
 
-    /// For each cell of a pixel, row by row, the weights of the pixels of its window by their distance.
-    fn weights(self) -> Vec<Vec<f32>> {
+    /// For each cell of a pixel, row by row, its window: steps to pixels, and their weights by distance.
+    fn windows(self) -> Vec<Vec<([i32; 2], f32)>> {
         let k = self.cells;
         let centre = |v: u32| (v as f32 + 0.5) / k as f32 - 0.5;
-        let cell = |i: u32| {
+        let window = |i: u32| {
             let [x, y] = [centre(i % k), centre(i / k)];
-            let steps =
-                (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| [dx as f32, dy as f32]));
-            steps.map(|[dx, dy]| near((dx - x) * (dx - x) + (dy - y) * (dy - y))).collect()
+            let steps = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| [dx, dy]));
+            let weight = |[dx, dy]: [f32; 2]| near((dx - x) * (dx - x) + (dy - y) * (dy - y));
+            steps.map(|step| (step, weight(step.map(|v| v as f32)))).collect()
         };
-        (0..k * k).map(cell).collect()
+        (0..k * k).map(window).collect()
     }
 
     fn vote(
@@ -191,7 +191,7 @@ impl Grid {
         fine: &RgbImage,
         labels: &LabelMap,
         [x, y]: [u32; 2],
-        weights: &[Vec<f32>],
+        windows: &[Vec<([i32; 2], f32)>],
     ) -> u32 {
         let k = self.cells;
         let (px, py) = (i64::from(x / k), i64::from(y / k));
@@ -205,20 +205,15 @@ impl Grid {
         let choice = [own, beside[0], beside[1]];
         let mut votes = [0.0f32; 3];
         let here = fine.get_pixel(x, y).0.map(f32::from);
-        let mut weights = weights[(y % k * k + x % k) as usize].iter();
-        for dy in -REACH..=REACH {
-            for dx in -REACH..=REACH {
-                let (qx, qy) = (px + i64::from(dx), py + i64::from(dy));
-                let weight = weights.next().unwrap_or(&0.0);
-                let Some(candidate) = labels.at(qx, qy).and_then(|l| choice.iter().position(|&c| c == l))
-                else {
-                    continue;
-                };
-                let there = image.get_pixel(qx as u32, qy as u32).0.map(f32::from);
-                let apart: f32 = (0..3).map(|c| here[c] - there[c]).map(|v| v * v).sum();
-                let alike = 1.0 / (1.0 + apart / (COLOUR_FALLOFF * COLOUR_FALLOFF));
-                votes[candidate] += weight * alike * alike;
-            }
+        for &([dx, dy], weight) in &windows[(y % k * k + x % k) as usize] {
+            let (qx, qy) = (px + i64::from(dx), py + i64::from(dy));
+            let Some(candidate) = labels.at(qx, qy).and_then(|l| choice.iter().position(|&c| c == l)) else {
+                continue;
+            };
+            let there = image.get_pixel(qx as u32, qy as u32).0.map(f32::from);
+            let apart: f32 = (0..3).map(|c| here[c] - there[c]).map(|v| v * v).sum();
+            let alike = 1.0 / (1.0 + apart / (COLOUR_FALLOFF * COLOUR_FALLOFF));
+            votes[candidate] += weight * alike * alike;
         }
         let best = if votes[1] > votes[0] { 1 } else { 0 };
         choice[if votes[2] > votes[best] { 2 } else { best }]

@@ -162,7 +162,7 @@ fn library_of(
     }
     if wrap && analysis.wrap.is_none() {
         reporter.hint(
-            "the photograph's borders join, so its texture runs on across them; not so with 'vtex analyze --wrap=off'",
+            "the photograph's borders join, so its texture runs on across them; not so with --wrap=off",
         );
     }
     if let Some(hint) = hints::of_library(&library) {

@@ -28,6 +28,7 @@ pub(super) fn segment(
     }
     let half = resize(image, width.div_ceil(2), height.div_ceil(2), FilterType::Triangle);
     let mut offers = segment(&half, method)?;
+    drop(half);
     for offer in &mut offers {
         offer.mask = twice(&offer.mask, width, height);
     }

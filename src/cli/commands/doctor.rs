@@ -75,7 +75,7 @@ fn examine(options: &EngineOptions) -> Report {
         .collect();
     let mut missing = Vec::new();
     let how = format!(
-        "'pip install onnxruntime' brings ONNX Runtime, a few times faster than rten; version 1.{MINIMUM_MINOR} or newer serves; name its library with --onnxruntime if it is not found"
+        "only networks of Segment Anything gain by it; 'pip install onnxruntime' brings it; version 1.{MINIMUM_MINOR} or newer serves; name its library with --onnxruntime if it is not found"
     );
     let (engine, version, library) = match choose(options) {
         Ok(Choice::OnnxRuntime { library, version }) => (Some("ONNX Runtime"), Some(version), Some(library)),

@@ -114,8 +114,8 @@ impl Encoder {
             let y = at(y0 + y, last[1]) as u32;
             for (channel, row) in rows_of(lines, w).enumerate() {
                 for (x, value) in row.iter_mut().enumerate() {
-                    let value8 = image.get_pixel(at(x0 + x, last[0]) as u32, y).0[channel];
-                    *value = (f32::from(value8) / 255.0 - 0.45) * 4.0;
+                    let byte = image.get_pixel(at(x0 + x, last[0]) as u32, y).0[channel];
+                    *value = (f32::from(byte) / 255.0 - 0.45) * 4.0;
                 }
             }
         });
