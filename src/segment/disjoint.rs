@@ -7,15 +7,20 @@ use crate::raster::{Connectivity, LabelMap, Mask, Span, components_of_mask};
 /// Largest share of its pixels that a mask may lose to masks of higher worth.
 const MOST_LOST: f32 = 0.25;
 
-/// Masks of the highest worth, first come first served. Each is what is left of one of `offers`, in one piece.
-pub(super) fn disjoint(offers: &[ScoredMask], width: u32, height: u32) -> Vec<ScoredMask> {
+/// Indices of the masks that are worth something, best first; ties go to the first.
+pub(super) fn by_worth(offers: &[ScoredMask]) -> Vec<usize> {
     let worth = |offer: &ScoredMask| worth(offer.mask.area() as f32, offer.score);
     let mut order: Vec<(f32, usize)> = offers.iter().map(worth).zip(0..).collect();
     order.retain(|(worth, _)| *worth > 0.0);
     order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    order.into_iter().map(|(_, k)| k).collect()
+}
+
+/// Masks of the highest worth, first come first served. Each is what is left of one of `offers`, in one piece.
+pub(super) fn disjoint(offers: &[ScoredMask], width: u32, height: u32) -> Vec<ScoredMask> {
     let mut taken = LabelMap::filled(width, height, 0);
     let mut found = Vec::new();
-    for (_, k) in order {
+    for k in by_worth(offers) {
         let ScoredMask { mask, score } = &offers[k];
         let left = mask.pixels().filter(|&(x, y)| taken.get(x as u32, y as u32) == 0);
         let spans: Vec<Span> = left.map(|(x, y)| Span { y, x0: x, x1: x + 1 }).collect();

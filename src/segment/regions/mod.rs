@@ -18,7 +18,7 @@ pub use features::FEATURES;
 pub(super) use select::worth;
 pub use select::{HIDDEN, Network};
 
-use super::{ScoredMask, Segmenter, tiles};
+use super::{ScoredMask, Segmenter, disjoint::by_worth, tiles};
 use crate::error::Result;
 use crate::parallel::map;
 use crate::progress::{Progress, advance};
@@ -245,13 +245,11 @@ fn search(image: &RgbImage, trees: &[(f64, f32)], progress: &dyn Progress) -> Re
             layer.block(&taken);
             let chosen = select::best_cut(&layer.tree, &layer.nodes);
             let masks = layer.masks(image, &chosen);
-            offers.extend(masks.into_iter().zip(chosen.iter().map(|&i| layer.nodes[i].unwrap_or(0.0))));
+            let scores = chosen.iter().map(|&i| layer.nodes[i].unwrap_or(0.0));
+            offers.extend(masks.into_iter().zip(scores).map(|(mask, score)| ScoredMask { mask, score }));
         }
-        let worth = |(mask, score): &(Mask, f32)| select::worth(mask.area() as f32, *score);
-        let mut order: Vec<(f32, usize)> = offers.iter().map(worth).zip(0..).collect();
-        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        for (_, k) in order {
-            let (mask, score) = &offers[k];
+        for k in by_worth(&offers) {
+            let ScoredMask { mask, score } = &offers[k];
             let free = |&(x, y): &(i32, i32)| taken.get(x as u32, y as u32) == 0;
             let left = mask.pixels().filter(free).count() as f32;
             if left >= (1.0 - MOST_LOST) * mask.area() as f32 {

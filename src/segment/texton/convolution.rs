@@ -41,7 +41,7 @@ impl Maps {
     }
 
     /// Does `f(y, lines)` for each row, on several threads. `lines` are those of all channels, see
-    /// [`row_of`].
+    /// [`rows_of`].
     pub(super) fn for_rows(&mut self, f: impl Fn(usize, &mut [f32]) + Sync + Send) {
         let size = self.channels * line(self.width);
         let rows = &mut self.values[EDGE * size..(EDGE + self.height) * size];
