@@ -11,7 +11,7 @@ use image::RgbImage;
 /// Distance to each side over which the image is sampled, in pixels.
 const REACH: f64 = 1.5;
 /// Samples on each side.
-const SAMPLES: i32 = 6;
+const SAMPLES: i32 = 3;
 /// Distance from the edge at which a side shows its own colour, in pixels.
 const PLATEAU: f64 = 2.0;
 /// Contrast between both sides (8-bit steps) at which an edge begins to count, and at which it

@@ -6,8 +6,8 @@
 
 use crate::library::AnalyzeParams;
 use crate::parallel;
-use crate::raster::{Connectivity, LabelMap, Mask, components};
-use image::{RgbImage, imageops};
+use crate::raster::{Connectivity, Filter, LabelMap, Mask, components, resized};
+use image::RgbImage;
 use std::ops::Deref;
 
 /// Photographs with more pixels than this get one cell per pixel by default. Their smallest
@@ -77,7 +77,7 @@ impl Grid {
             return Cells(image.clone());
         }
         let (w, h) = (image.width() * self.cells, image.height() * self.cells);
-        Cells(steepened(&imageops::resize(image, w, h, imageops::FilterType::CatmullRom)))
+        Cells(steepened(&resized(image, w, h, Filter::CatmullRom)))
     }
 
     /// The parameters for details and secondaries, with areas and lengths converted to cells.

@@ -104,7 +104,8 @@ pub fn analyze(
     let grid = Grid::new(&exemplar.image, params);
     let (fine, in_cells) = (grid.image(image), grid.params(params));
     let mut cells = grid.labels(image, &fine, &primaries);
-    let patches = secondaries::find(&own_colours(&fine, &cells, grid, params), &cells, &in_cells);
+    let mut clean = own_colours(&fine, &cells, grid, params);
+    let patches = secondaries::find(&clean, &cells, &in_cells);
     promote(&mut primaries, &mut cells, &patches.promoted, grid);
     let count = cells.labels.iter().max().map_or(0, |m| *m as usize);
     let primary_masks = Mask::all_of_labels(&cells, count + 1).split_off(1);
@@ -116,15 +117,14 @@ pub fn analyze(
 
     advance(progress, "details", 0, count as u64)?;
     // From here on shapes take the colours of `clean`; only edges are located in the photograph.
-    let clean = own_colours(&fine, &cells, grid, params);
-    let smoothed = Smoothed::new(&clean, in_cells.detail_sigma);
-    let details = crate::parallel::map(&primary_masks, |mask| {
-        let details = details(&smoothed, mask, in_cells.detail_scale, in_cells.detail_minimum);
-        details.into_iter().map(Cells).collect::<Vec<_>>()
-    });
+    if !patches.promoted.is_empty() {
+        clean = own_colours(&fine, &cells, grid, params);
+    }
+    drop(fine);
+    let details = all_details(&clean, &primary_masks, &in_cells);
 
     advance(progress, "background", 0, 1)?;
-    let textons = grid.pixels(&any_texton(&cells, &patches.secondaries));
+    let textons = grid.pixels(&any_texton(cells, &patches.secondaries));
     let textons = inside(margin.as_ref(), &textons);
     let background = background::palette(&exemplar.image, &primaries_inside, &textons, params);
     progress.picture("background", &|| pictures::background(&exemplar.image, &textons, &background));
@@ -158,7 +158,7 @@ pub fn analyze(
     advance(progress, "categories", 0, 1)?;
     let (mut primary_textons, mut secondary_textons) = (shapes.primaries, shapes.secondaries);
     for (label, (p, mask)) in (1..).zip(primary_textons.iter_mut().zip(&primary_masks)) {
-        p.clipped = touches_border(mask, fine.width(), fine.height()) || cut.contains(&label);
+        p.clipped = touches_border(mask, clean.width(), clean.height()) || cut.contains(&label);
     }
     if let Some(margin) = &margin {
         let (kept, indices) = margin.kept(primary_textons);
@@ -264,13 +264,25 @@ fn promote(primaries: &mut LabelMap, cells: &mut Cells<LabelMap>, promoted: &[Ce
     }
 }
 
-/// A map with a label above 0 wherever there is an element.
-fn any_texton(primaries: &Cells<LabelMap>, secondaries: &[Cells<Mask>]) -> Cells<LabelMap> {
-    let mut map = primaries.0.clone();
+/// The details of each primary.
+fn all_details(
+    image: &Cells<RgbImage>,
+    primaries: &[Cells<Mask>],
+    params: &Cells<AnalyzeParams>,
+) -> Vec<Vec<Cells<Mask>>> {
+    let smoothed = Smoothed::new(image, params.detail_sigma);
+    crate::parallel::map(primaries, |mask| {
+        let details = details(&smoothed, mask, params.detail_scale, params.detail_minimum);
+        details.into_iter().map(Cells).collect()
+    })
+}
+
+/// A map with a label above 0 wherever there is an element, given that of the primaries.
+fn any_texton(mut primaries: Cells<LabelMap>, secondaries: &[Cells<Mask>]) -> Cells<LabelMap> {
     for mask in secondaries {
-        map.fill(mask, 1);
+        primaries.0.fill(mask, 1);
     }
-    Cells(map)
+    primaries
 }
 
 fn touches_border(mask: &Cells<Mask>, width: u32, height: u32) -> bool {

@@ -12,8 +12,9 @@ use super::rate_distortion::RateDistortion;
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
 use crate::library::{CategoryId, Element, Shape};
 use crate::raster::colour::{self, Colour};
-use crate::raster::{LabelMap, Mask};
+use crate::raster::{LabelMap, Mask, Span};
 use image::RgbImage;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest secondary that is traced on its own, in cells. Such specks have only the shape of their
 /// cells, so equal ones have identical outlines and are stored once. Larger ones are often parts of
@@ -96,15 +97,17 @@ pub(super) fn outlines(
     let mut map = LabelMap::filled(width, height, 0);
     // Labels of one primary form a group; every secondary is a group of its own.
     let mut groups = vec![0u32];
-    let mut ordered: Vec<Vec<&Cells<Mask>>> = Vec::new();
+    // The details of each primary, with the label of the first.
+    let mut ordered: Vec<(usize, Vec<&Cells<Mask>>)> = Vec::new();
     for (k, details) in pieces.details.iter().enumerate() {
         let mut details: Vec<&Cells<Mask>> = details.iter().collect();
         details.sort_by_key(|m| std::cmp::Reverse(m.area()));
+        let first = groups.len();
         for mask in &details {
             map.fill(mask, groups.len() as u32);
             groups.push(k as u32 + 1);
         }
-        ordered.push(details);
+        ordered.push((first, details));
     }
     let first_secondary = groups.len();
     let primary_count = pieces.details.len();
@@ -112,7 +115,7 @@ pub(super) fn outlines(
         map.fill(&patch.mask, groups.len() as u32);
         groups.push((primary_count + k) as u32 + 1);
     }
-    let all: Vec<&Cells<Mask>> = ordered.iter().flatten().copied().collect();
+    let all: Vec<&Cells<Mask>> = ordered.iter().flat_map(|(_, details)| details).copied().collect();
     let medians = crate::parallel::map(&all, |m| median(image, m));
     let of_patches = pieces.secondaries.iter().map(|p| p.colour);
     let colours = [None].into_iter().chain(medians.iter().copied().chain(of_patches).map(Some)).collect();
@@ -124,38 +127,37 @@ pub(super) fn outlines(
     let fitted = FittedMap::with_edges(planar, scale, count, group_count, group, |at, normal, l, r| {
         edges.distance(at, normal, l, r)
     });
-    let whole = fitted.outlines(group_count, group);
-    let stacked = fitted.stacked_outlines(count, |own, other| {
-        let detail = (own as usize) < first_secondary;
-        match (detail, group(own) == group(other)) {
+    let is_detail = |label: u32| (label as usize) < first_secondary;
+    let whole = fitted.outlines(primary_count, |label| if is_detail(label) { group(label) } else { 0 });
+    let stacked = |own: u32| {
+        fitted.stacked_outline(own, |other| match (is_detail(own), group(own) == group(other)) {
             (true, true) if own < other => UNDERLAP,
             // Both pieces extend, so the joint is covered whichever is painted first.
-            (false, _) if own < other || (other as usize) < first_secondary => SIDE_UNDERLAP,
+            (false, _) if own < other || is_detail(other) => SIDE_UNDERLAP,
             _ => 0.0,
-        }
-    });
-    let mut primaries = Vec::with_capacity(primary_count);
-    let mut label = 1;
-    for (k, details) in ordered.iter().enumerate() {
+        })
+    };
+    let primaries = crate::parallel::map(&ordered, |(first, details)| {
         let mask = Cells(Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect()));
         let colours: Vec<Colour> =
-            (label - 1..).take(details.len()).map(|i| style.palette.nearest(medians[i])).collect();
+            medians[first - 1..].iter().take(details.len()).map(|&m| style.palette.nearest(m)).collect();
         let base = colours.first().copied().unwrap_or_default();
         let gradients: Vec<_> =
             details.iter().map(|m| joining::gradient(image, m, style.cost, grid).map(Box::new)).collect();
         let base_gradient = gradients.first().cloned().flatten();
-        let outline = whole[k + 1].clone();
+        let outline = whole[group(*first as u32) as usize].clone();
         let compactness = to_four_digits(outline.compactness());
         let mut painted = vec![Shape { gradient: base_gradient.clone(), ..Shape::new(outline, base) }];
-        for (i, &colour) in colours.iter().enumerate() {
-            let outline = &stacked[label + i];
-            let seen = colour != base || gradients[i].is_some() || base_gradient.is_some();
-            if i > 0 && !outline.is_empty() && seen {
-                painted.push(Shape { gradient: gradients[i].clone(), ..Shape::new(outline.clone(), colour) });
+        for (i, &colour) in colours.iter().enumerate().skip(1) {
+            if colour == base && gradients[i].is_none() && base_gradient.is_none() {
+                continue;
+            }
+            let outline = stacked((first + i) as u32);
+            if !outline.is_empty() {
+                painted.push(Shape { gradient: gradients[i].clone(), ..Shape::new(outline, colour) });
             }
         }
-        label += details.len();
-        primaries.push(Element {
+        Element {
             category: Some(CategoryId(0)),
             colour: median(image, &mask),
             difference: None,
@@ -165,13 +167,12 @@ pub(super) fn outlines(
             clipped: false,
             silhouette: None,
             shapes: painted,
-        });
-    }
-    let indices: Vec<usize> = (0..pieces.secondaries.len()).collect();
-    let secondaries = crate::parallel::map(&indices, |&k| {
-        let Patch { mask, colour, difference } = &pieces.secondaries[k];
-        let speck = mask.area() <= SPECK;
-        let outline = if speck { alone(mask, grid) } else { stacked[first_secondary + k].clone() };
+        }
+    });
+    let specks = Specks::new(&pieces.secondaries, grid);
+    let labelled: Vec<(usize, &Patch)> = (first_secondary..).zip(&pieces.secondaries).collect();
+    let secondaries = crate::parallel::map(&labelled, |&(label, Patch { mask, colour, difference })| {
+        let outline = specks.outline(mask).unwrap_or_else(|| stacked(label as u32));
         let colour = style.palette.nearest(*colour);
         Element {
             category: None,
@@ -186,6 +187,38 @@ pub(super) fn outlines(
         }
     });
     Shapes { secondaries: secondaries.into_iter().filter(|s| !s.outline().is_empty()).collect(), primaries }
+}
+
+/// The outlines of specks. Those of the same cells differ by whole pixels only and are traced once.
+struct Specks {
+    grid: Grid,
+    outlines: BTreeMap<Vec<Span>, Outline>,
+}
+
+impl Specks {
+    fn new(patches: &[Patch], grid: Grid) -> Self {
+        let specks = patches.iter().filter_map(|patch| Some(Self::at_origin(&patch.mask, grid)?.0));
+        let distinct: BTreeSet<Vec<Span>> = specks.map(|mask| mask.spans().to_vec()).collect();
+        let distinct: Vec<Vec<Span>> = distinct.into_iter().collect();
+        let outlines =
+            crate::parallel::map(&distinct, |spans| alone(&Cells(Mask::from_spans(spans.clone())), grid));
+        Self { grid, outlines: distinct.into_iter().zip(outlines).collect() }
+    }
+
+    /// A speck moved to the first pixel, and by how many pixels; `None` for larger masks.
+    fn at_origin(mask: &Mask, grid: Grid) -> Option<(Mask, [i32; 2])> {
+        let (x0, y0, ..) = mask.bounds().filter(|_| mask.area() <= SPECK)?;
+        let cells = grid.along() as i32;
+        let pixels = [x0, y0].map(|v| v.div_euclid(cells));
+        Some((mask.shifted(-pixels[0] * cells, -pixels[1] * cells), pixels))
+    }
+
+    /// The outline of a mask that is a speck.
+    fn outline(&self, mask: &Mask) -> Option<Outline> {
+        let (mask, pixels) = Self::at_origin(mask, self.grid)?;
+        let to = Affine::translate((f64::from(pixels[0]), f64::from(pixels[1])));
+        Some(Outline::new(&(to * self.outlines.get(mask.spans())?.path())).unwrap_or_default())
+    }
 }
 
 /// The outline of a mask traced on its own, scaled to the mask's area.

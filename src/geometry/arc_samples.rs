@@ -9,7 +9,6 @@
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap};
 use crate::parallel;
 use kurbo::{Point, Vec2};
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Rounds of the filter, per cell along a pixel.
@@ -23,11 +22,9 @@ const FURTHEST: f64 = 0.6;
 /// Rounds that average these distances between neighbours.
 const EVEN: usize = 4;
 
-/// The points of every arc of a map, in three versions. In all of them, open arcs begin and end at
-/// their junctions' smoothed positions.
+/// The points of every arc of a map, in two versions. In both, open arcs begin and end at their junctions'
+/// smoothed positions.
 pub(super) struct Samples {
-    /// Midpoints of the pixel edges.
-    pub(super) midpoints: Vec<Vec<Point>>,
     /// Smoothed within one cell, so almost nothing crosses.
     pub(super) smoothed: Vec<Vec<Point>>,
     /// Smoothed within one pixel, then refined to the edges of the image.
@@ -45,14 +42,14 @@ impl Samples {
         soft: impl Fn(&Arc) -> bool,
         edge: impl Fn(Point, Vec2, u32, u32) -> f64 + Sync,
     ) -> Self {
-        let mut midpoints: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
+        let midpoints: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
         let fixed: Vec<Vec<bool>> = (midpoints.iter().zip(&map.arcs))
-            .map(|(p, arc)| if soft(arc) { vec![false; p.len()] } else { corners(p, arc.closed, cells) })
+            .map(|(p, arc)| if soft(arc) { vec![false; p.len()] } else { corners(p, arc.closed(), cells) })
             .collect();
-        let filter = Filter::new(map, &midpoints, fixed, junctions);
+        let filter = Filter::new(map, midpoints, fixed, junctions);
         let relaxed = |reach: &f64| {
             let mut points = filter.relaxed(*reach, 2 * ROUNDS * cells as usize);
-            let inner = |arc: &Arc| arc.closed && !borders_outside(arc);
+            let inner = |arc: &Arc| arc.closed() && !borders_outside(arc);
             for (points, arc) in points.iter_mut().zip(&map.arcs).filter(|(_, arc)| inner(arc)) {
                 keep_area(points, map.points_of(arc));
             }
@@ -62,14 +59,9 @@ impl Samples {
         let mut versions = parallel::map(reaches, relaxed).into_iter();
         let smooth = versions.next().unwrap_or_default();
         let mut smoothed = versions.next().unwrap_or_else(|| smooth.clone());
-        // All versions of an arc end where its junction has refined to, so that arcs stay joined.
-        for other in [&mut midpoints, &mut smoothed] {
-            for ((points, smooth), _) in
-                other.iter_mut().zip(&smooth).zip(&map.arcs).filter(|(_, arc)| !arc.closed)
-            {
-                let last = points.len() - 1;
-                (points[0], points[last]) = (smooth[0], smooth[last]);
-            }
+        // Both versions of an arc end where its junction has refined to, so that arcs stay joined.
+        for ((points, smooth), arc) in smoothed.iter_mut().zip(&smooth).zip(&map.arcs) {
+            end_alike(points, smooth, arc);
         }
         let indices: Vec<usize> = (0..smooth.len()).collect();
         let refined = parallel::map(&indices, |&i| {
@@ -77,9 +69,24 @@ impl Samples {
             if borders_outside(arc) {
                 return smooth[i].clone();
             }
-            to_edge(&smooth[i], arc.closed, cells, |at, normal| edge(at, normal, arc.left, arc.right))
+            to_edge(&smooth[i], arc.closed(), cells, |at, normal| edge(at, normal, arc.left, arc.right))
         });
-        Self { midpoints, smoothed, refined }
+        Self { smoothed, refined }
+    }
+
+    /// The midpoints of the pixel edges of arc `i`, with the ends of the other versions.
+    pub(super) fn midpoints(&self, map: &PlanarMap, i: usize) -> Vec<Point> {
+        let mut points = middles(map, &map.arcs[i]);
+        end_alike(&mut points, &self.smoothed[i], &map.arcs[i]);
+        points
+    }
+}
+
+/// Gives an open arc the ends of another version of it.
+fn end_alike(points: &mut [Point], other: &[Point], arc: &Arc) {
+    if !arc.closed() {
+        let last = points.len() - 1;
+        (points[0], points[last]) = (other[0], other[last]);
     }
 }
 
@@ -123,11 +130,11 @@ fn to_edge(points: &[Point], closed: bool, cells: f64, distance: impl Fn(Point, 
 fn middles(map: &PlanarMap, arc: &Arc) -> Vec<Point> {
     let steps = map.points_of(arc);
     let mut points = Vec::with_capacity(steps.len() + 1);
-    if !arc.closed {
+    if !arc.closed() {
         points.push(lattice(steps[0]));
     }
     points.extend(steps.windows(2).map(|w| lattice(w[0]).midpoint(lattice(w[1]))));
-    if !arc.closed {
+    if !arc.closed() {
         points.push(lattice(steps[steps.len() - 1]));
     }
     points
@@ -172,9 +179,8 @@ struct Filter {
 /// The points of an arc.
 struct Strand {
     points: Range<usize>,
-    closed: bool,
-    /// The joints at its ends.
-    ends: Option<[usize; 2]>,
+    /// The joints at its ends; `None` for a closed curve.
+    ends: Option<[u32; 2]>,
 }
 
 /// A junction, as points beside it.
@@ -188,11 +194,16 @@ struct Joint {
 }
 
 impl Filter {
-    fn new(map: &PlanarMap, midpoints: &[Vec<Point>], fixed: Vec<Vec<bool>>, junctions: &Junctions) -> Self {
+    fn new(
+        map: &PlanarMap,
+        midpoints: Vec<Vec<Point>>,
+        fixed: Vec<Vec<bool>>,
+        junctions: &Junctions,
+    ) -> Self {
         let mut first = 0;
-        let arcs = midpoints.iter().zip(&map.arcs).zip(&junctions.ends).map(|((points, arc), &ends)| {
+        let arcs = midpoints.iter().zip(&map.arcs).map(|(points, arc)| {
             first += points.len();
-            Strand { points: first - points.len()..first, closed: arc.closed, ends }
+            Strand { points: first - points.len()..first, ends: arc.ends }
         });
         let arcs: Vec<Strand> = arcs.collect();
         // The point `steps` points along a half arc, or its last point.
@@ -246,8 +257,9 @@ impl Filter {
             let n = p.len();
             let first = p[0];
             // The previous point before its modification.
-            let mut before = if arc.closed { p[n - 1] } else { p[0] };
-            let range = if arc.closed { 0..n } else { 1..n - 1 };
+            let closed = arc.ends.is_none();
+            let mut before = if closed { p[n - 1] } else { p[0] };
+            let range = if closed { 0..n } else { 1..n - 1 };
             for k in range {
                 let here = p[k];
                 let after = if k + 1 < n { p[k + 1] } else { first };
@@ -260,7 +272,7 @@ impl Filter {
                 before = here;
             }
             if let Some([a, b]) = arc.ends {
-                (p[0], p[n - 1]) = (ends[a], ends[b]);
+                (p[0], p[n - 1]) = (ends[a as usize], ends[b as usize]);
             }
         }
     }
@@ -322,41 +334,37 @@ struct Junction {
 /// All junctions of a map.
 pub(super) struct Junctions {
     list: Vec<Junction>,
-    /// The junctions at the ends of each arc; `None` for closed arcs.
-    ends: Vec<Option<[usize; 2]>>,
 }
 
 impl Junctions {
     /// Collects the junctions of a map. The two borders of highest `rank(left, right)` pass through.
     pub(super) fn new(map: &PlanarMap, rank: impl Fn(u32, u32) -> u8) -> Self {
-        let mut leaving: BTreeMap<[i32; 2], Vec<(HalfArc, u8)>> = BTreeMap::new();
-        for (i, arc) in map.arcs.iter().enumerate().filter(|(_, a)| !a.closed) {
+        let mut places = vec![[0; 2]; map.junctions];
+        let mut leaving: Vec<Vec<(HalfArc, u8)>> = vec![Vec::new(); map.junctions];
+        for (i, arc) in map.arcs.iter().enumerate() {
+            let Some([first, last]) = arc.ends else { continue };
             let p = map.points_of(arc);
             let r = rank(arc.left, arc.right);
-            for (point, reversed) in [(p[0], false), (p[p.len() - 1], true)] {
-                leaving.entry(point).or_default().push((HalfArc { arc: i as u32, reversed }, r));
+            for (junction, point, reversed) in [(first, p[0], false), (last, p[p.len() - 1], true)] {
+                places[junction as usize] = point;
+                leaving[junction as usize].push((HalfArc { arc: i as u32, reversed }, r));
             }
         }
-        let mut ends = vec![None; map.arcs.len()];
-        let mut list = Vec::with_capacity(leaving.len());
-        for (point, arms) in leaving {
-            for (h, _) in &arms {
-                ends[h.arc as usize].get_or_insert([0; 2])[usize::from(h.reversed)] = list.len();
-            }
+        let list = places.into_iter().zip(leaving).map(|(point, arms)| {
             let top = arms.iter().map(|a| a.1).max();
             let best: Vec<HalfArc> = arms.iter().filter(|a| Some(a.1) == top).map(|a| a.0).collect();
             let through = <[HalfArc; 2]>::try_from(best).ok().filter(|_| arms.len() > 2);
             let arms = arms.into_iter().map(|a| a.0).collect();
-            list.push(Junction { at: lattice(point), arms, through });
-        }
-        Self { list, ends }
+            Junction { at: lattice(point), arms, through }
+        });
+        Self { list: list.collect() }
     }
 
-    /// Unit tangents at both ends of an arc, along the arc, where it passes through a junction smoothly.
-    pub(super) fn tangents(&self, points: &[Vec<Point>], i: usize) -> [Option<Vec2>; 2] {
-        let Some(ends) = self.ends[i] else { return [None; 2] };
-        [(ends[0], false), (ends[1], true)].map(|(junction, reversed)| {
-            let [a, b] = self.list[junction].through?;
+    /// Unit tangents at both ends of arc `i`, along the arc, where it passes through a junction smoothly.
+    pub(super) fn tangents(&self, arc: &Arc, points: &[Vec<Point>], i: usize) -> [Option<Vec2>; 2] {
+        let Some([first, last]) = arc.ends else { return [None; 2] };
+        [(first, false), (last, true)].map(|(junction, reversed)| {
+            let [a, b] = self.list[junction as usize].through?;
             let own = HalfArc { arc: i as u32, reversed };
             let other = if own == a { b } else { a };
             if own != a && own != b {

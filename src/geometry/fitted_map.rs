@@ -17,6 +17,8 @@ use std::collections::BTreeMap;
 pub(crate) struct FittedMap {
     map: PlanarMap,
     arcs: Vec<Curve>,
+    /// The rings of each label.
+    labels: Vec<Vec<Ring>>,
 }
 
 /// Resolution of a label map, and tolerance of the curves fitted to it.
@@ -76,7 +78,7 @@ impl FittedMap {
         let edge = |at: Point, normal, left, right| {
             edge((at.to_vec2() / cells).to_point(), normal, left, right) * cells
         };
-        let Samples { midpoints, smoothed, refined } = Samples::new(&map, &junctions, cells, soft, edge);
+        let samples = Samples::new(&map, &junctions, cells, soft, edge);
         let indices: Vec<usize> = (0..map.arcs.len()).collect();
         let fit = |i: usize, level: usize| {
             let arc = &map.arcs[i];
@@ -84,23 +86,30 @@ impl FittedMap {
                 return along_border(map.points_of(arc), cells);
             }
             let Some(&(share, on_edges)) = FITS.get(level) else {
-                return polyline(&midpoints[i], arc.closed, cells);
+                return polyline(&samples.midpoints(&map, i), arc.closed(), cells);
             };
-            let samples = if on_edges { &refined } else { &smoothed };
-            let ends = junctions.tangents(samples, i);
+            let samples = if on_edges { &samples.refined } else { &samples.smoothed };
+            let ends = junctions.tangents(arc, samples, i);
             let scale = Scale { tolerance: scale.tolerance * share, cells };
-            fit_arc(&samples[i], arc.closed, !soft(arc), ends, scale)
+            fit_arc(&samples[i], arc.closed(), !soft(arc), ends, scale)
         };
         let mut arcs = parallel::map(&indices, |&i| fit(i, 0));
         let mut level = vec![0usize; arcs.len()];
         // Tighten crossing arcs until none is left. Levels only rise, so this terminates.
-        let mut faces: Vec<Vec<Ring>> = map.rings(count, |l| l);
-        faces.extend(map.rings(groups, &group));
-        let mut suspects: Vec<usize> = (0..faces.len()).filter(|&f| !faces[f].is_empty()).collect();
+        let labels: Vec<Vec<Ring>> = map.rings(count, |l| l);
+        let mut parts = vec![0u32; groups + 1];
+        for label in 1..=count as u32 {
+            parts.get_mut(group(label) as usize).into_iter().for_each(|n| *n += 1);
+        }
+        // Groups of one label have its rings.
+        let several = |l: u32| Some(group(l)).filter(|&g| parts.get(g as usize).is_some_and(|&n| n > 1));
+        let unions = map.rings(groups, |l| several(l).unwrap_or(0));
+        let faces: Vec<&Vec<Ring>> = labels.iter().chain(&unions).filter(|face| !face.is_empty()).collect();
+        let mut suspects: Vec<usize> = (0..faces.len()).collect();
         while !suspects.is_empty() {
             let looser = |i: &usize| level[*i] < FITS.len();
             let crossing: Vec<Vec<usize>> = parallel::map(&suspects, |&f| {
-                let face = &faces[f];
+                let face = faces[f];
                 let mut crossing = crossing_arcs(face, &arcs);
                 if !crossing.is_empty() && !crossing.iter().any(looser) {
                     crossing = face.iter().flatten().map(|h| h.arc as usize).collect();
@@ -120,7 +129,7 @@ impl FittedMap {
                 .filter(|&f| faces[f].iter().flatten().any(|h| changed[h.arc as usize]))
                 .collect();
         }
-        Self { map, arcs }
+        Self { map, arcs, labels }
     }
 
     /// The outlines of the faces 0 to `count`, where `key` maps labels to faces. Outline 0 is empty.
@@ -129,38 +138,29 @@ impl FittedMap {
         parallel::map(&rings, |face| outline(path_of(face, |h| (&self.arcs[h.arc as usize], h.reversed))))
     }
 
-    /// The outlines of labels 0 to `count` for painting one over another. Outline 0 is empty. Where
-    /// `underlap(own, other)` is above 0, the outline extends that many pixels underneath the neighbour
-    /// `other`, which hides hairlines of background along the joint.
-    pub(crate) fn stacked_outlines(
-        &self,
-        count: usize,
-        underlap: impl Fn(u32, u32) -> f64 + Sync,
-    ) -> Vec<Outline> {
-        let rings = self.map.rings(count, |l| l);
-        let labels: Vec<usize> = (0..rings.len()).collect();
-        parallel::map(&labels, |&label| {
-            let face = &rings[label];
-            let mut widened: BTreeMap<u32, Curve> = BTreeMap::new();
-            for h in face.iter().flatten() {
-                let arc = &self.map.arcs[h.arc as usize];
-                let other = if h.reversed { arc.right } else { arc.left };
-                let reach = if other == OUTSIDE || other == 0 { 0.0 } else { underlap(label as u32, other) };
-                if reach > 0.0 {
-                    let side = if h.reversed { 1.0 } else { -1.0 };
-                    widened.insert(h.arc, beside(&self.arcs[h.arc as usize], arc.closed, side * reach));
-                }
+    /// The outline of a label from 1 to `count` for painting it with others, one over another. Where
+    /// `underlap(other)` is above 0, the outline extends that many pixels underneath the neighbour `other`,
+    /// which hides hairlines of background along the joint.
+    pub(crate) fn stacked_outline(&self, label: u32, underlap: impl Fn(u32) -> f64) -> Outline {
+        let face = &self.labels[label as usize];
+        let mut widened: BTreeMap<u32, Curve> = BTreeMap::new();
+        for h in face.iter().flatten() {
+            let arc = &self.map.arcs[h.arc as usize];
+            let other = if h.reversed { arc.right } else { arc.left };
+            let reach = if other == OUTSIDE || other == 0 { 0.0 } else { underlap(other) };
+            if reach > 0.0 {
+                let side = if h.reversed { 1.0 } else { -1.0 };
+                widened.insert(h.arc, beside(&self.arcs[h.arc as usize], arc.closed(), side * reach));
             }
-            let bare = outline(path_of(face, |h| (&self.arcs[h.arc as usize], h.reversed)));
-            if widened.is_empty() {
-                return bare;
-            }
-            let path =
-                path_of(face, |h| (widened.get(&h.arc).unwrap_or(&self.arcs[h.arc as usize]), h.reversed));
-            // Extending underneath a thin neighbour may cross its far side; then the outline is not extended.
-            let wide = outline(path);
-            if wide.area() >= bare.area() && is_simple(wide.path()) { wide } else { bare }
-        })
+        }
+        let bare = outline(path_of(face, |h| (&self.arcs[h.arc as usize], h.reversed)));
+        if widened.is_empty() {
+            return bare;
+        }
+        let path = path_of(face, |h| (widened.get(&h.arc).unwrap_or(&self.arcs[h.arc as usize]), h.reversed));
+        // Extending underneath a thin neighbour may cross its far side; then the outline is not extended.
+        let wide = outline(path);
+        if wide.area() >= bare.area() && is_simple(wide.path()) { wide } else { bare }
     }
 }
 
@@ -359,13 +359,13 @@ mod tests {
             let fitted = FittedMap::with_edges(planar, scale, 5, 3, group, edge);
             let outlines = fitted.outlines(5, |l| l);
             let groups = fitted.outlines(3, group);
-            let stacked = fitted.stacked_outlines(5, |a, b| if a < b { 0.6 } else { 0.0 });
+            let stacked = [1, 2, 3, 4, 5].map(|a| fitted.stacked_outline(a, |b| if a < b { 0.6 } else { 0.0 }));
             for (l, outline) in outlines.iter().enumerate().skip(1) {
                 let pixels = labels.iter().filter(|&&x| x == l as u32).count();
                 prop_assert_eq!(outline.is_empty(), pixels == 0);
                 prop_assert!(is_simple(outline.path()), "label {} {:?}", l, outline);
-                prop_assert!(is_simple(stacked[l].path()));
-                prop_assert!(stacked[l].area() > outline.area() - 0.05);
+                prop_assert!(is_simple(stacked[l - 1].path()));
+                prop_assert!(stacked[l - 1].area() > outline.area() - 0.05);
             }
             for outline in &groups {
                 prop_assert!(is_simple(outline.path()));

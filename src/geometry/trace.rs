@@ -18,8 +18,15 @@ pub(crate) struct Arc {
     /// Range of its lattice points, one pixel apart. The first and the last are junctions, or equal in a
     /// closed arc without junctions.
     pub points: Range<usize>,
+    /// Numbers of the junctions at its ends; `None` for a closed curve without junctions.
+    pub ends: Option<[u32; 2]>,
+}
+
+impl Arc {
     /// Whether the arc is a closed curve without junctions.
-    pub closed: bool,
+    pub(crate) fn closed(&self) -> bool {
+        self.ends.is_none()
+    }
 }
 
 /// A label map as a planar map: arcs between junctions, which separate the labels. [`FittedMap`]
@@ -28,12 +35,12 @@ pub(crate) struct Arc {
 /// [`FittedMap`]: super::FittedMap
 #[derive(Clone, Debug)]
 pub(crate) struct PlanarMap {
-    /// Width in pixels.
-    pub width: u32,
     /// The arcs.
     pub arcs: Vec<Arc>,
     /// The lattice points of all arcs.
     pub points: Vec<[i32; 2]>,
+    /// Number of junctions.
+    pub junctions: usize,
 }
 
 /// An arc with a direction.
@@ -55,13 +62,11 @@ impl PlanarMap {
     pub(crate) fn trace(width: u32, height: u32, labels: &[u32]) -> Self {
         let lattice = Lattice { width: width as usize, height: height as usize, labels };
         let columns = lattice.width + 1;
-        let mut walker = Walker {
-            lattice: &lattice,
-            used: vec![0; columns * (lattice.height + 1)],
-            map: Self { width, arcs: Vec::new(), points: Vec::new() },
-        };
         let count = columns * (lattice.height + 1);
         let cracks: Vec<u8> = (0..count).map(|v| lattice.cracks(v % columns, v / columns)).collect();
+        let junctions: Vec<usize> = (0..count).filter(|&v| cracks[v].count_ones() > 2).collect();
+        let map = Self { arcs: Vec::new(), points: Vec::new(), junctions: junctions.len() };
+        let mut walker = Walker { lattice: &lattice, used: vec![0; count], junctions, map };
         // First the arcs that start at junctions, then the remaining closed curves.
         for junctions in [true, false] {
             for v in 0..count {
@@ -88,23 +93,18 @@ impl PlanarMap {
     /// screen. The ring with the largest area comes first.
     pub(crate) fn rings(&self, count: usize, key: impl Fn(u32) -> u32) -> Vec<Vec<Ring>> {
         let key = |label: u32| if label == OUTSIDE { 0 } else { key(label) };
-        let columns = self.width as usize + 1;
-        let vertex = |p: [i32; 2]| p[1] as usize * columns + p[0] as usize;
-        // Half arcs that leave each junction, by vertex and direction.
-        let mut leaving = std::collections::HashMap::new(); // looked up only, never iterated
+        // Half arcs that leave each junction, by direction.
+        let mut leaving: Vec<[Option<HalfArc>; 4]> = vec![[None; 4]; self.junctions];
         let on_border = |arc: &Arc| key(arc.left) != key(arc.right);
         for (i, arc) in self.arcs.iter().enumerate() {
-            if !arc.closed && on_border(arc) {
+            if let Some([first, last]) = arc.ends.filter(|_| on_border(arc)) {
                 let p = self.points_of(arc);
                 let n = p.len();
-                leaving.insert(
-                    (vertex(p[0]), direction(p[0], p[1])),
-                    HalfArc { arc: i as u32, reversed: false },
-                );
-                leaving.insert(
-                    (vertex(p[n - 1]), direction(p[n - 1], p[n - 2])),
-                    HalfArc { arc: i as u32, reversed: true },
-                );
+                let mut leave = |junction: u32, direction: usize, reversed: bool| {
+                    leaving[junction as usize][direction] = Some(HalfArc { arc: i as u32, reversed });
+                };
+                leave(first, direction(p[0], p[1]), false);
+                leave(last, direction(p[n - 1], p[n - 2]), true);
             }
         }
         let right_key = |h: HalfArc| {
@@ -129,16 +129,15 @@ impl PlanarMap {
                     done[at.arc as usize][usize::from(at.reversed)] = true;
                     ring.push(at);
                     let arc = &self.arcs[at.arc as usize];
-                    if arc.closed {
-                        break;
-                    }
+                    let Some(ends) = arc.ends else { break };
                     let p = self.points_of(arc);
                     let n = p.len();
-                    let (end, before) = if at.reversed { (p[0], p[1]) } else { (p[n - 1], p[n - 2]) };
-                    let heading = direction(before, end);
+                    let heading =
+                        if at.reversed { direction(p[1], p[0]) } else { direction(p[n - 2], p[n - 1]) };
+                    let leaving = &leaving[ends[usize::from(!at.reversed)] as usize];
                     // Tightest turn towards the face first, so that faces are not connected through corners.
                     let next = [1, 0, 3].iter().find_map(|turn| {
-                        let h = *leaving.get(&(vertex(end), (heading + turn) % 4))?;
+                        let h = leaving[(heading + turn) % 4]?;
                         (right_key(h) == face).then_some(h)
                     });
                     match next {
@@ -151,7 +150,7 @@ impl PlanarMap {
             }
         }
         for face in &mut rings {
-            face.sort_by_key(|ring| -self.twice_area(ring));
+            face.sort_by_cached_key(|ring| -self.twice_area(ring));
         }
         rings
     }
@@ -220,6 +219,8 @@ struct Walker<'a> {
     lattice: &'a Lattice<'a>,
     /// Directions already walked from each lattice point, one bit each.
     used: Vec<u8>,
+    /// The lattice points that are junctions, ascending.
+    junctions: Vec<usize>,
     map: PlanarMap,
 }
 
@@ -245,7 +246,9 @@ impl Walker<'_> {
             direction = (cracks[v] & !(1 << back)).trailing_zeros() as usize;
         }
         let closed = v == start && cracks[start].count_ones() == 2;
-        self.map.arcs.push(Arc { left, right, points: first..self.map.points.len(), closed });
+        let number = |v: usize| self.junctions.partition_point(|&u| u < v) as u32;
+        let ends = (!closed).then(|| [start, v].map(number));
+        self.map.arcs.push(Arc { left, right, points: first..self.map.points.len(), ends });
     }
 }
 

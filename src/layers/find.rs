@@ -300,7 +300,7 @@ mod tests {
     #[test]
     fn half_the_resolution_gives_the_same_layers() {
         let (photo, _) = surface([600, 520], 2, 3);
-        let half = image::imageops::resize(&photo, 300, 260, image::imageops::FilterType::Triangle);
+        let half = crate::raster::resized(&photo, 300, 260, crate::raster::Filter::Triangle);
         let [large, small] = [&photo, &half].map(|p| find(p, None, &auto(1), &()).unwrap().map);
         let again = LabelMap {
             labels: (0..600 * 520).map(|i| small.labels.get(i % 600 / 2, i / 600 / 2)).collect(),

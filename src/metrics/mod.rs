@@ -23,8 +23,8 @@ mod transport;
 
 use crate::error::{Error, Result, check};
 use crate::progress::{Progress, advance};
+use crate::raster::{Filter, resized};
 use image::RgbImage;
-use image::imageops::{FilterType, resize};
 use plane::Plane;
 use serde::Serialize;
 pub use structure::Spread;
@@ -171,7 +171,7 @@ pub fn scaled(image: RgbImage, scale: f64) -> Result<RgbImage> {
     let side = |v: u32| libm::rint(f64::from(v) / scale).max(1.0);
     let (width, height) = (side(image.width()), side(image.height()));
     check_pixels(width * height, "result")?;
-    Ok(resize(&image, width as u32, height as u32, FilterType::Lanczos3))
+    Ok(resized(&image, width as u32, height as u32, Filter::Lanczos))
 }
 
 fn check_size(image: &RgbImage, name: &str) -> Result<()> {

@@ -14,6 +14,7 @@ mod labels;
 mod mask;
 pub(crate) mod oklab_map;
 pub mod picture;
+mod resize;
 
 pub use components::{Connectivity, components, components_of_mask};
 pub use control_map::ControlMap;
@@ -22,3 +23,4 @@ pub(crate) use decode::{LARGEST_SIDE, check_size, decode};
 pub use distance::squared_distance;
 pub use labels::LabelMap;
 pub use mask::{Mask, Span};
+pub(crate) use resize::{Filter, resized};

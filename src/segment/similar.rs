@@ -6,11 +6,19 @@ use crate::raster::Mask;
 /// Box `(x0, y0, x1, y1)`, ends exclusive.
 pub(super) type Bounds = (i32, i32, i32, i32);
 
-/// Spatial index of bounding boxes by size class and position. Masks with an IoU above one half lie in
-/// neighbouring squares.
+/// Spatial index of masks by size class and position of their bounding boxes. Masks with an IoU above one
+/// half lie in neighbouring squares.
 #[derive(Default)]
 pub(super) struct SimilarMasks {
-    squares: ByNumber<Vec<usize>>,
+    squares: ByNumber<Vec<Entry>>,
+}
+
+/// What an index knows of a mask.
+#[derive(Clone, Copy)]
+struct Entry {
+    index: usize,
+    bounds: Bounds,
+    area: u32,
 }
 
 impl SimilarMasks {
@@ -30,27 +38,55 @@ impl SimilarMasks {
         u64::from(class) << 56 | low(x) << 28 | low(y)
     }
 
-    /// Adds a box under an index.
-    pub(super) fn add(&mut self, bounds: Bounds, index: usize) {
-        self.squares.entry(Self::key(Self::square(bounds, Self::class(bounds)))).or_default().push(index);
+    /// Adds a mask under an index.
+    pub(super) fn add(&mut self, mask: &Measured, index: usize) {
+        let Measured { bounds, area, .. } = *mask;
+        let key = Self::key(Self::square(bounds, Self::class(bounds)));
+        self.squares.entry(key).or_default().push(Entry { index, bounds, area });
     }
 
-    /// Indices of boxes whose masks may be similar, ascending.
-    pub(super) fn near(&self, bounds: Bounds) -> Vec<usize> {
-        let own = Self::class(bounds);
-        let mut indices = Vec::new();
+    /// The masks whose IoU may be above 0 and at least `least`, by ascending index.
+    pub(super) fn near(&self, mask: &Measured, least: f32) -> Vec<Near> {
+        let own = Self::class(mask.bounds);
+        let mut near = Vec::new();
         for class in own.saturating_sub(1)..=own + 1 {
-            let (_, x, y) = Self::square(bounds, class);
+            let (_, x, y) = Self::square(mask.bounds, class);
             for j in y - 2..=y + 2 {
                 for i in x - 2..=x + 2 {
-                    indices
-                        .extend(self.squares.get(&Self::key((class, i, j))).into_iter().flatten().copied());
+                    let entries = self.squares.get(&Self::key((class, i, j))).into_iter().flatten();
+                    near.extend(entries.filter_map(|entry| {
+                        let most = most((mask.bounds, mask.area), (entry.bounds, entry.area));
+                        (most > 0.0 && most >= least).then_some(Near { index: entry.index, most })
+                    }));
                 }
             }
         }
-        indices.sort_unstable();
-        indices
+        near.sort_unstable_by_key(|near| near.index);
+        near
     }
+}
+
+/// A mask that may be similar to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Near {
+    pub(super) index: usize,
+    /// Their IoU is at most this.
+    pub(super) most: f32,
+}
+
+/// The most that the IoU of two masks may be, given their boxes and areas; 0 if one area is more than twice
+/// the other.
+fn most((a, area): (Bounds, u32), (b, other): (Bounds, u32)) -> f32 {
+    let (width, height) = (a.2.min(b.2) - a.0.max(b.0), a.3.min(b.3) - a.1.max(b.1));
+    if width <= 0 || height <= 0 || area.min(other) * 2 < area.max(other) {
+        return 0.0;
+    }
+    iou(area, other, (width as u32 * height as u32).min(area).min(other))
+}
+
+/// The IoU of two areas that share a third.
+fn iou(area: u32, other: u32, both: u32) -> f32 {
+    both as f32 / (area + other - both) as f32
 }
 
 /// A mask with its bounding box and area.
@@ -69,13 +105,10 @@ impl Measured {
 
     /// Intersection over union; 0 if one area is more than twice the other.
     pub(super) fn iou(&self, other: &Self) -> f32 {
-        let (a, b) = (self.bounds, other.bounds);
-        let apart = a.0 >= b.2 || b.0 >= a.2 || a.1 >= b.3 || b.1 >= a.3;
-        if apart || self.area.min(other.area) * 2 < self.area.max(other.area) {
+        if most((self.bounds, self.area), (other.bounds, other.area)) == 0.0 {
             return 0.0;
         }
-        let both = self.mask.overlap(&other.mask);
-        both as f32 / (self.area + other.area - both) as f32
+        iou(self.area, other.area, self.mask.overlap(&other.mask))
     }
 }
 
@@ -99,9 +132,10 @@ mod tests {
             let a = rectangle(x, y, w, h);
             let b = rectangle(x + dx, y + dy, (w + dw).max(1), (h + dh).max(1));
             let mut index = SimilarMasks::default();
-            index.add(a.bounds, 7);
+            index.add(&a, 7);
             if a.iou(&b) > 0.5 {
-                prop_assert_eq!(index.near(b.bounds), [7]);
+                let near = index.near(&b, 0.5);
+                prop_assert!(near.len() == 1 && near[0].index == 7 && near[0].most >= a.iou(&b));
             }
         }
     }

@@ -4,9 +4,9 @@
 use super::ScoredMask;
 use super::disjoint::disjoint;
 use crate::error::Result;
-use crate::raster::{Mask, Span};
+use crate::raster::{Filter, Mask, Span, resized};
 use image::RgbImage;
-use image::imageops::{FilterType, crop_imm, resize};
+use image::imageops::crop_imm;
 
 /// Largest side of what is segmented at once, in pixels, if the other is as long.
 const LARGEST: u32 = 2200;
@@ -26,7 +26,7 @@ pub(super) fn segment(
     if u64::from(width) * u64::from(height) <= u64::from(LARGEST) * u64::from(LARGEST) {
         return method(image);
     }
-    let half = resize(image, width.div_ceil(2), height.div_ceil(2), FilterType::Triangle);
+    let half = resized(image, width.div_ceil(2), height.div_ceil(2), Filter::Triangle);
     let mut offers = segment(&half, method)?;
     drop(half);
     for offer in &mut offers {

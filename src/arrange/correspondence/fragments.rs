@@ -134,13 +134,15 @@ fn fragment(
     if whole.is_empty() {
         return None;
     }
-    let stacked = fitted.stacked_outlines(count, |own, other| if own < other { BENEATH } else { 0.0 });
     let painted = |shape: &Shape, outline: Outline| Shape {
         gradient: shape.gradient.as_ref().map(|g| Box::new(g.moved(to_place))),
         ..shape.with_outline(outline)
     };
-    let patch = |(k, (detail, _)): (usize, &(&Shape, Mask))| painted(detail, moved(&stacked[k + 2]));
-    let patches = details.iter().enumerate().map(patch).filter(|p| !p.outline.is_empty());
+    let patch = |(own, (detail, _)): (u32, &(&Shape, Mask))| {
+        let stacked = fitted.stacked_outline(own, |other| if own < other { BENEATH } else { 0.0 });
+        painted(detail, moved(&stacked))
+    };
+    let patches = (2..).zip(&details).map(patch).filter(|p| !p.outline.is_empty());
     let painted = Element {
         library: LibraryId(known.library as u32),
         source: Some(ElementId(known.index)),

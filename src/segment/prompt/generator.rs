@@ -5,8 +5,8 @@ use super::{Embedded, PromptMask, Prompter};
 use crate::error::{Result, check};
 use crate::parallel::map;
 use crate::progress::{Progress, advance};
-use crate::raster::{LabelMap, Mask};
-use crate::segment::similar::{Measured, SimilarMasks};
+use crate::raster::{Filter, LabelMap, Mask, resized};
+use crate::segment::similar::{Measured, Near, SimilarMasks};
 use crate::segment::{ScoredMask, Segmenter};
 use image::RgbImage;
 
@@ -134,8 +134,7 @@ impl View {
             return cut;
         }
         let side = |n: u32| (libm::roundf(n as f32 * self.scale) as u32).max(1);
-        let filter = image::imageops::FilterType::CatmullRom;
-        image::imageops::resize(&cut, side(self.width), side(self.height), filter)
+        resized(&cut, side(self.width), side(self.height), Filter::CatmullRom)
     }
 
     /// All masks of the part that pass the thresholds, in pixels of the image.
@@ -188,16 +187,16 @@ impl Generator {
         let measured: Vec<Option<Measured>> = found.iter().map(measure).collect();
         let mut index = SimilarMasks::default();
         for (k, m) in measured.iter().enumerate() {
-            m.iter().for_each(|m| index.add(m.bounds, k));
+            m.iter().for_each(|m| index.add(m, k));
         }
         for new in here {
             let Some(own) = measure(&new) else { continue };
-            let same = |&k: &usize| {
+            let same = |&Near { index: k, .. }: &Near| {
                 found[k].scale == new.scale
                     && measured[k].as_ref().is_some_and(|m| m.iou(&own) >= self.params.duplicate)
             };
-            match index.near(own.bounds).into_iter().find(same) {
-                Some(k) => {
+            match index.near(&own, self.params.duplicate).into_iter().find(same) {
+                Some(Near { index: k, .. }) => {
                     let votes = found[k].votes + new.votes;
                     if new.score() > found[k].score() {
                         found[k] = new;
@@ -319,12 +318,12 @@ impl Search<'_> {
         proposals.sort_by(|a, b| b.score().total_cmp(&a.score()));
         let mut index = SimilarMasks::default();
         for proposal in proposals {
-            let near = index.near(proposal.cells.bounds);
-            let same = |&k: &usize| self.kept[k].cells.iou(&proposal.cells) >= self.params.duplicate;
-            match near.into_iter().find(same) {
-                Some(k) => self.kept[k].votes += proposal.votes,
+            let same =
+                |near: &Near| self.kept[near.index].cells.iou(&proposal.cells) >= self.params.duplicate;
+            match index.near(&proposal.cells, self.params.duplicate).into_iter().find(same) {
+                Some(near) => self.kept[near.index].votes += proposal.votes,
                 None => {
-                    index.add(proposal.cells.bounds, self.kept.len());
+                    index.add(&proposal.cells, self.kept.len());
                     self.kept.push(proposal);
                 }
             }

@@ -246,17 +246,29 @@ fn weight([a, b]: [&Look; 2], rim: &Rim, border: f32) -> f32 {
     (border * across + (1.0 - border) * means) * a.size.min(b.size)
 }
 
-/// Borders in the order of their weights.
+/// Borders in the order of their weights; ties: the older border first. Only those of the least weights are
+/// in a heap, which stays small enough for a processor's cache; the others wait in bins.
 struct Queue {
     heap: BinaryHeap<Reverse<(u32, u32)>>,
+    bins: Vec<Vec<(u32, u32)>>,
+    /// Number of bins whose borders are in the heap.
+    taken: usize,
     /// The least weight under which each border waits, as bits; those of positive floats have their order.
     least: Vec<u32>,
 }
 
+/// Bits of a weight beyond which weights of the same bin differ.
+const BIN: u32 = 16;
+
 impl Queue {
     fn new(weights: impl Iterator<Item = f32>) -> Self {
         let least: Vec<u32> = weights.map(f32::to_bits).collect();
-        Self { heap: least.iter().zip(0..).map(|(&bits, e)| Reverse((bits, e))).collect(), least }
+        let mut queue =
+            Self { heap: BinaryHeap::new(), bins: vec![Vec::new(); 1 << (32 - BIN)], taken: 0, least };
+        for e in 0..queue.least.len() {
+            queue.wait(queue.least[e], e as u32);
+        }
+        queue
     }
 
     /// Lets a border wait under a new weight. A larger one is taken into account when its turn comes.
@@ -268,17 +280,31 @@ impl Queue {
 
     fn push(&mut self, border: u32, weight: f32) {
         self.least[border as usize] = weight.to_bits();
-        self.heap.push(Reverse((weight.to_bits(), border)));
+        self.wait(weight.to_bits(), border);
+    }
+
+    fn wait(&mut self, bits: u32, border: u32) {
+        let bin = (bits >> BIN) as usize;
+        if bin < self.taken {
+            self.heap.push(Reverse((bits, border)))
+        } else {
+            self.bins[bin].push((bits, border))
+        }
     }
 
     /// The border of least weight, and that weight.
     fn pop(&mut self) -> Option<(f32, u32)> {
-        while let Some(Reverse((bits, border))) = self.heap.pop() {
-            if bits == self.least[border as usize] {
-                return Some((f32::from_bits(bits), border));
+        loop {
+            while let Some(Reverse((bits, border))) = self.heap.pop() {
+                if bits == self.least[border as usize] {
+                    return Some((f32::from_bits(bits), border));
+                }
             }
+            let bin = self.bins[self.taken..].iter().position(|bin| !bin.is_empty())?;
+            self.taken += bin + 1;
+            let bin = std::mem::take(&mut self.bins[self.taken - 1]);
+            self.heap = bin.into_iter().map(Reverse).collect();
         }
-        None
     }
 }
 

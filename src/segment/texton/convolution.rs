@@ -1,145 +1,178 @@
-//! Convolutions of maps with several channels, computed directly.
+//! Convolutions of maps with several channels.
 //!
 //! A library for networks in general copies the surroundings of each cell into a matrix first
 //! ("im2col"), which for a network of few channels takes as long as the multiplications. Here the
-//! multiplications read the maps themselves: maps have edges of zeros, so every tap of a kernel is the
-//! same map read from another place.
+//! multiplications read the maps themselves, and a kernel of 3 × 3 weights needs a quarter of them
+//! (`winograd.rs`).
 //!
-//! Every sum is taken in the order of the taps, so results do not depend on threads, nor, among
-//! processors that multiply and add in one step, on the width of their vectors.
+//! Every sum is taken in the same order, so results do not depend on threads, nor, among processors that
+//! multiply and add in one step, on the width of their vectors.
 
+use super::winograd::{self, Tiles};
 use crate::parallel::for_chunks;
 use rten_simd::ops::{BitOps, NumOps};
 use rten_simd::{Isa, SimdOp};
 
-/// Width of the zeros around maps, in cells: as far as any kernel reaches.
-const EDGE: usize = 4;
-/// Number of cells of which lines hold a multiple: two of the widest vectors.
-const BLOCK: usize = 32;
-/// Number of channels computed together: as many as fit the registers, twice.
-const TOGETHER: usize = 8;
+/// Number of which channels are a multiple: the values of the widest vectors.
+pub(super) const WIDE: usize = 16;
+/// Number of cells computed together: as many as fit the registers.
+pub(super) const TOGETHER: usize = 4;
 
 /// Maps of the same size, one for each channel.
 pub(super) struct Maps {
+    /// A multiple of [`WIDE`].
     pub(super) channels: usize,
     pub(super) width: usize,
     pub(super) height: usize,
-    /// For each row a line for each channel, with edges, and [`EDGE`] rows of zeros above and below.
+    /// The channels of each cell, cells in rows.
     values: Vec<f32>,
 }
 
 impl Maps {
     pub(super) fn zeros(channels: usize, width: usize, height: usize) -> Self {
-        let values = vec![0.0; (height + 2 * EDGE) * channels * line(width)];
-        Self { channels, width, height, values }
+        assert!(channels.is_multiple_of(WIDE), "{channels} channels");
+        Self { channels, width, height, values: vec![0.0; channels * width * height] }
     }
 
-    /// The values of a channel in a row.
-    pub(super) fn row(&self, channel: usize, y: usize) -> &[f32] {
-        let start = ((y + EDGE) * self.channels + channel) * line(self.width) + EDGE;
-        &self.values[start..start + self.width]
+    /// The channels of each cell, cells in rows.
+    pub(super) fn into_values(self) -> Vec<f32> {
+        self.values
     }
 
-    /// Does `f(y, lines)` for each row, on several threads. `lines` are those of all channels, see
-    /// [`rows_of`].
-    pub(super) fn for_rows(&mut self, f: impl Fn(usize, &mut [f32]) + Sync + Send) {
-        let size = self.channels * line(self.width);
-        let rows = &mut self.values[EDGE * size..(EDGE + self.height) * size];
-        for_chunks(rows, size, f);
+    /// The channels of a cell.
+    pub(super) fn cell(&self, x: usize, y: usize) -> &[f32] {
+        &self.values[(y * self.width + x) * self.channels..][..self.channels]
     }
 
-    /// The four maps of every other cell and row of each channel: even rows before odd ones, in each even
-    /// columns before odd ones. Channels of the same cells follow one another.
-    pub(super) fn halved(&self) -> Self {
-        let mut halves = Self::zeros(4 * self.channels, self.width / 2, self.height / 2);
-        let width = halves.width;
-        halves.for_rows(|y, lines| {
-            for (channel, row) in rows_of(lines, width).enumerate() {
-                let (part, channel) = (channel / self.channels, channel % self.channels);
-                let from = self.row(channel, 2 * y + part / 2);
-                row.iter_mut().zip(from[part % 2..].iter().step_by(2)).for_each(|(to, from)| *to = *from);
-            }
-        });
-        halves
+    /// The channels of a cell, or `outside` where there is none.
+    pub(super) fn cell_or<'a>(&'a self, x: isize, y: isize, outside: &'a [f32]) -> &'a [f32] {
+        match (usize::try_from(x), usize::try_from(y)) {
+            (Ok(x), Ok(y)) if x < self.width && y < self.height => self.cell(x, y),
+            _ => outside,
+        }
+    }
+
+    /// Does `f(k, rows)` for each `count` rows (fewer at the end), on several threads.
+    pub(super) fn for_rows(&mut self, count: usize, f: impl Fn(usize, &mut [f32]) + Sync + Send) {
+        for_chunks(&mut self.values, count * self.width * self.channels, f);
     }
 
     /// Adds maps of half the size, enlarged by linear interpolation.
     pub(super) fn add_enlarged(&mut self, half: &Self) {
-        let width = self.width;
-        self.for_rows(|y, lines| {
-            let other = if y % 2 == 0 { (y / 2).saturating_sub(1) } else { (y / 2 + 1).min(half.height - 1) };
-            for (channel, row) in rows_of(lines, width).enumerate() {
-                let (near, far) = (half.row(channel, y / 2), half.row(channel, other));
-                let at = |x: usize| 0.75 * near[x] + 0.25 * far[x];
-                let mut before = at(0);
-                let mut here = before;
-                for x in 0..half.width {
-                    let after = if x + 1 < half.width { at(x + 1) } else { here };
-                    row[2 * x] += 0.75 * here + 0.25 * before;
-                    row[2 * x + 1] += 0.75 * here + 0.25 * after;
-                    (before, here) = (here, after);
+        // The cell that is nearest, and the one that is next to it on the other side.
+        let next = |v: usize, n: usize| {
+            if v.is_multiple_of(2) { (v / 2).saturating_sub(1) } else { (v / 2 + 1).min(n - 1) }
+        };
+        let channels = self.channels;
+        self.for_rows(1, |y, row| {
+            let (near, far) = (y / 2, next(y, half.height));
+            for (x, cell) in row.chunks_exact_mut(channels).enumerate() {
+                let (here, beside) = (x / 2, next(x, half.width));
+                let corners = half.cell(here, near).iter().zip(half.cell(here, far));
+                let others = half.cell(beside, near).iter().zip(half.cell(beside, far));
+                for ((value, (a, b)), (c, d)) in cell.iter_mut().zip(corners).zip(others) {
+                    *value += 0.75 * (0.75 * a + 0.25 * b) + 0.25 * (0.75 * c + 0.25 * d);
                 }
             }
         });
     }
 }
 
-/// Length of a line of maps, edges included.
-fn line(width: usize) -> usize {
-    width.next_multiple_of(BLOCK) + 2 * EDGE
-}
-
-/// The cells of each channel of the lines of a row.
-pub(super) fn rows_of(lines: &mut [f32], width: usize) -> impl Iterator<Item = &mut [f32]> {
-    lines.chunks_exact_mut(line(width)).map(move |line| &mut line[EDGE..EDGE + width])
-}
-
-/// Where a weight reads: a channel, and steps down and to the right, each at most [`EDGE`].
-type Tap = (usize, isize, isize);
-
-/// A convolution of step 1 whose output has the size of its input.
-pub(super) struct Convolution {
-    channels: usize,
-    taps: Vec<Tap>,
-    /// For each [`TOGETHER`] channels and each tap, their weights.
+/// A matrix of weights, inputs × outputs.
+pub(super) struct Matrix {
+    inputs: usize,
+    /// Number of vectors of outputs computed together.
+    pub(super) vectors: usize,
+    /// For each strip of as many outputs as these vectors hold, and each input, their weights.
     weights: Vec<f32>,
-    bias: Vec<f32>,
+}
+
+impl Matrix {
+    /// From the weight of each input and output. There are as many inputs as make whole vectors.
+    pub(super) fn new(inputs: usize, outputs: usize, weight: impl Fn(usize, usize) -> f32) -> Self {
+        let lanes = Lanes.dispatch();
+        // AVX2 has half as many registers as the others have.
+        let most = if lanes == 8 { 3 } else { 4 };
+        let vectors = (1..=most).rev().find(|n| outputs.is_multiple_of(n * lanes)).unwrap_or(1);
+        let size = vectors * lanes;
+        let mut weights = Vec::with_capacity(inputs.next_multiple_of(WIDE) * outputs);
+        for first in (0..outputs).step_by(size) {
+            for k in 0..inputs.next_multiple_of(WIDE) {
+                weights.extend((first..first + size).map(|m| if k < inputs { weight(k, m) } else { 0.0 }));
+            }
+        }
+        Self { inputs: inputs.next_multiple_of(WIDE), vectors, weights }
+    }
+
+    /// The weights of each strip of outputs.
+    pub(super) fn strips<const V: usize>(&self, lanes: usize) -> impl Iterator<Item = &[f32]> {
+        self.weights.chunks_exact(self.inputs * V * lanes)
+    }
+}
+
+/// The number of values of a vector.
+struct Lanes;
+
+impl SimdOp for Lanes {
+    type Output = usize;
+
+    fn eval<I: Isa>(self, isa: I) -> usize {
+        isa.f32().len()
+    }
+}
+
+/// Adds to `sums`, for each cell, the products of its inputs with a strip of weights.
+// No closures here: where one is not inlined, it knows nothing of the vectors.
+#[inline(always)]
+pub(super) fn multiply<I: Isa, const V: usize>(
+    isa: I,
+    cells: [&[f32]; TOGETHER],
+    strip: &[f32],
+    sums: &mut [[I::F32; V]; TOGETHER],
+) {
+    let ops = isa.f32();
+    for (k, weights) in strip.chunks_exact(V * ops.len()).enumerate() {
+        let weights: [I::F32; V] = ops.load_many(weights);
+        for (sums, cell) in sums.iter_mut().zip(cells) {
+            let value = ops.splat(cell[k]);
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum = ops.mul_add(value, weight, *sum);
+            }
+        }
+    }
+}
+
+/// How a convolution is computed.
+enum Form {
+    /// By one matrix for each weight of the kernel: `side`² of them, applied to every cell or every other.
+    Direct { side: usize, step: usize },
+    /// A kernel of 3 × 3, `dilation` cells apart, by the matrices of [`winograd`].
+    Tiles { dilation: usize },
+}
+
+/// A convolution with zeros around its input.
+pub(super) struct Convolution {
+    form: Form,
+    matrices: Vec<Matrix>,
+    pub(super) bias: Vec<f32>,
     /// Whether negative sums become 0.
     rectified: bool,
 }
 
 impl Convolution {
-    /// From weights of shape outputs × inputs × `side` × `side` (`side` 1 or 3) and a bias for each output.
-    /// Taps are `dilation` cells apart.
-    pub(super) fn new(weights: &[f32], bias: &[f32], side: usize, dilation: usize) -> Self {
-        let inputs = weights.len() / (bias.len() * side * side);
-        let step = |k: usize| (k as isize - (side / 2) as isize) * dilation as isize;
-        let taps =
-            (0..inputs * side * side).map(|k| (k / (side * side), step(k / side % side), step(k % side)));
-        Self::of_taps(weights, bias, taps.collect())
-    }
-
-    /// From weights of shape outputs × inputs × 3 × 3 for every other cell and row, to be applied to maps
-    /// that are [`halved`](Maps::halved).
-    pub(super) fn of_step_2(weights: &[f32], bias: &[f32]) -> Self {
-        let inputs = weights.len() / (bias.len() * 9);
-        let (part, step) = ([1, 0, 1], [-1, 0, 0]);
-        let tap = |k: usize| {
-            let (y, x) = (k / 3 % 3, k % 3);
-            ((2 * part[y] + part[x]) * inputs + k / 9, step[y], step[x])
+    /// From weights of shape outputs × inputs × `side` × `side` (`side` 1 or 3) and a bias for each output, a
+    /// multiple of [`WIDE`]. It is applied at every `step`-th cell and row; its weights are `dilation` cells
+    /// apart, 1 where they are applied directly.
+    pub(super) fn new(weights: &[f32], bias: &[f32], side: usize, step: usize, dilation: usize) -> Self {
+        let (outputs, taps) = (bias.len(), side * side);
+        let inputs = weights.len() / (outputs * taps);
+        let (form, matrices) = if side == 3 && step == 1 {
+            (Form::Tiles { dilation }, winograd::matrices(weights, inputs, outputs))
+        } else {
+            let matrix = |tap| Matrix::new(inputs, outputs, |k, m| weights[(m * inputs + k) * taps + tap]);
+            (Form::Direct { side, step }, (0..taps).map(matrix).collect())
         };
-        Self::of_taps(weights, bias, (0..inputs * 9).map(tap).collect())
-    }
-
-    fn of_taps(weights: &[f32], bias: &[f32], taps: Vec<Tap>) -> Self {
-        let weight = |group: usize, k: usize, m: usize| weights[(group * TOGETHER + m) * taps.len() + k];
-        let mut sorted = Vec::with_capacity(weights.len());
-        for group in 0..bias.len() / TOGETHER {
-            for k in 0..taps.len() {
-                sorted.extend((0..TOGETHER).map(|m| weight(group, k, m)));
-            }
-        }
-        Self { channels: bias.len(), taps, weights: sorted, bias: bias.to_vec(), rectified: true }
+        Self { form, matrices, bias: bias.to_vec(), rectified: true }
     }
 
     /// The same, but negative sums stay.
@@ -148,7 +181,8 @@ impl Convolution {
     }
 
     pub(super) fn of(&self, input: &Maps) -> Maps {
-        let mut output = Maps::zeros(self.channels, input.width, input.height);
+        let step = if let Form::Direct { step, .. } = self.form { step } else { 1 };
+        let mut output = Maps::zeros(self.bias.len(), input.width / step, input.height / step);
         self.run(input, &mut output, false);
         output
     }
@@ -159,32 +193,53 @@ impl Convolution {
     }
 
     fn run(&self, input: &Maps, output: &mut Maps, add: bool) {
-        let line = line(input.width);
-        // From the first line of the uppermost row that a tap reads.
-        let offset = |&(channel, dy, dx): &Tap| {
-            let [row, column] = [dy, dx].map(|d| (EDGE as isize + d) as usize);
-            (row * input.channels + channel) * line + column
-        };
-        let offsets: Vec<usize> = self.taps.iter().map(offset).collect();
-        let width = input.width;
-        output.for_rows(|y, lines| {
-            let input = &input.values[y * input.channels * line..];
-            Row { convolution: self, offsets: &offsets, input, add, width, lines }.dispatch();
-        });
+        let least = if self.rectified { 0.0 } else { f32::NEG_INFINITY };
+        let store = Store { bias: &self.bias, add, least };
+        let matrices = &self.matrices;
+        match self.form {
+            Form::Direct { side, step } => {
+                let zeros = vec![0.0; input.channels];
+                output.for_rows(1, |y, row| {
+                    Row { matrices, side, step, input, zeros: &zeros, store, y, row }.dispatch();
+                });
+            }
+            Form::Tiles { dilation } => Tiles { matrices, dilation, input, store }.run(output),
+        }
     }
 }
 
-/// The work of one row.
-struct Row<'a> {
-    convolution: &'a Convolution,
-    /// Place in `input` of each tap for the first cell.
-    offsets: &'a [usize],
-    /// The input from the uppermost row that a tap reads.
-    input: &'a [f32],
+/// What becomes of the sums of a convolution.
+#[derive(Clone, Copy)]
+pub(super) struct Store<'a> {
+    pub(super) bias: &'a [f32],
+    /// Whether they are added to what is there.
     add: bool,
-    width: usize,
-    /// The lines of all channels of the output.
-    lines: &'a mut [f32],
+    /// Smaller values become this.
+    least: f32,
+}
+
+impl Store<'_> {
+    /// Stores the sums of some channels of a cell, without their bias.
+    #[inline(always)]
+    pub(super) fn store<I: Isa>(&self, isa: I, sum: I::F32, bias: &[f32], to: &mut [f32]) {
+        let ops = isa.f32();
+        let sum = ops.add(sum, ops.load(bias));
+        let sum = if self.add { ops.add(sum, ops.load(to)) } else { sum };
+        ops.store(ops.max(sum, ops.splat(self.least)), to);
+    }
+}
+
+/// The work of one row of a direct convolution.
+struct Row<'a> {
+    matrices: &'a [Matrix],
+    side: usize,
+    step: usize,
+    input: &'a Maps,
+    /// A cell outside the input.
+    zeros: &'a [f32],
+    store: Store<'a>,
+    y: usize,
+    row: &'a mut [f32],
 }
 
 impl SimdOp for Row<'_> {
@@ -192,50 +247,41 @@ impl SimdOp for Row<'_> {
 
     #[inline(always)]
     fn eval<I: Isa>(self, isa: I) {
-        // AVX2 has half as many registers as the others have.
-        if isa.f32().len() == 8 { self.sums::<I, 4>(isa) } else { self.sums::<I, TOGETHER>(isa) }
+        match self.matrices[0].vectors {
+            1 => self.sums::<I, 1>(isa),
+            2 => self.sums::<I, 2>(isa),
+            3 => self.sums::<I, 3>(isa),
+            _ => self.sums::<I, 4>(isa),
+        }
     }
 }
 
 impl Row<'_> {
-    /// The sums of all channels, `M` together.
     #[inline(always)]
-    fn sums<I: Isa, const M: usize>(self, isa: I) {
+    fn sums<I: Isa, const V: usize>(self, isa: I) {
         let ops = isa.f32();
-        let Self { convolution, offsets, input, add, width, lines } = self;
-        let (line, step) = (line(width), 2 * ops.len());
-        let least = ops.splat(if convolution.rectified { 0.0 } else { f32::NEG_INFINITY });
-        let groups = convolution.weights.chunks_exact(offsets.len() * TOGETHER);
-        for (group, weights) in groups.enumerate() {
-            for part in (0..TOGETHER).step_by(M) {
-                let first = group * TOGETHER + part;
-                let bias = &convolution.bias[first..first + M];
-                let lines = &mut lines[first * line..(first + M) * line];
-                for x in (0..width).step_by(step) {
-                    // No closures here: where one is not inlined, it knows nothing of the vectors.
-                    let mut sums = [[ops.zero(); 2]; M];
-                    for (sum, &bias) in sums.iter_mut().zip(bias) {
-                        *sum = [ops.splat(bias); 2];
+        let Self { matrices, side, step, input, zeros, store, y, row } = self;
+        let channels = store.bias.len();
+        let size = V * ops.len();
+        for (group, cells) in row.chunks_mut(TOGETHER * channels).enumerate() {
+            for strip in 0..channels / size {
+                let mut sums = [[ops.zero(); V]; TOGETHER];
+                for (tap, matrix) in matrices.iter().enumerate() {
+                    let at = |v: usize, tap: usize| (v * step + tap) as isize - (side / 2) as isize;
+                    let row = at(y, tap / side);
+                    let mut inputs = [zeros; TOGETHER];
+                    for (k, inputs) in inputs.iter_mut().enumerate() {
+                        *inputs = input.cell_or(at(group * TOGETHER + k, tap % side), row, zeros);
                     }
-                    for (&offset, weights) in offsets.iter().zip(weights.chunks_exact(TOGETHER)) {
-                        let (first, second) = input[offset + x..offset + x + step].split_at(step / 2);
-                        let (first, second) = (ops.load(first), ops.load(second));
-                        for (sum, &weight) in sums.iter_mut().zip(&weights[part..part + M]) {
-                            let weight = ops.splat(weight);
-                            *sum = [ops.mul_add(first, weight, sum[0]), ops.mul_add(second, weight, sum[1])];
-                        }
-                    }
-                    for (sum, line) in sums.into_iter().zip(lines.chunks_exact_mut(line)) {
-                        let to = &mut line[EDGE + x..EDGE + x + step];
-                        for (sum, to) in sum.into_iter().zip(to.chunks_exact_mut(step / 2)) {
-                            let sum = if add { ops.add(sum, ops.load(to)) } else { sum };
-                            ops.store(ops.max(sum, least), to);
-                        }
-                    }
+                    let length = matrix.inputs * size;
+                    multiply(isa, inputs, &matrix.weights[strip * length..][..length], &mut sums);
                 }
-                // Beyond the last cell there are zeros again.
-                for line in lines.chunks_exact_mut(line) {
-                    line[EDGE + width..].fill(0.0);
+                let bias = &store.bias[strip * size..][..size];
+                for (cell, sums) in cells.chunks_exact_mut(channels).zip(sums) {
+                    let to = cell[strip * size..][..size].chunks_exact_mut(ops.len());
+                    for ((to, bias), sum) in to.zip(bias.chunks_exact(ops.len())).zip(sums) {
+                        store.store(isa, sum, bias, to);
+                    }
                 }
             }
         }
@@ -247,118 +293,97 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// Some numbers between -1 and 1.
+    fn values(count: usize, seed: u32) -> Vec<f32> {
+        let value = |k: u32| ((k ^ seed).wrapping_mul(2_654_435_761) >> 16) as f32 / 32_768.0 - 1.0;
+        (0..count as u32).map(value).collect()
+    }
+
     fn maps(channels: usize, width: usize, height: usize, seed: u32) -> Maps {
-        let mut maps = Maps::zeros(channels, width, height);
-        maps.for_rows(|y, lines| {
-            for (channel, row) in rows_of(lines, width).enumerate() {
-                for (x, value) in row.iter_mut().enumerate() {
-                    let k = ((channel * 31 + y) * 57 + x) as u32 ^ seed;
-                    *value = (k.wrapping_mul(2_654_435_761) >> 16) as f32 / 32_768.0 - 1.0;
-                }
-            }
-        });
-        maps
+        Maps { channels, width, height, values: values(channels * width * height, seed) }
     }
 
-    fn at(maps: &Maps, channel: usize, y: isize, x: isize) -> f32 {
-        let inside = (0..maps.height as isize).contains(&y) && (0..maps.width as isize).contains(&x);
-        if inside { maps.row(channel, y as usize)[x as usize] } else { 0.0 }
-    }
-
-    /// The sum as the definition has it.
-    fn sum(
+    /// The sums of a cell as the definition has them.
+    fn sums(
         weights: &[f32],
         input: &Maps,
-        output: usize,
-        [y, x]: [isize; 2],
-        [side, dilation]: [usize; 2],
-    ) -> f32 {
-        let reach = (side / 2 * dilation) as isize;
-        let mut sum = 0.0;
-        for channel in 0..input.channels {
-            for ky in 0..side {
-                for kx in 0..side {
-                    let weight = weights[((output * input.channels + channel) * side + ky) * side + kx];
-                    let [dy, dx] = [ky, kx].map(|k| (k * dilation) as isize - reach);
-                    sum += weight * at(input, channel, y + dy, x + dx);
-                }
+        [x, y]: [usize; 2],
+        [side, step, dilation]: [usize; 3],
+    ) -> Vec<f32> {
+        let zeros = vec![0.0; input.channels];
+        let at = |v: usize, k: usize| (v * step + k * dilation) as isize - (side / 2 * dilation) as isize;
+        let mut sums = Vec::new();
+        for weights in weights.chunks_exact(input.channels * side * side) {
+            let mut sum = 0.0;
+            for (ky, kx) in (0..side).flat_map(|ky| (0..side).map(move |kx| (ky, kx))) {
+                let cell = input.cell_or(at(x, kx), at(y, ky), &zeros);
+                let weight = |channel: usize| weights[(channel * side + ky) * side + kx];
+                sum += (0..input.channels).map(|k| weight(k) * cell[k]).sum::<f32>();
             }
+            sums.push(sum);
         }
-        sum
+        sums
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(32))]
+        #![proptest_config(ProptestConfig::with_cases(48))]
 
         #[test]
         fn sums_are_those_of_the_definition(
-            (inputs, outputs) in (1..4usize, 1..3usize),
-            (width, height) in (1..70usize, 1..6usize),
-            (side, dilation) in prop::sample::select(vec![(1, 1), (3, 1), (3, 2), (3, 4)]),
+            inputs in 1..3usize,
+            outputs in prop::sample::select(vec![1, 2, 3, 5, 8]),
+            (width, height) in (1..40usize, 1..20usize),
+            (side, step, dilation) in
+                prop::sample::select(vec![(1, 1, 1), (3, 2, 1), (3, 1, 1), (3, 1, 2), (3, 1, 4)]),
             seed in any::<u32>(),
         ) {
-            let outputs = outputs * TOGETHER;
-            let values = maps(outputs, inputs * side * side, 1, seed);
-            let weights: Vec<f32> = (0..outputs).flat_map(|k| values.row(k, 0).to_vec()).collect();
-            let bias: Vec<f32> = (0..outputs).map(|k| k as f32 / 8.0 - 1.0).collect();
-            let input = maps(inputs, width, height, seed / 2);
-            let convolution = Convolution::new(&weights, &bias, side, dilation);
+            let [inputs, outputs] = [inputs, outputs].map(|n| n * WIDE);
+            let weights = values(outputs * inputs * side * side, seed);
+            let bias = values(outputs, !seed);
+            let input = maps(inputs, width * step, height * step, seed / 2);
+            let convolution = Convolution::new(&weights, &bias, side, step, dilation);
             let rectified = convolution.of(&input);
-            let mut added = maps(outputs, width, height, 7);
-            let convolution = convolution.linear();
-            convolution.add_to(&input, &mut added);
+            prop_assert_eq!([rectified.width, rectified.height], [width, height]);
             let before = maps(outputs, width, height, 7);
-            for channel in 0..outputs {
-                for y in 0..height {
-                    for x in 0..width {
-                        let here = [y as isize, x as isize];
-                        let sum = bias[channel] + sum(&weights, &input, channel, here, [side, dilation]);
-                        prop_assert!((rectified.row(channel, y)[x] - sum.max(0.0)).abs() < 1e-4);
-                        let sum = sum + before.row(channel, y)[x];
-                        prop_assert!((added.row(channel, y)[x] - sum).abs() < 1e-4);
-                    }
+            let mut added = maps(outputs, width, height, 7);
+            convolution.linear().add_to(&input, &mut added);
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                let sums = sums(&weights, &input, [x, y], [side, step, dilation]);
+                for (channel, sum) in sums.into_iter().enumerate() {
+                    let sum = bias[channel] + sum;
+                    prop_assert!((rectified.cell(x, y)[channel] - sum.max(0.0)).abs() < 2e-4);
+                    let sum = sum + before.cell(x, y)[channel];
+                    prop_assert!((added.cell(x, y)[channel] - sum).abs() < 2e-4);
                 }
             }
-            // Edges are still zeros: what reads them adds nothing.
-            let inner: f32 = (0..outputs).flat_map(|c| (0..height).map(move |y| (c, y)))
-                .map(|(c, y)| rectified.row(c, y).iter().sum::<f32>()).sum();
-            prop_assert!((rectified.values.iter().sum::<f32>() - inner).abs() <= 1e-3 * (1.0 + inner.abs()));
         }
     }
 
     #[test]
-    fn a_step_of_2_is_every_other_sum() {
-        let input = maps(3, 44, 10, 5);
-        let values = maps(TOGETHER, 27, 1, 9);
-        let weights: Vec<f32> = (0..TOGETHER).flat_map(|k| values.row(k, 0).to_vec()).collect();
-        let bias = [0.25; TOGETHER];
-        let all = Convolution::new(&weights, &bias, 3, 1).of(&input);
-        let every_other = Convolution::of_step_2(&weights, &bias).of(&input.halved());
-        assert_eq!([every_other.width, every_other.height], [22, 5]);
-        for channel in 0..TOGETHER {
-            for y in 0..5 {
-                for x in 0..22 {
-                    let (a, b) = (all.row(channel, 2 * y)[2 * x], every_other.row(channel, y)[x]);
-                    assert!((a - b).abs() < 1e-5, "{a} {b}");
-                }
-            }
-        }
+    fn inputs_that_do_not_fill_a_vector_count_as_zeros() {
+        let weights = values(WIDE * 3, 5);
+        let convolution = Convolution::new(&weights, &[0.0; WIDE], 1, 1, 1).linear();
+        let mut input = maps(WIDE, 2, 1, 9);
+        let sums = convolution.of(&input);
+        input.values[WIDE + 3..].fill(0.0);
+        assert_eq!(sums.values, convolution.of(&input).values);
+        let expected: f32 = (0..3).map(|k| weights[k] * input.cell(0, 0)[k]).sum();
+        assert!((sums.cell(0, 0)[0] - expected).abs() < 1e-6);
     }
 
     #[test]
     fn what_is_linear_stays_so_enlarged() {
-        let mut half = Maps::zeros(2, 6, 4);
-        half.for_rows(|y, lines| {
-            for (channel, row) in rows_of(lines, 6).enumerate() {
-                row.iter_mut().enumerate().for_each(|(x, v)| *v = (x + 10 * y + 100 * channel) as f32);
-            }
-        });
-        let mut whole = Maps::zeros(2, 12, 8);
+        let mut half = Maps::zeros(WIDE, 6, 4);
+        for (k, value) in half.values.iter_mut().enumerate() {
+            let (channel, x, y) = (k % WIDE, k / WIDE % 6, k / WIDE / 6);
+            *value = (x + 10 * y + 100 * channel) as f32;
+        }
+        let mut whole = Maps::zeros(WIDE, 12, 8);
         whole.add_enlarged(&half);
         for (y, x) in (1..7).flat_map(|y| (1..11).map(move |x| (y, x))) {
             let expected = 100.0 + (x as f32 - 0.5) / 2.0 + 10.0 * (y as f32 - 0.5) / 2.0;
-            assert!((whole.row(1, y)[x] - expected).abs() < 1e-4, "{x} {y}");
+            assert!((whole.cell(x, y)[1] - expected).abs() < 1e-4, "{x} {y}");
         }
-        assert_eq!(whole.row(0, 0)[0], 0.0);
+        assert_eq!(whole.cell(0, 0)[0], 0.0);
     }
 }

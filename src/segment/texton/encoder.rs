@@ -1,7 +1,7 @@
 //! The encoder of the texton network: image → embedding. `models/texton/network.py` is its definition, and
 //! `encoder.onnx` holds its weights, with normalisation folded in.
 
-use super::convolution::{Convolution, Maps, rows_of};
+use super::convolution::{Convolution, Maps, WIDE};
 use crate::error::Error;
 use image::RgbImage;
 use rten_onnx::onnx::{GraphProto, ModelProto, NodeProto};
@@ -33,7 +33,7 @@ impl Residual {
     }
 }
 
-/// Maps of half the size, then residuals.
+/// A convolution to half the size, then residuals.
 struct Down {
     first: Convolution,
     then: Vec<Residual>,
@@ -41,7 +41,7 @@ struct Down {
 
 impl Down {
     fn of(&self, maps: &Maps) -> Maps {
-        let mut maps = self.first.of(&maps.halved());
+        let mut maps = self.first.of(maps);
         self.then.iter().for_each(|residual| residual.apply(&mut maps));
         maps
     }
@@ -54,8 +54,11 @@ struct Up {
 }
 
 impl Up {
-    fn join(&self, small: &Maps, large: &mut Maps) {
-        large.add_enlarged(&self.narrow.of(small));
+    fn join(&self, small: Maps, large: &mut Maps) {
+        let narrow = self.narrow.of(&small);
+        drop(small);
+        large.add_enlarged(&narrow);
+        drop(narrow);
         self.join.apply(large);
     }
 }
@@ -107,39 +110,42 @@ impl Encoder {
     /// The channels of each cell of the part of an image that begins at a pixel. Its sides are multiples of
     /// [`ALIGN`]; beyond the image's border the image is mirrored.
     pub(super) fn encode(&self, image: &RgbImage, [x0, y0]: [usize; 2], [w, h]: [usize; 2]) -> Maps {
-        let mut maps = Maps::zeros(3, w, h);
+        // The four pixels of a cell, each with its three channels.
+        let mut maps = Maps::zeros(WIDE, w / 2, h / 2);
         let last = [image.width(), image.height()].map(|n| (n as usize).saturating_sub(1));
-        let at = |v: usize, last: usize| if v <= last { v } else { (2 * last).saturating_sub(v) };
-        maps.for_rows(|y, lines| {
-            let y = at(y0 + y, last[1]) as u32;
-            for (channel, row) in rows_of(lines, w).enumerate() {
-                for (x, value) in row.iter_mut().enumerate() {
-                    let byte = image.get_pixel(at(x0 + x, last[0]) as u32, y).0[channel];
-                    *value = (f32::from(byte) / 255.0 - 0.45) * 4.0;
+        let at = |v: usize, last: usize| if v <= last { v } else { (2 * last).saturating_sub(v) } as u32;
+        maps.for_rows(1, |y, row| {
+            for (x, cell) in row.chunks_exact_mut(WIDE).enumerate() {
+                for (k, pixel) in cell.chunks_exact_mut(3).take(4).enumerate() {
+                    let (x, y) = (at(x0 + 2 * x + k % 2, last[0]), at(y0 + 2 * y + k / 2, last[1]));
+                    let bytes = image.get_pixel(x, y).0;
+                    pixel
+                        .iter_mut()
+                        .zip(bytes)
+                        .for_each(|(v, byte)| *v = (f32::from(byte) / 255.0 - 0.45) * 4.0);
                 }
             }
         });
         let [down1, down2, down3] = &self.down;
         let [up3, up2, up1] = &self.up;
-        let mut x1 = self.first.of(&maps.halved());
+        let mut x1 = self.first.of(&maps);
+        drop(maps);
         self.stem.apply(&mut x1);
         let mut x2 = down1.of(&x1);
         let mut x3 = down2.of(&x2);
         let x4 = down3.of(&x3);
-        up3.join(&x4, &mut x3);
-        up2.join(&x3, &mut x2);
-        up1.join(&x2, &mut x1);
+        up3.join(x4, &mut x3);
+        up2.join(x3, &mut x2);
+        up1.join(x2, &mut x1);
         let x = self.last.of(&x1);
         drop(x1);
         let mut out = self.out.of(&x);
-        let wide = out.width;
-        out.for_rows(|y, lines| {
-            // From the corner of the part, in units of 16 px, as are the logits that become steps.
-            let centres = rows_of(lines, wide).skip(CENTRE).take(2).enumerate();
-            for (axis, row) in centres {
-                for (x, value) in row.iter_mut().enumerate() {
-                    let here = (2 * if axis == 0 { x } else { y } + 1) as f32;
-                    *value = (here + REACH * libm::tanhf(*value * (8.0 / REACH))) / UNIT;
+        drop(x);
+        out.for_rows(1, |y, row| {
+            for (x, cell) in row.chunks_exact_mut(CHANNELS).enumerate() {
+                for (value, at) in cell[CENTRE..].iter_mut().zip([x, y]) {
+                    // From the corner of the part, in units of 16 px, as are the logits that become steps.
+                    *value = ((2 * at + 1) as f32 + REACH * libm::tanhf(*value * (8.0 / REACH))) / UNIT;
                 }
             }
         });
@@ -176,8 +182,6 @@ fn convolution(graph: &GraphProto, node: &NodeProto) -> Result<Convolution, Stri
     let (Some(weights), Some(bias)) = (values(1), values(2)) else {
         return Err("a convolution has no weights".into());
     };
-    Ok(match number("strides") {
-        2 => Convolution::of_step_2(&weights, &bias),
-        _ => Convolution::new(&weights, &bias, number("kernel_shape"), number("dilations")),
-    })
+    let [side, step, dilation] = ["kernel_shape", "strides", "dilations"].map(number);
+    Ok(Convolution::new(&weights, &bias, side, step, dilation))
 }

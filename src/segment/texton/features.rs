@@ -1,7 +1,7 @@
 //! Features of a candidate mask, from the texton network and from the image.
 
 use super::network::Embedding;
-use crate::raster::{Mask, colour::oklab};
+use crate::raster::{Mask, Span, colour::oklab};
 use image::RgbImage;
 
 /// Number of features.
@@ -36,9 +36,9 @@ pub(super) struct Context {
     colours: Vec<[f32; 3]>,
     fine: Maps,
     coarse: Maps,
-    /// For each cell of the fine maps, the squared lengths of its appearance and of its centre, and its
-    /// largest expected IoU as a logit.
-    squares: Vec<[f64; 2]>,
+    /// For each cell of the fine maps, the squared length of its appearance, and its largest expected IoU
+    /// as a logit.
+    squares: Vec<f32>,
     quality: Vec<f32>,
     /// Means of the two probability maps over the image.
     texton: f32,
@@ -70,8 +70,13 @@ impl Maps {
         Self { scale, embedding, texton, border, columns, rows }
     }
 
+    /// The first cell of a row of pixels.
+    fn row(&self, y: i32) -> usize {
+        self.rows[y as usize] as usize
+    }
+
     fn cell(&self, x: i32, y: i32) -> usize {
-        (self.rows[y as usize] + self.columns[x as usize]) as usize
+        self.row(y) + self.columns[x as usize] as usize
     }
 }
 
@@ -81,17 +86,14 @@ impl Context {
         let size = [image.width(), image.height()];
         let fine = Maps::new(fine.0, fine.1, size);
         let cells = 0..fine.embedding.width * fine.embedding.height;
-        let square = |v: &[f32]| v.iter().map(|&v| f64::from(v) * f64::from(v)).sum::<f64>();
-        let squares = |i: usize| {
-            let cell = fine.embedding.cell(i);
-            [Embedding::APPEARANCE, Embedding::CENTRE_RANGE].map(|range| square(&cell[range]))
-        };
+        let square =
+            |i: usize| fine.embedding.cell(i)[Embedding::APPEARANCE].iter().map(|v| v * v).sum::<f32>();
         let mean = |v: &[f32]| (v.iter().map(|&v| f64::from(v)).sum::<f64>() / v.len().max(1) as f64) as f32;
         Self {
             width: image.width() as i32,
             height: image.height() as i32,
             colours: image.pixels().map(|p| oklab(p.0)).collect(),
-            squares: cells.clone().map(squares).collect(),
+            squares: cells.clone().map(square).collect(),
             quality: cells.map(|i| fine.embedding.quality(i)).collect(),
             texton: mean(&fine.texton),
             border: mean(&fine.border),
@@ -145,32 +147,64 @@ impl Context {
     }
 
     fn inside(&self, mask: &Mask) -> Inside {
-        const DIMENSIONS: usize = Embedding::CENTRE_RANGE.end;
-        let mut sums = [0.0f64; DIMENSIONS];
-        let mut squares = [0.0f64; 2];
+        const APPEARANCE: usize = Embedding::APPEARANCE.end;
+        let place = Embedding::CENTRE_RANGE.start;
+        let centre = |cell: usize| -> [f32; 2] {
+            let cell = self.fine.embedding.cell(cell);
+            [cell[place], cell[place + 1]]
+        };
+        // Centres relative to one of them, so that single precision is enough for their squares.
+        let origin = mask.spans().first().map_or([0.0; 2], |s| centre(self.fine.cell(s.x0, s.y)));
+        let (mut appearance, mut appearance_square) = ([0.0f64; APPEARANCE], 0.0f64);
+        let (mut centres, mut centre_square) = ([0.0f64; 2], 0.0f64);
         let (mut colour, mut colour_square) = ([0.0f64; 3], 0.0f64);
         let (mut texton, mut border, mut quality) = ([0.0f64; 2], [0.0f64; 2], 0.0f64);
         let (mut moments, mut n) = ([0.0f64; 5], 0.0f64);
-        for (x, y) in mask.pixels() {
-            let (fine, coarse) = (self.fine.cell(x, y), self.coarse.cell(x, y));
-            for (sum, v) in sums.iter_mut().zip(self.fine.embedding.cell(fine)) {
-                *sum += f64::from(*v);
+        for &Span { y, x0, x1 } in mask.spans() {
+            // Sums of a run, in single precision.
+            let (mut looks, mut looks_square) = ([0.0f32; APPEARANCE], 0.0f32);
+            let (mut away, mut away_square) = ([0.0f32; 2], 0.0f32);
+            let (mut colours, mut colours_square) = ([0.0f32; 3], 0.0f32);
+            let mut maps = [0.0f32; 3];
+            let (row, coarse_row) = (self.fine.row(y), self.coarse.row(y));
+            for x in x0 as usize..x1 as usize {
+                let fine = row + self.fine.columns[x] as usize;
+                let coarse = coarse_row + self.coarse.columns[x] as usize;
+                let cell = self.fine.embedding.cell(fine);
+                for k in 0..APPEARANCE {
+                    looks[k] += cell[k];
+                }
+                looks_square += self.squares[fine];
+                for (k, v) in centre(fine).into_iter().enumerate() {
+                    away[k] += v - origin[k];
+                    away_square += (v - origin[k]) * (v - origin[k]);
+                }
+                for (sum, v) in colours.iter_mut().zip(self.colours[y as usize * self.width as usize + x]) {
+                    *sum += v;
+                    colours_square += v * v;
+                }
+                let here = [self.fine.texton[fine], self.coarse.texton[coarse], self.quality[fine]];
+                maps.iter_mut().zip(here).for_each(|(sum, v)| *sum += v);
             }
-            for (sum, v) in squares.iter_mut().zip(self.squares[fine]) {
-                *sum += v;
-            }
-            for (sum, v) in colour.iter_mut().zip(self.colours[(y * self.width + x) as usize]) {
-                *sum += f64::from(v);
-                colour_square += f64::from(v * v);
-            }
-            texton[0] += f64::from(self.fine.texton[fine]);
-            texton[1] += f64::from(self.coarse.texton[coarse]);
-            quality += f64::from(self.quality[fine]);
-            let (px, py) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
-            for (m, v) in moments.iter_mut().zip([px, py, px * px, py * py, px * py]) {
+            let add = |sums: &mut [f64], run: &[f32]| {
+                sums.iter_mut().zip(run).for_each(|(sum, &v)| *sum += f64::from(v));
+            };
+            add(&mut appearance, &looks);
+            add(&mut centres, &away);
+            add(&mut colour, &colours);
+            add(&mut texton, &maps);
+            quality += f64::from(maps[2]);
+            appearance_square += f64::from(looks_square);
+            centre_square += f64::from(away_square);
+            colour_square += f64::from(colours_square);
+            // Sums of the places of pixels' centres and of their squares.
+            let (from, to, count) = (f64::from(x0), f64::from(x1), f64::from(x1 - x0));
+            let (px, py) = (count * (from + to) / 2.0, f64::from(y) + 0.5);
+            let squares = (to * to * to - from * from * from) / 3.0 - count / 12.0;
+            for (m, v) in moments.iter_mut().zip([px, count * py, squares, count * py * py, px * py]) {
                 *m += v;
             }
-            n += 1.0;
+            n += count;
         }
         let interior = mask.interior();
         for (x, y) in interior.pixels() {
@@ -178,8 +212,8 @@ impl Context {
             border[1] += f64::from(self.coarse.border[self.coarse.cell(x, y)]);
         }
         let inner = f64::from(interior.area());
-        let spread = |square: f64, range: std::ops::Range<usize>| {
-            let mean: f64 = sums[range].iter().map(|s| s * s).sum::<f64>() / n;
+        let spread = |square: f64, sums: &[f64]| {
+            let mean: f64 = sums.iter().map(|s| s * s).sum::<f64>() / n;
             ((square - mean).max(0.0) / n) as f32
         };
         let mean = [moments[0] / n, moments[1] / n];
@@ -189,20 +223,16 @@ impl Context {
         let (long, short) = ((xx + yy) / 2.0 + root, ((xx + yy) / 2.0 - root).max(0.0));
         // Predicted centres are in units of pixels of the enlarged image.
         let unit = super::encoder::UNIT / (self.fine.scale * super::network::CELL as f32);
-        let place = Embedding::CENTRE_RANGE.start;
-        let centre = [sums[place] / n * f64::from(unit), sums[place + 1] / n * f64::from(unit)];
-        let away =
-            (centre[0] - mean[0]) * (centre[0] - mean[0]) + (centre[1] - mean[1]) * (centre[1] - mean[1]);
-        let colour_mean: f64 = colour.iter().map(|c| c * c / n).sum();
+        let offset = [0, 1].map(|k| (f64::from(origin[k]) + centres[k] / n) * f64::from(unit) - mean[k]);
         Inside {
             area: n as f32,
             elongation: libm::sqrt((short + 0.08) / (long + 0.08)) as f32,
             texton: texton.map(|v| (v / n) as f32),
             border: border.map(|v| if inner > 0.0 { (v / inner) as f32 } else { 0.5 }),
-            appearance: spread(squares[0], Embedding::APPEARANCE),
-            centre_spread: spread(squares[1], Embedding::CENTRE_RANGE) * unit * unit,
-            centre_offset: libm::sqrt(away) as f32,
-            colour: libm::sqrt((colour_square - colour_mean).max(0.0) / n) as f32,
+            appearance: spread(appearance_square, &appearance),
+            centre_spread: spread(centre_square, &centres) * unit * unit,
+            centre_offset: libm::sqrt(offset[0] * offset[0] + offset[1] * offset[1]) as f32,
+            colour: spread(colour_square, &colour).sqrt(),
             quality: (quality / n) as f32,
         }
     }
@@ -227,7 +257,13 @@ impl Context {
             texton[0] += f64::from(self.fine.texton[b]);
             texton[1] += f64::from(self.coarse.texton[self.coarse.cell(fx, fy)]);
             let [a, b] = [a, b].map(|i| &self.fine.embedding.cell(i)[Embedding::APPEARANCE]);
-            appearance += a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum::<f64>();
+            let mut squares = [0.0f32; 4];
+            for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
+                for k in 0..4 {
+                    squares[k] += (a[k] - b[k]) * (a[k] - b[k]);
+                }
+            }
+            appearance += f64::from(squares.iter().sum::<f32>());
             let colour = |(x, y): (i32, i32)| self.colours[(y * self.width + x) as usize];
             let d2: f32 = colour(within).iter().zip(colour((fx, fy))).map(|(a, b)| (a - b) * (a - b)).sum();
             steps.push(d2.sqrt());

@@ -14,13 +14,14 @@ mod encoder;
 mod features;
 mod network;
 mod weights;
+mod winograd;
 
 pub use features::FEATURES;
 pub use network::TextonNetwork;
 
 use super::prompt::{Cost, Embedded, Found, GeneratorParams, View};
 use super::regions::nodes;
-use super::similar::{Measured, SimilarMasks};
+use super::similar::{Measured, Near, SimilarMasks};
 use super::{Perceptron, ScoredMask, Segmenter, disjoint::disjoint, tiles};
 use crate::error::Result;
 use crate::parallel::map;
@@ -73,8 +74,8 @@ impl Texton {
     pub fn new() -> Result<Self> {
         let network = TextonNetwork::built_in()?;
         let search = GeneratorParams {
-            predicted_iou: 0.3,
-            stability: 0.3,
+            predicted_iou: 0.4,
+            stability: 0.4,
             confident: 0.82,
             ..GeneratorParams::default()
         };
@@ -115,21 +116,28 @@ impl Texton {
             offers.push(Unmeasured { mask, size: None, origin: Origin { region, ..Origin::default() } });
         }
         let mut index = SimilarMasks::default();
-        offers.iter().enumerate().for_each(|(k, offer)| index.add(offer.mask.bounds, k));
+        offers.iter().enumerate().for_each(|(k, offer)| index.add(&offer.mask, k));
         let Ok(embeddings) = <[_; 2]>::try_from(embeddings) else { return Ok(Vec::new()) };
         let context = Context::new(image, embeddings);
         Ok(map(&offers, |offer| {
             let mut origin = offer.origin;
-            for other in index.near(offer.mask.bounds).into_iter().map(|k| &offers[k]) {
-                if offer.size == other.size {
+            let mut near = index.near(&offer.mask, 0.0);
+            // Those that may be the most similar come first; most others need not be compared then.
+            near.sort_by(|a, b| b.most.total_cmp(&a.most));
+            for Near { index, most } in near {
+                let other = &offers[index];
+                let both = offer.size.is_some() && other.size.is_some();
+                let region = other.origin.region;
+                let known = most <= origin.cross && most * region <= origin.region;
+                if offer.size == other.size || if both { most <= origin.agreement } else { known } {
                     continue;
                 }
                 let iou = offer.mask.iou(&other.mask);
-                if offer.size.is_some() && other.size.is_some() {
+                if both {
                     origin.agreement = origin.agreement.max(iou);
                 } else {
                     origin.cross = origin.cross.max(iou);
-                    origin.region = origin.region.max(iou * other.origin.region);
+                    origin.region = origin.region.max(iou * region);
                 }
             }
             let mask = offer.mask.mask.clone();
@@ -159,8 +167,9 @@ fn distinct(mut nodes: Vec<ScoredMask>) -> Vec<(Measured, f32)> {
     let (mut kept, mut index): (Vec<(Measured, f32)>, _) = (Vec::new(), SimilarMasks::default());
     for node in nodes {
         let Some(mask) = Measured::new(node.mask) else { continue };
-        if !index.near(mask.bounds).into_iter().any(|k| kept[k].0.iou(&mask) >= SAME_IOU) {
-            index.add(mask.bounds, kept.len());
+        let same = |near: Near| kept[near.index].0.iou(&mask) >= SAME_IOU;
+        if !index.near(&mask, SAME_IOU).into_iter().any(same) {
+            index.add(&mask, kept.len());
             kept.push((mask, node.score));
         }
     }

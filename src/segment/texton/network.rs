@@ -49,9 +49,13 @@ impl TextonNetwork {
     fn encode(&self, image: &RgbImage) -> Embedding {
         let (w, h) = (image.width() as usize, image.height() as usize);
         let (width, height) = (w.div_ceil(ALIGN) * ALIGN / CELL, h.div_ceil(ALIGN) * ALIGN / CELL);
-        let mut all = Embedding { width, height, cells: vec![[0.0; CHANNELS]; width * height] };
-        for (y, tall) in pieces(height * CELL) {
-            for (x, wide) in pieces(width * CELL) {
+        let (rows, columns) = (pieces(height * CELL), pieces(width * CELL));
+        if rows.len() * columns.len() == 1 {
+            return Embedding::of(self.encoder.encode(image, [0, 0], [width * CELL, height * CELL]));
+        }
+        let mut all = Embedding::of(Maps::zeros(CHANNELS, width, height));
+        for &(y, tall) in &rows {
+            for &(x, wide) in &columns {
                 let piece = self.encoder.encode(image, [x, y], [wide, tall]);
                 all.paste(&piece, [x / CELL, y / CELL]);
             }
@@ -78,7 +82,7 @@ pub(super) struct Embedding {
     /// Number of rows of cells.
     pub(super) height: usize,
     /// The channels of each cell, cells in rows.
-    cells: Vec<[f32; CHANNELS]>,
+    values: Vec<f32>,
 }
 
 impl Embedding {
@@ -87,24 +91,32 @@ impl Embedding {
     /// Range of the channels of the predicted centre, in units of [`UNIT`] pixels.
     pub(super) const CENTRE_RANGE: std::ops::Range<usize> = CENTRE..CENTRE + 2;
 
+    fn of(maps: Maps) -> Self {
+        Self { width: maps.width, height: maps.height, values: maps.into_values() }
+    }
+
+    fn cells(&self) -> &[[f32; CHANNELS]] {
+        self.values.as_chunks().0
+    }
+
     /// The channels of a cell.
     pub(super) fn cell(&self, i: usize) -> &[f32; CHANNELS] {
-        &self.cells[i]
+        &self.cells()[i]
     }
 
     /// Logits of texton against background, row by row.
     pub(super) fn texton(&self) -> impl Iterator<Item = f32> + '_ {
-        self.cells.iter().map(|c| c[TEXTON])
+        self.cells().iter().map(|c| c[TEXTON])
     }
 
     /// Logits of borders, row by row.
     pub(super) fn border(&self) -> impl Iterator<Item = f32> + '_ {
-        self.cells.iter().map(|c| c[BORDER])
+        self.cells().iter().map(|c| c[BORDER])
     }
 
     /// Largest logit of the predicted IoU over the heads.
     pub(super) fn quality(&self, i: usize) -> f32 {
-        (0..HEADS).map(|k| self.cells[i][HEAD + 4 * k + 3]).fold(f32::NEG_INFINITY, f32::max)
+        (0..HEADS).map(|k| self.cell(i)[HEAD + 4 * k + 3]).fold(f32::NEG_INFINITY, f32::max)
     }
 
     fn at(&self, point: [f32; 2]) -> [usize; 2] {
@@ -119,15 +131,13 @@ impl Embedding {
         let (begin, end) = (from(x0), piece.width.min(self.width - x0));
         for y in from(y0)..piece.height.min(self.height - y0) {
             let row = (y0 + y) * self.width + x0;
-            let cells = &mut self.cells[row + begin..row + end];
-            for channel in 0..CHANNELS {
+            let cells = &mut self.values.as_chunks_mut::<CHANNELS>().0[row + begin..row + end];
+            for (x, cell) in (begin..end).zip(cells) {
+                cell.copy_from_slice(piece.cell(x, y));
                 // Predicted centres are relative to the corner of the piece.
-                let shift = match channel.checked_sub(CENTRE) {
-                    Some(axis @ 0..2) => ([x0, y0][axis] * CELL) as f32 / UNIT,
-                    _ => 0.0,
-                };
-                let values = &piece.row(channel, y)[begin..end];
-                cells.iter_mut().zip(values).for_each(|(cell, value)| cell[channel] = value + shift);
+                for (value, from) in cell[CENTRE..].iter_mut().zip([x0, y0]) {
+                    *value += (from * CELL) as f32 / UNIT;
+                }
             }
         }
     }
@@ -217,7 +227,7 @@ impl View {
         if prompt.heads.is_empty() {
             return Vec::new();
         }
-        let most = MOST_CELLS.max(e.cells.len() / 4);
+        let most = MOST_CELLS.max(e.cells().len() / 4);
         seen.turn += 1;
         let Seen { turns, turn, reached } = seen;
         reached.clear();
@@ -286,7 +296,7 @@ impl Embedded for View {
 
     fn masks(&self, points: &[[f32; 2]]) -> Result<Vec<Vec<PromptMask>>> {
         let part = |points: &&[[f32; 2]]| -> Vec<Vec<PromptMask>> {
-            let turns = vec![0; self.embedding.cells.len()];
+            let turns = vec![0; self.embedding.cells().len()];
             let mut seen = Seen { turns, turn: 0, reached: Vec::new() };
             points.iter().map(|point| self.decode(self.embedding.at(*point), &mut seen)).collect()
         };

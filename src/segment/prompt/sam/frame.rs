@@ -3,8 +3,8 @@
 use super::super::Logits;
 use super::export::{Encoder, Fit, Layout, Pixels};
 use crate::engine::Tensor;
+use crate::raster::{Filter, resized};
 use image::RgbImage;
-use image::imageops::{FilterType, resize};
 
 /// Mean and standard deviation of ImageNet's pixels, with which all these networks were trained.
 const MEAN: [f32; 3] = [123.675, 116.28, 103.53];
@@ -79,7 +79,7 @@ impl Frame {
     pub(super) fn tensor(&self, encoder: &Encoder, image: &RgbImage) -> Tensor {
         let [used_width, used_height] = self.used;
         // The triangle filter averages when it shrinks, like the networks' own preprocessing.
-        let scaled = resize(image, used_width as u32, used_height as u32, FilterType::Triangle);
+        let scaled = resized(image, used_width as u32, used_height as u32, Filter::Triangle);
         let [width, height] = if encoder.fit == Fit::Whole { self.used } else { encoder.size };
         let value = |channel: usize, byte: u8| match encoder.pixels {
             Pixels::Normalised => (f32::from(byte) - MEAN[channel]) / DEVIATION[channel],
