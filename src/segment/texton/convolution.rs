@@ -2,145 +2,17 @@
 //!
 //! A library for networks in general copies the surroundings of each cell into a matrix first
 //! ("im2col"), which for a network of few channels takes as long as the multiplications. Here the
-//! multiplications read the maps themselves, and a kernel of 3 × 3 weights needs a quarter of them
-//! (`winograd.rs`).
+//! multiplications read the maps themselves. For kernels of 3 × 3 weights applied to every cell, which
+//! are most, a quarter of them is enough (`winograd.rs`).
 //!
 //! Every sum is taken in the same order, so results do not depend on threads, nor, among processors that
 //! multiply and add in one step, on the width of their vectors.
 
+use super::maps::Maps;
+use super::matrix::{Matrix, Store, TOGETHER, multiply};
 use super::winograd::{self, Tiles};
-use crate::parallel::for_chunks;
-use rten_simd::ops::{BitOps, NumOps};
+use rten_simd::ops::BitOps;
 use rten_simd::{Isa, SimdOp};
-
-/// Number of which channels are a multiple: the values of the widest vectors.
-pub(super) const WIDE: usize = 16;
-/// Number of cells computed together: as many as fit the registers.
-pub(super) const TOGETHER: usize = 4;
-
-/// Maps of the same size, one for each channel.
-pub(super) struct Maps {
-    /// A multiple of [`WIDE`].
-    pub(super) channels: usize,
-    pub(super) width: usize,
-    pub(super) height: usize,
-    /// The channels of each cell, cells in rows.
-    values: Vec<f32>,
-}
-
-impl Maps {
-    pub(super) fn zeros(channels: usize, width: usize, height: usize) -> Self {
-        assert!(channels.is_multiple_of(WIDE), "{channels} channels");
-        Self { channels, width, height, values: vec![0.0; channels * width * height] }
-    }
-
-    /// The channels of each cell, cells in rows.
-    pub(super) fn into_values(self) -> Vec<f32> {
-        self.values
-    }
-
-    /// The channels of a cell.
-    pub(super) fn cell(&self, x: usize, y: usize) -> &[f32] {
-        &self.values[(y * self.width + x) * self.channels..][..self.channels]
-    }
-
-    /// The channels of a cell, or `outside` where there is none.
-    pub(super) fn cell_or<'a>(&'a self, x: isize, y: isize, outside: &'a [f32]) -> &'a [f32] {
-        match (usize::try_from(x), usize::try_from(y)) {
-            (Ok(x), Ok(y)) if x < self.width && y < self.height => self.cell(x, y),
-            _ => outside,
-        }
-    }
-
-    /// Does `f(k, rows)` for each `count` rows (fewer at the end), on several threads.
-    pub(super) fn for_rows(&mut self, count: usize, f: impl Fn(usize, &mut [f32]) + Sync + Send) {
-        for_chunks(&mut self.values, count * self.width * self.channels, f);
-    }
-
-    /// Adds maps of half the size, enlarged by linear interpolation.
-    pub(super) fn add_enlarged(&mut self, half: &Self) {
-        // The cell that is nearest, and the one that is next to it on the other side.
-        let next = |v: usize, n: usize| {
-            if v.is_multiple_of(2) { (v / 2).saturating_sub(1) } else { (v / 2 + 1).min(n - 1) }
-        };
-        let channels = self.channels;
-        self.for_rows(1, |y, row| {
-            let (near, far) = (y / 2, next(y, half.height));
-            for (x, cell) in row.chunks_exact_mut(channels).enumerate() {
-                let (here, beside) = (x / 2, next(x, half.width));
-                let corners = half.cell(here, near).iter().zip(half.cell(here, far));
-                let others = half.cell(beside, near).iter().zip(half.cell(beside, far));
-                for ((value, (a, b)), (c, d)) in cell.iter_mut().zip(corners).zip(others) {
-                    *value += 0.75 * (0.75 * a + 0.25 * b) + 0.25 * (0.75 * c + 0.25 * d);
-                }
-            }
-        });
-    }
-}
-
-/// A matrix of weights, inputs × outputs.
-pub(super) struct Matrix {
-    inputs: usize,
-    /// Number of vectors of outputs computed together.
-    pub(super) vectors: usize,
-    /// For each strip of as many outputs as these vectors hold, and each input, their weights.
-    weights: Vec<f32>,
-}
-
-impl Matrix {
-    /// From the weight of each input and output. There are as many inputs as make whole vectors.
-    pub(super) fn new(inputs: usize, outputs: usize, weight: impl Fn(usize, usize) -> f32) -> Self {
-        let lanes = Lanes.dispatch();
-        // AVX2 has half as many registers as the others have.
-        let most = if lanes == 8 { 3 } else { 4 };
-        let vectors = (1..=most).rev().find(|n| outputs.is_multiple_of(n * lanes)).unwrap_or(1);
-        let size = vectors * lanes;
-        let mut weights = Vec::with_capacity(inputs.next_multiple_of(WIDE) * outputs);
-        for first in (0..outputs).step_by(size) {
-            for k in 0..inputs.next_multiple_of(WIDE) {
-                weights.extend((first..first + size).map(|m| if k < inputs { weight(k, m) } else { 0.0 }));
-            }
-        }
-        Self { inputs: inputs.next_multiple_of(WIDE), vectors, weights }
-    }
-
-    /// The weights of each strip of outputs.
-    pub(super) fn strips<const V: usize>(&self, lanes: usize) -> impl Iterator<Item = &[f32]> {
-        self.weights.chunks_exact(self.inputs * V * lanes)
-    }
-}
-
-/// The number of values of a vector.
-struct Lanes;
-
-impl SimdOp for Lanes {
-    type Output = usize;
-
-    fn eval<I: Isa>(self, isa: I) -> usize {
-        isa.f32().len()
-    }
-}
-
-/// Adds to `sums`, for each cell, the products of its inputs with a strip of weights.
-// No closures here: where one is not inlined, it knows nothing of the vectors.
-#[inline(always)]
-pub(super) fn multiply<I: Isa, const V: usize>(
-    isa: I,
-    cells: [&[f32]; TOGETHER],
-    strip: &[f32],
-    sums: &mut [[I::F32; V]; TOGETHER],
-) {
-    let ops = isa.f32();
-    for (k, weights) in strip.chunks_exact(V * ops.len()).enumerate() {
-        let weights: [I::F32; V] = ops.load_many(weights);
-        for (sums, cell) in sums.iter_mut().zip(cells) {
-            let value = ops.splat(cell[k]);
-            for (sum, weight) in sums.iter_mut().zip(weights) {
-                *sum = ops.mul_add(value, weight, *sum);
-            }
-        }
-    }
-}
 
 /// How a convolution is computed.
 enum Form {
@@ -208,27 +80,6 @@ impl Convolution {
     }
 }
 
-/// What becomes of the sums of a convolution.
-#[derive(Clone, Copy)]
-pub(super) struct Store<'a> {
-    pub(super) bias: &'a [f32],
-    /// Whether they are added to what is there.
-    add: bool,
-    /// Smaller values become this.
-    least: f32,
-}
-
-impl Store<'_> {
-    /// Stores the sums of some channels of a cell, without their bias.
-    #[inline(always)]
-    pub(super) fn store<I: Isa>(&self, isa: I, sum: I::F32, bias: &[f32], to: &mut [f32]) {
-        let ops = isa.f32();
-        let sum = ops.add(sum, ops.load(bias));
-        let sum = if self.add { ops.add(sum, ops.load(to)) } else { sum };
-        ops.store(ops.max(sum, ops.splat(self.least)), to);
-    }
-}
-
 /// The work of one row of a direct convolution.
 struct Row<'a> {
     matrices: &'a [Matrix],
@@ -273,8 +124,7 @@ impl Row<'_> {
                     for (k, inputs) in inputs.iter_mut().enumerate() {
                         *inputs = input.cell_or(at(group * TOGETHER + k, tap % side), row, zeros);
                     }
-                    let length = matrix.inputs * size;
-                    multiply(isa, inputs, &matrix.weights[strip * length..][..length], &mut sums);
+                    multiply(isa, inputs, matrix.strip(strip), &mut sums);
                 }
                 let bias = &store.bias[strip * size..][..size];
                 for (cell, sums) in cells.chunks_exact_mut(channels).zip(sums) {
@@ -290,6 +140,7 @@ impl Row<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::maps::WIDE;
     use super::*;
     use proptest::prelude::*;
 
@@ -300,7 +151,7 @@ mod tests {
     }
 
     fn maps(channels: usize, width: usize, height: usize, seed: u32) -> Maps {
-        Maps { channels, width, height, values: values(channels * width * height, seed) }
+        Maps::of(channels, width, height, values(channels * width * height, seed))
     }
 
     /// The sums of a cell as the definition has them.
@@ -363,27 +214,12 @@ mod tests {
     fn inputs_that_do_not_fill_a_vector_count_as_zeros() {
         let weights = values(WIDE * 3, 5);
         let convolution = Convolution::new(&weights, &[0.0; WIDE], 1, 1, 1).linear();
-        let mut input = maps(WIDE, 2, 1, 9);
-        let sums = convolution.of(&input);
-        input.values[WIDE + 3..].fill(0.0);
-        assert_eq!(sums.values, convolution.of(&input).values);
-        let expected: f32 = (0..3).map(|k| weights[k] * input.cell(0, 0)[k]).sum();
-        assert!((sums.cell(0, 0)[0] - expected).abs() < 1e-6);
-    }
-
-    #[test]
-    fn what_is_linear_stays_so_enlarged() {
-        let mut half = Maps::zeros(WIDE, 6, 4);
-        for (k, value) in half.values.iter_mut().enumerate() {
-            let (channel, x, y) = (k % WIDE, k / WIDE % 6, k / WIDE / 6);
-            *value = (x + 10 * y + 100 * channel) as f32;
-        }
-        let mut whole = Maps::zeros(WIDE, 12, 8);
-        whole.add_enlarged(&half);
-        for (y, x) in (1..7).flat_map(|y| (1..11).map(move |x| (y, x))) {
-            let expected = 100.0 + (x as f32 - 0.5) / 2.0 + 10.0 * (y as f32 - 0.5) / 2.0;
-            assert!((whole.cell(x, y)[1] - expected).abs() < 1e-4, "{x} {y}");
-        }
-        assert_eq!(whole.cell(0, 0)[0], 0.0);
+        let mut inputs = values(2 * WIDE, 9);
+        let of = |inputs: &[f32]| convolution.of(&Maps::of(WIDE, 2, 1, inputs.to_vec())).into_values();
+        let sums = of(&inputs);
+        inputs[WIDE + 3..].fill(0.0);
+        assert_eq!(sums, of(&inputs));
+        let expected: f32 = (0..3).map(|k| weights[k] * inputs[k]).sum();
+        assert!((sums[0] - expected).abs() < 1e-6);
     }
 }

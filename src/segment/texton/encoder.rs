@@ -1,7 +1,8 @@
 //! The encoder of the texton network: image → embedding. `models/texton/network.py` is its definition, and
 //! `encoder.onnx` holds its weights, with normalisation folded in.
 
-use super::convolution::{Convolution, Maps, WIDE};
+use super::convolution::Convolution;
+use super::maps::{Maps, WIDE};
 use crate::error::Error;
 use image::RgbImage;
 use rten_onnx::onnx::{GraphProto, ModelProto, NodeProto};

@@ -12,6 +12,8 @@
 mod convolution;
 mod encoder;
 mod features;
+mod maps;
+mod matrix;
 mod network;
 mod weights;
 mod winograd;

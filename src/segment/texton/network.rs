@@ -1,7 +1,7 @@
 //! The built-in texton network as a [`Prompter`]. `models/texton` describes it and its training.
 
-use super::convolution::Maps;
 use super::encoder::{ALIGN, CENTRE, CHANNELS, Encoder, UNIT};
+use super::maps::Maps;
 use crate::error::Result;
 use crate::parallel::map;
 use crate::segment::prompt::{Embedded, Logits, PromptMask, Prompter};

@@ -5,7 +5,8 @@
 //! back; F(4×4, 3×3) of Lavin and Gray, "Fast Algorithms for Convolutional Neural Networks" (2016), section
 //! 4.1. Weights some cells apart take tiles whose cells are as far apart.
 
-use super::convolution::{Maps, Matrix, Store, TOGETHER, WIDE, multiply};
+use super::maps::{Maps, WIDE};
+use super::matrix::{Matrix, Store, TOGETHER, multiply};
 use rten_simd::ops::{BitOps, NumOps};
 use rten_simd::{Isa, SimdOp};
 
@@ -165,7 +166,7 @@ impl Batch<'_> {
         let from = self.surroundings.chunks_exact(stride(self.count, inputs));
         let to = self.products.chunks_exact_mut(stride(self.count, outputs));
         for ((matrix, from), to) in self.work.matrices.iter().zip(from).zip(to) {
-            for (strip, weights) in matrix.strips::<V>(ops.len()).enumerate() {
+            for (strip, weights) in matrix.strips().enumerate() {
                 let from = from[..used * inputs].chunks_exact(TOGETHER * inputs);
                 let to = to[..used * outputs].chunks_exact_mut(TOGETHER * outputs);
                 for (from, to) in from.zip(to) {
