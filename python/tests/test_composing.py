@@ -75,7 +75,8 @@ def test_an_arrangement_takes_another_appearance(scene, library, dark, night):
     # A library stands for its exemplar as it is.
     assert vtex.transfer(library, dark) == vtex.transfer(vtex.reconstruct(library), vtex.reconstruct(dark))
     mean = vtex.transfer(scene, night, mode="mean")
-    assert light(mean) == pytest.approx(light(night), rel=0.1)
+    # Means are those of elements, large or small, so those of the pixels are near only.
+    assert abs(light(mean) - light(night)) < 0.2 * (light(scene) - light(night))
     assert vtex.transfer(scene, scene) == scene
     assert vtex.transfer(scene, night, element_scale=0.5) != dressed
 
