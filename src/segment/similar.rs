@@ -84,7 +84,7 @@ fn most((a, area): (Bounds, u32), (b, other): (Bounds, u32)) -> f32 {
     iou(area, other, (width as u32 * height as u32).min(area).min(other))
 }
 
-/// The IoU of two areas that share a third.
+/// The IoU of two masks of these areas whose intersection has the area `both`.
 fn iou(area: u32, other: u32, both: u32) -> f32 {
     both as f32 / (area + other - both) as f32
 }
