@@ -257,7 +257,7 @@ struct Queue {
     least: Vec<u32>,
 }
 
-/// Bits of a weight beyond which weights of the same bin differ.
+/// Number of low bits of a weight, in which the weights of one bin differ.
 const BIN: u32 = 16;
 
 impl Queue {
