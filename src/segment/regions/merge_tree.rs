@@ -1,4 +1,4 @@
-//! The merge tree: the order in which basins are merged, and the measurements of each node.
+//! The merge tree: the order in which regions are merged, and the measurements of each node.
 
 use super::oversegmentation::Field;
 use crate::error::Result;
@@ -29,7 +29,7 @@ pub(super) struct Sums {
     pub(super) bounds: [u32; 4],
     /// Pixel edges along each image border: left, top, right, bottom.
     pub(super) border: [u32; 4],
-    /// Number of basins.
+    /// Number of basins, the shallow ones too.
     pub(super) basins: u32,
 }
 
@@ -90,7 +90,7 @@ impl Rim {
     }
 }
 
-/// A region: a basin, or the union of several.
+/// A region: a basin, with the shallow ones united with it, or the union of several.
 #[derive(Clone, Debug)]
 pub(super) struct Region {
     pub(super) sums: Sums,
@@ -142,11 +142,12 @@ pub(super) struct Tree {
 /// Index of the border between two regions, by [`key`].
 type Index = ByNumber<u32>;
 
-/// Basins and the borders between them.
-fn graph(field: &Field, labels: &[u32], count: usize) -> (Vec<Sums>, Vec<Border>, Index) {
+/// The first regions, see [`Tree::new`], and the borders between them.
+fn graph(field: &Field, labels: &[u32], counts: &[u32]) -> (Vec<Sums>, Vec<Border>, Index) {
     let (w, h) = (field.width, field.height);
-    let empty = Sums { bounds: [u32::MAX, u32::MAX, 0, 0], basins: 1, ..Sums::default() };
-    let mut sums = vec![empty; count];
+    let count = counts.len();
+    let empty = |&basins: &u32| Sums { bounds: [u32::MAX, u32::MAX, 0, 0], basins, ..Sums::default() };
+    let mut sums: Vec<Sums> = counts.iter().map(empty).collect();
     let mut borders: Vec<Border> = Vec::with_capacity(3 * count);
     let mut index = Index::with_capacity_and_hasher(3 * count, Default::default());
     let mut last = (u64::MAX, 0);
@@ -318,19 +319,20 @@ impl Region {
 }
 
 impl Tree {
-    /// Merges neighbours, least weight first (ties: the older border), until none are left. `share` is the
-    /// weight of the step across the border; the rest is that of the difference of means. Each node is shown
-    /// to `see` once, with its number, the region, and the union that it becomes part of, if any: regions are
-    /// not kept.
+    /// Merges neighbours, least weight first (ties: the older border), until none are left. The first regions
+    /// are those of `labels`, and `counts` the number of basins in each. `share` is the weight of the step
+    /// across the border; the rest is that of the difference of means. Each node is shown to `see` once, with
+    /// its number, the region, and the union that it becomes part of, if any: regions are not kept.
     pub(super) fn new(
         field: &Field,
         labels: &[u32],
-        count: usize,
+        counts: &[u32],
         share: f32,
         progress: &dyn Progress,
         see: &mut dyn FnMut(usize, &Region, Option<Union>),
     ) -> Result<Self> {
-        let (sums, mut borders, mut index) = graph(field, labels, count);
+        let count = counts.len();
+        let (sums, mut borders, mut index) = graph(field, labels, counts);
         let node = |sums: &Sums| Node { area: sums.area, children: None, parent: None };
         let mut nodes: Vec<Node> = Vec::with_capacity(2 * count);
         nodes.extend(sums.iter().map(node));
@@ -338,7 +340,7 @@ impl Tree {
             let rim = Rim::default();
             Region { sums, rim, weight: 0.0, node, first: END, borders: 0 }
         };
-        // A region is identified by one of its basins.
+        // A region is identified by one of the first regions in it.
         let mut regions: Vec<Region> = (0..).zip(sums).map(region).collect();
         for (e, border) in (0..).zip(&mut borders) {
             for (end, sign) in [1.0, -1.0].into_iter().enumerate() {
@@ -433,12 +435,13 @@ mod tests {
                 image::Rgb([v, 255 - v, v / 2])
             });
             let field = Field::new(&Colours::new(&image), 0.5);
-            let (labels, count) = field.basins();
+            let (labels, counts) = field.deep_basins();
+            let count = counts.len();
             let mut regions = vec![None; 2 * count - 1];
             let mut see = |node: usize, region: &Region, union: Option<Union>| {
                 assert!(regions[node].replace((region.clone(), union)).is_none());
             };
-            let tree = Tree::new(&field, &labels, count, 0.7, &(), &mut see).unwrap();
+            let tree = Tree::new(&field, &labels, &counts, 0.7, &(), &mut see).unwrap();
             prop_assert_eq!(tree.nodes.len(), 2 * count - 1);
             let regions: Vec<(Region, Option<Union>)> = regions.into_iter().map(Option::unwrap).collect();
             let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); count];

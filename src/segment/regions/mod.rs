@@ -1,10 +1,11 @@
 //! The built-in segmenter: a tree of merged regions, whose texton-like nodes are selected.
 //!
-//! Basins of the colour gradient are merged in the order of their difference and of the strength of
-//! the border between them. Each node of the tree is measured: size, shape, contrast to its
-//! surroundings, strength and consistency of its rim, homogeneity up to shading, lifetime in the tree.
-//! A small network fitted to procedural scenes scores it, and the disjoint set of nodes with the
-//! largest total worth is selected. The rest is background. There are no parameters.
+//! Basins of the colour gradient, of which shallow ones are part of others, are merged in the order of
+//! their difference and of the strength of the border between them. Each node of the tree is measured:
+//! size, shape, contrast to its surroundings, strength and consistency of its rim, homogeneity up to
+//! shading, lifetime in the tree. A small network fitted to procedural scenes scores it, and the
+//! disjoint set of nodes with the largest total worth is selected. The rest is background. There are no
+//! parameters.
 //!
 //! Works badly for elements without borders of their own: grass, fur, crumpled leaves on leaves.
 
@@ -98,14 +99,14 @@ impl<T> Layer<T> {
     ) -> Result<Self> {
         advance(progress, "merging regions", 0, 0)?;
         let field = Field::new(image, sigma);
-        let (labels, count) = field.basins();
+        let (labels, counts) = field.deep_basins();
         let context = Context::new(&field);
         let mut nodes: Vec<Option<T>> = Vec::new();
-        nodes.resize_with(2 * count - 1, || None);
+        nodes.resize_with(2 * counts.len() - 1, || None);
         let mut see = |node: usize, region: &Region, union: Option<Union>| {
             nodes[node] = eligible(&field, &region.sums).then(|| f(context.features(region, union)));
         };
-        let tree = Tree::new(&field, &labels, count, share, progress, &mut see)?;
+        let tree = Tree::new(&field, &labels, &counts, share, progress, &mut see)?;
         Ok(Self { labels, tree, nodes })
     }
 
