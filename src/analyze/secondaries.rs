@@ -3,12 +3,12 @@
 use super::candidates::{Lab, spans_image};
 use super::grid::Cells;
 use super::neighbours::{edge_lengths, quantile};
+use crate::disjoint_sets::DisjointSets;
 use crate::library::AnalyzeParams;
 use crate::parallel;
 use crate::raster::{LabelMap, Mask};
 use crate::segment::flood;
 use image::RgbImage;
-use std::collections::BTreeMap;
 
 /// Result of the flood fill between the primaries.
 pub(super) struct Patches {
@@ -85,24 +85,19 @@ fn join_fragments(image: &RgbImage, regions: &mut LabelMap, minimum: u32) {
         (0..3).for_each(|c| s[c] += f32::from(pixel.0[c]));
         s[3] += 1.0;
     }
-    let small: Vec<usize> = (0..n)
+    let mut small: Vec<usize> = (0..n)
         .filter(|&i| regions.labels[i] != 0 && sums[regions.labels[i] as usize][3] < minimum as f32)
         .collect();
-    let mut joined: Vec<u32> = (0..count as u32).collect();
-    fn root(joined: &mut [u32], mut label: u32) -> u32 {
-        while joined[label as usize] != label {
-            joined[label as usize] = joined[joined[label as usize] as usize];
-            label = joined[label as usize];
-        }
-        label
-    }
+    let mut joined = DisjointSets::new(count);
+    // The nearest neighbour of every fragment that is still too small.
+    const NONE: (f32, usize) = (f32::INFINITY, usize::MAX);
+    let mut nearest = vec![NONE; count];
     loop {
-        // The best neighbour of every fragment that is still too small.
-        let mut nearest: BTreeMap<u32, (f32, u32)> = BTreeMap::new();
-        for &i in &small {
-            let own = root(&mut joined, regions.labels[i]);
-            if sums[own as usize][3] >= minimum as f32 {
-                continue;
+        let mut fragments = Vec::new();
+        small.retain(|&i| {
+            let own = joined.root(regions.labels[i] as usize);
+            if sums[own][3] >= minimum as f32 {
+                return false;
             }
             let x = i % w;
             let neighbours = [
@@ -112,30 +107,35 @@ fn join_fragments(image: &RgbImage, regions: &mut LabelMap, minimum: u32) {
                 (i + w < n).then_some(i + w),
             ];
             for j in neighbours.into_iter().flatten().filter(|&j| regions.labels[j] != 0) {
-                let other = root(&mut joined, regions.labels[j]);
+                let other = joined.root(regions.labels[j] as usize);
                 if other != own {
-                    let (a, b) = (sums[own as usize], sums[other as usize]);
+                    let (a, b) = (sums[own], sums[other]);
                     let d: f32 = (0..3).map(|c| a[c] / a[3] - b[c] / b[3]).map(|v| v * v).sum();
-                    let best = nearest.entry(own).or_insert((d, other));
-                    if (d, other) < *best {
-                        *best = (d, other);
+                    if nearest[own] == NONE {
+                        fragments.push(own);
+                    }
+                    if (d, other) < nearest[own] {
+                        nearest[own] = (d, other);
                     }
                 }
             }
-        }
-        if nearest.is_empty() {
+            true
+        });
+        if fragments.is_empty() {
             break;
         }
-        for (own, (_, other)) in nearest {
-            let (a, b) = (root(&mut joined, own), root(&mut joined, other));
+        fragments.sort_unstable();
+        for own in fragments {
+            let (_, other) = std::mem::replace(&mut nearest[own], NONE);
+            let (a, b) = (joined.root(own), joined.root(other));
             if a != b {
                 let (low, high) = (a.min(b), a.max(b));
-                joined[high as usize] = low;
-                (0..4).for_each(|c| sums[low as usize][c] += sums[high as usize][c]);
+                joined.attach(low, high);
+                (0..4).for_each(|c| sums[low][c] += sums[high][c]);
             }
         }
     }
     for label in &mut regions.labels {
-        *label = root(&mut joined, *label);
+        *label = joined.root(*label as usize) as u32;
     }
 }

@@ -1,5 +1,7 @@
 //! Colours: 8-bit sRGB for files; linear light and Oklab for arithmetic.
 
+use crate::parallel::for_chunks;
+use image::RgbImage;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -145,6 +147,21 @@ pub fn oklab(rgb: [u8; 3]) -> [f32; 3] {
         1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
         0.025_904_037 * l + 0.782_771_77 * m - 0.808_675_77 * s,
     ]
+}
+
+/// What `f` makes of each pixel of an image, row by row.
+pub(crate) fn of_pixels<T: Copy + Default + Send>(
+    image: &RgbImage,
+    f: impl Fn([u8; 3]) -> T + Sync + Send,
+) -> Vec<T> {
+    let mut values = vec![T::default(); image.width() as usize * image.height() as usize];
+    let width = image.width().max(1) as usize;
+    for_chunks(&mut values, width, |y, row| {
+        for (value, rgb) in row.iter_mut().zip(image.as_raw()[3 * y * width..].chunks_exact(3)) {
+            *value = f([rgb[0], rgb[1], rgb[2]]);
+        }
+    });
+    values
 }
 
 /// Squared distance of two colours in Oklab.

@@ -10,7 +10,9 @@
 use super::{ScoredMask, Segmenter};
 use crate::disjoint_sets::DisjointSets;
 use crate::error::{Result, check};
+use crate::parallel::for_chunks;
 use crate::progress::{Progress, advance};
+use crate::raster::colour::of_pixels;
 use crate::raster::{LabelMap, Mask, Span};
 use image::RgbImage;
 
@@ -27,7 +29,7 @@ impl Smoothed {
     /// Smooths the sRGB components of an image. `sigma` in pixels, 0 for none. Borders are mirrored.
     pub(crate) fn new(image: &RgbImage, sigma: f64) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
-        let pixels = image.pixels().map(|p| p.0.map(f32::from)).collect();
+        let pixels = of_pixels(image, |rgb| rgb.map(f32::from));
         let mut smoothed = Self { width, height, pixels };
         let kernel = gaussian(sigma);
         if kernel.len() > 1 && width > 0 && height > 0 {
@@ -59,8 +61,9 @@ pub(super) fn convolve<const N: usize>(
     };
     let radius = half.len() as isize - 1;
     let mut across = vec![[0.0; N]; pixels.len()];
-    let mut padded = vec![[0.0; N]; width + 2 * radius as usize];
-    for (row, out) in pixels.chunks_exact(width).zip(across.chunks_exact_mut(width)) {
+    for_chunks(&mut across, width, |y, out| {
+        let row = &pixels[y * width..][..width];
+        let mut padded = vec![[0.0; N]; width + 2 * radius as usize];
         for (i, p) in padded.iter_mut().enumerate() {
             *p = row[reflect(i as isize - radius, width)];
         }
@@ -74,9 +77,9 @@ pub(super) fn convolve<const N: usize>(
                 }
             }
         }
-    }
+    });
     let mut out = vec![[0.0; N]; pixels.len()];
-    for (y, row) in out.chunks_exact_mut(width).enumerate() {
+    for_chunks(&mut out, width, |y, row| {
         let line = |i: isize| &across[reflect(i, height) * width..][..width];
         for (value, p) in row.iter_mut().zip(line(y as isize)) {
             *value = p.map(|v| v * half[0]);
@@ -89,7 +92,7 @@ pub(super) fn convolve<const N: usize>(
                 }
             }
         }
-    }
+    });
     out
 }
 

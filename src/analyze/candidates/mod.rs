@@ -11,7 +11,8 @@
 //! image, those that surround other candidates like a net, those that hold several candidates
 //! with much stronger rims, and those that cut through several smaller masks.
 
-use crate::raster::{Connectivity, LabelMap, Mask, Span, colour::oklab, components_of_mask};
+use crate::raster::colour::{of_pixels, oklab};
+use crate::raster::{Connectivity, LabelMap, Mask, Span, components_of_mask};
 use crate::segment::ScoredMask;
 use image::RgbImage;
 
@@ -103,7 +104,7 @@ pub(super) struct Lab {
 
 impl Lab {
     pub(super) fn new(image: &RgbImage) -> Self {
-        let pixels = image.pixels().map(|p| oklab(p.0)).collect();
+        let pixels = of_pixels(image, oklab);
         Self { width: image.width() as i32, height: image.height() as i32, pixels }
     }
 

@@ -1,7 +1,7 @@
 //! An image in Oklab, its gradient, and the gradient's basins.
 
-use crate::parallel::for_chunks;
-use crate::raster::colour::oklab;
+use crate::disjoint_sets::DisjointSets;
+use crate::raster::colour::{of_pixels, oklab};
 use crate::segment::felzenszwalb::{convolve, gaussian};
 use image::RgbImage;
 
@@ -27,13 +27,9 @@ pub(super) struct Colours {
 impl Colours {
     pub(super) fn new(image: &RgbImage) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
-        let mut pixels = vec![[0.0; 3]; width * height];
-        let rows = image.as_raw();
-        for_chunks(&mut pixels, width.max(1), |y, row| {
-            for (pixel, rgb) in row.iter_mut().zip(rows[3 * y * width..].chunks_exact(3)) {
-                let [l, a, b] = oklab([rgb[0], rgb[1], rgb[2]]);
-                *pixel = [100.0 * l, 200.0 * a, 200.0 * b];
-            }
+        let pixels = of_pixels(image, |rgb| {
+            let [l, a, b] = oklab(rgb);
+            [100.0 * l, 200.0 * a, 200.0 * b]
         });
         Self { width, height, pixels }
     }
@@ -72,7 +68,7 @@ impl Field {
     /// order of their first pixel.
     pub(super) fn basins(&self) -> (Vec<u32>, usize) {
         let (w, count) = (self.width, self.width * self.height);
-        let mut next: Vec<u32> = Vec::with_capacity(count);
+        let mut basins = DisjointSets::new(count);
         for i in 0..count {
             let x = i % w;
             let mut lowest = (self.gradient[i], i);
@@ -93,12 +89,9 @@ impl Field {
             if i + w < count {
                 look(i + w);
             }
-            next.push(lowest.1 as u32);
+            basins.attach(lowest.1, i);
         }
-        for i in 0..count {
-            bottom(&mut next, i as u32);
-        }
-        numbered(&next)
+        basins.indices()
     }
 
     /// Basins as those of [`Field::basins`], each shallow one united with the neighbour that it would overflow
@@ -129,52 +122,18 @@ impl Field {
                 meet(i + self.width);
             }
         }
-        let mut next: Vec<u32> = (0..count as u32).collect();
-        for (basin, (pass, beside)) in (0..).zip(rim) {
-            if pass - floor[basin as usize] < SHALLOW {
-                let [from, to] = [basin, beside].map(|end| bottom(&mut next, end));
-                next[from as usize] = to;
+        let mut united = DisjointSets::new(count);
+        for (basin, (pass, beside)) in rim.into_iter().enumerate() {
+            if pass - floor[basin] < SHALLOW {
+                united.join(basin, beside as usize);
             }
         }
-        for basin in 0..count as u32 {
-            bottom(&mut next, basin);
-        }
-        let (numbers, deep) = numbered(&next);
+        let (numbers, deep) = united.indices();
         let mut counts = vec![0; deep];
         numbers.iter().for_each(|&n| counts[n as usize] += 1);
         labels.iter_mut().for_each(|label| *label = numbers[*label as usize]);
         (labels, counts)
     }
-}
-
-/// Where `next` leads from a place, directly afterwards.
-fn bottom(next: &mut [u32], from: u32) -> u32 {
-    let mut bottom = from;
-    while next[bottom as usize] != bottom {
-        bottom = next[bottom as usize];
-    }
-    let mut at = from;
-    while next[at as usize] != bottom {
-        at = std::mem::replace(&mut next[at as usize], bottom);
-    }
-    bottom
-}
-
-/// The number of each place's bottom, from 0 in the order of first places, and the number of bottoms.
-fn numbered(bottoms: &[u32]) -> (Vec<u32>, usize) {
-    let mut numbers = vec![u32::MAX; bottoms.len()];
-    let mut last = 0;
-    let labels = (bottoms.iter())
-        .map(|&bottom| {
-            let number = &mut numbers[bottom as usize];
-            if *number == u32::MAX {
-                *number = last;
-                last += 1;
-            }
-            *number
-        })
-        .collect();
-    (labels, last as usize)
 }
 
 #[cfg(test)]

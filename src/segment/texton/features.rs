@@ -1,7 +1,8 @@
 //! Features of a candidate mask, from the texton network and from the image.
 
 use super::network::Embedding;
-use crate::raster::{Mask, Span, colour::oklab};
+use crate::raster::colour::{of_pixels, oklab};
+use crate::raster::{Mask, Span};
 use image::RgbImage;
 
 /// Number of features.
@@ -92,7 +93,7 @@ impl Context {
         Self {
             width: image.width() as i32,
             height: image.height() as i32,
-            colours: image.pixels().map(|p| oklab(p.0)).collect(),
+            colours: of_pixels(image, oklab),
             squares: cells.clone().map(square).collect(),
             quality: cells.map(|i| fine.embedding.quality(i)).collect(),
             texton: mean(&fine.texton),
