@@ -36,7 +36,10 @@ impl<'a> Edges<'a> {
         let side = |label: u32, away: Vec2| {
             let here = self.colour(at + away);
             match self.colours.get(label as usize).copied().flatten() {
-                Some(colour) => mix(here, colour.to_f64(), 0.5),
+                Some(colour) => {
+                    let own = colour.to_f64();
+                    [0, 1, 2].map(|c| between(here[c], own[c], 0.5))
+                }
                 None => here,
             }
         };
@@ -60,29 +63,36 @@ impl<'a> Edges<'a> {
     }
 
     /// Bilinear sample of the image; beyond the border the nearest pixel.
+    #[inline]
     fn colour(&self, at: Point) -> [f64; 3] {
         let (width, height) = (self.image.width() as i32, self.image.height() as i32);
         let (x, y) = (at.x - 0.5, at.y - 0.5);
         let (x0, y0) = (floor(x), floor(y));
         let (column, line) = (x0 as i32, y0 as i32);
-        let columns = [column, column.saturating_add(1)].map(|x| 3 * x.clamp(0, width - 1) as usize);
-        let row = |y: i32| {
-            let row = &self.image.as_raw()[3 * (y.clamp(0, height - 1) * width) as usize..];
-            let [a, b] = columns.map(|k| [row[k], row[k + 1], row[k + 2]].map(f64::from));
-            mix(a, b, x - x0)
-        };
-        mix(row(line), row(line + 1), y - y0)
+        let [left, right] = [column, column.saturating_add(1)].map(|x| 3 * x.clamp(0, width - 1) as usize);
+        let row = |y: i32| &self.image.as_raw()[3 * (y.clamp(0, height - 1) * width) as usize..];
+        let (above, below) = (row(line), row(line.saturating_add(1)));
+        let (tx, ty) = (x - x0, y - y0);
+        // A loop: `map` of arrays is not always compiled into its caller, and all the time of fitting is here.
+        let mut colour = [0.0; 3];
+        for (c, value) in colour.iter_mut().enumerate() {
+            let across = |row: &[u8]| between(f64::from(row[left + c]), f64::from(row[right + c]), tx);
+            *value = between(across(above), across(below), ty);
+        }
+        colour
     }
 }
 
 /// The largest whole number up to `v`, for places in an image.
+#[inline]
 fn floor(v: f64) -> f64 {
     let whole = f64::from(v as i32);
     if whole > v { whole - 1.0 } else { whole }
 }
 
-fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
-    [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * t)
+#[inline]
+fn between(a: f64, b: f64, t: f64) -> f64 {
+    a + (b - a) * t
 }
 
 #[cfg(test)]
