@@ -73,7 +73,7 @@ impl<'a> Edges<'a> {
         let row = |y: i32| &self.image.as_raw()[3 * (y.clamp(0, height - 1) * width) as usize..];
         let (above, below) = (row(line), row(line.saturating_add(1)));
         let (tx, ty) = (x - x0, y - y0);
-        // A loop: `map` of arrays is not always compiled into its caller, and all the time of fitting is here.
+        // A loop: `map` of arrays is not always compiled into its caller, which doubles what sampling costs.
         let mut colour = [0.0; 3];
         for (c, value) in colour.iter_mut().enumerate() {
             let across = |row: &[u8]| between(f64::from(row[left + c]), f64::from(row[right + c]), tx);
