@@ -36,9 +36,8 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Options::DumpConfig(text) => cli::output::print(text.as_bytes()),
         Options::Job(common, job) => {
             interrupt::watch();
-            cli::use_threads(common.threads)?;
             let reporter = Reporter::new(&common)?;
-            let outcome = job(&common, &reporter);
+            let outcome = cli::on_threads(common.threads, || job(&common, &reporter));
             // Work is also stopped when a picture of a stage cannot be written: that is then the reason.
             match reporter.failure() {
                 Some(reason) => Err(reason.into()),

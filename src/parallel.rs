@@ -1,4 +1,4 @@
-//! Ordered parallel maps: rayon with the feature `parallel`, a plain loop without it.
+//! Ordered parallel maps and pairs of tasks: rayon with the feature `parallel`, plain loops without it.
 //!
 //! Results come back in the order of the input, so what is computed from them does not depend on
 //! the number of threads. Nothing here reduces across threads.
@@ -48,4 +48,46 @@ pub(crate) fn for_chunks<T: Send>(data: &mut [T], size: usize, f: impl Fn(usize,
 #[cfg(not(feature = "parallel"))]
 pub(crate) fn for_chunks<T>(data: &mut [T], size: usize, f: impl Fn(usize, &mut [T])) {
     data.chunks_mut(size).enumerate().for_each(|(i, row)| f(i, row));
+}
+
+/// `f(index, part)` of the parts of `data`, of which the lengths are given in order.
+#[cfg(feature = "parallel")]
+pub(crate) fn for_parts<T: Send>(
+    data: &mut [T],
+    lengths: impl Iterator<Item = usize>,
+    f: impl Fn(usize, &mut [T]) + Sync + Send,
+) {
+    use rayon::prelude::*;
+    parts(data, lengths).into_par_iter().enumerate().for_each(|(i, part)| f(i, part));
+}
+
+/// `f(index, part)` of the parts of `data`, of which the lengths are given in order.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn for_parts<T>(
+    data: &mut [T],
+    lengths: impl Iterator<Item = usize>,
+    f: impl Fn(usize, &mut [T]),
+) {
+    parts(data, lengths).into_iter().enumerate().for_each(|(i, part)| f(i, part));
+}
+
+fn parts<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
+    let mut part = |length| {
+        let (part, rest) = std::mem::take(&mut data).split_at_mut(length);
+        data = rest;
+        part
+    };
+    lengths.map(&mut part).collect()
+}
+
+/// The results of two tasks that do not need one another.
+#[cfg(feature = "parallel")]
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    rayon::join(a, b)
+}
+
+/// The results of two tasks that do not need one another.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
+    (a(), b())
 }

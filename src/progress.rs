@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use image::RgbImage;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Reports from a long function to its caller, who may stop it.
 ///
@@ -32,6 +33,64 @@ impl Progress for () {}
 /// [`Progress::advance`] as a `Result`, for use with `?`.
 pub(crate) fn advance(progress: &dyn Progress, stage: &'static str, done: u64, total: u64) -> Result<()> {
     if progress.advance(stage, done, total) { Ok(()) } else { Err(Error::Interrupted) }
+}
+
+/// Tasks that run side by side. One of them reports; the others can be stopped.
+pub(crate) struct SideBySide<'a> {
+    progress: &'a dyn Progress,
+    /// What was reported last.
+    last: Mutex<(&'static str, u64, u64)>,
+}
+
+impl<'a> SideBySide<'a> {
+    /// Tasks of a stage.
+    pub(crate) fn new(progress: &'a dyn Progress, stage: &'static str) -> Self {
+        Self { progress, last: Mutex::new((stage, 0, 0)) }
+    }
+
+    /// For a task whose stages are not reported.
+    pub(crate) fn silent(&self) -> Silent<'_> {
+        Silent(self)
+    }
+
+    fn last(&self) -> MutexGuard<'_, (&'static str, u64, u64)> {
+        self.last.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Progress for SideBySide<'_> {
+    fn advance(&self, stage: &'static str, done: u64, total: u64) -> bool {
+        let mut last = self.last();
+        *last = (stage, done, total);
+        self.progress.advance(stage, done, total)
+    }
+
+    fn warn(&self, message: &str) {
+        self.progress.warn(message);
+    }
+
+    fn picture(&self, name: &str, draw: &dyn Fn() -> RgbImage) {
+        self.progress.picture(name, draw);
+    }
+}
+
+/// One of several tasks, whose stages are not reported: see [`SideBySide::silent`].
+pub(crate) struct Silent<'a>(&'a SideBySide<'a>);
+
+impl Progress for Silent<'_> {
+    fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+        let last = self.0.last();
+        let (stage, done, total) = *last;
+        self.0.progress.advance(stage, done, total)
+    }
+
+    fn warn(&self, message: &str) {
+        self.0.warn(message);
+    }
+
+    fn picture(&self, name: &str, draw: &dyn Fn() -> RgbImage) {
+        self.0.picture(name, draw);
+    }
 }
 
 /// For tests: asks at once to stop.

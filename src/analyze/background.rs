@@ -1,6 +1,7 @@
 //! The background palette: the median colour of the background in each of a set of Voronoi cells.
 
 use crate::library::AnalyzeParams;
+use crate::parallel;
 use crate::raster::{LabelMap, colour, squared_distance};
 use crate::sampling::{Area, poisson_disk, stream};
 use crate::scene::{ControlPoint, Field};
@@ -31,8 +32,10 @@ pub(super) fn palette(
     let mut random = stream(params.seed, "analyze/background", 0);
     let sites = poisson_disk(domain, params.background_spacing, &mut random);
     let cells = nearest_site(w, h, &sites);
-    let from_textons = squared_distance(w, h, |i| textons.labels[i] != 0);
-    let from_primaries = squared_distance(w, h, |i| primaries.labels[i] != 0);
+    let (from_textons, from_primaries) = parallel::join(
+        || squared_distance(w, h, |i| textons.labels[i] != 0),
+        || squared_distance(w, h, |i| primaries.labels[i] != 0),
+    );
     let mut pixels: Vec<Vec<u32>> = vec![Vec::new(); sites.len()];
     for (i, &cell) in cells.iter().enumerate() {
         pixels[cell as usize].push(i as u32);
@@ -87,7 +90,7 @@ fn nearest_site(w: usize, h: usize, sites: &[[f64; 2]]) -> Vec<u32> {
     let mut cells = vec![0; w * h];
     let points = sites.iter().map(|s| Point2::new(s[0], s[1])).collect();
     if let Ok(triangulation) = DelaunayTriangulation::<Point2<f64>>::bulk_load_stable(points) {
-        crate::parallel::for_chunks(&mut cells, w, |y, row| {
+        parallel::for_chunks(&mut cells, w, |y, row| {
             for (x, cell) in row.iter_mut().enumerate() {
                 let at = Point2::new(x as f64 + 0.5, y as f64 + 0.5);
                 *cell = triangulation.nearest_neighbor(at).map_or(0, |v| v.index() as u32);

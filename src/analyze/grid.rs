@@ -224,15 +224,16 @@ impl Grid {
     pub(super) fn pixels(self, map: &Cells<LabelMap>) -> LabelMap {
         let k = self.cells;
         let mut pixels = LabelMap::filled(map.width / k, map.height / k, 0);
-        for y in 0..pixels.height {
-            for x in 0..pixels.width {
-                let cells = (0..k * k).map(|i| map.get(x * k + i % k, y * k + i / k));
-                let taken: Vec<u32> = cells.filter(|&l| l != 0).collect();
-                if 2 * taken.len() as u32 >= k * k {
-                    pixels.set(x, y, taken[0]);
-                }
+        let width = pixels.width as usize;
+        parallel::for_chunks(&mut pixels.labels, width.max(1), |y, row| {
+            for (x, label) in row.iter_mut().enumerate() {
+                let cells = (0..k * k).map(|i| map.get(x as u32 * k + i % k, y as u32 * k + i / k));
+                let mut taken = cells.filter(|&l| l != 0);
+                let first = taken.next();
+                let enough = 2 * (1 + taken.count() as u32) >= k * k;
+                *label = first.filter(|_| enough).unwrap_or(0);
             }
-        }
+        });
         pixels
     }
 }

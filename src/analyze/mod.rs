@@ -34,7 +34,8 @@ pub use exemplar::Exemplar;
 use crate::document::Document as _;
 use crate::error::Result;
 use crate::library::{Arrangement, Category, CategoryId, Element, Library, Source, SourceKind};
-use crate::progress::{Progress, advance};
+use crate::parallel;
+use crate::progress::{Progress, SideBySide, advance};
 use crate::raster::{LabelMap, Mask};
 use crate::scene::Tile;
 use crate::scene::field::Interpolant;
@@ -112,21 +113,27 @@ pub fn analyze(
     let primary_masks: Vec<Cells<Mask>> = primary_masks.into_iter().map(Cells).collect();
     progress.picture("primaries", &|| crate::raster::picture::outlines(image, &primaries));
 
-    let primaries_inside = inside(margin.as_ref(), &primaries);
-    let strata = Strata::new(exemplar, &primaries_inside, params, progress)?;
-
     advance(progress, "details", 0, count as u64)?;
     // From here on shapes take the colours of `clean`; only edges are located in the photograph.
     if !patches.promoted.is_empty() {
         clean = own_colours(&fine, &cells, grid, params);
     }
     drop(fine);
-    let details = all_details(&clean, &primary_masks, &in_cells);
-
-    advance(progress, "background", 0, 1)?;
     let textons = grid.pixels(&any_texton(cells, &patches.secondaries));
     let textons = inside(margin.as_ref(), &textons);
-    let background = background::palette(&exemplar.image, &primaries_inside, &textons, params);
+    let primaries_inside = inside(margin.as_ref(), &primaries);
+    let palette = || background::palette(&exemplar.image, &primaries_inside, &textons, params);
+    let secondaries = || {
+        let cost = RateDistortion::new(params, grid);
+        joining::join_secondaries(&clean, &patches.secondaries, cost, in_cells.secondary_maximum)
+    };
+    let tasks = SideBySide::new(progress, "details");
+    let strata = || Strata::new(exemplar, &primaries_inside, params, &tasks.silent());
+    let ((details, strata), (background, secondaries)) = parallel::join(
+        || parallel::join(|| all_details(&clean, &primary_masks, &in_cells), strata),
+        || parallel::join(palette, secondaries),
+    );
+    let strata = strata?;
     progress.picture("background", &|| pictures::background(&exemplar.image, &textons, &background));
     let tile = Tile { x: params.wrap, y: params.wrap };
     let interpolant = Interpolant::new(&background, width, height, tile);
@@ -135,13 +142,7 @@ pub fn analyze(
         let [x, y] = place(at);
         interpolant.at(x, y)
     };
-    let joined = joining::join_secondaries(
-        &clean,
-        &patches.secondaries,
-        RateDistortion::new(params, grid),
-        in_cells.secondary_maximum,
-    );
-    let patches = shapes::patches(&clean, joined, grid, &behind);
+    let patches = shapes::patches(&clean, secondaries, grid, &behind);
 
     advance(progress, "joining", 0, 1)?;
     let mut warnings = exemplar.warnings.clone();
@@ -271,7 +272,7 @@ fn all_details(
     params: &Cells<AnalyzeParams>,
 ) -> Vec<Vec<Cells<Mask>>> {
     let smoothed = Smoothed::new(image, params.detail_sigma);
-    crate::parallel::map(primaries, |mask| {
+    parallel::map(primaries, |mask| {
         let details = details(&smoothed, mask, params.detail_scale, params.detail_minimum);
         details.into_iter().map(Cells).collect()
     })

@@ -27,16 +27,22 @@ pub(super) fn find(
     params: &Cells<AnalyzeParams>,
 ) -> Patches {
     let (w, h) = (image.width() as i32, image.height() as i32);
-    let mut regions = flood(image, &|i| primaries.labels[i] != 0, params.secondary_tolerance);
-    join_fragments(image, &mut regions, params.secondary_minimum);
-    let count = regions.labels.iter().max().map_or(0, |m| *m as usize) + 1;
-    let masks = Mask::all_of_labels(&regions, count);
-    let mut standing = Mask::all_of_labels(primaries, primaries.areas().len()).split_off(1);
-    standing.retain(|m| m.area() > 0);
-    let median_area =
-        quantile(standing.iter().map(|m| f64::from(m.area())).collect(), 0.5).unwrap_or(f64::INFINITY);
     let lab = Lab::new(image);
-    let rims = parallel::map(&standing, |m| f64::from(lab.rim(m).0));
+    let between = || {
+        let mut regions = flood(image, &|i| primaries.labels[i] != 0, params.secondary_tolerance);
+        join_fragments(image, &mut regions, params.secondary_minimum);
+        let count = regions.labels.iter().max().map_or(0, |m| *m as usize) + 1;
+        Mask::all_of_labels(&regions, count)
+    };
+    // Areas and rims of the primaries.
+    let standing = || {
+        let mut masks = Mask::all_of_labels(primaries, primaries.areas().len()).split_off(1);
+        masks.retain(|m| m.area() > 0);
+        let areas = masks.iter().map(|m| f64::from(m.area())).collect();
+        (areas, parallel::map(&masks, |m| f64::from(lab.rim(m).0)))
+    };
+    let (masks, (areas, rims)) = parallel::join(between, standing);
+    let median_area = quantile(areas, 0.5).unwrap_or(f64::INFINITY);
     let typical_rim = quantile(rims, 0.5).unwrap_or(f64::INFINITY);
     let mut patches = Patches { secondaries: Vec::new(), promoted: Vec::new() };
     for mask in masks.into_iter().skip(1) {

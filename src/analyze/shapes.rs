@@ -11,6 +11,7 @@ use super::palette::Palette;
 use super::rate_distortion::RateDistortion;
 use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
 use crate::library::{CategoryId, Element, Shape};
+use crate::parallel;
 use crate::raster::colour::{self, Colour};
 use crate::raster::{LabelMap, Mask, Span};
 use image::RgbImage;
@@ -69,7 +70,7 @@ pub(super) fn patches(
     grid: Grid,
     behind: &(dyn Fn([f64; 2]) -> [f64; 3] + Sync),
 ) -> Vec<Patch> {
-    let found = crate::parallel::map(&masks, |mask| {
+    let found = parallel::map(&masks, |mask| {
         let colour = median(image, mask);
         let (own, behind) = (colour.to_f64(), behind(grid.centroid(mask)));
         (colour, std::array::from_fn(|i| libm::round(own[i] - behind[i].clamp(0.0, 255.0)) as i16))
@@ -116,12 +117,14 @@ pub(super) fn outlines(
         groups.push((primary_count + k) as u32 + 1);
     }
     let all: Vec<&Cells<Mask>> = ordered.iter().flat_map(|(_, details)| details).copied().collect();
-    let medians = crate::parallel::map(&all, |m| median(image, m));
+    let (planar, medians) = parallel::join(
+        || PlanarMap::trace(width, height, &map.labels),
+        || parallel::map(&all, |m| median(image, m)),
+    );
     let of_patches = pieces.secondaries.iter().map(|p| p.colour);
     let colours = [None].into_iter().chain(medians.iter().copied().chain(of_patches).map(Some)).collect();
     let group = |label: u32| groups.get(label as usize).copied().unwrap_or(0);
     let (count, group_count) = (groups.len() - 1, primary_count + pieces.secondaries.len());
-    let planar = PlanarMap::trace(width, height, &map.labels);
     let edges = Edges::new(photo, colours);
     let scale = Scale { tolerance: style.fidelity, cells: grid.along() };
     let fitted = FittedMap::with_edges(planar, scale, count, group_count, group, |at, normal, l, r| {
@@ -137,7 +140,7 @@ pub(super) fn outlines(
             _ => 0.0,
         })
     };
-    let primaries = crate::parallel::map(&ordered, |(first, details)| {
+    let primaries = parallel::map(&ordered, |(first, details)| {
         let mask = Cells(Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect()));
         let colours: Vec<Colour> =
             medians[first - 1..].iter().take(details.len()).map(|&m| style.palette.nearest(m)).collect();
@@ -171,7 +174,7 @@ pub(super) fn outlines(
     });
     let specks = Specks::new(&pieces.secondaries, grid);
     let labelled: Vec<(usize, &Patch)> = (first_secondary..).zip(&pieces.secondaries).collect();
-    let secondaries = crate::parallel::map(&labelled, |&(label, Patch { mask, colour, difference })| {
+    let secondaries = parallel::map(&labelled, |&(label, Patch { mask, colour, difference })| {
         let outline = specks.outline(mask).unwrap_or_else(|| stacked(label as u32));
         let colour = style.palette.nearest(*colour);
         Element {
@@ -200,8 +203,7 @@ impl Specks {
         let specks = patches.iter().filter_map(|patch| Some(Self::at_origin(&patch.mask, grid)?.0));
         let distinct: BTreeSet<Vec<Span>> = specks.map(|mask| mask.spans().to_vec()).collect();
         let distinct: Vec<Vec<Span>> = distinct.into_iter().collect();
-        let outlines =
-            crate::parallel::map(&distinct, |spans| alone(&Cells(Mask::from_spans(spans.clone())), grid));
+        let outlines = parallel::map(&distinct, |spans| alone(&Cells(Mask::from_spans(spans.clone())), grid));
         Self { grid, outlines: distinct.into_iter().zip(outlines).collect() }
     }
 

@@ -5,7 +5,7 @@
 //! nothing is lost. Edges are still located in the photograph.
 
 use super::grid::{Cells, Grid};
-use crate::parallel::map;
+use crate::parallel::{for_chunks, map};
 use crate::raster::LabelMap;
 use image::{Rgb, RgbImage};
 
@@ -27,10 +27,14 @@ pub(super) fn unmixed(image: &Cells<RgbImage>, labels: &Cells<LabelMap>, grid: G
     let depth = (DEPTH * grid.cells) as u8;
     let rings = rings(labels, depth);
     let around = around(labels.width, grid);
+    let mut of_ring = vec![Vec::new(); usize::from(depth) + 2];
+    (0..)
+        .zip(&rings)
+        .filter(|(_, ring)| **ring <= depth)
+        .for_each(|(i, &ring)| of_ring[usize::from(ring)].push(i));
     let mut clean = image.0.clone();
     // From the inner rings outwards: cleaned inner cells tell the outer ones their colour.
-    for ring in (1..=depth).rev() {
-        let cells: Vec<u32> = (0..).zip(&rings).filter(|(_, r)| **r == ring).map(|(i, _)| i).collect();
+    for cells in of_ring.into_iter().rev() {
         let place = |i: u32| [i % labels.width, i / labels.width];
         let own =
             map(&cells, |&i| mixture(&clean, labels, &rings, place(i).map(|v| v as i32), &around, grid));
@@ -47,38 +51,30 @@ pub(super) fn unmixed(image: &Cells<RgbImage>, labels: &Cells<LabelMap>, grid: G
 /// The ring of each cell: 1 at the border of its label, 2 next to a cell of ring 1 of the same label,
 /// and so on up to `depth`; `depth + 1` further inside.
 fn rings(labels: &LabelMap, depth: u8) -> Vec<u8> {
-    let (w, h) = (labels.width as usize, labels.height as usize);
-    let mut rings = vec![depth + 1; labels.labels.len()];
+    let (w, n) = (labels.width as usize, labels.labels.len());
     let all = &labels.labels;
-    let beside = |i: usize| {
-        let (x, y) = (i % w, i / w);
-        let there = [(x > 0, 1, 0), (x + 1 < w, 0, 1), (y > 0, w, 0), (y + 1 < h, 0, w)];
+    let beside = |x: usize, i: usize| {
+        let there = [(x > 0, 1, 0), (x + 1 < w, 0, 1), (i >= w, w, 0), (i + w < n, 0, w)];
         there.into_iter().filter(|t| t.0).map(move |(_, less, more)| i + more - less)
     };
-    let mut edge: Vec<usize> = Vec::new();
-    for y in 0..h {
-        for x in 0..w {
-            let i = y * w + x;
-            if x + 1 < w && all[i] != all[i + 1] {
-                edge.extend([i, i + 1]);
-            }
-            if y + 1 < h && all[i] != all[i + w] {
-                edge.extend([i, i + w]);
+    let mut rings = vec![depth + 1; n];
+    for_chunks(&mut rings, w.max(1), |y, row| {
+        for (x, ring) in row.iter_mut().enumerate() {
+            if beside(x, y * w + x).any(|j| all[j] != all[y * w + x]) {
+                *ring = 1;
             }
         }
-    }
-    edge.iter().for_each(|&i| rings[i] = 1);
+    });
     for ring in 2..=depth {
-        let mut next = Vec::new();
-        for i in edge {
-            for j in beside(i).filter(|&j| all[j] == all[i]) {
-                if rings[j] > depth {
-                    rings[j] = ring;
-                    next.push(j);
+        let before = rings.clone();
+        for_chunks(&mut rings, w.max(1), |y, row| {
+            for (x, own) in row.iter_mut().enumerate() {
+                // Cells of other labels lie only beside those of ring 1.
+                if *own > depth && beside(x, y * w + x).any(|j| before[j] == ring - 1) {
+                    *own = ring;
                 }
             }
-        }
-        edge = next;
+        });
     }
     rings
 }

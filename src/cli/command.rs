@@ -7,7 +7,7 @@ use super::progress::Reporter;
 use super::values::Seed;
 
 /// Work that is left when all options are checked.
-pub(crate) type Job = Box<dyn FnOnce(&Common, &Reporter) -> anyhow::Result<()>>;
+pub(crate) type Job = Box<dyn FnOnce(&Common, &Reporter) -> anyhow::Result<()> + Send>;
 
 /// The arguments of a command.
 pub(crate) trait Arguments {

@@ -34,12 +34,24 @@ mod usage;
 mod values;
 mod weights;
 
-/// Sets the number of threads that work is spread over; by default all cores.
-pub(crate) fn use_threads(threads: Option<u16>) -> anyhow::Result<()> {
+/// Does work on a number of threads; by default on all cores.
+pub(crate) fn on_threads<R: Send>(
+    threads: Option<u16>,
+    work: impl FnOnce() -> anyhow::Result<R> + Send,
+) -> anyhow::Result<R> {
     #[cfg(feature = "parallel")]
-    if let Some(threads) = threads {
-        rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global()?;
+    return rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.map_or(0, usize::from))
+        .stack_size(STACK)
+        .build()?
+        .install(work);
+    #[cfg(not(feature = "parallel"))]
+    {
+        let _ = threads;
+        work()
     }
-    let _ = threads;
-    Ok(())
 }
+
+/// Bytes of each thread's stack, as the main thread's.
+#[cfg(feature = "parallel")]
+const STACK: usize = 8 << 20;

@@ -7,7 +7,7 @@
 //! junctions stay within the hull of the midpoints around them.
 
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap};
-use crate::parallel;
+use crate::parallel::{self, for_parts};
 use kurbo::{Point, Vec2};
 use std::ops::Range;
 
@@ -25,10 +25,31 @@ const EVEN: usize = 4;
 /// The points of every arc of a map, in two versions. In both, open arcs begin and end at their junctions'
 /// smoothed positions.
 pub(super) struct Samples {
-    /// Smoothed within one cell, so almost nothing crosses.
-    pub(super) smoothed: Vec<Vec<Point>>,
-    /// Smoothed within one pixel, then refined to the edges of the image.
-    pub(super) refined: Vec<Vec<Point>>,
+    /// The points of each arc, in both versions.
+    arcs: Vec<Range<usize>>,
+    smoothed: Vec<Point>,
+    refined: Vec<Point>,
+}
+
+/// The points of every arc in one version.
+#[derive(Clone, Copy)]
+pub(super) struct Points<'a> {
+    arcs: &'a [Range<usize>],
+    all: &'a [Point],
+}
+
+impl<'a> Points<'a> {
+    /// The points of arc `i`.
+    pub(super) fn of(self, i: usize) -> &'a [Point] {
+        &self.all[self.arcs[i].clone()]
+    }
+
+    /// The point `steps` points along a half arc, or its last point.
+    fn ahead(self, h: HalfArc, steps: usize) -> Point {
+        let p = self.of(h.arc as usize);
+        let k = steps.min(p.len() - 1);
+        p[if h.reversed { p.len() - 1 - k } else { k }]
+    }
 }
 
 impl Samples {
@@ -39,45 +60,67 @@ impl Samples {
         map: &PlanarMap,
         junctions: &Junctions,
         cells: f64,
-        soft: impl Fn(&Arc) -> bool,
+        soft: impl Fn(&Arc) -> bool + Sync,
         edge: impl Fn(Point, Vec2, u32, u32) -> f64 + Sync,
     ) -> Self {
-        let midpoints: Vec<Vec<Point>> = map.arcs.iter().map(|arc| middles(map, arc)).collect();
-        let fixed: Vec<Vec<bool>> = (midpoints.iter().zip(&map.arcs))
-            .map(|(p, arc)| if soft(arc) { vec![false; p.len()] } else { corners(p, arc.closed(), cells) })
-            .collect();
-        let filter = Filter::new(map, midpoints, fixed, junctions);
+        let mut end = 0;
+        let range = |arc: &Arc| {
+            let start = end;
+            end += middles_count(arc);
+            start..end
+        };
+        let arcs: Vec<Range<usize>> = map.arcs.iter().map(range).collect();
+        let lengths = || arcs.iter().map(|points| points.len());
+        let mut midpoints = vec![Point::ZERO; end];
+        for_parts(&mut midpoints, lengths(), |i, points| middles(map, &map.arcs[i], points));
+        let mut fixed = vec![false; end];
+        for_parts(&mut fixed, lengths(), |i, fixed| {
+            if !soft(&map.arcs[i]) {
+                corners(&midpoints[arcs[i].clone()], map.arcs[i].closed(), cells, fixed);
+            }
+        });
+        let filter = Filter::new(map, midpoints, fixed, &arcs, junctions);
         let relaxed = |reach: &f64| {
             let mut points = filter.relaxed(*reach, 2 * ROUNDS * cells as usize);
             let inner = |arc: &Arc| arc.closed() && !borders_outside(arc);
-            for (points, arc) in points.iter_mut().zip(&map.arcs).filter(|(_, arc)| inner(arc)) {
-                keep_area(points, map.points_of(arc));
+            for (arc, range) in map.arcs.iter().zip(&arcs).filter(|(arc, _)| inner(arc)) {
+                keep_area(&mut points[range.clone()], map.points_of(arc));
             }
             points
         };
         let reaches = if cells > 1.0 { &[REACH * cells, REACH][..] } else { &[REACH * cells] };
         let mut versions = parallel::map(reaches, relaxed).into_iter();
-        let smooth = versions.next().unwrap_or_default();
-        let mut smoothed = versions.next().unwrap_or_else(|| smooth.clone());
+        drop(filter);
+        let mut refined = versions.next().unwrap_or_default();
+        let mut smoothed = versions.next().unwrap_or_else(|| refined.clone());
         // Both versions of an arc end where its junction has refined to, so that arcs stay joined.
-        for ((points, smooth), arc) in smoothed.iter_mut().zip(&smooth).zip(&map.arcs) {
-            end_alike(points, smooth, arc);
+        for (range, arc) in arcs.iter().zip(&map.arcs) {
+            end_alike(&mut smoothed[range.clone()], &refined[range.clone()], arc);
         }
-        let indices: Vec<usize> = (0..smooth.len()).collect();
-        let refined = parallel::map(&indices, |&i| {
+        for_parts(&mut refined, lengths(), |i, points| {
             let arc = &map.arcs[i];
-            if borders_outside(arc) {
-                return smooth[i].clone();
+            if !borders_outside(arc) {
+                to_edge(points, arc.closed(), cells, |at, normal| edge(at, normal, arc.left, arc.right));
             }
-            to_edge(&smooth[i], arc.closed(), cells, |at, normal| edge(at, normal, arc.left, arc.right))
         });
-        Self { smoothed, refined }
+        Self { arcs, smoothed, refined }
+    }
+
+    /// Smoothed within one cell, so almost nothing crosses.
+    pub(super) fn smoothed(&self) -> Points<'_> {
+        Points { arcs: &self.arcs, all: &self.smoothed }
+    }
+
+    /// Smoothed within one pixel, then refined to the edges of the image.
+    pub(super) fn refined(&self) -> Points<'_> {
+        Points { arcs: &self.arcs, all: &self.refined }
     }
 
     /// The midpoints of the pixel edges of arc `i`, with the ends of the other versions.
     pub(super) fn midpoints(&self, map: &PlanarMap, i: usize) -> Vec<Point> {
-        let mut points = middles(map, &map.arcs[i]);
-        end_alike(&mut points, &self.smoothed[i], &map.arcs[i]);
+        let mut points = vec![Point::ZERO; self.arcs[i].len()];
+        middles(map, &map.arcs[i], &mut points);
+        end_alike(&mut points, self.smoothed().of(i), &map.arcs[i]);
         points
     }
 }
@@ -109,7 +152,7 @@ fn beside(n: usize, closed: bool, i: usize) -> [usize; 2] {
 
 /// Moves points along their normals by `distance`, averaged between neighbours. The ends of an open
 /// arc stay.
-fn to_edge(points: &[Point], closed: bool, cells: f64, distance: impl Fn(Point, Vec2) -> f64) -> Vec<Point> {
+fn to_edge(points: &mut [Point], closed: bool, cells: f64, distance: impl Fn(Point, Vec2) -> f64) {
     let n = points.len();
     let normals = normals(points, closed);
     let moves = |i: usize| closed || (i > 0 && i + 1 < n);
@@ -124,31 +167,36 @@ fn to_edge(points: &[Point], closed: bool, cells: f64, distance: impl Fn(Point, 
             away[i] = (before[last] + 2.0 * before[i] + before[next]) / 4.0;
         }
     }
-    (0..n).map(|i| points[i] + normals[i] * away[i]).collect()
+    points
+        .iter_mut()
+        .zip(normals.iter().zip(away))
+        .for_each(|(point, (&normal, away))| *point += normal * away);
 }
 
-fn middles(map: &PlanarMap, arc: &Arc) -> Vec<Point> {
+/// Number of midpoints of an arc's pixel edges, with its ends if it is open.
+fn middles_count(arc: &Arc) -> usize {
+    if arc.closed() { arc.points.len() - 1 } else { arc.points.len() + 1 }
+}
+
+/// The midpoints of an arc's pixel edges, with its ends if it is open.
+fn middles(map: &PlanarMap, arc: &Arc, points: &mut [Point]) {
     let steps = map.points_of(arc);
-    let mut points = Vec::with_capacity(steps.len() + 1);
-    if !arc.closed() {
-        points.push(lattice(steps[0]));
+    let mut all = points.iter_mut();
+    if let (false, [first, .., last]) = (arc.closed(), steps) {
+        all.next().into_iter().for_each(|point| *point = lattice(*first));
+        all.next_back().into_iter().for_each(|point| *point = lattice(*last));
     }
-    points.extend(steps.windows(2).map(|w| lattice(w[0]).midpoint(lattice(w[1]))));
-    if !arc.closed() {
-        points.push(lattice(steps[steps.len() - 1]));
-    }
-    points
+    all.zip(steps.windows(2)).for_each(|(point, w)| *point = lattice(w[0]).midpoint(lattice(w[1])));
 }
 
 /// Marks points where the curve turns by more than about 50° over five pixels of the image to each
 /// side. Such corners belong to the object, not to a pixel.
-fn corners(points: &[Point], closed: bool, cells: f64) -> Vec<bool> {
+fn corners(points: &[Point], closed: bool, cells: f64, found: &mut [bool]) {
     let span = (5.0 * cells) as isize;
     const COSINE: f64 = 0.64;
     let n = points.len() as isize;
-    let mut found = vec![false; points.len()];
     if n < 3 * span {
-        return found;
+        return;
     }
     let at = |i: isize| points[i.rem_euclid(n) as usize];
     let cosine = |i: isize| -> f64 {
@@ -164,7 +212,6 @@ fn corners(points: &[Point], closed: bool, cells: f64) -> Vec<bool> {
         let sharpest = (1..=span).all(|k| get(i) < get(i - k) && get(i) <= get(i + k));
         found[i as usize] = get(i) < COSINE && sharpest;
     }
-    found
 }
 
 /// The filter over all arcs and junctions, whose points lie one after the other.
@@ -196,16 +243,13 @@ struct Joint {
 impl Filter {
     fn new(
         map: &PlanarMap,
-        midpoints: Vec<Vec<Point>>,
-        fixed: Vec<Vec<bool>>,
+        midpoints: Vec<Point>,
+        fixed: Vec<bool>,
+        arcs: &[Range<usize>],
         junctions: &Junctions,
     ) -> Self {
-        let mut first = 0;
-        let arcs = midpoints.iter().zip(&map.arcs).map(|(points, arc)| {
-            first += points.len();
-            Strand { points: first - points.len()..first, ends: arc.ends }
-        });
-        let arcs: Vec<Strand> = arcs.collect();
+        let strand = |(points, arc): (&Range<usize>, &Arc)| Strand { points: points.clone(), ends: arc.ends };
+        let arcs: Vec<Strand> = arcs.iter().zip(&map.arcs).map(strand).collect();
         // The point `steps` points along a half arc, or its last point.
         let ahead = |h: &HalfArc, steps: usize| {
             let Range { start, end } = arcs[h.arc as usize].points;
@@ -220,17 +264,17 @@ impl Filter {
             Joint { at: junction.at, own: ahead(&junction.arms[0], 0), around }
         };
         let joints = junctions.list.iter().map(joint).collect();
-        Self { midpoints: midpoints.concat(), fixed: fixed.concat(), arcs, joints }
+        Self { midpoints, fixed, arcs, joints }
     }
 
     /// The points of every arc after some steps, none further than `reach` from its midpoint.
-    fn relaxed(&self, reach: f64, rounds: usize) -> Vec<Vec<Point>> {
+    fn relaxed(&self, reach: f64, rounds: usize) -> Vec<Point> {
         let mut points = self.midpoints.clone();
         let mut ends = Vec::with_capacity(self.joints.len());
         for round in 0..rounds {
             self.relax(&mut points, &mut ends, reach, STEPS[round % 2]);
         }
-        self.arcs.iter().map(|arc| points[arc.points.clone()].to_vec()).collect()
+        points
     }
 
     /// One step. `ends` is room for the junctions' places.
@@ -284,13 +328,6 @@ fn borders_outside(arc: &Arc) -> bool {
 
 fn lattice(at: [i32; 2]) -> Point {
     Point::new(f64::from(at[0]), f64::from(at[1]))
-}
-
-/// The point `steps` points along a half arc, or its last point.
-fn ahead(points: &[Vec<Point>], h: HalfArc, steps: usize) -> Point {
-    let p = &points[h.arc as usize];
-    let k = steps.min(p.len() - 1);
-    p[if h.reversed { p.len() - 1 - k } else { k }]
 }
 
 /// Scales a small closed curve about its centre to compensate for the area lost when pixel corners
@@ -361,7 +398,7 @@ impl Junctions {
     }
 
     /// Unit tangents at both ends of arc `i`, along the arc, where it passes through a junction smoothly.
-    pub(super) fn tangents(&self, arc: &Arc, points: &[Vec<Point>], i: usize) -> [Option<Vec2>; 2] {
+    pub(super) fn tangents(&self, arc: &Arc, points: Points<'_>, i: usize) -> [Option<Vec2>; 2] {
         let Some([first, last]) = arc.ends else { return [None; 2] };
         [(first, false), (last, true)].map(|(junction, reversed)| {
             let [a, b] = self.list[junction as usize].through?;
@@ -370,8 +407,8 @@ impl Junctions {
             if own != a && own != b {
                 return None;
             }
-            let here = ahead(points, own, 0);
-            let (out, back) = (ahead(points, own, 3), ahead(points, other, 3));
+            let here = points.ahead(own, 0);
+            let (out, back) = (points.ahead(own, 3), points.ahead(other, 3));
             let (u, v) = (out - here, here - back);
             let lengths = libm::sqrt(u.hypot2() * v.hypot2());
             if lengths < 1e-9 || u.dot(v) / lengths < 0.57 {

@@ -78,7 +78,16 @@ impl FittedMap {
         let edge = |at: Point, normal, left, right| {
             edge((at.to_vec2() / cells).to_point(), normal, left, right) * cells
         };
-        let samples = Samples::new(&map, &junctions, cells, soft, edge);
+        let mut parts = vec![0u32; groups + 1];
+        for label in 1..=count as u32 {
+            parts.get_mut(group(label) as usize).into_iter().for_each(|n| *n += 1);
+        }
+        // Groups of one label have its rings.
+        let several = |l: u32| Some(group(l)).filter(|&g| parts.get(g as usize).is_some_and(|&n| n > 1));
+        let (samples, [labels, unions]) = parallel::join(
+            || Samples::new(&map, &junctions, cells, soft, edge),
+            || [map.rings(count, |l| l), map.rings(groups, |l| several(l).unwrap_or(0))],
+        );
         let indices: Vec<usize> = (0..map.arcs.len()).collect();
         let fit = |i: usize, level: usize| {
             let arc = &map.arcs[i];
@@ -88,22 +97,14 @@ impl FittedMap {
             let Some(&(share, on_edges)) = FITS.get(level) else {
                 return polyline(&samples.midpoints(&map, i), arc.closed(), cells);
             };
-            let samples = if on_edges { &samples.refined } else { &samples.smoothed };
-            let ends = junctions.tangents(arc, samples, i);
+            let points = if on_edges { samples.refined() } else { samples.smoothed() };
+            let ends = junctions.tangents(arc, points, i);
             let scale = Scale { tolerance: scale.tolerance * share, cells };
-            fit_arc(&samples[i], arc.closed(), !soft(arc), ends, scale)
+            fit_arc(points.of(i), arc.closed(), !soft(arc), ends, scale)
         };
         let mut arcs = parallel::map(&indices, |&i| fit(i, 0));
         let mut level = vec![0usize; arcs.len()];
         // Tighten crossing arcs until none is left. Levels only rise, so this terminates.
-        let labels: Vec<Vec<Ring>> = map.rings(count, |l| l);
-        let mut parts = vec![0u32; groups + 1];
-        for label in 1..=count as u32 {
-            parts.get_mut(group(label) as usize).into_iter().for_each(|n| *n += 1);
-        }
-        // Groups of one label have its rings.
-        let several = |l: u32| Some(group(l)).filter(|&g| parts.get(g as usize).is_some_and(|&n| n > 1));
-        let unions = map.rings(groups, |l| several(l).unwrap_or(0));
         let faces: Vec<&Vec<Ring>> = labels.iter().chain(&unions).filter(|face| !face.is_empty()).collect();
         let mut suspects: Vec<usize> = (0..faces.len()).collect();
         while !suspects.is_empty() {

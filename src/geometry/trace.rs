@@ -3,6 +3,7 @@
 //! Every border between two labels is traced once, from junction to junction, and shared by both
 //! sides. Faces are 4-connected: pixels of one label that touch only at a corner stay separate.
 
+use crate::parallel;
 use std::ops::Range;
 
 /// Label of everything outside the map.
@@ -63,7 +64,10 @@ impl PlanarMap {
         let lattice = Lattice { width: width as usize, height: height as usize, labels };
         let columns = lattice.width + 1;
         let count = columns * (lattice.height + 1);
-        let cracks: Vec<u8> = (0..count).map(|v| lattice.cracks(v % columns, v / columns)).collect();
+        let mut cracks = vec![0u8; count];
+        parallel::for_chunks(&mut cracks, columns, |y, row| {
+            row.iter_mut().enumerate().for_each(|(x, cracks)| *cracks = lattice.cracks(x, y));
+        });
         let junctions: Vec<usize> = (0..count).filter(|&v| cracks[v].count_ones() > 2).collect();
         let map = Self { arcs: Vec::new(), points: Vec::new(), junctions: junctions.len() };
         let mut walker = Walker { lattice: &lattice, used: vec![0; count], junctions, map };

@@ -22,10 +22,22 @@ pub(super) fn disjoint(offers: &[ScoredMask], width: u32, height: u32) -> Vec<Sc
     let mut found = Vec::new();
     for k in by_worth(offers) {
         let ScoredMask { mask, score } = &offers[k];
-        let left = mask.pixels().filter(|&(x, y)| taken.get(x as u32, y as u32) == 0);
-        let spans: Vec<Span> = left.map(|(x, y)| Span { y, x0: x, x1: x + 1 }).collect();
-        if (spans.len() as f32) < (1.0 - MOST_LOST) * mask.area() as f32 {
+        let labels =
+            |s: &Span| &taken.labels[taken.index(s.x0 as u32, s.y as u32)..][..(s.x1 - s.x0) as usize];
+        let left: usize = mask.spans().iter().map(|s| labels(s).iter().filter(|&&l| l == 0).count()).sum();
+        if (left as f32) < (1.0 - MOST_LOST) * mask.area() as f32 {
             continue;
+        }
+        let mut spans = Vec::new();
+        for s in mask.spans() {
+            let mut x0 = s.x0;
+            for run in labels(s).chunk_by(|a, b| a == b) {
+                let x1 = x0 + run.len() as i32;
+                if run[0] == 0 {
+                    spans.push(Span { x0, x1, ..*s });
+                }
+                x0 = x1;
+            }
         }
         let pieces = components_of_mask(&Mask::from_spans(spans), Connectivity::Four);
         let Some(mask) = pieces.into_iter().rev().max_by_key(Mask::area) else { continue };

@@ -117,7 +117,7 @@ pub(in crate::segment) struct View {
     width: u32,
     height: u32,
     /// Factor by which it is enlarged.
-    scale: f32,
+    pub(in crate::segment) scale: f32,
     index: usize,
 }
 

@@ -13,6 +13,7 @@ use super::matrix::{Matrix, Store, TOGETHER, multiply};
 use super::winograd::{self, Tiles};
 use rten_simd::ops::BitOps;
 use rten_simd::{Isa, SimdOp};
+use std::ops::Range;
 
 /// How a convolution is computed.
 enum Form {
@@ -55,16 +56,25 @@ impl Convolution {
     pub(super) fn of(&self, input: &Maps) -> Maps {
         let step = if let Form::Direct { step, .. } = self.form { step } else { 1 };
         let mut output = Maps::zeros(self.bias.len(), input.width / step, input.height / step);
-        self.run(input, &mut output, false);
+        self.run(input, &mut output, 0, false);
+        output
+    }
+
+    /// Some of the rows, of a convolution at every cell. Sums are those of [`Convolution::of`] if the first row
+    /// is a multiple of [`winograd::TILE`].
+    pub(super) fn of_rows(&self, input: &Maps, rows: Range<usize>) -> Maps {
+        let mut output = Maps::zeros(self.bias.len(), input.width, rows.len());
+        self.run(input, &mut output, rows.start, false);
         output
     }
 
     /// Adds to the sums what `output` holds.
     pub(super) fn add_to(&self, input: &Maps, output: &mut Maps) {
-        self.run(input, output, true);
+        self.run(input, output, 0, true);
     }
 
-    fn run(&self, input: &Maps, output: &mut Maps, add: bool) {
+    /// `first` is the row of the output that is the first of those to compute.
+    fn run(&self, input: &Maps, output: &mut Maps, first: usize, add: bool) {
         let least = if self.rectified { 0.0 } else { f32::NEG_INFINITY };
         let store = Store { bias: &self.bias, add, least };
         let matrices = &self.matrices;
@@ -72,10 +82,11 @@ impl Convolution {
             Form::Direct { side, step } => {
                 let zeros = vec![0.0; input.channels];
                 output.for_rows(1, |y, row| {
+                    let y = first + y;
                     Row { matrices, side, step, input, zeros: &zeros, store, y, row }.dispatch();
                 });
             }
-            Form::Tiles { dilation } => Tiles { matrices, dilation, input, store }.run(output),
+            Form::Tiles { dilation } => Tiles { matrices, dilation, input, top: first, store }.run(output),
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::convolution::Convolution;
 use super::maps::{Maps, WIDE};
+use super::winograd::TILE;
 use crate::error::Error;
 use image::RgbImage;
 use rten_onnx::onnx::{GraphProto, ModelProto, NodeProto};
@@ -20,6 +21,9 @@ const FILE: &[u8] = include_bytes!("../../../models/texton/encoder.onnx");
 const REDUCTIONS: u32 = 4;
 /// The encoder requires sides that are multiples of this.
 pub(super) const ALIGN: usize = 1 << REDUCTIONS;
+
+/// Rows of cells of which the last convolutions are computed together.
+const BAND: usize = 16 * TILE;
 
 /// `x + b(a(x))`, rectified.
 struct Residual {
@@ -138,10 +142,13 @@ impl Encoder {
         up3.join(x4, &mut x3);
         up2.join(x3, &mut x2);
         up1.join(x2, &mut x1);
-        let x = self.last.of(&x1);
+        // The two last together, a band at a time: nothing else would take as much memory.
+        let mut out = Maps::zeros(CHANNELS, x1.width, x1.height);
+        for first in (0..out.height).step_by(BAND) {
+            let rows = first..out.height.min(first + BAND);
+            out.set_rows(first, self.out.of(&self.last.of_rows(&x1, rows)));
+        }
         drop(x1);
-        let mut out = self.out.of(&x);
-        drop(x);
         out.for_rows(1, |y, row| {
             for (x, cell) in row.chunks_exact_mut(CHANNELS).enumerate() {
                 for (value, at) in cell[CENTRE..].iter_mut().zip([x, y]) {

@@ -44,6 +44,12 @@ impl Maps {
         }
     }
 
+    /// Replaces rows by all rows of other maps of the same width and number of channels.
+    pub(super) fn set_rows(&mut self, first: usize, rows: Self) {
+        let start = first * self.width * self.channels;
+        self.values[start..start + rows.values.len()].copy_from_slice(&rows.values);
+    }
+
     /// Does `f(k, rows)` for each `count` rows (fewer at the end), on several threads.
     pub(super) fn for_rows(&mut self, count: usize, f: impl Fn(usize, &mut [f32]) + Sync + Send) {
         for_chunks(&mut self.values, count * self.width * self.channels, f);

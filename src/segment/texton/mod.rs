@@ -21,16 +21,17 @@ mod winograd;
 pub use features::FEATURES;
 pub use network::TextonNetwork;
 
-use super::prompt::{Cost, Embedded, Found, GeneratorParams, View};
+use super::prompt::{Cost, Found, GeneratorParams, View};
 use super::regions::nodes;
 use super::similar::{Measured, Near, SimilarMasks};
 use super::{Perceptron, ScoredMask, Segmenter, disjoint::disjoint, tiles};
 use crate::error::Result;
-use crate::parallel::map;
-use crate::progress::{Progress, advance};
+use crate::parallel::{join, map};
+use crate::progress::{Progress, SideBySide, advance};
 use crate::raster::Mask;
 use features::{Context, Origin, PREDICTED, REGION, STABILITY};
 use image::RgbImage;
+use std::array;
 
 /// Units of the hidden layer of the [`Judge`].
 pub const HIDDEN: usize = 32;
@@ -43,6 +44,8 @@ const ENLARGE: f32 = 2.0;
 const PIXELS: f32 = 1.3e6;
 /// Number of scales at which masks are sought, each half the previous one.
 const SIZES: usize = 3;
+/// The stage in which the network sees the image and region trees are made.
+const READING: &str = "reading the image";
 /// Least score of the region tree's nodes that become candidates.
 const LEAST_NODE_SCORE: f32 = 0.2;
 /// IoU above which nodes are merged.
@@ -95,33 +98,49 @@ impl Texton {
         }
         let pixels = image.width() as f32 * image.height() as f32;
         let enlarge = (PIXELS / pixels).sqrt().clamp(1.0, ENLARGE);
-        // Before anything is embedded: trees and embeddings take the most memory.
-        let regions = distinct(nodes(image, LEAST_NODE_SCORE, progress)?);
-        let (mut offers, mut embeddings) = (Vec::new(), Vec::new());
-        for index in 0..SIZES {
-            let scale = enlarge / (1 << index) as f32;
-            let view = View::whole(size, scale, index);
-            advance(progress, "reading the image", index as u64, SIZES as u64)?;
-            let seen = self.network.view(&view.image(image), self.search.predicted_iou);
-            let found =
-                view.search(&seen as &dyn Embedded, size, &self.search, progress, &mut Cost::default())?;
-            for Found { mask, predicted_iou, stability, votes, .. } in found {
+        let views: [View; SIZES] =
+            array::from_fn(|index| View::whole(size, enlarge / (1 << index) as f32, index));
+        let see = |(index, view): (usize, &View), progress: &dyn Progress| {
+            advance(progress, READING, index as u64, SIZES as u64)?;
+            Ok(self.network.view(&view.image(image), self.search.predicted_iou))
+        };
+        let tasks = SideBySide::new(progress, READING);
+        let (seen, regions) = join(
+            || views.iter().enumerate().map(|view| see(view, &tasks)).collect::<Result<Vec<_>>>(),
+            || nodes(image, LEAST_NODE_SCORE, &tasks.silent()).map(distinct),
+        );
+        let (seen, regions) = (seen?, regions?);
+        let tasks = SideBySide::new(progress, "finding masks");
+        let searches: Vec<(usize, _)> = views.iter().zip(&seen).enumerate().collect();
+        let found = map(&searches, |&(index, (view, seen))| {
+            let silent = tasks.silent();
+            // The search of the largest view takes the longest, and reports.
+            let progress: &dyn Progress = if index == 0 { &tasks } else { &silent };
+            view.search(seen, size, &self.search, progress, &mut Cost::default())
+        });
+        let mut offers = Vec::new();
+        for (index, found) in found.into_iter().enumerate() {
+            for Found { mask, predicted_iou, stability, votes, .. } in found? {
                 let origin = Origin { predicted_iou, stability, votes, ..Origin::default() };
                 offers.extend(Measured::new(mask).map(|mask| Unmeasured { mask, size: Some(index), origin }));
-            }
-            if embeddings.len() < 2 {
-                embeddings.push((seen.embedding, scale));
             }
         }
         advance(progress, "judging masks", 0, 0)?;
         for (mask, region) in regions {
             offers.push(Unmeasured { mask, size: None, origin: Origin { region, ..Origin::default() } });
         }
-        let mut index = SimilarMasks::default();
-        offers.iter().enumerate().for_each(|(k, offer)| index.add(&offer.mask, k));
-        let Ok(embeddings) = <[_; 2]>::try_from(embeddings) else { return Ok(Vec::new()) };
-        let context = Context::new(image, embeddings);
-        Ok(map(&offers, |offer| {
+        let mut embeddings = views.iter().zip(seen).map(|(view, seen)| (seen.embedding, view.scale));
+        let (Some(fine), Some(coarse)) = (embeddings.next(), embeddings.next()) else {
+            return Ok(Vec::new());
+        };
+        drop(embeddings);
+        let indexed = || {
+            let mut index = SimilarMasks::default();
+            offers.iter().enumerate().for_each(|(k, offer)| index.add(&offer.mask, k));
+            index
+        };
+        let (index, context) = join(indexed, || Context::new(image, [fine, coarse]));
+        let features = map(&offers, |offer| {
             let mut origin = offer.origin;
             let mut near = index.near(&offer.mask, 0.0);
             // Those that may be the most similar come first; most others need not be compared then.
@@ -142,9 +161,10 @@ impl Texton {
                     origin.region = origin.region.max(iou * region);
                 }
             }
-            let mask = offer.mask.mask.clone();
-            Candidate { features: context.features(&mask, &origin), mask }
-        }))
+            context.features(&offer.mask.mask, &origin)
+        });
+        let masks = offers.into_iter().map(|offer| offer.mask.mask);
+        Ok(masks.zip(features).map(|(mask, features)| Candidate { mask, features }).collect())
     }
 }
 

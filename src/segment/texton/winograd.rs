@@ -7,11 +7,12 @@
 
 use super::maps::{Maps, WIDE};
 use super::matrix::{Matrix, Store, TOGETHER, multiply};
+use crate::parallel::map;
 use rten_simd::ops::{BitOps, NumOps};
 use rten_simd::{Isa, SimdOp};
 
 /// Side of a tile, and of its surroundings, in cells.
-const TILE: usize = 4;
+pub(super) const TILE: usize = 4;
 const SIDE: usize = TILE + 2;
 /// Number of products.
 const PRODUCTS: usize = SIDE * SIDE;
@@ -22,13 +23,11 @@ const TILES: usize = 256;
 
 /// The matrices of weights of shape `outputs` × `inputs` × 3 × 3, one for each product.
 pub(super) fn matrices(weights: &[f32], inputs: usize, outputs: usize) -> Vec<Matrix> {
-    let mut transformed = vec![Vec::new(); PRODUCTS];
-    for weights in weights.as_chunks::<9>().0 {
-        let products = self::transformed(weights);
-        transformed.iter_mut().zip(products.as_flattened()).for_each(|(all, &weight)| all.push(weight));
-    }
-    let matrix = |weights: &Vec<f32>| Matrix::new(inputs, outputs, |k, m| weights[m * inputs + k]);
-    transformed.iter().map(matrix).collect()
+    let transformed = map(weights.as_chunks::<9>().0, transformed);
+    let products: Vec<usize> = (0..PRODUCTS).collect();
+    map(&products, |&product| {
+        Matrix::new(inputs, outputs, |k, m| transformed[m * inputs + k].as_flattened()[product])
+    })
 }
 
 /// The weights of the products: by columns, then by rows.
@@ -53,6 +52,8 @@ pub(super) struct Tiles<'a> {
     pub(super) matrices: &'a [Matrix],
     pub(super) dilation: usize,
     pub(super) input: &'a Maps,
+    /// Row of the input at the first row of the output.
+    pub(super) top: usize,
     pub(super) store: Store<'a>,
 }
 
@@ -123,7 +124,7 @@ impl Batch<'_> {
     #[inline(always)]
     fn transform<I: Isa>(&mut self, isa: I) {
         let ops = isa.f32();
-        let Tiles { input, dilation, .. } = *self.work;
+        let Tiles { input, dilation, top, .. } = *self.work;
         let channels = input.channels;
         let stride = stride(self.count, channels);
         for (tile, &[x, y]) in self.tiles.iter().enumerate() {
@@ -131,7 +132,7 @@ impl Batch<'_> {
             let mut cells = [[self.zeros; SIDE]; SIDE];
             for (i, cells) in cells.iter_mut().enumerate() {
                 for (j, cell) in cells.iter_mut().enumerate() {
-                    *cell = input.cell_or(at(x, j), at(y, i), self.zeros);
+                    *cell = input.cell_or(at(x, j), at(top + y, i), self.zeros);
                 }
             }
             for c in (0..channels).step_by(ops.len()) {
