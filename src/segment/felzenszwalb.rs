@@ -33,7 +33,7 @@ impl Smoothed {
         let mut smoothed = Self { width, height, pixels };
         let kernel = gaussian(sigma);
         if kernel.len() > 1 && width > 0 && height > 0 {
-            smoothed.pixels = convolve(&smoothed.pixels, width, height, &kernel);
+            smoothed.pixels = convolve(smoothed.pixels, width, height, &kernel);
         }
         smoothed
     }
@@ -49,7 +49,7 @@ pub(super) fn gaussian(sigma: f64) -> Vec<f32> {
 
 /// Separable convolution with a symmetric kernel. Borders are mirrored at the pixel edges.
 pub(super) fn convolve<const N: usize>(
-    pixels: &[[f32; N]],
+    mut pixels: Vec<[f32; N]>,
     width: usize,
     height: usize,
     half: &[f32],
@@ -60,14 +60,12 @@ pub(super) fn convolve<const N: usize>(
         (if i < n as isize { i } else { period - 1 - i }) as usize
     };
     let radius = half.len() as isize - 1;
-    let mut across = vec![[0.0; N]; pixels.len()];
-    for_chunks(&mut across, width, |y, out| {
-        let row = &pixels[y * width..][..width];
+    for_chunks(&mut pixels, width, |_, row| {
         let mut padded = vec![[0.0; N]; width + 2 * radius as usize];
         for (i, p) in padded.iter_mut().enumerate() {
             *p = row[reflect(i as isize - radius, width)];
         }
-        for (x, value) in out.iter_mut().enumerate() {
+        for (x, value) in row.iter_mut().enumerate() {
             let centre = x + radius as usize;
             *value = padded[centre].map(|v| v * half[0]);
             for (k, w) in half.iter().enumerate().skip(1) {
@@ -80,7 +78,7 @@ pub(super) fn convolve<const N: usize>(
     });
     let mut out = vec![[0.0; N]; pixels.len()];
     for_chunks(&mut out, width, |y, row| {
-        let line = |i: isize| &across[reflect(i, height) * width..][..width];
+        let line = |i: isize| &pixels[reflect(i, height) * width..][..width];
         for (value, p) in row.iter_mut().zip(line(y as isize)) {
             *value = p.map(|v| v * half[0]);
         }
