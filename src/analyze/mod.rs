@@ -39,7 +39,7 @@ use crate::progress::{Progress, SideBySide, advance};
 use crate::raster::{LabelMap, Mask};
 use crate::scene::Tile;
 use crate::scene::field::Interpolant;
-use crate::segment::{Segmenter, Smoothed, details};
+use crate::segment::{Segmenter, details, gaussian};
 use grid::{Cells, Grid};
 use image::RgbImage;
 use margin::Margin;
@@ -271,9 +271,9 @@ fn all_details(
     primaries: &[Cells<Mask>],
     params: &Cells<AnalyzeParams>,
 ) -> Vec<Vec<Cells<Mask>>> {
-    let smoothed = Smoothed::new(image, params.detail_sigma);
+    let half = gaussian(params.detail_sigma);
     parallel::map(primaries, |mask| {
-        let details = details(&smoothed, mask, params.detail_scale, params.detail_minimum);
+        let details = details(image, &half, mask, params.detail_scale, params.detail_minimum);
         details.into_iter().map(Cells).collect()
     })
 }

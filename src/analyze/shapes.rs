@@ -125,6 +125,7 @@ pub(super) fn outlines(
     let colours = [None].into_iter().chain(medians.iter().copied().chain(of_patches).map(Some)).collect();
     let group = |label: u32| groups.get(label as usize).copied().unwrap_or(0);
     let (count, group_count) = (groups.len() - 1, primary_count + pieces.secondaries.len());
+    drop(map);
     let edges = Edges::new(photo, colours);
     let scale = Scale { tolerance: style.fidelity, cells: grid.along() };
     let fitted = FittedMap::with_edges(planar, scale, count, group_count, group, |at, normal, l, r| {

@@ -79,20 +79,23 @@ impl Samples {
                 corners(&midpoints[arcs[i].clone()], map.arcs[i].closed(), cells, fixed);
             }
         });
-        let filter = Filter::new(map, midpoints, fixed, &arcs, junctions);
-        let relaxed = |reach: &f64| {
-            let mut points = filter.relaxed(*reach, 2 * ROUNDS * cells as usize);
+        let filter = Filter::new(map, &midpoints, fixed, &arcs, junctions);
+        let relaxed = |mut points: Vec<Point>, reach: f64| {
+            filter.relax(&mut points, reach, 2 * ROUNDS * cells as usize);
             let inner = |arc: &Arc| arc.closed() && !borders_outside(arc);
             for (arc, range) in map.arcs.iter().zip(&arcs).filter(|(arc, _)| inner(arc)) {
                 keep_area(&mut points[range.clone()], map.points_of(arc));
             }
             points
         };
-        let reaches = if cells > 1.0 { &[REACH * cells, REACH][..] } else { &[REACH * cells] };
-        let mut versions = parallel::map(reaches, relaxed).into_iter();
+        let (mut refined, mut smoothed) = if cells > 1.0 {
+            let copy = midpoints.clone();
+            parallel::join(|| relaxed(midpoints, REACH * cells), || relaxed(copy, REACH))
+        } else {
+            let both = relaxed(midpoints, REACH);
+            (both.clone(), both)
+        };
         drop(filter);
-        let mut refined = versions.next().unwrap_or_default();
-        let mut smoothed = versions.next().unwrap_or_else(|| refined.clone());
         // Both versions of an arc end where its junction has refined to, so that arcs stay joined.
         for (range, arc) in arcs.iter().zip(&map.arcs) {
             end_alike(&mut smoothed[range.clone()], &refined[range.clone()], arc);
@@ -216,7 +219,8 @@ fn corners(points: &[Point], closed: bool, cells: f64, found: &mut [bool]) {
 
 /// The filter over all arcs and junctions, whose points lie one after the other.
 struct Filter {
-    midpoints: Vec<Point>,
+    /// Multiples of one half, which single precision holds exactly.
+    midpoints: Vec<[f32; 2]>,
     /// Points that stay.
     fixed: Vec<bool>,
     arcs: Vec<Strand>,
@@ -243,7 +247,7 @@ struct Joint {
 impl Filter {
     fn new(
         map: &PlanarMap,
-        midpoints: Vec<Point>,
+        midpoints: &[Point],
         fixed: Vec<bool>,
         arcs: &[Range<usize>],
         junctions: &Junctions,
@@ -264,21 +268,20 @@ impl Filter {
             Joint { at: junction.at, own: ahead(&junction.arms[0], 0), around }
         };
         let joints = junctions.list.iter().map(joint).collect();
+        let midpoints = midpoints.iter().map(|p| [p.x as f32, p.y as f32]).collect();
         Self { midpoints, fixed, arcs, joints }
     }
 
-    /// The points of every arc after some steps, none further than `reach` from its midpoint.
-    fn relaxed(&self, reach: f64, rounds: usize) -> Vec<Point> {
-        let mut points = self.midpoints.clone();
+    /// Moves midpoints by some steps, none further than `reach`.
+    fn relax(&self, points: &mut [Point], reach: f64, rounds: usize) {
         let mut ends = Vec::with_capacity(self.joints.len());
         for round in 0..rounds {
-            self.relax(&mut points, &mut ends, reach, STEPS[round % 2]);
+            self.step(points, &mut ends, reach, STEPS[round % 2]);
         }
-        points
     }
 
     /// One step. `ends` is room for the junctions' places.
-    fn relax(&self, points: &mut [Point], ends: &mut Vec<Point>, reach: f64, step: f64) {
+    fn step(&self, points: &mut [Point], ends: &mut Vec<Point>, reach: f64, step: f64) {
         // Junctions first, computed from the unmodified points around them.
         ends.clear();
         ends.extend(self.joints.iter().map(|joint| {
@@ -308,10 +311,12 @@ impl Filter {
                 let here = p[k];
                 let after = if k + 1 < n { p[k + 1] } else { first };
                 if !fixed[k] {
-                    let away = here + (before.midpoint(after) - here) * step - midpoints[k];
+                    let [x, y] = midpoints[k].map(f64::from);
+                    let midpoint = Point::new(x, y);
+                    let away = here + (before.midpoint(after) - here) * step - midpoint;
                     let squared = away.hypot2();
                     let length = if squared > near { libm::sqrt(squared) } else { 0.0 };
-                    p[k] = midpoints[k] + if length > reach { away * (reach / length) } else { away };
+                    p[k] = midpoint + if length > reach { away * (reach / length) } else { away };
                 }
                 before = here;
             }

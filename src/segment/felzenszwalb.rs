@@ -12,61 +12,74 @@ use crate::disjoint_sets::DisjointSets;
 use crate::error::{Result, check};
 use crate::parallel::for_chunks;
 use crate::progress::{Progress, advance};
-use crate::raster::colour::of_pixels;
 use crate::raster::{LabelMap, Mask, Span};
 use image::RgbImage;
+use std::ops::Range;
 
-/// An image smoothed by a Gaussian.
+/// Half-open ranges of columns and rows.
+type Part = [Range<usize>; 2];
+
+/// A part of an image smoothed by a Gaussian.
 #[derive(Clone, Debug)]
-pub(crate) struct Smoothed {
-    width: usize,
-    height: usize,
+struct Smoothed {
+    part: Part,
     /// sRGB components, 0 to 255, row by row.
     pixels: Vec<[f32; 3]>,
 }
 
 impl Smoothed {
-    /// Smooths the sRGB components of an image. `sigma` in pixels, 0 for none. Borders are mirrored.
-    pub(crate) fn new(image: &RgbImage, sigma: f64) -> Self {
-        let (width, height) = (image.width() as usize, image.height() as usize);
-        let pixels = of_pixels(image, |rgb| rgb.map(f32::from));
-        let mut smoothed = Self { width, height, pixels };
-        let kernel = gaussian(sigma);
-        if kernel.len() > 1 && width > 0 && height > 0 {
-            smoothed.pixels = convolve(smoothed.pixels, width, height, &kernel);
-        }
-        smoothed
+    /// Smooths the sRGB components of part of an image by half a [`gaussian`] kernel.
+    fn new(image: &RgbImage, part: Part, half: &[f32]) -> Self {
+        let colour = |x: usize, y: usize| image.get_pixel(x as u32, y as u32).0.map(f32::from);
+        let size = [image.width() as usize, image.height() as usize];
+        Self { pixels: convolve(colour, size, &part, half), part }
+    }
+
+    /// Smooths a whole image.
+    fn whole(image: &RgbImage, half: &[f32]) -> Self {
+        Self::new(image, [0..image.width() as usize, 0..image.height() as usize], half)
+    }
+
+    /// A run of pixels in the part.
+    fn run(&self, s: &Span) -> &[[f32; 3]] {
+        let [columns, rows] = &self.part;
+        let start = (s.y as usize - rows.start) * columns.len() + s.x0 as usize - columns.start;
+        &self.pixels[start..start + s.len() as usize]
     }
 }
 
-/// One half of a normalised Gaussian kernel, centre first, truncated at four standard deviations.
-pub(super) fn gaussian(sigma: f64) -> Vec<f32> {
+/// One half of a normalised Gaussian kernel, centre first, truncated at four standard deviations. `sigma` in
+/// pixels; 0 gives a kernel that changes nothing.
+pub(crate) fn gaussian(sigma: f64) -> Vec<f32> {
     let radius = libm::round(4.0 * sigma.max(0.0)) as usize;
     let weight = |i: usize| if i == 0 { 1.0 } else { libm::exp(-0.5 * (i * i) as f64 / (sigma * sigma)) };
     let total: f64 = (0..=radius).map(|i| weight(i) * if i == 0 { 1.0 } else { 2.0 }).sum();
     (0..=radius).map(|i| (weight(i) / total) as f32).collect()
 }
 
-/// Separable convolution with a symmetric kernel. Borders are mirrored at the pixel edges.
+/// Separable convolution of part of an image, of the colours `at(x, y)`, with half a symmetric kernel. Borders of
+/// the image are mirrored at the pixel edges.
 pub(super) fn convolve<const N: usize>(
-    mut pixels: Vec<[f32; N]>,
-    width: usize,
-    height: usize,
+    at: impl Fn(usize, usize) -> [f32; N] + Sync,
+    [width, height]: [usize; 2],
+    [columns, rows]: &Part,
     half: &[f32],
 ) -> Vec<[f32; N]> {
-    let reflect = |i: isize, n: usize| -> usize {
+    let radius = half.len() - 1;
+    // The column or row that is `i` steps after the one `radius` before the first.
+    let reflect = |first: usize, i: usize, n: usize| -> usize {
         let period = 2 * n as isize;
-        let i = i.rem_euclid(period);
+        let i = (first as isize + i as isize - radius as isize).rem_euclid(period);
         (if i < n as isize { i } else { period - 1 - i }) as usize
     };
-    let radius = half.len() as isize - 1;
-    for_chunks(&mut pixels, width, |_, row| {
-        let mut padded = vec![[0.0; N]; width + 2 * radius as usize];
-        for (i, p) in padded.iter_mut().enumerate() {
-            *p = row[reflect(i as isize - radius, width)];
-        }
+    let wide = columns.len();
+    let mut across = vec![[0.0; N]; wide * (rows.len() + 2 * radius)];
+    for_chunks(&mut across, wide.max(1), |j, row| {
+        let y = reflect(rows.start, j, height);
+        let padded: Vec<[f32; N]> =
+            (0..wide + 2 * radius).map(|i| at(reflect(columns.start, i, width), y)).collect();
         for (x, value) in row.iter_mut().enumerate() {
-            let centre = x + radius as usize;
+            let centre = x + radius;
             *value = padded[centre].map(|v| v * half[0]);
             for (k, w) in half.iter().enumerate().skip(1) {
                 let (a, b) = (padded[centre - k], padded[centre + k]);
@@ -76,14 +89,14 @@ pub(super) fn convolve<const N: usize>(
             }
         }
     });
-    let mut out = vec![[0.0; N]; pixels.len()];
-    for_chunks(&mut out, width, |y, row| {
-        let line = |i: isize| &pixels[reflect(i, height) * width..][..width];
-        for (value, p) in row.iter_mut().zip(line(y as isize)) {
+    let mut out = vec![[0.0; N]; wide * rows.len()];
+    for_chunks(&mut out, wide.max(1), |y, row| {
+        let line = |j: usize| &across[j * wide..][..wide];
+        for (value, p) in row.iter_mut().zip(line(y + radius)) {
             *value = p.map(|v| v * half[0]);
         }
         for (k, w) in half.iter().enumerate().skip(1) {
-            let (above, below) = (line(y as isize - k as isize), line(y as isize + k as isize));
+            let (above, below) = (line(y + radius - k), line(y + radius + k));
             for ((value, a), b) in row.iter_mut().zip(above).zip(below) {
                 for c in 0..N {
                     value[c] += w * (a[c] + b[c]);
@@ -97,8 +110,8 @@ pub(super) fn convolve<const N: usize>(
 /// Segments a whole image. Regions are numbered from 1 in the order of their first pixel. `scale` (at
 /// least 0) controls the size of regions: a larger scale gives larger regions. Regions of fewer than
 /// `minimum` pixels are joined to the most similar neighbour.
-pub(crate) fn felzenszwalb(image: &Smoothed, scale: f64, minimum: u32) -> LabelMap {
-    let (w, h) = (image.width, image.height);
+fn felzenszwalb(image: &Smoothed, scale: f64, minimum: u32) -> LabelMap {
+    let [w, h] = image.part.each_ref().map(Range::len);
     let mut edges = Vec::with_capacity(2 * w * h);
     for i in 0..w * h {
         if i % w + 1 < w {
@@ -118,15 +131,18 @@ pub(crate) fn felzenszwalb(image: &Smoothed, scale: f64, minimum: u32) -> LabelM
     LabelMap { width: w as u32, height: h as u32, labels }
 }
 
-/// Segments the interior of a mask into 4-connected regions that tile it, in the order of their first
+/// Segments the interior of a mask, of an image smoothed by half a [`gaussian`] kernel, into 4-connected regions that tile it, in the order of their first
 /// pixel. A region can be smaller than `minimum` pixels only if it is a whole connected component of
 /// the mask. Parts of the mask outside the image are ignored.
-pub(crate) fn details(image: &Smoothed, mask: &Mask, scale: f64, minimum: u32) -> Vec<Mask> {
-    let (w, h) = (image.width as i32, image.height as i32);
+pub(crate) fn details(image: &RgbImage, half: &[f32], mask: &Mask, scale: f64, minimum: u32) -> Vec<Mask> {
+    let (w, h) = (image.width() as i32, image.height() as i32);
     let inside = |s: &&Span| s.y >= 0 && s.y < h && s.x1 > 0 && s.x0 < w;
     let spans: Vec<Span> = (mask.spans().iter().filter(inside))
         .map(|s| Span { y: s.y, x0: s.x0.max(0), x1: s.x1.min(w) })
         .collect();
+    let Some((x0, y0, x1, y1)) = mask.bounds() else { return Vec::new() };
+    let range = |from: i32, to: i32, n: i32| from.clamp(0, n) as usize..to.clamp(0, n) as usize;
+    let image = Smoothed::new(image, [range(x0, x1, w), range(y0, y1, h)], half);
     // The mask's pixels are numbered along its runs.
     let mut pixels = Vec::with_capacity(mask.area() as usize);
     let mut pairs = Vec::with_capacity(2 * pixels.capacity());
@@ -135,8 +151,7 @@ pub(crate) fn details(image: &Smoothed, mask: &Mask, scale: f64, minimum: u32) -
     for (i, s) in spans.iter().enumerate() {
         let start = pixels.len();
         first.push(start);
-        let row = &image.pixels[s.y as usize * image.width..][s.x0 as usize..s.x1 as usize];
-        pixels.extend_from_slice(row);
+        pixels.extend_from_slice(image.run(s));
         pairs.extend((start + 1..pixels.len()).map(|p| (p - 1, p)));
         while above < i && (spans[above].y < s.y - 1 || spans[above].y == s.y - 1 && spans[above].x1 <= s.x0)
         {
@@ -261,7 +276,7 @@ impl Segmenter for Felzenszwalb {
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
         self.validate()?;
         advance(progress, "segmentation", 0, 3)?;
-        let smoothed = Smoothed::new(image, self.sigma);
+        let smoothed = Smoothed::whole(image, &gaussian(self.sigma));
         advance(progress, "segmentation", 1, 3)?;
         let map = felzenszwalb(&smoothed, self.scale, self.minimum);
         advance(progress, "segmentation", 2, 3)?;
@@ -304,14 +319,14 @@ mod tests {
             scale in 0.0..400.0f64,
             minimum in 1..6u32,
         ) {
-            let image = Smoothed::new(&speckled(17, 13, &values), 0.95);
+            let image = speckled(17, 13, &values);
             let mask = Mask::from_spans(
                 runs.iter().map(|&(y, x0, n)| Span { y, x0, x1: x0 + n }).collect(),
             );
             let inside: Vec<_> = mask.pixels()
                 .filter(|&(x, y)| (0..17).contains(&x) && (0..13).contains(&y))
                 .collect();
-            let pieces = details(&image, &mask, scale, minimum);
+            let pieces = details(&image, &gaussian(0.95), &mask, scale, minimum);
             let mut tiled: Vec<_> = pieces.iter().flat_map(|p| p.pixels()).map(|(x, y)| (y, x)).collect();
             tiled.sort_unstable();
             prop_assert_eq!(tiled, inside.iter().map(|&(x, y)| (y, x)).collect::<Vec<_>>());
@@ -330,31 +345,44 @@ mod tests {
             values in prop::collection::vec(any::<u8>(), 11 * 9),
             scale in 0.0..400.0f64,
         ) {
-            let image = Smoothed::new(&speckled(11, 9, &values), 0.8);
-            let map = felzenszwalb(&image, scale, 3);
+            let (image, half) = (speckled(11, 9, &values), gaussian(0.8));
+            let map = felzenszwalb(&Smoothed::whole(&image, &half), scale, 3);
             let full = Mask::from_labels(&map, |_| true);
             let regions = Mask::all_of_labels(&map, map.areas().len());
             for region in &regions[1..] {
                 prop_assert_eq!(components_of_mask(region, Connectivity::Four).len(), 1);
             }
-            prop_assert_eq!(regions.len() - 1, details(&image, &full, scale, 3).len());
+            prop_assert_eq!(regions.len() - 1, details(&image, &half, &full, scale, 3).len());
         }
     }
 
     #[test]
     fn smoothing_keeps_a_constant_and_the_mean() {
-        let flat = Smoothed::new(&RgbImage::from_pixel(5, 7, image::Rgb([9, 90, 200])), 2.0);
+        let flat = Smoothed::whole(&RgbImage::from_pixel(5, 7, image::Rgb([9, 90, 200])), &gaussian(2.0));
         assert!(flat.pixels.iter().all(|p| (p[0] - 9.0).abs() < 1e-3 && (p[2] - 200.0).abs() < 1e-3));
         let mut dot = RgbImage::new(21, 21);
         dot.put_pixel(10, 10, image::Rgb([255; 3]));
-        let sum: f32 = Smoothed::new(&dot, 1.0).pixels.iter().map(|p| p[0]).sum();
+        let sum: f32 = Smoothed::whole(&dot, &gaussian(1.0)).pixels.iter().map(|p| p[0]).sum();
         assert!((sum - 255.0).abs() < 0.1, "{sum}");
+    }
+
+    #[test]
+    fn a_part_is_smoothed_as_it_is_in_the_whole() {
+        let values: Vec<u8> = (0..=250).map(|v| v * 37 % 251).collect();
+        let (image, half) = (speckled(23, 19, &values), gaussian(1.4));
+        let whole = Smoothed::whole(&image, &half);
+        for part in [[0..23, 0..19], [0..4, 15..19], [20..23, 0..1], [7..16, 5..12], [5..5, 0..19]] {
+            let found = Smoothed::new(&image, part.clone(), &half);
+            let [columns, rows] = part;
+            let runs = rows.map(|y| Span { y: y as i32, x0: columns.start as i32, x1: columns.end as i32 });
+            assert_eq!(found.pixels, runs.flat_map(|s| whole.run(&s).to_vec()).collect::<Vec<_>>());
+        }
     }
 
     #[test]
     fn two_halves_are_two_regions() {
         let image = RgbImage::from_fn(20, 10, |x, _| image::Rgb([if x < 10 { 20 } else { 220 }; 3]));
-        let map = felzenszwalb(&Smoothed::new(&image, 0.0), 50.0, 5);
+        let map = felzenszwalb(&Smoothed::whole(&image, &gaussian(0.0)), 50.0, 5);
         assert!((0..200).all(|i| map.labels[i] == u32::from(i % 20 >= 10) + 1));
     }
 }

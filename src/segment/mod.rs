@@ -14,7 +14,7 @@ pub mod texton;
 mod tiles;
 
 pub use felzenszwalb::Felzenszwalb;
-pub(crate) use felzenszwalb::{Smoothed, details};
+pub(crate) use felzenszwalb::{details, gaussian};
 pub(crate) use flood::flood;
 pub use masks_file::{MasksFile, masks_to_bytes};
 pub use perceptron::Perceptron;

@@ -43,7 +43,8 @@ impl Field {
     /// Smooths an image by `sigma` pixels and computes its gradient.
     pub(super) fn new(image: &Colours, sigma: f64) -> Self {
         let (width, height) = (image.width, image.height);
-        let colours = convolve(image.pixels.clone(), width, height, &gaussian(sigma));
+        let at = |x: usize, y: usize| image.pixels[y * width + x];
+        let colours = convolve(at, [width, height], &[0..width, 0..height], &gaussian(sigma));
         let mut gradient = vec![0.0; width * height];
         for y in 0..height {
             let (up, down) = (y.saturating_sub(1) * width, (y + 1).min(height - 1) * width);

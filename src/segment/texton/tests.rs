@@ -4,6 +4,7 @@ use super::*;
 use crate::engine::{self, Engine, EngineOptions, Runtime, Source, Tensor};
 use crate::procedural::{Kind, SceneParams, generate};
 use crate::raster::{Connectivity, LabelMap, components_of_mask};
+use crate::segment::prompt::Embedded;
 
 const ENCODER: &[u8] = include_bytes!("../../../models/texton/encoder.onnx");
 const DECODER: &[u8] = include_bytes!("../../../models/texton/decoder.onnx");
