@@ -39,22 +39,21 @@ const STEPS: u64 = 1000;
 
 /// Seconds of stages in their order, as photographs of a megapixel take them: what is before and what is
 /// after a stage is known by it. Of what is not here nothing is known.
-const STAGES: [(&str, f64); 29] = [
+const STAGES: [(&str, f64); 28] = [
     ("reading", 0.1),
     ("loading", 0.1),
-    ("merging regions", 3.8),
-    ("reading the image", 1.9),
+    ("merging regions", 0.9),
+    ("reading the image", 1.0),
     ("finding masks", 0.1),
     ("finding masks: coarse grid", 0.1),
-    ("finding masks: fine grid", 0.3),
-    ("finding masks: finest grid", 1.0),
-    ("judging masks", 1.9),
-    ("segmentation", 5.0),
-    ("primaries", 2.2),
-    ("details", 1.0),
-    ("background", 0.7),
+    ("finding masks: fine grid", 0.1),
+    ("finding masks: finest grid", 0.2),
+    ("judging masks", 0.4),
+    ("segmentation", 1.5),
+    ("primaries", 0.6),
+    ("details", 0.5),
     ("joining", 0.1),
-    ("outlines", 4.1),
+    ("outlines", 1.3),
     ("categories", 0.1),
     ("structure", 2.0),
     ("carrying", 0.5),

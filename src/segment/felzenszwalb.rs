@@ -368,7 +368,7 @@ mod tests {
 
     #[test]
     fn a_part_is_smoothed_as_it_is_in_the_whole() {
-        let values: Vec<u8> = (0..=250).map(|v| v * 37 % 251).collect();
+        let values: Vec<u8> = (0..=250u8).map(|v| v.wrapping_mul(37)).collect();
         let (image, half) = (speckled(23, 19, &values), gaussian(1.4));
         let whole = Smoothed::whole(&image, &half);
         for part in [[0..23, 0..19], [0..4, 15..19], [20..23, 0..1], [7..16, 5..12], [5..5, 0..19]] {

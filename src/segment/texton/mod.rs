@@ -110,7 +110,7 @@ impl Texton {
             || nodes(image, LEAST_NODE_SCORE, &tasks.silent()).map(distinct),
         );
         let (seen, regions) = (seen?, regions?);
-        let tasks = SideBySide::new(progress, "finding masks");
+        let tasks = SideBySide::new(progress, "finding masks: coarse grid");
         let searches: Vec<(usize, _)> = views.iter().zip(&seen).enumerate().collect();
         let found = map(&searches, |&(index, (view, seen))| {
             let silent = tasks.silent();
