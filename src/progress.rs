@@ -60,8 +60,7 @@ impl<'a> SideBySide<'a> {
 
 impl Progress for SideBySide<'_> {
     fn advance(&self, stage: &'static str, done: u64, total: u64) -> bool {
-        let mut last = self.last();
-        *last = (stage, done, total);
+        *self.last() = (stage, done, total);
         self.progress.advance(stage, done, total)
     }
 
@@ -79,8 +78,7 @@ pub(crate) struct Silent<'a>(&'a SideBySide<'a>);
 
 impl Progress for Silent<'_> {
     fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
-        let last = self.0.last();
-        let (stage, done, total) = *last;
+        let (stage, done, total) = *self.0.last();
         self.0.progress.advance(stage, done, total)
     }
 
@@ -101,5 +99,35 @@ pub(crate) struct Stop;
 impl Progress for Stop {
     fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Keeps what is reported, and asks to stop at a stage.
+    struct Kept(Mutex<Vec<(&'static str, u64, u64)>>);
+
+    impl Progress for Kept {
+        fn advance(&self, stage: &'static str, done: u64, total: u64) -> bool {
+            self.0.lock().unwrap().push((stage, done, total));
+            stage != "last"
+        }
+    }
+
+    #[test]
+    fn a_silent_task_repeats_what_was_reported_and_is_stopped_too() {
+        let kept = Kept(Mutex::default());
+        let tasks = SideBySide::new(&kept, "first");
+        let silent = tasks.silent();
+        assert!(silent.advance("unheard of", 7, 8));
+        assert!(tasks.advance("second", 1, 2) && silent.advance("unheard of", 8, 8));
+        assert!(!tasks.advance("last", 0, 3) && !silent.advance("unheard of", 8, 8));
+        let last = ("last", 0, 3);
+        assert_eq!(
+            *kept.0.lock().unwrap(),
+            [("first", 0, 0), ("second", 1, 2), ("second", 1, 2), last, last]
+        );
     }
 }

@@ -100,13 +100,13 @@ impl Texton {
         let enlarge = (PIXELS / pixels).sqrt().clamp(1.0, ENLARGE);
         let views: [View; SIZES] =
             array::from_fn(|index| View::whole(size, enlarge / (1 << index) as f32, index));
-        let see = |(index, view): (usize, &View), progress: &dyn Progress| {
-            advance(progress, READING, index as u64, SIZES as u64)?;
+        let tasks = SideBySide::new(progress, READING);
+        let see = |(index, view): (usize, &View)| {
+            advance(&tasks, READING, index as u64, SIZES as u64)?;
             Ok(self.network.view(&view.image(image), self.search.predicted_iou))
         };
-        let tasks = SideBySide::new(progress, READING);
         let (seen, regions) = join(
-            || views.iter().enumerate().map(|view| see(view, &tasks)).collect::<Result<Vec<_>>>(),
+            || views.iter().enumerate().map(see).collect::<Result<Vec<_>>>(),
             || nodes(image, LEAST_NODE_SCORE, &tasks.silent()).map(distinct),
         );
         let (seen, regions) = (seen?, regions?);
