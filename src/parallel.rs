@@ -72,12 +72,12 @@ pub(crate) fn for_parts<T>(
 }
 
 fn parts<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
-    let mut part = |length| {
+    let part = |length| {
         let (part, rest) = std::mem::take(&mut data).split_at_mut(length);
         data = rest;
         part
     };
-    lengths.map(&mut part).collect()
+    lengths.map(part).collect()
 }
 
 /// The results of two tasks that do not need one another.

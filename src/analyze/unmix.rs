@@ -27,7 +27,7 @@ pub(super) fn unmixed(image: &Cells<RgbImage>, labels: &Cells<LabelMap>, grid: G
     let depth = (DEPTH * grid.cells) as u8;
     let rings = rings(labels, depth);
     let around = around(labels.width, grid);
-    let mut of_ring = vec![Vec::new(); usize::from(depth) + 2];
+    let mut of_ring = vec![Vec::new(); usize::from(depth) + 1];
     (0..)
         .zip(&rings)
         .filter(|(_, ring)| **ring <= depth)

@@ -65,6 +65,9 @@ pub(super) fn convolve<const N: usize>(
     [columns, rows]: &Part,
     half: &[f32],
 ) -> Vec<[f32; N]> {
+    if columns.is_empty() || rows.is_empty() {
+        return Vec::new();
+    }
     let radius = half.len() - 1;
     // The column or row that is `i` steps after the one `radius` before the first.
     let reflect = |first: usize, i: usize, n: usize| -> usize {
@@ -74,7 +77,7 @@ pub(super) fn convolve<const N: usize>(
     };
     let wide = columns.len();
     let mut across = vec![[0.0; N]; wide * (rows.len() + 2 * radius)];
-    for_chunks(&mut across, wide.max(1), |j, row| {
+    for_chunks(&mut across, wide, |j, row| {
         let y = reflect(rows.start, j, height);
         let padded: Vec<[f32; N]> =
             (0..wide + 2 * radius).map(|i| at(reflect(columns.start, i, width), y)).collect();
@@ -90,7 +93,7 @@ pub(super) fn convolve<const N: usize>(
         }
     });
     let mut out = vec![[0.0; N]; wide * rows.len()];
-    for_chunks(&mut out, wide.max(1), |y, row| {
+    for_chunks(&mut out, wide, |y, row| {
         let line = |j: usize| &across[j * wide..][..wide];
         for (value, p) in row.iter_mut().zip(line(y + radius)) {
             *value = p.map(|v| v * half[0]);
@@ -358,6 +361,7 @@ mod tests {
 
     #[test]
     fn smoothing_keeps_a_constant_and_the_mean() {
+        assert!(Smoothed::whole(&RgbImage::new(5, 0), &gaussian(2.0)).pixels.is_empty());
         let flat = Smoothed::whole(&RgbImage::from_pixel(5, 7, image::Rgb([9, 90, 200])), &gaussian(2.0));
         assert!(flat.pixels.iter().all(|p| (p[0] - 9.0).abs() < 1e-3 && (p[2] - 200.0).abs() < 1e-3));
         let mut dot = RgbImage::new(21, 21);
@@ -371,7 +375,9 @@ mod tests {
         let values: Vec<u8> = (0..=250u8).map(|v| v.wrapping_mul(37)).collect();
         let (image, half) = (speckled(23, 19, &values), gaussian(1.4));
         let whole = Smoothed::whole(&image, &half);
-        for part in [[0..23, 0..19], [0..4, 15..19], [20..23, 0..1], [7..16, 5..12], [5..5, 0..19]] {
+        for part in
+            [[0..23, 0..19], [0..4, 15..19], [20..23, 0..1], [7..16, 5..12], [5..5, 0..19], [0..23, 19..19]]
+        {
             let found = Smoothed::new(&image, part.clone(), &half);
             let [columns, rows] = part;
             let runs = rows.map(|y| Span { y: y as i32, x0: columns.start as i32, x1: columns.end as i32 });
