@@ -61,7 +61,7 @@ impl Convolution {
     }
 
     /// Some of the rows, of a convolution at every cell. Sums are those of [`Convolution::of`] if the first row
-    /// is a multiple of [`winograd::TILE`].
+    /// is a multiple of [`winograd::TILE`] times the dilation.
     pub(super) fn of_rows(&self, input: &Maps, rows: Range<usize>) -> Maps {
         let mut output = Maps::zeros(self.bias.len(), input.width, rows.len());
         self.run(input, &mut output, rows.start, false);
@@ -220,6 +220,22 @@ mod tests {
                     prop_assert!((f64::from(added.cell(x, y)[channel]) - sum).abs() < 1e-4);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn bands_of_rows_are_those_of_the_whole() {
+        for (side, dilation) in [(1, 1), (3, 1), (3, 2)] {
+            let convolution =
+                Convolution::new(&values(WIDE * WIDE * side * side, 3), &values(WIDE, 4), side, 1, dilation);
+            let input = maps(WIDE, 21, 37, 5);
+            let whole = convolution.of(&input).into_values();
+            let mut all = Maps::zeros(WIDE, 21, 37);
+            let band = 2 * winograd::TILE * dilation;
+            for first in (0..37).step_by(band) {
+                all.set_rows(first, convolution.of_rows(&input, first..37.min(first + band)));
+            }
+            assert_eq!(all.into_values(), whole, "{side}, {dilation}");
         }
     }
 
