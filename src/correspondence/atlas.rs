@@ -242,7 +242,8 @@ pub(super) fn distance(a: &[i16], a_row: usize, b: &[i16], b_row: usize, limit: 
         let (x, y) = (&a[r * a_row..][..ROW], &b[r * b_row..][..ROW]);
         for i in 0..ROW {
             let d = x[i].wrapping_sub(y[i]);
-            sum += i32::from(d) * i32::from(d);
+            // Features are clamped, so it does not wrap; a check would keep the loop from being vectorized.
+            sum = i32::wrapping_add(sum, i32::from(d) * i32::from(d));
         }
         if sum >= limit {
             break;
