@@ -237,13 +237,13 @@ impl Atlas {
 /// below `limit` are exact.
 #[inline(always)]
 pub(super) fn distance(a: &[i16], a_row: usize, b: &[i16], b_row: usize, limit: i32) -> i32 {
-    let mut sum = 0;
+    let mut sum = 0i32;
     for r in 0..PATCH {
         let (x, y) = (&a[r * a_row..][..ROW], &b[r * b_row..][..ROW]);
         for i in 0..ROW {
-            let d = x[i].wrapping_sub(y[i]);
-            // Features are clamped, so it does not wrap; a check would keep the loop from being vectorized.
-            sum = i32::wrapping_add(sum, i32::from(d) * i32::from(d));
+            let d = i32::from(x[i].wrapping_sub(y[i]));
+            // Features are clamped, so nothing wraps; checks would keep the loop from being vectorized.
+            sum = sum.wrapping_add(d.wrapping_mul(d));
         }
         if sum >= limit {
             break;

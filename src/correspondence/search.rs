@@ -134,7 +134,7 @@ impl Canvas {
                 best.copies = copies.as_ref().map(|copies| (copies, i));
                 best.consider_around(this, [x, y]);
                 if exhaustive {
-                    all[usize::from(this.group(i, atlas))].iter().for_each(|&s| best.consider(s, 0));
+                    best.consider_all(&all[usize::from(this.group(i, atlas))]);
                 } else {
                     for k in 0..best.known {
                         similar.of(best.seen[k]).for_each(|s| best.consider(s, 0));
@@ -274,15 +274,39 @@ impl<'a> Best<'a> {
             self.seen[self.known] = source;
             self.known += 1;
         }
+        let (extra, factor) = self.alone(support);
+        self.compare(source, extra, factor);
+    }
+
+    /// Considers many sources, whether or not they were considered before: one that continues a cell
+    /// around has cost less then.
+    fn consider_all(&mut self, sources: &[u32]) {
+        let (extra, factor) = self.alone(0);
+        sources.iter().for_each(|&source| self.compare(source, extra, factor));
+    }
+
+    /// The extra cost of a source that continues `support` of the cells around, and the factor of its
+    /// distance.
+    #[inline]
+    fn alone(&self, support: u32) -> (i32, f32) {
         let alone = self.coherence * (1.0 - support.min(8) as f32 / 8.0);
-        let extra = self.extra[source as usize] + (alone * ALONE[1] * PATCH_UNIT) as i32;
-        if extra >= self.cost {
+        ((alone * ALONE[1] * PATCH_UNIT) as i32, 1.0 + alone * ALONE[0])
+    }
+
+    #[inline]
+    fn compare(&mut self, source: u32, extra: i32, factor: f32) {
+        let extra = self.extra[source as usize] + extra;
+        let limit = self.cost.saturating_sub(extra);
+        if limit <= 0 {
             return;
         }
         let there = &self.atlas.features[self.atlas.patch(source)..];
         let row = self.atlas.stride * CHANNELS;
-        let distance = distance(self.values, self.row, there, row, self.cost - extra);
-        let cost = extra.saturating_add((distance as f32 * (1.0 + alone * ALONE[0])) as i32);
+        let distance = distance(self.values, self.row, there, row, limit);
+        if distance >= limit {
+            return;
+        }
+        let cost = extra.saturating_add((distance as f32 * factor) as i32);
         if cost >= self.cost {
             return;
         }
