@@ -191,10 +191,10 @@ fn squared_distance(a: &[f32], b: &[f32], enough: f32) -> f32 {
     let mut sum = 0.0;
     for (a, b) in a.chunks(STRIDE).zip(b.chunks(STRIDE)) {
         let mut lanes = [0.0f32; 8];
-        let (left, right) = (a.chunks_exact(8), b.chunks_exact(8));
-        let rest = left.remainder().iter().zip(right.remainder());
+        let ((left, left_rest), (right, right_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+        let rest = left_rest.iter().zip(right_rest);
         sum += rest.map(|(x, y)| (x - y) * (x - y)).sum::<f32>();
-        for (x, y) in left.zip(right) {
+        for (x, y) in left.iter().zip(right) {
             (0..8).for_each(|k| lanes[k] += (x[k] - y[k]) * (x[k] - y[k]));
         }
         sum += lanes.iter().sum::<f32>();

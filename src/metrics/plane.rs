@@ -158,9 +158,9 @@ pub(super) fn gaussian(sigma: f64, order: u8) -> Vec<f32> {
 /// Scalar product, summed in the same order on every machine.
 pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
     let mut lanes = [0.0f32; 8];
-    let (left, right) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f32 = left.remainder().iter().zip(right.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in left.zip(right) {
+    let ((left, left_rest), (right, right_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let rest: f32 = left_rest.iter().zip(right_rest).map(|(x, y)| x * y).sum();
+    for (x, y) in left.iter().zip(right) {
         (0..8).for_each(|k| lanes[k] += x[k] * y[k]);
     }
     lanes.iter().sum::<f32>() + rest
