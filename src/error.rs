@@ -91,6 +91,17 @@ pub enum Error {
         /// The range allowed.
         allowed: &'static str,
     },
+    /// A texture that repeats has no room for whole periods of its lattice.
+    #[error("a texture of {width} x {height} px that repeats does not hold whole periods of its lattice{}",
+        nearest.map_or(String::new(), |[w, h]| format!(": {w} x {h} px does")))]
+    Periods {
+        /// Width asked for, in pixels.
+        width: u32,
+        /// Height asked for, in pixels.
+        height: u32,
+        /// The nearest size that holds whole periods, if one is near.
+        nearest: Option<[u32; 2]>,
+    },
     /// Masks do not fit the image.
     #[error("the masks do not fit the image: {0}")]
     Masks(String),

@@ -40,6 +40,7 @@
 
 mod disjoint_sets;
 mod document;
+mod fourier;
 pub mod error;
 pub mod gzip;
 mod parallel;
@@ -59,6 +60,7 @@ pub mod flow;
 pub mod geometry;
 pub mod import;
 pub mod interpolate;
+pub mod lattice;
 pub mod layers;
 pub mod library;
 pub mod metrics;

@@ -1,6 +1,7 @@
 //! The guide: mean colours over coarse cells, which synthesis by correspondences follows.
 
-use crate::library::{Guide, Picture};
+use crate::lattice;
+use crate::library::{Guide, Lattice, Picture};
 use crate::raster::colour::{encoded, linear};
 use image::{Rgb, RgbImage};
 
@@ -21,6 +22,12 @@ pub(crate) fn guide(image: &RgbImage) -> Guide {
         Rgb(sum.map(|v| encoded(v / count as f32)))
     };
     Guide { cell, picture: Picture(RgbImage::from_fn(width.div_ceil(cell), height.div_ceil(cell), mean)) }
+}
+
+/// The lattice of an exemplar, found in its guide. `repeated` if the exemplar is one period of a drawing.
+pub(crate) fn lattice(guide: &Guide, repeated: bool) -> Option<Lattice> {
+    let found = lattice::find(&guide.picture.0, repeated)?;
+    Some(found.scaled(f64::from(guide.cell))).filter(|l| l.fault().is_none())
 }
 
 #[cfg(test)]

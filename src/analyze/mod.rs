@@ -184,6 +184,8 @@ pub fn analyze(
     let elements: Vec<Element> = primary_textons.into_iter().chain(secondary_textons).collect();
     let maps = [&primaries, &textons];
     let layers = strata.layers(exemplar, maps, &elements, (background, spacing), params);
+    let guide = guide::guide(&exemplar.image);
+    let lattice = guide::lattice(&guide, false);
     let library = Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
@@ -195,7 +197,8 @@ pub fn analyze(
         categories,
         arrangement: Arrangement { periodic: params.wrap, ..Arrangement::from_labels(&primaries) },
         descriptor_half,
-        guide: Some(guide::guide(&exemplar.image)),
+        guide: Some(guide),
+        lattice,
     };
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)

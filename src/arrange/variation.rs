@@ -13,7 +13,8 @@ pub(crate) struct Variation {
     /// Coefficients a b c d: x' = ax + cy, y' = bx + dy.
     pub(crate) matrix: [f64; 4],
     inverse: [f64; 4],
-    scale: f64,
+    /// How much longer all becomes.
+    pub(crate) scale: f64,
 }
 
 const NONE: Variation = Variation { matrix: [1.0, 0.0, 0.0, 1.0], inverse: [1.0, 0.0, 0.0, 1.0], scale: 1.0 };

@@ -1,6 +1,6 @@
 //! All pages of one level in one array, so that a source is a single index.
 
-use super::{CHANNELS, COARSEST, MOST_COMPARED, MOST_LEVELS, PATCH, Page, REACH, Source, UNIT};
+use super::{CHANNELS, COARSEST, MOST_COMPARED, MOST_LEVELS, PATCH, Page, Periods, REACH, Source, UNIT};
 
 /// Features in a row of a patch.
 pub(super) const ROW: usize = PATCH * CHANNELS;
@@ -16,6 +16,8 @@ pub(super) struct Atlas {
     /// Group of each cell; `None` if each page has one group.
     groups: Option<Vec<u8>>,
     pub(super) pages: Vec<Sheet>,
+    /// Whether offsets to any page keep to periods.
+    pub(super) any_periods: bool,
 }
 
 /// The position of a page in an atlas.
@@ -27,6 +29,7 @@ pub(super) struct Sheet {
     /// Cells along its border that cannot be sources: their neighbourhood is not known, and islands would
     /// continue there without end.
     rim: usize,
+    pub(super) periods: Option<Periods>,
 }
 
 /// A page on one level.
@@ -35,6 +38,7 @@ struct Level {
     features: Vec<[f32; CHANNELS]>,
     inside: Option<Vec<bool>>,
     groups: Option<Vec<u8>>,
+    periods: Option<Periods>,
 }
 
 impl Level {
@@ -61,7 +65,8 @@ impl Level {
                 }
             }
         }
-        Self { size, features, inside, groups }
+        let periods = self.periods.as_ref().map(Periods::halved);
+        Self { size, features, inside, groups, periods }
     }
 }
 
@@ -75,6 +80,7 @@ impl Atlas {
                 features: p.features.clone(),
                 inside: p.inside.clone(),
                 groups: p.groups.clone(),
+                periods: p.periods.clone(),
             })
             .collect();
         let groups: Vec<u8> = pages.iter().map(|p| p.group).collect();
@@ -108,6 +114,7 @@ impl Atlas {
             inside: vec![false; stride * rows],
             groups: levels.first().and_then(|l| l.groups.as_ref()).map(|_| vec![0; stride * rows]),
             pages: Vec::new(),
+            any_periods: levels.iter().any(|l| l.periods.is_some()),
         };
         let mut top = 0;
         for (level, &group) in levels.iter().zip(groups) {
@@ -133,7 +140,8 @@ impl Atlas {
                     }
                 }
             }
-            atlas.pages.push(Sheet { group, top: top + REACH, size: level.size, rim });
+            let periods = level.periods.clone();
+            atlas.pages.push(Sheet { group, top: top + REACH, size: level.size, rim, periods });
             top += h + 2 * REACH;
         }
         atlas
@@ -211,6 +219,14 @@ impl Atlas {
         let (rim, size) = (sheet.rim as i64, sheet.size.map(|v| v as i64));
         let [x, y] = [0, 1].map(|k| at[k].clamp(rim, size[k] - 1 - rim) as usize);
         ((sheet.top + y) * self.stride + x + REACH) as u32
+    }
+
+    /// The cell of a page at a place, if it can be a source.
+    pub(super) fn cell_within(&self, page: usize, at: [i64; 2]) -> Option<u32> {
+        let size = self.pages[page].size;
+        let inside = (0..2).all(|k| (0..size[k] as i64).contains(&at[k]));
+        let cell = inside.then(|| self.cell(page, at))?;
+        (self.source(cell).at.map(i64::from) == at && self.inside[cell as usize]).then_some(cell)
     }
 
     /// The cell at an offset from another, if it can be a source.

@@ -1,50 +1,112 @@
-//! Canvas cells with the same source.
+//! Where on the canvas each part of an exemplar stands already.
 
 use super::atlas::Atlas;
 use super::canvas::Canvas;
 
-/// Distance over which copies count, as a share of the shorter side of the smallest page.
-const REACH: f32 = 0.6;
+/// Side of the blocks of an exemplar that are told apart, in cells.
+const BLOCK: i32 = 4;
+/// Places of a block that differ by no more are the same copy, in cells.
+const SAME: i32 = 2;
+/// Distance over which copies count, as a share of the shorter side of the smallest page: in exhaustive
+/// searches and in others.
+const REACH: [f32; 2] = [0.6, 0.25];
 
-/// The canvas cells of each source.
+/// The places on the canvas of each block of an atlas.
 pub(super) struct Copies {
+    /// Blocks in a row of the atlas.
+    columns: usize,
+    /// Index of the first place of each block.
     starts: Vec<u32>,
-    cells: Vec<u32>,
-    size: [usize; 2],
+    /// Places of the first cells of blocks, row before column, in order.
+    places: Vec<[i32; 2]>,
+    stride: usize,
+    size: [i32; 2],
     wrap: [bool; 2],
     /// In cells.
     reach: f32,
 }
 
 impl Copies {
-    pub(super) fn new(canvas: &Canvas, atlas: &Atlas) -> Self {
+    pub(super) fn new(canvas: &Canvas, atlas: &Atlas, exhaustive: bool) -> Self {
         let shortest = atlas.pages.iter().flat_map(|p| p.size).min().unwrap_or(1);
-        let mut starts = vec![0; atlas.inside.len() + 1];
-        let active = || (0..canvas.sources.len()).filter(|&i| canvas.is_active(i));
-        active().for_each(|i| starts[canvas.sources[i] as usize + 1] += 1);
-        (1..starts.len()).for_each(|s| starts[s] += starts[s - 1]);
-        let mut next = starts.clone();
-        let mut cells = vec![0; starts[starts.len() - 1] as usize];
-        for i in active() {
-            let place = &mut next[canvas.sources[i] as usize];
-            cells[*place as usize] = i as u32;
-            *place += 1;
+        let reach = REACH[usize::from(!exhaustive)] * shortest as f32;
+        let columns = atlas.stride.div_ceil(BLOCK as usize);
+        let rows = (atlas.inside.len() / atlas.stride).div_ceil(BLOCK as usize);
+        let mut this = Self {
+            columns,
+            starts: vec![0; columns * rows + 1],
+            places: Vec::new(),
+            stride: atlas.stride,
+            size: canvas.size.map(|v| v as i32),
+            wrap: canvas.wrap,
+            reach,
+        };
+        let [w, h] = canvas.size;
+        let mut found: Vec<(u32, [i32; 2])> = Vec::new();
+        // Blocks and places of the row above: an island's cells say the same again and again.
+        let mut above: Vec<(u32, [i32; 2])> = vec![(u32::MAX, [0; 2]); w];
+        for y in 0..h {
+            for x in 0..w {
+                let i = y * w + x;
+                if !canvas.is_active(i) {
+                    continue;
+                }
+                let key = this.place(canvas.sources[i], [x as i32, y as i32]);
+                let known = above[x] == key || (x > 0 && above[x - 1] == key);
+                above[x] = key;
+                if !known {
+                    found.push(key);
+                }
+            }
         }
-        Self { starts, cells, size: canvas.size, wrap: canvas.wrap, reach: REACH * shortest as f32 }
+        found.sort_unstable();
+        found.dedup();
+        found.iter().for_each(|(block, _)| this.starts[*block as usize + 1] += 1);
+        (1..this.starts.len()).for_each(|b| this.starts[b] += this.starts[b - 1]);
+        this.places = found.into_iter().map(|(_, place)| place).collect();
+        this
     }
 
-    /// Proximity of the nearest earlier cell with the same source: 1 at the same place, 0 out of reach.
-    /// Only earlier cells count, so that one of two copies gives way.
-    pub(super) fn nearness(&self, source: u32, cell: usize) -> f32 {
-        let list = self.starts[source as usize] as usize..self.starts[source as usize + 1] as usize;
-        let before = self.cells[list].iter().map(|&q| q as usize).take_while(|&q| q < cell);
-        let away = |q: usize, k: usize| {
-            let place = |i: usize| if k == 0 { i % self.size[0] } else { i / self.size[0] };
-            let d = place(q).abs_diff(place(cell));
-            if self.wrap[k] { d.min(self.size[k] - d) } else { d }
+    /// The block of a source, and the place of its first cell, row before column, if the source is shown at a
+    /// cell.
+    fn place(&self, source: u32, cell: [i32; 2]) -> (u32, [i32; 2]) {
+        let [x, y] = [source as usize % self.stride, source as usize / self.stride].map(|v| v as i32);
+        let block = (y / BLOCK) as usize * self.columns + (x / BLOCK) as usize;
+        let at = |v: i32, k: usize| {
+            if self.wrap[k] { v.rem_euclid(self.size[k]) } else { v }
         };
-        let squares = before.map(|q| away(q, 0) * away(q, 0) + away(q, 1) * away(q, 1));
-        let nearest = squares.min().map_or(f32::INFINITY, |d2| libm::sqrtf(d2 as f32));
-        (1.0 - nearest / self.reach).max(0.0)
+        (block as u32, [at(cell[1] - y % BLOCK, 1), at(cell[0] - x % BLOCK, 0)])
+    }
+
+    /// Proximity of the nearest earlier copy of a source: 1 at the same place, 0 out of reach. Only earlier
+    /// copies count, so that one of two gives way.
+    pub(super) fn nearness(&self, source: u32, cell: usize) -> f32 {
+        let width = self.size[0] as usize;
+        let cell = [(cell % width) as i32, (cell / width) as i32];
+        let (block, own) = self.place(source, cell);
+        let list = self.starts[block as usize] as usize..self.starts[block as usize + 1] as usize;
+        let places = &self.places[list];
+        let reach = self.reach as i32;
+        let mut nearest = i32::MAX;
+        let mut look = |from: i32, to: i32| {
+            let first = places.partition_point(|p| p[0] < from);
+            for place in places[first..].iter().take_while(|p| p[0] <= to && **p < own) {
+                let [dy, dx] = [0, 1].map(|k| {
+                    let (d, axis) = ((place[k] - own[k]).abs(), 1 - k);
+                    if self.wrap[axis] { d.min(self.size[axis] - d) } else { d }
+                });
+                if dx.max(dy) > SAME {
+                    nearest = nearest.min(dx * dx + dy * dy);
+                }
+            }
+        };
+        look(own[0] - reach, own[0]);
+        if self.wrap[1] {
+            look(0, (own[0] + reach - self.size[1]).min(own[0] - reach - 1));
+        }
+        if nearest == i32::MAX {
+            return 0.0;
+        }
+        (1.0 - libm::sqrtf(nearest as f32) / self.reach).max(0.0)
     }
 }

@@ -117,7 +117,8 @@ impl Canvas {
         let groups = if exhaustive { usize::from(atlas.last_group()) + 1 } else { 0 };
         let all: Vec<Vec<u32>> = (0..groups).map(|g| atlas.compared(g as u8)).collect();
         let this = &*self;
-        let copies = exhaustive.then(|| Copies::new(this, atlas));
+        let copies = Copies::new(this, atlas, exhaustive);
+        let copy = COPY[usize::from(!exhaustive)];
         // The earlier sources remain if the work is stopped.
         let mut found: Vec<(u32, i32)> =
             this.sources.iter().copied().zip(this.costs.iter().copied()).collect();
@@ -131,8 +132,9 @@ impl Canvas {
                     continue;
                 }
                 let mut best = Best::new(this, atlas, [x, y], extra);
-                best.copies = copies.as_ref().map(|copies| (copies, i));
+                best.copies = Some((&copies, i, copy));
                 best.consider_around(this, [x, y]);
+                best.consider_periods(this.sources[i]);
                 if exhaustive {
                     best.consider_all(&all[usize::from(this.group(i, atlas))]);
                 } else {
@@ -220,8 +222,10 @@ pub(super) struct Best<'a> {
     atlas: &'a Atlas,
     extra: &'a [i32],
     coherence: f32,
-    /// Which sources are used already, and the cell that searches.
-    copies: Option<(&'a Copies, usize)>,
+    /// Which sources are used already, the cell that searches, and the cost of a copy.
+    copies: Option<(&'a Copies, usize, f32)>,
+    /// Place of the cell.
+    at: [f32; 2],
     pub(super) source: u32,
     pub(super) cost: i32,
     /// The first of the sources considered so far.
@@ -241,6 +245,7 @@ impl<'a> Best<'a> {
             extra,
             coherence,
             copies: None,
+            at: [x as f32, y as f32],
             source: 0,
             cost: i32::MAX,
             seen: [0; 12],
@@ -261,6 +266,26 @@ impl<'a> Best<'a> {
         }
         for k in 0..count {
             self.consider(sources[k], supports[k]);
+        }
+    }
+
+    /// Considers a source moved to where its offset keeps to the periods, and moved on by each period.
+    fn consider_periods(&mut self, source: u32) {
+        let page = self.atlas.page(source);
+        let Some(periods) = &self.atlas.pages[page].periods else { return };
+        let at = self.atlas.source(source).at.map(f32::from);
+        let [dx, dy] = periods.residual(at, self.at);
+        let own = [at[0] - dx, at[1] - dy];
+        let mut consider = |x: f32, y: f32| {
+            let place = [x, y].map(|v| libm::rintf(v) as i64);
+            if let Some(moved) = self.atlas.cell_within(page, place) {
+                self.consider(moved, 0);
+            }
+        };
+        consider(own[0], own[1]);
+        for [x, y] in &periods.vectors {
+            consider(own[0] + x, own[1] + y);
+            consider(own[0] - x, own[1] - y);
         }
     }
 
@@ -293,9 +318,24 @@ impl<'a> Best<'a> {
         ((alone * ALONE[1] * PATCH_UNIT) as i32, 1.0 + alone * ALONE[0])
     }
 
+    /// Cost of a source whose offset misses the periods of its page.
+    #[inline]
+    fn astray(&self, source: u32) -> i32 {
+        // Most pages have none, and the page of a source takes time to find.
+        if !self.atlas.any_periods {
+            return 0;
+        }
+        let page = self.atlas.page(source);
+        let Some(periods) = &self.atlas.pages[page].periods else { return 0 };
+        let at = self.atlas.source(source).at.map(f32::from);
+        // Far from any period a source is out of the question, but sums still fit.
+        const MOST: f32 = 1e8;
+        (periods.cost(at, self.at) * PATCH_UNIT).min(MOST) as i32
+    }
+
     #[inline]
     fn compare(&mut self, source: u32, extra: i32, factor: f32) {
-        let extra = self.extra[source as usize] + extra;
+        let extra = self.extra[source as usize] + extra + self.astray(source);
         let limit = self.cost.saturating_sub(extra);
         if limit <= 0 {
             return;
@@ -311,7 +351,7 @@ impl<'a> Best<'a> {
             return;
         }
         // Evaluated last, because it takes longest.
-        let copy = self.copies.map_or(0.0, |(copies, cell)| COPY * copies.nearness(source, cell));
+        let copy = self.copies.map_or(0.0, |(copies, cell, cost)| cost * copies.nearness(source, cell));
         let cost = cost.saturating_add((copy * PATCH_UNIT) as i32);
         if cost < self.cost {
             (self.source, self.cost) = (source, cost);

@@ -28,7 +28,7 @@ fn clouds(size: [usize; 2], seed: u64) -> Page {
         .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
         .map(|(x, y)| value(x, y, &mut random))
         .collect();
-    Page { group: 0, groups: None, size, features, inside: None }
+    Page { group: 0, groups: None, size, features, inside: None, periods: None }
 }
 
 fn request<'a>(pages: &'a [Page], size: [usize; 2], wrap: [bool; 2], seed: u64) -> Request<'a> {

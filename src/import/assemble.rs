@@ -9,7 +9,7 @@ use super::pieces::Piece;
 use super::read::Page;
 use super::shapes::shapes;
 use super::torus::Torus;
-use crate::analyze::guide::guide;
+use crate::analyze::guide::{guide, lattice};
 use crate::element;
 use crate::error::{Error, Result};
 use crate::geometry::{Affine, Outline, Rect};
@@ -144,6 +144,7 @@ pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Res
         warnings.push("the drawing holds nothing but a background".into());
     }
     let analyze = AnalyzeParams { wrap, ..params.clone() };
+    let guide = guide(&origin.picture);
     Ok(Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
@@ -165,7 +166,8 @@ pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Res
         coverage,
         arrangement: Arrangement { periodic: wrap, ..Arrangement::from_labels(&labels) },
         descriptor_half: (libm::round(params.descriptor_reach * spacing) as u32).clamp(1, most.max(1)),
-        guide: Some(guide(&origin.picture)),
+        lattice: lattice(&guide, wrap),
+        guide: Some(guide),
     })
 }
 

@@ -131,7 +131,7 @@ impl Exemplar<'_> {
             channels[..used].iter_mut().flatten().for_each(|v| *v *= unit);
         }
         let features = (0..cells).map(|i| std::array::from_fn(|c| channels[c][i])).collect();
-        Page { group: 0, groups: None, size, features, inside: None }
+        Page { group: 0, groups: None, size, features, inside: None, periods: None }
     }
 }
 

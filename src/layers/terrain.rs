@@ -149,6 +149,8 @@ impl Terrain {
             (0..cells).map(|i| slope(i, 0)).collect(),
             (0..cells).map(|i| slope(i, 1)).collect(),
             layers,
+            vec![0.0; cells],
+            vec![0.0; cells],
         ];
         for (channel, weight) in channels.iter_mut().zip(WEIGHTS) {
             let mean = channel.iter().sum::<f32>() / cells as f32;
@@ -156,7 +158,7 @@ impl Terrain {
             channel.iter_mut().for_each(|v| *v = (*v - mean) * unit);
         }
         let features = (0..cells).map(|i| std::array::from_fn(|c| channels[c][i])).collect();
-        Page { group: 0, groups: None, size, features, inside: None }
+        Page { group: 0, groups: None, size, features, inside: None, periods: None }
     }
 
     /// Matches heights to the histogram of this terrain, keeping their order.

@@ -24,6 +24,7 @@ use crate::element;
 pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
 use crate::error::Result;
 use crate::geometry::Outline;
+pub use crate::lattice::Lattice;
 use crate::raster::colour::Colour;
 use crate::scene::Field;
 #[cfg(feature = "schema")]
@@ -64,6 +65,9 @@ pub struct Library {
     /// libraries of older versions; their textons are placed by descriptors.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub guide: Option<Guide>,
+    /// Translations under which the exemplar looks the same; `None` if it has no rows and no lattice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lattice: Option<Lattice>,
 }
 
 /// What an exemplar is.

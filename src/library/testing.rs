@@ -105,6 +105,7 @@ pub(crate) fn library(map: &LabelMap) -> Library {
         coverage,
         arrangement: Arrangement::from_labels(map),
         guide: None,
+        lattice: None,
     }
 }
 

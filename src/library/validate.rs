@@ -1,6 +1,6 @@
 //! Validation of libraries.
 
-use super::{LARGEST_SIDE, Library, Role};
+use super::{LARGEST_SIDE, Lattice, Library, Role};
 use crate::scene::{check_layer, check_spacing};
 use std::collections::BTreeSet;
 
@@ -23,6 +23,9 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
     l.arrangement.check(l.primaries().len() as u32)?;
     if let Some(guide) = &l.guide {
         guide.check(w, h)?;
+    }
+    if let Some(fault) = l.lattice.as_ref().and_then(Lattice::fault) {
+        return Err(format!("lattice {fault}"));
     }
     share("coverage", l.coverage)?;
     let inside = |what: &str, c: [f64; 2]| {

@@ -123,6 +123,7 @@ impl TryFrom<Version1> for Library {
             arrangement: Arrangement { periodic, ..old.arrangement },
             descriptor_half: old.descriptor_half,
             guide: old.guide,
+            lattice: None,
         })
     }
 }

@@ -9,7 +9,6 @@
 
 mod colour;
 mod filter_bank;
-mod fourier;
 mod local_patterns;
 mod patches;
 mod plane;

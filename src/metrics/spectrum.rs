@@ -1,6 +1,6 @@
 //! Power spectra by frequency and direction, and repetition by autocorrelation.
 
-use super::fourier::Spectrum;
+use crate::fourier::Spectrum;
 use super::plane::Plane;
 use rustfft::FftDirection;
 use std::f64::consts::PI;

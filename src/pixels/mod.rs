@@ -165,7 +165,7 @@ fn page(image: &RgbImage, group: u8, inside: Option<Vec<bool>>) -> Page {
     let unit = 1.0 / libm::sqrt((0..3).map(variance).sum::<f64>()).max(1e-3) as f32;
     let grain = GRAIN / libm::sqrt(variance(3)).max(1e-4) as f32;
     features.iter_mut().for_each(|f| (0..CHANNELS).for_each(|c| f[c] *= if c < 3 { unit } else { grain }));
-    Page { group, groups: None, size, features, inside }
+    Page { group, groups: None, size, features, inside, periods: None }
 }
 
 /// Copies pixels along the field of a request.

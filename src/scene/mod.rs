@@ -25,7 +25,7 @@ pub use operation::{
     About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter,
     NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
 };
-pub use parameters::{Ablation, Method, SynthParams, Weights};
+pub use parameters::{Ablation, LatticeChoice, Method, SynthParams, Weights};
 pub(crate) use repaint::Repaint;
 pub use splat::splat;
 pub use tile::Tile;

@@ -2,6 +2,7 @@
 
 use super::{Edge, Tile};
 use crate::error::{Result, check};
+use crate::lattice::Lattice;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -43,6 +44,29 @@ pub struct SynthParams {
     /// repeats the exemplar exactly. 0 to 1. Default: 0 for a regular exemplar, 1 for another.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variation: Option<f64>,
+    /// What a texture's rows or lattice keep to, for [`Method::Correspondence`]. Default `auto`.
+    #[serde(skip_serializing_if = "LatticeChoice::is_auto")]
+    pub lattice: LatticeChoice,
+}
+
+/// The lattice that placement by correspondences keeps to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum LatticeChoice {
+    /// That of each library, if analysis found one.
+    #[default]
+    Auto,
+    /// None.
+    Off,
+    /// One or two vectors in pixels of the exemplar.
+    Vectors(Vec<[f64; 2]>),
+}
+
+impl LatticeChoice {
+    fn is_auto(&self) -> bool {
+        *self == Self::Auto
+    }
 }
 
 /// How primaries are placed.
@@ -149,6 +173,7 @@ impl Default for SynthParams {
             edge: Edge::default(),
             ablate: Vec::new(),
             variation: None,
+            lattice: LatticeChoice::default(),
         }
     }
 }
@@ -176,6 +201,9 @@ impl SynthParams {
         }
         let variation = self.variation.unwrap_or(0.0);
         check((0.0..=1.0).contains(&variation), "variation", variation, "0 to 1")?;
+        if let LatticeChoice::Vectors(vectors) = &self.lattice {
+            Lattice::new(vectors)?;
+        }
         check((0.0..=180.0).contains(&self.rotate), "rotate", self.rotate, "0 to 180 degrees")?;
         check(
             (0.0..=50.0).contains(&self.scale_jitter),

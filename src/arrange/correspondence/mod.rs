@@ -21,11 +21,12 @@ use super::model::{Model, VariantId};
 use super::region::Region;
 use crate::correspondence::{Field, Islands, Request, find};
 use crate::error::{Error, Result};
+use crate::lattice::{Lattice, Phases};
 use crate::library::Library;
 use crate::progress::{Progress, advance};
 use crate::raster::picture::label_colour;
 use crate::raster::{LabelMap, Mask};
-use crate::scene::{Edge, SynthParams};
+use crate::scene::{Edge, LatticeChoice, SynthParams};
 use alike::Alike;
 use arrivals::Plan;
 use image::{Rgb, RgbImage};
@@ -88,7 +89,8 @@ impl Correspondence {
     ) -> Result<Self> {
         let lead = Lead::new(libraries, controls);
         let classes = lead.as_ref().map(Lead::of_exemplar);
-        let pages = Pages::new(libraries, model, classes).ok_or_else(no_guide)?;
+        let lattices = lattices(libraries, params)?;
+        let pages = Pages::new(libraries, model, classes, &lattices).ok_or_else(no_guide)?;
         let wrap = [params.tile.x, params.tile.y];
         let margin = wrap.map(|w| if w { 0 } else { MARGIN });
         let cells =
@@ -233,6 +235,25 @@ impl Correspondence {
             Rgb(label_colour(islands.of[cy * self.field.size[0] + cx] + 1))
         })
     }
+}
+
+/// The lattice of each library, and how its phases run over the canvas.
+///
+/// # Errors
+/// [`Error::Periods`] if a canvas that repeats has no room for whole periods.
+fn lattices(libraries: &[Library], params: &SynthParams) -> Result<Vec<Option<(Lattice, Phases)>>> {
+    let of = |library: &Library| {
+        let lattice = match &params.lattice {
+            LatticeChoice::Auto => library.lattice.clone(),
+            LatticeChoice::Off => None,
+            LatticeChoice::Vectors(vectors) => Some(Lattice::new(vectors)?),
+        };
+        let Some(lattice) = lattice else { return Ok(None) };
+        let tile = [params.tile.x, params.tile.y];
+        let phases = lattice.phases_of_tile([params.width, params.height], tile)?;
+        Ok(Some((lattice, phases)))
+    };
+    libraries.iter().map(of).collect()
 }
 
 /// A library without a guide cannot be followed.

@@ -1,7 +1,8 @@
 //! Libraries as pages for the search of correspondences, and the way back to their pixels.
 
 use crate::arrange::model::Model;
-use crate::correspondence::Page;
+use crate::correspondence::{CHANNELS, Page, Periods};
+use crate::lattice::{Lattice, Phases};
 use crate::library::{Guide, Library};
 use crate::raster::colour::oklab;
 use crate::raster::{LabelMap, squared_distance};
@@ -12,9 +13,16 @@ const MOST_VARIED: usize = 8;
 const FARTHEST: f32 = 3.0;
 /// What a distance of [`FARTHEST`] weighs against a deviation of colour.
 const BORDER_WEIGHT: f32 = 0.6;
+/// What a place within a primary weighs, at a distance of its radius from its middle.
+const PLACE_WEIGHT: f32 = 0.8;
+/// Farthest place within a primary that is told apart, in radii.
+const MOST_RADII: f64 = 1.5;
 /// How much further apart the colours of strata are than they are in the exemplar, as a share of the
 /// difference of their means: cells of one stratum come from that stratum.
 const STRATA_APART: f32 = 0.5;
+/// Distance by which offsets may miss a lattice, in strays of the exemplar, and at most in cells.
+const STRAY: f64 = 0.5;
+const MOST_ASTRAY: f64 = 1.5;
 /// How far an exemplar that wraps is continued, as a share of its side.
 const CONTINUED: f64 = 0.35;
 
@@ -52,8 +60,17 @@ struct Surface<'a> {
     unit: f32,
     /// Signed distance of each pixel to the nearest border, as [`border_distances`] gives it.
     borders: Vec<f32>,
+    /// Middle and radius of each primary, by its label; label 0 is none.
+    middles: Vec<Option<Middle>>,
+    map: &'a LabelMap,
     /// The class of each pixel, if cells of the canvas take their sources from a class.
     classes: Option<&'a LabelMap>,
+}
+
+/// The middle of a primary, and the radius of a disk of its area, in pixels.
+struct Middle {
+    at: [f64; 2],
+    radius: f64,
 }
 
 impl Sheet {
@@ -70,7 +87,7 @@ impl Sheet {
     }
 
     /// The page, in cells of `cell` pixels.
-    fn page(&self, model: &Model, cell: i32, exemplar: &Surface<'_>) -> Page {
+    fn page(&self, model: &Model, cell: i32, exemplar: &Surface<'_>, periods: Option<&Periods>) -> Page {
         let size = self
             .area
             .map(|v| if self.is_exemplar() { (v + cell - 1) / cell } else { v / cell }.max(1) as usize);
@@ -89,11 +106,17 @@ impl Sheet {
         let (features, inside) = cells.map(|first| self.feature(model, first, cell, exemplar)).unzip();
         // A cell of the plain page that sticks out of the exemplar still counts.
         let inside = (self.variation != 0).then_some(inside);
-        Page { group: self.library as u8, groups, size, features, inside }
+        Page { group: self.library as u8, groups, size, features, inside, periods: periods.cloned() }
     }
 
     /// Features of the cell with the given first pixel, and whether all of it shows the exemplar.
-    fn feature(&self, model: &Model, first: [i32; 2], cell: i32, exemplar: &Surface<'_>) -> ([f32; 4], bool) {
+    fn feature(
+        &self,
+        model: &Model,
+        first: [i32; 2],
+        cell: i32,
+        exemplar: &Surface<'_>,
+    ) -> ([f32; CHANNELS], bool) {
         let (mut border, mut found) = (0.0, 0);
         for v in 0..cell {
             for u in 0..cell {
@@ -113,8 +136,25 @@ impl Sheet {
             exemplar.colours[((y / side) * exemplar.guide.picture.0.width() as i32 + x / side) as usize]
         });
         let [l, a, b] = colour.map(|v| v * exemplar.unit);
-        let feature = [l, a, b, BORDER_WEIGHT * border / found.max(1) as f32];
+        let [u, v] = at.map_or([0.0; 2], |at| self.place_within(model, at, exemplar));
+        let feature = [l, a, b, BORDER_WEIGHT * border / found.max(1) as f32, u, v];
         (feature, at.is_some() && found == cell * cell)
+    }
+
+    /// Where within its primary a pixel of the exemplar lies, as the page shows it: from the middle, in radii,
+    /// weighted; nowhere on background.
+    fn place_within(&self, model: &Model, at: [i32; 2], exemplar: &Surface<'_>) -> [f32; 2] {
+        let label = exemplar.map.get(at[0] as u32, at[1] as u32);
+        let Some(middle) = &exemplar.middles[label as usize] else { return [0.0; 2] };
+        let from = [0, 1].map(|k| {
+            let d = f64::from(at[k]) + 0.5 - middle.at[k];
+            let period = f64::from(self.size[k]);
+            // Across the borders of an exemplar that wraps.
+            if self.wrap { d - period * libm::round(d / period) } else { d }
+        });
+        let variation = &model.variations[usize::from(self.variation)];
+        let shown = if variation.is_none() { from } else { variation.of_point(from).map(|c| c / variation.scale) };
+        shown.map(|c| PLACE_WEIGHT * (c / middle.radius).clamp(-MOST_RADII, MOST_RADII) as f32)
     }
 
     /// The pixel of the exemplar that a pixel of the page shows; none beside the exemplar.
@@ -194,7 +234,12 @@ fn nearest_copy(v: i32, near: i32, period: i32) -> i32 {
 impl Pages {
     /// The pages of libraries; none if one of them has no guide. `classes` are those of the pixels of the
     /// only exemplar, if cells of the canvas take their sources from a class.
-    pub(super) fn new(libraries: &[Library], model: &Model, classes: Option<&LabelMap>) -> Option<Self> {
+    pub(super) fn new(
+        libraries: &[Library],
+        model: &Model,
+        classes: Option<&LabelMap>,
+        lattices: &[Option<(Lattice, Phases)>],
+    ) -> Option<Self> {
         let guides: Vec<&Guide> = libraries.iter().map(|l| l.guide.as_ref()).collect::<Option<_>>()?;
         let cell = guides.iter().map(|g| g.cell).min()? as i32;
         let labels: Vec<LabelMap> = libraries.iter().map(|l| l.arrangement.to_labels()).collect();
@@ -211,11 +256,17 @@ impl Pages {
                 colours: &colours[k],
                 unit,
                 borders: border_distances(map, cell as f32 * FARTHEST),
+                middles: middles(library, map),
+                map,
                 classes,
             };
-            for variation in (0..model.variations.len()).step_by(step) {
+            let lattice = lattices[k].as_ref();
+            let periods = lattice.map(|(lattice, canvas)| periods(lattice, canvas, cell));
+            // A page that is turned or mirrored has other rows: elements are varied where they stand instead.
+            let count = if periods.is_some() { 1 } else { model.variations.len() };
+            for variation in (0..count).step_by(step) {
                 let sheet = Sheet::new(k, model, variation, size, library.arrangement.periodic);
-                this.pages.push(sheet.page(model, cell, &exemplar));
+                this.pages.push(sheet.page(model, cell, &exemplar, periods.as_ref()));
                 this.sheets.push(sheet);
             }
         }
@@ -273,6 +324,30 @@ fn joint_deviation(colours: &[Vec<[f32; 3]>]) -> f32 {
         all().map(|v| (f64::from(v[c]) - mean) * (f64::from(v[c]) - mean)).sum::<f64>() / count
     };
     libm::sqrt((0..3).map(variance).sum::<f64>()) as f32
+}
+
+/// The periods of a lattice, in cells.
+fn periods(lattice: &Lattice, canvas: &Phases, cell: i32) -> Periods {
+    let per_cell = |waves: &[[f64; 2]]| waves.iter().map(|w| w.map(|c| (c * f64::from(cell)) as f32)).collect();
+    let lattice_in_cells = lattice.scaled(1.0 / f64::from(cell));
+    Periods {
+        vectors: lattice_in_cells.vectors.iter().map(|v| v.map(|c| c as f32)).collect(),
+        page: per_cell(&lattice.phases().waves),
+        canvas: per_cell(&canvas.waves),
+        tolerance: (STRAY * lattice_in_cells.stray).min(MOST_ASTRAY) as f32,
+    }
+}
+
+/// Middle and radius of each primary of a library, by label.
+fn middles(library: &Library, map: &LabelMap) -> Vec<Option<Middle>> {
+    let areas = map.areas();
+    let middle = |label: usize| {
+        let area = areas.get(label).copied().filter(|&area| area > 0)?;
+        let primary = library.primaries().get(label.checked_sub(1)?)?;
+        let radius = libm::sqrt(f64::from(area) / std::f64::consts::PI).max(1.0);
+        Some(Middle { at: primary.centroid, radius })
+    };
+    (0..areas.len().max(library.primaries().len() + 1)).map(middle).collect()
 }
 
 /// For each pixel its distance to the nearest border of a primary as a share of `farthest`: positive

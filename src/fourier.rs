@@ -5,21 +5,21 @@ use rustfft::num_complex::Complex;
 use rustfft::{FftDirection, FftPlanner};
 
 /// Complex values on a grid, row by row.
-pub(super) struct Spectrum {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    pub(super) data: Vec<Complex<f64>>,
+pub(crate) struct Spectrum {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) data: Vec<Complex<f64>>,
 }
 
 impl Spectrum {
     /// A spectrum's input: real values, row by row.
-    pub(super) fn new(width: usize, height: usize, values: impl Fn(usize, usize) -> f64) -> Self {
+    pub(crate) fn new(width: usize, height: usize, values: impl Fn(usize, usize) -> f64) -> Self {
         let at = |i: usize| Complex::new(values(i % width, i / width), 0.0);
         Self { width, height, data: (0..width * height).map(at).collect() }
     }
 
     /// The unscaled transform, transposed. A second transform restores the order of columns and rows.
-    pub(super) fn transformed(self, direction: FftDirection) -> Self {
+    pub(crate) fn transformed(self, direction: FftDirection) -> Self {
         self.rows(direction).transposed().rows(direction)
     }
 
