@@ -124,7 +124,7 @@ pub(crate) fn arrange<'a>(
         let found = Correspondence::new((libraries, controls), model, &grid, &region, params, progress)?;
         let carried = found.carry(libraries, model, &grid, &region, params, progress)?;
         // Where descriptors go on, they begin with what stands beside.
-        let begin = |variant: VariantId| match model.element(variant).fragment {
+        let begin = |variant: VariantId| match model.element(variant).fused {
             None if !region.all_carried() => Asks::Always,
             _ => Asks::Never,
         };

@@ -59,8 +59,8 @@ pub(crate) struct Placeable {
     pub(crate) placeable: bool,
     /// Cut by the border of its exemplar.
     pub(crate) clipped: bool,
-    /// Index among the fragments, for a part of a primary.
-    pub(crate) fragment: Option<u32>,
+    /// Index among the fused elements, for one of these.
+    pub(crate) fused: Option<u32>,
 }
 
 /// One library.
@@ -92,8 +92,8 @@ pub(crate) struct Model {
     pub(crate) wanted: Vec<f64>,
     /// The variations; the first is none.
     pub(crate) variations: Vec<Variation>,
-    /// The painted part of each fragment.
-    pub(crate) fragments: Vec<Element>,
+    /// What is painted for each fused element.
+    pub(crate) fused: Vec<Element>,
     shapes: Vec<OnceLock<Shape>>,
 }
 
@@ -177,7 +177,7 @@ impl Model {
             reach: 0,
             wanted: Vec::new(),
             variations,
-            fragments: Vec::new(),
+            fused: Vec::new(),
             shapes: Vec::new(),
         };
         for library in libraries {
@@ -213,7 +213,7 @@ impl Model {
             }
             let index = self.elements.len() as u32 - first;
             let library = self.sources.len();
-            let (code, clipped, fragment) = (EMPTY, p.clipped, None);
+            let (code, clipped, fused) = (EMPTY, p.clipped, None);
             self.elements.push(Placeable {
                 library,
                 index,
@@ -222,7 +222,7 @@ impl Model {
                 code,
                 placeable,
                 clipped,
-                fragment,
+                fused,
             });
             self.shapes.push(OnceLock::from(shape));
             self.shapes.extend((1..self.variations.len()).map(|_| OnceLock::new()));
@@ -245,11 +245,11 @@ impl Model {
     }
 
     /// Adds a part of a variant, as an element that is never drawn. Gives its variant.
-    pub(crate) fn add_fragment(&mut self, variant: VariantId, mask: Mask, painted: Element) -> VariantId {
+    pub(crate) fn add_fused(&mut self, variant: VariantId, mask: Mask, painted: Element) -> VariantId {
         let element = PlaceableId(self.elements.len() as u32);
-        let fragment = Some(self.fragments.len() as u32);
-        self.elements.push(Placeable { placeable: false, fragment, ..*self.element(variant) });
-        self.fragments.push(painted);
+        let fused = Some(self.fused.len() as u32);
+        self.elements.push(Placeable { placeable: false, fused, ..*self.element(variant) });
+        self.fused.push(painted);
         let shape = OnceLock::from(Shape::new(mask));
         // Only one of its variations is ever asked for.
         self.shapes.extend((0..self.variations.len()).map(|_| OnceLock::new()));
@@ -258,9 +258,9 @@ impl Model {
         part
     }
 
-    /// The order in which variants are painted: the larger, and fragments before all.
+    /// The order in which variants are painted: the larger, and fused ones before all.
     pub(crate) fn depth(&self, variant: VariantId) -> u32 {
-        if self.element(variant).fragment.is_some() { u32::MAX } else { self.shape(variant).area }
+        if self.element(variant).fused.is_some() { u32::MAX } else { self.shape(variant).area }
     }
 
     /// The element of a variant.

@@ -363,15 +363,13 @@ fn missing(given_up: &GivenUp) -> String {
 /// Counts of a field of correspondences, in a line.
 fn carried(s: &Structure) -> String {
     format!(
-        "{} islands brought {} primaries whole and {} in part, {} others and {} fragments ({:.1} % of the \
-         canvas) close holes, {} copies were exchanged",
+        "{} islands brought {} primaries whole; {} are replaced by others like them, {} are fused from parts \
+         ({:.1} % of the canvas)",
         s.islands,
         s.whole,
-        s.completed,
-        s.filled,
-        s.fragments,
-        100.0 * s.fragments_share,
-        s.exchanged
+        s.like,
+        s.fused,
+        100.0 * s.fused_share
     )
 }
 

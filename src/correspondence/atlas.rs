@@ -16,8 +16,8 @@ pub(super) struct Atlas {
     /// Group of each cell; `None` if each page has one group.
     groups: Option<Vec<u8>>,
     pub(super) pages: Vec<Sheet>,
-    /// Whether offsets to any page keep to periods.
-    pub(super) any_periods: bool,
+    /// Phase of each cell; empty if no page has periods.
+    pub(super) phases: Vec<[f32; 2]>,
 }
 
 /// The position of a page in an atlas.
@@ -108,13 +108,14 @@ impl Atlas {
     fn new(levels: &[Level], groups: &[u8]) -> Self {
         let stride = levels.iter().map(|l| l.size[0]).max().unwrap_or(0) + 2 * REACH;
         let rows: usize = levels.iter().map(|l| l.size[1] + 2 * REACH).sum();
+        let any_periods = levels.iter().any(|l| l.periods.is_some());
         let mut atlas = Self {
             stride,
             features: vec![0; stride * rows * CHANNELS],
             inside: vec![false; stride * rows],
             groups: levels.first().and_then(|l| l.groups.as_ref()).map(|_| vec![0; stride * rows]),
             pages: Vec::new(),
-            any_periods: levels.iter().any(|l| l.periods.is_some()),
+            phases: if any_periods { vec![[0.0; 2]; stride * rows] } else { Vec::new() },
         };
         let mut top = 0;
         for (level, &group) in levels.iter().zip(groups) {
@@ -141,6 +142,10 @@ impl Atlas {
                 }
             }
             let periods = level.periods.clone();
+            for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).filter(|_| periods.is_some()) {
+                let phase = periods.as_ref().map_or([0.0; 2], |p| p.on_page([x as f32, y as f32]));
+                atlas.phases[(top + REACH + y) * stride + REACH + x] = phase;
+            }
             atlas.pages.push(Sheet { group, top: top + REACH, size: level.size, rim, periods });
             top += h + 2 * REACH;
         }

@@ -18,6 +18,7 @@ mod atlas;
 mod canvas;
 mod copies;
 mod islands;
+mod periods;
 mod search;
 mod similar;
 mod vote;
@@ -31,6 +32,7 @@ use similar::Similar;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 pub(crate) use islands::Islands;
+pub(crate) use periods::Periods;
 
 /// Features of a cell: three of colour, one of what covers it, two of its place within that.
 pub(crate) const CHANNELS: usize = 6;
@@ -51,9 +53,6 @@ const COHERENT: usize = 2;
 /// Extra cost of a source with a copy nearby, as a share of the squared standard deviation, in exhaustive
 /// searches and in others; it falls with distance.
 const COPY: [f32; 2] = [0.3, 0.12];
-/// Cost of a source whose offset misses the lattice by a cell more than it may, as a share of the squared
-/// standard deviation. It grows with the square.
-const ASTRAY: f32 = 4.0;
 /// Shortest side of the coarsest level of the smallest page, in cells.
 const COARSEST: usize = 14;
 /// Most cells in an exhaustive comparison. More are sampled evenly.
@@ -85,55 +84,6 @@ pub(crate) struct Page {
     pub(crate) inside: Option<Vec<bool>>,
     /// Periods that offsets from the canvas to the page keep to; `None` if they are free.
     pub(crate) periods: Option<Periods>,
-}
-
-/// The periods of a page and of the canvas. Places are alike if they are the same number of periods from the
-/// origin but for whole ones.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Periods {
-    /// One or two vectors on the page, in cells.
-    pub(crate) vectors: Vec<[f32; 2]>,
-    /// Periods along each vector that a cell of the page makes, by axis.
-    pub(crate) page: Vec<[f32; 2]>,
-    /// The same on the canvas, which may be stretched.
-    pub(crate) canvas: Vec<[f32; 2]>,
-    /// Distance by which offsets may miss, in cells.
-    pub(crate) tolerance: f32,
-}
-
-impl Periods {
-    /// Least tolerance, in cells: sources are whole cells.
-    const LEAST: f32 = 0.75;
-
-    /// The periods in cells twice as large.
-    fn halved(&self) -> Self {
-        let all = |list: &[[f32; 2]], factor: f32| list.iter().map(|v| v.map(|c| c * factor)).collect();
-        Self {
-            vectors: all(&self.vectors, 0.5),
-            page: all(&self.page, 2.0),
-            canvas: all(&self.canvas, 2.0),
-            tolerance: self.tolerance * 0.5,
-        }
-    }
-
-    /// From where a source would suit a cell best to a given one, in cells.
-    pub(crate) fn residual(&self, source: [f32; 2], cell: [f32; 2]) -> [f32; 2] {
-        let mut residual = [0.0; 2];
-        for ((vector, page), canvas) in self.vectors.iter().zip(&self.page).zip(&self.canvas) {
-            let phase = page[0] * source[0] + page[1] * source[1] - canvas[0] * cell[0] - canvas[1] * cell[1];
-            let part = phase - libm::rintf(phase);
-            (0..2).for_each(|k| residual[k] += part * vector[k]);
-        }
-        residual
-    }
-
-    /// Cost of a source for a cell, as a share of the squared standard deviation.
-    #[inline]
-    fn cost(&self, source: [f32; 2], cell: [f32; 2]) -> f32 {
-        let [x, y] = self.residual(source, cell);
-        let over = (libm::sqrtf(x * x + y * y) - self.tolerance.max(Self::LEAST)).max(0.0);
-        ASTRAY * over * over
-    }
 }
 
 /// The canvas to be filled.

@@ -224,8 +224,9 @@ pub(super) struct Best<'a> {
     coherence: f32,
     /// Which sources are used already, the cell that searches, and the cost of a copy.
     copies: Option<(&'a Copies, usize, f32)>,
-    /// Place of the cell.
+    /// Place of the cell, and its phase if the first page has periods.
     at: [f32; 2],
+    phase: [f32; 2],
     pub(super) source: u32,
     pub(super) cost: i32,
     /// The first of the sources considered so far.
@@ -238,6 +239,8 @@ impl<'a> Best<'a> {
         let values = &canvas.values[canvas.patch(x, y)..];
         let row = canvas.value_row();
         let coherence = canvas.coherence;
+        let at = [x as f32, y as f32];
+        let periods = atlas.pages.first().and_then(|page| page.periods.as_ref());
         Self {
             values,
             row,
@@ -245,7 +248,8 @@ impl<'a> Best<'a> {
             extra,
             coherence,
             copies: None,
-            at: [x as f32, y as f32],
+            at,
+            phase: periods.map_or([0.0; 2], |periods| periods.on_canvas(at)),
             source: 0,
             cost: i32::MAX,
             seen: [0; 12],
@@ -274,7 +278,7 @@ impl<'a> Best<'a> {
         let page = self.atlas.page(source);
         let Some(periods) = &self.atlas.pages[page].periods else { return };
         let at = self.atlas.source(source).at.map(f32::from);
-        let [dx, dy] = periods.residual(at, self.at);
+        let [dx, dy] = periods.residual(self.atlas.phases[source as usize], periods.on_canvas(self.at));
         let own = [at[0] - dx, at[1] - dy];
         let mut consider = |x: f32, y: f32| {
             let place = [x, y].map(|v| libm::rintf(v) as i64);
@@ -283,7 +287,7 @@ impl<'a> Best<'a> {
             }
         };
         consider(own[0], own[1]);
-        for [x, y] in &periods.vectors {
+        for [x, y] in periods.vectors.iter().filter(|v| **v != [0.0; 2]) {
             consider(own[0] + x, own[1] + y);
             consider(own[0] - x, own[1] - y);
         }
@@ -321,16 +325,13 @@ impl<'a> Best<'a> {
     /// Cost of a source whose offset misses the periods of its page.
     #[inline]
     fn astray(&self, source: u32) -> i32 {
-        // Most pages have none, and the page of a source takes time to find.
-        if !self.atlas.any_periods {
-            return 0;
-        }
+        let Some(&phase) = self.atlas.phases.get(source as usize) else { return 0 };
         let page = self.atlas.page(source);
         let Some(periods) = &self.atlas.pages[page].periods else { return 0 };
-        let at = self.atlas.source(source).at.map(f32::from);
+        let own = if page == 0 { self.phase } else { periods.on_canvas(self.at) };
         // Far from any period a source is out of the question, but sums still fit.
         const MOST: f32 = 1e8;
-        (periods.cost(at, self.at) * PATCH_UNIT).min(MOST) as i32
+        (periods.cost(phase, own) * PATCH_UNIT).min(MOST) as i32
     }
 
     #[inline]

@@ -253,7 +253,7 @@ impl Pair {
             library: ends.libraries[side][nearer.library.index()],
             source: nearer.source,
             category: nearer.category,
-            fragment: false,
+            fused: false,
             silhouette: None,
             shapes: std::iter::once(base).chain(details).collect(),
         };

@@ -128,6 +128,16 @@ impl Lattice {
         })
     }
 
+    /// The way from a place of a canvas to the nearest that has the phase of a place of the exemplar.
+    pub(crate) fn residual(&self, canvas: &Phases, exemplar: [f64; 2], place: [f64; 2]) -> [f64; 2] {
+        let mut way = [0.0; 2];
+        for ((wave, on_canvas), vector) in self.phases().waves.iter().zip(&canvas.waves).zip(&self.vectors) {
+            let phase = dot(*wave, exemplar) - dot(*on_canvas, place);
+            (0..2).for_each(|k| way[k] += (phase - libm::round(phase)) * vector[k]);
+        }
+        way
+    }
+
     /// Squared distance in pixels that differences of phase, each from -0.5 to 0.5, mean.
     fn residual_of(&self, phases: &[f64]) -> f64 {
         let mut sum = [0.0; 2];

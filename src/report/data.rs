@@ -224,10 +224,10 @@ fn of_scene(group: &Group<'_>, scene: &Scene, placed: impl Fn(ElementId) -> usiz
             centre: None,
         }
     };
-    // One fragment represents all fragments of a primary, unless the whole primary is there.
+    // One fused element represents all that are mostly of one primary, unless the whole primary is there.
     let mut shown: BTreeMap<Option<ElementId>, usize> = BTreeMap::new();
     for i in group.textons(scene) {
-        let rank = |i: usize| (!scene.elements[i].fragment, scene.elements[i].outline().area());
+        let rank = |i: usize| (!scene.elements[i].fused, scene.elements[i].outline().area());
         let best = shown.entry(scene.elements[i].source).or_insert(i);
         if rank(i) > rank(*best) {
             *best = i;

@@ -168,9 +168,10 @@ pub struct Element {
     /// Its category in that library, if it has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub category: Option<CategoryId>,
-    /// Whether it is only a part of the library's element.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub fragment: bool,
+    /// Whether it is made of parts of several elements of the library, or of a part of one, instead of being
+    /// one of them. Then `source` is the one that most of it comes from.
+    #[serde(default, alias = "fragment", skip_serializing_if = "std::ops::Not::not")]
+    pub fused: bool,
     /// The outline of the whole, if that is not the outline of the first shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub silhouette: Option<Outline>,

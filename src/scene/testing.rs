@@ -29,7 +29,7 @@ pub(crate) fn element(source: u32, category: Option<u16>, outline: Outline, colo
         library: LibraryId(0),
         source: Some(ElementId(source)),
         category: category.map(CategoryId),
-        fragment: false,
+        fused: false,
         silhouette: None,
         shapes: vec![Shape::new(outline, colour)],
     }

@@ -99,7 +99,7 @@ impl From<Texton> for Element {
             // the index of a secondary is not either.
             source: old.category.map(|_| ElementId(old.source)),
             category: old.category.map(CategoryId),
-            fragment: old.fragment,
+            fused: old.fragment,
             silhouette: None,
             shapes: shapes(old.outline, old.colour, old.gradient, old.details),
         }

@@ -36,11 +36,11 @@ impl Overlap {
     /// mix-up of files, count for nothing.
     pub fn of_scene(scene: &Scene, libraries: &[Library]) -> Self {
         let masks: Vec<Vec<Mask>> = libraries.iter().map(silhouettes).collect();
-        let fragments: Vec<Option<Mask>> =
-            parallel::map(&scene.elements, |t| t.fragment.then(|| pixels::mask(t.outline())));
+        let fused: Vec<Option<Mask>> =
+            parallel::map(&scene.elements, |t| t.fused.then(|| pixels::mask(t.outline())));
         let stamp = |i: &crate::scene::Instance| {
             let element = scene.elements.get(i.element.index())?;
-            if let Some(mask) = fragments.get(i.element.index())? {
+            if let Some(mask) = fused.get(i.element.index())? {
                 return Some(Stamp { mask, transform: i.affine() });
             }
             let mask = masks.get(element.library.index())?.get(element.source?.index())?;

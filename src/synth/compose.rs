@@ -49,9 +49,9 @@ pub(crate) fn scene(
     }
     for p in &arrangement.placed {
         let placed = &model[p.element];
-        let (element, variation) = match placed.fragment {
-            // A fragment is stored with its variation applied.
-            Some(fragment) => (scene.add(model.fragments[fragment as usize].clone()), &Variation::default()),
+        let (element, variation) = match placed.fused {
+            // A fused element is stored with its variation applied.
+            Some(fused) => (scene.add(model.fused[fused as usize].clone()), &Variation::default()),
             None => {
                 let element = known[placed.library].primary(&mut scene, placed.index);
                 (element, &model.variations[usize::from(p.variation)])
@@ -170,7 +170,7 @@ impl<'a> Known<'a> {
     /// The elements that a scene already holds.
     pub(crate) fn of(number: LibraryId, library: &'a Library, scene: &Scene) -> Self {
         let mut known = Self::new(number, library);
-        let own = |e: &&Element| e.library == number && !e.fragment;
+        let own = |e: &&Element| e.library == number && !e.fused;
         for (i, element) in scene.elements.iter().enumerate().filter(|(_, e)| own(e)) {
             let id = ElementId::after(i);
             if let Some(place) = element.source.and_then(|s| known.elements.get_mut(s.index())) {
@@ -218,7 +218,7 @@ pub(crate) fn element(number: LibraryId, library: &Library, source: ElementId) -
         library: number,
         source: Some(source),
         category: own.category,
-        fragment: false,
+        fused: false,
         silhouette: own.silhouette.as_ref().map(|outline| translated(outline, own.origin())),
         shapes: own.shapes.iter().map(|shape| shape.moved(shift)).collect(),
     }

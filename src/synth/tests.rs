@@ -338,7 +338,7 @@ mod carried {
             assert!((structure.wanted - report.coverage).abs() < 0.04, "{structure:?} {}", report.coverage);
             assert!(structure.whole > structure.completed, "{structure:?}");
             // Fragments are parts: none is larger than its whole.
-            for t in scene.elements.iter().filter(|t| t.fragment) {
+            for t in scene.elements.iter().filter(|t| t.fused) {
                 let whole = library.primaries()[t.source.unwrap().index()].outline().area();
                 assert!(t.outline().area() < 1.3 * whole + 8.0, "{} {whole}", t.outline().area());
             }

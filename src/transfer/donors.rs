@@ -97,7 +97,7 @@ fn is_whole(scene: &Scene, instance: &Instance) -> bool {
     let within = |wrap: bool, low: f64, high: f64, size: u32| {
         wrap || (low >= MARGIN && high <= f64::from(size) - MARGIN)
     };
-    !element.fragment
+    !element.fused
         && within(scene.tile.x, bounds.x0, bounds.x1, scene.width)
         && within(scene.tile.y, bounds.y0, bounds.y1, scene.height)
 }

@@ -44,8 +44,8 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
         let Some(known) = known.filter(|e| e.category == element.category) else {
             return Err(strange(library));
         };
-        // Small elements of equal shape are stored once, and fragments have shapes of their own.
-        let own_shape = element.category.is_some() && !element.fragment;
+        // Small elements of equal shape are stored once, and fused elements have shapes of their own.
+        let own_shape = element.category.is_some() && !element.fused;
         if own_shape && compose::translated(known.outline(), known.origin()) != *element.outline() {
             return Err(strange(library));
         }
@@ -85,12 +85,12 @@ fn placeable(model: &Model, element: &Element) -> PlaceableId {
     PlaceableId(model.sources[element.library.index()].elements.start + number)
 }
 
-/// Adds the scene's fragments to the model. Returns the variant of each element that is one.
-pub(super) fn fragments(model: &mut Model, scene: &Scene) -> Vec<Option<VariantId>> {
+/// Adds the scene's fused elements to the model. Returns the variant of each element that is one.
+pub(super) fn fused(model: &mut Model, scene: &Scene) -> Vec<Option<VariantId>> {
     let known = |element: &Element| {
-        element.fragment.then(|| {
+        element.fused.then(|| {
             let whole = model.in_variation(placeable(model, element), 0);
-            model.add_fragment(whole, pixels::mask(element.outline()), element.clone())
+            model.add_fused(whole, pixels::mask(element.outline()), element.clone())
         })
     };
     scene.elements.iter().map(known).collect()

@@ -136,7 +136,7 @@ fn carry(
     model: &mut Model,
     progress: &dyn Progress,
 ) -> Result<(Vec<Fixed>, Vec<Standing>)> {
-    let fragments = carried::fragments(model, scene);
+    let fused = carried::fused(model, scene);
     let (mut fixed, mut standing) = (Vec::new(), Vec::new());
     let carried: Vec<&Instance> = scene.individuals().collect();
     for (i, &instance) in carried.iter().enumerate() {
@@ -145,16 +145,16 @@ fn carry(
         }
         let element = scene.element(instance);
         let Some(there) = bend.texton(instance, element) else { continue };
-        let fragment = fragments[instance.element.index()];
+        let known = fused[instance.element.index()];
         let [.., x, y] = instance.transform;
         // Without stretch no gaps open: room that a descriptor requests between moved elements was empty in
         // the scene.
-        let asks = match fragment {
+        let asks = match known {
             Some(_) => Asks::Never,
             None if bend.stretch([x, y]) > NO_STRETCH => Asks::Always,
             None => Asks::InVain,
         };
-        let variant = fragment.unwrap_or_else(|| carried::variant(model, instance, element));
+        let variant = known.unwrap_or_else(|| carried::variant(model, instance, element));
         fixed.push(Fixed { variant, at: there.map(|v| libm::round(v) as i32), asks });
         standing.push((i, there));
     }

@@ -6,12 +6,12 @@
 //! copied is what stands there: primaries, secondaries, the colours of the region.
 
 mod alike;
-mod arrivals;
-mod exchange;
-mod fragments;
-mod holes;
+mod cover;
+mod fused;
+mod instances;
 mod lead;
 mod pages;
+mod resolve;
 mod secondaries;
 mod shares;
 
@@ -23,45 +23,48 @@ use crate::correspondence::{Field, Islands, Request, find};
 use crate::error::{Error, Result};
 use crate::lattice::{Lattice, Phases};
 use crate::library::Library;
+use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::raster::picture::label_colour;
 use crate::raster::{LabelMap, Mask};
 use crate::scene::{Edge, LatticeChoice, SynthParams};
+use crate::sampling::stream;
 use alike::Alike;
-use arrivals::Plan;
 use image::{Rgb, RgbImage};
 use lead::Lead;
+use cover::Cover;
 use pages::Pages;
+use resolve::{Outcome, Resolver};
 pub(crate) use secondaries::Arrived;
 use serde::Serialize;
 
 /// Cells beyond the borders of the canvas, where it does not repeat.
 const MARGIN: i32 = 6;
 
-/// What came along a field of correspondences.
+/// What came along a field of correspondences. Shares are of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Structure {
     /// Islands, each from one place of an exemplar.
     pub islands: usize,
-    /// Share of the canvas on which primaries were wanted.
+    /// Share on which primaries are wanted.
     pub wanted: f64,
-    /// Primaries of which at least half arrived.
+    /// Primaries that came whole.
     pub whole: usize,
-    /// Primaries of which less arrived and that were completed, for there was room.
-    pub completed: usize,
-    /// Primaries that fill a hole which parts of others like them left.
-    pub filled: usize,
-    /// Parts of primaries that fill what was left between them.
-    pub fragments: usize,
-    /// Share of the canvas that only fragments fill.
-    pub fragments_share: f64,
-    /// Primaries exchanged for ones like them, because a copy of theirs was near.
-    pub exchanged: usize,
+    /// Primaries in place of others like them that came in part.
+    pub like: usize,
+    /// Primaries made of the parts of others.
+    pub fused: usize,
+    /// Share that those cover.
+    pub fused_share: f64,
+    /// Share that is wanted but empty.
+    pub empty: f64,
+    /// Share that is covered but not wanted.
+    pub unwanted: f64,
 }
 
 /// Elements that came along a field.
 pub(super) struct Carried {
-    /// Variants, fragments included, and their places on the grid, in the order in which they stand.
+    /// Variants, fused ones included, and their places on the grid, in the order in which they stand.
     pub(super) elements: Vec<(VariantId, [i32; 2])>,
     pub(super) structure: Structure,
 }
@@ -70,6 +73,8 @@ pub(super) struct Carried {
 pub(crate) struct Correspondence {
     pages: Pages,
     field: Field,
+    /// The lattice of each library, and how its phases run over the canvas.
+    lattices: Vec<Option<(Lattice, Phases)>>,
     /// Cells beside the canvas, left and above.
     margin: [i32; 2],
 }
@@ -105,7 +110,7 @@ impl Correspondence {
         let active = shares::active(grid, region, size, place);
         let request = Request { pages: &pages.pages, size, wrap, groups, active, seed: params.seed };
         let field = find(&request, progress)?;
-        let this = Self { pages, field, margin };
+        let this = Self { pages, field, lattices, margin };
         progress.picture("correspondence", &|| this.picture(libraries, model, params));
         progress.picture("islands", &|| this.islands_picture(params));
         Ok(this)
@@ -117,8 +122,10 @@ impl Correspondence {
         (0..2).all(|k| (0..self.field.size[k] as i32 * cell).contains(&(at[k] + self.margin[k] * cell)))
     }
 
-    /// The primaries that arrived, and the fragments that close the holes between them, which the model
-    /// then knows.
+    /// The primaries that came along, and those fused of parts, which the model then knows.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
     pub(super) fn carry(
         &self,
         libraries: &[Library],
@@ -128,43 +135,61 @@ impl Correspondence {
         params: &SynthParams,
         progress: &dyn Progress,
     ) -> Result<Carried> {
-        let step = |done: u64| advance(progress, "carrying", done, 5);
+        let step = |done: u64| advance(progress, "carrying", done, 4);
         step(0)?;
-        let mut plan = Plan::new(self, libraries, model, grid);
+        let strata: Vec<u8> =
+            libraries.iter().flat_map(|l| l.strata_of_elements()[..l.primaries().len()].to_vec()).collect();
+        let instances = instances::find(self, model, grid, &strata);
         step(1)?;
-        let allowed = |mask: &Mask, at: [i32; 2], middle: [i32; 2]| stands(grid, region, mask, at, middle);
-        let standing = plan.accept(model, |variant, at| allowed(&model.shape(variant).mask, at, at));
-        let canvas = grid.canvas().iter().product::<f64>();
-        let mut structure = Structure {
-            islands: Islands::new(&self.field).sizes.len(),
-            wanted: plan.count(Plan::is_wanted) as f64 / canvas,
-            whole: standing.iter().filter(|a| a.whole).count(),
-            completed: standing.iter().filter(|a| !a.whole).count(),
-            ..Structure::default()
-        };
-        let mut elements: Vec<(VariantId, [i32; 2])> = standing.iter().map(|a| (a.variant, a.at)).collect();
-        step(2)?;
         let alike = Alike::new(libraries, model);
-        structure.exchanged = exchange::exchange(&mut elements, &mut plan, &alike, libraries, model, params);
+        let known = self.known(grid);
+        let resolver = Resolver::new(libraries, &self.pages.labels, model, grid, &alike, known, &instances);
+        let allowed = |mask: &Mask, at: [i32; 2]| {
+            let middle = mask.centroid().map_or(at, |(x, y)| [at[0] + x as i32, at[1] + y as i32]);
+            stands(grid, region, mask, at, middle)
+        };
+        step(2)?;
+        let outcomes = parallel::map(&instances, |instance| resolver.resolve(instance, allowed));
         step(3)?;
-        let mut holes = holes::find(&plan);
-        let fits = |variant: VariantId, at| allowed(&model.shape(variant).mask, at, at);
-        let filled = holes::fill(&mut holes, &mut plan, &alike, model, fits);
-        structure.filled = filled.len();
-        elements.extend(filled);
-        step(4)?;
-        let fragments = fragments::find(&holes, &plan, libraries, model, self.pages.cell);
-        for f in fragments {
-            let Some((x, y)) = f.mask.centroid() else { continue };
-            let middle = [f.at[0] + x as i32, f.at[1] + y as i32];
-            if allowed(&f.mask, f.at, middle) {
-                structure.fragments += 1;
-                structure.fragments_share += f64::from(f.fills) / canvas;
-                elements.push((model.add_fragment(f.variant, f.mask, f.painted), f.at));
-            }
+        let mut cover = Cover::new(grid, &instances);
+        let mut structure = Structure { islands: Islands::new(&self.field).sizes.len(), ..Structure::default() };
+        let mut elements = Vec::with_capacity(instances.len());
+        for (instance, outcome) in instances.iter().zip(outcomes) {
+            let (variant, at) = match outcome {
+                Outcome::Whole(variant, at) => {
+                    structure.whole += 1;
+                    (variant, at)
+                }
+                Outcome::Like(variant, at) => {
+                    structure.like += 1;
+                    (variant, at)
+                }
+                Outcome::Fused(element, mask) => {
+                    structure.fused += 1;
+                    structure.fused_share += cover.share(&mask, instance.main().at);
+                    (model.add_fused(instance.main().variant, mask, *element), instance.main().at)
+                }
+                Outcome::Nothing => continue,
+            };
+            cover.take(&model.shape(variant).mask, at);
+            elements.push((variant, self.on_lattice(model, grid, variant, at)));
         }
-        step(5)?;
+        (structure.wanted, structure.empty, structure.unwanted) = cover.shares();
+        if self.lattices.iter().any(Option::is_some) && model.variations.len() > 1 {
+            vary(&mut elements, &self.lattices, model, params.seed);
+        }
+        step(4)?;
         Ok(Carried { elements, structure })
+    }
+
+    /// The place of a variant, moved to where its offset from the exemplar is a vector of the lattice, if
+    /// there is one.
+    fn on_lattice(&self, model: &Model, grid: &Grid, variant: VariantId, at: [i32; 2]) -> [i32; 2] {
+        let element = model.element(variant);
+        let Some((lattice, canvas)) = &self.lattices[element.library] else { return at };
+        let place = [0, 1].map(|k| f64::from(at[k] - grid.margin[k] + self.margin[k] * self.pages.cell));
+        let way = lattice.residual(canvas, element.origin.map(f64::from), place);
+        [0, 1].map(|k| at[k] + libm::round(way[k]) as i32)
     }
 
     /// Page and pixel there that a pixel of the canvas comes from; the pixel may lie beside the
@@ -234,6 +259,23 @@ impl Correspondence {
             let [cx, cy] = [0, 1].map(|k| ([x, y][k] as i32 / cell + self.margin[k]) as usize);
             Rgb(label_colour(islands.of[cy * self.field.size[0] + cx] + 1))
         })
+    }
+}
+
+/// Turns and mirrors each whole element of libraries with a lattice where it stands: pages that are varied as a
+/// whole would have other rows.
+fn vary(
+    elements: &mut [(VariantId, [i32; 2])],
+    lattices: &[Option<(Lattice, Phases)>],
+    model: &Model,
+    seed: u64,
+) {
+    for (i, (variant, _)) in elements.iter_mut().enumerate() {
+        let element = model.element(*variant);
+        if lattices[element.library].is_some() && element.fused.is_none() {
+            let mut random = stream(seed, "correspondence/variations", i as u64);
+            *variant = model.draw_variant(model.element_of(*variant), &mut random);
+        }
     }
 }
 

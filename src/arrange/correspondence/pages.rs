@@ -328,13 +328,15 @@ fn joint_deviation(colours: &[Vec<[f32; 3]>]) -> f32 {
 
 /// The periods of a lattice, in cells.
 fn periods(lattice: &Lattice, canvas: &Phases, cell: i32) -> Periods {
-    let per_cell = |waves: &[[f64; 2]]| waves.iter().map(|w| w.map(|c| (c * f64::from(cell)) as f32)).collect();
-    let lattice_in_cells = lattice.scaled(1.0 / f64::from(cell));
+    let cell = f64::from(cell);
+    let both = |list: &[[f64; 2]], factor: f64| {
+        [0, 1].map(|k| list.get(k).map_or([0.0; 2], |v| v.map(|c| (c * factor) as f32)))
+    };
     Periods {
-        vectors: lattice_in_cells.vectors.iter().map(|v| v.map(|c| c as f32)).collect(),
-        page: per_cell(&lattice.phases().waves),
-        canvas: per_cell(&canvas.waves),
-        tolerance: (STRAY * lattice_in_cells.stray).min(MOST_ASTRAY) as f32,
+        vectors: both(&lattice.vectors, 1.0 / cell),
+        page: both(&lattice.phases().waves, cell),
+        canvas: both(&canvas.waves, cell),
+        tolerance: (STRAY * lattice.stray / cell).min(MOST_ASTRAY) as f32,
     }
 }
 

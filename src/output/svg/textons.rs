@@ -513,7 +513,7 @@ fn ids(scene: &Scene) -> Vec<String> {
     let mut known = BTreeSet::new();
     let id = |(i, e): (usize, &Element)| {
         let kind = match e.category {
-            Some(_) if e.fragment => 'f',
+            Some(_) if e.fused => 'f',
             Some(_) => 't',
             None => 's',
         };
@@ -532,7 +532,7 @@ fn ids(scene: &Scene) -> Vec<String> {
 
 /// The title of an element among the symbols of an editor.
 fn title(element: &Element, category_name: Option<&str>) -> String {
-    let part = if element.fragment { "Part of element" } else { "Element" };
+    let part = if element.fused { "Part of element" } else { "Element" };
     let number = element.source.map_or(String::new(), |source| format!(" {}", source.0));
     let category = element.category.map_or(String::new(), |c| format!(", category {}", c.0));
     let name = category_name.map_or(String::new(), |name| format!(" ({name})"));

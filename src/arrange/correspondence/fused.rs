@@ -1,0 +1,201 @@
+//! Fused elements: what an instance shows where no whole element does.
+//!
+//! An instance that comes from several primaries, or from a piece of one, is traced along its own pixels.
+//! Its rim follows the outlines of its parts where these end there; one paint runs across its seams; its
+//! details are those of its parts, each clipped to its part.
+
+use super::instances::{Instance, Part};
+use crate::arrange::model::Model;
+use crate::element::Gradient;
+use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
+use crate::library::{self, Library};
+use crate::raster::colour::Colour;
+use crate::raster::{LabelMap, Mask, Span};
+use crate::scene::{Element, ElementId, LibraryId, Shape, pixels};
+
+/// Cells along a pixel's side of the map that is traced.
+const FINE: i32 = 2;
+/// Largest distance of an outline to the map's borders, in pixels.
+const TOLERANCE: f64 = 0.4;
+/// Fewest pixels of an instance whose details are kept.
+const DETAILED: u32 = 60;
+/// Fewest pixels of a detail that is kept.
+const LEAST_DETAIL: usize = 3;
+/// How far a detail reaches beneath those painted later, in pixels.
+const BENEATH: f64 = 0.6;
+/// Share of an instance from which on a part's paint is that of the whole.
+const DOMINANT: f64 = 0.8;
+
+/// What is painted for an instance, relative to the origin of its main part, and the pixels of it; `None` if
+/// nothing is left of it once traced. `is_free` tells which pixels around it no other instance has.
+pub(super) fn fused(
+    instance: &Instance,
+    libraries: &[Library],
+    model: &Model,
+    is_free: impl Fn([i32; 2]) -> bool,
+) -> Option<(Element, Mask)> {
+    let main = instance.main();
+    let at = main.at;
+    let mask = instance.mask.shifted(-at[0], -at[1]);
+    let (x0, y0, x1, y1) = mask.bounds()?;
+    // A frame of two pixels around the box: the rim may move out by one.
+    let corner = [x0 - 2, y0 - 2];
+    let size = [x1 - x0 + 4, y1 - y0 + 4];
+    let mut labels = LabelMap::filled((size[0] * FINE) as u32, (size[1] * FINE) as u32, 0);
+    let to_map = Affine::scale(f64::from(FINE)) * Affine::translate((-f64::from(corner[0]), -f64::from(corner[1])));
+    labels.fill(&on_map(&mask, corner), 1);
+
+    let parts: Vec<Placed<'_>> = instance.parts.iter().map(|part| Placed::new(part, at, libraries, model)).collect();
+    for placed in &parts {
+        placed.refine(&mut labels, &mask, corner, to_map, |[x, y]| is_free([x + at[0], y + at[1]]));
+    }
+    let mut details: Vec<(&Placed<'_>, &Shape)> = Vec::new();
+    if mask.area() >= DETAILED {
+        for placed in &parts {
+            let own = on_map(&placed.mask, corner);
+            for detail in placed.primary.details() {
+                let Some(outline) = Outline::new(&(to_map * placed.to_place * detail.outline.path())) else { continue };
+                let b = outline.bounds();
+                let Some((ox0, oy0, ox1, oy1)) = own.bounds() else { continue };
+                let apart = b.x1 < f64::from(ox0) || b.x0 > f64::from(ox1) || b.y1 < f64::from(oy0) || b.y0 > f64::from(oy1);
+                if apart {
+                    continue;
+                }
+                let inside = pixels::mask(&outline);
+                let shown: Vec<(i32, i32)> = both(&inside, &own);
+                if shown.len() < LEAST_DETAIL * (FINE * FINE) as usize {
+                    continue;
+                }
+                details.push((placed, detail));
+                let label = details.len() as u32 + 1;
+                for (x, y) in shown {
+                    let i = labels.index(x as u32, y as u32);
+                    if labels.labels[i] > 0 {
+                        labels.labels[i] = label;
+                    }
+                }
+            }
+        }
+    }
+    let count = details.len() + 1;
+    let planar = PlanarMap::trace(labels.width, labels.height, &labels.labels);
+    let scale = Scale { tolerance: TOLERANCE, cells: f64::from(FINE) };
+    let fitted = FittedMap::with_edges(planar, scale, count, 1, |label| label.min(1), |_, _, _, _| 0.0);
+    let back = Affine::translate((f64::from(corner[0]), f64::from(corner[1])));
+    let moved = |outline: &Outline| Outline::new(&(back * outline.path())).unwrap_or_default();
+    let whole = moved(&fitted.outlines(1, |label| label.min(1))[1]);
+    if whole.is_empty() {
+        return None;
+    }
+    let patch = |(own, (placed, detail)): (u32, &(&Placed<'_>, &Shape))| {
+        let stacked = fitted.stacked_outline(own, |other| if own < other { BENEATH } else { 0.0 });
+        placed.painted(detail, moved(&stacked))
+    };
+    let patches = (2..).zip(&details).map(patch).filter(|p| !p.outline.is_empty());
+    let base = base(&parts, &mask, whole);
+    let known = model.element(main.variant);
+    let element = Element {
+        library: LibraryId(known.library as u32),
+        source: Some(ElementId(known.index)),
+        category: parts[0].primary.category,
+        fused: true,
+        silhouette: None,
+        shapes: std::iter::once(base).chain(patches).collect(),
+    };
+    Some((element, mask))
+}
+
+/// A part with its primary, relative to the origin of the instance.
+struct Placed<'a> {
+    primary: &'a library::Element,
+    /// Its pixels.
+    mask: Mask,
+    /// From the exemplar to where the part stands.
+    to_place: Affine,
+}
+
+impl<'a> Placed<'a> {
+    fn new(part: &Part, origin: [i32; 2], libraries: &'a [Library], model: &Model) -> Self {
+        let known = model.element(part.variant);
+        let primary = &libraries[known.library].primaries()[known.index as usize];
+        let [a, b, c, d] = model.variation(part.variant).matrix;
+        let [ox, oy] = primary.origin().map(f64::from);
+        let way = [0, 1].map(|k| f64::from(part.at[k] - origin[k]));
+        let to_place = Affine::new([a, b, c, d, way[0], way[1]]) * Affine::translate((-ox, -oy));
+        Self { primary, mask: part.mask.shifted(-origin[0], -origin[1]), to_place }
+    }
+
+    /// A shape of the primary with another outline.
+    fn painted(&self, shape: &Shape, outline: Outline) -> Shape {
+        Shape {
+            gradient: shape.gradient.as_ref().map(|g| Box::new(g.moved(self.to_place))),
+            ..shape.with_outline(outline)
+        }
+    }
+
+    /// Moves the rim of the whole to the outline of the part, by at most a pixel, where the part ends there.
+    fn refine(
+        &self,
+        labels: &mut LabelMap,
+        whole: &Mask,
+        corner: [i32; 2],
+        to_map: Affine,
+        is_free: impl Fn([i32; 2]) -> bool,
+    ) {
+        let Some(outline) = Outline::new(&(to_map * self.to_place * self.primary.outline().path())) else { return };
+        let inside = pixels::mask(&outline);
+        let mut set = |[x, y]: [i32; 2], within: bool| {
+            for v in 0..FINE {
+                for u in 0..FINE {
+                    let [cx, cy] = [(x - corner[0]) * FINE + u, (y - corner[1]) * FINE + v];
+                    if inside.contains(cx, cy) != within {
+                        labels.set(cx as u32, cy as u32, u32::from(!within));
+                    }
+                }
+            }
+        };
+        self.mask.for_cracks(|[x, y], [dx, dy], _| {
+            let beyond = [x + dx, y + dy];
+            if whole.contains(beyond[0], beyond[1]) || !is_free(beyond) {
+                return;
+            }
+            // Of the pixel within, only what the outline holds; of that beyond, what it holds too.
+            set([x, y], true);
+            set(beyond, false);
+        });
+    }
+}
+
+/// The pixels of a mask as cells of the map.
+fn on_map(mask: &Mask, corner: [i32; 2]) -> Mask {
+    let at = |v: i32, k: usize| (v - corner[k]) * FINE;
+    let rows = |s: Span| (0..FINE).map(move |v| Span { y: at(s.y, 1) + v, x0: at(s.x0, 0), x1: at(s.x1, 0) });
+    Mask::from_spans(mask.spans().iter().copied().flat_map(rows).collect())
+}
+
+/// The pixels of two masks that both have.
+fn both(a: &Mask, b: &Mask) -> Vec<(i32, i32)> {
+    a.pixels().filter(|&(x, y)| b.contains(x, y)).collect()
+}
+
+/// The shape beneath all: the paint of the part that has most of the whole, or a gradient from the largest
+/// part to the next.
+fn base(parts: &[Placed<'_>], whole: &Mask, outline: Outline) -> Shape {
+    let main = &parts[0];
+    let shape = main.painted(main.primary.base(), outline);
+    let area = |part: &Placed<'_>| f64::from(part.mask.area());
+    // Parts of one primary, or of one colour, have one paint.
+    let colour = |part: &Placed<'_>| part.primary.base().colour;
+    let other = parts.iter().skip(1).find(|part| colour(part) != colour(main));
+    let Some(other) = other.filter(|_| area(main) < DOMINANT * f64::from(whole.area())) else { return shape };
+    let middle = |part: &Placed<'_>| part.mask.centroid().map_or([0.0; 2], |(x, y)| [x, y]);
+    let (from, to) = (middle(main), middle(other));
+    let gradient = Gradient::linear(from, to, [colour(main), colour(other)]);
+    if gradient.fault().is_some() {
+        return shape;
+    }
+    let share = area(main) / (area(main) + area(other));
+    let [a, b] = [colour(main), colour(other)].map(Colour::to_f64);
+    let mean = Colour::from_f64([0, 1, 2].map(|k| share * a[k] + (1.0 - share) * b[k]));
+    Shape { colour: mean, gradient: Some(Box::new(gradient)), ..shape }
+}

@@ -1,0 +1,167 @@
+//! What each instance becomes: an element whole, another like it, or a fused one.
+
+use super::alike::Alike;
+use super::fused::fused;
+use super::instances::Instance;
+use crate::arrange::grid::Grid;
+use crate::arrange::model::{Model, PlaceableId, VariantId};
+use crate::library::{Library, SourceKind};
+use crate::raster::{LabelMap, Mask};
+use crate::scene::Element;
+
+/// Least overlap over union of an instance and its main element, where elements stand apart and where they are
+/// packed: there a gap is seen at once.
+const WHOLE: [f64; 2] = [0.62, 0.74];
+/// Least share of an instance that its main element covers, likewise.
+const COVERED: [f64; 2] = [0.72, 0.86];
+/// Least overlap over union of an instance and an element like its main one.
+const LIKE: f64 = 0.8;
+/// Areas of elements like another, as shares of the instance's.
+const AREAS: [f64; 2] = [0.72, 1.4];
+/// Elements compared with each instance.
+const CANDIDATES: usize = 60;
+/// An exemplar is packed if this share of the borders of primaries lies on others,
+const CONTACT: f64 = 0.15;
+/// or if primaries cover the second share of it (at the first it is not packed at all),
+const PRIMARIES: [f64; 2] = [0.45, 0.6];
+/// or if secondaries cover such a share of its background, so that bare background is seen at once.
+const TILED: [f64; 2] = [0.4, 0.6];
+
+/// An element in place of an instance.
+pub(super) enum Outcome {
+    /// The element that most of it comes from.
+    Whole(VariantId, [i32; 2]),
+    /// Another of the same kind.
+    Like(VariantId, [i32; 2]),
+    /// A new one, relative to the origin of the instance's main part, with its pixels.
+    Fused(Box<Element>, Mask),
+    /// None.
+    Nothing,
+}
+
+/// What decides.
+pub(super) struct Resolver<'a> {
+    libraries: &'a [Library],
+    model: &'a Model,
+    grid: &'a Grid,
+    alike: &'a Alike,
+    /// How packed each exemplar is, 0 to 1.
+    packings: Vec<f64>,
+    /// The part of the map that the field knows.
+    known: [[i32; 2]; 2],
+    /// Whether an instance lies on a pixel of the map.
+    wanted: Vec<bool>,
+}
+
+impl<'a> Resolver<'a> {
+    pub(super) fn new(
+        libraries: &'a [Library],
+        labels: &[LabelMap],
+        model: &'a Model,
+        grid: &'a Grid,
+        alike: &'a Alike,
+        known: [[i32; 2]; 2],
+        instances: &[Instance],
+    ) -> Self {
+        let packings = libraries.iter().zip(labels).map(|(library, labels)| packing(library, labels)).collect();
+        let mut wanted = vec![false; grid.len()];
+        for span in instances.iter().flat_map(|i| i.mask.spans()) {
+            grid.cells(*span, [0, 0]).for_each(|cells| wanted[cells].fill(true));
+        }
+        Self { libraries, model, grid, alike, packings, known, wanted }
+    }
+
+    /// What an instance becomes. `allowed` says where a variant may stand at all.
+    pub(super) fn resolve(
+        &self,
+        instance: &Instance,
+        allowed: impl Fn(&Mask, [i32; 2]) -> bool,
+    ) -> Outcome {
+        let main = instance.main();
+        let element = self.model.element(main.variant);
+        let between = |[loose, packed]: [f64; 2]| loose + self.packings[element.library] * (packed - loose);
+        let clipped = element.clipped && !instance.cut;
+        let mask = &self.model.shape(main.variant).mask;
+        let (union, covered) = self.fit(instance, mask, main.at);
+        if !clipped && union >= between(WHOLE) && covered >= between(COVERED) && allowed(mask, main.at) {
+            return Outcome::Whole(main.variant, main.at);
+        }
+        if !instance.cut
+            && let Some((variant, at)) = self.like(instance)
+            && allowed(&self.model.shape(variant).mask, at)
+        {
+            return Outcome::Like(variant, at);
+        }
+        // Half a motif would be seen at once.
+        if self.libraries[element.library].source.kind == SourceKind::Drawing {
+            return if clipped { Outcome::Nothing } else { Outcome::Whole(main.variant, main.at) };
+        }
+        let is_free = |at: [i32; 2]| self.grid.cell(at).is_none_or(|i| !self.wanted[i]);
+        match fused(instance, self.libraries, self.model, is_free) {
+            Some((element, mask)) if allowed(&mask, main.at) => Outcome::Fused(Box::new(element), mask),
+            _ => Outcome::Nothing,
+        }
+    }
+
+    /// Overlap over union of an instance and a mask at a place, and the share of the instance that it covers.
+    /// What lies beyond the part that the field knows does not count.
+    fn fit(&self, instance: &Instance, mask: &Mask, at: [i32; 2]) -> (f64, f64) {
+        let there = mask.shifted(at[0], at[1]);
+        let there = if instance.cut {
+            let [low, high] = self.known;
+            let along = |k: usize, wrap: bool| if wrap { (i32::MIN, i32::MAX) } else { (low[k], high[k]) };
+            let (x, y) = (along(0, self.grid.tile.x), along(1, self.grid.tile.y));
+            there.within([x.0, y.0], [x.1, y.1])
+        } else {
+            there
+        };
+        let (own, other) = (f64::from(instance.mask.area()), f64::from(there.area()));
+        let both = f64::from(instance.mask.overlap(&there));
+        (both / (own + other - both).max(1.0), both / own.max(1.0))
+    }
+
+    /// The element that fits an instance best of those like its main one, if it fits well.
+    fn like(&self, instance: &Instance) -> Option<(VariantId, [i32; 2])> {
+        let main = instance.main();
+        let (x, y) = instance.mask.centroid()?;
+        let at = [x, y].map(|v| libm::round(v) as i32);
+        let area = f64::from(instance.mask.area());
+        let areas = AREAS[0] * area..AREAS[1] * area;
+        let fit = |element: PlaceableId| {
+            let variant = self.model.varied(element, main.variant);
+            let (union, _) = self.fit(instance, &self.model.shape(variant).mask, at);
+            (union >= LIKE).then_some((union, variant))
+        };
+        let candidates = self.alike.of(self.model.element_of(main.variant), areas, CANDIDATES, 0.0);
+        let best = candidates.filter_map(fit).max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
+        Some((best.1, at))
+    }
+}
+
+/// How packed an exemplar is, 0 to 1: by how much primaries touch, or how much they cover, or how much
+/// of the background secondaries do.
+fn packing(library: &Library, labels: &LabelMap) -> f64 {
+    let (mut all, mut others) = (0u64, 0u64);
+    // Steps from a primary to a pixel that is not its own.
+    let mut step = |a: u32, b: u32| {
+        if a != b {
+            all += u64::from(a > 0) + u64::from(b > 0);
+            others += 2 * u64::from(a > 0 && b > 0);
+        }
+    };
+    for y in 0..labels.height {
+        let row = labels.row(y);
+        row.windows(2).for_each(|w| step(w[0], w[1]));
+        if y > 0 {
+            labels.row(y - 1).iter().zip(row).for_each(|(&a, &b)| step(a, b));
+        }
+    }
+    let share = |part: u64, of: usize| part as f64 / of.max(1) as f64;
+    let covered = share(labels.labels.iter().filter(|l| **l > 0).count() as u64, labels.labels.len());
+    let background = (1.0 - covered) * labels.labels.len() as f64;
+    let patches: u64 = library.secondaries().iter().map(|s| u64::from(s.area)).sum();
+    let tiled = patches as f64 / background.max(1.0);
+    let within = |v: f64, [low, high]: [f64; 2]| (v - low) / (high - low);
+    let contact = share(others, all as usize) / CONTACT;
+    contact.max(within(covered, PRIMARIES)).max(within(tiled, TILED)).clamp(0.0, 1.0)
+}

@@ -1,0 +1,93 @@
+//! Periods that offsets from the canvas to a page keep to.
+
+/// Cost of a source whose offset misses the periods by a cell more than it may, as a share of the squared
+/// standard deviation. It grows with the square.
+const ASTRAY: f32 = 4.0;
+/// Least distance by which an offset may miss, in cells: sources are whole cells.
+const LEAST: f32 = 0.75;
+
+/// The periods of a page and of the canvas. A source suits a cell if both are the same number of periods from
+/// their origin, but for whole ones. Of rows, the second period is zero throughout.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Periods {
+    /// Two vectors on the page, in cells.
+    pub(crate) vectors: [[f32; 2]; 2],
+    /// Periods along each vector that a cell of the page makes, by axis.
+    pub(crate) page: [[f32; 2]; 2],
+    /// The same on the canvas, which may be stretched.
+    pub(crate) canvas: [[f32; 2]; 2],
+    /// Distance by which offsets may miss, in cells.
+    pub(crate) tolerance: f32,
+}
+
+impl Periods {
+    /// The periods in cells twice as large.
+    pub(super) fn halved(&self) -> Self {
+        let all = |list: [[f32; 2]; 2], factor: f32| list.map(|v| v.map(|c| c * factor));
+        Self {
+            vectors: all(self.vectors, 0.5),
+            page: all(self.page, 2.0),
+            canvas: all(self.canvas, 2.0),
+            tolerance: self.tolerance * 0.5,
+        }
+    }
+
+    /// The phase of a cell of the page.
+    pub(super) fn on_page(&self, cell: [f32; 2]) -> [f32; 2] {
+        self.page.map(|wave| wave[0] * cell[0] + wave[1] * cell[1])
+    }
+
+    /// The phase of a cell of the canvas.
+    pub(super) fn on_canvas(&self, cell: [f32; 2]) -> [f32; 2] {
+        self.canvas.map(|wave| wave[0] * cell[0] + wave[1] * cell[1])
+    }
+
+    /// The way from where a source would suit a cell to where it is, in cells, given the phases of both.
+    #[inline]
+    pub(super) fn residual(&self, page: [f32; 2], canvas: [f32; 2]) -> [f32; 2] {
+        let [u, v] = [0, 1].map(|k| {
+            let phase = page[k] - canvas[k];
+            phase - nearest_whole(phase)
+        });
+        [0, 1].map(|k| u * self.vectors[0][k] + v * self.vectors[1][k])
+    }
+
+    /// Cost of a source for a cell, as a share of the squared standard deviation, given the phases of both.
+    #[inline]
+    pub(super) fn cost(&self, page: [f32; 2], canvas: [f32; 2]) -> f32 {
+        let [x, y] = self.residual(page, canvas);
+        let over = ((x * x + y * y).sqrt() - self.tolerance.max(LEAST)).max(0.0);
+        ASTRAY * over * over
+    }
+}
+
+/// The whole number nearest to a value below four million: sums of this size have no fraction.
+#[inline]
+fn nearest_whole(v: f32) -> f32 {
+    const NO_FRACTION: f32 = 12_582_912.0;
+    (v + NO_FRACTION) - NO_FRACTION
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_a_whole_number_of_periods_away_are_free() {
+        let vectors = [[12.0, 2.0], [-3.0, 9.0]];
+        let determinant = 12.0 * 9.0 + 2.0 * 3.0;
+        let waves = [[9.0 / determinant, 3.0 / determinant], [-2.0 / determinant, 12.0 / determinant]];
+        let periods = Periods { vectors, page: waves, canvas: waves, tolerance: 0.0 };
+        let cost = |source: [f32; 2], cell: [f32; 2]| periods.cost(periods.on_page(source), periods.on_canvas(cell));
+        for (n, m) in [(0.0, 0.0), (3.0, -2.0), (-7.0, 5.0)] {
+            let source = [40.0 + n * 12.0 - m * 3.0, 50.0 + n * 2.0 + m * 9.0];
+            assert!(cost(source, [40.0, 50.0]) < 1e-3);
+            let [x, y] = periods.residual(periods.on_page([source[0] + 2.0, source[1]]), periods.on_canvas([40.0, 50.0]));
+            assert!((x - 2.0).abs() < 1e-3 && y.abs() < 1e-3);
+            assert!((cost([source[0], source[1] + 2.75], [40.0, 50.0]) - ASTRAY * 4.0).abs() < 0.05);
+        }
+        let rows = Periods { vectors: [[0.0, 8.0], [0.0; 2]], page: [[0.0, 0.125], [0.0; 2]], canvas: [[0.0, 0.125], [0.0; 2]], tolerance: 0.0 };
+        assert_eq!(rows.cost(rows.on_page([91.5, 24.0]), rows.on_canvas([3.0, 8.0])), 0.0);
+        assert!(rows.cost(rows.on_page([3.0, 12.0]), rows.on_canvas([3.0, 8.0])) > 30.0);
+    }
+}
