@@ -40,8 +40,8 @@
 
 mod disjoint_sets;
 mod document;
-mod fourier;
 pub mod error;
+mod fourier;
 pub mod gzip;
 mod parallel;
 mod progress;

@@ -78,15 +78,22 @@ mod tests {
         let determinant = 12.0 * 9.0 + 2.0 * 3.0;
         let waves = [[9.0 / determinant, 3.0 / determinant], [-2.0 / determinant, 12.0 / determinant]];
         let periods = Periods { vectors, page: waves, canvas: waves, tolerance: 0.0 };
-        let cost = |source: [f32; 2], cell: [f32; 2]| periods.cost(periods.on_page(source), periods.on_canvas(cell));
+        let cost =
+            |source: [f32; 2], cell: [f32; 2]| periods.cost(periods.on_page(source), periods.on_canvas(cell));
         for (n, m) in [(0.0, 0.0), (3.0, -2.0), (-7.0, 5.0)] {
             let source = [40.0 + n * 12.0 - m * 3.0, 50.0 + n * 2.0 + m * 9.0];
             assert!(cost(source, [40.0, 50.0]) < 1e-3);
-            let [x, y] = periods.residual(periods.on_page([source[0] + 2.0, source[1]]), periods.on_canvas([40.0, 50.0]));
+            let [x, y] = periods
+                .residual(periods.on_page([source[0] + 2.0, source[1]]), periods.on_canvas([40.0, 50.0]));
             assert!((x - 2.0).abs() < 1e-3 && y.abs() < 1e-3);
             assert!((cost([source[0], source[1] + 2.75], [40.0, 50.0]) - ASTRAY * 4.0).abs() < 0.05);
         }
-        let rows = Periods { vectors: [[0.0, 8.0], [0.0; 2]], page: [[0.0, 0.125], [0.0; 2]], canvas: [[0.0, 0.125], [0.0; 2]], tolerance: 0.0 };
+        let rows = Periods {
+            vectors: [[0.0, 8.0], [0.0; 2]],
+            page: [[0.0, 0.125], [0.0; 2]],
+            canvas: [[0.0, 0.125], [0.0; 2]],
+            tolerance: 0.0,
+        };
         assert_eq!(rows.cost(rows.on_page([91.5, 24.0]), rows.on_canvas([3.0, 8.0])), 0.0);
         assert!(rows.cost(rows.on_page([3.0, 12.0]), rows.on_canvas([3.0, 8.0])) > 30.0);
     }

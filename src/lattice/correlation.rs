@@ -81,7 +81,9 @@ impl Correlation {
         let middle = at.map(|c| libm::round(c) as i32);
         let window = (-radius..=radius).flat_map(|v| (-radius..=radius).map(move |u| [u, v]));
         let best = window
-            .filter_map(|[u, v]| Some(([middle[0] + u, middle[1] + v], self.at([middle[0] + u, middle[1] + v])?)))
+            .filter_map(|[u, v]| {
+                Some(([middle[0] + u, middle[1] + v], self.at([middle[0] + u, middle[1] + v])?))
+            })
             .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
         let ([x, y], height) = best;
         let around = |d: [i32; 2]| self.at([x + d[0], y + d[1]]);

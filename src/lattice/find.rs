@@ -81,7 +81,8 @@ fn lattice(correlation: &Correlation) -> Option<Lattice> {
                     eprintln!("{:?} {:.2} {}", p.at, p.height, has_double(correlation, p));
                 }
             }
-            let recurs = |p: &Peak| has_double(correlation, p) || peaks.iter().any(|q| has_sum(correlation, p, q));
+            let recurs =
+                |p: &Peak| has_double(correlation, p) || peaks.iter().any(|q| has_sum(correlation, p, q));
             let first = shortest(&peaks, |p| p.height >= LEAST[0] && recurs(p))?;
             let beside = |p: &Peak| {
                 cross(p.at, first.at).abs() > 0.5 * dot(first.at, first.at).min(dot(p.at, p.at))
@@ -121,7 +122,11 @@ fn across(correlation: &Correlation, axis: [f64; 2]) -> Option<[f64; 2]> {
         lowest = lowest.min(height);
         let is_peak = (1..=3).map(f64::from).all(|d| value(t - d) <= height && value(t + d) <= height);
         let high = (-2..=2).map(|d| value(2.0 * t + f64::from(d))).fold(-1.0, f64::max);
-        if is_peak && t >= SHORTEST && height >= LEAST[0] && height - lowest >= RISE * height && high >= DOUBLE * height
+        if is_peak
+            && t >= SHORTEST
+            && height >= LEAST[0]
+            && height - lowest >= RISE * height
+            && high >= DOUBLE * height
         {
             found.push((t, height));
         }
@@ -145,7 +150,10 @@ fn peaks(correlation: &Correlation) -> Vec<Peak> {
                 continue;
             }
             let around = (-2..=2).flat_map(|v| (-2..=2).map(move |u| [u, v]));
-            if around.filter(|&d| d != [0, 0]).any(|[u, v]| correlation.at([x + u, y + v]).unwrap_or(0.0) > height) {
+            if around
+                .filter(|&d| d != [0, 0])
+                .any(|[u, v]| correlation.at([x + u, y + v]).unwrap_or(0.0) > height)
+            {
                 continue;
             }
             let Some((at, height)) = correlation.peak_near([f64::from(x), f64::from(y)], 1) else { continue };
@@ -171,7 +179,8 @@ fn has_double(correlation: &Correlation, peak: &Peak) -> bool {
     let radius = (0.06 * length(peak.at)).clamp(2.0, 8.0) as i32;
     let double = correlation.peak_near(peak.at.map(|c| 2.0 * c), radius);
     let between = correlation.between(peak.at.map(|c| 1.5 * c)).unwrap_or(1.0);
-    double.is_some_and(|(_, height)| height >= DOUBLE * peak.height && height - between >= 0.5 * RISE * height)
+    double
+        .is_some_and(|(_, height)| height >= DOUBLE * peak.height && height - between >= 0.5 * RISE * height)
 }
 
 /// Whether two peaks of nearly the same height, one of them high, are periods because their sum and their difference are

@@ -101,7 +101,8 @@ impl Lattice {
         let strain = |size: [f64; 2]| -> f64 {
             let fitted = fitted(size);
             let missed = |v: &[f64; 2]| {
-                let phase = fitted.iter().zip(&waves).map(|(f, w)| [f[0] - w[0], f[1] - w[1]]).map(|d| dot(d, *v));
+                let phase =
+                    fitted.iter().zip(&waves).map(|(f, w)| [f[0] - w[0], f[1] - w[1]]).map(|d| dot(d, *v));
                 libm::sqrt(self.residual_of(&phase.collect::<Vec<_>>())) / libm::sqrt(dot(*v, *v))
             };
             self.vectors.iter().map(missed).fold(0.0, f64::max)
@@ -114,9 +115,9 @@ impl Lattice {
         let fits = |w: f64, h: f64| w >= 1.0 && h >= 1.0 && strain([w, h]) <= MOST_STRETCH;
         let reach = |k: usize| if wrap[k] { (size[k] / 2.0) as i32 } else { 0 };
         let steps = |most: i32| (0..=most).flat_map(|d| [d, -d]);
-        let near = steps(reach(0)).map(f64::from).flat_map(|dx| {
-            steps(reach(1)).take(160).map(f64::from).map(move |dy| [dx, dy])
-        });
+        let near = steps(reach(0))
+            .map(f64::from)
+            .flat_map(|dx| steps(reach(1)).take(160).map(f64::from).map(move |dy| [dx, dy]));
         let nearest = near
             .take(200_000)
             .filter(|d| fits(size[0] + d[0], size[1] + d[1]))

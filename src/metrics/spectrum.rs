@@ -1,7 +1,7 @@
 //! Power spectra by frequency and direction, and repetition by autocorrelation.
 
-use crate::fourier::Spectrum;
 use super::plane::Plane;
+use crate::fourier::Spectrum;
 use rustfft::FftDirection;
 use std::f64::consts::PI;
 

@@ -20,7 +20,11 @@ const TOLERANCE: f64 = 0.4;
 /// Fewest pixels of an instance whose details are kept.
 const DETAILED: u32 = 60;
 /// Fewest pixels of a detail that is kept.
-const LEAST_DETAIL: usize = 3;
+const LEAST_DETAIL: u32 = 3;
+/// Largest distance of the colours of details that run on across a seam, in Oklab.
+const SAME_COLOUR: f32 = 0.045;
+/// Largest distance of the colours of parts that have one paint, in Oklab.
+const ONE_PAINT: f32 = 0.09;
 /// How far a detail reaches beneath those painted later, in pixels.
 const BENEATH: f64 = 0.6;
 /// Share of an instance from which on a part's paint is that of the whole.
@@ -42,41 +46,48 @@ pub(super) fn fused(
     let corner = [x0 - 2, y0 - 2];
     let size = [x1 - x0 + 4, y1 - y0 + 4];
     let mut labels = LabelMap::filled((size[0] * FINE) as u32, (size[1] * FINE) as u32, 0);
-    let to_map = Affine::scale(f64::from(FINE)) * Affine::translate((-f64::from(corner[0]), -f64::from(corner[1])));
+    let to_map =
+        Affine::scale(f64::from(FINE)) * Affine::translate((-f64::from(corner[0]), -f64::from(corner[1])));
     labels.fill(&on_map(&mask, corner), 1);
 
-    let parts: Vec<Placed<'_>> = instance.parts.iter().map(|part| Placed::new(part, at, libraries, model)).collect();
+    let parts: Vec<Placed<'_>> =
+        instance.parts.iter().map(|part| Placed::new(part, at, libraries, model)).collect();
     for placed in &parts {
         placed.refine(&mut labels, &mask, corner, to_map, |[x, y]| is_free([x + at[0], y + at[1]]));
     }
-    let mut details: Vec<(&Placed<'_>, &Shape)> = Vec::new();
-    if mask.area() >= DETAILED {
-        for placed in &parts {
-            let own = on_map(&placed.mask, corner);
+    let mut details = Details::default();
+    for (k, placed) in parts.iter().enumerate() {
+        let own = on_map(&placed.mask, corner);
+        // A part of another colour, such as the heart of a flower, keeps its own paint.
+        if k > 0 && apart(placed.primary.base(), parts[0].primary.base()) > ONE_PAINT {
+            let label = details.joined(placed, placed.primary.base());
+            fill(&mut labels, own.pixels(), label);
+        }
+        if mask.area() >= DETAILED {
             for detail in placed.primary.details() {
-                let Some(outline) = Outline::new(&(to_map * placed.to_place * detail.outline.path())) else { continue };
+                let Some(outline) = Outline::new(&(to_map * placed.to_place * detail.outline.path())) else {
+                    continue;
+                };
                 let b = outline.bounds();
                 let Some((ox0, oy0, ox1, oy1)) = own.bounds() else { continue };
-                let apart = b.x1 < f64::from(ox0) || b.x0 > f64::from(ox1) || b.y1 < f64::from(oy0) || b.y0 > f64::from(oy1);
+                let apart = b.x1 < f64::from(ox0)
+                    || b.x0 > f64::from(ox1)
+                    || b.y1 < f64::from(oy0)
+                    || b.y0 > f64::from(oy1);
                 if apart {
                     continue;
                 }
                 let inside = pixels::mask(&outline);
                 let shown: Vec<(i32, i32)> = both(&inside, &own);
-                if shown.len() < LEAST_DETAIL * (FINE * FINE) as usize {
+                if shown.is_empty() {
                     continue;
                 }
-                details.push((placed, detail));
-                let label = details.len() as u32 + 1;
-                for (x, y) in shown {
-                    let i = labels.index(x as u32, y as u32);
-                    if labels.labels[i] > 0 {
-                        labels.labels[i] = label;
-                    }
-                }
+                let label = details.joined(placed, detail);
+                fill(&mut labels, shown, label);
             }
         }
     }
+    let details = details.without_specks(&mut labels);
     let count = details.len() + 1;
     let planar = PlanarMap::trace(labels.width, labels.height, &labels.labels);
     let scale = Scale { tolerance: TOLERANCE, cells: f64::from(FINE) };
@@ -103,6 +114,45 @@ pub(super) fn fused(
         shapes: std::iter::once(base).chain(patches).collect(),
     };
     Some((element, mask))
+}
+
+/// The details of several parts.
+#[derive(Default)]
+struct Details<'a> {
+    list: Vec<(&'a Placed<'a>, &'a Shape)>,
+}
+
+impl<'a> Details<'a> {
+    /// The label of a detail: that of the detail of another part with nearly the same colour, so that it runs on
+    /// across the seam, or a new one.
+    fn joined(&mut self, part: &'a Placed<'a>, detail: &'a Shape) -> u32 {
+        let others = self.list.iter().enumerate().filter(|(_, known)| !std::ptr::eq(known.0, part));
+        let near = others.map(|(k, known)| (apart(known.1, detail), k)).filter(|(d, _)| *d <= SAME_COLOUR);
+        let known = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let index = known.map_or(self.list.len(), |(_, k)| k);
+        if index == self.list.len() {
+            self.list.push((part, detail));
+        }
+        index as u32 + 2
+    }
+
+    /// The details that are large enough, in the order of their labels, which are numbered anew from 2 on; the
+    /// cells of others become the base's.
+    fn without_specks(self, labels: &mut LabelMap) -> Vec<(&'a Placed<'a>, &'a Shape)> {
+        let areas = labels.areas();
+        let least = LEAST_DETAIL * (FINE * FINE) as u32;
+        let mut numbers = vec![0, 1];
+        let mut kept = Vec::new();
+        for (label, detail) in (2..).zip(self.list) {
+            let large = areas.get(label).is_some_and(|&area| area >= least);
+            if large {
+                kept.push(detail);
+            }
+            numbers.push(if large { kept.len() as u32 + 1 } else { 1 });
+        }
+        labels.labels.iter_mut().for_each(|label| *label = numbers[*label as usize]);
+        kept
+    }
 }
 
 /// A part with its primary, relative to the origin of the instance.
@@ -142,7 +192,9 @@ impl<'a> Placed<'a> {
         to_map: Affine,
         is_free: impl Fn([i32; 2]) -> bool,
     ) {
-        let Some(outline) = Outline::new(&(to_map * self.to_place * self.primary.outline().path())) else { return };
+        let Some(outline) = Outline::new(&(to_map * self.to_place * self.primary.outline().path())) else {
+            return;
+        };
         let inside = pixels::mask(&outline);
         let mut set = |[x, y]: [i32; 2], within: bool| {
             for v in 0..FINE {
@@ -166,6 +218,22 @@ impl<'a> Placed<'a> {
     }
 }
 
+/// Distance of the colours of two shapes, in Oklab.
+fn apart(a: &Shape, b: &Shape) -> f32 {
+    let [a, b] = [a, b].map(|shape| shape.colour.to_oklab());
+    libm::sqrtf((0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f32>())
+}
+
+/// Labels cells of the whole.
+fn fill(labels: &mut LabelMap, cells: impl IntoIterator<Item = (i32, i32)>, label: u32) {
+    for (x, y) in cells {
+        let i = labels.index(x as u32, y as u32);
+        if labels.labels[i] > 0 {
+            labels.labels[i] = label;
+        }
+    }
+}
+
 /// The pixels of a mask as cells of the map.
 fn on_map(mask: &Mask, corner: [i32; 2]) -> Mask {
     let at = |v: i32, k: usize| (v - corner[k]) * FINE;
@@ -184,9 +252,9 @@ fn base(parts: &[Placed<'_>], whole: &Mask, outline: Outline) -> Shape {
     let main = &parts[0];
     let shape = main.painted(main.primary.base(), outline);
     let area = |part: &Placed<'_>| f64::from(part.mask.area());
-    // Parts of one primary, or of one colour, have one paint.
     let colour = |part: &Placed<'_>| part.primary.base().colour;
-    let other = parts.iter().skip(1).find(|part| colour(part) != colour(main));
+    let near = |part: &&Placed<'_>| apart(part.primary.base(), main.primary.base()) <= ONE_PAINT;
+    let other = parts.iter().skip(1).filter(near).find(|part| colour(part) != colour(main));
     let Some(other) = other.filter(|_| area(main) < DOMINANT * f64::from(whole.area())) else { return shape };
     let middle = |part: &Placed<'_>| part.mask.centroid().map_or([0.0; 2], |(x, y)| [x, y]);
     let (from, to) = (middle(main), middle(other));

@@ -109,7 +109,10 @@ pub(super) fn find(
     }
     let (of, count) = sets.indices();
     let mut members: Vec<Vec<usize>> = vec![Vec::new(); count];
-    of.iter().enumerate().filter(|(run, _)| !vanished[*run]).for_each(|(run, &k)| members[k as usize].push(run));
+    of.iter()
+        .enumerate()
+        .filter(|(run, _)| !vanished[*run])
+        .for_each(|(run, &k)| members[k as usize].push(run));
     members.retain(|list| !list.is_empty());
     parallel::map(&members, |list| runs.instance(list, SAME_PLACE * correspondence.pages.cell, known))
 }
@@ -231,7 +234,9 @@ impl Runs<'_> {
             let neighbours = || beside.range((root, 0)..(root + 1, 0)).map(|(&(_, q), &length)| (length, q));
             let all: u32 = neighbours().map(|n| n.0).sum();
             if f64::from(all) > ENCLOSED * f64::from(rim[root]) {
-                if let Some((_, best)) = neighbours().max_by_key(|&(length, q)| (length, std::cmp::Reverse(q))) {
+                if let Some((_, best)) =
+                    neighbours().max_by_key(|&(length, q)| (length, std::cmp::Reverse(q)))
+                {
                     sets.join(root, best);
                     changed = true;
                 }
@@ -240,7 +245,11 @@ impl Runs<'_> {
                 changed = true;
             }
         }
-        roots.iter().zip(vanished).filter(|(root, _)| gone[**root]).for_each(|(_, vanished)| *vanished = true);
+        roots
+            .iter()
+            .zip(vanished)
+            .filter(|(root, _)| gone[**root])
+            .for_each(|(_, vanished)| *vanished = true);
         changed
     }
 

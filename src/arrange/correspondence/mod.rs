@@ -10,6 +10,7 @@ mod cover;
 mod fused;
 mod instances;
 mod lead;
+mod likeness;
 mod pages;
 mod resolve;
 mod secondaries;
@@ -27,12 +28,12 @@ use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::raster::picture::label_colour;
 use crate::raster::{LabelMap, Mask};
-use crate::scene::{Edge, LatticeChoice, SynthParams};
 use crate::sampling::stream;
+use crate::scene::{Edge, LatticeChoice, SynthParams};
 use alike::Alike;
+use cover::Cover;
 use image::{Rgb, RgbImage};
 use lead::Lead;
-use cover::Cover;
 use pages::Pages;
 use resolve::{Outcome, Resolver};
 pub(crate) use secondaries::Arrived;
@@ -142,8 +143,7 @@ impl Correspondence {
         let instances = instances::find(self, model, grid, &strata);
         step(1)?;
         let alike = Alike::new(libraries, model);
-        let known = self.known(grid);
-        let resolver = Resolver::new(libraries, &self.pages.labels, model, grid, &alike, known, &instances);
+        let resolver = Resolver::new(self, libraries, model, grid, (&alike, &strata), &instances);
         let allowed = |mask: &Mask, at: [i32; 2]| {
             let middle = mask.centroid().map_or(at, |(x, y)| [at[0] + x as i32, at[1] + y as i32]);
             stands(grid, region, mask, at, middle)
@@ -152,27 +152,31 @@ impl Correspondence {
         let outcomes = parallel::map(&instances, |instance| resolver.resolve(instance, allowed));
         step(3)?;
         let mut cover = Cover::new(grid, &instances);
-        let mut structure = Structure { islands: Islands::new(&self.field).sizes.len(), ..Structure::default() };
+        let mut structure =
+            Structure { islands: Islands::new(&self.field).sizes.len(), ..Structure::default() };
         let mut elements = Vec::with_capacity(instances.len());
         for (instance, outcome) in instances.iter().zip(outcomes) {
-            let (variant, at) = match outcome {
-                Outcome::Whole(variant, at) => {
-                    structure.whole += 1;
-                    (variant, at)
+            let standing = match outcome {
+                Outcome::Whole(standing) => {
+                    structure.whole += standing.len();
+                    standing
                 }
                 Outcome::Like(variant, at) => {
                     structure.like += 1;
-                    (variant, at)
+                    vec![(variant, at)]
                 }
                 Outcome::Fused(element, mask) => {
+                    let (variant, at) = (instance.main().variant, instance.main().at);
                     structure.fused += 1;
-                    structure.fused_share += cover.share(&mask, instance.main().at);
-                    (model.add_fused(instance.main().variant, mask, *element), instance.main().at)
+                    structure.fused_share += cover.share(&mask, at);
+                    vec![(model.add_fused(variant, mask, *element), at)]
                 }
-                Outcome::Nothing => continue,
+                Outcome::Nothing => Vec::new(),
             };
-            cover.take(&model.shape(variant).mask, at);
-            elements.push((variant, self.on_lattice(model, grid, variant, at)));
+            for (variant, at) in standing {
+                cover.take(&model.shape(variant).mask, at);
+                elements.push((variant, self.on_lattice(model, grid, variant, at)));
+            }
         }
         (structure.wanted, structure.empty, structure.unwanted) = cover.shares();
         if self.lattices.iter().any(Option::is_some) && model.variations.len() > 1 {

@@ -153,7 +153,8 @@ impl Sheet {
             if self.wrap { d - period * libm::round(d / period) } else { d }
         });
         let variation = &model.variations[usize::from(self.variation)];
-        let shown = if variation.is_none() { from } else { variation.of_point(from).map(|c| c / variation.scale) };
+        let shown =
+            if variation.is_none() { from } else { variation.of_point(from).map(|c| c / variation.scale) };
         shown.map(|c| PLACE_WEIGHT * (c / middle.radius).clamp(-MOST_RADII, MOST_RADII) as f32)
     }
 

@@ -1,8 +1,10 @@
 //! What each instance becomes: an element whole, another like it, or a fused one.
 
+use super::Correspondence;
 use super::alike::Alike;
 use super::fused::fused;
 use super::instances::Instance;
+use super::likeness::{Colours, Likeness, Look};
 use crate::arrange::grid::Grid;
 use crate::arrange::model::{Model, PlaceableId, VariantId};
 use crate::library::{Library, SourceKind};
@@ -27,10 +29,21 @@ const PRIMARIES: [f64; 2] = [0.45, 0.6];
 /// or if secondaries cover such a share of its background, so that bare background is seen at once.
 const TILED: [f64; 2] = [0.4, 0.6];
 
-/// An element in place of an instance.
+/// From here on an exemplar counts as packed: what is fused may look like nothing in it.
+const PACKED: f64 = 0.65;
+/// Fewest pixels of an instance that has to look like an element.
+const LOOKED_AT: u32 = 60;
+/// Least share of an element that has come, where several stand in place of one instance,
+const CAME: f64 = 0.5;
+/// and most of it that may lie on those that stand there already.
+const ON_OTHERS: f64 = 0.35;
+/// Least overlap over union of an instance and an element that looks like it.
+const LOOKS_LIKE: f64 = 0.4;
+
+/// What stands in place of an instance.
 pub(super) enum Outcome {
-    /// The element that most of it comes from.
-    Whole(VariantId, [i32; 2]),
+    /// Elements that it comes from.
+    Whole(Vec<(VariantId, [i32; 2])>),
     /// Another of the same kind.
     Like(VariantId, [i32; 2]),
     /// A new one, relative to the origin of the instance's main part, with its pixels.
@@ -45,6 +58,9 @@ pub(super) struct Resolver<'a> {
     model: &'a Model,
     grid: &'a Grid,
     alike: &'a Alike,
+    likeness: Likeness,
+    colours: Vec<Option<Colours<'a>>>,
+    field: &'a Correspondence,
     /// How packed each exemplar is, 0 to 1.
     packings: Vec<f64>,
     /// The part of the map that the field knows.
@@ -54,29 +70,30 @@ pub(super) struct Resolver<'a> {
 }
 
 impl<'a> Resolver<'a> {
+    /// `strata` holds the stratum of each element of the model.
     pub(super) fn new(
+        field: &'a Correspondence,
         libraries: &'a [Library],
-        labels: &[LabelMap],
         model: &'a Model,
         grid: &'a Grid,
-        alike: &'a Alike,
-        known: [[i32; 2]; 2],
+        (alike, strata): (&'a Alike, &[u8]),
         instances: &[Instance],
     ) -> Self {
-        let packings = libraries.iter().zip(labels).map(|(library, labels)| packing(library, labels)).collect();
+        let labels = &field.pages.labels;
+        let packings =
+            libraries.iter().zip(labels).map(|(library, labels)| packing(library, labels)).collect();
         let mut wanted = vec![false; grid.len()];
         for span in instances.iter().flat_map(|i| i.mask.spans()) {
             grid.cells(*span, [0, 0]).for_each(|cells| wanted[cells].fill(true));
         }
-        Self { libraries, model, grid, alike, packings, known, wanted }
+        let likeness = Likeness::new(libraries, labels, model, strata);
+        let colours = libraries.iter().map(Colours::new).collect();
+        let known = field.known(grid);
+        Self { libraries, model, grid, alike, likeness, colours, field, packings, known, wanted }
     }
 
     /// What an instance becomes. `allowed` says where a variant may stand at all.
-    pub(super) fn resolve(
-        &self,
-        instance: &Instance,
-        allowed: impl Fn(&Mask, [i32; 2]) -> bool,
-    ) -> Outcome {
+    pub(super) fn resolve(&self, instance: &Instance, allowed: impl Fn(&Mask, [i32; 2]) -> bool) -> Outcome {
         let main = instance.main();
         let element = self.model.element(main.variant);
         let between = |[loose, packed]: [f64; 2]| loose + self.packings[element.library] * (packed - loose);
@@ -84,7 +101,7 @@ impl<'a> Resolver<'a> {
         let mask = &self.model.shape(main.variant).mask;
         let (union, covered) = self.fit(instance, mask, main.at);
         if !clipped && union >= between(WHOLE) && covered >= between(COVERED) && allowed(mask, main.at) {
-            return Outcome::Whole(main.variant, main.at);
+            return Outcome::Whole(vec![(main.variant, main.at)]);
         }
         if !instance.cut
             && let Some((variant, at)) = self.like(instance)
@@ -94,13 +111,67 @@ impl<'a> Resolver<'a> {
         }
         // Half a motif would be seen at once.
         if self.libraries[element.library].source.kind == SourceKind::Drawing {
-            return if clipped { Outcome::Nothing } else { Outcome::Whole(main.variant, main.at) };
+            return if clipped { Outcome::Nothing } else { Outcome::Whole(vec![(main.variant, main.at)]) };
+        }
+        if self.packings[element.library] < PACKED
+            && !instance.cut
+            && instance.mask.area() >= LOOKED_AT
+            && let Some(outcome) = self.unlike(instance, &allowed)
+        {
+            return outcome;
         }
         let is_free = |at: [i32; 2]| self.grid.cell(at).is_none_or(|i| !self.wanted[i]);
         match fused(instance, self.libraries, self.model, is_free) {
             Some((element, mask)) if allowed(&mask, main.at) => Outcome::Fused(Box::new(element), mask),
             _ => Outcome::Nothing,
         }
+    }
+
+    /// What stands in place of an instance that looks like no element: those of its parts of which enough has
+    /// come, or the element that it looks like most, or nothing. `None` if it looks like one.
+    fn unlike(&self, instance: &Instance, allowed: impl Fn(&Mask, [i32; 2]) -> bool) -> Option<Outcome> {
+        let main = instance.main();
+        let (x, y) = instance.mask.centroid()?;
+        let variation = self.model.variation(main.variant);
+        let colour = |at: [i32; 2]| instance.mask.contains(at[0], at[1]).then(|| self.colour(at)).flatten();
+        let look = Look::new([x, y], f64::from(instance.mask.area()), |way| variation.of_point(way), colour);
+        let nearest = self.likeness.nearest(self.model.element_of(main.variant), &look);
+        if nearest.is_some_and(|(_, alike)| alike) {
+            return None;
+        }
+        let mut standing: Vec<(VariantId, [i32; 2])> = Vec::new();
+        let mut taken = Mask::default();
+        for part in &instance.parts {
+            let mask = &self.model.shape(part.variant).mask;
+            let area = f64::from(mask.area());
+            let there = mask.shifted(part.at[0], part.at[1]);
+            let fits = f64::from(instance.mask.overlap(&there)) >= LOOKS_LIKE.max(CAME) * area
+                && f64::from(part.mask.area()) >= LIKE * CAME * area
+                && f64::from(taken.overlap(&there)) <= ON_OTHERS * area;
+            if fits && !self.model.element(part.variant).clipped && allowed(mask, part.at) {
+                taken = Mask::from_spans(taken.spans().iter().chain(there.spans()).copied().collect());
+                standing.push((part.variant, part.at));
+            }
+        }
+        if !standing.is_empty() {
+            return Some(Outcome::Whole(standing));
+        }
+        let at = [x, y].map(|v| libm::round(v) as i32);
+        let other = nearest.map(|(id, _)| self.model.varied(id, main.variant));
+        let fits = |variant: &VariantId| {
+            let mask = &self.model.shape(*variant).mask;
+            self.fit(instance, mask, at).0 >= LOOKS_LIKE && allowed(mask, at)
+        };
+        Some(other.filter(fits).map_or(Outcome::Nothing, |variant| Outcome::Like(variant, at)))
+    }
+
+    /// The colour that the field brings to a pixel of the map.
+    fn colour(&self, at: [i32; 2]) -> Option<[f32; 3]> {
+        let at = self.grid.canonical(at);
+        let (page, there) = self.field.source([0, 1].map(|k| at[k] - self.grid.margin[k]));
+        let sheet = &self.field.pages.sheets[page];
+        let place = sheet.exemplar(self.model, there)?;
+        self.colours[sheet.library].as_ref().map(|colours| colours.at(place))
     }
 
     /// Overlap over union of an instance and a mask at a place, and the share of the instance that it covers.
