@@ -109,6 +109,10 @@ fn hint(error: &Error) -> Option<String> {
         Error::Control { role: "a library of the scene", .. } => {
             "give the libraries that the scene was made from: scene.exemplars names them"
         }
+        Error::Periods { nearest: Some([w, h]), .. } => {
+            return Some(format!("give size=({w}, {h}), or lattice='off', which fits any size"));
+        }
+        Error::Periods { .. } => "give a larger size, or lattice='off', which fits any",
         Error::Sizes { .. } => "make both of the same size, or stretch one by vtex.warp",
         Error::MaxBytes { smallest, .. } => {
             return Some(format!("give max_bytes={smallest} or more, or make the texture smaller"));

@@ -260,7 +260,9 @@ impl Model {
 
     /// The order in which variants are painted: the larger, and fused ones before all.
     pub(crate) fn depth(&self, variant: VariantId) -> u32 {
-        if self.element(variant).fused.is_some() { u32::MAX } else { self.shape(variant).area }
+        const BENEATH: u32 = 1 << 31;
+        let area = self.shape(variant).area;
+        if self.element(variant).fused.is_some() { BENEATH.saturating_add(area) } else { area }
     }
 
     /// The element of a variant.

@@ -70,6 +70,10 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         Error::Parameter { name: "size", value, .. } if value.contains("the drawing repeats") => {
             "give another --size, or --method descriptor, which fits any"
         }
+        Error::Periods { nearest: Some([w, h]), .. } => {
+            return Some(format!("give --size {w}x{h}, or --lattice off, which fits any size"));
+        }
+        Error::Periods { .. } => "give a larger --size, or --lattice off, which fits any",
         Error::Sizes { .. } => "make both with the same --size, or stretch one with 'vtex warp --stretch'",
         Error::Seams => "make the texture with --tile, for both axes",
         Error::MaxBytes { smallest, .. } => {

@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use vtex::Progress;
-use vtex::library::Library;
+use vtex::library::{Lattice, Library};
 use vtex::output::reduce::GivenUp;
 use vtex::raster::colour::Colour;
 use vtex::scene::{Method, Role, Scene};
@@ -46,6 +46,9 @@ pub(crate) struct Summary {
     /// The layers of a map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) layers: Option<LayersReport>,
+    /// The rows or the lattice of a library.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) lattice: Option<Lattice>,
     /// How primaries were placed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) method: Option<Method>,
@@ -95,6 +98,7 @@ impl Summary {
             counts: None,
             coverage: None,
             layers: None,
+            lattice: None,
             method: None,
             structure: None,
             overlap: None,
@@ -322,6 +326,9 @@ impl Summary {
         if let Some(layers) = &self.layers {
             say(&layers.in_words());
         }
+        if let Some(lattice) = &self.lattice {
+            say(&regular(lattice));
+        }
         if let Some(given_up) = &self.given_up {
             say(&format!("given up to make it as small: {}", missing(given_up)));
         }
@@ -358,6 +365,18 @@ fn missing(given_up: &GivenUp) -> String {
         line.push_str(&format!(", {details} details and {elements} small elements are left out"));
     }
     line
+}
+
+/// A lattice, in a line.
+pub(crate) fn regular(lattice: &Lattice) -> String {
+    let vectors: Vec<String> = lattice.vectors.iter().map(|[x, y]| format!("({x:.1}, {y:.1})")).collect();
+    let kind = if vectors.len() == 1 { "rows" } else { "lattice" };
+    format!(
+        "{kind} of {} px, strength {:.2}, stray {:.1} px",
+        vectors.join(" and "),
+        lattice.strength,
+        lattice.stray
+    )
 }
 
 /// Counts of a field of correspondences, in a line.

@@ -1,9 +1,11 @@
 //! All pages of one level in one array, so that a source is a single index.
 
-use super::{CHANNELS, COARSEST, MOST_COMPARED, MOST_LEVELS, PATCH, Page, Periods, REACH, Source, UNIT};
+use super::{
+    CHANNELS, COARSEST, LANES, MOST_COMPARED, MOST_LEVELS, PATCH, Page, Periods, REACH, Source, UNIT,
+};
 
 /// Features in a row of a patch.
-pub(super) const ROW: usize = PATCH * CHANNELS;
+pub(super) const ROW: usize = PATCH * LANES;
 
 /// The pages of one level, one below the other, each with a frame of [`REACH`] mirrored cells.
 pub(super) struct Atlas {
@@ -111,7 +113,7 @@ impl Atlas {
         let any_periods = levels.iter().any(|l| l.periods.is_some());
         let mut atlas = Self {
             stride,
-            features: vec![0; stride * rows * CHANNELS],
+            features: vec![0; stride * rows * LANES],
             inside: vec![false; stride * rows],
             groups: levels.first().and_then(|l| l.groups.as_ref()).map(|_| vec![0; stride * rows]),
             pages: Vec::new(),
@@ -128,7 +130,7 @@ impl Atlas {
             for y in 0..h + 2 * REACH {
                 for x in 0..w + 2 * REACH {
                     let (px, py) = (mirrored(x, w), mirrored(y, h));
-                    let to = ((top + y) * stride + x) * CHANNELS;
+                    let to = ((top + y) * stride + x) * LANES;
                     for c in 0..CHANNELS {
                         atlas.features[to + c] = stored(level.features[py * w + px][c]);
                     }
@@ -244,13 +246,13 @@ impl Atlas {
     /// Index of the first feature of the patch around a cell.
     #[inline]
     pub(super) fn patch(&self, cell: u32) -> usize {
-        (cell as usize - REACH * self.stride - REACH) * CHANNELS
+        (cell as usize - REACH * self.stride - REACH) * LANES
     }
 
     /// The features of a cell.
     #[inline]
     pub(super) fn of(&self, cell: u32) -> &[i16] {
-        &self.features[cell as usize * CHANNELS..][..CHANNELS]
+        &self.features[cell as usize * LANES..][..CHANNELS]
     }
 }
 

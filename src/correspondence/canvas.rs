@@ -1,7 +1,7 @@
 //! A canvas on one level: the source of each cell, and its features.
 
 use super::atlas::Atlas;
-use super::{CHANNELS, REACH};
+use super::{CHANNELS, LANES, REACH};
 use crate::sampling::Stream;
 
 /// A canvas on one level.
@@ -65,7 +65,7 @@ impl Canvas {
             coherence: 0.0,
             sources: vec![0; cells],
             costs: vec![1; cells],
-            values: vec![0; framed * CHANNELS],
+            values: vec![0; framed * LANES],
         }
     }
 
@@ -176,19 +176,19 @@ impl Canvas {
 
     /// Length of a row of values.
     pub(super) fn value_row(&self) -> usize {
-        (self.size[0] + 2 * REACH) * CHANNELS
+        (self.size[0] + 2 * REACH) * LANES
     }
 
     /// Index of the first value of a cell.
     #[inline]
     pub(super) fn value_at(&self, x: usize, y: usize) -> usize {
-        (y + REACH) * self.value_row() + (x + REACH) * CHANNELS
+        (y + REACH) * self.value_row() + (x + REACH) * LANES
     }
 
     /// Index of the first value of the patch around a cell.
     #[inline]
     pub(super) fn patch(&self, x: usize, y: usize) -> usize {
-        y * self.value_row() + x * CHANNELS
+        y * self.value_row() + x * LANES
     }
 
     /// Fills the frame with the opposite side where the canvas repeats, else with its border.

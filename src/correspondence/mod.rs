@@ -36,6 +36,8 @@ pub(crate) use periods::Periods;
 
 /// Features of a cell: three of colour, one of what covers it, two of its place within that.
 pub(crate) const CHANNELS: usize = 6;
+/// Stored values of a cell: its features and zeros, so that rows of a patch fill whole vectors.
+const LANES: usize = 8;
 /// Side of the neighbourhoods that are compared, in cells.
 const PATCH: usize = 5;
 /// Radius of a neighbourhood, in cells.

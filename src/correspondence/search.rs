@@ -4,7 +4,7 @@ use super::atlas::{Atlas, distance};
 use super::canvas::Canvas;
 use super::copies::Copies;
 use super::similar::Similar;
-use super::{ALONE, CHANNELS, COPY, OCCURRENCE, PATCH, REACH, UNIT, Watch};
+use super::{ALONE, CHANNELS, COPY, LANES, OCCURRENCE, PATCH, REACH, UNIT, Watch};
 use crate::parallel;
 
 /// Offsets to the cells around a cell.
@@ -342,7 +342,7 @@ impl<'a> Best<'a> {
             return;
         }
         let there = &self.atlas.features[self.atlas.patch(source)..];
-        let row = self.atlas.stride * CHANNELS;
+        let row = self.atlas.stride * LANES;
         let distance = distance(self.values, self.row, there, row, limit);
         if distance >= limit {
             return;

@@ -1,7 +1,7 @@
 //! Exemplar cells with similar neighbourhoods.
 
 use super::atlas::{Atlas, distance};
-use super::{CHANNELS, PATCH, Watch};
+use super::{LANES, PATCH, Watch};
 use crate::parallel;
 
 /// Similar cells kept for each cell.
@@ -48,7 +48,7 @@ impl Similar {
         candidates: impl Fn(u32) -> I + Sync,
     ) -> Self {
         let mut cells = vec![[NONE; KEPT]; atlas.inside.len()];
-        let row = atlas.stride * CHANNELS;
+        let row = atlas.stride * LANES;
         parallel::for_chunks(&mut cells, atlas.stride, |y, cells| {
             if !watch.goes_on(0) {
                 return;

@@ -22,7 +22,7 @@ fn clouds(size: [usize; 2], seed: u64) -> Page {
             })
             .sum();
         let light = (1.6 * cloud + random.range(-0.3, 0.3)) as f32;
-        [light, 0.3 * light, 0.0, if light > 0.5 { 0.6 } else { -0.6 }]
+        [light, 0.3 * light, 0.0, if light > 0.5 { 0.6 } else { -0.6 }, 0.0, 0.0]
     };
     let features = (0..size[1])
         .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
@@ -166,4 +166,54 @@ fn it_can_be_stopped() {
     let pages = [clouds([64, 64], 2)];
     let stopped = find(&request(&pages, [50, 50], [false; 2], 1), &crate::progress::Stop);
     assert!(matches!(stopped, Err(crate::Error::Interrupted)));
+}
+
+#[test]
+fn offsets_keep_to_periods() {
+    // A page of stripes 9 cells apart, on uneven ground.
+    let stripes = |seed: u64| {
+        let mut page = clouds([120, 100], seed);
+        for (i, feature) in page.features.iter_mut().enumerate() {
+            feature[2] = if (i / 120) % 9 < 2 { 2.0 } else { 0.0 };
+        }
+        page
+    };
+    let waves = [[0.0, 1.0 / 9.0], [0.0; 2]];
+    let periods = Periods { vectors: [[0.0, 9.0], [0.0; 2]], page: waves, canvas: waves, tolerance: 0.0 };
+    let off = |page: Page| {
+        let pages = [page];
+        let field = find(&request(&pages, [130, 110], [false; 2], 4), &()).unwrap();
+        let misses = |(i, s): (usize, &Source)| {
+            let d = (i32::from(s.at[1]) - (i / 130) as i32).rem_euclid(9);
+            d.min(9 - d) > 1
+        };
+        field.sources.iter().enumerate().filter(|&p| misses(p)).count() as f64 / field.sources.len() as f64
+    };
+    let bound = Page { periods: Some(periods), ..stripes(4) };
+    assert!(off(bound) < 0.01);
+}
+
+#[test]
+fn places_come_back_less_near_themselves() {
+    // Even ground: any place would do.
+    let mut page = clouds([160, 140], 9);
+    let mut random = stream(9, "correspondence test", 1);
+    page.features.iter_mut().for_each(|f| *f = [random.range(-1.0, 1.0) as f32, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let pages = [page];
+    let field = find(&request(&pages, [140, 120], [false; 2], 2), &()).unwrap();
+    // Pairs of cells of one source, or one beside it, 4 to 20 cells apart in a row.
+    let [w, h] = field.size;
+    let mut pairs = 0;
+    for y in 0..h {
+        for x in 0..w - 20 {
+            let own = field.sources[y * w + x].at;
+            let near = |d: usize| {
+                let other = field.sources[y * w + x + d].at;
+                own[0].abs_diff(other[0]) <= 1 && own[1].abs_diff(other[1]) <= 1
+            };
+            pairs += usize::from((4..20).any(near));
+        }
+    }
+    let share = pairs as f64 / (w * h) as f64;
+    assert!(share < 0.05, "{share}");
 }

@@ -2,7 +2,7 @@
 
 use super::atlas::Atlas;
 use super::canvas::Canvas;
-use super::{CHANNELS, PATCH, REACH, Watch};
+use super::{CHANNELS, LANES, PATCH, REACH, Watch};
 use crate::parallel;
 
 /// Bins of a histogram.
@@ -47,7 +47,7 @@ impl Canvas {
                     (0..CHANNELS).for_each(|c| sum[c] += weight * f32::from(of[c]));
                     weights += weight;
                 }
-                let to = (x + REACH) * CHANNELS;
+                let to = (x + REACH) * LANES;
                 let own = atlas.of(this.sources[y * width + x]);
                 for c in 0..CHANNELS {
                     values[to + c] =

@@ -6,8 +6,8 @@
 
 use super::correlation::Correlation;
 use super::{LEAST_SINE, Lattice, cross, dot};
+use crate::raster::{Filter, resized};
 use image::RgbImage;
-use image::imageops::FilterType;
 
 /// Longest side at which pictures are correlated, in pixels.
 const SIDE: u32 = 400;
@@ -53,20 +53,18 @@ pub(crate) fn find(picture: &RgbImage, repeated: bool) -> Option<Lattice> {
         return None;
     }
     let factor = (f64::from(longest) / f64::from(SIDE)).max(1.0);
-    let size = [width, height].map(|v| (f64::from(v) / factor).round().max(1.0) as u32);
-    let reduced = if factor > 1.0 {
-        image::imageops::resize(picture, size[0], size[1], FilterType::Triangle)
-    } else {
-        picture.clone()
-    };
+    let size = [width, height].map(|v| libm::round(f64::from(v) / factor).max(1.0) as u32);
+    let reduced =
+        if factor > 1.0 { resized(picture, size[0], size[1], Filter::Triangle) } else { picture.clone() };
     let scale = [f64::from(width) / f64::from(size[0]), f64::from(height) / f64::from(size[1])];
     let correlation = Correlation::new(&reduced);
     let found = lattice(&correlation)?;
-    let round = |v: f64, unit: f64| libm::round(v / unit) * unit;
+    // Hundredths are exact enough, and hide how the last digits of a transform fall.
+    let round = |v: f64| libm::round(v * 100.0) / 100.0 + 0.0;
     Some(Lattice {
-        vectors: found.vectors.iter().map(|v| [0, 1].map(|k| round(v[k] * scale[k], 0.01))).collect(),
-        strength: round(found.strength.clamp(0.0, 1.0), 0.01),
-        stray: round(found.stray * scale[0].max(scale[1]), 0.01),
+        vectors: found.vectors.iter().map(|v| [0, 1].map(|k| round(v[k] * scale[k]))).collect(),
+        strength: round(found.strength.clamp(0.0, 1.0)),
+        stray: round(found.stray * scale[0].max(scale[1])),
     })
 }
 
@@ -76,11 +74,6 @@ fn lattice(correlation: &Correlation) -> Option<Lattice> {
         Some(axis) => vec![across(correlation, axis)?],
         None => {
             let peaks = peaks(correlation);
-            if std::env::var("VTEX_PEAKS").is_ok() {
-                for p in &peaks {
-                    eprintln!("{:?} {:.2} {}", p.at, p.height, has_double(correlation, p));
-                }
-            }
             let recurs =
                 |p: &Peak| has_double(correlation, p) || peaks.iter().any(|q| has_sum(correlation, p, q));
             let first = shortest(&peaks, |p| p.height >= LEAST[0] && recurs(p))?;

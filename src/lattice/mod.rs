@@ -5,6 +5,8 @@
 
 mod correlation;
 mod find;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use find::find;
 

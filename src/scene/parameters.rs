@@ -1,11 +1,13 @@
 //! Parameters of synthesis, as stored in the scene.
 
 use super::{Edge, Tile};
-use crate::error::{Result, check};
+use crate::error::check;
 use crate::lattice::Lattice;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
 
 /// Parameters of synthesis. Lengths in pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,15 +46,15 @@ pub struct SynthParams {
     /// repeats the exemplar exactly. 0 to 1. Default: 0 for a regular exemplar, 1 for another.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variation: Option<f64>,
-    /// What a texture's rows or lattice keep to, for [`Method::Correspondence`]. Default `auto`.
-    #[serde(skip_serializing_if = "LatticeChoice::is_auto")]
+    /// The rows or the lattice that the texture keeps to, for [`Method::Correspondence`]: `auto`, `off`, or one
+    /// or two vectors in pixels of the exemplar, such as `80,0,40,60`. Default `auto`.
     pub lattice: LatticeChoice,
 }
 
-/// The lattice that placement by correspondences keeps to.
+/// The lattice that placement by correspondences keeps to. As text `auto`, `off`, or two or four numbers with
+/// commas.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "kebab-case")]
+#[serde(try_from = "String", into = "String")]
 pub enum LatticeChoice {
     /// That of each library, if analysis found one.
     #[default]
@@ -63,9 +65,61 @@ pub enum LatticeChoice {
     Vectors(Vec<[f64; 2]>),
 }
 
-impl LatticeChoice {
-    fn is_auto(&self) -> bool {
-        *self == Self::Auto
+#[cfg(feature = "schema")]
+impl JsonSchema for LatticeChoice {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "LatticeChoice".into()
+    }
+
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        String::json_schema(generator)
+    }
+}
+
+impl fmt::Display for LatticeChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Off => f.write_str("off"),
+            Self::Vectors(vectors) => {
+                let numbers: Vec<String> = vectors.iter().flatten().map(f64::to_string).collect();
+                f.write_str(&numbers.join(","))
+            }
+        }
+    }
+}
+
+impl From<LatticeChoice> for String {
+    fn from(choice: LatticeChoice) -> Self {
+        choice.to_string()
+    }
+}
+
+impl TryFrom<String> for LatticeChoice {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl FromStr for LatticeChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => return Ok(Self::Auto),
+            "off" => return Ok(Self::Off),
+            _ => {}
+        }
+        const EXPECTED: &str = "expected auto, off, or one or two vectors in pixels: 80,0 or 80,0,40,60";
+        let number = |part: &str| part.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        let numbers: Vec<f64> = text.split(',').map(number).collect::<Option<_>>().ok_or(EXPECTED)?;
+        let (vectors, []) = numbers.as_chunks::<2>() else { return Err(EXPECTED.into()) };
+        match Lattice::new(vectors) {
+            Ok(_) => Ok(Self::Vectors(vectors.to_vec())),
+            Err(_) => Err("expected one or two vectors of at least 4 px, in different directions".into()),
+        }
     }
 }
 
@@ -186,7 +240,7 @@ impl SynthParams {
     ///
     /// # Errors
     /// [`crate::Error::Parameter`] naming the first parameter out of range.
-    pub fn validate(&self) -> Result<()> {
+    pub fn validate(&self) -> crate::Result<()> {
         let side = |v: u32| (1..=Self::LARGEST_SIDE).contains(&v);
         let size = || format!("{}x{}", self.width, self.height);
         check(side(self.width) && side(self.height), "size", size(), "1 to 100000 px on each side")?;

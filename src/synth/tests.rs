@@ -274,7 +274,7 @@ mod carried {
     use crate::geometry::{Outline, parse_path};
     use crate::library::testing::guided;
     use crate::raster::ControlMap;
-    use crate::scene::{Edge, Method};
+    use crate::scene::{Edge, Instance, LatticeChoice, Method};
 
     /// Stones in the left half of an exemplar, few in the right one.
     fn uneven() -> Library {
@@ -336,11 +336,13 @@ mod carried {
             );
             let structure = report.structure.unwrap();
             assert!((structure.wanted - report.coverage).abs() < 0.04, "{structure:?} {}", report.coverage);
-            assert!(structure.whole > structure.completed, "{structure:?}");
-            // Fragments are parts: none is larger than its whole.
+            assert!(structure.whole > structure.fused, "{structure:?}");
+            assert!(structure.empty < 0.03 && structure.unwanted < 0.05, "{structure:?}");
+            // What is fused is no larger than an element.
+            let areas = library.primaries().iter().map(|p| p.outline().area());
+            let largest = areas.fold(0.0, f64::max);
             for t in scene.elements.iter().filter(|t| t.fused) {
-                let whole = library.primaries()[t.source.unwrap().index()].outline().area();
-                assert!(t.outline().area() < 1.3 * whole + 8.0, "{} {whole}", t.outline().area());
+                assert!(t.outline().area() < 1.3 * largest + 8.0, "{} {largest}", t.outline().area());
             }
         }
     }
@@ -371,6 +373,62 @@ mod carried {
         };
         let (carried, drawn) = (kept(Method::Correspondence), kept(Method::Descriptor));
         assert!(carried > 0.12 && carried > 5.0 * drawn, "{carried} {drawn}");
+    }
+
+    /// Bricks of 24 x 14 px in courses, half a brick further in each second.
+    fn bricks() -> Library {
+        let mut map = LabelMap::filled(240, 200, 0);
+        let mut label = 0;
+        for row in 0..10u32 {
+            for column in 0..9u32 {
+                label += 1;
+                let shift = 15 * (row % 2);
+                let x0 = (30 * column + 3).saturating_sub(shift);
+                for y in 20 * row + 3..20 * row + 17 {
+                    (x0..(30 * column + 27 - shift).min(240)).for_each(|x| map.set(x, y, label));
+                }
+            }
+        }
+        let mut library = guided(&map);
+        library.lattice = Some(crate::library::Lattice::new(&[[30.0, 0.0], [15.0, 20.0]]).unwrap());
+        library
+    }
+
+    /// Share of the whole elements of a scene whose way from their place in the exemplar is a vector of bricks.
+    fn in_bond(library: &Library, scene: &Scene) -> f64 {
+        let whole = || scene.primary().iter().filter(|i| !scene.element(i).fused);
+        let kept = |i: &&Instance| {
+            let origin =
+                library.primaries()[scene.element(i).source.unwrap().index()].centroid.map(libm::round);
+            let [dx, dy] = [i.transform[4] - origin[0], i.transform[5] - origin[1]];
+            let course = libm::round(dy / 20.0);
+            let off = (dx - 15.0 * course) / 30.0;
+            (dy - 20.0 * course).abs() <= 1.0 && 30.0 * (off - libm::round(off)).abs() <= 1.0
+        };
+        whole().filter(kept).count() as f64 / whole().count().max(1) as f64
+    }
+
+    #[test]
+    fn bricks_keep_their_bond() {
+        let library = bricks();
+        let of = |p: SynthParams| run(&library, &p).0;
+        for seed in 1..4 {
+            let scene = of(params(420, 330, seed));
+            assert!(in_bond(&library, &scene) > 0.97, "{}", in_bond(&library, &scene));
+        }
+        let free = of(SynthParams { lattice: LatticeChoice::Off, ..params(420, 330, 1) });
+        let kept = of(SynthParams { lattice: "30,0,15,20".parse().unwrap(), ..params(420, 330, 1) });
+        assert!(in_bond(&library, &free) < 0.9 && in_bond(&library, &kept) > 0.97);
+        // A tile holds whole periods: 14 bricks and 16 courses, each a little stretched.
+        let tile = Tile { x: true, y: true };
+        let scene = of(SynthParams { tile, ..params(424, 322, 2) });
+        assert_eq!(scene.validate(), Ok(()));
+        let refused = synthesize(&library, &SynthParams { tile, ..params(100, 90, 2) }, &());
+        assert!(matches!(refused, Err(Error::Periods { nearest: Some(_), .. })), "{refused:?}");
+        // Turned elements stay where they are.
+        let turned = of(SynthParams { mirror: true, ..params(420, 330, 3) });
+        assert!(in_bond(&library, &turned) > 0.97);
+        assert!(turned.primary().iter().any(|i| i.transform[0] < 0.0));
     }
 
     #[test]

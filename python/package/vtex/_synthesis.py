@@ -20,6 +20,7 @@ def synthesize(
     seed: int = 0,
     method: Literal["auto", "correspondence", "descriptor", "period"] = "auto",
     variation: float | None = None,
+    lattice: str | Sequence[float] = "auto",
     candidates: int = 20,
     moves: int = 5,
     weights: Sequence[float] = (0.5, -0.4, -0.2, -0.5, -0.5),
@@ -59,6 +60,9 @@ def synthesize(
     variation : float, optional
         Share of a periodic drawing's free elements that leave their places, 0 to 1. Default: 0 for a
         regular drawing, else 1.
+    lattice : "auto", "off" or sequence of two or four floats, default "auto"
+        Rows or lattice that the texture keeps to: as found in the exemplar, none, or one or two vectors
+        in pixels of the exemplar, x before y.
     candidates : int, default 20
         Elements tried for each place, by descriptors, 1 to 1000.
     moves : int, default 5
@@ -130,6 +134,7 @@ def synthesize(
         "seed": _inputs.seed_of(seed),
         "method": method,
         "variation": variation,
+        "lattice": lattice if isinstance(lattice, str) else ",".join(str(float(v)) for v in lattice),
         "candidates": candidates,
         "moves": moves,
         "weights": dict(zip(names, numbers, strict=True)),

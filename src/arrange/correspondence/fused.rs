@@ -64,19 +64,15 @@ pub(super) fn fused(
             fill(&mut labels, own.pixels(), label);
         }
         if mask.area() >= DETAILED {
+            let Some((x0, y0, x1, y1)) = own.bounds() else { continue };
+            let to_map = to_map * placed.to_place;
             for detail in placed.primary.details() {
-                let Some(outline) = Outline::new(&(to_map * placed.to_place * detail.outline.path())) else {
-                    continue;
-                };
-                let b = outline.bounds();
-                let Some((ox0, oy0, ox1, oy1)) = own.bounds() else { continue };
-                let apart = b.x1 < f64::from(ox0)
-                    || b.x0 > f64::from(ox1)
-                    || b.y1 < f64::from(oy0)
-                    || b.y0 > f64::from(oy1);
-                if apart {
+                let b = detail.outline.bounds_after(to_map);
+                let beside = b.x1 < f64::from(x0) || b.x0 > f64::from(x1);
+                if beside || b.y1 < f64::from(y0) || b.y0 > f64::from(y1) {
                     continue;
                 }
+                let Some(outline) = Outline::new(&(to_map * detail.outline.path())) else { continue };
                 let inside = pixels::mask(&outline);
                 let shown: Vec<(i32, i32)> = both(&inside, &own);
                 if shown.is_empty() {

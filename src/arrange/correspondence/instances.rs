@@ -9,6 +9,7 @@ use super::Correspondence;
 use crate::arrange::grid::Grid;
 use crate::arrange::model::{Model, PlaceableId, VariantId};
 use crate::disjoint_sets::DisjointSets;
+use crate::library::Library;
 use crate::parallel;
 use crate::raster::{Mask, Span};
 use std::collections::BTreeMap;
@@ -18,10 +19,14 @@ const AGREE: f64 = 0.45;
 const LEAST_AGREE: f64 = 2.0;
 /// Votes for one primary that differ by no more are one part, in cells along each axis.
 const SAME_PLACE: i32 = 2;
-/// An instance smaller than this share of its main element joins a neighbour,
+/// An instance smaller than this share of its main element, or of the median element if that is smaller, joins a
+/// neighbour,
 const SMALL: f64 = 0.35;
-/// if more than this share of its rim lies on neighbours;
+/// if more than this share of its rim lies on neighbours
 const ENCLOSED: f64 = 0.25;
+/// of nearly its colour (distance in Oklab), or if it has no more than so many pixels;
+const SAME_COLOUR: f32 = 0.12;
+const ANY_COLOUR: u32 = 40;
 /// else it vanishes if it is smaller than this share,
 const SPECK: f64 = 0.12;
 /// or than so many pixels.
@@ -70,19 +75,53 @@ struct Runs<'a> {
     runs: Vec<Run>,
     /// Index of the first run of each row.
     rows: Vec<usize>,
-    /// Stratum of each element.
-    strata: &'a [u8],
+    kinds: &'a Kinds,
+}
+
+/// What decides which elements may be one.
+pub(super) struct Kinds {
+    /// Stratum of each element of the model.
+    pub(super) strata: Vec<u8>,
+    /// Colour of each element in Oklab.
+    colours: Vec<[f32; 3]>,
+    /// Median area of the whole elements of each library, in pixels.
+    medians: Vec<u32>,
+}
+
+impl Kinds {
+    pub(super) fn new(libraries: &[Library], model: &Model) -> Self {
+        let strata = libraries.iter().flat_map(|l| l.strata_of_elements()[..l.primaries().len()].to_vec());
+        let colours = libraries.iter().flat_map(|l| l.primaries().iter().map(|p| p.colour.to_oklab()));
+        let median = |library: usize| {
+            let own = model.elements.iter().filter(|e| e.library == library && e.placeable);
+            let mut areas: Vec<u32> =
+                own.map(|e| libraries[library].primaries()[e.index as usize].area).collect();
+            areas.sort_unstable();
+            areas.get(areas.len() / 2).copied().unwrap_or(u32::MAX)
+        };
+        Self {
+            strata: strata.collect(),
+            colours: colours.collect(),
+            medians: (0..libraries.len()).map(median).collect(),
+        }
+    }
+
+    /// Distance of the colours of two elements.
+    fn apart(&self, a: PlaceableId, b: PlaceableId) -> f32 {
+        let [a, b] = [a, b].map(|e| self.colours[e.0 as usize]);
+        libm::sqrtf((0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f32>())
+    }
 }
 
 /// Two runs side by side, and the length of the border between them, in pixels.
 type Contact = (usize, usize, u32);
 
-/// The instances of a field. `strata` holds the stratum of each element of the model.
+/// The instances of a field.
 pub(super) fn find(
     correspondence: &Correspondence,
     model: &Model,
     grid: &Grid,
-    strata: &[u8],
+    kinds: &Kinds,
 ) -> Vec<Instance> {
     let numbers: Vec<i32> = (0..grid.height).collect();
     let of_rows = parallel::map(&numbers, |&y| correspondence.runs(model, grid, y));
@@ -92,7 +131,7 @@ pub(super) fn find(
         runs.extend(row);
         rows.push(runs.len());
     }
-    let runs = Runs { model, grid, runs, rows, strata };
+    let runs = Runs { model, grid, runs, rows, kinds };
     let contacts = runs.contacts();
     let mut sets = DisjointSets::new(runs.runs.len());
     for &(a, b, _) in &contacts {
@@ -164,7 +203,7 @@ impl Runs<'_> {
     /// Whether the pixels of two runs can belong to one element.
     fn may_join(&self, a: usize, b: usize) -> bool {
         let [a, b] = [a, b].map(|run| self.model.element_of(self.runs[run].variant));
-        let stratum = |e: PlaceableId| self.strata[e.0 as usize];
+        let stratum = |e: PlaceableId| self.kinds.strata[e.0 as usize];
         self.model[a].library == self.model[b].library && stratum(a) == stratum(b)
     }
 
@@ -218,20 +257,32 @@ impl Runs<'_> {
         for (run, &root) in roots.iter().enumerate().filter(|(_, root)| area[**root] > 0) {
             *main.entry((root, self.runs[run].variant)).or_default() += self.length(run);
         }
-        let mut whole = vec![(0u32, 0u32); self.runs.len()];
+        // The main element of each set, and its pixels there.
+        let mut most: Vec<(u32, Option<VariantId>)> = vec![(0, None); self.runs.len()];
         for ((root, variant), pixels) in main {
-            if pixels > whole[root].0 {
-                whole[root] = (pixels, self.model.shape(variant).area);
+            if pixels > most[root].0 {
+                most[root] = (pixels, Some(variant));
             }
         }
         let mut changed = false;
         let mut gone = vec![false; self.runs.len()];
         for root in (0..self.runs.len()).filter(|&root| area[root] > 0) {
-            let share = f64::from(area[root]) / f64::from(whole[root].1.max(1));
+            let Some(variant) = most[root].1 else { continue };
+            let median = self.kinds.medians[self.model.element(variant).library];
+            let usual = self.model.shape(variant).area.min(median).max(1);
+            let share = f64::from(area[root]) / f64::from(usual);
             if (share >= SMALL || cut[root]) && area[root] >= LEAST {
                 continue;
             }
-            let neighbours = || beside.range((root, 0)..(root + 1, 0)).map(|(&(_, q), &length)| (length, q));
+            let suits = |q: usize| {
+                let other = most[q].1.map(|v| self.model.element_of(v));
+                let apart = other.map(|other| self.kinds.apart(self.model.element_of(variant), other));
+                area[root] <= ANY_COLOUR || apart.is_some_and(|d| d <= SAME_COLOUR)
+            };
+            let neighbours = || {
+                let all = beside.range((root, 0)..(root + 1, 0)).map(|(&(_, q), &length)| (length, q));
+                all.filter(|n| suits(n.1))
+            };
             let all: u32 = neighbours().map(|n| n.0).sum();
             if f64::from(all) > ENCLOSED * f64::from(rim[root]) {
                 if let Some((_, best)) =

@@ -33,6 +33,7 @@ use crate::scene::{Edge, LatticeChoice, SynthParams};
 use alike::Alike;
 use cover::Cover;
 use image::{Rgb, RgbImage};
+use instances::Kinds;
 use lead::Lead;
 use pages::Pages;
 use resolve::{Outcome, Resolver};
@@ -138,12 +139,11 @@ impl Correspondence {
     ) -> Result<Carried> {
         let step = |done: u64| advance(progress, "carrying", done, 4);
         step(0)?;
-        let strata: Vec<u8> =
-            libraries.iter().flat_map(|l| l.strata_of_elements()[..l.primaries().len()].to_vec()).collect();
-        let instances = instances::find(self, model, grid, &strata);
+        let kinds = Kinds::new(libraries, model);
+        let instances = instances::find(self, model, grid, &kinds);
         step(1)?;
         let alike = Alike::new(libraries, model);
-        let resolver = Resolver::new(self, libraries, model, grid, (&alike, &strata), &instances);
+        let resolver = Resolver::new(self, libraries, model, grid, (&alike, &kinds.strata), &instances);
         let allowed = |mask: &Mask, at: [i32; 2]| {
             let middle = mask.centroid().map_or(at, |(x, y)| [at[0] + x as i32, at[1] + y as i32]);
             stands(grid, region, mask, at, middle)

@@ -83,6 +83,7 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
         counts: Some(Counts::of_library(&library)),
         coverage: Some(Coverage { wanted: Some(library.coverage), got: None, categories: Vec::new() }),
         layers: LayersReport::of_library(&library),
+        lattice: library.lattice.clone(),
         ..Summary::new("analyze", vec![analysis.photo.name()], targets.path(), written, reporter)
     };
     summary.tell(common, targets.piped())

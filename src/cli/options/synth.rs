@@ -3,7 +3,7 @@
 use crate::cli::values::{Axes, Size, WeightsFrom, named, one_of};
 use clap::Args;
 use serde::Serialize;
-use vtex::scene::{Ablation, Edge, Method};
+use vtex::scene::{Ablation, Edge, LatticeChoice, Method};
 
 const PARTS: [&str; 10] = [
     "secondary",
@@ -36,6 +36,10 @@ pub(crate) struct SynthFlags {
     /// [0 to 1, default: 0 for a regular drawing, else 1]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub(crate) variation: Option<f64>,
+    /// Rows or lattice that the texture keeps to: as found in the exemplar, none, or one or two vectors in its
+    /// pixels [auto, off, or AX,AY or AX,AY,BX,BY, default: auto]
+    #[arg(long, value_name = "VECTORS", allow_hyphen_values = true)]
+    pub(crate) lattice: Option<LatticeChoice>,
     /// Elements tried for each place, by descriptors [1 to 1000, default: 20]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) candidates: Option<u32>,

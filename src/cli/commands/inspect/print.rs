@@ -5,10 +5,10 @@ use crate::cli::failure::label;
 use crate::cli::foreign::escaped;
 use crate::cli::input::{Input, Kind};
 use crate::cli::output;
-use crate::cli::summary::{Counts, bytes as show_bytes};
+use crate::cli::summary::{Counts, bytes as show_bytes, regular};
 use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
-use vtex::library::{AnalyzeParams, Category, Library};
+use vtex::library::{AnalyzeParams, Category, Lattice, Library};
 use vtex::raster::colour::Colour;
 use vtex::raster::colour_names;
 use vtex::scene::{CategoryId, EditRecord, Field, LibraryId, Role, Scene, SynthParams, Tile};
@@ -32,6 +32,9 @@ struct Inspection {
     seed: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tile: Option<Tile>,
+    /// Rows or lattice of an exemplar.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lattice: Option<Lattice>,
     /// The layers, in painting order.
     layers: Vec<LayerLine>,
     counts: Counts,
@@ -159,6 +162,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         segmenter: Some(source.segmenter.clone()),
         seed: Some(source.parameters.seed),
         tile: None,
+        lattice: library.lattice.clone(),
         layers: library
             .layers
             .iter()
@@ -215,6 +219,7 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         segmenter: None,
         seed: scene.parameters.as_ref().map(|p| p.seed),
         tile: Some(scene.tile),
+        lattice: None,
         layers: scene
             .layers
             .iter()
@@ -286,6 +291,9 @@ impl Inspection {
             Some(Tile { x: true, .. }) => line("tiles", "left to right".into()),
             Some(Tile { y: true, .. }) => line("tiles", "top to bottom".into()),
             _ => {}
+        }
+        if let Some(lattice) = &self.lattice {
+            line("regular", regular(lattice));
         }
         let layers: Vec<&str> = self.layers.iter().map(|layer| layer.name.as_str()).collect();
         line("layers", layers.join(", "));
