@@ -16,6 +16,8 @@ pub(crate) struct Periods {
     pub(crate) page: [[f32; 2]; 2],
     /// The same on the canvas, which may be stretched.
     pub(crate) canvas: [[f32; 2]; 2],
+    /// Cells of the canvas before the one whose phase is that of the page's first.
+    pub(crate) margin: [f32; 2],
     /// Distance by which offsets may miss, in cells.
     pub(crate) tolerance: f32,
 }
@@ -28,6 +30,7 @@ impl Periods {
             vectors: all(self.vectors, 0.5),
             page: all(self.page, 2.0),
             canvas: all(self.canvas, 2.0),
+            margin: self.margin.map(|v| v * 0.5),
             tolerance: self.tolerance * 0.5,
         }
     }
@@ -39,7 +42,8 @@ impl Periods {
 
     /// The phase of a cell of the canvas.
     pub(super) fn on_canvas(&self, cell: [f32; 2]) -> [f32; 2] {
-        self.canvas.map(|wave| wave[0] * cell[0] + wave[1] * cell[1])
+        let [x, y] = [0, 1].map(|k| cell[k] - self.margin[k]);
+        self.canvas.map(|wave| wave[0] * x + wave[1] * y)
     }
 
     /// The way from where a source would suit a cell to where it is, in cells, given the phases of both.
@@ -77,7 +81,7 @@ mod tests {
         let vectors = [[12.0, 2.0], [-3.0, 9.0]];
         let determinant = 12.0 * 9.0 + 2.0 * 3.0;
         let waves = [[9.0 / determinant, 3.0 / determinant], [-2.0 / determinant, 12.0 / determinant]];
-        let periods = Periods { vectors, page: waves, canvas: waves, tolerance: 0.0 };
+        let periods = Periods { vectors, page: waves, canvas: waves, margin: [0.0; 2], tolerance: 0.0 };
         let cost =
             |source: [f32; 2], cell: [f32; 2]| periods.cost(periods.on_page(source), periods.on_canvas(cell));
         for (n, m) in [(0.0, 0.0), (3.0, -2.0), (-7.0, 5.0)] {
@@ -92,6 +96,7 @@ mod tests {
             vectors: [[0.0, 8.0], [0.0; 2]],
             page: [[0.0, 0.125], [0.0; 2]],
             canvas: [[0.0, 0.125], [0.0; 2]],
+            margin: [0.0; 2],
             tolerance: 0.0,
         };
         assert_eq!(rows.cost(rows.on_page([91.5, 24.0]), rows.on_canvas([3.0, 8.0])), 0.0);

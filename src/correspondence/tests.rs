@@ -179,7 +179,13 @@ fn offsets_keep_to_periods() {
         page
     };
     let waves = [[0.0, 1.0 / 9.0], [0.0; 2]];
-    let periods = Periods { vectors: [[0.0, 9.0], [0.0; 2]], page: waves, canvas: waves, tolerance: 0.0 };
+    let periods = Periods {
+        vectors: [[0.0, 9.0], [0.0; 2]],
+        page: waves,
+        canvas: waves,
+        margin: [0.0; 2],
+        tolerance: 0.0,
+    };
     let off = |page: Page| {
         let pages = [page];
         let field = find(&request(&pages, [130, 110], [false; 2], 4), &()).unwrap();

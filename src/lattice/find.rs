@@ -22,7 +22,7 @@ const DOUBLE: f64 = 0.6;
 /// How far a peak rises above the lowest place on the way to it, as a share of its height.
 const RISE: f64 = 0.35;
 /// Shorter periods count in place of longer ones if they are as high as this share of the highest.
-const SHORTER: f64 = 0.72;
+const SHORTER: f64 = 0.55;
 /// Least correlation along an axis that is free, and by how much it may vary there.
 const FREE: [f64; 2] = [0.5, 0.25];
 /// Longest periods that are known by their sum and difference, as a share of the longest lag.

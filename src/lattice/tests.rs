@@ -95,7 +95,11 @@ fn same(found: &Lattice, wanted: [[f64; 2]; 2]) -> bool {
 fn shares(count: u64) -> (f64, f64) {
     let right = (0..count).filter(|&seed| {
         let (image, wanted) = regular(seed);
-        find(&image, false).is_some_and(|found| same(&found, wanted))
+        let found = find(&image, false);
+        if !found.as_ref().is_some_and(|found| same(found, wanted)) {
+            println!("seed {seed}: {wanted:.1?} found as {found:.1?}");
+        }
+        found.is_some_and(|found| same(&found, wanted))
     });
     let wrong = (0..count).filter(|&seed| find(&irregular(seed), false).is_some());
     (right.count() as f64 / count as f64, wrong.count() as f64 / count as f64)

@@ -336,13 +336,13 @@ mod carried {
             );
             let structure = report.structure.unwrap();
             assert!((structure.wanted - report.coverage).abs() < 0.04, "{structure:?} {}", report.coverage);
-            assert!(structure.whole > structure.fused, "{structure:?}");
+            assert!(structure.fused_share < 0.5 * structure.wanted, "{structure:?}");
             assert!(structure.empty < 0.03 && structure.unwanted < 0.05, "{structure:?}");
             // What is fused is no larger than an element.
             let areas = library.primaries().iter().map(|p| p.outline().area());
             let largest = areas.fold(0.0, f64::max);
             for t in scene.elements.iter().filter(|t| t.fused) {
-                assert!(t.outline().area() < 1.3 * largest + 8.0, "{} {largest}", t.outline().area());
+                assert!(t.outline().area() < 1.6 * largest, "{} {largest}", t.outline().area());
             }
         }
     }
@@ -381,11 +381,14 @@ mod carried {
         let mut label = 0;
         for row in 0..10u32 {
             for column in 0..9u32 {
-                label += 1;
                 let shift = 15 * (row % 2);
-                let x0 = (30 * column + 3).saturating_sub(shift);
+                let columns = (30 * column + 3).saturating_sub(shift)..(30 * column + 27 - shift).min(240);
+                if columns.is_empty() {
+                    continue;
+                }
+                label += 1;
                 for y in 20 * row + 3..20 * row + 17 {
-                    (x0..(30 * column + 27 - shift).min(240)).for_each(|x| map.set(x, y, label));
+                    columns.clone().for_each(|x| map.set(x, y, label));
                 }
             }
         }

@@ -97,9 +97,9 @@ impl Correspondence {
         let lead = Lead::new(libraries, controls);
         let classes = lead.as_ref().map(Lead::of_exemplar);
         let lattices = lattices(libraries, params)?;
-        let pages = Pages::new(libraries, model, classes, &lattices).ok_or_else(no_guide)?;
         let wrap = [params.tile.x, params.tile.y];
         let margin = wrap.map(|w| if w { 0 } else { MARGIN });
+        let pages = Pages::new(libraries, model, classes, &lattices, margin).ok_or_else(no_guide)?;
         let cells =
             |k: usize, size: u32| (size as usize).div_ceil(pages.cell as usize) + 2 * margin[k] as usize;
         let size = [cells(0, params.width), cells(1, params.height)];
@@ -191,7 +191,7 @@ impl Correspondence {
     fn on_lattice(&self, model: &Model, grid: &Grid, variant: VariantId, at: [i32; 2]) -> [i32; 2] {
         let element = model.element(variant);
         let Some((lattice, canvas)) = &self.lattices[element.library] else { return at };
-        let place = [0, 1].map(|k| f64::from(at[k] - grid.margin[k] + self.margin[k] * self.pages.cell));
+        let place = [0, 1].map(|k| f64::from(at[k] - grid.margin[k]));
         let way = lattice.residual(canvas, element.origin.map(f64::from), place);
         [0, 1].map(|k| at[k] + libm::round(way[k]) as i32)
     }

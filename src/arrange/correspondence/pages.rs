@@ -234,12 +234,14 @@ fn nearest_copy(v: i32, near: i32, period: i32) -> i32 {
 
 impl Pages {
     /// The pages of libraries; none if one of them has no guide. `classes` are those of the pixels of the
-    /// only exemplar, if cells of the canvas take their sources from a class.
+    /// only exemplar, if cells of the canvas take their sources from a class. `margin` are
+    /// the cells of the field beside the canvas.
     pub(super) fn new(
         libraries: &[Library],
         model: &Model,
         classes: Option<&LabelMap>,
         lattices: &[Option<(Lattice, Phases)>],
+        margin: [i32; 2],
     ) -> Option<Self> {
         let guides: Vec<&Guide> = libraries.iter().map(|l| l.guide.as_ref()).collect::<Option<_>>()?;
         let cell = guides.iter().map(|g| g.cell).min()? as i32;
@@ -262,7 +264,7 @@ impl Pages {
                 classes,
             };
             let lattice = lattices[k].as_ref();
-            let periods = lattice.map(|(lattice, canvas)| periods(lattice, canvas, cell));
+            let periods = lattice.map(|(lattice, canvas)| periods(lattice, canvas, cell, margin));
             // A page that is turned or mirrored has other rows: elements are varied where they stand instead.
             let count = if periods.is_some() { 1 } else { model.variations.len() };
             for variation in (0..count).step_by(step) {
@@ -328,7 +330,7 @@ fn joint_deviation(colours: &[Vec<[f32; 3]>]) -> f32 {
 }
 
 /// The periods of a lattice, in cells.
-fn periods(lattice: &Lattice, canvas: &Phases, cell: i32) -> Periods {
+fn periods(lattice: &Lattice, canvas: &Phases, cell: i32, margin: [i32; 2]) -> Periods {
     let cell = f64::from(cell);
     let both = |list: &[[f64; 2]], factor: f64| {
         [0, 1].map(|k| list.get(k).map_or([0.0; 2], |v| v.map(|c| (c * factor) as f32)))
@@ -337,6 +339,7 @@ fn periods(lattice: &Lattice, canvas: &Phases, cell: i32) -> Periods {
         vectors: both(&lattice.vectors, 1.0 / cell),
         page: both(&lattice.phases().waves, cell),
         canvas: both(&canvas.waves, cell),
+        margin: margin.map(|v| v as f32),
         tolerance: (STRAY * lattice.stray / cell).min(MOST_ASTRAY) as f32,
     }
 }
