@@ -49,18 +49,22 @@ impl Periods {
     /// The way from where a source would suit a cell to where it is, in cells, given the phases of both.
     #[inline]
     pub(super) fn residual(&self, page: [f32; 2], canvas: [f32; 2]) -> [f32; 2] {
-        let [u, v] = [0, 1].map(|k| {
-            let phase = page[k] - canvas[k];
-            phase - nearest_whole(phase)
-        });
-        [0, 1].map(|k| u * self.vectors[0][k] + v * self.vectors[1][k])
+        // Written out: most of an exhaustive search is this.
+        let (u, v) = (page[0] - canvas[0], page[1] - canvas[1]);
+        let (u, v) = (u - nearest_whole(u), v - nearest_whole(v));
+        let [a, b] = &self.vectors;
+        [u * a[0] + v * b[0], u * a[1] + v * b[1]]
     }
 
     /// Cost of a source for a cell, as a share of the squared standard deviation, given the phases of both.
     #[inline]
     pub(super) fn cost(&self, page: [f32; 2], canvas: [f32; 2]) -> f32 {
         let [x, y] = self.residual(page, canvas);
-        let over = ((x * x + y * y).sqrt() - self.tolerance.max(LEAST)).max(0.0);
+        let (square, free) = (x * x + y * y, self.tolerance.max(LEAST));
+        if square <= free * free {
+            return 0.0;
+        }
+        let over = square.sqrt() - free;
         ASTRAY * over * over
     }
 }
