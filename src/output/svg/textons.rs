@@ -506,7 +506,7 @@ fn write_opacity<W: Write>(xml: &mut Xml<W>, shape: &Shape) {
     }
 }
 
-/// An id for each element: `t` of one with a category, `f` of a part of one or `s` of one without, its
+/// An id for each element: `t` of one with a category, `f` of a fused one or `s` of one without, its
 /// index in its library, and `-` with the number of the library where there are several. In a scene in
 /// which two are called alike, the later ones have `.` and their index after it.
 fn ids(scene: &Scene) -> Vec<String> {
@@ -532,7 +532,7 @@ fn ids(scene: &Scene) -> Vec<String> {
 
 /// The title of an element among the symbols of an editor.
 fn title(element: &Element, category_name: Option<&str>) -> String {
-    let part = if element.fused { "Part of element" } else { "Element" };
+    let part = if element.fused { "Fused, mostly of element" } else { "Element" };
     let number = element.source.map_or(String::new(), |source| format!(" {}", source.0));
     let category = element.category.map_or(String::new(), |c| format!(", category {}", c.0));
     let name = category_name.map_or(String::new(), |name| format!(" ({name})"));
