@@ -120,7 +120,6 @@ fn files_that_do_not_steer_say_so_before_the_work() {
         format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9">{inner}</svg>"#)
     };
     folder.write("open.svg", page(r#"<path d="M1 1H5V5"/>"#));
-    folder.write("two.svg", page(r#"<circle r="3"/><rect width="4" height="4"/>"#));
     folder.write("black.png", encode(&GrayImage::new(8, 8).into(), ImageFormat::Png));
     folder.write("text.txt", "hello");
     let libraries = "photo.lib.json photo.lib.json photo.lib.json";
@@ -129,7 +128,6 @@ fn files_that_do_not_steer_say_so_before_the_work() {
         ("--domain photo.png", "'photo.png' holds an image, not an SVG", "--domain-mask"),
         ("--domain text.txt", "'text.txt' cannot be used as a shape", "must be an SVG"),
         ("--domain open.svg", "its path is open", "end its path data with Z"),
-        ("--domain two.svg", "it holds 2 shapes, one is needed", "join"),
         ("--mask open.svg", "'open.svg' holds an SVG, not an image", "--domain"),
         ("--mask black.png", "nothing in it is white", "white is inside"),
         ("--mask text.txt", "cannot decode 'text.txt'", "PNG"),

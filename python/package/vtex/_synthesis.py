@@ -82,7 +82,7 @@ def synthesize(
         Parts of the method that are left out, for experiments: "secondary", "overlap", "density",
         "decay", "improve", "growth", "removal", "copies", "seeds", "neighbourhoods".
     domain : picture or SVG, optional
-        The shape to fill: an SVG with one closed path, fitted to the canvas, or a mask, white (1.0) inside.
+        The shape to fill: all filled shapes of an SVG together, fitted to the canvas, or a mask, white (1.0) inside.
     density : picture, optional
         Density relative to the exemplar's: black 0, middle grey 1, white 2; floats are densities, 0 to 2.
     map : picture or sequence of pictures, optional
