@@ -197,8 +197,15 @@ fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     folder.run(&format!("{fine} -o f.svg --max-bytes many")).fails(2, "expected 5MB");
     folder.run(&format!("{fine} -o f.svg --max-bytes 0")).fails(2, "expected 5MB");
     assert!(!folder.path("f.svg").exists());
-    let told = folder.run(&format!("{fine} -o g.pdf --max-bytes 1MB")).succeeds().stderr;
+    let told = folder.run(&format!("{fine} -o g.png --max-bytes 1MB")).succeeds().stderr;
     assert!(told.contains("--max-bytes has no effect here"), "{told}");
+
+    // A PDF is reduced in the same way.
+    folder.run(&format!("{fine} -o whole.pdf")).succeeds();
+    let most = folder.read("whole.pdf").len() * 9 / 10;
+    let run = folder.run(&format!("{fine} -o small.pdf --max-bytes {most} --json")).succeeds();
+    assert!(folder.read("small.pdf").len() <= most && run.json().get("given_up").is_some());
+    folder.run(&format!("{fine} -o tiny.pdf --max-bytes 1")).fails(1, "the smallest has ");
 }
 
 #[test]

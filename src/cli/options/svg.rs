@@ -20,7 +20,7 @@ pub(crate) struct SvgFlags {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) css: Option<bool>,
-    /// Most bytes of an SVG, as 5MB, 800kB or a number: gives up decimals, then fineness of outlines,
+    /// Most bytes of an SVG or PDF, as 5MB, 800kB or a number: gives up decimals, then fineness of outlines,
     /// then what is seen least [1 to 1000000000000, default: no limit]
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
     pub(crate) max_bytes: Option<Bytes>,
