@@ -303,17 +303,33 @@ impl Segmenter for Saving<'_> {
     }
 
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> vtex::Result<Vec<ScoredMask>> {
-        let masks = self.segmenter.segment(image, progress)?;
+        self.segment_reduced(image, [image.width(), image.height()], progress)
+    }
+
+    fn segment_reduced(
+        &self,
+        image: &RgbImage,
+        whole: [u32; 2],
+        progress: &dyn Progress,
+    ) -> vtex::Result<Vec<ScoredMask>> {
+        let masks = self.segmenter.segment_reduced(image, whole, progress)?;
         if let Some(place) = self.place {
-            let (width, height) = image.dimensions();
             // Packed where it is written, as everything is.
             let path = place.path();
             let gzip = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
             let plain = if gzip { path.with_extension("") } else { path.to_owned() };
-            let bytes = masks_to_bytes(&plain, &self.name(), width, height, &masks)?;
+            // They have the size of the photograph, so that they can be corrected upon it.
+            let reduced = [image.width(), image.height()];
+            let stretched = |m: &ScoredMask| ScoredMask { mask: m.mask.stretched(reduced, whole), ..*m };
+            let saved = if reduced == whole { masks.clone() } else { masks.iter().map(stretched).collect() };
+            let bytes = masks_to_bytes(&plain, &self.name(), whole[0], whole[1], &saved)?;
             let kind = Kind { format: Format::Library, gzip };
             Target { place: place.clone(), kind }.write_bytes(&bytes)?;
         }
         Ok(masks)
+    }
+
+    fn seeks_elements(&self) -> bool {
+        self.segmenter.seeks_elements()
     }
 }

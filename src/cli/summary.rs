@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use vtex::Progress;
-use vtex::library::Library;
+use vtex::library::{Library, SourceKind};
 use vtex::output::reduce::GivenUp;
 use vtex::raster::colour::Colour;
 use vtex::scene::{Method, Role, Scene};
@@ -39,6 +39,9 @@ pub(crate) struct Summary {
     pub(crate) seed: Option<u64>,
     /// Size of the picture, in pixels.
     pub(crate) size: [u32; 2],
+    /// The photograph that was reduced before it was analysed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) reduced: Option<Reduced>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) counts: Option<Counts>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -92,6 +95,7 @@ impl Summary {
             given_up: written.given_up,
             seed: None,
             size: [0; 2],
+            reduced: None,
             counts: None,
             coverage: None,
             layers: None,
@@ -117,6 +121,22 @@ pub(crate) struct Other {
 impl From<(PathBuf, u64)> for Other {
     fn from((path, bytes): (PathBuf, u64)) -> Self {
         Self { output: path.display().to_string(), bytes }
+    }
+}
+
+/// Sizes of a photograph that was reduced before it was analysed, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct Reduced {
+    pub(crate) from: [u32; 2],
+    pub(crate) to: [u32; 2],
+}
+
+impl Reduced {
+    /// Of the exemplar of a library; none if it was analysed as it is.
+    pub(crate) fn of_library(library: &Library) -> Option<Self> {
+        let from = [library.source.width, library.source.height];
+        let to = [library.arrangement.width, library.arrangement.height];
+        (library.source.kind == SourceKind::Photograph && from != to).then_some(Self { from, to })
     }
 }
 
@@ -318,6 +338,11 @@ impl Summary {
         say(&line);
         for Other { output, bytes: size } in &self.others {
             say(&format!("{output}: {}", bytes(*size)));
+        }
+        if let Some(Reduced { from: [w, h], to: [x, y] }) = self.reduced {
+            say(&format!(
+                "the photograph of {w} x {h} px was reduced to {x} x {y} px first (--max-pixels says how far)"
+            ));
         }
         if let Some(layers) = &self.layers {
             say(&layers.in_words());

@@ -10,7 +10,7 @@ use super::options::render::RenderParameters;
 use super::options::svg::SvgParameters;
 use super::output::{Drawing, Target, Targets, say};
 use super::progress::Reporter;
-use super::summary::{Counts, Coverage, LayersReport, Summary};
+use super::summary::{Counts, Coverage, LayersReport, Reduced, Summary};
 use serde_json::Value;
 use vtex::Progress;
 use vtex::library::Library;
@@ -137,6 +137,7 @@ impl Made<'_> {
             pattern: pattern.map(|p| p.place.path().display().to_string()),
             seed: scene.parameters.as_ref().map(|p| p.seed),
             size: drawing.size_of(&scene, targets.first.kind.format),
+            reduced: library.filter(|_| command == "texture").and_then(Reduced::of_library),
             counts: Some(Counts::of_scene(&scene)),
             coverage: Some(Coverage {
                 wanted: Some(report.coverage_wanted),

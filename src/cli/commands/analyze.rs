@@ -13,7 +13,7 @@ use crate::cli::options::masks::MasksArgs;
 use crate::cli::options::preset::PresetArgs;
 use crate::cli::output::{Targets, say};
 use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Coverage, LayersReport, Summary};
+use crate::cli::summary::{Counts, Coverage, LayersReport, Reduced, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::output::file::Format;
@@ -80,6 +80,7 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
     let summary = Summary {
         seed: Some(library.source.parameters.seed),
         size: [library.source.width, library.source.height],
+        reduced: Reduced::of_library(&library),
         counts: Some(Counts::of_library(&library)),
         coverage: Some(Coverage { wanted: Some(library.coverage), got: None, categories: Vec::new() }),
         layers: LayersReport::of_library(&library),

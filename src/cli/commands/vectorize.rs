@@ -15,7 +15,7 @@ use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::output::{Drawing, Targets, say};
 use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Summary};
+use crate::cli::summary::{Counts, Reduced, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::Progress;
@@ -118,6 +118,7 @@ fn run(
     let summary = Summary {
         seed: Some(library.source.parameters.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),
+        reduced: Reduced::of_library(&library),
         counts: Some(Counts::of_scene(&scene)),
         ..Summary::new("vectorize", vec![analysis.photo.name()], targets.path(), written, reporter)
     };

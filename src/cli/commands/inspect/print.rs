@@ -128,6 +128,8 @@ pub(super) fn run(common: &Common, input: &Input) -> anyhow::Result<()> {
 
 fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
     let source = &library.source;
+    // Areas are counted in pixels of the arrangement.
+    let pixels = source.scale[0] * source.scale[1];
     let colour = |category: &Category| {
         let [r, g, b, ..] = category.centre;
         Colour::from_f64([r, g, b])
@@ -143,7 +145,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
             colour: colours[i],
             primaries: members().count(),
             whole: Some(members().filter(|p| !p.clipped).count()),
-            mean_area: category.centre[3],
+            mean_area: category.centre[3] / pixels,
             coverage: category.coverage,
         }
     });
@@ -167,8 +169,8 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         counts: Counts::of_library(library),
         coverage: library.coverage,
         areas: Areas {
-            primaries: Quantiles::of(library.primaries().iter().map(|p| f64::from(p.area))),
-            secondaries: Quantiles::of(library.secondaries().iter().map(|s| f64::from(s.area))),
+            primaries: Quantiles::of(library.primaries().iter().map(|p| f64::from(p.area) / pixels)),
+            secondaries: Quantiles::of(library.secondaries().iter().map(|s| f64::from(s.area) / pixels)),
         },
         spacing: Spacing {
             secondaries: Some(library.secondary_spacing()),
