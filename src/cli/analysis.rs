@@ -13,7 +13,7 @@ use super::options::files::{ForceArgs, apart, outputs};
 use super::options::layers::{LayerFiles, LayerFilesArgs};
 use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
 use super::output::{Place, Target, say};
-use super::progress::Reporter;
+use super::progress::{Finder, Reporter};
 use super::reading;
 use super::values::Name;
 use image::RgbImage;
@@ -101,6 +101,16 @@ impl Analysis {
         })
     }
 
+    /// What finds elements, for the bar.
+    pub(crate) fn finder(&self) -> Finder {
+        match self.masks {
+            MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_) => Finder::Texton,
+            MasksFrom::File(_) | MasksFrom::Regions | MasksFrom::OneTree | MasksFrom::Felzenszwalb => {
+                Finder::Regions
+            }
+        }
+    }
+
     /// Where masks come from in the end: what [`MasksFrom::Auto`] comes to is decided.
     pub(crate) fn masks(&self) -> MasksFrom {
         sam_from(&self.masks).map_or_else(|| self.masks.clone(), MasksFrom::Sam)
@@ -147,6 +157,12 @@ fn library_of(
     let mut exemplar = Exemplar::from_bytes(&bytes, &analysis.photo.name(), &Limits::default())?;
     exemplar.file = name.into_owned();
     drop(bytes);
+    let megapixels = f64::from(exemplar.image.width()) * f64::from(exemplar.image.height()) / 1e6;
+    let most = match analysis.parameters.max_pixels {
+        0 => megapixels,
+        most => f64::from(most) / 1e6,
+    };
+    reporter.learn(megapixels, megapixels.min(most));
     if let Some(painted) = &analysis.layers.painted {
         exemplar.layers = Some(layer_maps::read(painted)?.layers()?);
     }

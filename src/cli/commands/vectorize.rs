@@ -14,7 +14,7 @@ use crate::cli::options::preset::PresetArgs;
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::output::{Drawing, Targets, say};
-use crate::cli::progress::Reporter;
+use crate::cli::progress::{Plan, Reporter};
 use crate::cli::summary::{Counts, Reduced, Summary};
 use clap::Args;
 use std::path::PathBuf;
@@ -111,6 +111,7 @@ fn run(
     if common.verbosity > 1 {
         say(&format!("{:#?}", analysis.parameters));
     }
+    reporter.plan(Plan { finder: Some(analysis.finder()), ..Plan::default() });
     let library = analyze(common, analysis, reporter)?;
     let scene = reconstruct(&library);
     reporter.stage("writing")?;
