@@ -252,17 +252,19 @@ impl Target {
     /// # Errors
     /// As [`Place::write`], and those of the writers and of [`reduce::to_fit`].
     pub(crate) fn write_scene(&self, scene: &Scene, drawing: Drawing<'_>) -> Result<Written> {
-        let Drawing { svg, recipe, .. } = drawing;
+        let Drawing { svg, recipe, render } = drawing;
+        let dpi = render.dpi;
         let scene = &*drawing.scene(scene);
         Ok(match self.kind.format {
             Format::Svg => {
                 return self.write_within(scene, svg, |s, o, out| {
-                    svg::write_with_recipe(s, o, recipe, out).map(|summary| summary.warnings)
+                    svg::write_at(s, o, recipe, dpi, out).map(|summary| summary.warnings)
                 });
             }
             Format::Scene | Format::Library => self.write_bytes(&scene.to_json())?,
             Format::Pdf => {
-                return self.write_within(scene, svg, |s, _, out| pdf::write(s, out).map(|_| Vec::new()));
+                return self
+                    .write_within(scene, svg, |s, _, out| pdf::write_at(s, dpi, out).map(|_| Vec::new()));
             }
             Format::Png => {
                 let picture = drawing.picture(scene)?;

@@ -303,3 +303,23 @@ fn presets_set_what_they_say_and_options_win() {
     folder.run("texture photo.png --size 50 --preset draft").succeeds();
     folder.run("analyze photo.png --preset best").fails(2, "expected draft, default, fine or poster");
 }
+
+#[test]
+fn sizes_may_have_units() {
+    let folder = Folder::with_library();
+    let synth = "synth photo.lib.json --seed 1";
+    let json = folder.run(&format!("{synth} --size 30mm -o a.svg --json")).succeeds().json();
+    assert_eq!(json["size"], serde_json::json!([113, 113]));
+    let json = folder.run(&format!("{synth} --size 1inx2cm --dpi 150 -o b.svg --json")).succeeds().json();
+    assert_eq!(json["size"], serde_json::json!([150, 118]));
+    let svg = String::from_utf8(folder.read("b.svg")).unwrap();
+    assert!(svg.contains(r#"width="25.4mm" height="19.981mm" viewBox="0 0 150 118""#), "{}", &svg[..400]);
+    // At the resolution of CSS nothing is said.
+    assert!(String::from_utf8(folder.read("a.svg")).unwrap().contains(r#"width="113" height="113""#));
+    folder.run(&format!("{synth} --size 1in --dpi 144 -o c.pdf")).succeeds();
+    let pdf = String::from_utf8_lossy(&folder.read("c.pdf")).into_owned();
+    assert!(pdf.contains("/MediaBox [0 0 72 72]"), "an inch has 72 points");
+    folder.run(&format!("{synth} --size 9kg")).fails(2, "expected 1000 or 1000x600");
+    folder.run(&format!("{synth} --size 10mm --dpi 0")).fails(2, "1 to 9600");
+    folder.run(&format!("{synth} --size 900m")).fails(2, "size");
+}

@@ -40,6 +40,7 @@ mod xml;
 pub use animation::{Animation, write_animation};
 pub use flowing::write_flow;
 
+use super::CSS_DPI;
 use super::background::Background;
 use super::categories::{SceneCategory, class};
 use crate::error::{Error, Result, check};
@@ -47,7 +48,7 @@ use crate::geometry::Vec2;
 use crate::scene::{Instance, Scene};
 use flowing::{Moving, Way, at_origin};
 use layers::Frame;
-use number::Paint;
+use number::{Number, Paint};
 use std::io::{self, Write};
 use std::path::Path;
 use textons::Textons;
@@ -128,7 +129,23 @@ pub fn write_with_recipe(
     recipe: Option<&serde_json::Value>,
     out: impl Write,
 ) -> Result<SvgSummary> {
-    let document = Document { recipe, ..Document::new(scene, options, 0.0)? };
+    write_at(scene, options, recipe, CSS_DPI, out)
+}
+
+/// As [`write_with_recipe`], of so many pixels to the inch: width and height are in millimetres unless that
+/// is what CSS has.
+///
+/// # Errors
+/// Those of [`write()`], and [`Error::Parameter`] for no pixels.
+pub fn write_at(
+    scene: &Scene,
+    options: &SvgOptions,
+    recipe: Option<&serde_json::Value>,
+    dpi: u32,
+    out: impl Write,
+) -> Result<SvgSummary> {
+    check(dpi > 0, "dpi", dpi, "1 or more")?;
+    let document = Document { recipe, dpi, ..Document::new(scene, options, 0.0)? };
     summed(document.textons.shared_count(), out, |xml| document.write(xml))
 }
 
@@ -197,6 +214,8 @@ struct Document<'a> {
     bleed: f64,
     /// The recipe in the metadata: how the scene was made.
     recipe: Option<&'a serde_json::Value>,
+    /// Pixels to the inch.
+    dpi: u32,
     /// How elements move; `None` if they stay.
     moving: Option<Moving<'a>>,
 }
@@ -212,15 +231,22 @@ impl<'a> Document<'a> {
         let layers = scene.layers.iter().map(|l| (l.name.as_str(), l.role, l.region.is_some()));
         let frames = Frame::of(layers, scene.domain.as_ref().map(|d| d.edge));
         let css = options.css;
-        Ok(Self { scene, backgrounds, frames, textons, categories, css, bleed, recipe: None, moving: None })
+        let (recipe, moving, dpi) = (None, None, CSS_DPI);
+        Ok(Self { scene, backgrounds, frames, textons, categories, css, bleed, recipe, dpi, moving })
     }
 
     /// The canvas as it is.
     fn write<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         let (width, height) = (self.scene.width, self.scene.height);
         self.begin(xml);
-        xml.attribute("width", width);
-        xml.attribute("height", height);
+        if self.dpi == CSS_DPI {
+            xml.attribute("width", width);
+            xml.attribute("height", height);
+        } else {
+            let length = |side: u32| format!("{}mm", Number(f64::from(side) * 25.4 / f64::from(self.dpi), 3));
+            xml.attribute("width", length(width));
+            xml.attribute("height", length(height));
+        }
         xml.attribute("viewBox", format_args!("0 0 {width} {height}"));
         xml.line();
         self.write_about(xml)?;
