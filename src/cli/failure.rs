@@ -6,7 +6,7 @@ use super::hints::hint;
 use super::usage;
 use anstyle::{AnsiColor, Style};
 use std::ffi::OsString;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write as _};
 use vtex::Error;
 
 /// A failure of the command line's own, beside those of the library.
@@ -64,6 +64,17 @@ pub(crate) fn explain(error: &anyhow::Error) -> (String, Option<String>, Exit) {
             None => (format!("{error:#}"), None, Exit::Failed),
         },
     }
+}
+
+/// Prints an error as an object of JSON on stdout, for programs: its message, its hint and the exit code.
+pub(crate) fn show_json(error: &anyhow::Error) {
+    let (error, hint, exit) = explain(error);
+    let mut object = serde_json::json!({ "program": vtex::PROGRAM, "error": error, "exit": exit.code() });
+    if let Some(hint) = hint {
+        object["hint"] = hint.into();
+    }
+    // Whoever closed stdout does not want it.
+    let _ = writeln!(std::io::stdout(), "{object:#}");
 }
 
 /// Prints an error and its hint on stderr and says how to exit. Silent if the reader of stdout

@@ -252,10 +252,9 @@ impl LayersReport {
             return format!("one layer{why}");
         }
         let each = self.names.iter().zip(&self.got).enumerate().map(|(k, (name, share))| {
-            let coverage = self
-                .coverage
-                .get(k)
-                .map_or(String::new(), |[wanted, got]| format!(" (coverage {got:.3} of {wanted:.3})"));
+            let coverage = self.coverage.get(k).map_or(String::new(), |[wanted, got]| {
+                format!(" (covered {:.0} %, there {:.0} %)", 100.0 * got, 100.0 * wanted)
+            });
             format!("{name} {:.1} %{coverage}", 100.0 * share)
         });
         format!("layers from bottom to top: {}{why}", each.collect::<Vec<_>>().join(", "))
@@ -304,32 +303,24 @@ impl Summary {
         }
         let mut line = format!("{}: {} x {} px", self.output, self.size[0], self.size[1]);
         if let Some(c) = self.counts {
-            let clipped = match c.clipped {
-                Some(n) if n > 0 => format!(" ({n} cut by the border)"),
-                _ => String::new(),
+            let small = match c.secondaries {
+                0 => String::new(),
+                n => format!(" and {n} small ones"),
             };
-            line.push_str(&format!(
-                ", {} primaries{clipped} in {} categories, {} details, {} secondaries",
-                c.primaries, c.categories, c.details, c.secondaries
-            ));
+            line.push_str(&format!(", {} elements in {} categories{small}", c.primaries, c.categories));
         }
         match self.coverage.as_ref().map(|c| (c.wanted, c.got)) {
             Some((Some(wanted), Some(got))) => {
-                line.push_str(&format!(", coverage {got:.3} of {wanted:.3}"));
+                let [got, wanted] = [got, wanted].map(|share| 100.0 * share);
+                line.push_str(&format!(", covers {got:.0} % (exemplar {wanted:.0} %)"));
             }
             Some((Some(share), None) | (None, Some(share))) => {
-                line.push_str(&format!(", coverage {share:.3}"));
+                line.push_str(&format!(", elements cover {:.0} %", 100.0 * share));
             }
             _ => {}
         }
-        line.push_str(match self.method {
-            Some(Method::Correspondence) => ", by correspondences",
-            Some(Method::Descriptor) => ", by descriptors",
-            Some(Method::Period) => ", by the drawing's period",
-            Some(Method::Auto) | None => "",
-        });
         if let Some(share) = self.period {
-            line.push_str(&format!(" ({:.0} % of the places repeat it)", 100.0 * share));
+            line.push_str(&format!(", {:.0} % of the places repeat the drawing", 100.0 * share));
         }
         if let Some(pattern) = &self.pattern {
             line.push_str(&format!(", pattern in {pattern}"));
@@ -354,6 +345,24 @@ impl Summary {
             say(&format!("seed: {seed} (give --seed {seed} for the same again)"));
         }
         if common.verbosity > 0 {
+            if let Some(c) = &self.counts {
+                let cut = c.clipped.map_or(String::new(), |n| {
+                    format!(", {n} of {} elements are cut by the border", c.primaries)
+                });
+                say(&format!(
+                    "  {} details on elements, {} background colours{cut}",
+                    c.details, c.background
+                ));
+            }
+            let placed = match self.method {
+                Some(Method::Correspondence) => Some("along a field of correspondences"),
+                Some(Method::Descriptor) => Some("by the descriptors of their neighbours"),
+                Some(Method::Period) => Some("by the drawing's period"),
+                Some(Method::Auto) | None => None,
+            };
+            if let Some(how) = placed {
+                say(&format!("  elements were placed {how}"));
+            }
             if let Some(structure) = &self.structure {
                 say(&format!("  {}", carried(structure)));
             }

@@ -1,6 +1,6 @@
 //! Photographs that are reduced before they are analysed.
 
-use super::support::Folder;
+use super::support::{Folder, Run};
 use serde_json::Value;
 use vtex::library::Library;
 use vtex::scene::Scene;
@@ -84,7 +84,9 @@ fn a_reduced_photograph_keeps_its_own_pixels() {
     folder.run("warp small.scene.json --library small.lib.json --stretch 1.3 -o wide.scene.json").succeeds();
     folder.run("metrics small.lib.json small.scene.json").succeeds();
     folder.run("inspect small.lib.json -o page.html").succeeds();
-    folder.run("edit small.scene.json --op \"thin 0.5\" -o thin.svg").succeeds();
+    let edit: Run =
+        folder.command("edit small.scene.json -o thin.svg --op").arg("thin 0.5").output().unwrap().into();
+    edit.succeeds();
     folder.run("layers small.lib.json -o map.png --size 200").succeeds();
     // So does a texture of two photographs, of which one was reduced.
     folder.run("synth small.lib.json whole.lib.json --map terrazzo.png -o both.svg --size 200").succeeds();

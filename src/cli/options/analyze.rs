@@ -75,7 +75,7 @@ pub(crate) struct AnalyzeFlags {
     #[arg(value_parser = one_of(&["flat", "gradient"], named::<Shading>))]
     pub(crate) shading: Option<Shading>,
     /// Most colours, all flat, the background of a vectorized photograph included; 0: as many as there are [0 to 4096, default: 0]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    #[arg(long, alias = "colours", value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) colors: Option<u32>,
     /// Most elements and details together; 0: as many as there are [0 to 10000000, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]

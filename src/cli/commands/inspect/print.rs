@@ -1,5 +1,6 @@
 //! Printing of libraries and scenes.
 
+use super::svg;
 use crate::cli::common::Common;
 use crate::cli::failure::label;
 use crate::cli::foreign::escaped;
@@ -114,7 +115,8 @@ struct CategoryLine {
 pub(super) fn run(common: &Common, input: &Input) -> anyhow::Result<()> {
     let bytes = input.read()?;
     let (name, size) = (input.name(), bytes.len() as u64);
-    let inspection = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene])? {
+    let inspection = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Svg])? {
+        Kind::Svg => return svg::run(common, &name, &bytes),
         Kind::Library => of_library(&Library::from_bytes(bytes, &name)?, name, size),
         _ => of_scene(&Scene::from_bytes(bytes, &name)?, name, size),
     };
