@@ -201,7 +201,7 @@ impl Parameters {
             }
         }
         if let Some(millimetres) = parameters.millimetres {
-            let size = Size::physical(millimetres, parameters.render.dpi);
+            let size = Size::physical(millimetres, parameters.render.dpi.clamp(1, 9600));
             (parameters.synth.width, parameters.synth.height) = (size.width, size.height);
         }
         parameters.validate()?;

@@ -16,17 +16,25 @@ pub(crate) struct Failure {
     message: String,
     hint: Option<String>,
     exit: Exit,
+    /// Whether a program knows it already.
+    told: bool,
 }
 
 impl Failure {
     /// The command line or the configuration is wrong.
     pub(crate) fn usage(message: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: None, exit: Exit::Usage }
+        Self { message: message.into(), hint: None, exit: Exit::Usage, told: false }
     }
 
     /// The work failed.
     pub(crate) fn failed(message: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: None, exit: Exit::Failed }
+        Self { message: message.into(), hint: None, exit: Exit::Failed, told: false }
+    }
+
+    /// A failure that a line of JSON has told already.
+    pub(crate) fn told(mut self) -> Self {
+        self.told = true;
+        self
     }
 
     /// A hint, in one sentence without a full stop.
@@ -68,6 +76,9 @@ pub(crate) fn explain(error: &anyhow::Error) -> (String, Option<String>, Exit) {
 
 /// Prints an error as an object of JSON on stdout, for programs: its message, its hint and the exit code.
 pub(crate) fn show_json(error: &anyhow::Error) {
+    if error.downcast_ref::<Failure>().is_some_and(|failure| failure.told) {
+        return;
+    }
     let (error, hint, exit) = explain(error);
     let mut object = serde_json::json!({ "program": vtex::PROGRAM, "error": error, "exit": exit.code() });
     if let Some(hint) = hint {

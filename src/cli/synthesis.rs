@@ -127,7 +127,7 @@ pub(crate) fn finish(
         let (scene, report) = synthesize_with(libraries, &parameters, controls, reporter)?;
         let library = libraries.first();
         let recipe = recipe.map(|recipe| of_variant(recipe, variant));
-        let drawing = Drawing { svg: *svg, render: *render, recipe: recipe.as_ref() };
+        let drawing = Drawing { svg: svg.fit(libraries), render: *render, recipe: recipe.as_ref() };
         let result = Made { command, inputs: inputs.clone(), library, scene, report };
         result.write(common, reporter, drawing, &targets, pattern.as_ref())?;
     }

@@ -38,7 +38,11 @@ impl FromStr for Size {
         let length = |t: &str| {
             let t = t.trim();
             let (digits, unit) = UNITS.iter().find_map(|(name, unit)| Some((t.strip_suffix(name)?, unit)))?;
-            digits.parse::<f64>().ok().map(|v| v * unit).filter(|v| (0.01..1e6).contains(v))
+            digits
+                .parse::<f64>()
+                .ok()
+                .map(|v| (v * unit * 1e3).round() / 1e3)
+                .filter(|v| (0.01..1e6).contains(v))
         };
         if let (Some(width), Some(height)) = (length(width), length(height)) {
             return Ok(Self::physical([width, height], CSS_DPI));

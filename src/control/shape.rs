@@ -166,7 +166,7 @@ impl Reader<'_> {
                 limit: format!("{MOST_SEGMENTS} segments"),
             });
         }
-        let ruled = |path: &Box<usvg::Path>| {
+        let ruled = |path: &usvg::Path| {
             let rule = match path.fill().map(usvg::Fill::rule) {
                 Some(usvg::FillRule::NonZero) => Rule::NonZero,
                 // In a shape with only a stroke, every ring is an edge.
@@ -174,7 +174,7 @@ impl Reader<'_> {
             };
             Ok((self.closed(path)?, rule))
         };
-        let paths = found.into_iter().map(ruled).collect::<Result<Vec<_>>>()?;
+        let paths = found.into_iter().map(|path| ruled(path)).collect::<Result<Vec<_>>>()?;
         let size = tree.size();
         Ok(Drawn { paths, size: [f64::from(size.width()), f64::from(size.height())] })
     }

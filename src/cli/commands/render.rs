@@ -42,7 +42,7 @@ pub(crate) struct RenderArgs {
     /// - writes PNG to stdout; several -o write several files [default: ./FILE.png]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
-    /// Width of a PNG in place of --scale [1 to 100000 px, default: as the scale says]
+    /// Width of a PNG, where no scale is given [1 to 100000 px, default: as the scale says]
     #[arg(long, value_name = "PX", conflicts_with = "scale", help_heading = "Output")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) width: Option<u32>,
@@ -87,7 +87,7 @@ impl Arguments for RenderArgs {
 
 fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOptions) -> anyhow::Result<()> {
     let RenderOptions { width, scale: parameters, svg, targets, pattern } = options;
-    let mut parameters = *parameters;
+    let (mut parameters, mut svg) = (*parameters, *svg);
     targets.probe()?;
     if let Some(pattern) = pattern {
         pattern.place.probe()?;
@@ -99,7 +99,11 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
     let bytes = input.read()?;
     let name = input.name();
     let scene = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Svg])? {
-        Kind::Library => Some(reconstruct(&Library::from_bytes(&bytes, &name)?)),
+        Kind::Library => {
+            let library = Library::from_bytes(&bytes, &name)?;
+            svg = svg.fit(std::slice::from_ref(&library));
+            Some(reconstruct(&library))
+        }
         Kind::Scene => Some(Scene::from_bytes(&bytes, &name)?),
         _ => None,
     };
@@ -122,7 +126,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
         parameters.scale = f64::from(*width) / f64::from(own);
     }
     let scale = parameters.scale;
-    let drawing = Drawing { svg: *svg, render: parameters, recipe: None };
+    let drawing = Drawing { svg, render: parameters, recipe: None };
     let (written, size) = match &scene {
         Some(scene) => {
             let written = targets.write_scene(scene, None, drawing)?;

@@ -114,6 +114,7 @@ fn run(
     reporter.plan(Plan { finder: Some(analysis.finder()), ..Plan::default() });
     let library = analyze(common, analysis, reporter)?;
     let scene = reconstruct(&library);
+    let drawing = Drawing { svg: drawing.svg.fit(std::slice::from_ref(&library)), ..drawing };
     reporter.stage("writing")?;
     let written = targets.write_scene(&scene, None, drawing)?;
     let summary = Summary {

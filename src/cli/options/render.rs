@@ -15,7 +15,7 @@ pub(crate) struct RenderFlags {
     /// Pixels of a PNG for each pixel of the canvas [0.01 to 100, default: 1]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) scale: Option<f64>,
-    /// Pixels to the inch of an SVG or PDF, and of a --size with units [1 to 9600, default: 96]
+    /// Pixels to the inch of an SVG or PDF, and of sizes with units [1 to 9600, default: 96]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) dpi: Option<u32>,
     /// Background of one colour in place of the exemplar's, or none, so that what is between the elements is
