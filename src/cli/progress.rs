@@ -87,7 +87,7 @@ const ANALYSIS: [Seconds; 5] = [
 ];
 /// Stages of a texture; seconds for each megapixel are those of the canvas.
 const TEXTURE: [Seconds; 4] = [
-    ("structure", 0.2, 0.65),
+    ("structure", 0.15, 0.72),
     ("carrying", 0.0, 0.06),
     ("background field", 0.15, 0.12),
     ("writing", 0.1, 0.35),

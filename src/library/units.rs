@@ -73,7 +73,7 @@ impl Library {
         Self {
             format: self.format.clone(),
             source: self.source.clone(),
-            elements: crate::parallel::map(&self.elements, element),
+            elements: self.elements.iter().map(element).collect(),
             layers: self.layers.iter().map(layer).collect(),
             categories: self.categories.clone(),
             arrangement: self.arrangement.clone(),

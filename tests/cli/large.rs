@@ -3,7 +3,7 @@
 use super::support::{Folder, Run};
 use serde_json::Value;
 use vtex::library::Library;
-use vtex::scene::Scene;
+use vtex::scene::{Instance, Scene};
 
 /// A folder with an exemplar of 512 × 512 px.
 fn folder() -> Folder {
@@ -16,20 +16,20 @@ fn library(folder: &Folder, name: &str) -> Library {
     Library::from_bytes(folder.read(name), name).unwrap()
 }
 
-/// Half of the area of all elements belongs to elements of less than this diameter.
-fn across(library: &Library) -> f64 {
-    let mut areas: Vec<f64> = library.primaries().iter().map(|p| p.outline().area()).collect();
+/// Half of the area of all belongs to elements of less than this size.
+fn across(mut areas: Vec<f64>) -> f64 {
     areas.sort_by(f64::total_cmp);
     let half = areas.iter().sum::<f64>() / 2.0;
     let mut sum = 0.0;
-    areas
-        .into_iter()
-        .find(|area| {
-            sum += area;
-            sum >= half
-        })
-        .unwrap()
-        .sqrt()
+    let at = areas.into_iter().find(|area| {
+        sum += area;
+        sum >= half
+    });
+    at.unwrap().sqrt()
+}
+
+fn across_of(library: &Library) -> f64 {
+    across(library.primaries().iter().map(|p| p.outline().area()).collect())
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn a_reduced_photograph_keeps_its_own_pixels() {
     );
     assert_eq!((whole.source.scale, default.source.scale), ([1.0; 2], [1.0; 2]));
     assert_eq!(default.elements, whole.elements);
-    let (a, b) = (across(&small), across(&whole));
+    let (a, b) = (across_of(&small), across_of(&whole));
     assert!((a / b - 1.0).abs() < 0.25, "elements are {a} px across, not {b}");
     assert!((small.coverage - whole.coverage).abs() < 0.1);
 
@@ -68,19 +68,18 @@ fn a_reduced_photograph_keeps_its_own_pixels() {
         .json();
     assert_eq!(json["size"], serde_json::json!([400, 300]));
     folder.run("synth whole.lib.json -o whole.scene.json --size 400x300 --seed 3").succeeds();
-    let mean = |name: &str| {
+    let size = |name: &str| {
         let scene = Scene::from_bytes(folder.read(name), name).unwrap();
         assert_eq!((scene.width, scene.height), (400, 300));
         let parameters = scene.parameters.clone().unwrap();
         assert_eq!((parameters.width, parameters.height), (400, 300));
-        let gaussians = scene.gaussians();
-        let sizes: Vec<f64> = gaussians.iter().flatten().map(|g| g.size()).collect();
-        assert!(gaussians.iter().flatten().all(|g| g.mean.x > -99.0 && g.mean.x < 499.0));
-        let right = gaussians.iter().flatten().filter(|g| g.mean.x > 200.0).count();
-        assert!(right * 3 > gaussians.len(), "elements fill the canvas");
-        sizes.iter().sum::<f64>() / sizes.len() as f64
+        let places: Vec<f64> = scene.individuals().map(|i| i.transform[4]).collect();
+        let right = places.iter().filter(|x| (200.0..500.0).contains(*x)).count();
+        assert!(right * 3 > places.len() && right * 3 < places.len() * 2, "elements fill the canvas");
+        let area = |i: &Instance| scene.element(i).outline().area() * i.affine().determinant().abs();
+        across(scene.individuals().map(area).collect())
     };
-    let (a, b) = (mean("small.scene.json"), mean("whole.scene.json"));
+    let (a, b) = (size("small.scene.json"), size("whole.scene.json"));
     assert!((a / b - 1.0).abs() < 0.35, "elements are {a} px large, not {b}");
 
     // Commands that put a scene and its library together know both.

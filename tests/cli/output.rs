@@ -320,6 +320,6 @@ fn sizes_may_have_units() {
     let pdf = String::from_utf8_lossy(&folder.read("c.pdf")).into_owned();
     assert!(pdf.contains("/MediaBox [0 0 72 72]"), "an inch has 72 points");
     folder.run(&format!("{synth} --size 9kg")).fails(2, "expected 1000 or 1000x600");
-    folder.run(&format!("{synth} --size 10mm --dpi 0")).fails(2, "1 to 9600");
+    folder.run(&format!("{synth} --size 100mm --dpi 0")).fails(2, "1 to 9600");
     folder.run(&format!("{synth} --size 900m")).fails(2, "size");
 }
