@@ -24,7 +24,7 @@ def synthesize(
     moves: int = 5,
     weights: Sequence[float] = (0.5, -0.4, -0.2, -0.5, -0.5),
     background_spacing: float | None = None,
-    tile: Literal["none", "both", "x", "y"] = "none",
+    tile: bool | Literal["none", "both", "x", "y"] = "none",
     rotate: float = 0.0,
     mirror: bool = False,
     scale_jitter: float = 0.0,
@@ -68,7 +68,7 @@ def synthesize(
         placement, -10 to 10 each.
     background_spacing : float, optional
         Distance between background colours, 4 to 1000 pixels. Default: as in the library.
-    tile : {"none", "both", "x", "y"}, default "none"
+    tile : bool or {"none", "both", "x", "y"}, default "none"
         Axes along which it repeats without a seam.
     rotate : float, default 0.0
         Largest angle by which elements are turned either way, 0 to 180 degrees.
@@ -113,8 +113,10 @@ def synthesize(
         If `progress` returned False.
     """
     libraries = libraries_of(library)
+    if isinstance(tile, bool):
+        tile = "both" if tile else "none"
     if tile not in ("none", "both", "x", "y"):
-        raise InputError(f"tile = {tile!r} cannot be used", "give 'none', 'both', 'x' or 'y'")
+        raise InputError(f"tile = {tile!r} cannot be used", "give True, False, 'none', 'both', 'x' or 'y'")
     names = ("target", "uncovered", "empty", "mismatched", "same_overlap")
     numbers = list(weights)
     if len(numbers) != len(names):
