@@ -39,10 +39,15 @@ fn run(cli: Cli) -> anyhow::Result<()> {
             let reporter = Reporter::new(&common)?;
             let outcome = cli::on_threads(common.threads, || job(&common, &reporter));
             // Work is also stopped when a picture of a stage cannot be written: that is then the reason.
-            match reporter.failure() {
+            let outcome = match reporter.failure() {
                 Some(reason) => Err(reason.into()),
                 None => outcome,
-            }
+            };
+            outcome.inspect_err(|error| {
+                if common.json {
+                    failure::show_json(error);
+                }
+            })
         }
     }
 }

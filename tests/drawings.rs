@@ -273,3 +273,39 @@ fn a_drawing_beside_a_photograph_has_its_part_to_itself() {
     assert!((plain - empty).abs() < 0.06, "{plain} {empty}");
     assert!((report.coverage - report.coverage_wanted).abs() < 0.1, "{report:?}");
 }
+
+#[test]
+fn sizes_are_the_units_of_the_drawing() {
+    let library = read(GARDEN).unwrap();
+    assert_eq!((library.source.width, library.source.height), (480, 360));
+    let params =
+        SynthParams { width: 960, height: 360, tile: Tile { x: true, y: true }, ..SynthParams::default() };
+    let scene = texture(&library, params);
+    assert_eq!((scene.width, scene.height), (960, 360));
+    // Two periods hold twice the area of one.
+    let area = |scene: &Scene| {
+        scene
+            .instances()
+            .map(|i| scene.element(i).outline().area() * i.affine().determinant().abs())
+            .sum::<f64>()
+    };
+    let [one, two] = [area(&reconstruct(&library)), area(&scene)];
+    assert!((two / one - 2.0).abs() < 0.02, "{one} {two}");
+    // A small page, whose map has many pixels for each unit.
+    let inner = r##"<rect width="20" height="16" fill="#eee"/><circle cx="6" cy="5" r="3" fill="#357"/><path
+        d="M12 9h5v4h-5z" fill="#a33"/>"##;
+    let small = String::from_utf8(svg(inner)).unwrap().replace("0 0 100 80", "0 0 20 16");
+    let library = read(small.as_bytes()).unwrap();
+    assert_eq!((library.source.width, library.source.height), (20, 16));
+    assert!(library.source.scale[0] >= 10.0 && library.arrangement.width >= 200);
+    let disc = library.primaries()[0].outline();
+    assert!((disc.area() - 9.0 * std::f64::consts::PI).abs() < 0.1, "{}", disc.area());
+    let scene = texture(&library, SynthParams { width: 60, height: 48, ..SynthParams::default() });
+    assert!(scene.count() >= 9, "{}", scene.count());
+    // Nothing of it is lost in a file, and a page of next to nothing is read as a larger one.
+    assert_eq!(Library::from_bytes(library.to_json(), "again").unwrap(), library);
+    let tiny = String::from_utf8(svg(r##"<circle cx=".5" cy=".4" r=".2"/>"##)).unwrap();
+    let library = read(tiny.replace("0 0 100 80", "0 0 1 .8").as_bytes()).unwrap();
+    assert_eq!((library.source.width, library.source.height), (100, 80));
+    assert!(library.source.warnings[0].contains("read as one of 100 x 80"), "{:?}", library.source.warnings);
+}

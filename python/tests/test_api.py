@@ -62,6 +62,8 @@ def test_results_do_not_depend_on_threads(library, scene, photo_path):
 def test_tiles_continue_at_their_borders(library):
     tile = vtex.synthesize(library, 160, tile="both")
     assert tile.tile == "both" and "both axes" in repr(tile)
+    assert vtex.synthesize(library, 60, tile=True).tile == "both"
+    assert vtex.synthesize(library, 60, tile=False).tile == "none"
     image = tile.render().astype(int)
     across = np.abs(image[:, 0] - image[:, -1]).mean()
     within = np.abs(np.diff(image, axis=1)).mean()

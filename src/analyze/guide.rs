@@ -27,7 +27,7 @@ pub(crate) fn guide(image: &RgbImage) -> Guide {
 /// The lattice of an exemplar, found in its guide. `repeated` if the exemplar is one period of a drawing.
 pub(crate) fn lattice(guide: &Guide, repeated: bool) -> Option<Lattice> {
     let found = lattice::find(&guide.picture.0, repeated)?;
-    Some(found.scaled(f64::from(guide.cell))).filter(|l| l.fault().is_none())
+    Some(found.scaled([f64::from(guide.cell); 2])).filter(|l| l.fault().is_none())
 }
 
 #[cfg(test)]

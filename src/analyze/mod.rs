@@ -20,6 +20,7 @@ mod neighbours;
 mod palette;
 mod pictures;
 mod rate_distortion;
+mod reduced;
 mod secondaries;
 mod shapes;
 mod simplify;
@@ -54,6 +55,9 @@ use unmix::unmixed;
 /// and arrangement and the background's palette. The same arguments give the same library on any number of
 /// threads.
 ///
+/// A photograph of more than `max_pixels` is reduced first. Its library has the units of the photograph all the
+/// same, and says by how much it was reduced ([`Source::scale`]).
+///
 /// An exemplar without primaries is no error. Its library holds the background, secondaries and a
 /// warning.
 ///
@@ -84,9 +88,31 @@ pub fn analyze(
     progress: &dyn Progress,
 ) -> Result<Library> {
     params.validate()?;
+    let (width, height) = exemplar.image.dimensions();
+    let reduced = reduced::reduced(exemplar, segmenter, params, progress)?;
+    let library = analyze_whole(&reduced, [width, height], segmenter, params, progress)?;
+    if reduced.image.dimensions() == (width, height) {
+        return Ok(library);
+    }
+    let [w, h] = [library.source.width, library.source.height].map(f64::from);
+    let scale = [w / f64::from(width), h / f64::from(height)];
+    let mut library = library.scaled(scale.map(|v| 1.0 / v));
+    (library.source.width, library.source.height, library.source.scale) = (width, height, scale);
+    debug_assert_eq!(library.validate(), Ok(()));
+    Ok(library)
+}
+
+/// Analyses all pixels of an exemplar, a reduced photograph whose own size is `whole`.
+fn analyze_whole(
+    exemplar: &Exemplar,
+    whole: [u32; 2],
+    segmenter: &dyn Segmenter,
+    params: &AnalyzeParams,
+    progress: &dyn Progress,
+) -> Result<Library> {
     let image = &exemplar.image;
     let (width, height) = image.dimensions();
-    let masks = segmenter.segment(image, progress)?;
+    let masks = segmenter.segment_reduced(image, whole, progress)?;
     progress.picture("masks", &|| pictures::masks(image, &masks));
 
     advance(progress, "primaries", 0, 1)?;
@@ -233,6 +259,7 @@ fn source(exemplar: &Exemplar, segmenter: &dyn Segmenter, params: &AnalyzeParams
         file: exemplar.file.clone(),
         width,
         height,
+        scale: [1.0; 2],
         sha256: exemplar.sha256.clone(),
         segmenter: segmenter.name(),
         parameters: params.clone(),

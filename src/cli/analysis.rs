@@ -13,7 +13,7 @@ use super::options::files::{ForceArgs, apart, outputs};
 use super::options::layers::{LayerFiles, LayerFilesArgs};
 use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
 use super::output::{Place, Target, say};
-use super::progress::Reporter;
+use super::progress::{Finder, Reporter};
 use super::reading;
 use super::values::Name;
 use image::RgbImage;
@@ -101,6 +101,16 @@ impl Analysis {
         })
     }
 
+    /// What finds elements, for the bar.
+    pub(crate) fn finder(&self) -> Finder {
+        match self.masks {
+            MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_) => Finder::Texton,
+            MasksFrom::File(_) | MasksFrom::Regions | MasksFrom::OneTree | MasksFrom::Felzenszwalb => {
+                Finder::Regions
+            }
+        }
+    }
+
     /// Where masks come from in the end: what [`MasksFrom::Auto`] comes to is decided.
     pub(crate) fn masks(&self) -> MasksFrom {
         sam_from(&self.masks).map_or_else(|| self.masks.clone(), MasksFrom::Sam)
@@ -147,6 +157,12 @@ fn library_of(
     let mut exemplar = Exemplar::from_bytes(&bytes, &analysis.photo.name(), &Limits::default())?;
     exemplar.file = name.into_owned();
     drop(bytes);
+    let megapixels = f64::from(exemplar.image.width()) * f64::from(exemplar.image.height()) / 1e6;
+    let most = match analysis.parameters.max_pixels {
+        0 => megapixels,
+        most => f64::from(most) / 1e6,
+    };
+    reporter.learn(megapixels, megapixels.min(most));
     if let Some(painted) = &analysis.layers.painted {
         exemplar.layers = Some(layer_maps::read(painted)?.layers()?);
     }
@@ -303,17 +319,33 @@ impl Segmenter for Saving<'_> {
     }
 
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> vtex::Result<Vec<ScoredMask>> {
-        let masks = self.segmenter.segment(image, progress)?;
+        self.segment_reduced(image, [image.width(), image.height()], progress)
+    }
+
+    fn segment_reduced(
+        &self,
+        image: &RgbImage,
+        whole: [u32; 2],
+        progress: &dyn Progress,
+    ) -> vtex::Result<Vec<ScoredMask>> {
+        let masks = self.segmenter.segment_reduced(image, whole, progress)?;
         if let Some(place) = self.place {
-            let (width, height) = image.dimensions();
             // Packed where it is written, as everything is.
             let path = place.path();
             let gzip = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
             let plain = if gzip { path.with_extension("") } else { path.to_owned() };
-            let bytes = masks_to_bytes(&plain, &self.name(), width, height, &masks)?;
+            // They have the size of the photograph, so that they can be corrected upon it.
+            let reduced = [image.width(), image.height()];
+            let stretched = |m: &ScoredMask| ScoredMask { mask: m.mask.stretched(reduced, whole), ..*m };
+            let saved = if reduced == whole { masks.clone() } else { masks.iter().map(stretched).collect() };
+            let bytes = masks_to_bytes(&plain, &self.name(), whole[0], whole[1], &saved)?;
             let kind = Kind { format: Format::Library, gzip };
             Target { place: place.clone(), kind }.write_bytes(&bytes)?;
         }
         Ok(masks)
+    }
+
+    fn seeks_elements(&self) -> bool {
+        self.segmenter.seeks_elements()
     }
 }

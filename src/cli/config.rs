@@ -37,6 +37,8 @@ pub(crate) struct Parameters {
     pub(crate) synth: SynthParams,
     /// Whether the size of the canvas was given.
     pub(crate) sized: bool,
+    /// The size in millimetres, if it was given with units.
+    pub(crate) millimetres: Option<[f64; 2]>,
     /// Where the weights of `synth` are to be read from, if not given as numbers.
     pub(crate) weights: Option<Name>,
     pub(crate) svg: SvgParameters,
@@ -48,6 +50,11 @@ pub(crate) struct Parameters {
 pub(crate) struct Given(Table);
 
 impl Given {
+    /// Whether a seed is among them.
+    pub(crate) fn has_seed(&self) -> bool {
+        self.0.contains_key("seed")
+    }
+
     /// Adds the options given to a section (`""` is the top).
     pub(crate) fn add(&mut self, section: &str, flags: &impl Serialize) {
         let table = Table::try_from(flags).expect("options are plain values");
@@ -158,9 +165,10 @@ impl Default for Parameters {
             wrap: Wrap::default(),
             synth: SynthParams::default(),
             sized: false,
+            millimetres: None,
             weights: None,
             svg: SvgParameters { precision: 1, expand: false, css: false, max_bytes: None },
-            render: RenderParameters { scale: 1.0, background: None },
+            render: RenderParameters::default(),
         }
     }
 }
@@ -192,6 +200,10 @@ impl Parameters {
                 parameters.lay(section, table).map_err(Failure::usage)?;
             }
         }
+        if let Some(millimetres) = parameters.millimetres {
+            let size = Size::physical(millimetres, parameters.render.dpi.clamp(1, 9600));
+            (parameters.synth.width, parameters.synth.height) = (size.width, size.height);
+        }
         parameters.validate()?;
         Ok(parameters)
     }
@@ -207,7 +219,8 @@ impl Parameters {
         self.synth.validate()?;
         let SvgParameters { precision, .. } = self.svg;
         check(precision <= 6, "precision", precision.to_string(), "0 to 6 decimals")?;
-        let RenderParameters { scale, .. } = self.render;
+        let RenderParameters { scale, dpi, .. } = self.render;
+        check((1..=9600).contains(&dpi), "dpi", dpi.to_string(), "1 to 9600")?;
         check((0.01..=100.0).contains(&scale), "scale", scale.to_string(), "0.01 to 100")
     }
 
@@ -227,8 +240,9 @@ impl Parameters {
                 self.analyze = over(&self.analyze, values)?;
             }
             "synth" => {
-                take(&mut values, "size", |Size { width, height }| {
+                take(&mut values, "size", |Size { width, height, millimetres }| {
                     (self.synth.width, self.synth.height, self.sized) = (width, height, true);
+                    self.millimetres = millimetres;
                 })?;
                 take(&mut values, "tile", |Axes(tile)| self.synth.tile = tile)?;
                 take(&mut values, "weights", |v| match v {
@@ -259,7 +273,8 @@ impl Parameters {
             }
             "synth" => {
                 let mut t = table(Table::try_from(&SynthParams { seed: 0, ..self.synth.clone() }));
-                let size = Size { width: self.synth.width, height: self.synth.height };
+                let (width, height) = (self.synth.width, self.synth.height);
+                let size = Size { width, height, millimetres: self.millimetres };
                 t.insert("size".into(), Value::try_from(size).expect("text"));
                 let weights = match self.weights.clone() {
                     Some(name) => WeightsFrom::Name(name),

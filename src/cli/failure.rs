@@ -6,7 +6,7 @@ use super::hints::hint;
 use super::usage;
 use anstyle::{AnsiColor, Style};
 use std::ffi::OsString;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write as _};
 use vtex::Error;
 
 /// A failure of the command line's own, beside those of the library.
@@ -16,17 +16,25 @@ pub(crate) struct Failure {
     message: String,
     hint: Option<String>,
     exit: Exit,
+    /// Whether a program knows it already.
+    told: bool,
 }
 
 impl Failure {
     /// The command line or the configuration is wrong.
     pub(crate) fn usage(message: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: None, exit: Exit::Usage }
+        Self { message: message.into(), hint: None, exit: Exit::Usage, told: false }
     }
 
     /// The work failed.
     pub(crate) fn failed(message: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: None, exit: Exit::Failed }
+        Self { message: message.into(), hint: None, exit: Exit::Failed, told: false }
+    }
+
+    /// A failure that a line of JSON has told already.
+    pub(crate) fn told(mut self) -> Self {
+        self.told = true;
+        self
     }
 
     /// A hint, in one sentence without a full stop.
@@ -64,6 +72,20 @@ pub(crate) fn explain(error: &anyhow::Error) -> (String, Option<String>, Exit) {
             None => (format!("{error:#}"), None, Exit::Failed),
         },
     }
+}
+
+/// Prints an error as an object of JSON on stdout, for programs: its message, its hint and the exit code.
+pub(crate) fn show_json(error: &anyhow::Error) {
+    if error.downcast_ref::<Failure>().is_some_and(|failure| failure.told) {
+        return;
+    }
+    let (error, hint, exit) = explain(error);
+    let mut object = serde_json::json!({ "program": vtex::PROGRAM, "error": error, "exit": exit.code() });
+    if let Some(hint) = hint {
+        object["hint"] = hint.into();
+    }
+    // Whoever closed stdout does not want it.
+    let _ = writeln!(std::io::stdout(), "{object:#}");
 }
 
 /// Prints an error and its hint on stderr and says how to exit. Silent if the reader of stdout

@@ -84,6 +84,14 @@ pub(crate) fn beside(result: &Path, format: Format) -> PathBuf {
     result.with_file_name(default_name(result, "", format))
 }
 
+/// `some/out-7.scene.json` for `some/out.scene.json` and 7.
+pub(crate) fn numbered(path: &Path, number: u64) -> PathBuf {
+    let whole = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = stem(path).to_string_lossy().into_owned();
+    let ending = whole.strip_prefix(&stem).unwrap_or_default();
+    path.with_file_name(format!("{stem}-{number}{ending}"))
+}
+
 /// `photo` for `some/photo.lib.json`, whatever bytes the name is made of.
 pub(crate) fn stem(input: &Path) -> OsString {
     let whole = input.file_name().unwrap_or("texture".as_ref());
@@ -134,6 +142,8 @@ mod tests {
                 assert_eq!(default_name(&latin(name), "", Format::Svg), latin(b"caf\xe9.svg"));
             }
         }
+        assert_eq!(numbered(Path::new("x/a.scene.json.gz"), 7), Path::new("x/a-7.scene.json.gz"));
+        assert_eq!(numbered(Path::new("my.out.svg"), 12), Path::new("my.out-12.svg"));
         assert_eq!(beside(Path::new("x/a.svgz"), Format::Scene), Path::new("x/a.scene.json"));
     }
 

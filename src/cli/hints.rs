@@ -1,6 +1,7 @@
 //! Hints after an error of the library, in the words of the command line.
 
 use std::io::ErrorKind;
+use std::path::Path;
 use vtex::Error;
 use vtex::error::EditFault;
 use vtex::library::Library;
@@ -32,9 +33,18 @@ pub(crate) fn allowed(help: &str) -> Option<String> {
     }
 }
 
+/// Whether a path is a pattern that a shell should have replaced.
+fn is_pattern(path: &Path) -> bool {
+    path.to_string_lossy().contains(['*', '?'])
+}
+
 /// One sentence without a full stop: one that names commands and options, else the library's own.
 pub(crate) fn hint(error: &Error) -> Option<String> {
     let text = match error {
+        Error::Read { path, source } if source.kind() == ErrorKind::NotFound && is_pattern(path) => {
+            "the shell found no file of this pattern, or does not expand it: name the files, or give 'vtex batch' \
+             their folder"
+        }
         Error::Read { source, .. } if source.kind() == ErrorKind::IsADirectory => {
             "name a file; 'vtex batch' takes folders"
         }

@@ -213,8 +213,8 @@ impl Targets {
             (Format::Library, Some(library)) => target.write_bytes(&library.to_json()),
             _ => target.write_scene(scene, drawing),
         })?;
-        if drawing.svg.max_bytes.is_some() && !self.has(Format::Svg) {
-            written.warnings.push("--max-bytes has no effect here: it is for .svg and .svgz".into());
+        if drawing.svg.max_bytes.is_some() && !self.has(Format::Svg) && !self.has(Format::Pdf) {
+            written.warnings.push("--max-bytes has no effect here: it is for .svg, .svgz and .pdf".into());
         }
         Ok(written)
     }
@@ -246,20 +246,26 @@ impl Target {
         Ok(Written::of(count))
     }
 
-    /// Writes a scene as what the name asks for; the scale counts for PNG only, recipe and limit of bytes
-    /// for SVG only.
+    /// Writes a scene as what the name asks for; the scale counts for PNG only, the recipe for SVG only, the
+    /// limit of bytes for SVG and PDF.
     ///
     /// # Errors
     /// As [`Place::write`], and those of the writers and of [`reduce::to_fit`].
     pub(crate) fn write_scene(&self, scene: &Scene, drawing: Drawing<'_>) -> Result<Written> {
-        let Drawing { svg, recipe, .. } = drawing;
+        let Drawing { svg, recipe, render } = drawing;
+        let dpi = render.dpi;
         let scene = &*drawing.scene(scene);
         Ok(match self.kind.format {
             Format::Svg => {
-                return self.write_svg(scene, svg, |s, o, out| svg::write_with_recipe(s, o, recipe, out));
+                return self.write_within(scene, svg, |s, o, out| {
+                    svg::write_at(s, o, recipe, dpi, out).map(|summary| summary.warnings)
+                });
             }
             Format::Scene | Format::Library => self.write_bytes(&scene.to_json())?,
-            Format::Pdf => Written::of(self.place.write(|out| pdf::write(scene, out))?.1),
+            Format::Pdf => {
+                return self
+                    .write_within(scene, svg, |s, _, out| pdf::write_at(s, dpi, out).map(|_| Vec::new()));
+            }
             Format::Png => {
                 let picture = drawing.picture(scene)?;
                 let seed = scene.parameters.as_ref().map(|p| p.seed);
@@ -273,7 +279,9 @@ impl Target {
     /// # Errors
     /// As [`Place::write`], and those of [`svg::write_pattern`] and of [`reduce::to_fit`].
     pub(crate) fn write_pattern(&self, scene: &Scene, drawing: Drawing<'_>) -> Result<Written> {
-        self.write_svg(&drawing.scene(scene), drawing.svg, |s, o, out| svg::write_pattern(s, o, out))
+        self.write_within(&drawing.scene(scene), drawing.svg, |s, o, out| {
+            svg::write_pattern(s, o, out).map(|summary| summary.warnings)
+        })
     }
 
     /// Writes the way between two scenes as an SVG that plays.
@@ -301,17 +309,17 @@ impl Target {
         Ok(Written { bytes, warnings: summary.warnings, ..Written::default() })
     }
 
-    /// Writes a scene by `writer`, as much of it as is allowed.
-    fn write_svg(
+    /// Writes a scene by `writer`, which gives its warnings, as much of it as is allowed.
+    fn write_within(
         &self,
         scene: &Scene,
         svg: SvgParameters,
-        writer: impl Fn(&Scene, &svg::SvgOptions, &mut dyn Write) -> Result<svg::SvgSummary>,
+        writer: impl Fn(&Scene, &svg::SvgOptions, &mut dyn Write) -> Result<Vec<String>>,
     ) -> Result<Written> {
         let options = svg.into();
         let Some(Bytes(most)) = svg.max_bytes else {
-            let (summary, bytes) = self.place.write(|out| self.pack(out, |w| writer(scene, &options, w)))?;
-            return Ok(Written { bytes, warnings: summary.warnings, ..Written::default() });
+            let (warnings, bytes) = self.place.write(|out| self.pack(out, |w| writer(scene, &options, w)))?;
+            return Ok(Written { bytes, warnings, ..Written::default() });
         };
         let measure = |scene: &Scene, options: &svg::SvgOptions| {
             let mut out = Sealed::new(Counting::new(io::sink()));
@@ -319,10 +327,10 @@ impl Target {
             Ok(out.finish().map_err(|e| Error::write(Path::new("-"), e))?.count)
         };
         let reduced = reduce::to_fit(scene, &options, most, measure).map_err(or_interrupted)?;
-        let (summary, bytes) =
+        let (warnings, bytes) =
             self.place.write(|out| self.pack(out, |w| writer(&reduced.scene, &reduced.options, w)))?;
         let given_up = reduced.given_up;
-        Ok(Written { bytes, warnings: summary.warnings, given_up, others: Vec::new() })
+        Ok(Written { bytes, warnings, given_up, others: Vec::new() })
     }
 
     /// Hands a writer to `content` that packs if the name asks for it; then the content is sealed here.

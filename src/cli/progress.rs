@@ -7,10 +7,10 @@ use super::interrupt;
 use super::output::{Place, say_styled};
 use anstyle::AnsiColor;
 use image::RgbImage;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use vtex::{Error, Progress, Result};
 
@@ -21,10 +21,13 @@ pub(crate) struct Reporter {
     talks: bool,
     debug_folder: Option<PathBuf>,
     state: Mutex<State>,
+    /// Shared with the bar, which asks it at every tick.
+    whole: Arc<Mutex<Whole>>,
+    start: Instant,
 }
 
 struct State {
-    bar: Whole,
+    plan: Option<Plan>,
     stage: &'static str,
     since: Instant,
     seconds: Vec<(&'static str, Duration)>,
@@ -34,12 +37,67 @@ struct State {
     failure: Option<Error>,
 }
 
-/// Steps of the bar.
-const STEPS: u64 = 1000;
+/// Characters of the bar.
+const WIDE: usize = 32;
 
-/// Seconds of stages in their order, as photographs of a megapixel take them: what is before and what is
-/// after a stage is known by it. Of what is not here nothing is known.
-const STAGES: [(&str, f64); 28] = [
+/// What a command does, as far as its time depends on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Plan {
+    /// What finds the elements of a photograph, if one is analysed.
+    pub(crate) finder: Option<Finder>,
+    /// Megapixels of the photograph as it is analysed.
+    pub(crate) megapixels: f64,
+    /// Megapixels of the canvas of a texture, if one is made.
+    pub(crate) canvas: Option<f64>,
+}
+
+/// What finds the elements of a photograph, as far as its time depends on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Finder {
+    Texton,
+    Regions,
+}
+
+/// Megapixels of a photograph of which nothing is known yet.
+const USUAL: f64 = 0.8;
+
+/// Seconds of a stage: of its own, and for each megapixel.
+type Seconds = (&'static str, f64, f64);
+
+/// Stages of finding elements with the network; measured, as those below, on two cores with photographs of .25
+/// to 1.2 megapixels and canvases of 1 and 9.
+const TEXTON: [Seconds; 7] = [
+    ("reading", 0.02, 0.0),
+    ("loading", 0.08, 0.0),
+    ("reading the image", 0.8, 2.1),
+    ("finding masks: coarse grid", 0.02, 0.15),
+    ("finding masks: fine grid", 0.0, 0.35),
+    ("finding masks: finest grid", 0.05, 0.65),
+    ("judging masks", 0.05, 0.8),
+];
+/// The same by merged regions.
+const REGIONS: [Seconds; 2] = [("reading", 0.02, 0.0), ("merging regions", 0.02, 0.45)];
+/// The rest of the analysis.
+const ANALYSIS: [Seconds; 5] = [
+    ("primaries", 0.05, 1.15),
+    ("details", 0.06, 0.75),
+    ("joining", 0.0, 0.06),
+    ("outlines", 0.1, 2.2),
+    ("categories", 0.02, 0.2),
+];
+/// Stages of a texture; seconds for each megapixel are those of the canvas.
+const TEXTURE: [Seconds; 4] = [
+    ("structure", 0.15, 0.72),
+    ("carrying", 0.0, 0.06),
+    ("background field", 0.15, 0.12),
+    ("writing", 0.1, 0.35),
+];
+/// What is written where no texture is made; megapixels of the photograph.
+const WRITING: [Seconds; 1] = [("writing", 0.03, 0.35)];
+
+/// Seconds of stages in their order, where nothing is known of what a command does: what is before and what is
+/// after a stage is known by it. Of those that may come, half do.
+const ANY: [(&str, f64); 28] = [
     ("reading", 0.1),
     ("loading", 0.1),
     ("merging regions", 0.9),
@@ -70,32 +128,101 @@ const STAGES: [(&str, f64); 28] = [
     ("writing", 0.5),
 ];
 
-/// How far all the work is. It never goes back: a stage takes its part of what is left.
-#[derive(Debug, Default)]
+impl Plan {
+    /// Stages and the seconds that they are expected to take.
+    fn stages(&self) -> Vec<(&'static str, f64)> {
+        let megapixels = if self.megapixels > 0.0 { self.megapixels } else { USUAL };
+        let of = |stages: &[Seconds], size: f64| -> Vec<(&'static str, f64)> {
+            stages.iter().map(|&(name, own, each)| (name, own + each * size)).collect()
+        };
+        let mut all = match self.finder {
+            Some(Finder::Texton) => of(&TEXTON, megapixels),
+            Some(Finder::Regions) => of(&REGIONS, megapixels),
+            None => Vec::new(),
+        };
+        if self.finder.is_some() {
+            all.extend(of(&ANALYSIS, megapixels));
+        }
+        match self.canvas {
+            Some(canvas) => all.extend(of(&TEXTURE, canvas)),
+            None => all.extend(of(&WRITING, megapixels)),
+        }
+        all
+    }
+}
+
+/// How far all the work is: the share of the time gone by in all the time that is expected. It never goes back.
+#[derive(Debug)]
 struct Whole {
-    /// Share done before the stage, and share of the stage.
-    before: f64,
-    part: f64,
+    stages: Vec<(&'static str, f64)>,
+    /// Place of the stage among these, and the seconds expected of it.
+    at: usize,
+    expected: f64,
+    /// When it began, in seconds of all the work.
+    since: f64,
+    /// Steps done and all steps of the stage; the latter is 0 while it is unknown.
+    steps: (u64, u64),
+    /// Seconds that the stages before took, and those that were expected of them.
+    spent: [f64; 2],
     /// The largest share shown.
     shown: f64,
 }
 
+impl Default for Whole {
+    fn default() -> Self {
+        let stages = ANY.iter().map(|&(name, seconds)| (name, seconds / 2.0)).collect();
+        Self { stages, at: 0, expected: 0.0, since: 0.0, steps: (0, 0), spent: [0.0; 2], shown: 0.0 }
+    }
+}
+
+/// How much of all the work must be done until its speed counts as much as what was measured elsewhere.
+const PRIOR: f64 = 0.1;
+/// Seconds expected of a stage that is in no plan.
+const UNKNOWN: f64 = 0.3;
+
 impl Whole {
-    /// Begins a stage: what stands before it in the table is over, what stands after it is to come.
-    fn enter(&mut self, stage: &str) {
-        self.before = self.shown;
-        let left = 1.0 - self.before;
-        let known = STAGES.iter().position(|(name, _)| *name == stage);
-        let weight = known.map_or(1.0, |at| STAGES[at].1);
-        // Of the stages that may come, half do.
-        let after: f64 = known.map_or(4.0, |at| STAGES[at + 1..].iter().map(|s| s.1).sum::<f64>() / 2.0);
-        self.part = left * weight / (weight + after);
+    /// What comes is known better. The stage goes on.
+    fn plan(&mut self, plan: &Plan) {
+        let name = self.stages.get(self.at).map(|stage| stage.0);
+        self.stages = plan.stages();
+        self.at = self.stages.iter().position(|stage| Some(stage.0) == name).unwrap_or(0);
     }
 
-    /// The share done after a number of steps of the stage.
-    fn share(&mut self, done: u64, total: u64) -> f64 {
-        let within = if total > 0 { (done as f64 / total as f64).min(1.0) } else { 0.0 };
-        self.shown = self.shown.max(self.before + within * self.part).min(1.0);
+    /// Begins a stage: what stands before it in the plan is over, what stands after it is to come.
+    fn enter(&mut self, stage: &str, now: f64) {
+        self.spent[0] = now;
+        self.spent[1] += self.expected;
+        (self.since, self.steps) = (now, (0, 0));
+        let known = self.stages.iter().skip(self.at).position(|(name, _)| *name == stage);
+        match known {
+            Some(further) => {
+                self.at += further;
+                self.expected = self.stages[self.at].1;
+            }
+            None => self.expected = UNKNOWN,
+        }
+    }
+
+    /// The share done at a time.
+    fn share(&mut self, now: f64) -> f64 {
+        // This machine is faster or slower than the one that was measured; at first that is not known.
+        let prior = PRIOR * self.stages.iter().map(|stage| stage.1).sum::<f64>();
+        let rate = (self.spent[0] + prior) / (self.spent[1] + prior);
+        let gone = now - self.since;
+        let expected = (self.expected * rate - gone).max(0.1 * gone);
+        let left = match self.steps {
+            (done, total) if done > 0 && total > 0 => {
+                let part = (done as f64 / total as f64).min(1.0);
+                part * (gone / part - gone) + (1.0 - part) * expected
+            }
+            _ => expected,
+        };
+        let known = self.stages.get(self.at).is_some_and(|stage| stage.1 == self.expected);
+        let next = if known { self.at + 1 } else { self.at };
+        let after: f64 = self.stages.iter().skip(next).map(|stage| stage.1).sum();
+        let all = now + left + after * rate;
+        let share = if all > 0.0 { now / all } else { 0.0 };
+        self.shown = self.shown.max(share).min(1.0);
         self.shown
     }
 }
@@ -115,7 +242,7 @@ impl Reporter {
             std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
         }
         let state = State {
-            bar: Whole::default(),
+            plan: None,
             stage: "",
             since: Instant::now(),
             seconds: Vec::new(),
@@ -124,11 +251,46 @@ impl Reporter {
             failure: None,
         };
         Ok(Self {
-            bar: ProgressBar::with_draw_target(Some(STEPS), target),
+            bar: ProgressBar::with_draw_target(None, target),
             talks,
             debug_folder: common.debug_folder.clone(),
             state: Mutex::new(state),
+            whole: Arc::default(),
+            start: Instant::now(),
         })
+    }
+
+    /// Says what will be done, so that the bar knows how long it takes.
+    pub(crate) fn plan(&self, plan: Plan) {
+        self.state().plan = Some(plan);
+        self.whole().plan(&plan);
+    }
+
+    /// Says how many megapixels the photograph of the plan has, and how many of them are analysed.
+    pub(crate) fn learn(&self, megapixels: f64, analysed: f64) {
+        let Some(plan) = self.state().plan else { return };
+        // A texture is placed on the pixels of the analysis.
+        let canvas = plan.canvas.map(|canvas| canvas * analysed / megapixels);
+        self.whole().plan(&Plan { megapixels: analysed, canvas, ..plan });
+    }
+
+    fn whole(&self) -> MutexGuard<'_, Whole> {
+        self.whole.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A bar that moves with the clock, also in stages that report rarely.
+    fn style(&self) -> ProgressStyle {
+        let (whole, start) = (Arc::clone(&self.whole), self.start);
+        let draw = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+            let share =
+                whole.lock().unwrap_or_else(PoisonError::into_inner).share(start.elapsed().as_secs_f64());
+            let full = (share * WIDE as f64) as usize;
+            let head = if full < WIDE { ">" } else { "" };
+            // Nothing can be done about a terminal that takes no text.
+            let _ = write!(out, "[{:=<full$}{head:<1$}] {2:>3} %", "", WIDE - full, (share * 100.0) as u32);
+        };
+        let style = ProgressStyle::with_template("{spinner} {share} {msg}");
+        style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("share", draw)
     }
 
     /// Names what is done next.
@@ -196,17 +358,14 @@ impl Progress for Reporter {
         let mut state = self.state();
         if state.stage != stage {
             if state.stage.is_empty() && state.seconds.is_empty() {
-                let style = ProgressStyle::with_template("{spinner} [{bar:32}] {percent:>3} % {msg}");
-                let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
-                self.bar.set_style(style.progress_chars("=> "));
-                // The clock goes on in stages that report rarely.
+                self.bar.set_style(self.style());
                 self.bar.enable_steady_tick(Duration::from_millis(120));
             }
             state.enter(stage);
-            state.bar.enter(stage);
+            self.whole().enter(stage, self.start.elapsed().as_secs_f64());
             self.bar.set_message(stage);
         }
-        self.bar.set_position((state.bar.share(done, total) * STEPS as f64) as u64);
+        self.whole().steps = (done, total);
         state.failure.is_none() && !interrupt::asked()
     }
 
@@ -241,21 +400,141 @@ mod tests {
     #[test]
     fn the_bar_never_goes_back_and_never_restarts() {
         let mut whole = Whole::default();
-        let mut last = 0.0;
+        let (mut last, mut now) = (0.0, 0.0);
         let stages =
             ["reading", "merging regions", "primaries", "outlines", "structure", "unheard of", "writing"];
         for stage in stages.into_iter().chain(["drawing"; 3]) {
-            whole.enter(stage);
-            for (done, total) in [(0, 0), (0, 4), (2, 4), (1, 4), (4, 4), (9, 4), (0, 0)] {
-                let share = whole.share(done, total);
-                assert!((last..=1.0).contains(&share), "{stage} {done}/{total}: {last} {share}");
+            whole.enter(stage, now);
+            for steps in [(0, 0), (0, 4), (2, 4), (1, 4), (4, 4), (9, 4), (0, 0)] {
+                whole.steps = steps;
+                now += 0.1;
+                let share = whole.share(now);
+                assert!((last..=1.0).contains(&share), "{stage} {steps:?}: {last} {share}");
                 last = share;
             }
         }
         assert!(last > 0.7, "{last}");
-        // A stage that takes most of the time gets most of the bar.
-        let mut whole = Whole::default();
-        whole.enter("tuning");
-        assert!(whole.share(1, 1) > 0.8);
+    }
+
+    fn plan(finder: Finder, megapixels: f64, canvas: Option<f64>) -> Plan {
+        Plan { finder: Some(finder), megapixels, canvas }
+    }
+
+    /// Seconds by stage of runs of the released program, in the order of the plan's stages.
+    type Run = (&'static str, Plan, &'static [f64]);
+
+    fn runs() -> Vec<Run> {
+        vec![
+            (
+                "concrete, texture",
+                plan(Finder::Texton, 0.25, Some(1.0)),
+                &[
+                    0.021, 0.149, 1.373, 0.01, 0.042, 0.155, 0.247, 0.343, 0.227, 0.009, 0.712, 0.078, 0.897,
+                    0.047, 0.277, 0.384,
+                ],
+            ),
+            (
+                "concrete, vectorize",
+                plan(Finder::Regions, 0.25, None),
+                &[0.019, 0.091, 0.254, 0.217, 0.008, 0.583, 0.086, 0.104],
+            ),
+            (
+                "flowers, texture",
+                plan(Finder::Texton, 0.25, Some(1.0)),
+                &[
+                    0.008, 0.054, 1.218, 0.018, 0.051, 0.112, 0.219, 0.298, 0.282, 0.014, 0.546, 0.05, 0.753,
+                    0.046, 0.234, 0.408,
+                ],
+            ),
+            (
+                "flowers, vectorize",
+                plan(Finder::Regions, 0.25, None),
+                &[0.025, 0.094, 0.31, 0.29, 0.016, 0.578, 0.079, 0.086],
+            ),
+            (
+                "leaves, texture",
+                plan(Finder::Texton, 0.3, Some(1.0)),
+                &[
+                    0.004, 0.066, 1.705, 0.031, 0.097, 0.186, 0.288, 0.358, 0.368, 0.017, 0.926, 0.068,
+                    0.748, 0.061, 0.354, 0.452,
+                ],
+            ),
+            (
+                "leaves, vectorize",
+                plan(Finder::Regions, 0.3, None),
+                &[0.019, 0.125, 0.37, 0.355, 0.02, 0.913, 0.123, 0.206],
+            ),
+            (
+                "floor, texture",
+                plan(Finder::Texton, 1.049, Some(1.0)),
+                &[
+                    0.022, 0.101, 2.735, 0.831, 1.056, 1.294, 0.739, 1.562, 1.144, 0.345, 2.414, 0.199,
+                    0.551, 0.465, 0.127, 0.392,
+                ],
+            ),
+            (
+                "floor, vectorize",
+                plan(Finder::Regions, 1.049, None),
+                &[0.073, 0.405, 1.14, 0.737, 0.045, 1.611, 0.21, 0.323],
+            ),
+            (
+                "mud, texture",
+                plan(Finder::Texton, 1.171, Some(1.0)),
+                &[
+                    0.015, 0.07, 3.268, 0.062, 0.212, 0.817, 1.031, 1.466, 0.813, 0.073, 3.344, 0.211, 0.351,
+                    0.084, 0.543, 0.508,
+                ],
+            ),
+            (
+                "mud, vectorize",
+                plan(Finder::Regions, 1.171, None),
+                &[0.081, 0.589, 1.591, 1.223, 0.09, 3.514, 0.477, 0.546],
+            ),
+            (
+                "tile, texture",
+                plan(Finder::Texton, 0.25, Some(1.0)),
+                &[
+                    0.008, 0.101, 1.256, 0.035, 0.085, 0.172, 0.324, 0.357, 0.334, 0.031, 0.301, 0.071,
+                    1.019, 0.192, 0.084, 0.311,
+                ],
+            ),
+            (
+                "concrete, texture of 9 megapixels",
+                plan(Finder::Texton, 0.25, Some(9.0)),
+                &[
+                    0.011, 0.058, 1.239, 0.015, 0.062, 0.127, 0.22, 0.261, 0.206, 0.006, 0.596, 0.046, 6.457,
+                    0.597, 1.184, 3.266,
+                ],
+            ),
+        ]
+    }
+
+    #[test]
+    fn the_bar_is_within_a_tenth_of_the_time_gone_by() {
+        for (name, plan, seconds) in runs() {
+            let stages = plan.stages();
+            assert_eq!(stages.len(), seconds.len(), "{name}");
+            // Machines differ in speed.
+            for slower in [0.8, 1.0, 1.25] {
+                let mut whole = Whole::default();
+                whole.enter("reading", 0.0);
+                whole.plan(&plan);
+                let total: f64 = seconds.iter().sum::<f64>() * slower;
+                let mut begin = 0.0;
+                for ((stage, _), own) in stages.iter().zip(seconds) {
+                    whole.enter(stage, begin);
+                    for k in 0..=20 {
+                        let now = begin + own * slower * f64::from(k) / 20.0;
+                        let (shown, true_share) = (whole.share(now), now / total);
+                        let apart = (shown - true_share).abs();
+                        // Outlines, the longest stage of vectorize, depend on the photograph most.
+                        let most = if plan.canvas.is_some() { 0.1 } else { 0.15 };
+                        assert!(apart <= most, "{name} x {slower}: {stage}: {shown:.3} at {true_share:.3}");
+                    }
+                    begin += own * slower;
+                }
+                assert!(whole.shown > 0.97, "{name}: it ends at {}", whole.shown);
+            }
+        }
     }
 }

@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::input::{Input, Kind};
 use super::layer_maps;
 use super::options::control::{DomainFrom, LeadFrom, Steering};
+use super::recipe::metadata;
 use vtex::control;
 use vtex::library::Library;
 use vtex::scene::{Method, Scene, SynthParams};
@@ -82,8 +83,18 @@ pub(crate) fn lead(steering: &Steering, library: &Library) -> anyhow::Result<Opt
 pub(crate) fn scene(input: &Input) -> anyhow::Result<Scene> {
     let bytes = input.read()?;
     Kind::expect(&bytes, input, &[Kind::Scene, Kind::Unknown])
-        .map_err(|failure| failure.hint("make a scene with 'vtex synth photo.lib.json -o out.scene.json'"))?;
+        .map_err(|failure| failure.hint(scene_hint(&bytes, input)))?;
     Ok(Scene::from_bytes(bytes, &input.name())?)
+}
+
+/// Where a scene comes from, for who gives something else.
+fn scene_hint(bytes: &[u8], input: &Input) -> String {
+    if metadata(bytes).is_none() {
+        return "make a scene with 'vtex synth photo.lib.json -o out.scene.json'".into();
+    }
+    let scene = input.path().with_extension("scene.json");
+    let (svg, scene) = (input.name(), scene.display());
+    format!("make its scene again: vtex texture PHOTO --again {svg} -o {scene}")
 }
 
 /// A scene out of its bytes, or out of those of a library, as its exemplar is.

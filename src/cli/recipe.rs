@@ -84,6 +84,16 @@ pub(crate) fn of(
     Ok(write(parameters, segmenter, &parts, model.as_ref().map(Name::as_str)))
 }
 
+/// The recipe of a variant: the photograph is analysed once, with the seed of the first.
+pub(crate) fn of_variant(recipe: &Value, variant: u64) -> Value {
+    let mut recipe = recipe.clone();
+    let own = recipe.get("variant").and_then(Value::as_u64).unwrap_or(0) + variant;
+    if own > 0 {
+        recipe["variant"] = own.into();
+    }
+    recipe
+}
+
 /// A recipe that was read.
 pub(crate) struct Recipe {
     /// The SVG that holds it, in quotes.
@@ -93,6 +103,8 @@ pub(crate) struct Recipe {
     pub(crate) parts: Vec<Part>,
     /// The model of Segment Anything, if one was named.
     pub(crate) model: Option<String>,
+    /// How many seeds after that of the analysis the texture has its own.
+    pub(crate) variant: u64,
 }
 
 /// Writes down parameters and parts; `segmenter` is what finds masks if none are given.
@@ -137,13 +149,14 @@ impl Recipe {
         let model = recipe.get("model").and_then(Value::as_str).map(str::to_owned);
         let mut table = toml::Table::new();
         for (key, value) in recipe {
-            if !["command", "files", "model"].contains(&key.as_str()) {
+            if !["command", "files", "model", "variant"].contains(&key.as_str()) {
                 let value = toml::Value::try_from(value).map_err(|_| missing())?;
                 table.insert(key.clone(), value);
             }
         }
         let parameters = Layer::new(place.clone(), table)?;
-        Ok(Self { place, program, parameters, parts, model })
+        let variant = recipe.get("variant").and_then(Value::as_u64).unwrap_or(0);
+        Ok(Self { place, program, parameters, parts, model, variant })
     }
 
     /// The file that had a role.
@@ -169,7 +182,7 @@ impl Recipe {
 }
 
 /// The metadata of an SVG.
-fn metadata(bytes: &[u8]) -> Option<Value> {
+pub(crate) fn metadata(bytes: &[u8]) -> Option<Value> {
     let head = vtex::gzip::beginning(bytes, HEAD);
     let text = String::from_utf8_lossy(&head);
     let (_, rest) = text.split_once("<metadata")?;

@@ -86,7 +86,7 @@ const COMMON: [(&str, &[(&str, &str)]); 20] = [
             ("scene", "The scene; - reads stdin"),
             ("flow", "shear, vortex, wind, or a picture of directions"),
             ("frames", "Pictures in a loop"),
-            ("output", "Result: .gif, .png, .apng or a folder"),
+            ("output", "Result: .svg, .gif, .png, .apng or a folder"),
         ],
     ),
     (

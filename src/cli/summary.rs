@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use vtex::Progress;
-use vtex::library::{Lattice, Library};
+use vtex::library::{Lattice, Library, SourceKind};
 use vtex::output::reduce::GivenUp;
 use vtex::raster::colour::Colour;
 use vtex::scene::{Method, Role, Scene};
@@ -39,6 +39,9 @@ pub(crate) struct Summary {
     pub(crate) seed: Option<u64>,
     /// Size of the picture, in pixels.
     pub(crate) size: [u32; 2],
+    /// The photograph that was reduced before it was analysed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) reduced: Option<Reduced>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) counts: Option<Counts>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -95,6 +98,7 @@ impl Summary {
             given_up: written.given_up,
             seed: None,
             size: [0; 2],
+            reduced: None,
             counts: None,
             coverage: None,
             layers: None,
@@ -121,6 +125,22 @@ pub(crate) struct Other {
 impl From<(PathBuf, u64)> for Other {
     fn from((path, bytes): (PathBuf, u64)) -> Self {
         Self { output: path.display().to_string(), bytes }
+    }
+}
+
+/// Sizes of a photograph that was reduced before it was analysed, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct Reduced {
+    pub(crate) from: [u32; 2],
+    pub(crate) to: [u32; 2],
+}
+
+impl Reduced {
+    /// Of the exemplar of a library; none if it was analysed as it is.
+    pub(crate) fn of_library(library: &Library) -> Option<Self> {
+        let from = [library.source.width, library.source.height];
+        let to = [library.arrangement.width, library.arrangement.height];
+        (library.source.kind == SourceKind::Photograph && from != to).then_some(Self { from, to })
     }
 }
 
@@ -236,10 +256,9 @@ impl LayersReport {
             return format!("one layer{why}");
         }
         let each = self.names.iter().zip(&self.got).enumerate().map(|(k, (name, share))| {
-            let coverage = self
-                .coverage
-                .get(k)
-                .map_or(String::new(), |[wanted, got]| format!(" (coverage {got:.3} of {wanted:.3})"));
+            let coverage = self.coverage.get(k).map_or(String::new(), |[wanted, got]| {
+                format!(" (covered {:.0} %, there {:.0} %)", 100.0 * got, 100.0 * wanted)
+            });
             format!("{name} {:.1} %{coverage}", 100.0 * share)
         });
         format!("layers from bottom to top: {}{why}", each.collect::<Vec<_>>().join(", "))
@@ -288,32 +307,24 @@ impl Summary {
         }
         let mut line = format!("{}: {} x {} px", self.output, self.size[0], self.size[1]);
         if let Some(c) = self.counts {
-            let clipped = match c.clipped {
-                Some(n) if n > 0 => format!(" ({n} cut by the border)"),
-                _ => String::new(),
+            let small = match c.secondaries {
+                0 => String::new(),
+                n => format!(" and {n} small ones"),
             };
-            line.push_str(&format!(
-                ", {} primaries{clipped} in {} categories, {} details, {} secondaries",
-                c.primaries, c.categories, c.details, c.secondaries
-            ));
+            line.push_str(&format!(", {} elements in {} categories{small}", c.primaries, c.categories));
         }
         match self.coverage.as_ref().map(|c| (c.wanted, c.got)) {
             Some((Some(wanted), Some(got))) => {
-                line.push_str(&format!(", coverage {got:.3} of {wanted:.3}"));
+                let [got, wanted] = [got, wanted].map(|share| 100.0 * share);
+                line.push_str(&format!(", covers {got:.0} % (exemplar {wanted:.0} %)"));
             }
             Some((Some(share), None) | (None, Some(share))) => {
-                line.push_str(&format!(", coverage {share:.3}"));
+                line.push_str(&format!(", elements cover {:.0} %", 100.0 * share));
             }
             _ => {}
         }
-        line.push_str(match self.method {
-            Some(Method::Correspondence) => ", by correspondences",
-            Some(Method::Descriptor) => ", by descriptors",
-            Some(Method::Period) => ", by the drawing's period",
-            Some(Method::Auto) | None => "",
-        });
         if let Some(share) = self.period {
-            line.push_str(&format!(" ({:.0} % of the places repeat it)", 100.0 * share));
+            line.push_str(&format!(", {:.0} % of the places repeat the drawing", 100.0 * share));
         }
         if let Some(pattern) = &self.pattern {
             line.push_str(&format!(", pattern in {pattern}"));
@@ -322,6 +333,11 @@ impl Summary {
         say(&line);
         for Other { output, bytes: size } in &self.others {
             say(&format!("{output}: {}", bytes(*size)));
+        }
+        if let Some(Reduced { from: [w, h], to: [x, y] }) = self.reduced {
+            say(&format!(
+                "the photograph of {w} x {h} px was reduced to {x} x {y} px first (--max-pixels says how far)"
+            ));
         }
         if let Some(layers) = &self.layers {
             say(&layers.in_words());
@@ -336,6 +352,24 @@ impl Summary {
             say(&format!("seed: {seed} (give --seed {seed} for the same again)"));
         }
         if common.verbosity > 0 {
+            if let Some(c) = &self.counts {
+                let cut = c.clipped.map_or(String::new(), |n| {
+                    format!(", {n} of {} elements are cut by the border", c.primaries)
+                });
+                say(&format!(
+                    "  {} details on elements, {} background colours{cut}",
+                    c.details, c.background
+                ));
+            }
+            let placed = match self.method {
+                Some(Method::Correspondence) => Some("along a field of correspondences"),
+                Some(Method::Descriptor) => Some("by the descriptors of their neighbours"),
+                Some(Method::Period) => Some("by the drawing's period"),
+                Some(Method::Auto) | None => None,
+            };
+            if let Some(how) = placed {
+                say(&format!("  elements were placed {how}"));
+            }
             if let Some(structure) = &self.structure {
                 say(&format!("  {}", carried(structure)));
             }

@@ -8,9 +8,11 @@ use super::options::files::ForceArgs;
 use super::options::pattern::{PatternArgs, pattern};
 use super::options::render::RenderParameters;
 use super::options::svg::SvgParameters;
+use super::options::variants::{VariantsArgs, of_seed, target_of_seed};
 use super::output::{Drawing, Target, Targets, say};
 use super::progress::Reporter;
-use super::summary::{Counts, Coverage, LayersReport, Summary};
+use super::recipe::of_variant;
+use super::summary::{Counts, Coverage, LayersReport, Reduced, Summary};
 use serde_json::Value;
 use vtex::Progress;
 use vtex::library::Library;
@@ -28,6 +30,8 @@ pub(crate) struct Synthesis {
     pub(crate) render: RenderParameters,
     pub(crate) targets: Targets,
     pub(crate) pattern: Option<Target>,
+    /// Number of textures, of the seed and of those that follow it.
+    pub(crate) variants: u64,
 }
 
 impl Synthesis {
@@ -36,7 +40,7 @@ impl Synthesis {
         parameters: Parameters,
         steering: Steering,
         targets: Targets,
-        pattern_args: PatternArgs,
+        (pattern_args, variants): (PatternArgs, VariantsArgs),
         force: &ForceArgs,
     ) -> Result<Self, Failure> {
         let Parameters { synth, sized, svg, render, .. } = parameters;
@@ -47,7 +51,13 @@ impl Synthesis {
             let message = "--pattern needs a texture that repeats along both axes";
             return Err(Failure::usage(message).hint("give --tile, for both axes"));
         }
-        Ok(Self { parameters: synth, sized, steering, svg, render, targets, pattern })
+        let variants = variants.count(&targets)?;
+        Ok(Self { parameters: synth, sized, steering, svg, render, targets, pattern, variants })
+    }
+
+    /// Megapixels of the canvas.
+    pub(crate) fn megapixels(&self) -> f64 {
+        f64::from(self.parameters.width) * f64::from(self.parameters.height) / 1e6
     }
 
     /// Fails now if a file could not be written later.
@@ -55,8 +65,21 @@ impl Synthesis {
     /// # Errors
     /// As [`Place::probe`].
     pub(crate) fn probe(&self) -> vtex::Result<()> {
-        self.targets.probe()?;
-        self.pattern.as_ref().map_or(Ok(()), |p| p.place.probe())
+        (0..self.variants).try_for_each(|variant| {
+            let (_, targets, pattern) = self.variant(variant);
+            targets.probe()?;
+            pattern.map_or(Ok(()), |p| p.place.probe())
+        })
+    }
+
+    /// Seed and files of a variant, counted from 0.
+    fn variant(&self, variant: u64) -> (u64, Targets, Option<Target>) {
+        let seed = self.parameters.seed.wrapping_add(variant);
+        if self.variants == 1 {
+            return (seed, self.targets.clone(), self.pattern.clone());
+        }
+        let pattern = self.pattern.as_ref().map(|pattern| target_of_seed(pattern, seed));
+        (seed, of_seed(&self.targets, seed), pattern)
     }
 }
 
@@ -87,7 +110,7 @@ pub(crate) fn finish(
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
     let Origin { command, inputs, libraries, recipe } = origin;
-    let Synthesis { parameters, svg, render, targets, pattern, sized, .. } = synthesis;
+    let Synthesis { parameters, svg, render, targets, sized, .. } = synthesis;
     let parameters = &canvas(parameters, *sized, libraries);
     if let Some(warning) = render.warning(targets.has(Format::Png)) {
         reporter.warn(warning);
@@ -98,11 +121,17 @@ pub(crate) fn finish(
         }
         say(&format!("{parameters:#?}"));
     }
-    let (scene, report) = synthesize_with(libraries, parameters, controls, reporter)?;
-    let library = libraries.first();
-    let drawing = Drawing { svg: *svg, render: *render, recipe };
-    let result = Made { command, inputs, library, scene, report };
-    result.write(common, reporter, drawing, targets, pattern.as_ref())
+    for variant in 0..synthesis.variants {
+        let (seed, targets, pattern) = synthesis.variant(variant);
+        let parameters = SynthParams { seed, ..parameters.clone() };
+        let (scene, report) = synthesize_with(libraries, &parameters, controls, reporter)?;
+        let library = libraries.first();
+        let recipe = recipe.map(|recipe| of_variant(recipe, variant));
+        let drawing = Drawing { svg: svg.fit(libraries), render: *render, recipe: recipe.as_ref() };
+        let result = Made { command, inputs: inputs.clone(), library, scene, report };
+        result.write(common, reporter, drawing, &targets, pattern.as_ref())?;
+    }
+    Ok(())
 }
 
 /// A texture that is done.
@@ -137,6 +166,7 @@ impl Made<'_> {
             pattern: pattern.map(|p| p.place.path().display().to_string()),
             seed: scene.parameters.as_ref().map(|p| p.seed),
             size: drawing.size_of(&scene, targets.first.kind.format),
+            reduced: library.filter(|_| command == "texture").and_then(Reduced::of_library),
             counts: Some(Counts::of_scene(&scene)),
             coverage: Some(Coverage {
                 wanted: Some(report.coverage_wanted),

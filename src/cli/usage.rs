@@ -5,6 +5,8 @@ use super::hints::allowed;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::error::Error as _;
 use std::ffi::OsString;
+use std::path::Path;
+use vtex::output::file::{Format, Kind};
 
 /// An error of the parser as text. Where a value cannot be read it says what is allowed: of numbers the
 /// parser knows their type alone, not their range.
@@ -18,7 +20,10 @@ pub(crate) fn text(error: &clap::Error, command: &clap::Command, arguments: &[Os
     // Colours of ours cannot be told from colours of theirs.
     let plain = if foreign { styled(&error.render().to_string()) } else { styled(&rendered) };
     if error.kind() != ErrorKind::ValueValidation {
-        return plain;
+        return match meant(error, arguments) {
+            Some(hint) => format!("{}\nhint: {}\n", plain.trim_end(), styled(&hint)),
+            None => plain,
+        };
     }
     let option = own(error.get(ContextKind::InvalidArg));
     let value = own(error.get(ContextKind::InvalidValue));
@@ -33,4 +38,66 @@ pub(crate) fn text(error: &clap::Error, command: &clap::Command, arguments: &[Os
     let found = options.find(|a| a.get_long() == Some(name)).and_then(|a| a.get_help());
     let Some(range) = found.and_then(|help| allowed(&help.to_string())) else { return plain };
     plain.replacen(&reason, &format!("expected {range}"), 1)
+}
+
+/// What was probably meant by something that the parser does not know, in one sentence.
+fn meant(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
+    let own = |kind: ContextKind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    match error.kind() {
+        ErrorKind::InvalidSubcommand => {
+            let file = own(ContextKind::InvalidSubcommand)?;
+            let command = command_of(file)?;
+            Some(format!("did you mean 'vtex {command} {file}'?"))
+        }
+        ErrorKind::UnknownArgument => {
+            let unknown = own(ContextKind::InvalidArg)?;
+            let mut words = arguments.iter().map(|a| a.to_string_lossy());
+            let command = words.nth(1)?;
+            let mut after = words.skip_while(|word| word != "--op").skip(1);
+            if command == "edit"
+                && let Some(verb) = after.next().filter(|verb| !verb.contains(' '))
+            {
+                let mut all = vec![verb];
+                all.extend(after.take_while(|word| word != "-o" && word != "--output"));
+                let all = all.join(" ");
+                let quoted = all.contains(['\'', '"']);
+                return (!quoted).then(|| format!("put the operation in quotes: --op \"{all}\""));
+            }
+            match unknown.split('=').next()? {
+                "--width" | "--height" => Some("give both sides with --size, as in --size 1000x600".into()),
+                word if word.starts_with('-') => None,
+                word if MAKES_ONE_FILE.contains(&&*command) => {
+                    Some(format!("give the output with -o, as in -o {word}"))
+                }
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+/// Commands that read one file and write one.
+const MAKES_ONE_FILE: [&str; 9] =
+    ["texture", "vectorize", "analyze", "edit", "render", "stylize", "animate", "layers", "raster"];
+
+/// Extensions of pictures and drawings.
+const PICTURES: [&str; 10] = ["png", "jpg", "jpeg", "tif", "tiff", "webp", "bmp", "gif", "svg", "svgz"];
+
+/// The command that reads a file of such a name; `None` for what is no file.
+fn command_of(file: &str) -> Option<&'static str> {
+    let path = Path::new(file);
+    match Kind::from_path(path).map(|kind| kind.format) {
+        Some(Format::Library) => return Some("synth"),
+        Some(Format::Scene) => return Some("render"),
+        _ => {}
+    }
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let picture = extension.is_some_and(|e| PICTURES.contains(&&*e));
+    if picture {
+        return Some("texture");
+    }
+    path.is_dir().then_some("batch")
 }

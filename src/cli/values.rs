@@ -7,34 +7,65 @@ use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::ffi::OsStr;
 use std::str::FromStr;
+use vtex::output::CSS_DPI;
 use vtex::scene::{Tile, Weights};
 
-/// `1000` or `1000x600`, in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// `1000` or `1000x600`, in pixels, or lengths such as `300mm` or `3m x 1m`.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Size {
     pub(crate) width: u32,
     pub(crate) height: u32,
+    /// The lengths, if it was given so; pixels are then those of CSS.
+    pub(crate) millimetres: Option<[f64; 2]>,
+}
+
+/// Units of length, in millimetres. Longer names first.
+const UNITS: [(&str, f64); 4] = [("mm", 1.0), ("cm", 10.0), ("in", 25.4), ("m", 1000.0)];
+
+impl Size {
+    /// Lengths at so many pixels to the inch. Sizes out of range are refused where parameters are checked.
+    pub(crate) fn physical(millimetres: [f64; 2], dpi: u32) -> Self {
+        let [width, height] = millimetres.map(|v| (v / 25.4 * f64::from(dpi)).round() as u32);
+        Self { width, height, millimetres: Some(millimetres) }
+    }
 }
 
 impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, text));
+        let length = |t: &str| {
+            let t = t.trim();
+            let (digits, unit) = UNITS.iter().find_map(|(name, unit)| Some((t.strip_suffix(name)?, unit)))?;
+            digits
+                .parse::<f64>()
+                .ok()
+                .map(|v| (v * unit * 1e3).round() / 1e3)
+                .filter(|v| (0.01..1e6).contains(v))
+        };
+        if let (Some(width), Some(height)) = (length(width), length(height)) {
+            return Ok(Self::physical([width, height], CSS_DPI));
+        }
         let side = |t: &str| {
+            let t = t.strip_suffix("px").unwrap_or(t);
             let digits = !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit());
             let value = digits.then(|| t.parse::<u32>().ok()).flatten();
             value.filter(|v| (1..=100_000).contains(v)).ok_or(SIZE_EXPECTED)
         };
-        let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, text));
-        Ok(Self { width: side(width)?, height: side(height)? })
+        Ok(Self { width: side(width)?, height: side(height)?, millimetres: None })
     }
 }
 
-const SIZE_EXPECTED: &str = "expected 1000 or 1000x600, each 1 to 100000 px";
+const SIZE_EXPECTED: &str =
+    "expected 1000 or 1000x600, each 1 to 100000 px, or lengths such as 300mm or 3mx1m";
 
 impl Serialize for Size {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(&format_args!("{}x{}", self.width, self.height))
+        match self.millimetres {
+            Some([width, height]) => serializer.collect_str(&format_args!("{width}mmx{height}mm")),
+            None => serializer.collect_str(&format_args!("{}x{}", self.width, self.height)),
+        }
     }
 }
 
@@ -321,8 +352,8 @@ impl FromStr for Axes {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (x, y) = match text {
-            "none" => (false, false),
-            "both" => (true, true),
+            "none" | "false" => (false, false),
+            "both" | "true" => (true, true),
             "x" => (true, false),
             "y" => (false, true),
             _ => return Err("expected both, x, y or none".into()),
@@ -397,13 +428,18 @@ mod tests {
 
     #[test]
     fn sizes_are_one_or_two_sides() {
-        assert_eq!("1000".parse(), Ok(Size { width: 1000, height: 1000 }));
-        assert_eq!("1000x600".parse(), Ok(Size { width: 1000, height: 600 }));
+        assert_eq!("1000".parse(), Ok(Size { width: 1000, height: 1000, millimetres: None }));
+        assert_eq!("1000x600".parse(), Ok(Size { width: 1000, height: 600, millimetres: None }));
         for bad in
             ["", "0", "x", "10x", "x10", "1x2x3", "-5", "+5", "1.5", "100001", "99999999999", "10 x 10"]
         {
             assert!(bad.parse::<Size>().is_err(), "{bad}");
         }
+        let lengths = |text: &str| text.parse::<Size>().ok().map(|s| (s.width, s.height, s.millimetres));
+        assert_eq!(lengths("12in"), Some((1152, 1152, Some([304.8, 304.8]))));
+        assert_eq!(lengths("3m x 1.5m"), Some((11339, 5669, Some([3000.0, 1500.0]))));
+        assert_eq!(lengths("30cmx200mm"), Some((1134, 756, Some([300.0, 200.0]))));
+        assert_eq!(["mm", "-3mm", "3mmx5", "1e9m", "NaNmm"].map(lengths), [None; 5]);
     }
 
     #[test]

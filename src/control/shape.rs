@@ -1,9 +1,12 @@
-//! SVG → outline: the single shape in a file.
+//! SVG → outline: the union of the shapes in a file.
+//!
+//! Shapes that do not cross each other keep their curves. The union of others is traced from pixels, four
+//! to a pixel of the canvas along each side.
 //!
 //! Works badly with indirectly drawn shapes: text, bitmaps, clip paths and masks are not supported.
 
 use crate::error::{Error, Result};
-use crate::geometry::{Affine, BezPath, Outline, PathEl, Point, is_simple};
+use crate::geometry::{Affine, BezPath, FittedMap, Outline, PathEl, PlanarMap, Point, Region, is_simple};
 use crate::svg_tree;
 use kurbo::{ParamCurve, Shape};
 use resvg::usvg;
@@ -11,22 +14,34 @@ use resvg::usvg;
 /// Largest number of segments of a shape. More take minutes to check for crossings.
 const MOST_SEGMENTS: usize = 20_000;
 
-/// Reads the shape in an SVG, fitted to a canvas of `width` × `height` pixels: the SVG's page is
-/// scaled uniformly to the largest size that fits, and centred. `name` appears in errors.
+/// Most samples along a side of the canvas, and most for a pixel, where a union is traced.
+const MOST_SAMPLES: u32 = 4096;
+const FINEST: u32 = 4;
+/// Fit tolerance of a traced union, in samples.
+const TOLERANCE: f64 = 0.5;
+
+/// Reads the shapes in an SVG as one, the union of all that are filled, fitted to a canvas of `width` × `height`
+/// pixels: the SVG's page is scaled uniformly to the largest size that fits, and centred. A drawing without
+/// fills may hold one shape with a stroke, which means what it encloses. `name` appears in errors.
 ///
 /// # Errors
-/// [`Error::Control`] unless the file holds exactly one visible path, rectangle, circle, ellipse or
-/// polygon, whose rings are all closed, do not cross themselves or one another, and enclose part of
-/// the canvas; [`Error::TooLarge`] beyond 20000 segments.
+/// [`Error::Control`] unless the file holds visible paths, rectangles, circles, ellipses or polygons, whose
+/// rings are all closed, of which none crosses itself, and which enclose part of the canvas;
+/// [`Error::TooLarge`] beyond 20000 segments.
 pub fn shape(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outline> {
     let reader = Reader { name, role: "a shape" };
-    let Drawn { path, rule, size } = reader.read(bytes)?;
-    let [width, height] = [f64::from(width), f64::from(height)];
+    let Drawn { paths, size } = reader.read(bytes)?;
+    let canvas = [width, height];
+    let [width, height] = canvas.map(f64::from);
     let scale = (width / size[0]).min(height / size[1]);
     let margin = ((width - scale * size[0]) / 2.0, (height - scale * size[1]) / 2.0);
-    let path = Affine::translate(margin) * Affine::scale(scale) * path;
-    let outline = reader.outline(&path)?;
-    let outline = Outline::new(&filled(outline.path(), rule)).unwrap_or_default();
+    let fitted = Affine::translate(margin) * Affine::scale(scale);
+    let one = |(path, rule): (BezPath, Rule)| {
+        let outline = reader.outline(&(fitted * path))?;
+        Ok(Outline::new(&filled(outline.path(), rule)).unwrap_or_default())
+    };
+    let shapes = paths.into_iter().map(one).collect::<Result<Vec<Outline>>>()?;
+    let outline = union(shapes, canvas);
     let bounds = outline.bounds();
     if outline.is_empty() || outline.area() < 1.0 {
         let advice = "it must be at least some pixels large on the canvas";
@@ -39,6 +54,35 @@ pub fn shape(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outl
     Ok(outline)
 }
 
+/// The union of shapes; of those that cross each other, what lies on the canvas.
+fn union(mut shapes: Vec<Outline>, [width, height]: [u32; 2]) -> Outline {
+    if shapes.len() == 1 {
+        return shapes.swap_remove(0);
+    }
+    let all: BezPath = shapes.iter().flat_map(|shape| shape.path()).collect();
+    if is_simple(&all) {
+        return Outline::new(&filled(&all, Rule::NonZero)).unwrap_or_default();
+    }
+    let fine = (MOST_SAMPLES / width.max(height)).clamp(1, FINEST);
+    let [across, down] = [width, height].map(|side| (side * fine).min(MOST_SAMPLES));
+    let step = [f64::from(width) / f64::from(across), f64::from(height) / f64::from(down)];
+    let mut labels = vec![0u32; across as usize * down as usize];
+    for region in shapes.iter().filter(|shape| !shape.is_empty()).map(Region::new) {
+        for (y, row) in labels.chunks_exact_mut(across as usize).enumerate() {
+            for [a, b] in region.intervals((y as f64 + 0.5) * step[1]) {
+                // The samples whose middles lie inside.
+                let first = |x: f64| libm::ceil(x / step[0] - 0.5).clamp(0.0, f64::from(across)) as usize;
+                row[first(a)..first(b).max(first(a))].fill(1);
+            }
+        }
+    }
+    let planar = PlanarMap::trace(across, down, &labels);
+    drop(labels);
+    let traced = FittedMap::new(planar, TOLERANCE, 1, 1, |label| label).outlines(1, |label| label).pop();
+    let stretch = Affine::scale_non_uniform(step[0], step[1]);
+    traced.map_or_else(Outline::default, |outline| outline.moved(stretch))
+}
+
 /// Reads a cage from an SVG: the single ring as drawn, in the SVG's pixels, with its direction and
 /// its order of points. Also returns the width and height of the SVG's page, in pixels. `name`
 /// appears in errors.
@@ -47,8 +91,12 @@ pub fn shape(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outl
 /// As [`shape`]; also [`Error::Control`] for more than one ring.
 pub fn cage(bytes: &[u8], name: &str) -> Result<(Outline, [u32; 2])> {
     let reader = Reader { name, role: "a cage" };
-    let Drawn { path, size, .. } = reader.read(bytes)?;
-    let outline = reader.outline(&path)?;
+    let Drawn { paths, size } = reader.read(bytes)?;
+    let [(path, _)] = &paths[..] else {
+        const JOIN: &str = "join what belongs together into one path and delete the rest";
+        return Err(reader.fail(format!("it holds {} shapes, one is needed", paths.len()), JOIN));
+    };
+    let outline = reader.outline(path)?;
     match rings(outline.path()).count() {
         1 if outline.area() >= 1.0 => Ok((outline, size.map(|v| libm::round(v).max(1.0) as u32))),
         1 => Err(reader.fail("it encloses no area", "it must be at least some pixels large")),
@@ -56,10 +104,10 @@ pub fn cage(bytes: &[u8], name: &str) -> Result<(Outline, [u32; 2])> {
     }
 }
 
-/// The shape in a file.
+/// The shapes in a file.
 struct Drawn {
-    path: BezPath,
-    rule: Rule,
+    /// Each with its fill rule; at least one.
+    paths: Vec<(BezPath, Rule)>,
     /// Width and height of the SVG's page, in its pixels.
     size: [f64; 2],
 }
@@ -98,36 +146,37 @@ impl Reader<'_> {
                 }
             }
         }
-        const JOIN: &str = "join what belongs together into one path and delete the rest";
-        let path = match found[..] {
-            [_] if cut => {
-                let (reason, advice) =
-                    ("it is cut by a clip path or mask", "draw the shape itself as a path");
-                return Err(self.fail(reason, advice));
-            }
-            [path] => path,
-            [] => {
-                let advice =
-                    "draw one closed path, filled or stroked; convert text and bitmaps to paths first";
-                return Err(self.fail("it holds no visible shape", advice));
-            }
-            _ => return Err(self.fail(format!("it holds {} shapes, one is needed", found.len()), JOIN)),
-        };
-        if path.data().len() > MOST_SEGMENTS {
+        // Shapes are found in any order; the union does not depend on it.
+        if found.iter().any(|path| path.fill().is_some()) {
+            found.retain(|path| path.fill().is_some());
+        }
+        if found.is_empty() {
+            let advice = "draw closed paths, filled or stroked; convert text and bitmaps to paths first";
+            return Err(self.fail("it holds no visible shape", advice));
+        }
+        if cut {
+            let (reason, advice) = ("it is cut by a clip path or mask", "draw the shape itself as a path");
+            return Err(self.fail(reason, advice));
+        }
+        let segments: usize = found.iter().map(|path| path.data().len()).sum();
+        if segments > MOST_SEGMENTS {
             return Err(Error::TooLarge {
                 name: self.name.into(),
-                found: format!("{} segments", path.data().len()),
+                found: format!("{segments} segments"),
                 limit: format!("{MOST_SEGMENTS} segments"),
             });
         }
-        let rule = match path.fill().map(usvg::Fill::rule) {
-            Some(usvg::FillRule::NonZero) => Rule::NonZero,
-            // In a shape with only a stroke, every ring is an edge.
-            Some(usvg::FillRule::EvenOdd) | None => Rule::EvenOdd,
+        let ruled = |path: &usvg::Path| {
+            let rule = match path.fill().map(usvg::Fill::rule) {
+                Some(usvg::FillRule::NonZero) => Rule::NonZero,
+                // In a shape with only a stroke, every ring is an edge.
+                Some(usvg::FillRule::EvenOdd) | None => Rule::EvenOdd,
+            };
+            Ok((self.closed(path)?, rule))
         };
+        let paths = found.into_iter().map(|path| ruled(path)).collect::<Result<Vec<_>>>()?;
         let size = tree.size();
-        let size = [f64::from(size.width()), f64::from(size.height())];
-        Ok(Drawn { path: self.closed(path)?, rule, size })
+        Ok(Drawn { paths, size: [f64::from(size.width()), f64::from(size.height())] })
     }
 
     /// The path in pixels of the SVG. All its rings must be closed.
@@ -262,6 +311,38 @@ mod tests {
     }
 
     #[test]
+    fn several_shapes_are_their_union() {
+        let area = |inner: &str| {
+            let outline = of(inner).unwrap();
+            assert!(outline.path().area() > 0.0 && is_simple(outline.path()));
+            outline.area() / 100.0
+        };
+        // Two letters side by side, one of them a ring with a dot in it.
+        let ring = r#"<path fill-rule="evenodd" d="M0 0h40v40h-40zM10 10h20v20h-20z"/>"#;
+        let apart =
+            format!(r#"{ring}<rect x="15" y="15" width="10" height="10"/><path d="M50 0h20v40h-20z"/>"#);
+        assert_eq!(area(&apart), 1600.0 - 400.0 + 100.0 + 800.0);
+        // One within the other adds nothing, in either order.
+        for inner in [
+            r#"<rect width="40" height="40"/><rect x="5" y="5" width="9" height="9"/>"#,
+            r#"<rect x="5" y="5" width="9" height="9"/><rect width="40" height="40"/>"#,
+        ] {
+            assert_eq!(area(inner), 1600.0);
+        }
+        // Those that cross: a cross of two bars, and two discs, traced from pixels.
+        let cross = area(r#"<path d="M10 0h20v50h-20z"/><path d="M0 15h40v20h-40z"/>"#);
+        assert!((cross - (1000.0 + 800.0 - 400.0)).abs() < 1.0, "{cross}");
+        let discs = area(r#"<circle cx="25" cy="25" r="20"/><circle cx="45" cy="25" r="20"/>"#);
+        // The part of both: a lens of two discs of radius 20 whose centres are as far apart.
+        let lens = 400.0 * (2.0 * std::f64::consts::PI / 3.0 - 0.75_f64.sqrt());
+        assert!((discs - (800.0 * std::f64::consts::PI - lens)).abs() < 3.0, "{discs}");
+        // What has only a stroke does not count beside what is filled.
+        let outlined =
+            r#"<rect width="10" height="10"/><rect width="90" height="40" fill="none" stroke="red"/>"#;
+        assert_eq!(area(outlined), 100.0);
+    }
+
+    #[test]
     fn what_is_no_shape_is_told() {
         for (inner, message) in [
             ("", "holds no visible shape"),
@@ -272,7 +353,6 @@ mod tests {
             (r#"<path d="M0 0H9V9H0z M20 20h9v9"/>"#, "its path is open"),
             (r#"<path d="M0 0L9 9H0L9 0z"/>"#, "crosses itself"),
             (r#"<path d="M0 0H9V9H0zM5 5h9v9h-9z"/>"#, "crosses itself"),
-            (r#"<rect width="9" height="9"/><circle r="9"/>"#, "it holds 2 shapes"),
             (r#"<rect x="200" width="9" height="9"/>"#, "outside the canvas"),
             (r#"<rect width="1e-3" height="1e-3"/>"#, "encloses no area"),
             (r#"<path d="M0 0H1e30V9z"/>"#, "beyond ten million pixels"),
@@ -299,6 +379,8 @@ mod tests {
         assert_eq!(anticlockwise.bounds(), Rect::new(10.0, 10.0, 40.0, 40.0));
         assert!(anticlockwise.path().area() < 0.0);
         assert_eq!(page, [100, 50]);
+        let error = read(r#"<rect width="9" height="9"/><circle r="9"/>"#).unwrap_err();
+        assert!(error.to_string().contains("it holds 2 shapes"), "{error}");
         let error = read(r#"<path d="M0 0H40V40H0z M9 9h5v5z"/>"#).unwrap_err();
         assert!(error.to_string().contains("it has 2 rings"), "{error}");
     }

@@ -111,7 +111,7 @@ impl Shape {
     /// leads beyond ±10⁷ pixels.
     pub(crate) fn moved(&self, affine: Affine) -> Self {
         Self {
-            outline: Outline::new(&(affine * self.outline.path())).unwrap_or_else(|| self.outline.clone()),
+            outline: self.outline.moved(affine),
             line: self.line.as_ref().and_then(|line| line.moved(affine)).map(Box::new),
             gradient: self.gradient.as_ref().map(|g| Box::new(g.moved(affine))),
             ..*self

@@ -82,6 +82,11 @@ impl Outline {
         self.0.bounding_box()
     }
 
+    /// The outline with a map applied; the same outline where the map leads beyond ±10⁷ pixels.
+    pub(crate) fn moved(&self, affine: Affine) -> Self {
+        Self::new(&(affine * &self.0)).unwrap_or_else(|| self.clone())
+    }
+
     /// Bounding box of the transformed outline.
     pub fn bounds_after(&self, affine: Affine) -> Rect {
         (affine * &self.0).bounding_box()

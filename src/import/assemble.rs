@@ -39,6 +39,10 @@ const UNDERLAP: f64 = 0.4;
 /// Least share of the page that a background covers.
 const COVERS: f64 = 0.995;
 
+/// Least length of a page's shorter side, and largest of its longer one, in units of the library.
+const SHORTEST: f64 = 10.0;
+const LONGEST: f64 = 16_000.0;
+
 /// What else the library is made from.
 pub(super) struct Origin<'a> {
     pub(super) bytes: &'a [u8],
@@ -145,7 +149,12 @@ pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Res
     }
     let analyze = AnalyzeParams { wrap, ..params.clone() };
     let guide = guide(&origin.picture);
-    Ok(Library {
+    let layers = layers(page, &drafts, origin.background);
+    let (unit, remark) = unit(page);
+    warnings.extend(remark);
+    let page = page.size.map(|side| side / unit);
+    let pixels = [0, 1].map(|k| size[k] / page[k]);
+    let library = Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
         source: Source {
@@ -153,6 +162,7 @@ pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Res
             file: origin.name.into(),
             width,
             height,
+            scale: [1.0; 2],
             sha256: Sha256::digest(origin.bytes).iter().map(|b| format!("{b:02x}")).collect(),
             segmenter: "drawing".into(),
             parameters: analyze,
@@ -160,7 +170,7 @@ pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Res
             layers: None,
             warnings,
         },
-        layers: layers(page, &drafts, origin.background),
+        layers,
         elements: made,
         categories,
         coverage,
@@ -168,7 +178,30 @@ pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Res
         descriptor_half: (libm::round(params.descriptor_reach * spacing) as u32).clamp(1, most.max(1)),
         lattice: lattice(&guide, wrap),
         guide: Some(guide),
-    })
+    };
+    let mut library = library.scaled(pixels.map(|v| 1.0 / v));
+    library.source.scale = pixels;
+    [library.source.width, library.source.height] = page.map(|side| (libm::round(side) as u32).max(1));
+    Ok(library)
+}
+
+/// Units of the page for one of the library, a power of ten, and what is said of it. It is 1 but for pages so
+/// small or large that a library cannot hold them.
+fn unit(page: &Page) -> (f64, Option<String>) {
+    let [short, long] = [page.size[0].min(page.size[1]), page.size[0].max(page.size[1])];
+    let mut unit = 1.0;
+    while short / unit < SHORTEST {
+        unit /= 10.0;
+    }
+    while long / unit > LONGEST {
+        unit *= 10.0;
+    }
+    let [w, h] = page.size.map(|side| libm::round(side / unit));
+    let remark = || {
+        let [x, y] = page.size.map(|side| libm::round(side * 1e3) / 1e3);
+        format!("the page of {x} x {y} units is read as one of {w} x {h}")
+    };
+    (unit, (unit != 1.0).then(remark))
 }
 
 /// Shapes and pixels of each piece.

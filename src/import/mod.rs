@@ -4,9 +4,10 @@
 //! pieces made whole across the borders of a periodic page ([`torus`]), what touches what
 //! (`raster/contact.rs`), which pieces are one element ([`elements`]), and the library of it ([`assemble`]).
 //!
-//! A library's pixels are the drawing's units times a whole number, so that the shorter side of the
-//! page has at least 200 px and the median piece at least eight cells of the guide; pages beyond
-//! 4096 px are scaled down.
+//! A library has the units of the drawing's page. Its maps have a whole number of pixels for each of them, so
+//! that the shorter side of the page has at least 200 px and the median piece at least eight cells of the
+//! guide; pages beyond 4096 px have fewer. Pages of less than ten units are read as ten or a hundred times
+//! as large.
 //!
 //! When this works badly: drawings whose elements touch and are neither grouped nor of one path, as in
 //! a mosaic: each piece is then an element of its own.

@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 
 /// Largest relative change of a lattice's vectors that makes its periods fit a canvas.
 const MOST_STRETCH: f64 = 0.03;
+/// The same for sizes that are proposed: not at the limit, for sizes are rounded.
+const PROPOSED_STRETCH: f64 = 0.027;
 /// Least angle between two vectors: its sine.
 const LEAST_SINE: f64 = 0.2;
 /// Shortest vector, in pixels.
@@ -70,10 +72,10 @@ impl Lattice {
         (!sound).then(|| "has a strength or stray out of range".into())
     }
 
-    /// The lattice with all lengths multiplied.
-    pub(crate) fn scaled(&self, factor: f64) -> Self {
-        let vectors = self.vectors.iter().map(|v| v.map(|c| c * factor)).collect();
-        Self { vectors, stray: self.stray * factor, ..*self }
+    /// The lattice with lengths along x and y multiplied.
+    pub(crate) fn scaled(&self, by: [f64; 2]) -> Self {
+        let vectors = self.vectors.iter().map(|v| [v[0] * by[0], v[1] * by[1]]).collect();
+        Self { vectors, stray: self.stray * libm::sqrt(by[0] * by[1]), ..*self }
     }
 
     /// How phases of places are measured.
@@ -114,7 +116,7 @@ impl Lattice {
             return Ok(Phases { waves: fitted(size) });
         }
         // The nearest size, and the nearest larger one, whose periods fit.
-        let fits = |w: f64, h: f64| w >= 1.0 && h >= 1.0 && strain([w, h]) <= MOST_STRETCH;
+        let fits = |w: f64, h: f64| w >= 1.0 && h >= 1.0 && strain([w, h]) <= PROPOSED_STRETCH;
         let reach = |k: usize| if wrap[k] { (size[k] / 2.0) as i32 } else { 0 };
         let steps = |most: i32| (0..=most).flat_map(|d| [d, -d]);
         let near = steps(reach(0))

@@ -17,7 +17,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Guide {
-    /// Side of a cell, in exemplar pixels. Cells at the right and lower border may be cut off.
+    /// Side of a cell, in pixels of the arrangement. Cells at the right and lower border may be cut off.
     pub cell: u32,
     /// Mean colour of each cell, averaged in linear light.
     pub picture: Picture,

@@ -6,9 +6,11 @@ mod guide;
 mod instance;
 mod layer_count;
 mod parameters;
+mod pixel_limit;
 mod strata;
 #[cfg(test)]
 pub(crate) mod testing;
+mod units;
 mod validate;
 mod version1;
 
@@ -37,8 +39,9 @@ use std::path::Path;
 /// Largest side of an exemplar, in pixels.
 const LARGEST_SIDE: u32 = 16_384;
 
-/// The result of analysing one exemplar. Coordinates are exemplar pixels, x right, y down, pixel
-/// centres at .5; colours are 8-bit sRGB.
+/// The result of analysing one exemplar. Coordinates are pixels of the photograph, or units of the drawing,
+/// x right, y down, pixel centres at .5; colours are 8-bit sRGB. The arrangement and the guide may have
+/// another resolution ([`Source::scale`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -59,7 +62,7 @@ pub struct Library {
     pub coverage: f64,
     /// Map of the primaries in the exemplar. Descriptors are windows of this map.
     pub arrangement: Arrangement,
-    /// Half the side of a descriptor's window, in pixels. By default 2.25 mean neighbour distances.
+    /// Half the side of a descriptor's window, in pixels of the arrangement. By default 2.25 mean neighbour distances.
     pub descriptor_half: u32,
     /// The exemplar's colours on a coarse grid, which placement by correspondences follows. `None` in
     /// libraries of older versions; their textons are placed by descriptors.
@@ -90,10 +93,14 @@ pub struct Source {
     pub kind: SourceKind,
     /// File name of the exemplar, without its folder.
     pub file: String,
-    /// Width of the exemplar, in pixels.
+    /// Width of the exemplar, in pixels of the photograph or units of the drawing.
     pub width: u32,
-    /// Height of the exemplar, in pixels.
+    /// Height of the exemplar, in the same.
     pub height: u32,
+    /// Pixels of the arrangement for each pixel of the photograph or unit of the drawing, along x and y. Below
+    /// 1 for a photograph that was reduced before it was analysed. Default 1.
+    #[serde(default = "same_scale", skip_serializing_if = "is_same_scale")]
+    pub scale: [f64; 2],
     /// SHA-256 of the exemplar's file, in hexadecimal.
     pub sha256: String,
     /// Name of the segmenter that made the masks, such as `regions`.
@@ -111,6 +118,14 @@ pub struct Source {
     pub warnings: Vec<String>,
 }
 
+fn same_scale() -> [f64; 2] {
+    [1.0; 2]
+}
+
+fn is_same_scale(scale: &[f64; 2]) -> bool {
+    *scale == same_scale()
+}
+
 /// An element of the exemplar: a texton of a photograph.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -125,9 +140,9 @@ pub struct Element {
     /// with it take their colour from the field where they are placed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub difference: Option<[i16; 3]>,
-    /// Area, in pixels.
+    /// Area, in pixels of the arrangement.
     pub area: u32,
-    /// Centroid, in pixels.
+    /// Centroid.
     pub centroid: [f64; 2],
     /// Polsby–Popper compactness of the outline, 4π · area / perimeter², 0 to 1. `None` for a
     /// secondary.
@@ -207,7 +222,7 @@ impl Layer {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Category {
-    /// Mean of its members' features: red, green, blue (0 to 255), area (pixels), compactness (0 to 1).
+    /// Mean of its members' features: red, green, blue (0 to 255), area (pixels of the arrangement), compactness (0 to 1).
     pub centre: [f64; 5],
     /// Number of members.
     pub members: u32,

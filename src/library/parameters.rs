@@ -1,13 +1,14 @@
 //! Parameters of analysis, as stored in the library.
 
 use super::categories::Categories;
-use super::layer_count;
+use super::{layer_count, pixel_limit};
 use crate::error::{Result, check};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Parameters of analysis. Lengths are in exemplar pixels, areas in square pixels.
+/// Parameters of analysis. Lengths are in pixels of the exemplar as it is analysed, after a reduction to
+/// `max_pixels`; areas in square pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
@@ -51,6 +52,12 @@ pub struct AnalyzeParams {
     /// Cells along each side of a pixel, for separating details and secondaries and for tracing. 1 to 4,
     /// or 0 (the default) for 2 up to 2.5 million pixels and 1 above.
     pub cells: u32,
+    /// Number of pixels above which a photograph is reduced before it is analysed, to this number or to where
+    /// its elements are some 20 to 80 pixels across. 4096 to 4 000 000 000, or 0 for no limit, written as
+    /// `off`. Default 1 200 000.
+    #[serde(with = "pixel_limit")]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "pixel_limit::schema"))]
+    pub max_pixels: u32,
     /// Whether the exemplar tiles, that is, its opposite borders join. What they cut is one element then. Default
     /// false; [`crate::analyze::borders_join`] finds it out.
     pub wrap: bool,
@@ -118,6 +125,7 @@ impl Default for AnalyzeParams {
             colors: 0,
             max_paths: 0,
             cells: 0,
+            max_pixels: 1_200_000,
             wrap: false,
             layers: 0,
             layer_order: Vec::new(),
@@ -154,6 +162,9 @@ impl AnalyzeParams {
         real("background-margin", self.background_margin, 0.0..=100.0, "0 to 100 px")?;
         integer("colors", self.colors, 0..=4096, "0 to 4096")?;
         integer("max-paths", self.max_paths, 0..=10_000_000, "0 to 10000000")?;
+        let limit = self.max_pixels;
+        let known = limit == 0 || (4096..=4_000_000_000).contains(&limit);
+        check(known, "max-pixels", limit, "4096 to 4000000000, or off")?;
         integer("cells", self.cells, 0..=4, "0 to 4")?;
         integer("layers", self.layers, 0..=6, "auto, off, or 1 to 6")?;
         real("fidelity", self.fidelity, 0.05..=5.0, "0.05 to 5 px")?;

@@ -92,6 +92,7 @@ pub(crate) fn library(map: &LabelMap) -> Library {
             file: "test.png".into(),
             width: w,
             height: h,
+            scale: [1.0; 2],
             sha256: "0".repeat(64),
             segmenter: "test".into(),
             parameters: AnalyzeParams::default(),

@@ -14,7 +14,15 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
     if w == 0 || h == 0 || w > LARGEST_SIDE || h > LARGEST_SIDE {
         return Err(format!("source size {w} x {h} is not within 1 to {LARGEST_SIDE}"));
     }
-    if (l.arrangement.width, l.arrangement.height) != (w, h) {
+    let [wide, high] = [l.arrangement.width, l.arrangement.height];
+    let maps = [(w, wide, l.source.scale[0]), (h, high, l.source.scale[1])];
+    let fits = |(side, pixels, scale): (u32, u32, f64)| {
+        // A drawing's page may end within a unit.
+        let slack = if scale == 1.0 { 0.0 } else { 0.5 + 0.501 * scale };
+        let apart = (f64::from(side) * scale - f64::from(pixels)).abs();
+        scale.is_finite() && scale > 0.0 && apart <= slack && (1..=LARGEST_SIDE).contains(&pixels)
+    };
+    if !maps.into_iter().all(fits) {
         return Err("arrangement and source differ in size".into());
     }
     if l.descriptor_half > LARGEST_SIDE {
@@ -22,14 +30,15 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
     }
     l.arrangement.check(l.primaries().len() as u32)?;
     if let Some(guide) = &l.guide {
-        guide.check(w, h)?;
+        guide.check(wide, high)?;
     }
     if let Some(fault) = l.lattice.as_ref().and_then(Lattice::fault) {
         return Err(format!("lattice {fault}"));
     }
     share("coverage", l.coverage)?;
+    let [right, below] = maps.map(|(_, pixels, scale)| f64::from(pixels) / scale + 0.01);
     let inside = |what: &str, c: [f64; 2]| {
-        let ok = c[0] >= 0.0 && c[1] >= 0.0 && c[0] <= f64::from(w) && c[1] <= f64::from(h);
+        let ok = c[0] >= 0.0 && c[1] >= 0.0 && c[0] <= right && c[1] <= below;
         if ok { Ok(()) } else { Err(format!("{what}.centroid {c:?} lies outside the exemplar")) }
     };
     let first_secondary = l.primaries().len();

@@ -110,6 +110,7 @@ impl TryFrom<Version1> for Library {
                 file: s.file,
                 width: s.width,
                 height: s.height,
+                scale: [1.0; 2],
                 sha256: s.sha256,
                 segmenter: s.segmenter,
                 parameters: s.parameters,

@@ -30,6 +30,9 @@ pub use coverage::{coverage, inside};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 
+/// Pixels to the inch of CSS, and of files that say nothing else.
+pub const CSS_DPI: u32 = 96;
+
 /// Largest picture drawn, in pixels: 4 GiB of memory.
 const LARGEST_PICTURE: u64 = 1 << 30;
 

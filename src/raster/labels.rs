@@ -43,6 +43,20 @@ impl LabelMap {
         self.get(x, y)
     }
 
+    /// The map stretched to another size: each pixel has the label beneath its centre.
+    pub(crate) fn resized(&self, width: u32, height: u32) -> Self {
+        let under = |i: u32, old: u32, new: u32| {
+            ((2 * u64::from(i) + 1) * u64::from(old) / (2 * u64::from(new))) as usize
+        };
+        let columns: Vec<usize> = (0..width).map(|x| under(x, self.width, width)).collect();
+        let mut labels = Vec::with_capacity(width as usize * height as usize);
+        for y in 0..height {
+            let row = self.row(under(y, self.height, height) as u32);
+            labels.extend(columns.iter().map(|&x| row[x]));
+        }
+        Self { width, height, labels }
+    }
+
     /// Sets the label of all pixels of a mask that lies inside the map.
     pub fn fill(&mut self, mask: &Mask, label: u32) {
         for s in mask.spans() {

@@ -76,6 +76,22 @@ impl Mask {
         masks
     }
 
+    /// The mask of a picture of size `from` where that picture is stretched to the size `to`: the pixels whose
+    /// centres come to lie in it. Enlarging and then reducing gives the same mask.
+    pub fn stretched(&self, from: [u32; 2], to: [u32; 2]) -> Self {
+        // The first pixel whose centre lies at or beyond an edge.
+        let first = |edge: i32, axis: usize| {
+            let [old, new] = [i64::from(from[axis]), i64::from(to[axis])];
+            -(old - 2 * new * i64::from(edge)).div_euclid(2 * old) as i32
+        };
+        let mut spans = Vec::with_capacity(self.spans.len());
+        for s in &self.spans {
+            let (x0, x1) = (first(s.x0, 0), first(s.x1, 0));
+            spans.extend((first(s.y, 1)..first(s.y + 1, 1)).map(|y| Span { y, x0, x1 }));
+        }
+        Self::from_spans(spans)
+    }
+
     /// The runs.
     pub fn spans(&self) -> &[Span] {
         &self.spans

@@ -13,6 +13,7 @@ use crate::scene::{
     Tile,
 };
 use serde::Serialize;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// All data of the page.
@@ -65,7 +66,8 @@ struct LibraryData<'a> {
     details: usize,
     secondaries: usize,
     secondary_spacing: f64,
-    arrangement: &'a Arrangement,
+    /// Of a pixel for each unit, as the elements beside it.
+    arrangement: Cow<'a, Arrangement>,
     descriptor_half: u32,
     background: BackgroundData,
 }
@@ -313,6 +315,7 @@ impl<'a> LibraryData<'a> {
     fn new(named: &'a Named<Library>) -> Self {
         let library = &named.content;
         let (source, background) = (&library.source, library.background());
+        let fine = library.at_scale([1.0; 2]);
         Self {
             name: &named.name,
             program: &source.program,
@@ -329,8 +332,11 @@ impl<'a> LibraryData<'a> {
             details: library.primaries().iter().map(|p| p.details().len()).sum(),
             secondaries: library.secondaries().len(),
             secondary_spacing: library.secondary_spacing(),
-            arrangement: &library.arrangement,
-            descriptor_half: library.descriptor_half,
+            descriptor_half: fine.descriptor_half,
+            arrangement: match fine {
+                Cow::Borrowed(library) => Cow::Borrowed(&library.arrangement),
+                Cow::Owned(library) => Cow::Owned(library.arrangement),
+            },
             background: BackgroundData::new(background.spacing, background.fallback, &background.points),
         }
     }

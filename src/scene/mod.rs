@@ -10,6 +10,7 @@ mod operation;
 mod parameters;
 pub(crate) mod pixels;
 mod repaint;
+pub(crate) mod scaling;
 mod splat;
 #[cfg(test)]
 pub(crate) mod testing;

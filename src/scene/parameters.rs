@@ -65,6 +65,18 @@ pub enum LatticeChoice {
     Vectors(Vec<[f64; 2]>),
 }
 
+impl LatticeChoice {
+    /// The choice with lengths along x and y multiplied.
+    pub(crate) fn scaled(&self, by: [f64; 2]) -> Self {
+        match self {
+            Self::Vectors(vectors) => {
+                Self::Vectors(vectors.iter().map(|v| [v[0] * by[0], v[1] * by[1]]).collect())
+            }
+            other => other.clone(),
+        }
+    }
+}
+
 #[cfg(feature = "schema")]
 impl JsonSchema for LatticeChoice {
     fn schema_name() -> std::borrow::Cow<'static, str> {

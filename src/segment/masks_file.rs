@@ -132,47 +132,65 @@ impl Segmenter for MasksFile {
     /// [`Error::Masks`] if the sizes differ; [`Error::Format`] if a PNG is damaged or is not a grey or
     /// palette image.
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
+        self.segment_reduced(image, [image.width(), image.height()], progress)
+    }
+
+    /// The masks may have the size of the photograph before or after it was reduced.
+    ///
+    /// # Errors
+    /// As [`MasksFile::segment`].
+    fn segment_reduced(
+        &self,
+        image: &RgbImage,
+        whole: [u32; 2],
+        progress: &dyn Progress,
+    ) -> Result<Vec<ScoredMask>> {
         advance(progress, "segmentation", 0, 1)?;
-        let size = image.dimensions();
-        let mut masks = match &self.content {
+        let reduced = [image.width(), image.height()];
+        let check = |found: [u32; 2]| {
+            if found == reduced { Ok(found) } else { same_size(&self.name, found, whole).map(|()| found) }
+        };
+        let (size, mut masks) = match &self.content {
             Content::Document(document) => {
-                same_size(&self.name, (document.width, document.height), size)?;
+                let size = check([document.width, document.height])?;
                 let span = |&[y, x0, x1]: &[u32; 3]| Span { y: y as i32, x0: x0 as i32, x1: x1 as i32 };
-                (document.masks.iter())
-                    .map(|m| ScoredMask {
-                        mask: Mask::from_spans(m.runs.iter().map(span).collect()),
-                        score: m.score,
-                    })
-                    .collect()
+                let masks = document.masks.iter().map(|m| ScoredMask {
+                    mask: Mask::from_spans(m.runs.iter().map(span).collect()),
+                    score: m.score,
+                });
+                (size, masks.collect::<Vec<_>>())
             }
             Content::Png(bytes) => {
-                let map = read_png(bytes, &self.name, size)?;
+                let map = read_png(bytes, &self.name, check)?;
                 let count = map.labels.iter().max().map_or(0, |&n| n as usize);
                 let masks = Mask::all_of_labels(&map, count + 1).into_iter().skip(1);
-                masks.map(|mask| ScoredMask { mask, score: 1.0 }).collect::<Vec<_>>()
+                ([map.width, map.height], masks.map(|mask| ScoredMask { mask, score: 1.0 }).collect())
             }
         };
+        if size != reduced {
+            masks.iter_mut().for_each(|m| m.mask = m.mask.stretched(size, reduced));
+        }
         masks.retain(|m| !m.mask.is_empty());
         advance(progress, "segmentation", 1, 1)?;
         Ok(masks)
     }
 }
 
-fn same_size(name: &str, found: (u32, u32), image: (u32, u32)) -> Result<()> {
+fn same_size(name: &str, found: [u32; 2], image: [u32; 2]) -> Result<()> {
     if found == image {
         return Ok(());
     }
-    let ((fw, fh), (w, h)) = (found, image);
+    let ([fw, fh], [w, h]) = (found, image);
     Err(Error::Masks(format!("'{name}' is {fw} x {fh} pixels, the image {w} x {h}")))
 }
 
-fn read_png(bytes: &[u8], name: &str, size: (u32, u32)) -> Result<LabelMap> {
+fn read_png(bytes: &[u8], name: &str, check: impl Fn([u32; 2]) -> Result<[u32; 2]>) -> Result<LabelMap> {
     let fail = |reason: String| Error::Format { name: name.into(), format: LABEL_PNG, reason };
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::IDENTITY);
     let mut reader = decoder.read_info().map_err(|e| fail(e.to_string()))?;
     let (info, bits) = (reader.info(), reader.info().bit_depth as usize);
-    same_size(name, (info.width, info.height), size)?;
+    check([info.width, info.height])?;
     if !matches!(info.color_type, png::ColorType::Grayscale | png::ColorType::Indexed) {
         return Err(fail("it holds colours; labels must be grey values or palette indices".into()));
     }

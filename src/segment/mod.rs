@@ -46,6 +46,26 @@ pub trait Segmenter: Send + Sync {
     /// # Errors
     /// [`crate::Error::Interrupted`] if `progress` says stop, and errors of the method itself.
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>>;
+
+    /// Finds the masks of a photograph that was reduced; `whole` is its width and height before. Masks are those
+    /// of the reduced image. Methods that only look at the image need not implement it.
+    ///
+    /// # Errors
+    /// As [`Segmenter::segment`].
+    fn segment_reduced(
+        &self,
+        image: &RgbImage,
+        whole: [u32; 2],
+        progress: &dyn Progress,
+    ) -> Result<Vec<ScoredMask>> {
+        let _ = whole;
+        self.segment(image, progress)
+    }
+
+    /// Whether the size of elements matters to it. Photographs of large elements are then reduced further.
+    fn seeks_elements(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

@@ -57,7 +57,8 @@ impl Layout {
             return all;
         }
         let area: f64 = library.primaries().iter().map(|p| f64::from(p.area)).sum();
-        let radius = libm::sqrt(area / library.primaries().len() as f64 / std::f64::consts::PI);
+        let radius = libm::sqrt(area / library.primaries().len() as f64 / std::f64::consts::PI)
+            / library.pixels_per_unit();
         let size = all.size;
         let strip = radius.min(size[0] / 4.0).min(size[1] / 4.0);
         all.window([strip; 2], size.map(|s| s - strip))
@@ -65,7 +66,7 @@ impl Layout {
 
     /// The exemplar's own arrangement, as library 0, up to its borders.
     pub fn whole(library: &Library) -> Self {
-        let size = [library.source.width, library.source.height].map(f64::from);
+        let size = library.page();
         let wrap = library.arrangement.periodic;
         let centre = |(i, p): (usize, &Element)| Centre {
             library: LibraryId(0),
@@ -115,7 +116,8 @@ impl Layout {
 /// Mean distance between neighbouring primaries of an exemplar, in pixels: what the reach of its
 /// descriptors is a multiple of.
 pub fn neighbour_distance(library: &Library) -> f64 {
-    (f64::from(library.descriptor_half) / library.source.parameters.descriptor_reach).max(1.0)
+    let pixels = f64::from(library.descriptor_half) / library.source.parameters.descriptor_reach;
+    pixels.max(1.0) / library.pixels_per_unit()
 }
 
 /// A coordinate brought into `0..period`, if there is one.

@@ -67,10 +67,8 @@ pub(crate) fn scene(
     scene
 }
 
-/// Draws the exemplar's own arrangement from its library, layer by layer. Elements have their original
-/// places and colours. If the library has a limit of colours, the scene keeps it, and each field has one
-/// colour.
-pub fn reconstruct(library: &Library) -> Scene {
+/// [`reconstruct`](super::reconstruct) on a canvas of the size of the exemplar.
+pub(super) fn reconstruct(library: &Library) -> Scene {
     let (width, height) = (library.source.width, library.source.height);
     let mut scene = Scene::new([width, height], vec![reference(library)], Vec::new());
     let mut known = Known::new(LibraryId(0), library);

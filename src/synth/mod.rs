@@ -17,13 +17,14 @@ pub(crate) mod secondaries;
 mod strata;
 #[cfg(test)]
 mod tests;
+mod units;
 
 pub use crate::arrange::controls::{Controls, Lead};
 pub use crate::arrange::correspondence::Structure;
-pub use compose::reconstruct;
 pub(crate) use compose::{element, reference};
 pub use report::{CategoryReport, Report};
 pub use strata::{StratumReport, layer_map};
+pub use units::{reconstruct, synthesize_with};
 
 use crate::arrange::correspondence::no_guide;
 use crate::arrange::model::Model;
@@ -52,13 +53,8 @@ pub fn synthesize(library: &Library, params: &SynthParams, progress: &dyn Progre
     synthesize_with(libraries, params, &Controls::default(), progress).map(|(scene, _)| scene)
 }
 
-/// [`synthesize`] from several libraries and with control maps. Also reports how close the result is to its
-/// targets.
-///
-/// # Errors
-/// As [`synthesize`]; also [`Error::Parameter`] for no library, more than [`Controls::MOST_LIBRARIES`], or
-/// a number of share maps other than that of libraries.
-pub fn synthesize_with(
+/// [`synthesize_with`] of libraries whose units are the pixels of their arrangements.
+fn in_pixels(
     libraries: &[Library],
     params: &SynthParams,
     controls: &Controls,
@@ -102,8 +98,11 @@ pub fn default_size(libraries: &[Library]) -> [u32; 2] {
     let SynthParams { width, height, .. } = SynthParams::default();
     match libraries {
         [library] if is_drawing(library) && library.arrangement.periodic => {
-            let whole = |about: u32, side: u32| side * ((about + side / 2) / side).max(2);
-            [whole(width, library.source.width), whole(height, library.source.height)]
+            let [w, h] = library.page();
+            let whole = |about: u32, side: f64| {
+                libm::round(side * libm::round(f64::from(about) / side).max(2.0)) as u32
+            };
+            [whole(width, w), whole(height, h)]
         }
         _ => [width, height],
     }

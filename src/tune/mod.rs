@@ -183,7 +183,8 @@ impl<'a> Judge<'a> {
 /// [`crate::Error::Parameter`] for a parameter out of range, [`crate::Error::Interrupted`].
 pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> Result<TunedWeights> {
     params.validate()?;
-    let judge = Judge::new(library, params);
+    let library = library.at_scale(library.source.scale);
+    let judge = Judge::new(&library, params);
     let begin = &params.synth.weights;
     let mut random = stream(params.synth.seed, "tune/search", 0);
     let mut search = cmaes::Search::new(coordinates(begin), STEP);

@@ -3,6 +3,7 @@
 use super::Bend;
 use crate::arrange::model::{Model, PlaceableId, VariantId};
 use crate::error::{Error, Result};
+use crate::geometry::{Affine, Outline, PathEl, Point, STEP, Vec2};
 use crate::library::{self, Library};
 use crate::raster::ControlMap;
 use crate::scene::{Element, ElementId, Instance, Role, Scene, pixels};
@@ -46,11 +47,45 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
         };
         // Small elements of equal shape are stored once, and fused elements have shapes of their own.
         let own_shape = element.category.is_some() && !element.fused;
-        if own_shape && compose::translated(known.outline(), known.origin()) != *element.outline() {
+        if own_shape && !is_shape_of(library, known, element) {
             return Err(strange(library));
         }
     }
     Ok((found, scene))
+}
+
+/// Whether an element of a scene has the outline of an element of its library. Where a unit is no pixel of the
+/// arrangement, both are compared in these pixels, in which the scene was made.
+fn is_shape_of(library: &Library, known: &library::Element, element: &Element) -> bool {
+    if library.is_in_pixels() {
+        return compose::translated(known.outline(), known.origin()) == *element.outline();
+    }
+    let [x, y] = library.source.scale;
+    let pixels = |outline: &Outline| outline.moved(Affine::scale_non_uniform(x, y));
+    let [a, b] = [known.outline(), element.outline()].map(pixels);
+    let [p, q] = [a.bounds().origin(), b.bounds().origin()];
+    // Both were rounded to the grid of outlines in units.
+    let apart = Rounding { shift: p - q, most: 2.0 * STEP * x.max(y).max(1.0) };
+    let (a, b) = (a.path().elements(), b.path().elements());
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| apart.allows(*a, *b))
+}
+
+/// How much points of two outlines may differ, one of which is shifted.
+struct Rounding {
+    shift: Vec2,
+    most: f64,
+}
+
+impl Rounding {
+    fn allows(&self, a: PathEl, b: PathEl) -> bool {
+        let near = |a: Point, b: Point| (a - b - self.shift).hypot() <= self.most;
+        match (a, b) {
+            (PathEl::MoveTo(a), PathEl::MoveTo(b)) | (PathEl::LineTo(a), PathEl::LineTo(b)) => near(a, b),
+            (PathEl::CurveTo(a, b, c), PathEl::CurveTo(d, e, f)) => near(a, d) && near(b, e) && near(c, f),
+            (PathEl::ClosePath, PathEl::ClosePath) => true,
+            _ => false,
+        }
+    }
 }
 
 /// The scene with the sources of its small elements, which scenes of version 1 do not name. They are found

@@ -62,6 +62,8 @@ pub fn warp(
     check_canvas(&params)?;
     let (libraries, scene) = carried::matched(scene, libraries)?;
     let scene = &*scene;
+    // A scene is bent pixel by pixel.
+    let libraries: Vec<Library> = libraries.iter().map(|l| l.at_scale([1.0; 2]).into_owned()).collect();
     let shares = if libraries.len() > 1 { carried::parts(scene, bend, libraries.len()) } else { Vec::new() };
     let controls = Controls { domain: bend.domain(scene), density: None, shares, lead: None };
 

@@ -441,3 +441,25 @@ fn an_interrupt_while_a_file_is_made_to_fit_is_one() {
     assert_eq!(child.wait().unwrap().code(), Some(130), "{stderr}");
     assert!(stderr.contains("error: interrupted"), "{stderr}");
 }
+
+#[test]
+fn variants_are_numbered_by_their_seeds_and_analysed_once() {
+    let folder = Folder::new();
+    let run = folder.run("texture photo.png -o out.svg --keep --size 90 --seed 7 --variants 3").succeeds();
+    assert_eq!(run.stderr.matches(" px, ").count(), 3, "{}", run.stderr);
+    let wanted = ["out-7", "out-8", "out-9"];
+    let mut names: Vec<String> =
+        wanted.iter().flat_map(|n| [format!("{n}.scene.json"), format!("{n}.svg")]).collect();
+    names.extend(["out.lib.json", "photo.png"].map(str::to_owned));
+    assert_eq!(folder.names(), names);
+    let scenes = wanted.map(|name| folder.read(&format!("{name}.svg")));
+    assert!(scenes[0] != scenes[1] && scenes[1] != scenes[2]);
+    // The same as of that seed alone, from the same library.
+    folder.run("synth out.lib.json -o alone.scene.json --size 90 --seed 8").succeeds();
+    assert!(folder.read("alone.scene.json") == folder.read("out-8.scene.json"));
+    // And made again from what it says of itself.
+    folder.run("texture photo.png --again out-8.svg -o again.svg").succeeds();
+    assert!(folder.read("again.svg") == folder.read("out-8.svg"));
+    folder.run("synth out.lib.json -o - --variants 2").fails(2, "several variants");
+    folder.run("synth out.lib.json --variants 0").fails(2, "expected 1 to 1000");
+}

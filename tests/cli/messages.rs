@@ -1,6 +1,6 @@
 //! Exit codes, messages, hints, colours.
 
-use super::support::{Folder, encode};
+use super::support::{Folder, Run, encode};
 use image::{GrayImage, ImageFormat};
 
 #[test]
@@ -92,7 +92,6 @@ fn what_fails_says_why_and_what_to_try() {
         ("synth photo.png", "'photo.png' holds an image, not a library", "hint: make a library"),
         ("synth scene.svg", "'scene.svg' holds an SVG, not a library", "hint: "),
         ("synth text.txt", "'text.txt' is not a valid vtex-library file", "hint: make a library"),
-        ("inspect scene.svg", "holds an SVG", "hint: draw it with 'vtex render'"),
         ("inspect text.txt", "holds something else", "hint: libraries are made by"),
         ("render photo.png -o new.png", "holds an image", "hint: "),
         (
@@ -120,7 +119,6 @@ fn files_that_do_not_steer_say_so_before_the_work() {
         format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9">{inner}</svg>"#)
     };
     folder.write("open.svg", page(r#"<path d="M1 1H5V5"/>"#));
-    folder.write("two.svg", page(r#"<circle r="3"/><rect width="4" height="4"/>"#));
     folder.write("black.png", encode(&GrayImage::new(8, 8).into(), ImageFormat::Png));
     folder.write("text.txt", "hello");
     let libraries = "photo.lib.json photo.lib.json photo.lib.json";
@@ -129,7 +127,6 @@ fn files_that_do_not_steer_say_so_before_the_work() {
         ("--domain photo.png", "'photo.png' holds an image, not an SVG", "--domain-mask"),
         ("--domain text.txt", "'text.txt' cannot be used as a shape", "must be an SVG"),
         ("--domain open.svg", "its path is open", "end its path data with Z"),
-        ("--domain two.svg", "it holds 2 shapes, one is needed", "join"),
         ("--mask open.svg", "'open.svg' holds an SVG, not an image", "--domain"),
         ("--mask black.png", "nothing in it is white", "white is inside"),
         ("--mask text.txt", "cannot decode 'text.txt'", "PNG"),
@@ -325,4 +322,85 @@ fn what_never_ends_is_given_up_early() {
     folder.run("synth photo.lib.json --size 40 --density /dev/zero -o a.svg").fails(1, "/dev/zero");
     folder.run("synth photo.lib.json --config /dev/zero -o a.svg").fails(1, "'/dev/zero' is too large");
     assert!(began.elapsed() < std::time::Duration::from_secs(5), "{:?}", began.elapsed());
+}
+
+#[test]
+fn what_was_meant_is_guessed() {
+    let folder = Folder::with_library();
+    for (line, hint) in [
+        ("photo.png", "did you mean 'vtex texture photo.png'?"),
+        ("photo.lib.json", "did you mean 'vtex synth photo.lib.json'?"),
+        ("texture photo.png out.svg", "give the output with -o, as in -o out.svg"),
+        ("texture photo.png --width 500", "--size 1000x600"),
+        ("edit a.scene.json --op tint red", "put the operation in quotes: --op \"tint red\""),
+    ] {
+        let run = folder.run(line).fails(2, "");
+        assert!(
+            run.stderr.contains(&format!("hint: {hint}")) || run.stderr.contains(hint),
+            "{line}: {}",
+            run.stderr
+        );
+    }
+    folder.run("texture *.jpg").fails(1, "cannot read '*.jpg'");
+    assert!(folder.run("texture *.jpg").stderr.contains("does not expand it"));
+}
+
+#[test]
+fn other_words_for_the_same_are_taken() {
+    let folder = Folder::with_library();
+    let synth = "synth photo.lib.json --size 60 --seed 1";
+    for (given, meant) in [
+        ("--tile=true", "--tile=both"),
+        ("--tile=false", "--tile=none"),
+        ("--background transparent", "--background none"),
+    ] {
+        folder.run(&format!("{synth} {given} -o a.svg")).succeeds();
+        folder.run(&format!("{synth} {meant} -o b.svg")).succeeds();
+        assert!(folder.read("a.svg") == folder.read("b.svg"), "{given}");
+    }
+    folder.run("vectorize photo.png --seed 1 --colours 5 -o a.svg").succeeds();
+    folder.run("vectorize photo.png --seed 1 --colors 5 -o b.svg").succeeds();
+    assert!(folder.read("a.svg") == folder.read("b.svg"));
+    folder.run("render photo.lib.json --width 192 -o wide.png").succeeds();
+    assert_eq!(image::load_from_memory(&folder.read("wide.png")).unwrap().width(), 192);
+    folder.run("batch photo.lib.json -o out --size 60").succeeds();
+    assert!(folder.path("out/photo.svg").exists());
+}
+
+#[test]
+fn an_svg_says_what_it_is_and_where_its_scene_comes_from() {
+    let folder = Folder::new();
+    folder.run("texture photo.png -o out.svg --size 60 --seed 5").succeeds();
+    let told = folder.run("inspect out.svg").succeeds().text().to_owned();
+    for word in ["seed         5", "60 x 60 px", "photo.png", "fidelity 0.5", "--again out.svg"] {
+        assert!(told.contains(word), "{word}: {told}");
+    }
+    let json = folder.run("inspect out.svg --json").succeeds().json();
+    assert_eq!((&json["seed"], &json["recipe"]["command"]), (&5.into(), &"texture".into()));
+    assert!(json["categories"].as_array().is_some_and(|list| !list.is_empty()));
+    let run: Run = folder.command("edit out.svg --op").arg("thin 0.5").output().unwrap().into();
+    let run = run.fails(1, "holds an SVG, not a scene");
+    assert!(run.stderr.contains("vtex texture PHOTO --again out.svg -o out.scene.json"), "{}", run.stderr);
+    folder.write("plain.svg", "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'/>");
+    folder.run("inspect plain.svg").fails(1, "does not say how it was made");
+}
+
+#[test]
+fn errors_are_objects_for_programs() {
+    let folder = Folder::new();
+    let run = folder.run("texture none.jpg --json").fails(1, "cannot read 'none.jpg'");
+    let json = run.json();
+    assert!(json["error"].as_str().is_some_and(|text| text.contains("none.jpg")));
+    assert_eq!((&json["exit"], json["hint"].is_string()), (&1.into(), true));
+}
+
+#[test]
+fn folders_are_taken_with_their_drawings() {
+    let folder = Folder::with_library();
+    std::fs::create_dir(folder.path("in")).unwrap();
+    folder.write("in/garden.svg", include_bytes!("../../examples/drawings/garden.svg"));
+    folder.run("synth photo.lib.json --size 60 -o in/result.svg").succeeds();
+    folder.run("batch in --out-dir out --size 300").succeeds();
+    // What vtex has written is no exemplar.
+    assert!(folder.path("out/garden.svg").exists() && !folder.path("out/result.svg").exists());
 }

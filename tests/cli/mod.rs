@@ -9,6 +9,7 @@ mod edit;
 mod files;
 mod help;
 mod interp;
+mod large;
 mod layers;
 mod messages;
 mod metrics;

@@ -197,8 +197,15 @@ fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     folder.run(&format!("{fine} -o f.svg --max-bytes many")).fails(2, "expected 5MB");
     folder.run(&format!("{fine} -o f.svg --max-bytes 0")).fails(2, "expected 5MB");
     assert!(!folder.path("f.svg").exists());
-    let told = folder.run(&format!("{fine} -o g.pdf --max-bytes 1MB")).succeeds().stderr;
+    let told = folder.run(&format!("{fine} -o g.png --max-bytes 1MB")).succeeds().stderr;
     assert!(told.contains("--max-bytes has no effect here"), "{told}");
+
+    // A PDF is reduced in the same way.
+    folder.run(&format!("{fine} -o whole.pdf")).succeeds();
+    let most = folder.read("whole.pdf").len() * 9 / 10;
+    let run = folder.run(&format!("{fine} -o small.pdf --max-bytes {most} --json")).succeeds();
+    assert!(folder.read("small.pdf").len() <= most && run.json().get("given_up").is_some());
+    folder.run(&format!("{fine} -o tiny.pdf --max-bytes 1")).fails(1, "the smallest has ");
 }
 
 #[test]
@@ -295,4 +302,24 @@ fn presets_set_what_they_say_and_options_win() {
     assert!(has(&fine, "fidelity = 0.25") && has(&fine, "precision = 2"), "{fine}");
     folder.run("texture photo.png --size 50 --preset draft").succeeds();
     folder.run("analyze photo.png --preset best").fails(2, "expected draft, default, fine or poster");
+}
+
+#[test]
+fn sizes_may_have_units() {
+    let folder = Folder::with_library();
+    let synth = "synth photo.lib.json --seed 1";
+    let json = folder.run(&format!("{synth} --size 30mm -o a.svg --json")).succeeds().json();
+    assert_eq!(json["size"], serde_json::json!([113, 113]));
+    let json = folder.run(&format!("{synth} --size 1inx2cm --dpi 150 -o b.svg --json")).succeeds().json();
+    assert_eq!(json["size"], serde_json::json!([150, 118]));
+    let svg = String::from_utf8(folder.read("b.svg")).unwrap();
+    assert!(svg.contains(r#"width="25.4mm" height="19.981mm" viewBox="0 0 150 118""#), "{}", &svg[..400]);
+    // At the resolution of CSS nothing is said.
+    assert!(String::from_utf8(folder.read("a.svg")).unwrap().contains(r#"width="113" height="113""#));
+    folder.run(&format!("{synth} --size 1in --dpi 144 -o c.pdf")).succeeds();
+    let pdf = String::from_utf8_lossy(&folder.read("c.pdf")).into_owned();
+    assert!(pdf.contains("/MediaBox [0 0 72 72]"), "an inch has 72 points");
+    folder.run(&format!("{synth} --size 9kg")).fails(2, "expected 1000 or 1000x600");
+    folder.run(&format!("{synth} --size 100mm --dpi 0")).fails(2, "1 to 9600");
+    folder.run(&format!("{synth} --size 900m")).fails(2, "size");
 }

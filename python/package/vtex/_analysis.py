@@ -33,6 +33,7 @@ def analyze(
     colors: int = 0,
     max_paths: int = 0,
     cells: int = 0,
+    max_pixels: int | Literal["off"] = 1_200_000,
     wrap: bool | None = None,
     layers: int | Literal["auto", "off"] = "auto",
     layer_order: Sequence[int] = (),
@@ -48,7 +49,7 @@ def analyze(
     """Find the elements of a photograph or a drawing, and how they are arranged.
 
     The same exemplar, parameters and seed give the same library on any number of threads, and the same
-    as the program ``vtex analyze``. Lengths are pixels of the exemplar, areas square pixels.
+    as the program ``vtex analyze``. Lengths are pixels of the exemplar as it is analysed, areas square pixels.
 
     Parameters
     ----------
@@ -97,6 +98,9 @@ def analyze(
     cells : int, default 0
         Cells along each side of a pixel, on which small shapes are told apart, 1 to 4; 0 as fits the
         photograph.
+    max_pixels : int or "off", default 1 200 000
+        A photograph of more pixels is reduced first, to this number, or to where its elements are some 20
+        to 80 pixels across. Sizes of results stay in the photograph's own pixels.
     wrap : bool, optional
         Whether opposite borders join, so that what they cut is one element. Default: where they are seen
         to.
@@ -163,6 +167,7 @@ def analyze(
         "colors": colors,
         "max_paths": max_paths,
         "cells": cells,
+        "max_pixels": max_pixels,
         "wrap": wrap is True,
         "layers": 1 if layers == "off" else layers,
         "layer_order": list(layer_order),

@@ -25,7 +25,7 @@ def synthesize(
     moves: int = 5,
     weights: Sequence[float] = (0.5, -0.4, -0.2, -0.5, -0.5),
     background_spacing: float | None = None,
-    tile: Literal["none", "both", "x", "y"] = "none",
+    tile: bool | Literal["none", "both", "x", "y"] = "none",
     rotate: float = 0.0,
     mirror: bool = False,
     scale_jitter: float = 0.0,
@@ -72,7 +72,7 @@ def synthesize(
         placement, -10 to 10 each.
     background_spacing : float, optional
         Distance between background colours, 4 to 1000 pixels. Default: as in the library.
-    tile : {"none", "both", "x", "y"}, default "none"
+    tile : bool or {"none", "both", "x", "y"}, default "none"
         Axes along which it repeats without a seam.
     rotate : float, default 0.0
         Largest angle by which elements are turned either way, 0 to 180 degrees.
@@ -86,7 +86,7 @@ def synthesize(
         Parts of the method that are left out, for experiments: "secondary", "overlap", "density",
         "decay", "improve", "growth", "removal", "copies", "seeds", "neighbourhoods".
     domain : picture or SVG, optional
-        The shape to fill: an SVG with one closed path, fitted to the canvas, or a mask, white (1.0) inside.
+        The shape to fill: all filled shapes of an SVG together, fitted to the canvas, or a mask, white (1.0) inside.
     density : picture, optional
         Density relative to the exemplar's: black 0, middle grey 1, white 2; floats are densities, 0 to 2.
     map : picture or sequence of pictures, optional
@@ -117,8 +117,10 @@ def synthesize(
         If `progress` returned False.
     """
     libraries = libraries_of(library)
+    if isinstance(tile, bool):
+        tile = "both" if tile else "none"
     if tile not in ("none", "both", "x", "y"):
-        raise InputError(f"tile = {tile!r} cannot be used", "give 'none', 'both', 'x' or 'y'")
+        raise InputError(f"tile = {tile!r} cannot be used", "give True, False, 'none', 'both', 'x' or 'y'")
     names = ("target", "uncovered", "empty", "mismatched", "same_overlap")
     numbers = list(weights)
     if len(numbers) != len(names):

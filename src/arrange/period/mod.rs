@@ -102,22 +102,26 @@ fn size_of(library: &Library) -> [f64; 2] {
     [library.source.width, library.source.height].map(f64::from)
 }
 
-fn check_periods(library: &Library, params: &SynthParams) -> Result<()> {
-    let fits = |tile: bool, size: u32, period: u32| !tile || size.is_multiple_of(period);
-    let [w, h] = [library.source.width, library.source.height];
-    if fits(params.tile.x, params.width, w) && fits(params.tile.y, params.height, h) {
+/// Refuses a canvas that is to repeat along an axis and is not a whole number of periods long there, but for
+/// the rounding of the canvas.
+///
+/// # Errors
+/// [`Error::Parameter`] that names a size nearby.
+pub(crate) fn check_periods(library: &Library, params: &SynthParams) -> Result<()> {
+    let whole = |size: u32, period: f64| {
+        let count = libm::round(f64::from(size) / period).max(1.0);
+        libm::round(count * period) as u32
+    };
+    let [w, h] = library.page();
+    let near = |tile: bool, size: u32, period: f64| if tile { whole(size, period) } else { size };
+    let [width, height] = [near(params.tile.x, params.width, w), near(params.tile.y, params.height, h)];
+    if [width, height] == [params.width, params.height] {
         return Ok(());
     }
-    let near = |tile: bool, size: u32, period: u32| {
-        let whole = ((size + period / 2) / period).max(1) * period;
-        if tile { whole } else { size }
-    };
+    let [w, h] = [w, h].map(|v| libm::round(v * 100.0) / 100.0);
     let value = format!(
-        "{}x{} (the drawing repeats every {w}x{h} px; {}x{} is near)",
-        params.width,
-        params.height,
-        near(params.tile.x, params.width, w),
-        near(params.tile.y, params.height, h)
+        "{}x{} (the drawing repeats every {w}x{h} px; {width}x{height} is near)",
+        params.width, params.height
     );
     let allowed = "a whole number of the drawing's periods where it is to repeat without a seam";
     Err(Error::Parameter { name: "size", value, allowed })

@@ -12,8 +12,8 @@ use crate::cli::options::layers::LayerFilesArgs;
 use crate::cli::options::masks::MasksArgs;
 use crate::cli::options::preset::PresetArgs;
 use crate::cli::output::{Targets, say};
-use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Coverage, LayersReport, Summary};
+use crate::cli::progress::{Plan, Reporter};
+use crate::cli::summary::{Counts, Coverage, LayersReport, Reduced, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::output::file::Format;
@@ -73,6 +73,7 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
     if common.verbosity > 1 {
         say(&format!("{:#?}", analysis.parameters));
     }
+    reporter.plan(Plan { finder: Some(analysis.finder()), ..Plan::default() });
     let library = analyze(common, analysis, reporter)?;
     reporter.stage("writing")?;
     let json = library.to_json();
@@ -80,6 +81,7 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
     let summary = Summary {
         seed: Some(library.source.parameters.seed),
         size: [library.source.width, library.source.height],
+        reduced: Reduced::of_library(&library),
         counts: Some(Counts::of_library(&library)),
         coverage: Some(Coverage { wanted: Some(library.coverage), got: None, categories: Vec::new() }),
         layers: LayersReport::of_library(&library),

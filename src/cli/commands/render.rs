@@ -42,6 +42,10 @@ pub(crate) struct RenderArgs {
     /// - writes PNG to stdout; several -o write several files [default: ./FILE.png]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
+    /// Width of a PNG, where no scale is given [1 to 100000 px, default: as the scale says]
+    #[arg(long, value_name = "PX", conflicts_with = "scale", help_heading = "Output")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) width: Option<u32>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
@@ -54,6 +58,7 @@ pub(crate) struct RenderArgs {
 
 /// How a file is drawn.
 struct RenderOptions {
+    width: Option<u32>,
     scale: RenderParameters,
     svg: SvgParameters,
     targets: Targets,
@@ -67,7 +72,7 @@ impl Arguments for RenderArgs {
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
-        let Self { file, output, force, pattern: beside, .. } = *self;
+        let Self { file, output, width, force, pattern: beside, .. } = *self;
         let file = required(file)?;
         let mut written = outputs(&output);
         written.push(("--pattern", beside.pattern.as_deref()));
@@ -75,15 +80,14 @@ impl Arguments for RenderArgs {
         let targets = targets(output, &force, &file, MAKES)?;
         let pattern = pattern(beside, &force, &targets)?;
         let (scale, svg) = (resolved.parameters.render, resolved.parameters.svg);
-        let options = RenderOptions { scale, svg, targets, pattern };
+        let options = RenderOptions { width, scale, svg, targets, pattern };
         Ok(Box::new(move |common, reporter| run(common, reporter, &file, &options)))
     }
 }
 
 fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOptions) -> anyhow::Result<()> {
-    let RenderOptions { scale: parameters, svg, targets, pattern } = options;
-    let scale = parameters.scale;
-    let drawing = Drawing { svg: *svg, render: *parameters, recipe: None };
+    let RenderOptions { width, scale: parameters, svg, targets, pattern } = options;
+    let (mut parameters, mut svg) = (*parameters, *svg);
     targets.probe()?;
     if let Some(pattern) = pattern {
         pattern.place.probe()?;
@@ -95,7 +99,11 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
     let bytes = input.read()?;
     let name = input.name();
     let scene = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Svg])? {
-        Kind::Library => Some(reconstruct(&Library::from_bytes(&bytes, &name)?)),
+        Kind::Library => {
+            let library = Library::from_bytes(&bytes, &name)?;
+            svg = svg.fit(std::slice::from_ref(&library));
+            Some(reconstruct(&library))
+        }
         Kind::Scene => Some(Scene::from_bytes(&bytes, &name)?),
         _ => None,
     };
@@ -110,6 +118,15 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
         }
     }
     reporter.stage("drawing")?;
+    if let Some(width) = width {
+        let own = match &scene {
+            Some(scene) => scene.width,
+            None => raster_svg::render_svg(&bytes, 1.0, &name, reporter)?.width(),
+        };
+        parameters.scale = f64::from(*width) / f64::from(own);
+    }
+    let scale = parameters.scale;
+    let drawing = Drawing { svg, render: parameters, recipe: None };
     let (written, size) = match &scene {
         Some(scene) => {
             let written = targets.write_scene(scene, None, drawing)?;

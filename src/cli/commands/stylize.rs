@@ -16,10 +16,12 @@ use crate::cli::progress::Reporter;
 use crate::cli::summary::{Counts, Summary};
 use crate::cli::values::{between, named, one_of};
 use clap::Args;
+use image::{Rgb, RgbImage};
 use std::path::PathBuf;
 use vtex::Progress;
 use vtex::analyze::{Exemplar, Limits};
 use vtex::output::file::Format;
+use vtex::output::raster_svg::render_svg;
 use vtex::transfer::{Keep, StylizeParams, stylize};
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "stylized" };
@@ -36,7 +38,7 @@ Examples:
 Elements follow the edges of the picture, and are small where it has detail."
 )]
 pub(crate) struct StylizeArgs {
-    /// The picture: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
+    /// The picture: PNG, JPEG, TIFF, WebP, BMP, GIF, PNM or SVG; - reads stdin
     #[arg(value_name = "PICTURE", required = true)]
     pub(crate) picture: Option<PathBuf>,
     /// The texture whose elements are used: a library or a scene, plain or gzip, a photograph or a drawing
@@ -122,12 +124,15 @@ fn run(common: &Common, reporter: &Reporter, job: &Stylizing) -> anyhow::Result<
     }
     reporter.stage("reading")?;
     let bytes = picture.read()?;
-    Kind::expect(&bytes, picture, &[Kind::Image, Kind::Unknown])
+    let kind = Kind::expect(&bytes, picture, &[Kind::Image, Kind::Svg, Kind::Unknown])
         .map_err(|failure| failure.hint("give a picture, such as a photograph"))?;
-    let exemplar = Exemplar::from_bytes(&bytes, &picture.name(), &Limits::default())?;
+    let image = match kind {
+        Kind::Svg => drawn(&bytes, &picture.name(), params.size, reporter)?,
+        _ => Exemplar::from_bytes(&bytes, &picture.name(), &Limits::default())?.image,
+    };
     let elements = texture(common, with, reporter)?;
     reporter.stage("redrawing")?;
-    let scene = stylize(&exemplar.image, &elements, params)?;
+    let scene = stylize(&image, &elements, params)?;
     reporter.stage("writing")?;
     let drawing = Drawing { svg: *svg, render: *render, recipe: None };
     let written = targets.write_scene(&scene, None, drawing)?;
@@ -139,4 +144,17 @@ fn run(common: &Common, reporter: &Reporter, job: &Stylizing) -> anyhow::Result<
         ..Summary::new("stylize", inputs, targets.path(), written, reporter)
     };
     summary.tell(common, targets.piped())
+}
+
+/// An SVG over white, its longer side as many pixels as the canvas has.
+fn drawn(bytes: &[u8], name: &str, side: u32, reporter: &Reporter) -> anyhow::Result<RgbImage> {
+    let page = render_svg(bytes, 1.0, name, reporter)?;
+    let scale = f64::from(side) / f64::from(page.width().max(page.height()));
+    let page = if scale == 1.0 { page } else { render_svg(bytes, scale, name, reporter)? };
+    // What is transparent is white.
+    let over_white = |v: u8, alpha: u8| v.saturating_add(255 - alpha);
+    Ok(RgbImage::from_fn(page.width(), page.height(), |x, y| {
+        let p = page.pixels()[(y * page.width() + x) as usize];
+        Rgb([p.red(), p.green(), p.blue()].map(|v| over_white(v, p.alpha())))
+    }))
 }

@@ -13,7 +13,8 @@ use crate::cli::options::preset::PresetArgs;
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::options::synth::{SynthBackgroundFlags, SynthFlags};
-use crate::cli::progress::Reporter;
+use crate::cli::options::variants::VariantsArgs;
+use crate::cli::progress::{Plan, Reporter};
 use crate::cli::reading;
 use crate::cli::synthesis::{Origin, Synthesis, finish};
 use crate::cli::weights::read_weights;
@@ -49,6 +50,8 @@ pub(crate) struct SynthArgs {
     #[command(flatten)]
     pub(crate) force: ForceArgs,
     #[command(flatten)]
+    pub(crate) variants: VariantsArgs,
+    #[command(flatten)]
     pub(crate) pattern: PatternArgs,
     #[command(flatten)]
     pub(crate) render: RenderFlags,
@@ -80,7 +83,7 @@ impl Arguments for SynthArgs {
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
-        let Self { library, output, force, pattern, control, map, .. } = *self;
+        let Self { library, output, force, variants, pattern, control, map, .. } = *self;
         let Resolved { mut parameters, .. } = resolved;
         let libraries: Vec<Input> = library.into_iter().map(Input::new).collect();
         let Some(first) = libraries.first() else {
@@ -92,13 +95,14 @@ impl Arguments for SynthArgs {
         steering.check(&read, &outputs(&output))?;
         steering.check_counts(libraries.len())?;
         read_weights(parameters.weights.clone(), first, &mut parameters.synth)?;
-        let synthesis = Synthesis::new(parameters, steering, targets, pattern, &force)?;
+        let synthesis = Synthesis::new(parameters, steering, targets, (pattern, variants), &force)?;
         Ok(Box::new(move |common, reporter| run(common, reporter, &libraries, &synthesis)))
     }
 }
 
 fn run(common: &Common, reporter: &Reporter, inputs: &[Input], synthesis: &Synthesis) -> anyhow::Result<()> {
     synthesis.probe()?;
+    reporter.plan(Plan { canvas: Some(synthesis.megapixels()), ..Plan::default() });
     reporter.stage("reading")?;
     let mut controls = reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
     let libraries = reading::libraries(inputs)?;

@@ -17,9 +17,10 @@ use crate::cli::options::preset::PresetArgs;
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::options::synth::SynthFlags;
-use crate::cli::progress::Reporter;
+use crate::cli::options::variants::VariantsArgs;
+use crate::cli::progress::{Plan, Reporter};
 use crate::cli::reading;
-use crate::cli::recipe::{self, Recipe};
+use crate::cli::recipe::{self, Recipe, of_variant};
 use crate::cli::synthesis::{Origin, Synthesis, canvas, finish};
 use crate::cli::weights::read_weights;
 use clap::Args;
@@ -37,6 +38,7 @@ const MAKES: Makes = Makes { allowed: format::OF_PHOTO, usual: Format::Svg, word
 Examples:
   vtex texture photo.jpg -o out.svg --size 1000
   vtex texture photo.jpg -o out.svg -o out.png --keep
+  vtex texture photo.jpg -o out.svg --seed 1 --variants 8
   vtex texture photo.jpg --again out.svg --size 2000 -o large.svg
   vtex texture photo.jpg -o - --size 400x300 --seed 7 > out.svg"
 )]
@@ -59,6 +61,8 @@ pub(crate) struct TextureArgs {
     pub(crate) preset: PresetArgs,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) variants: VariantsArgs,
     #[command(flatten)]
     pub(crate) pattern: PatternArgs,
     #[command(flatten)]
@@ -109,9 +113,10 @@ impl Arguments for TextureArgs {
             mut layer_files,
             analyze,
             recipe,
+            variants,
             ..
         } = *self;
-        let Resolved { mut parameters, seed, .. } = resolved;
+        let Resolved { mut parameters, seed, given, .. } = resolved;
         parameters.seed = Some(seed);
         if let Some(recipe) = &recipe {
             restore(recipe, &mut control, &mut masks)?;
@@ -120,6 +125,9 @@ impl Arguments for TextureArgs {
             }
         }
         let photo = required(photo)?;
+        // A seed given here is that of both halves.
+        let variant = recipe.as_ref().filter(|_| !given.has_seed()).map_or(0, |recipe| recipe.variant);
+        parameters.synth.seed = seed.0.wrapping_add(variant);
         read_weights(parameters.weights.clone(), &photo, &mut parameters.synth)?;
         if keep {
             keep_beside(&mut output, &photo)?;
@@ -131,8 +139,8 @@ impl Arguments for TextureArgs {
         written.push(layer_files.written());
         steering.check(&[("the photograph", &photo)], &written)?;
         let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &parameters)?;
-        let synthesis = Synthesis::new(parameters.clone(), steering, targets, pattern, &force)?;
-        let texture = Texture { analysis, synthesis, parameters, recipe };
+        let synthesis = Synthesis::new(parameters.clone(), steering, targets, (pattern, variants), &force)?;
+        let texture = Texture { analysis, synthesis, parameters, recipe, variant };
         Ok(Box::new(move |common, reporter| texture.run(common, reporter)))
     }
 }
@@ -185,6 +193,8 @@ struct Texture {
     synthesis: Synthesis,
     parameters: Parameters,
     recipe: Option<Recipe>,
+    /// How many seeds after that of the analysis the texture has its own.
+    variant: u64,
 }
 
 impl Texture {
@@ -205,6 +215,8 @@ impl Texture {
             }
         }
         let mut controls = reading::controls(&synthesis.steering, &synthesis.parameters, 1)?;
+        let (finder, megapixels) = (Some(analysis.finder()), synthesis.megapixels());
+        reporter.plan(Plan { finder, canvas: Some(megapixels), ..Plan::default() });
         let library = analyze(common, analysis, reporter)?;
         controls.lead = reading::lead(&synthesis.steering, &library)?;
         let inputs = vec![analysis.photo.name()];
@@ -217,6 +229,7 @@ impl Texture {
             &library,
             &analysis.photo,
         )?;
+        let made = of_variant(&made, self.variant);
         let libraries = std::slice::from_ref(&library);
         let origin = Origin { command: "texture", inputs, libraries, recipe: Some(&made) };
         finish(common, reporter, origin, &controls, synthesis)

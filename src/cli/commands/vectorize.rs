@@ -14,8 +14,8 @@ use crate::cli::options::preset::PresetArgs;
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::output::{Drawing, Targets, say};
-use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Summary};
+use crate::cli::progress::{Plan, Reporter};
+use crate::cli::summary::{Counts, Reduced, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::Progress;
@@ -111,13 +111,16 @@ fn run(
     if common.verbosity > 1 {
         say(&format!("{:#?}", analysis.parameters));
     }
+    reporter.plan(Plan { finder: Some(analysis.finder()), ..Plan::default() });
     let library = analyze(common, analysis, reporter)?;
     let scene = reconstruct(&library);
+    let drawing = Drawing { svg: drawing.svg.fit(std::slice::from_ref(&library)), ..drawing };
     reporter.stage("writing")?;
     let written = targets.write_scene(&scene, None, drawing)?;
     let summary = Summary {
         seed: Some(library.source.parameters.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),
+        reduced: Reduced::of_library(&library),
         counts: Some(Counts::of_scene(&scene)),
         ..Summary::new("vectorize", vec![analysis.photo.name()], targets.path(), written, reporter)
     };

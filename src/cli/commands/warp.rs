@@ -108,7 +108,7 @@ impl Warping {
             (None, Some(cage), Some(to)) => How::Cage([cage, to].map(Input::new)),
             _ => {
                 return Err(Failure::usage("nothing says how to bend the scene")
-                    .hint("give --scale, or two cages with --cage and --to"));
+                    .hint("give --stretch, or two cages with --cage and --to"));
             }
         };
         let mut read = vec![("the scene", &scene)];
@@ -134,8 +134,7 @@ fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Resul
         inputs.extend(cages.iter().map(Input::name));
     }
     let (result, report) = warp(&before, known, &bend, *parameters, reporter)?;
-    let drawing =
-        Drawing { svg: *svg, render: RenderParameters { scale: 1.0, background: None }, recipe: None };
+    let drawing = Drawing { svg: *svg, render: RenderParameters::default(), recipe: None };
     let made = Made { command: "warp", inputs, library: None, scene: result, report };
     made.write(common, reporter, drawing, targets, None)
 }

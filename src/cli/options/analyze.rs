@@ -23,7 +23,7 @@ pub(crate) enum SegmenterName {
 
 /// Section `[analyze]`.
 #[derive(Args, Serialize)]
-#[command(next_help_heading = "Analysis (lengths in pixels of the photograph)")]
+#[command(next_help_heading = "Analysis (lengths in pixels of the photograph, as it is analysed)")]
 pub(crate) struct AnalyzeFlags {
     /// Segmenter that finds the elements: auto is sam if a model was added, else texton [auto, texton, regions,
     /// felzenszwalb or sam, default: auto]
@@ -75,7 +75,7 @@ pub(crate) struct AnalyzeFlags {
     #[arg(value_parser = one_of(&["flat", "gradient"], named::<Shading>))]
     pub(crate) shading: Option<Shading>,
     /// Most colours, all flat, the background of a vectorized photograph included; 0: as many as there are [0 to 4096, default: 0]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    #[arg(long, alias = "colours", value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) colors: Option<u32>,
     /// Most elements and details together; 0: as many as there are [0 to 10000000, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
@@ -84,6 +84,11 @@ pub(crate) struct AnalyzeFlags {
     /// photograph [0 to 4, default: 0]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) cells: Option<u32>,
+    /// Reduce a larger photograph first, to so many pixels, or to where its elements are some 20 to 80 px
+    /// across; 1.5M is 1500000. Sizes of results stay in the photograph's own pixels [4096 to 4000000000,
+    /// or off, default: 1200000]
+    #[arg(long, value_name = "NUMBER", value_parser = pixel_limit, allow_negative_numbers = true)]
+    pub(crate) max_pixels: Option<u32>,
     /// The exemplar tiles: opposite borders join, and what they cut is one element. auto: where they are
     /// seen to, but for vectorize [auto, on or off; alone: on; default: auto]
     #[arg(long, value_name = "WHETHER", num_args = 0..=1, require_equals = true, default_missing_value = "on")]
@@ -121,5 +126,38 @@ pub(crate) fn layer_count(text: &str) -> Result<u32, String> {
             .ok()
             .filter(|count| (1..=6).contains(count))
             .ok_or_else(|| "expected auto, off, or a number from 1 to 6".into()),
+    }
+}
+
+/// A limit of pixels as the parameters have it: 0 stands for off.
+pub(crate) fn pixel_limit(text: &str) -> Result<u32, String> {
+    let expected = || "expected off, or a number of pixels such as 1500000 or 1.5M".to_owned();
+    if text == "off" {
+        return Ok(0);
+    }
+    let (digits, unit) = match text.strip_suffix(['M', 'm']) {
+        Some(digits) => (digits, 1e6),
+        None => (text, 1.0),
+    };
+    let value = digits.parse::<f64>().map_err(|_| expected())? * unit;
+    let known = (4096.0..=4e9).contains(&value) && value.fract() == 0.0;
+    if known { Ok(value as u32) } else { Err(expected()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_of_pixels_are_numbers_megapixels_or_off() {
+        let read = |text: &str| pixel_limit(text).ok();
+        assert_eq!(
+            ["off", "4096", "1.5M", "12M"].map(read),
+            [Some(0), Some(4096), Some(1_500_000), Some(12_000_000)]
+        );
+        assert_eq!(
+            ["", "M", "4095", "-1", "5000M", "1e5.5", "5000.5", "NaN", "inf", "on"].map(read),
+            [None; 10]
+        );
     }
 }

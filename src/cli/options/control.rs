@@ -11,7 +11,7 @@ use vtex::synth::Controls;
 #[derive(Args)]
 #[command(next_help_heading = "Control (pictures are stretched over the canvas)")]
 pub(crate) struct ControlArgs {
-    /// Fill a shape: an SVG with one closed path, fitted to the canvas as a whole
+    /// Fill a shape: all filled shapes of an SVG together, fitted to the canvas as a whole
     #[arg(long, value_name = "FILE", conflicts_with = "mask")]
     pub(crate) domain: Option<PathBuf>,
     /// Fill what is white in a picture, or opaque where it is partly transparent

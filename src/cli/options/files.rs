@@ -57,7 +57,7 @@ pub(crate) fn targets(
 /// One place.
 fn target(path: PathBuf, force: &ForceArgs, Makes { allowed, usual, .. }: Makes) -> Result<Target, Failure> {
     if path.as_os_str() == "-" {
-        if usual == Format::Png && std::io::stdout().is_terminal() {
+        if matches!(usual, Format::Png | Format::Svg) && std::io::stdout().is_terminal() {
             return Err(Failure::usage("a terminal cannot show a picture").hint("name a file with --output"));
         }
         return Ok(Target { place: Place::Stdout, kind: Kind { format: usual, gzip: false } });

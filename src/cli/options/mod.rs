@@ -14,3 +14,4 @@ pub(crate) mod preset;
 pub(crate) mod render;
 pub(crate) mod svg;
 pub(crate) mod synth;
+pub(crate) mod variants;

@@ -9,7 +9,7 @@ use clap::Args;
 const PRESETS: [(&str, &str); 4] = [
     (
         "draft",
-        "[analyze]\ncells = 1\nfidelity = 1.0\nshading = \"flat\"\n[synth]\nmoves = 1\ncandidates = 8\n",
+        "[analyze]\nmax-pixels = 150000\nsegmenter = \"regions\"\ncells = 1\nfidelity = 1.0\nshading = \"flat\"\n[synth]\nmoves = 1\ncandidates = 8\n",
     ),
     ("default", ""),
     (
@@ -23,7 +23,7 @@ const PRESETS: [(&str, &str); 4] = [
 #[derive(Args)]
 pub(crate) struct PresetArgs {
     /// Values to begin with, over which other options win; default sets none.
-    /// draft, soon done: --cells 1 --fidelity 1 --shading flat --moves 1 --candidates 8;
+    /// draft, soon done: --max-pixels 150000 --segmenter regions --cells 1 --fidelity 1 --shading flat --moves 1 --candidates 8;
     /// fine: --fidelity 0.25 --detail-scale 5 --moves 10 --candidates 40 --precision 2;
     /// poster: --fidelity 1 --shading flat --colors 12 --max-paths 2000
     /// [draft, default, fine or poster, default: default]

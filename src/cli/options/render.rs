@@ -4,6 +4,7 @@ use clap::Args;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::str::FromStr;
+use vtex::output::CSS_DPI;
 use vtex::raster::colour::Colour;
 use vtex::raster::css;
 
@@ -14,6 +15,9 @@ pub(crate) struct RenderFlags {
     /// Pixels of a PNG for each pixel of the canvas [0.01 to 100, default: 1]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub(crate) scale: Option<f64>,
+    /// Pixels to the inch of an SVG or PDF, and of sizes with units [1 to 9600, default: 96]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) dpi: Option<u32>,
     /// Background of one colour in place of the exemplar's, or none, so that what is between the elements is
     /// transparent [#rrggbb, #rgb, a name of CSS or none, default: the exemplar's]
     #[arg(long, value_name = "COLOUR")]
@@ -26,9 +30,22 @@ pub(crate) struct RenderFlags {
 pub(crate) struct RenderParameters {
     /// Pixels for each pixel of the canvas. 0.01 to 100.
     pub(crate) scale: f64,
+    /// Pixels to the inch. 1 to 9600.
+    #[serde(default = "css_dpi")]
+    pub(crate) dpi: u32,
     /// Background between the elements, if not the exemplar's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) background: Option<Background>,
+}
+
+fn css_dpi() -> u32 {
+    CSS_DPI
+}
+
+impl Default for RenderParameters {
+    fn default() -> Self {
+        Self { scale: 1.0, dpi: CSS_DPI, background: None }
+    }
 }
 
 /// The background between the elements.
@@ -42,7 +59,7 @@ impl FromStr for Background {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if text == "none" {
+        if text == "none" || text == "transparent" {
             Ok(Self::None)
         } else {
             let expected = || "expected #rrggbb, #rgb or a name such as red, or none".into();

@@ -3,6 +3,7 @@
 use crate::cli::values::Bytes;
 use clap::Args;
 use serde::{Deserialize, Serialize};
+use vtex::library::Library;
 use vtex::output::svg::SvgOptions;
 
 /// Section `[svg]`.
@@ -20,7 +21,7 @@ pub(crate) struct SvgFlags {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) css: Option<bool>,
-    /// Most bytes of an SVG, as 5MB, 800kB or a number: gives up decimals, then fineness of outlines,
+    /// Most bytes of an SVG or PDF, as 5MB, 800kB or a number: gives up decimals, then fineness of outlines,
     /// then what is seen least [1 to 1000000000000, default: no limit]
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
     pub(crate) max_bytes: Option<Bytes>,
@@ -40,6 +41,18 @@ pub(crate) struct SvgParameters {
     /// Most bytes of the file, if there is a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) max_bytes: Option<Bytes>,
+}
+
+/// Pixels of an arrangement for each unit from which a drawing's units are coarse.
+const COARSE: f64 = 4.0;
+
+impl SvgParameters {
+    /// With two decimals in place of one where elements come from a drawing on a small page, of which a tenth
+    /// of a unit is seen.
+    pub(crate) fn fit(self, libraries: &[Library]) -> Self {
+        let coarse = libraries.iter().any(|library| library.pixels_per_unit() > COARSE);
+        if coarse && self.precision == 1 { Self { precision: 2, ..self } } else { self }
+    }
 }
 
 impl From<SvgParameters> for SvgOptions {

@@ -20,8 +20,9 @@ mod paint;
 mod tests;
 mod textons;
 
+use super::CSS_DPI;
 use super::background::Background;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 use crate::geometry::{Affine, Outline, Rect, Vec2};
 use crate::scene::{Layer, Scene};
 use content::Content;
@@ -31,28 +32,37 @@ use std::io::{self, Write};
 use std::path::Path;
 use textons::Textons;
 
-/// Points to a pixel: an inch is 72 points, or 96 pixels.
-const POINTS: f64 = 0.75;
+/// Points to the inch.
+const POINTS: f64 = 72.0;
 /// Largest side of a page that readers are known to show, in points.
 const LARGEST_PAGE: f64 = 14_400.0;
 
-/// Writes a scene as PDF. Same scene: the same bytes. Gives their number.
+/// Writes a scene as PDF, of 96 pixels to the inch. Same scene: the same bytes. Gives their number.
 ///
 /// # Errors
 /// A scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
-pub fn write(scene: &Scene, mut out: impl Write) -> Result<u64> {
+pub fn write(scene: &Scene, out: impl Write) -> Result<u64> {
+    write_at(scene, CSS_DPI, out)
+}
+
+/// As [`write()`], of so many pixels to the inch.
+///
+/// # Errors
+/// Those of [`write()`], and [`Error::Parameter`] for no pixels.
+pub fn write_at(scene: &Scene, dpi: u32, mut out: impl Write) -> Result<u64> {
+    check(dpi > 0, "dpi", dpi, "1 or more")?;
     scene.check()?;
-    let bytes = document(scene).map_err(|e| Error::write(Path::new("-"), e))?;
+    let bytes = document(scene, dpi).map_err(|e| Error::write(Path::new("-"), e))?;
     out.write_all(&bytes).and_then(|()| out.flush()).map_err(|e| Error::write(Path::new("-"), e))?;
     Ok(bytes.len() as u64)
 }
 
 /// The whole file.
-fn document(scene: &Scene) -> io::Result<Vec<u8>> {
+fn document(scene: &Scene, dpi: u32) -> io::Result<Vec<u8>> {
     let mut file = File::default();
     let mut page = Content::default();
     let size = [scene.width, scene.height].map(f64::from);
-    let scale = (LARGEST_PAGE / size[0].max(size[1])).min(POINTS);
+    let scale = (LARGEST_PAGE / size[0].max(size[1])).min(POINTS / f64::from(dpi));
     // Once and for all: Inkscape 1.2 takes a change within `q` and `Q` for one that gradients in forms
     // ignore.
     page.transform(Affine::new([scale, 0.0, 0.0, -scale, 0.0, size[1] * scale]));

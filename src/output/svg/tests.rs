@@ -190,7 +190,10 @@ fn each_texton_used_twice_is_defined_once() {
 #[test]
 fn limits_of_viewers_are_told_with_what_helps() {
     let warned = |elements, references| too_much(Drawn { elements, references }).unwrap_or_default();
-    assert_eq!(warned(999_999, 499_999), "");
+    assert_eq!(warned(99_999, 90_000), "");
+    let slow = warned(330_000, 90_000);
+    assert!(slow.contains("330000 shapes") && slow.contains("some 37 s and 6.3 GB"), "{slow}");
+    assert!(slow.contains("--max-bytes, --max-paths") && !slow.contains("stops"), "{slow}");
     assert!(
         warned(1_000_000, 0).contains("resvg stops at 1000000") && !warned(1_000_000, 0).contains("librsvg")
     );
@@ -200,7 +203,7 @@ fn limits_of_viewers_are_told_with_what_helps() {
     );
     let both = warned(2_000_000, 600_000);
     assert!(
-        both.contains("2000000 elements") && both.contains("librsvg") && !both.contains("--expand"),
+        both.contains("2000000 shapes") && both.contains("librsvg") && !both.contains("--expand"),
         "{both}"
     );
 }

@@ -230,6 +230,10 @@ impl Segmenter for OneTree {
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
         tiles::segment(image, &|image| search(image, &LAYERS[1..2], progress))
     }
+
+    fn seeks_elements(&self) -> bool {
+        false
+    }
 }
 
 /// The disjoint nodes of the trees with the largest total worth.

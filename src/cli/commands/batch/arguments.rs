@@ -30,11 +30,12 @@ has the keys of --config at its top, for all jobs, then a [[job]] for each, with
 file), output (a name without extension), format, and such keys of its own, as in [job.synth]."
 )]
 pub(crate) struct BatchArgs {
-    /// Photographs, libraries, folders (all pictures in them, by name), or one .toml file of jobs
+    /// Photographs, drawings, libraries, folders (all pictures in them, and SVGs that vtex did not write, by
+    /// name), or one .toml file of jobs
     #[arg(value_name = "INPUT", required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Folder for results, named after their inputs, made if need be
-    #[arg(long, value_name = "DIR", required = true, help_heading = "Output")]
+    #[arg(short = 'o', long, value_name = "DIR", required = true, help_heading = "Output")]
     pub(crate) out_dir: Option<PathBuf>,
     /// Formats written for each: svg, svgz, pdf, png, scene.json, scene.json.gz, lib.json,
     /// lib.json.gz [default: svg]

@@ -8,6 +8,7 @@ use crate::cli::input::read_text;
 use crate::cli::options::analyze::SegmenterName;
 use crate::cli::options::masks::MasksFrom;
 use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 use vtex::Error;
@@ -15,6 +16,9 @@ use vtex::Error;
 /// Extensions of pictures in a folder.
 const PICTURES: [&str; 13] =
     ["png", "jpg", "jpeg", "tif", "tiff", "webp", "bmp", "gif", "pnm", "ppm", "pgm", "pbm", "pam"];
+
+/// How much of an SVG is looked at.
+const HEAD: u64 = 256;
 
 /// One input and what is to be made of it.
 #[derive(Clone, Debug)]
@@ -214,7 +218,12 @@ fn expanded(paths: Vec<PathBuf>) -> anyhow::Result<Vec<PathBuf>> {
         for entry in std::fs::read_dir(&path).map_err(|e| Error::read(&path, e))? {
             let inner = entry.map_err(|e| Error::read(&path, e))?.path();
             let extension = inner.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-            if extension.is_some_and(|e| PICTURES.contains(&e.as_str())) && inner.is_file() {
+            let wanted = match extension.as_deref() {
+                Some("svg") => !is_result(&inner),
+                Some(extension) => PICTURES.contains(&extension),
+                None => false,
+            };
+            if wanted && inner.is_file() {
                 found.push(inner);
             }
         }
@@ -228,6 +237,13 @@ fn expanded(paths: Vec<PathBuf>) -> anyhow::Result<Vec<PathBuf>> {
         all.extend(found);
     }
     Ok(all)
+}
+
+/// Whether vtex has written an SVG: textures of an earlier run are no exemplars of the next.
+fn is_result(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+    read.is_ok() && String::from_utf8_lossy(&head).contains("<!-- Written by vtex ")
 }
 
 /// Refuses that two jobs write the same file.

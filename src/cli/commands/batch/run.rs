@@ -127,7 +127,7 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
     interrupt::check()?;
     if total.failed > 0 {
         let failure = Failure::failed(format!("{} of {} jobs failed", total.failed, total.jobs));
-        return Err(failure.hint("run the same again to do these only").into());
+        return Err(failure.hint("run the same again to do these only").told().into());
     }
     Ok(())
 }

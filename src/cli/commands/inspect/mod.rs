@@ -2,6 +2,7 @@
 
 mod page;
 mod print;
+mod svg;
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::input::Input;
@@ -21,7 +22,7 @@ Examples:
   vtex inspect photo.lib.json out.scene.json -o page.html --exemplar photo.jpg"
 )]
 pub(crate) struct InspectArgs {
-    /// A library or scene, plain or gzip; - reads stdin. For a page also a scene and the libraries
+    /// A library, a scene, or an SVG of vtex, plain or gzip; - reads stdin. For a page also a scene and the libraries
     /// that it was made from
     #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Vec<PathBuf>,

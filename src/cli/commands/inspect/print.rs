@@ -1,5 +1,6 @@
 //! Printing of libraries and scenes.
 
+use super::svg;
 use crate::cli::common::Common;
 use crate::cli::failure::label;
 use crate::cli::foreign::escaped;
@@ -117,7 +118,8 @@ struct CategoryLine {
 pub(super) fn run(common: &Common, input: &Input) -> anyhow::Result<()> {
     let bytes = input.read()?;
     let (name, size) = (input.name(), bytes.len() as u64);
-    let inspection = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene])? {
+    let inspection = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Svg])? {
+        Kind::Svg => return svg::run(common, &name, &bytes),
         Kind::Library => of_library(&Library::from_bytes(bytes, &name)?, name, size),
         _ => of_scene(&Scene::from_bytes(bytes, &name)?, name, size),
     };
@@ -131,6 +133,8 @@ pub(super) fn run(common: &Common, input: &Input) -> anyhow::Result<()> {
 
 fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
     let source = &library.source;
+    // Areas are counted in pixels of the arrangement.
+    let pixels = source.scale[0] * source.scale[1];
     let colour = |category: &Category| {
         let [r, g, b, ..] = category.centre;
         Colour::from_f64([r, g, b])
@@ -146,7 +150,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
             colour: colours[i],
             primaries: members().count(),
             whole: Some(members().filter(|p| !p.clipped).count()),
-            mean_area: category.centre[3],
+            mean_area: category.centre[3] / pixels,
             coverage: category.coverage,
         }
     });
@@ -171,8 +175,8 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         counts: Counts::of_library(library),
         coverage: library.coverage,
         areas: Areas {
-            primaries: Quantiles::of(library.primaries().iter().map(|p| f64::from(p.area))),
-            secondaries: Quantiles::of(library.secondaries().iter().map(|s| f64::from(s.area))),
+            primaries: Quantiles::of(library.primaries().iter().map(|p| f64::from(p.area) / pixels)),
+            secondaries: Quantiles::of(library.secondaries().iter().map(|s| f64::from(s.area) / pixels)),
         },
         spacing: Spacing {
             secondaries: Some(library.secondary_spacing()),

@@ -127,6 +127,7 @@ fn of_library(layered: &Layered, library: &Library) -> anyhow::Result<Known> {
             .hint("give --layers, --layer-order and --layer-map to 'vtex analyze'")
             .into());
     }
+    let library = &*library.at_scale([1.0; 2]);
     let photograph = library.guide.as_ref().map(|guide| {
         let (width, height) = (library.source.width, library.source.height);
         RgbImage::from_fn(width, height, |x, y| *guide.picture.0.get_pixel(x / guide.cell, y / guide.cell))
