@@ -298,6 +298,14 @@ pub(crate) fn check(
     if ok { Ok(()) } else { Err(Error::Parameter { name, value: short(&value.to_string()), allowed }) }
 }
 
+/// Does work of another library; what it said, if it panicked.
+pub(crate) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).map_err(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given").to_owned()
+    })
+}
+
 /// A number as few digits tell it.
 fn short(value: &str) -> String {
     match value.parse::<f64>() {
