@@ -221,6 +221,18 @@ pub enum EditFault {
         /// The names of the scene's layers.
         known: Vec<String>,
     },
+    /// More would be drawn on elements than a scene is to hold.
+    #[error(
+        "{lines} lines and curves on each of {elements} elements are too many: {most} are the most in all"
+    )]
+    TooMuchDrawn {
+        /// Lines and curves of the drawing.
+        lines: usize,
+        /// Elements that would get them.
+        elements: usize,
+        /// The most allowed.
+        most: usize,
+    },
     /// The content of a file that the operation names is not given.
     #[error("the content of '{0}' is not given")]
     NoFile(String),
