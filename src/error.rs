@@ -274,10 +274,18 @@ impl Error {
                 }
                 _ => return None,
             },
+            Self::Decode { name, .. } if ends_as_svg(name) => {
+                "an SVG begins with '<svg' or '<?xml'; is the file complete?".into()
+            }
             Self::Decode { .. } => {
                 "PNG, JPEG, TIFF, WebP, BMP, GIF and PNM are read; is the file complete?".into()
             }
             Self::TooLarge { name, .. } if name == "size" => "ask for a smaller canvas".into(),
+            Self::TooLarge { found, .. }
+                if ["shapes", "curves", "SVG text"].iter().any(|w| found.contains(w)) =>
+            {
+                "simplify it in the program that made it, or leave a part of it out".into()
+            }
             Self::TooLarge { .. } => "scale it down first, or crop a part of it".into(),
             Self::Unusable { .. } => {
                 "use a photograph of at least 32 x 32 pixels that shows the texture from above".into()
@@ -298,6 +306,11 @@ impl Error {
             _ => return None,
         })
     }
+}
+
+fn ends_as_svg(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    name.ends_with(".svg") || name.ends_with(".svgz")
 }
 
 /// An error naming the parameter unless `ok`.

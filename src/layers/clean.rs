@@ -153,7 +153,8 @@ impl Pieces {
             sides.iter().for_each(|&p| around[labels[p as usize] as usize] += 1);
             let label = strongest(around.iter().map(|&n| n as f32));
             let mut area = areas[speck];
-            let alike: BTreeSet<u32> = sides.iter().copied().filter(|&p| labels[p as usize] == label).collect();
+            let alike: BTreeSet<u32> =
+                sides.iter().copied().filter(|&p| labels[p as usize] == label).collect();
             for other in alike.into_iter().map(|p| p as usize) {
                 specks.remove(&(areas[other], other));
                 area += areas[other];
