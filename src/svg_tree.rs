@@ -154,7 +154,8 @@ fn fault(document: &roxmltree::Document<'_>, error: usvg::Error) -> Fault {
         }
         ElementsLimitReached | ParsingFailed(NodesLimitReached) => {
             let most = MOST_ELEMENTS;
-            let reason = format!("its <use> elements unfold to more than {most} elements, or without end");
+            let reason =
+                format!("its references lead back to themselves, or unfold to more than {most} elements");
             (reason, "replace its <use> elements by copies of what they show")
         }
         InvalidSize => {

@@ -469,7 +469,7 @@ fn more_than_a_scene_is_to_hold_is_not_drawn_on_it() {
     }
     .into();
     let before = scene();
-    let files = Files::read(&[operation.clone()], [before.width, before.height], |_| {
+    let files = Files::read(std::slice::from_ref(&operation), [before.width, before.height], |_| {
         Ok(drawing.clone().into_bytes())
     })
     .unwrap();

@@ -91,7 +91,7 @@ fn what_cannot_be_added_leaves_nothing_behind() {
         ),
         ("broken.onnx", "'broken.onnx': rten cannot read it"),
         ("none.onnx", "cannot read 'none.onnx'"),
-        ("notes.txt", "the encoder is missing"),
+        ("notes.txt", "none of notes.txt is an ONNX file"),
         ("sam_encoder.onnx sam_encoder.onnx", "two files of a model would be called 'sam_encoder.onnx'"),
     ] {
         let run =
