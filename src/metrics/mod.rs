@@ -31,7 +31,7 @@ pub use structure::Spread;
 
 /// Smallest permitted width and height of a picture, in pixels.
 const SMALLEST: u32 = 32;
-/// Largest permitted number of pixels of a picture: two of them take some 15 seconds and a gigabyte.
+/// Largest permitted number of pixels of a picture: two of them take some 45 seconds of one core and a gigabyte.
 const MOST_PIXELS: u64 = 6_000_000;
 
 /// Measures of how far a result is from its exemplar, as [`compare`] returns them. Distances are 0
