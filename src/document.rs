@@ -55,13 +55,39 @@ pub(crate) fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name:
         return Err(Error::Version { name: name.into(), format: T::FORMAT, found: version, known });
     };
     let elsewhere = || parse(&without_seal_elsewhere(&json)?);
-    let read = read.or_else(|e: serde_json::Error| {
-        let is_seal = e.to_string().starts_with("unknown field `sha256`");
-        is_seal.then(elsewhere).flatten().unwrap_or(Err(e))
+    let is_seal = |e: &serde_json::Error| e.to_string().starts_with("unknown field `sha256`");
+    let read = read.or_else(|e: serde_json::Error| is_seal(&e).then(elsewhere).flatten().unwrap_or(Err(e)));
+    // A brace too many or missing before the seal makes it a field of something else.
+    let read = read.map_err(|e| match serde_json::from_slice::<IgnoredAny>(&json) {
+        Err(broken) if is_seal(&e) => braces(&broken),
+        _ => without_list(e.to_string()),
     });
-    let document: T = read.map_err(|e| fail(e.to_string()))?;
+    let document: T = read.map_err(fail)?;
     document.validate().map_err(fail)?;
     Ok(document)
+}
+
+/// What is wrong with the braces of a document.
+fn braces(broken: &serde_json::Error) -> String {
+    let place = format!("at line {} column {}", broken.line(), broken.column());
+    match broken.classify() {
+        serde_json::error::Category::Eof => {
+            format!("it ends before its last brace, {place}: a }} is missing")
+        }
+        _ if broken.to_string().starts_with("trailing") => {
+            format!("something follows its last brace, {place}: a }} is too many, or a {{ is missing")
+        }
+        _ => broken.to_string(),
+    }
+}
+
+/// A message of the reader without its list of names, if that is long.
+pub(crate) fn without_list(message: String) -> String {
+    const MOST: usize = 8;
+    let Some((before, rest)) = message.split_once(", expected one of ") else { return message };
+    // The names stand in backquotes, and what follows the last of them is the place.
+    let (names, place) = rest.rsplit_once('`').unwrap_or((rest, ""));
+    if names.matches("`, `").count() < MOST { message } else { format!("{before}{place}") }
 }
 
 /// The fields by which documents are told apart.
@@ -142,9 +168,33 @@ fn without_seal_elsewhere(json: &[u8]) -> Option<Vec<u8>> {
 
 /// The document as JSON, ending in a newline.
 pub(crate) fn to_json<T: Document>(document: &T) -> Vec<u8> {
-    let mut bytes = serde_json::to_vec(document).expect("documents hold nothing that JSON cannot");
+    let text = serde_json::to_string(document).expect("documents hold nothing that JSON cannot");
+    let mut bytes = json_in_order(text).into_bytes();
     bytes.push(b'\n');
     bytes
+}
+
+/// Whether a character turns the direction of the text after it, so that what is shown is not what is
+/// written: embeddings, overrides and isolates.
+pub(crate) fn turns_text(c: char) -> bool {
+    matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// Text with a replacement for each character that [`turns_text`].
+pub(crate) fn in_order(text: String) -> String {
+    if text.contains(turns_text) { text.replace(turns_text, "\u{fffd}") } else { text }
+}
+
+/// JSON with an escape for each character that [`turns_text`]; they occur only in strings.
+pub(crate) fn json_in_order(json: String) -> String {
+    if !json.contains(turns_text) {
+        return json;
+    }
+    let mut escaped = String::with_capacity(json.len() + 64);
+    for c in json.chars() {
+        if turns_text(c) { escaped += &format!("\\u{:04x}", u32::from(c)) } else { escaped.push(c) }
+    }
+    escaped
 }
 
 #[cfg(test)]
@@ -157,6 +207,22 @@ mod tests {
         for wrong in ["", "[]", r#"{"format":"x""#, r#"{"format":7}"#, r#"{"version":-1}"#] {
             assert!(of(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn long_lists_of_names_are_left_out() {
+        let list = |count: usize| (0..count).map(|k| format!("`n{k}`")).collect::<Vec<_>>().join(", ");
+        let message =
+            |count: usize| format!("unknown field `x`, expected one of {} at line 1 column 2", list(count));
+        assert_eq!(super::without_list(message(5)), message(5));
+        assert_eq!(super::without_list(message(25)), "unknown field `x` at line 1 column 2");
+        assert_eq!(super::without_list("trailing comma".into()), "trailing comma");
+    }
+
+    #[test]
+    fn text_that_turns_its_direction_is_written_in_order() {
+        assert_eq!(super::json_in_order("[\"a\u{202e}b\u{2066}\"]".into()), r#"["a\u202eb\u2066"]"#);
+        assert_eq!(super::in_order("a\u{202e}b".into()), "a\u{fffd}b");
     }
 
     #[test]

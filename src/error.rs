@@ -232,6 +232,18 @@ pub enum EditFault {
         /// The names of the scene's layers.
         known: Vec<String>,
     },
+    /// More would be drawn on elements than a scene is to hold.
+    #[error(
+        "{lines} lines and curves on each of {elements} elements are too many: {most} are the most in all"
+    )]
+    TooMuchDrawn {
+        /// Lines and curves of the drawing.
+        lines: usize,
+        /// Elements that would get them.
+        elements: usize,
+        /// The most allowed.
+        most: usize,
+    },
     /// The content of a file that the operation names is not given.
     #[error("the content of '{0}' is not given")]
     NoFile(String),
@@ -273,10 +285,18 @@ impl Error {
                 }
                 _ => return None,
             },
+            Self::Decode { name, .. } if ends_as_svg(name) => {
+                "an SVG begins with '<svg' or '<?xml'; is the file complete?".into()
+            }
             Self::Decode { .. } => {
                 "PNG, JPEG, TIFF, WebP, BMP, GIF and PNM are read; is the file complete?".into()
             }
             Self::TooLarge { name, .. } if name == "size" => "ask for a smaller canvas".into(),
+            Self::TooLarge { found, .. }
+                if ["shapes", "curves", "SVG text"].iter().any(|w| found.contains(w)) =>
+            {
+                "simplify it in the program that made it, or leave a part of it out".into()
+            }
             Self::TooLarge { .. } => "scale it down first, or crop a part of it".into(),
             Self::Unusable { .. } => {
                 "use a photograph of at least 32 x 32 pixels that shows the texture from above".into()
@@ -299,6 +319,11 @@ impl Error {
     }
 }
 
+fn ends_as_svg(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    name.ends_with(".svg") || name.ends_with(".svgz")
+}
+
 /// An error naming the parameter unless `ok`.
 pub(crate) fn check(
     ok: bool,
@@ -307,6 +332,14 @@ pub(crate) fn check(
     allowed: &'static str,
 ) -> Result<()> {
     if ok { Ok(()) } else { Err(Error::Parameter { name, value: short(&value.to_string()), allowed }) }
+}
+
+/// Does work of another library; what it said, if it panicked.
+pub(crate) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).map_err(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given").to_owned()
+    })
 }
 
 /// A number as few digits tell it.

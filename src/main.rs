@@ -9,11 +9,12 @@ use cli::arguments::{self, Cli};
 use cli::exit::Exit;
 use cli::progress::Reporter;
 use cli::resolve::Options;
-use cli::{failure, interrupt, raw_arguments};
+use cli::{failure, interrupt, panics, raw_arguments};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    panics::watch();
     let arguments: Vec<OsString> = raw_arguments::joined(std::env::args_os().collect());
     let choice = raw_arguments::colour_choice(&arguments);
     choice.as_choice().write_global();
@@ -21,7 +22,7 @@ fn main() -> ExitCode {
     let parsed = command.try_get_matches_from_mut(&arguments);
     let parsed = parsed.and_then(|matches| Cli::from_arg_matches(&matches));
     let outcome = match parsed {
-        Ok(cli) => run(cli),
+        Ok(cli) => panics::guarded(|| run(cli)),
         Err(e) => return failure::show_usage(&e, &command, &arguments).into(),
     };
     match outcome {

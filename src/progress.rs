@@ -102,6 +102,46 @@ impl Progress for Stop {
     }
 }
 
+/// For tests: asks to stop after a number of reports, and counts all.
+#[cfg(test)]
+pub(crate) struct StopAfter {
+    most: usize,
+    reports: std::sync::atomic::AtomicUsize,
+}
+
+#[cfg(test)]
+impl StopAfter {
+    pub(crate) fn new(most: usize) -> Self {
+        Self { most, reports: std::sync::atomic::AtomicUsize::new(0) }
+    }
+
+    /// The number of reports so far.
+    pub(crate) fn reports(&self) -> usize {
+        self.reports.load(std::sync::atomic::Ordering::SeqCst)
+    }
+
+    /// Checks that work reports at least `least` times, and that it is over soon wherever it is asked to stop.
+    pub(crate) fn check<T>(least: usize, work: impl Fn(&dyn Progress) -> Result<T>) {
+        let whole = Self::new(usize::MAX);
+        assert!(work(&whole).is_ok());
+        let all = whole.reports();
+        assert!(all >= least, "{all} reports");
+        for most in (0..all).step_by(all.div_ceil(25)) {
+            let observer = Self::new(most);
+            assert!(matches!(work(&observer), Err(Error::Interrupted)), "after {most} of {all}");
+            // Tasks side by side may each report once more.
+            assert!(observer.reports() <= most + 4, "{} after {most}", observer.reports());
+        }
+    }
+}
+
+#[cfg(test)]
+impl Progress for StopAfter {
+    fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+        self.reports.fetch_add(1, std::sync::atomic::Ordering::SeqCst) < self.most
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -309,3 +309,35 @@ fn sizes_are_the_units_of_the_drawing() {
     assert_eq!((library.source.width, library.source.height), (100, 80));
     assert!(library.source.warnings[0].contains("read as one of 100 x 80"), "{:?}", library.source.warnings);
 }
+
+/// Asks to stop after a number of reports.
+struct StopsAfter(std::sync::atomic::AtomicUsize);
+
+impl vtex::Progress for StopsAfter {
+    fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+        use std::sync::atomic::Ordering::SeqCst;
+        self.0.fetch_update(SeqCst, SeqCst, |left| left.checked_sub(1)).is_ok()
+    }
+}
+
+#[test]
+fn the_import_of_a_drawing_stops_within_a_few_shapes() {
+    use std::fmt::Write as _;
+    let mut text = String::from(r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 400">"#);
+    for k in 0..300 {
+        let _ = write!(text, r#"<path d="M{} {}h9v{}z"/>"#, k % 20 * 20, k / 20 * 20, 5 + k % 7);
+    }
+    text += "</svg>";
+    let import = |reports: usize| {
+        let progress = StopsAfter(reports.into());
+        let made = import(text.as_bytes(), "many.svg", &ImportParams::default(), &progress);
+        (made, reports - progress.0.into_inner())
+    };
+    let (made, all) = import(1_000_000);
+    assert!(made.is_ok());
+    // Read, taken apart, drawn, painted and measured: each shape is asked for.
+    assert!(all > 4 * 300, "{all}");
+    for reports in (0..all).step_by(97) {
+        assert!(matches!(import(reports).0, Err(vtex::Error::Interrupted)), "{reports} of {all}");
+    }
+}

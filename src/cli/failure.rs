@@ -7,6 +7,7 @@ use super::usage;
 use anstyle::{AnsiColor, Style};
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write as _};
+use std::path::Path;
 use vtex::Error;
 
 /// A failure of the command line's own, beside those of the library.
@@ -55,9 +56,12 @@ pub(crate) fn show_usage(error: &clap::Error, command: &clap::Command, arguments
         anstream::eprint!("{}", usage::text(error, command, arguments));
         Exit::Usage
     } else {
-        // A closed pipe (`vtex --help | head -1`) is no failure.
-        let _ = error.print();
-        Exit::Success
+        let printed = error.print().and_then(|()| std::io::stdout().flush());
+        // A closed pipe (`vtex --help | head -1`) is no failure: see [`show`].
+        match printed {
+            Ok(()) => Exit::Success,
+            Err(e) => show(&Error::write(Path::new("-"), e).into()),
+        }
     }
 }
 

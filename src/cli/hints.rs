@@ -71,6 +71,9 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         }
         Error::Engine { .. } => "is the file complete? Try the other --engine",
         Error::Edit { fault: EditFault::TooFar(_), .. } => "give smaller numbers",
+        Error::Edit { fault: EditFault::TooMuchDrawn { .. }, .. } => {
+            "draw less, or select fewer elements with --category, --layer or --where"
+        }
         Error::Edit { fault: EditFault::NoLayer { known, .. }, .. } => {
             return Some(format!("--layer takes {}", known.join(", ")));
         }

@@ -156,6 +156,7 @@ impl Kind {
             Self::Library => failure.hint("make a texture of it with 'vtex synth'"),
             Self::Scene | Self::Svg => failure.hint("draw it with 'vtex render'"),
             Self::Image => failure.hint("make a library of it with 'vtex analyze' first"),
+            Self::Unknown if bytes.is_empty() => failure.hint("is the file complete?"),
             Self::Unknown => failure.hint("libraries are made by 'vtex analyze', scenes by 'vtex synth'"),
         })
     }
@@ -198,6 +199,8 @@ mod tests {
         assert_eq!(Kind::of(b"{\"version\":1,\"format\":\"vtex-scene\"}"), Kind::Scene);
         assert_eq!(Kind::of(b"\xef\xbb\xbf<?xml version='1.0'?><!-- c --><svg/>"), Kind::Svg);
         assert_eq!(Kind::of(b"\x89PNG\r\n\x1a\n...."), Kind::Image);
+        let wide: Vec<u8> = "\u{feff}<svg/>".encode_utf16().flat_map(u16::to_be_bytes).collect();
+        assert_eq!(Kind::of(&wide), Kind::Svg);
         assert_eq!(Kind::of(b""), Kind::Unknown);
         assert_eq!(Kind::of(b"\x1f\x8b damaged"), Kind::Unknown);
     }

@@ -1,20 +1,69 @@
-//! Ctrl-C: the first asks the work to stop, the second ends the program at once.
+//! Ctrl-C: the first asks the work to stop and ends what cannot be asked, the second ends the program at once.
 
 use super::exit::Exit;
+use super::failure;
+use std::collections::BTreeSet;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+use vtex::output::file::remove_unfinished;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 /// Whether there is nothing to clean up, so that the first Ctrl-C may end the program.
 static WAITING: AtomicBool = AtomicBool::new(false);
+/// Files and folders that are of no use once the program has ended.
+static PASSING: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// How long work may take to stop. Other libraries cannot be asked: they parse and draw SVGs, and run networks.
+const PATIENCE: Duration = Duration::from_millis(800);
 
 /// Starts to watch for Ctrl-C and signals to end.
 pub(crate) fn watch() {
     // Without a handler the signal ends the program as it always did: nothing to report.
     let _ = ctrlc::set_handler(|| {
         if ASKED.swap(true, Ordering::SeqCst) || WAITING.load(Ordering::SeqCst) {
-            std::process::exit(i32::from(Exit::Interrupted.code()));
+            end();
+        }
+        let last = std::thread::Builder::new().spawn(|| {
+            std::thread::sleep(PATIENCE);
+            if std::io::stderr().is_terminal() {
+                // The bar may stand on the line.
+                eprintln!();
+            }
+            failure::show(&vtex::Error::Interrupted.into());
+            end();
+        });
+        if last.is_err() {
+            end();
         }
     });
+}
+
+/// Ends the program, and leaves nothing half done behind.
+fn end() {
+    remove_unfinished();
+    for path in &*PASSING.lock().unwrap_or_else(PoisonError::into_inner) {
+        let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+    }
+    std::process::exit(i32::from(Exit::Interrupted.code()));
+}
+
+/// A file or folder that is removed if Ctrl-C ends the program before this is dropped.
+pub(crate) struct Passing(PathBuf);
+
+impl Passing {
+    pub(crate) fn new(path: &Path) -> Self {
+        PASSING.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned());
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Passing {
+    fn drop(&mut self) {
+        PASSING.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.0);
+    }
 }
 
 /// Whether the user asked to stop.

@@ -21,6 +21,7 @@ mod nearest;
 mod operations;
 mod options;
 pub(crate) mod output;
+pub(crate) mod panics;
 pub(crate) mod progress;
 pub(crate) mod raw_arguments;
 mod reading;

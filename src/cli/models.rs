@@ -14,7 +14,7 @@ use vtex::segment::prompt::sam::{Role, recognise};
 use vtex::{Error, Result};
 
 /// Name of the description within a model's folder.
-const DESCRIPTION: &str = "model.json";
+pub(crate) const DESCRIPTION: &str = "model.json";
 
 /// A model.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -118,6 +118,19 @@ impl Store {
         Ok(names)
     }
 
+    /// Names of folders that hold files and no description of a model, sorted.
+    pub(crate) fn undescribed(&self) -> Result<Vec<String>> {
+        let known = self.names()?;
+        let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let mut names: Vec<String> = entries
+            .filter(|entry| entry.path().is_dir())
+            .filter_map(|entry| entry.file_name().into_string().ok())
+            .filter(|name| !name.starts_with('.') && !known.contains(name))
+            .collect();
+        names.sort();
+        Ok(names)
+    }
+
     /// All models, sorted by name.
     pub(crate) fn models(&self) -> anyhow::Result<Vec<Model>> {
         self.names()?.iter().map(|name| self.model(name)).collect()
@@ -175,6 +188,14 @@ impl Store {
         force: bool,
         engine: &EngineOptions,
     ) -> anyhow::Result<Model> {
+        let is_network = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("onnx"));
+        if !files.iter().any(is_network) {
+            let named: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+            let failure = Failure::failed(format!("none of {} is an ONNX file", named.join(", ")));
+            return Err(failure
+                .hint("name encoder.onnx and decoder.onnx, or one file that holds both")
+                .into());
+        }
         let place = self.folder.join(name);
         if place.exists() && !force {
             let failure = Failure::failed(format!("there is a model '{name}' already"));
@@ -183,7 +204,7 @@ impl Store {
         // Before the copying, which may take long.
         let mut roles = Vec::new();
         for path in files {
-            let role = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("onnx")) {
+            let role = if is_network(path) {
                 let network = load(Source::File(path), engine)?;
                 match recognise(network.as_ref(), &path.display().to_string())?.0 {
                     Role::Encoder => FileRole::Encoder,
@@ -198,6 +219,7 @@ impl Store {
         fs::create_dir_all(&self.folder).map_err(|e| Error::write(&self.folder, e))?;
         let new = tempfile::Builder::new().prefix(".vtex-").suffix(".tmp").tempdir_in(&self.folder);
         let new = new.map_err(|e| Error::write(&self.folder, e.kind().into()))?;
+        let _passing = interrupt::Passing::new(new.path());
         let mut described = Vec::new();
         for (path, role) in files.iter().zip(roles) {
             let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();

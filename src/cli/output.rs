@@ -147,6 +147,7 @@ impl Place {
         let outcome = match self {
             Self::Stdout => interrupt::waiting(|| {
                 let fail = |e| Error::write(self.path(), e);
+                check_open().map_err(fail)?;
                 let out = Counting::new(io::BufWriter::new(io::stdout().lock()));
                 let mut out = Sealed::new(out);
                 let value = content(&mut out)?;
@@ -163,6 +164,26 @@ impl Place {
         };
         outcome.map_err(or_interrupted)
     }
+}
+
+/// Fails if standard output was closed when the program began. Rust opens the null device in its place, for
+/// reading and writing; who wants to lose what is written opens it for writing only.
+#[cfg(unix)]
+fn check_open() -> io::Result<()> {
+    use std::os::unix::fs::MetadataExt;
+    let flags = rustix::fs::fcntl_getfl(io::stdout())?;
+    let found = rustix::fs::fstat(io::stdout())?;
+    let null = fs::metadata("/dev/null").is_ok_and(|null| null.rdev() == found.st_rdev as u64);
+    let device = rustix::fs::FileType::from_raw_mode(found.st_mode).is_char_device();
+    if null && device && flags.contains(rustix::fs::OFlags::RDWR) {
+        return Err(io::Error::other("it is closed, or leads nowhere"));
+    }
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn check_open() -> io::Result<()> {
+    Ok(())
 }
 
 /// [`Error::Interrupted`] if the user asked to stop, whatever else that led to.

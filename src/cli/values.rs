@@ -301,7 +301,17 @@ impl<'de> Deserialize<'de> for WeightsFrom {
     }
 }
 
-/// A name of weights or of a model: letters of ASCII, at least one, digits, `-` and `_`; at most 64.
+/// Whether Windows takes a file name for a device, whatever its extension.
+pub(crate) fn is_device(name: &str) -> bool {
+    let stem = name.split('.').next().unwrap_or_default().trim_end().to_ascii_lowercase();
+    let numbered = |port: &str| {
+        stem.strip_prefix(port).is_some_and(|n| n.len() == 1 && matches!(n.as_bytes()[0], b'1'..=b'9'))
+    };
+    matches!(&stem[..], "con" | "prn" | "aux" | "nul") || numbered("com") || numbered("lpt")
+}
+
+/// A name of weights or of a model: letters of ASCII, at least one, digits, `-` and `_`; at most 64. It is
+/// also the name of a file or folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct Name(String);
@@ -318,6 +328,9 @@ impl FromStr for Name {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let allowed = |c: u8| c.is_ascii_alphanumeric() || c == b'-' || c == b'_';
+        if is_device(text) {
+            return Err("Windows takes it for a device, not for a file: give another name".into());
+        }
         let named = text.len() <= 64 && text.bytes().any(|c| c.is_ascii_alphabetic());
         if named && text.bytes().all(allowed) {
             return Ok(Self(text.to_owned()));

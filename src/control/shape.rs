@@ -131,9 +131,7 @@ impl Reader<'_> {
     }
 
     fn read(&self, bytes: &[u8]) -> Result<Drawn> {
-        let tree = svg_tree::parse(bytes, self.name, |reason| {
-            self.fail(reason, "it must be an SVG or SVGZ; is the file complete?")
-        })?;
+        let tree = svg_tree::parse(bytes, self.name, |fault| self.fail(fault.reason, fault.advice))?;
         let (mut found, mut cut) = (Vec::new(), false);
         let mut open = vec![tree.root()];
         while let Some(group) = open.pop() {

@@ -453,3 +453,29 @@ fn all_elements_like_one_take_a_drawing_or_a_colour() {
     let error = apply(before, &[propagate(None, None, None, false).into()], &Files::default(), None);
     assert!(matches!(error, Err(Error::Edit { fault: EditFault::NotOneOf(_), .. })));
 }
+
+#[test]
+fn more_than_a_scene_is_to_hold_is_not_drawn_on_it() {
+    let lines: String = (0..180_000).map(|k| format!("M{} {}h3v2z", k % 200, k % 90)).collect();
+    let drawing =
+        format!(r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 300"><path d="{lines}"/></svg>"#);
+    let operation: Operation = Action::Propagate {
+        drawing: None,
+        element: Some("lines.svg".into()),
+        fill: None,
+        of: None,
+        similar: None,
+        replace: false,
+    }
+    .into();
+    let before = scene();
+    let files = Files::read(std::slice::from_ref(&operation), [before.width, before.height], |_| {
+        Ok(drawing.clone().into_bytes())
+    })
+    .unwrap();
+    let error = apply(before, &[operation], &files, None).unwrap_err();
+    let Error::Edit { fault: EditFault::TooMuchDrawn { lines, elements, most }, .. } = error else {
+        panic!("{error}");
+    };
+    assert!(lines > 700_000 && elements == 3 && lines * elements > most);
+}

@@ -161,7 +161,7 @@ fn act(
                 return Err(EditFault::LikeNothing);
             }
             let like = propagate::Like { of: *of, similar: *similar };
-            return Ok(propagate::propagate(scene, chosen, &what, like, *replace));
+            return propagate::propagate(scene, chosen, &what, like, *replace);
         }
         Action::Order { by, reverse } => paint_order::order(scene, chosen, *by, *reverse, draw),
         Action::Shuffle { within, share, outlines } => {

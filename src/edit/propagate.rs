@@ -1,11 +1,13 @@
 //! What is drawn on one element appears on all that are like it (Tu, dissertation, section 4.4.5.2).
 
 use super::selection::Chosen;
-use super::textons::{change, selected_mut};
+use super::textons::{change, selected, selected_mut};
 use crate::element::Gaussian;
+use crate::error::EditFault;
 use crate::geometry::{Affine, Outline, Point, Vec2, shortest_offset};
 use crate::raster::colour::Colour;
-use crate::scene::{Element, Instance, InstanceId, Scene, Shape};
+use crate::scene::{Element, ElementId, Instance, InstanceId, Scene, Shape};
+use std::collections::BTreeSet;
 
 /// What appears on elements.
 pub(super) enum Propagated<'a> {
@@ -26,22 +28,28 @@ pub(super) struct Like {
     pub(super) similar: Option<f64>,
 }
 
+/// Most lines and curves that are drawn on elements: some 20 MB of SVG.
+const MOST_DRAWN: usize = 2_000_000;
+
 /// Draws on all selected elements that are alike, in their frames, or in place of what they show. How many
 /// they are, and how many of them have no frame.
+///
+/// # Errors
+/// [`EditFault::TooMuchDrawn`].
 pub(super) fn propagate(
     scene: &mut Scene,
     chosen: &Chosen,
     what: &Propagated<'_>,
     like: Like,
     replace: bool,
-) -> (usize, usize) {
+) -> Result<(usize, usize), EditFault> {
     let gaussians = scene.gaussians();
     let named = like.of.and_then(|id| {
         let mut all = scene.instances().zip(chosen.instances());
         all.position(|(instance, chosen)| chosen && instance.id == id)
     });
     if like.of.is_some() && named.is_none() {
-        return (0, 0);
+        return Ok((0, 0));
     }
     let mut edited = named;
     // From where the shapes are given to the canonical frame of an element.
@@ -53,13 +61,13 @@ pub(super) fn propagate(
                 .filter(|(found, _)| under(found))
                 .and_then(|(found, period)| Some((found, drawn_over(scene, found, period)?)))
             else {
-                return (0, 0);
+                return Ok((0, 0));
             };
             (edited, canonical) = (Some(found), map);
         }
         Propagated::Alone(shapes) => {
             let Some(own) = largest(shapes).and_then(|shape| Gaussian::new(&shape.outline)) else {
-                return (0, 0);
+                return Ok((0, 0));
             };
             canonical = own.frame().inverse();
         }
@@ -87,6 +95,11 @@ pub(super) fn propagate(
     match what {
         Propagated::Fill(colour) => selected_mut(scene, &alike).for_each(|i| i.colour = Some(*colour)),
         Propagated::Over(shapes) | Propagated::Alone(shapes) => {
+            let elements: BTreeSet<ElementId> = selected(scene, &alike).map(|i| i.element).collect();
+            let (lines, elements) = (shapes.iter().map(lines).sum::<usize>(), elements.len());
+            if lines.saturating_mul(elements) > MOST_DRAWN {
+                return Err(EditFault::TooMuchDrawn { lines, elements, most: MOST_DRAWN });
+            }
             let outline = matches!(what, Propagated::Alone(_)).then(|| largest(shapes)).flatten();
             change(scene, &alike, |element, _| {
                 let replaced = replace.then_some(outline);
@@ -97,7 +110,12 @@ pub(super) fn propagate(
             }
         }
     }
-    (count, thin)
+    Ok((count, thin))
+}
+
+/// Lines and curves of a shape.
+fn lines(shape: &Shape) -> usize {
+    shape.outline.path().elements().len()
 }
 
 /// The shape that encloses most.

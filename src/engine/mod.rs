@@ -12,7 +12,7 @@ mod structure;
 pub use locate::{Found, GIVEN, locate};
 pub use onnxruntime::{MINIMUM_MINOR, version};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, caught};
 use std::path::{Path, PathBuf};
 
 /// The elements of a tensor in row-major order.
@@ -238,9 +238,7 @@ pub fn load(source: Source<'_>, options: &EngineOptions) -> Result<Box<dyn Engin
 
 /// Calls an engine and converts a panic, as damaged networks may cause, to an error.
 fn guarded<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-        let said = panic.downcast_ref::<String>().map(String::as_str);
-        let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
+    caught(work).unwrap_or_else(|said| {
         let reason = format!("the engine gave up: {said}");
         Err(Error::Engine { name: name.to_owned(), engine: "", reason })
     })

@@ -5,7 +5,7 @@
 //! takes the default threads, which a process forked later does not have: there, networks are refused.
 
 use super::{Engine, Port, Source, Tensor, Values, given, guarded, places, structure};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, clip};
 use ::rten::{DataType, Dimension, Model, NodeId, RunOptions, ThreadPool, Value, ValueOrView, ValueType};
 use rten_tensor::prelude::*;
 use std::fs::File;
@@ -121,7 +121,7 @@ fn loaded(source: Source<'_>, name: &str) -> Result<Model> {
     };
     only_with_threads(name)?;
     guarded(name, || {
-        let model = match source {
+        let (values, model) = match source {
             Source::File(path) => {
                 let open = || -> std::io::Result<(BufReader<File>, u64)> {
                     let file = File::open(path)?;
@@ -129,21 +129,43 @@ fn loaded(source: Source<'_>, name: &str) -> Result<Model> {
                     Ok((BufReader::new(file), length))
                 };
                 let (file, length) = open().map_err(|e| Error::read(path, e))?;
-                structure::check(file, length).map_err(failure)?;
+                let values = structure::check(file, length).map_err(failure)?;
                 // By path only for `.onnx` files, so that weights in a second file are found.
-                if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("onnx")) {
+                let model = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("onnx")) {
                     Model::load_file(path)
                 } else {
                     Model::load(std::fs::read(path).map_err(|e| Error::read(path, e))?)
-                }
+                };
+                (values, model)
             }
             Source::Bytes { bytes, .. } => {
-                structure::check(Cursor::new(bytes), bytes.len() as u64).map_err(failure)?;
-                Model::load(bytes.to_vec())
+                let values = structure::check(Cursor::new(bytes), bytes.len() as u64).map_err(failure)?;
+                (values, Model::load(bytes.to_vec()))
             }
         };
-        model.map_err(|e| failure(e.to_string()))
+        let model = model.map_err(|e| failure(e.to_string()))?;
+        match values.iter().find_map(|value| too_large(&model, value)) {
+            Some(reason) => Err(failure(reason)),
+            None => Ok(model),
+        }
     })
+}
+
+/// Most elements of a tensor within a network: 16 GiB of floats. Attention over an image of 1024 pixels takes
+/// 300 million.
+const MOST_ELEMENTS: u128 = 1 << 32;
+
+/// Why a value of a network does not fit in memory, as far as its shape follows from those of the inputs. The
+/// process would end where it is computed.
+fn too_large(model: &Model, value: &str) -> Option<String> {
+    let shape = model.node_info(model.find_node(value)?)?.shape()?;
+    let axes = shape.iter().map(|axis| match axis {
+        Dimension::Fixed(length) => *length as u128,
+        Dimension::Symbolic(_) => 1,
+    });
+    let elements = axes.fold(1u128, u128::saturating_mul);
+    (elements > MOST_ELEMENTS)
+        .then(|| format!("'{}' would have {elements} elements, {MOST_ELEMENTS} are the most", clip(value)))
 }
 
 /// Refuses to load in a process that was forked after its parent had loaded networks: rten's threads, which

@@ -1,7 +1,8 @@
 //! Checks the structure of ONNX files before rten reads them.
 //!
-//! rten 0.27 hangs on varints of ten bytes or more, as they occur in damaged files. The check walks
-//! through the whole file but skips weights, so it is fast.
+//! rten 0.27 hangs on varints of ten bytes or more, as they occur in damaged files. It also adds up lengths of
+//! axes in 32 bits, and allocates what a network asks for: the process ends where that is more than there is.
+//! The check walks through the whole file but skips weights, so it is fast.
 
 use std::io::{BufRead, Seek};
 
@@ -60,18 +61,31 @@ impl Message {
 /// Largest nesting depth of graphs.
 const DEEPEST: u32 = 100;
 
-/// Walks through a file of `length` bytes.
+/// Longest name of a value that is kept, in bytes.
+const LONGEST_NAME: u64 = 1000;
+/// Most integers of a tensor that may be the lengths of axes: two for each of sixteen.
+const MOST_LENGTHS: u64 = 32;
+/// Integers beyond which an axis cannot be as long. Larger than [`NO_END`] are those that mean the end of an
+/// axis, whatever its length.
+const LONGEST_AXIS: u64 = 1 << 31;
+const NO_END: u64 = 1 << 62;
+
+/// Walks through a file of `length` bytes. Gives the names of the values that its nodes compute.
 ///
 /// # Errors
 /// A description of the first fault, with its byte offset.
-pub(super) fn check(file: impl BufRead + Seek, length: u64) -> Result<(), String> {
-    Walk { file, at: 0 }.message(Message::Model, length, 0)
+pub(super) fn check(file: impl BufRead + Seek, length: u64) -> Result<Vec<String>, String> {
+    let mut walk = Walk { file, at: 0, values: Vec::new() };
+    walk.message(Message::Model, length, 0)?;
+    Ok(walk.values)
 }
 
 struct Walk<R> {
     file: R,
     /// Number of bytes read and skipped.
     at: u64,
+    /// Names of the values that nodes compute.
+    values: Vec<String>,
 }
 
 impl<R: BufRead + Seek> Walk<R> {
@@ -79,21 +93,46 @@ impl<R: BufRead + Seek> Walk<R> {
         if depth > DEEPEST {
             return Err("it is nested too deeply".into());
         }
+        let (mut kind, mut raw) = (0, Vec::new());
         while self.at < end {
             let tag = self.number(end)?;
             match tag & 7 {
-                0 => drop(self.number(end)?),
+                0 => {
+                    let number = self.number(end)?;
+                    if let (Message::Tensor, 2) = (message, tag >> 3) {
+                        kind = number;
+                    }
+                }
                 1 => self.step(8, end)?,
                 5 => self.step(4, end)?,
                 2 => {
                     let length = self.number(end)?;
                     let inner = self.at.checked_add(length).filter(|inner| *inner <= end);
                     let inner = inner.ok_or_else(|| self.wrong("a part is longer than the whole"))?;
+                    match (message, tag >> 3) {
+                        (Message::Node, 2) if length <= LONGEST_NAME => {
+                            let name = self.bytes(length, end)?;
+                            self.values.push(String::from_utf8_lossy(&name).into_owned());
+                            continue;
+                        }
+                        // 64-bit integers, if they are that; floats are so large only by chance.
+                        (Message::Tensor, 9) if length <= 8 * MOST_LENGTHS && length.is_multiple_of(8) => {
+                            raw = self.bytes(length, end)?;
+                            continue;
+                        }
+                        _ => {}
+                    }
                     match message.content(tag >> 3) {
                         Content::Message(message) => self.message(message, inner, depth + 1)?,
                         Content::Numbers => {
+                            let begin = self.at;
                             while self.at < inner {
-                                self.number(inner)?;
+                                let number = self.number(inner)?;
+                                if let (Message::Tensor, 7) = (message, tag >> 3)
+                                    && inner - begin <= 10 * MOST_LENGTHS
+                                {
+                                    self.check_axis(number)?;
+                                }
                             }
                         }
                         Content::Bytes => self.step(length, end)?,
@@ -102,7 +141,35 @@ impl<R: BufRead + Seek> Walk<R> {
                 _ => return Err(self.wrong("a part of no known kind")),
             }
         }
+        const INT64: u64 = 7;
+        if kind == INT64 {
+            for eight in raw.as_chunks::<8>().0 {
+                self.check_axis(u64::from_le_bytes(*eight))?;
+            }
+        }
         Ok(())
+    }
+
+    /// Refuses an integer, as two's complement, that asks for an axis longer than any memory.
+    fn check_axis(&self, number: u64) -> Result<(), String> {
+        let size = (number as i64).unsigned_abs();
+        if (LONGEST_AXIS..NO_END).contains(&size) {
+            return Err(format!(
+                "it asks for a tensor of {size} elements along an axis, before byte {}",
+                self.at
+            ));
+        }
+        Ok(())
+    }
+
+    /// Bytes as they stand.
+    fn bytes(&mut self, length: u64, end: u64) -> Result<Vec<u8>, String> {
+        let mut bytes = vec![0; length as usize];
+        if length > end - self.at || self.file.read_exact(&mut bytes).is_err() {
+            return Err(self.wrong("it ends too soon"));
+        }
+        self.at += length;
+        Ok(bytes)
     }
 
     /// A varint of at most ten bytes.
@@ -142,7 +209,34 @@ mod tests {
     use std::io::Cursor;
 
     fn checked(bytes: &[u8]) -> Result<(), String> {
-        check(Cursor::new(bytes), bytes.len() as u64)
+        check(Cursor::new(bytes), bytes.len() as u64).map(drop)
+    }
+
+    #[test]
+    fn values_that_nodes_compute_are_named() {
+        let bytes = std::fs::read(network("sam_decoder")).unwrap();
+        let values = check(Cursor::new(&bytes), bytes.len() as u64).unwrap();
+        assert!(values.iter().any(|v| v == "masks"), "{values:?}");
+    }
+
+    #[test]
+    fn lengths_beyond_any_memory_are_found() {
+        // A model of a graph of a tensor: of 64-bit integers, as raw data or packed.
+        let of = |tensor: &[u8]| {
+            let graph = [&[0x2a, tensor.len() as u8], tensor].concat();
+            [&[0x3a, graph.len() as u8], &graph[..]].concat()
+        };
+        let raw = |number: i64| of(&[&[0x10, 7, 0x4a, 8], &number.to_le_bytes()[..]].concat());
+        for fine in [0, 1, -1, 1 << 30, i64::MAX, i64::MIN, i64::from(i32::MAX)] {
+            checked(&raw(fine)).unwrap();
+        }
+        for far in [1 << 31, -(1 << 40), 125_000_000_000] {
+            assert!(checked(&raw(far)).unwrap_err().contains("along an axis"), "{far}");
+        }
+        // Floats of the same bytes say nothing of lengths.
+        checked(&of(&[&[0x10, 1, 0x4a, 8], &(1i64 << 40).to_le_bytes()[..]].concat())).unwrap();
+        let packed = [0x10, 7, 0x3a, 6, 0x80, 0x80, 0x80, 0x80, 0x80, 0x01];
+        assert!(checked(&of(&packed)).unwrap_err().contains("along an axis"));
     }
 
     #[test]

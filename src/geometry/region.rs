@@ -9,6 +9,9 @@ const TOLERANCE: f64 = 0.05;
 /// Approximate number of edges per row.
 const EDGES_IN_A_ROW: usize = 8;
 
+/// Rows that an edge touches, on average at most.
+const ROWS_OF_AN_EDGE: f64 = 16.0;
+
 /// The interior of an outline, prepared for many queries. Edges are sorted into rows, so a query tests
 /// only a few. Exact to 0.05 px.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +26,11 @@ impl Region {
     pub fn new(outline: &Outline) -> Self {
         let edges = edges(outline.path().iter(), TOLERANCE);
         let bounds = outline.bounds();
-        let mut region = Self { bounds, rows: vec![Vec::new(); edges.len() / EDGES_IN_A_ROW + 1] };
+        // Tall edges touch many rows: there are only so many that each edge is stored some times.
+        let tall: f64 = edges.iter().map(|[a, b]| (a.y - b.y).abs()).sum();
+        let most = edges.len() as f64 * ROWS_OF_AN_EDGE * bounds.height() / tall.max(1e-9);
+        let rows = (edges.len() / EDGES_IN_A_ROW).min(most as usize) + 1;
+        let mut region = Self { bounds, rows: vec![Vec::new(); rows] };
         for edge in edges.into_iter().filter(|[a, b]| a.y != b.y) {
             let (top, bottom) = (edge[0].y.min(edge[1].y), edge[0].y.max(edge[1].y));
             for row in region.row(top)..=region.row(bottom) {
@@ -88,6 +95,15 @@ mod tests {
     use super::*;
     use crate::geometry::parse_path;
     use kurbo::Shape;
+
+    #[test]
+    fn tall_edges_are_stored_a_bounded_number_of_times() {
+        // A zigzag over the whole height: each edge touches all rows.
+        let zigzag: String = (0..20_000).map(|i| format!("L{} {}", i % 977, 900 * (i % 2))).collect();
+        let outline = Outline::new(&parse_path(&format!("M0 0{zigzag}z")).unwrap()).unwrap();
+        let stored: usize = Region::new(&outline).rows.iter().map(Vec::len).sum();
+        assert!((20_000..40 * 20_000).contains(&stored), "{stored}");
+    }
 
     #[test]
     fn agrees_with_the_winding_number() {

@@ -17,6 +17,7 @@ use crate::library::{
     AnalyzeParams, Arrangement, Element, ElementId, Instance, Layer, Library, Role, Shape, Source, SourceKind,
 };
 use crate::parallel;
+use crate::progress::{Progress, advance};
 use crate::raster::colour::Colour;
 use crate::raster::contact;
 use crate::raster::{LabelMap, Mask};
@@ -59,7 +60,7 @@ const MOST_PAINTED: f64 = 1e9;
 /// Most runs of pixels that they may have.
 const MOST_RUNS: usize = 50_000_000;
 /// Pieces that are made pixels at a time.
-const AT_ONCE: usize = 4096;
+const AT_ONCE: usize = 1024;
 
 /// Size of the page, in pixels of the library.
 ///
@@ -123,22 +124,34 @@ struct Draft {
 /// The library of pieces.
 ///
 /// # Errors
-/// [`Error::TooLarge`] for pieces of too many runs of pixels.
-pub(super) fn assemble(page: &Page, pieces: &[Piece], origin: Origin<'_>) -> Result<Library> {
+/// [`Error::TooLarge`] for pieces of too many runs of pixels; [`Error::Interrupted`].
+pub(super) fn assemble(
+    page: &Page,
+    pieces: &[Piece],
+    origin: Origin<'_>,
+    progress: &dyn Progress,
+) -> Result<Library> {
+    let go_on = || advance(progress, "drawing", 3, 4);
     let Origin { wrap, scale: [width, height], .. } = origin;
     let size = [f64::from(width), f64::from(height)];
     let map = Affine::scale_non_uniform(size[0] / page.size[0], size[1] / page.size[1]);
-    let drafts = drafts(page, pieces, &origin, map, size)?;
+    let drafts = drafts(page, pieces, &origin, (map, size), &go_on)?;
     let mut labels = LabelMap::filled(width, height, 0);
     for (k, draft) in drafts.iter().enumerate() {
+        go_on()?;
         paint(&mut labels, &draft.mask, k as u32 + 1, wrap);
     }
     let areas = labels.areas();
     let pixels = size[0] * size[1];
     let seen = |k: usize| areas.get(k + 1).map_or(0.0, |a| f64::from(*a));
-    let mut made: Vec<Element> = drafts.iter().map(|d| element(d, size, wrap)).collect();
+    let mut made: Vec<Element> = Vec::with_capacity(drafts.len());
+    for draft in &drafts {
+        go_on()?;
+        made.push(element(draft, size, wrap));
+    }
     let shares: Vec<f64> = (0..made.len()).map(|k| seen(k) / pixels).collect();
     let params = &origin.params.analyze;
+    go_on()?;
     let categories = categorise(&mut made, &shares, params.categories.most());
     let coverage = categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0);
     let spacing = libm::sqrt(pixels / (made.len().max(1) as f64));
@@ -212,10 +225,12 @@ fn drawn(
     pieces: &[Piece],
     name: &str,
     draw: impl Fn(&Piece) -> (Vec<Shape>, Mask) + Sync,
+    go_on: &dyn Fn() -> Result<()>,
 ) -> Result<(Vec<Vec<Shape>>, Vec<Mask>)> {
     let (mut shapes, mut masks) = (Vec::with_capacity(pieces.len()), Vec::with_capacity(pieces.len()));
     let mut runs = 0;
     for some in pieces.chunks(AT_ONCE) {
+        go_on()?;
         for (own, mask) in parallel::map(some, &draw) {
             runs += mask.spans().len();
             shapes.push(own);
@@ -234,8 +249,8 @@ fn drafts(
     page: &Page,
     pieces: &[Piece],
     origin: &Origin<'_>,
-    map: Affine,
-    size: [f64; 2],
+    (map, size): (Affine, [f64; 2]),
+    go_on: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Draft>> {
     let torus = Torus::new(page.size);
     let wrap = origin.wrap;
@@ -244,11 +259,12 @@ fn drafts(
         .iter()
         .map(|p| wrap && p.parts.iter().any(|part| part.stroke.is_none() && torus.is_cut(&part.path)))
         .collect();
-    let (drawn, masks) = drawn(pieces, origin.name, |piece| {
+    let draw = |piece: &Piece| {
         let shapes = shapes(piece, map);
         let mask = mask(&shapes, size, wrap);
         (shapes, mask)
-    })?;
+    };
+    let (drawn, masks) = drawn(pieces, origin.name, draw, go_on)?;
     let sides = size.map(|v| v as i32);
     let (seen, mut contacts) = contact::Page::new(sides, wrap, &masks);
     let reach = 2.5 * NEAREST * libm::sqrt(size[0] * size[1]);
@@ -263,6 +279,7 @@ fn drafts(
         size,
     };
     drop(masks);
+    go_on()?;
     let mut sets = elements(&known, &drawn, origin.params.analyze.elements);
     endless(&known, &mut sets);
     // What was cut reaches beyond the border.
@@ -285,10 +302,11 @@ fn drafts(
         let key = if sets.is_endless(k) { ((k, 1), [0; 2]) } else { ((root, 0), shift) };
         groups.entry(key.0).or_default().push((k, key.1));
     }
-    let mut drafts: Vec<Draft> = groups
-        .into_iter()
-        .map(|((_, kind), members)| draft(&members, pieces, &widened, size, wrap, kind == 1))
-        .collect();
+    let mut drafts: Vec<Draft> = Vec::with_capacity(groups.len());
+    for ((_, kind), members) in groups {
+        go_on()?;
+        drafts.push(draft(&members, pieces, &widened, size, wrap, kind == 1));
+    }
     drafts.sort_by_key(|d| (d.layer, d.order));
     Ok(drafts)
 }

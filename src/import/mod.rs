@@ -67,11 +67,15 @@ pub fn is_drawing(bytes: &[u8]) -> bool {
 pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Progress) -> Result<Library> {
     params.analyze.validate()?;
     advance(progress, "drawing", 0, 4)?;
-    let mut page = read::read(bytes, name, params.analyze.lenient)?;
+    let mut page = read::read(bytes, name, params.analyze.lenient, progress)?;
     advance(progress, "drawing", 1, 4)?;
     let split = matches!(params.analyze.elements, Grouping::Auto | Grouping::Piece);
     let all = page.items.iter().enumerate();
-    let mut pieces: Vec<pieces::Piece> = all.flat_map(|(k, item)| pieces::pieces(k, item, split)).collect();
+    let mut pieces: Vec<pieces::Piece> = Vec::new();
+    for (k, item) in all {
+        advance(progress, "drawing", 1, 4)?;
+        pieces.extend(pieces::pieces(k, item, split));
+    }
     for piece in &mut pieces {
         piece.parts.retain(shapes::is_visible);
     }
@@ -81,7 +85,8 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     // Very many beneath the background are not worth the time of drawing them.
     page.lacks |= found - pieces.len() > MOST_BENEATH;
     let scale = assemble::scale(&page, &pieces, name)?;
-    let picture = picture::picture(&page, (background, &pieces), scale);
+    let picture = picture::picture(&page, (background, &pieces), scale)
+        .map_err(|found| read::fault(name, found.reason, found.advice))?;
     let (wrap, remark) = match params.wrap {
         Some(wrap) => (wrap, None),
         None if periodic::is_periodic(&picture) => (true, None),
@@ -92,7 +97,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     let pieces = if wrap { Torus::new(page.size).whole(pieces) } else { pieces };
     advance(progress, "drawing", 3, 4)?;
     let origin = Origin { bytes, name, params, wrap, scale, picture, background };
-    let library = assemble(&page, &pieces, origin)?;
+    let library = assemble(&page, &pieces, origin, progress)?;
     for warning in &library.source.warnings {
         progress.warn(warning);
     }
@@ -108,7 +113,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
 /// [`crate::Error::Control`] for what is no SVG, and for a drawing without shapes or with raster images,
 /// filters, masks, blend modes or pattern fills; [`crate::Error::TooLarge`] as [`import`].
 pub fn drawn(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Vec<Shape>> {
-    let page = read::read(bytes, name, false)?;
+    let page = read::read(bytes, name, false, &())?;
     let [wide, high] = page.size;
     let scale = (f64::from(width) / wide).min(f64::from(height) / high);
     let left = (f64::from(width) - scale * wide) / 2.0;

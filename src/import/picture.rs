@@ -6,6 +6,7 @@ use super::shapes::shapes;
 use crate::geometry::Affine;
 use crate::raster::colour::Colour;
 use crate::scene::pixels;
+use crate::svg_tree::{self, Fault};
 use image::{Rgb, RgbImage};
 use resvg::usvg::Transform;
 
@@ -14,21 +15,28 @@ const SAMPLES: u32 = 2;
 
 /// The drawing over white, as resvg draws it. Where something was left out, it is drawn from the pieces
 /// that are left, gradients in their mean colour.
-pub(super) fn picture(page: &Page, (colour, pieces): (Colour, &[Piece]), size: [u32; 2]) -> RgbImage {
-    if page.lacks { drawn(page, colour, pieces, size) } else { by_resvg(page, size) }
+///
+/// # Errors
+/// As [`svg_tree::draw`].
+pub(super) fn picture(
+    page: &Page,
+    (colour, pieces): (Colour, &[Piece]),
+    size: [u32; 2],
+) -> Result<RgbImage, Fault> {
+    if page.lacks { Ok(drawn(page, colour, pieces, size)) } else { by_resvg(page, size) }
 }
 
-fn by_resvg(page: &Page, [width, height]: [u32; 2]) -> RgbImage {
+fn by_resvg(page: &Page, [width, height]: [u32; 2]) -> Result<RgbImage, Fault> {
     let Some(mut pixmap) = tiny_skia::Pixmap::new(width, height) else {
-        return RgbImage::from_pixel(width, height, Rgb([255; 3]));
+        return Ok(RgbImage::from_pixel(width, height, Rgb([255; 3])));
     };
     pixmap.fill(tiny_skia::Color::WHITE);
     let [sx, sy] = [0, 1].map(|k| ([width, height][k] as f64 / page.size[k]) as f32);
-    resvg::render(&page.tree, Transform::from_scale(sx, sy), &mut pixmap.as_mut());
-    RgbImage::from_fn(width, height, |x, y| {
+    svg_tree::draw(&page.tree, Transform::from_scale(sx, sy), &mut pixmap)?;
+    Ok(RgbImage::from_fn(width, height, |x, y| {
         let p = pixmap.pixels()[(y * width + x) as usize];
         Rgb([p.red(), p.green(), p.blue()])
-    })
+    }))
 }
 
 fn drawn(page: &Page, colour: Colour, pieces: &[Piece], [width, height]: [u32; 2]) -> RgbImage {

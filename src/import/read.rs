@@ -5,6 +5,7 @@ use super::paint::{self, Paint};
 use crate::element::stroked;
 use crate::error::{Error, Result, clip_to};
 use crate::geometry::{Affine, BezPath, Point};
+use crate::progress::{Progress, advance};
 use crate::svg_tree;
 use kurbo::Shape as _;
 use resvg::usvg::{self, roxmltree};
@@ -82,8 +83,8 @@ pub(super) struct Stroke {
 }
 
 /// Reads a drawing. What cannot be read is an error, or is left out and counted if `lenient`.
-pub(super) fn read(bytes: &[u8], name: &str, lenient: bool) -> Result<Page> {
-    let fail = |reason: String| fault(name, reason, "it must be an SVG or SVGZ; is the file complete?");
+pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progress) -> Result<Page> {
+    let fail = |found: svg_tree::Fault| fault(name, found.reason, found.advice);
     let text = svg_tree::text(bytes, name, fail)?;
     if text.len() > LARGEST {
         let found = format!("{} MB of SVG text", text.len() / 1_000_000);
@@ -94,19 +95,14 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool) -> Result<Page> {
     if nodes > MOST_NODES {
         return Err(too_many(name, nodes, MOST_NODES));
     }
-    let tree = svg_tree::tree_with_images(&document).map_err(|reason| {
-        if reason.contains("nodes limit") {
-            let reason = "its references lead back to themselves, or unfold to too many shapes";
-            return fault(name, reason, "replace its <use> elements by copies of what they show");
-        }
-        fail(reason)
-    })?;
+    let tree = svg_tree::tree_with_images(&document).map_err(fail)?;
     let size = [tree.size().width(), tree.size().height()].map(f64::from);
     if size.iter().any(|v| !(1e-3..=LARGEST_PAGE).contains(v)) {
         let reason = format!("its page has {} x {} units", size[0], size[1]);
         return Err(fault(name, reason, "scale it to between 0.001 and 1000000 units"));
     }
-    let mut reader = Reader::new(name, lenient, &document, size);
+    advance(progress, "drawing", 0, 4)?;
+    let mut reader = Reader { progress, ..Reader::new(name, lenient, &document, size) };
     let root = Place { group: None, layer: 0, opacity: 1.0, depth: 0, id: "" };
     reader.group(tree.root(), root, &[])?;
     let Reader { items, mut groups, layers, counts, lacks, .. } = reader;
@@ -147,6 +143,7 @@ fn texts(document: &roxmltree::Document<'_>) -> Option<String> {
 }
 
 struct Reader<'a, 'd> {
+    progress: &'a dyn Progress,
     name: &'a str,
     lenient: bool,
     size: [f64; 2],
@@ -187,6 +184,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         let layers: Vec<String> = vec![crate::element::Role::Primary.name().into()];
         let background = crate::element::Role::Background.name().to_owned();
         Self {
+            progress: &(),
             name,
             lenient,
             size,
@@ -234,7 +232,7 @@ impl<'a, 'd> Reader<'a, 'd> {
             match Clip::new(path, affine(group.abs_transform())) {
                 Some(clip) => clips.push(clip),
                 None => {
-                    let what = "is clipped by more than one convex polygon";
+                    let what = "is clipped by something else than one convex polygon";
                     return self.unreadable(id, what, "elements with other clip paths are left out");
                 }
             }
@@ -296,6 +294,7 @@ impl<'a, 'd> Reader<'a, 'd> {
     }
 
     fn path(&mut self, path: &usvg::Path, place: Place<'_>, clips: &[Clip]) -> Result<()> {
+        advance(self.progress, "drawing", 0, 4)?;
         if self.items.len() >= MOST_ITEMS {
             return Err(too_many(self.name, self.items.len() + 1, MOST_ITEMS));
         }

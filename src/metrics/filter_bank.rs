@@ -18,9 +18,11 @@ const RIDGE: f64 = 1e-4;
 /// standard deviations of the first picture's, and the result by the number of filters. `a` and `b`
 /// are Lab divided by 100.
 pub(super) fn frechet(a: &Channels, b: &Channels) -> f64 {
-    let (a, b) = (responses(a), responses(b));
-    let units: Vec<f64> = a.iter().map(|p| FLOOR + libm::sqrt(moments(p).1)).collect();
-    let (a, b) = (Gaussian::fit(&a, &units), Gaussian::fit(&b, &units));
+    // One after the other: the responses of a picture take 24 times its memory.
+    let first = responses(a);
+    let units: Vec<f64> = first.iter().map(|p| FLOOR + libm::sqrt(moments(p).1)).collect();
+    let a = Gaussian::fit(first, &units);
+    let b = Gaussian::fit(responses(b), &units);
     let size = units.len();
     let between: f64 = (0..size).map(|i| (a.mean[i] - b.mean[i]) * (a.mean[i] - b.mean[i])).sum();
     // tr √(AB) = tr √(√A B √A), whose argument is symmetric.
@@ -73,19 +75,18 @@ struct Gaussian {
 
 impl Gaussian {
     /// Fits a Gaussian to responses, each divided by its unit.
-    fn fit(responses: &[Plane], units: &[f64]) -> Self {
+    fn fit(responses: Vec<Plane>, units: &[f64]) -> Self {
         let mean: Vec<f64> = responses.iter().map(|p| moments(p).0).collect();
-        let centred: Vec<Vec<f32>> = responses
-            .iter()
-            .zip(mean.iter().zip(units))
-            .map(|(p, (m, u))| p.data.iter().map(|v| ((f64::from(*v) - m) / u) as f32).collect())
-            .collect();
+        let mut centred: Vec<Vec<f32>> = responses.into_iter().map(|p| p.data).collect();
+        for (data, (m, u)) in centred.iter_mut().zip(mean.iter().zip(units)) {
+            data.iter_mut().for_each(|v| *v = ((f64::from(*v) - m) / u) as f32);
+        }
         // Summing in short pieces limits rounding errors.
         let product = |a: &[f32], b: &[f32]| -> f64 {
             a.chunks(1024).zip(b.chunks(1024)).map(|(a, b)| f64::from(dot(a, b))).sum()
         };
-        let count = (responses[0].data.len() as f64 - 1.0).max(1.0);
-        let size = responses.len();
+        let count = (centred[0].len() as f64 - 1.0).max(1.0);
+        let size = centred.len();
         let rows: Vec<usize> = (0..size).collect();
         let half = parallel::map(&rows, |&i| -> Vec<f64> {
             (0..=i).map(|j| product(&centred[i], &centred[j]) / count).collect()

@@ -58,12 +58,14 @@ impl Steps {
     /// Shares of each pattern. Uniform patterns, which change at most twice around the circle, have one
     /// bin for each number of bright points, 0 to all; the last bin holds all other patterns.
     fn histogram(&self, points: usize, radius: f64) -> Vec<f64> {
-        let circle: Vec<Point> = (0..points).map(|k| Point::new(k, points, radius)).collect();
+        let circle = Circle::new(points, radius);
+        let columns: Vec<Vec<f64>> = (0..self.width).map(|x| circle.weights(x as isize, 0)).collect();
         let rows: Vec<usize> = (0..self.height).collect();
         let counts = parallel::map(&rows, |&y| {
+            let down = circle.weights(y as isize, 1);
             let mut counts = vec![0u32; points + 2];
-            for x in 0..self.width {
-                counts[self.pattern(&circle, x as isize, y as isize)] += 1;
+            for (x, across) in columns.iter().enumerate() {
+                counts[self.pattern(&circle, [x, y], [across, &down])] += 1;
             }
             counts
         });
@@ -71,22 +73,49 @@ impl Steps {
         (0..points + 2).map(|k| counts.iter().map(|c| f64::from(c[k])).sum::<f64>() / all).collect()
     }
 
-    fn pattern(&self, circle: &[Point], x: isize, y: isize) -> usize {
-        let own = self.at(x, y);
+    /// The pattern around a pixel, with the circle's weights at its column and at its row.
+    fn pattern(&self, circle: &Circle, [x, y]: [usize; 2], [across, down]: [&[f64]; 2]) -> usize {
+        let own = self.data[y * self.width + x];
+        let within = |v: usize, size: usize| v >= circle.reach && v + circle.reach < size;
+        let inside = within(x, self.width) && within(y, self.height);
         let (mut bright, mut changes, mut last) = (0, 0, None);
-        for point in circle {
-            let [a, b, c, d] = point.corners.map(|(dx, dy)| self.at(x + dx, y + dy));
-            // Rounded like the pixel's own coordinates: in flat areas the last digit decides.
-            let rest =
-                |pixel: isize, offset: f64, floor: isize| (pixel as f64 + offset) - (pixel + floor) as f64;
-            let (u, v) = (rest(x, point.at[0], point.corners[0].0), rest(y, point.at[1], point.corners[0].1));
+        for (point, (u, v)) in circle.points.iter().zip(across.iter().zip(down)) {
+            let corner = |(dx, dy): (isize, isize)| {
+                let [x, y] = [x as isize + dx, y as isize + dy];
+                if inside { self.data[y as usize * self.width + x as usize] } else { self.at(x, y) }
+            };
+            let [a, b, c, d] = point.corners.map(corner);
             let (top, bottom) = ((1.0 - u) * a + u * b, (1.0 - u) * c + u * d);
             let set = (1.0 - v) * top + v * bottom - own >= 0.0;
             bright += usize::from(set);
             changes += usize::from(last.is_some_and(|l| l != set));
             last = Some(set);
         }
-        if changes <= 2 { bright } else { circle.len() + 1 }
+        if changes <= 2 { bright } else { circle.points.len() + 1 }
+    }
+}
+
+/// Points on a circle.
+struct Circle {
+    points: Vec<Point>,
+    /// How far their pixels lie from the centre at most.
+    reach: usize,
+}
+
+impl Circle {
+    fn new(points: usize, radius: f64) -> Self {
+        let points = (0..points).map(|k| Point::new(k, points, radius)).collect();
+        Self { points, reach: libm::ceil(radius) as usize }
+    }
+
+    /// The weight of each point's further pixels along an axis, around a column or row.
+    fn weights(&self, pixel: isize, axis: usize) -> Vec<f64> {
+        let weight = |point: &Point| {
+            let floor = [point.corners[0].0, point.corners[0].1][axis];
+            // Rounded like the pixel's own coordinates: in flat areas the last digit decides.
+            (pixel as f64 + point.at[axis]) - (pixel + floor) as f64
+        };
+        self.points.iter().map(weight).collect()
     }
 }
 
@@ -106,23 +135,27 @@ impl Point {
 mod tests {
     use super::*;
 
+    impl Steps {
+        fn around(&self, circle: &Circle, at: [usize; 2]) -> usize {
+            let weights = [0, 1].map(|k| circle.weights(at[k] as isize, k));
+            self.pattern(circle, at, weights.each_ref().map(Vec::as_slice))
+        }
+    }
+
     #[test]
     fn a_flat_picture_has_one_pattern_inside() {
         let flat = Steps::new(&Plane::from_fn(20, 20, |_, _| 0.5));
         for (points, radius) in CIRCLES {
-            let circle: Vec<Point> = (0..points).map(|k| Point::new(k, points, radius)).collect();
-            assert_eq!(flat.pattern(&circle, 10, 10), points);
+            let circle = Circle::new(points, radius);
+            assert_eq!(flat.around(&circle, [10, 10]), points);
             // Points beyond the border count as black.
-            assert!(flat.pattern(&circle, 0, 10) < points);
+            assert!(flat.around(&circle, [0, 10]) < points);
         }
     }
 
     #[test]
     fn an_edge_is_uniform_and_a_line_is_not() {
-        let pattern = |plane: Plane| {
-            let circle: Vec<Point> = (0..8).map(|k| Point::new(k, 8, 1.0)).collect();
-            Steps::new(&plane).pattern(&circle, 5, 5)
-        };
+        let pattern = |plane: Plane| Steps::new(&plane).around(&Circle::new(8, 1.0), [5, 5]);
         assert_eq!(pattern(Plane::from_fn(11, 11, |x, _| if x < 6 { 0.8 } else { 0.2 })), 5);
         assert_eq!(pattern(Plane::from_fn(11, 11, |x, y| ((x + y) % 2) as f32)), 8);
         assert_eq!(pattern(Plane::from_fn(11, 11, |x, _| (x % 2) as f32)), 9);

@@ -5,9 +5,11 @@ use crate::error::{Error, Result};
 use crate::gzip;
 use flate2::write::GzEncoder;
 use flate2::{Compression, GzBuilder};
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use tempfile::NamedTempFile;
 
 /// The content of a file, by its name.
@@ -102,6 +104,7 @@ pub fn write_file<T>(
     fs::metadata(folder_of(&target)).map_err(fail)?;
     // Without the temporary name, which tells the user nothing.
     let temporary = temporary(folder_of(&target)).map_err(|e| fail(e.kind().into()))?;
+    let _unfinished = Unfinished::new(temporary.path());
     let written = sealed(path, temporary.as_file(), content)?;
     if let Some(old) = old {
         temporary.as_file().set_permissions(old.permissions()).map_err(fail)?;
@@ -170,6 +173,32 @@ fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
         if !locked || file.path().exists() {
             return Ok(file);
         }
+    }
+}
+
+/// Temporary files of this process.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// A temporary file that [`remove_unfinished`] knows until this is dropped.
+struct Unfinished(PathBuf);
+
+impl Unfinished {
+    fn new(path: &Path) -> Self {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned());
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.0);
+    }
+}
+
+/// Removes the temporary files that this process is writing, for a program that ends in the midst of that.
+pub fn remove_unfinished() {
+    for path in &*UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner) {
+        let _ = fs::remove_file(path);
     }
 }
 

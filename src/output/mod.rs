@@ -27,6 +27,7 @@ mod testing;
 pub use categories::{SceneCategory, categories};
 pub use coverage::{coverage, inside};
 
+use crate::document::in_order;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 
@@ -60,11 +61,11 @@ fn picture_size(width: f64, height: f64, scale: f64, name: &str) -> Result<(u32,
 fn title(scene: &Scene) -> String {
     let names: Vec<&str> = scene.libraries.iter().map(|l| l.exemplar.as_str()).collect();
     let what = if scene.parameters.is_some() { "Texture" } else { "Reconstruction" };
-    if names.is_empty() { what.into() } else { format!("{what} from {}", names.join(", ")) }
+    in_order(if names.is_empty() { what.into() } else { format!("{what} from {}", names.join(", ")) })
 }
 
 /// The label of a layer in editors and viewers: its name with a capital letter.
 fn label(name: &str) -> String {
     let mut letters = name.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+    in_order(letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect()))
 }

@@ -2,12 +2,15 @@
 //! "Deterministic Texture Analysis and Synthesis using Tree Structure Vector Quantization").
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashSet};
 
 /// Lloyd iterations of a split.
 const LLOYD: usize = 10;
 /// Power iterations for the principal axis of a split.
 const POWER: usize = 5;
+
+/// Most vectors of a leaf that are compared.
+const MOST_COMPARED: usize = 2048;
 
 /// A node: the mean of its vectors, and either two child nodes or the vectors themselves.
 struct Node {
@@ -24,6 +27,8 @@ pub(super) struct Codebook {
     means: Vec<f32>,
     nodes: Vec<Node>,
     leaves: usize,
+    /// The vectors of each leaf among which the nearest is sought.
+    compared: Vec<Vec<u32>>,
 }
 
 /// Squared distance of two vectors.
@@ -32,12 +37,25 @@ pub(super) fn distance(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
 }
 
+/// The squared distance of two vectors, if it is below `most`.
+fn nearer(a: &[f32], b: &[f32], most: f32) -> Option<f32> {
+    const AT_ONCE: usize = 16;
+    let mut sum = 0.0;
+    for (a, b) in a.chunks(AT_ONCE).zip(b.chunks(AT_ONCE)) {
+        a.iter().zip(b).for_each(|(x, y)| sum += (x - y) * (x - y));
+        if sum >= most {
+            return None;
+        }
+    }
+    Some(sum)
+}
+
 impl Codebook {
     /// A codebook of at most `leaves` leaves. `vectors` holds vectors of `length` components, one after the
     /// other. The leaf with the largest distortion is split until there are enough.
     pub(super) fn new(vectors: &[f32], length: usize, leaves: usize) -> Self {
         let all: Vec<u32> = (0..(vectors.len() / length) as u32).collect();
-        let mut book = Self { length, means: Vec::new(), nodes: Vec::new(), leaves: 1 };
+        let mut book = Self { length, means: Vec::new(), nodes: Vec::new(), leaves: 1, compared: Vec::new() };
         let mut queue = BinaryHeap::new();
         let distortion = book.add(vectors, all);
         queue.push((distortion, Reverse(0u32)));
@@ -59,7 +77,18 @@ impl Codebook {
             book.nodes[worst as usize].children = Some([first, first + 1]);
             book.leaves += 1;
         }
+        book.compared = book.nodes.iter().map(|node| book.differing(vectors, &node.members)).collect();
         book
+    }
+
+    /// Of vectors that are equal the first, and an even sample of more than [`MOST_COMPARED`]. A picture of
+    /// one colour with few exceptions has a leaf of nearly all its vectors.
+    fn differing(&self, vectors: &[f32], members: &[u32]) -> Vec<u32> {
+        let mut seen: HashSet<Vec<u32>> = HashSet::new();
+        let bits = |m: u32| vectors[m as usize * self.length..][..self.length].iter().map(|v| v.to_bits());
+        let first: Vec<u32> = members.iter().copied().filter(|&m| seen.insert(bits(m).collect())).collect();
+        let step = first.len().div_ceil(MOST_COMPARED).max(1);
+        first.into_iter().step_by(step).collect()
     }
 
     /// Adds a leaf. Returns the bits of its distortion, which sort like its value.
@@ -159,9 +188,8 @@ impl Codebook {
     pub(super) fn nearest(&self, vectors: &[f32], leaf: u32, vector: &[f32]) -> u32 {
         let of = |m: u32| &vectors[m as usize * self.length..][..self.length];
         let mut best = (f32::INFINITY, 0);
-        for &m in &self.nodes[leaf as usize].members {
-            let d = distance(of(m), vector);
-            if d < best.0 {
+        for &m in &self.compared[leaf as usize] {
+            if let Some(d) = nearer(of(m), vector, best.0) {
                 best = (d, m);
             }
         }

@@ -2,6 +2,7 @@
 //!
 //! The output is both HTML and well-formed XML, so it can be validated.
 
+use crate::document::turns_text;
 use crate::output::seal::PAGE_BEGINNING;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -84,6 +85,7 @@ fn text(text: &str) -> String {
             '&' => escaped.push_str("&amp;"),
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
+            c if turns_text(c) => escaped.push('\u{fffd}'),
             ' '..='\u{7e}' | '\u{a0}'..='\u{fffd}' | '\u{10000}'.. => escaped.push(c),
             _ => escaped.push('\u{fffd}'),
         }
@@ -97,6 +99,8 @@ fn script_data(json: &str) -> String {
     let mut escaped = String::with_capacity(json.len());
     for c in json.chars() {
         match c {
+            // The page shows what stands in its data.
+            c if turns_text(c) => escaped.push('\u{fffd}'),
             '<' | '>' | '&' | '\u{7f}'..='\u{9f}' | '\u{2028}' | '\u{2029}' | '\u{fffe}' | '\u{ffff}' => {
                 escaped.push_str(&format!("\\u{:04x}", u32::from(c)));
             }

@@ -75,6 +75,8 @@ impl Default for StylizeParams {
 
 /// Least distance of elements, in pixels: smaller ones are hardly wider than a pixel.
 const LEAST: f64 = 2.0;
+/// Most control points of the background along the longer side.
+const FINEST_FIELD: f64 = 200.0;
 /// Most places at which elements may stand on one level.
 const MOST_PLACES: f64 = 4e6;
 
@@ -83,7 +85,7 @@ const MOST_PLACES: f64 = 4e6;
 ///
 /// # Errors
 /// [`Error::Format`] for a scene that breaks its invariants; [`Error::Parameter`] for a parameter out of
-/// range; [`Error::TooLarge`] for more than four million places on one level; [`Error::Unusable`] for a texture
+/// range; [`Error::TooLarge`] for more than four million places on one level; [`Error::Control`] for a texture
 /// none of whose elements has a frame.
 pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> Result<Scene> {
     texture.check()?;
@@ -97,8 +99,12 @@ pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> R
     let donors = Donors::new(texture);
     let role = [Role::Primary, Role::Secondary].into_iter().find(|role| donors.has(*role));
     let Some(role) = role else {
-        let reason = "none of its elements is wider than a pixel".into();
-        return Err(Error::Unusable { name: "texture".into(), reason });
+        return Err(Error::Control {
+            name: "the texture".into(),
+            role: "something to redraw a picture in",
+            reason: "none of its elements is wider than a pixel".into(),
+            advice: "give a photograph or a drawing in which elements are found",
+        });
     };
     let view = View::new(picture, canvas);
     let mut spots: Vec<Spot> = Vec::new();
@@ -252,7 +258,9 @@ struct Painting<'a> {
 fn composed(painting: &Painting<'_>, view: &View, spots: &[Spot], largest: f64) -> Scene {
     let Painting { texture, donors, role, params } = painting;
     let size = view.canvas.map(|v| v as u32);
-    let background = Layer { field: Some(field(view, largest)), ..Layer::new(Role::Background) };
+    // Elements nearer to one another hide it, and its cost grows with the inverse square of the distance.
+    let spacing = largest.max(f64::from(params.size) / FINEST_FIELD);
+    let background = Layer { field: Some(field(view, spacing)), ..Layer::new(Role::Background) };
     let mut scene = Scene::new(size, texture.libraries.clone(), vec![background]);
     let appearances =
         parallel::map(&texture.elements, |e| Appearance::new(&e.shapes, e.outline().area(), None));

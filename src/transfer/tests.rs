@@ -213,7 +213,7 @@ fn a_picture_is_redrawn_in_elements() {
     let empty = testing::scene([9, 9], Vec::new(), Vec::new(), Vec::new(), testing::flat(Colour([0; 3])));
     assert!(matches!(
         stylize(&picture(), &empty, &StylizeParams::default()),
-        Err(crate::Error::Unusable { .. })
+        Err(crate::Error::Control { .. })
     ));
 }
 

@@ -147,3 +147,39 @@ fn what_is_wrong_with_the_list_is_told_before_anything_starts() {
     folder.run("batch empty --out-dir out").fails(2, "there are no pictures in 'empty'");
     assert!(!folder.path("out").exists());
 }
+
+#[test]
+#[cfg(unix)]
+fn a_job_at_which_the_program_died_is_left_out_next_time_and_takes_no_other_along() {
+    let folder = Folder::with_library();
+    folder.write(
+        "jobs.toml",
+        "seed = 3\n[[job]]\ninput = 'photo.lib.json'\noutput = 'large'\n[job.synth]\nsize = 6000\n\n\
+         [[job]]\ninput = 'photo.lib.json'\noutput = 'small'\n[job.synth]\nsize = 40\n",
+    );
+    let line = "batch jobs.toml --out-dir out";
+    let marked = || {
+        let all = std::fs::read_dir(folder.path("out")).into_iter().flatten().flatten();
+        all.map(|entry| entry.file_name().into_string().unwrap()).any(|name| name.ends_with(".running"))
+    };
+    let mut child = folder.command(line).stderr(std::process::Stdio::null()).spawn().unwrap();
+    while !marked() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(marked());
+    for again in 0..2 {
+        let run = folder.run(&format!("{line} --json"));
+        assert_eq!(run.code, Some(1), "{}", run.stderr);
+        assert_eq!(statuses(&run), ["failed", ["done", "skipped"][again]]);
+        let job = &lines(&run).0[0];
+        assert_eq!(job["died"], true);
+        assert!(job["error"].as_str().unwrap().contains("ended while it did this job"), "{job}");
+        assert!(job["hint"].as_str().unwrap().contains("--force"), "{job}");
+        assert!(!marked());
+    }
+    // Other parameters make it another job.
+    let run = folder.run(&format!("{line} --json --size 40")).succeeds();
+    assert_eq!(statuses(&run), ["done", "skipped"]);
+}

@@ -117,3 +117,24 @@ fn scenes_are_checked_too() {
     folder.write("large.scene.json", serde_json::to_vec(&large).unwrap());
     folder.run("render large.scene.json --scale 100").fails(1, "too large");
 }
+
+#[test]
+fn braces_and_not_the_seal_are_blamed() {
+    let folder = Folder::with_library();
+    let sealed = String::from_utf8(library().to_vec()).unwrap();
+    assert!(sealed.contains("\"sha256\":") && sealed.ends_with("}\n"));
+    let fails = |text: String, message: &str| {
+        folder.write("bad.lib.json", text);
+        let run = folder.run("inspect bad.lib.json").fails(1, message);
+        assert!(!run.stderr.contains("sha256") && run.stderr.len() < 300, "{}", run.stderr);
+    };
+    fails(sealed.trim_end().strip_suffix('}').unwrap().into(), "a } is missing");
+    fails(format!("{sealed}}}\n"), "a } is too many");
+    // A brace less within: the seal is then a field of something else.
+    let at = sealed.find("}],\"layers\"").unwrap();
+    fails(format!("{}{}", &sealed[..at], &sealed[at + 1..]), "line 1");
+    fails(
+        sealed.replacen("\"descriptor_half\":", "\"descriptor_haf\":", 1),
+        "unknown field `descriptor_haf` at line 1",
+    );
+}

@@ -404,3 +404,45 @@ fn folders_are_taken_with_their_drawings() {
     // What vtex has written is no exemplar.
     assert!(folder.path("out/garden.svg").exists() && !folder.path("out/result.svg").exists());
 }
+
+#[test]
+fn what_is_wrong_with_a_drawing_is_what_is_said() {
+    let folder = Folder::new();
+    let svg = |inner: &str| {
+        format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="90" height="90">{inner}</svg>"#)
+    };
+    let round =
+        svg(r#"<clipPath id="c"><circle r="9"/></clipPath><path d="M0 0h9v9z" clip-path="url(#c)"/>"#);
+    let utf16: Vec<u8> = format!("\u{feff}{round}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    folder.write("utf16.svg", utf16);
+    folder.write("empty.svg", "");
+    folder.write("nested.svg", svg(&format!("{}{}", "<g>".repeat(3000), "</g>".repeat(3000))));
+    folder.write("far.svg", svg(r#"<clipPath id="c"><path d="M-1e9 -1e9h2e9v2e9h-2e9z"/></clipPath><g clip-path="url(#c)"><circle r="5"/></g>"#));
+    folder.write("round.svg", round);
+    folder.write("zz.svg", svg(&format!(r#"<path d="M5 5{}"/>"#, "Z".repeat(25_000))));
+    folder.write("shapes.svg", svg(&"<g/>".repeat(400_000)));
+    for command in ["analyze", "texture", "vectorize", "render"] {
+        let fails = |file: &str, message: &str, hint: &str| {
+            let run = folder.run(&format!(
+                "{command} {file} -o out.{}",
+                if command == "analyze" { "lib.json" } else { "png" }
+            ));
+            let stderr = run.stderr.clone();
+            run.fails(1, message);
+            assert!(stderr.contains(hint), "{stderr}");
+        };
+        fails("utf16.svg", "it is UTF-16 text", "save it as UTF-8");
+        fails("empty.svg", "empty", "is the file complete?");
+        fails("nested.svg", "nests more than 1024 elements", "ungroup it");
+        fails("far.svg", "reaches further", "far outside the page");
+        fails("zz.svg", "closed more than 1000 times in a row", "delete the repeated Z");
+        if command != "render" {
+            fails("round.svg", "clipped by something else than one convex polygon", "--lenient");
+            fails("shapes.svg", "400001 shapes", "simplify it in the program that made it");
+        }
+    }
+    folder.write("plain.svg", svg(r#"<rect width="90" height="90"/>"#));
+    let run =
+        folder.run("stylize photo.png --with plain.svg -o out.svg --quiet").fails(1, "wider than a pixel");
+    assert!(!run.stderr.contains("from above"), "{}", run.stderr);
+}

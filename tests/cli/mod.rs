@@ -18,5 +18,6 @@ mod output;
 mod page;
 mod raster;
 mod stages;
+mod stopping;
 mod support;
 mod tune;

@@ -91,7 +91,7 @@ fn what_cannot_be_added_leaves_nothing_behind() {
         ),
         ("broken.onnx", "'broken.onnx': rten cannot read it"),
         ("none.onnx", "cannot read 'none.onnx'"),
-        ("notes.txt", "the encoder is missing"),
+        ("notes.txt", "none of notes.txt is an ONNX file"),
         ("sam_encoder.onnx sam_encoder.onnx", "two files of a model would be called 'sam_encoder.onnx'"),
     ] {
         let run =
@@ -173,4 +173,19 @@ fn a_batch_notices_a_changed_network() {
     assert_eq!([status(), status()], ["done", "skipped"]);
     folder.write("sam_encoder.onnx", "no network");
     assert_eq!(status(), "failed");
+}
+
+#[test]
+fn what_is_no_model_is_said() {
+    let folder = folder(&["sam_encoder", "sam_decoder"]);
+    folder.run(PAIR).succeeds();
+    std::fs::remove_file(folder.path("models/tiny/model.json")).unwrap();
+    let run = folder.run("models verify").fails(1, "1 of 1 files are not as they were added");
+    assert!(run.text().contains("tiny/model.json: MISSING"), "{}", run.text());
+    let run = folder.run("models add photo.png --name photo").fails(1, "none of photo.png is an ONNX file");
+    assert!(run.stderr.contains("hint: name encoder.onnx"), "{}", run.stderr);
+    for device in ["con", "NUL", "com1", "lpt9"] {
+        folder.run(&format!("models add sam_encoder.onnx --name {device}")).fails(2, "a device");
+    }
+    folder.run("models add sam_encoder.onnx sam_decoder.onnx --engine rten --name com").succeeds();
 }

@@ -2,6 +2,7 @@
 
 use super::known::Known;
 use super::{Placed, size_of};
+use crate::error::Result;
 use crate::geometry::{Affine, Point, Rect};
 use crate::library::Library;
 use crate::raster::Mask;
@@ -82,14 +83,19 @@ impl<'a> Canvas<'a> {
         (Arc::clone(mask), shift)
     }
 
-    /// Lets all elements stand, in painting order.
-    pub(super) fn stand_all(&mut self, placed: &[Placed]) {
+    /// Lets all elements stand, in painting order. Asks `go_on` at each.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(super) fn stand_all(&mut self, placed: &[Placed], go_on: impl Fn() -> Result<()>) -> Result<()> {
         let mut order: Vec<usize> = (0..placed.len()).collect();
         order.sort_by_key(|&i| placed[i].order);
         for i in order {
+            go_on()?;
             self.write(&placed[i], i as u32 + 1, 0);
         }
         self.stand_endless();
+        Ok(())
     }
 
     /// Marks what runs on: it stands in every period, as the map of the exemplar says.
@@ -196,12 +202,16 @@ impl<'a> Canvas<'a> {
         p.map * self.known.bounds[p.element].center()
     }
 
-    /// Share of the canvas that each category covers.
-    pub(super) fn covered(&self, placed: &[Placed]) -> Vec<f64> {
+    /// Share of the canvas that each category covers. Asks `go_on` at each row.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(super) fn covered(&self, placed: &[Placed], go_on: impl Fn() -> Result<()>) -> Result<Vec<f64>> {
         let elements = &self.library.elements;
         let mut counts = vec![0u64; self.library.categories.len()];
         let canvas = Rect::new(0.0, 0.0, f64::from(self.canvas[0]), f64::from(self.canvas[1]));
         for y in 0..self.canvas[1] {
+            go_on()?;
             for x in 0..self.canvas[0] {
                 let Some(&cell) = self.cell([x, y]).and_then(|i| self.cells.get(i)) else { continue };
                 let element = match cell {
@@ -214,6 +224,6 @@ impl<'a> Canvas<'a> {
                 }
             }
         }
-        counts.iter().map(|&n| n as f64 / canvas.area()).collect()
+        Ok(counts.iter().map(|&n| n as f64 / canvas.area()).collect())
     }
 }

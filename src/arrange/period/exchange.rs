@@ -2,6 +2,7 @@
 
 use super::Placed;
 use super::canvas::Canvas;
+use crate::error::Result;
 use crate::geometry::{Affine, NearPoints, Point, Vec2, rotation, shortest_offset};
 use crate::sampling::{Stream, stream};
 use std::f64::consts::TAU;
@@ -61,19 +62,31 @@ impl Sites {
 }
 
 impl Canvas<'_> {
-    /// Changes places, shifts and turns elements; `share` of those that are free take part.
-    pub(super) fn vary(&mut self, placed: &mut [Placed], share: f64, seed: u64) {
+    /// Changes places, shifts and turns elements; `share` of those that are free take part. Asks `go_on` at
+    /// each.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(super) fn vary(
+        &mut self,
+        placed: &mut [Placed],
+        share: f64,
+        seed: u64,
+        go_on: impl Fn() -> Result<()>,
+    ) -> Result<()> {
         let mut random = stream(seed, "synth/period", 0);
         let mut all: Vec<usize> = (0..placed.len()).filter(|&i| self.known.free[placed[i].element]).collect();
         all.retain(|_| random.unit() < share);
         random.shuffle(&mut all);
         for _ in 0..WALKS {
             for &i in &all {
+                go_on()?;
                 self.walk(placed, i, share, &mut random);
             }
         }
         for _ in 0..SETTLES {
             for &i in &all {
+                go_on()?;
                 // Those at the border of the canvas settle once, at the end: what is seen of them changes.
                 if self.zone(&placed[i]) == 0 {
                     self.settle(placed, i, share, &mut random);
@@ -82,11 +95,14 @@ impl Canvas<'_> {
         }
         let mut sites = self.sites(placed, &all);
         for n in 0..all.len() {
+            go_on()?;
             self.exchange(placed, &mut sites, n, &mut random);
         }
         for &i in &all {
+            go_on()?;
             self.settle(placed, i, share, &mut random);
         }
+        Ok(())
     }
 
     /// Where elements stand that change places.

@@ -81,12 +81,13 @@ fn place_within(
     // Without room for it, what repeats covers what it covers in the exemplar.
     let mut covered: Vec<f64> = library.categories.iter().map(|c| c.coverage).collect();
     if let Some(mut canvas) = Canvas::new(library, params, &known, most) {
-        canvas.stand_all(&placed);
-        advance(progress, "primaries", 1, 2)?;
+        canvas.stand_all(&placed, || advance(progress, "primaries", 0, 2))?;
+        let go_on = || advance(progress, "primaries", 1, 2);
+        go_on()?;
         if variation > 0.0 {
-            canvas.vary(&mut placed, variation, params.seed);
+            canvas.vary(&mut placed, variation, params.seed, go_on)?;
         }
-        covered = canvas.covered(&placed);
+        covered = canvas.covered(&placed, go_on)?;
     } else if variation > 0.0 {
         variation = 0.0;
         progress
@@ -133,8 +134,32 @@ const MOST_PAINTED: f64 = 1e10;
 
 /// Refuses a canvas of too many copies.
 fn check_copies(library: &Library, params: &SynthParams) -> Result<()> {
-    let (period, canvas) = (size_of(library), [params.width, params.height].map(f64::from));
     let tile = [params.tile.x, params.tile.y];
+    let (copies, painted) = copies(library, [params.width, params.height].map(f64::from), tile);
+    if copies <= MOST_COPIES && painted <= MOST_PAINTED {
+        return Ok(());
+    }
+    if self::copies(library, [1.0; 2], [false; 2]).1 > MOST_PAINTED {
+        return Err(Error::Control {
+            name: library.source.file.clone(),
+            role: "a drawing",
+            reason: "its elements are so much larger than its page that their copies cover it without end"
+                .into(),
+            advice: "make its strokes narrower, and leave out what lies far outside the page",
+        });
+    }
+    let (found, limit, unit) = if copies > MOST_COPIES {
+        (copies, MOST_COPIES, "copies of the drawing's elements")
+    } else {
+        (painted / 1e6, MOST_PAINTED / 1e6, "megapixels in all copies of the drawing's elements")
+    };
+    let [found, limit] = [found, limit].map(|count| format!("{count:.0} {unit}"));
+    Err(Error::TooLarge { name: "size".into(), found, limit })
+}
+
+/// Copies of elements on a canvas, and pixels that all of them together may cover.
+fn copies(library: &Library, canvas: [f64; 2], tile: [bool; 2]) -> (f64, f64) {
+    let period = size_of(library);
     let (mut copies, mut painted) = (0.0, 0.0);
     for instance in library.layers.iter().flat_map(|layer| &layer.instances) {
         let element = &library.elements[instance.element.index()];
@@ -150,16 +175,7 @@ fn check_copies(library: &Library, params: &SynthParams) -> Result<()> {
             painted += along(0) * along(1) * side[0].max(1.0) * side[1].max(1.0);
         }
     }
-    if copies <= MOST_COPIES && painted <= MOST_PAINTED {
-        return Ok(());
-    }
-    let (found, limit, unit) = if copies > MOST_COPIES {
-        (copies, MOST_COPIES, "copies of the drawing's elements")
-    } else {
-        (painted / 1e6, MOST_PAINTED / 1e6, "megapixels in all copies of the drawing's elements")
-    };
-    let [found, limit] = [found, limit].map(|count| format!("{count:.0} {unit}"));
-    Err(Error::TooLarge { name: "size".into(), found, limit })
+    (copies, painted)
 }
 
 /// All copies of all elements that reach the canvas and somewhat beyond; along axes that repeat each once.

@@ -47,7 +47,7 @@ fn pixels_of_elements_follow_all_of_a_map() {
     let mut fits = |map: Affine| {
         let p = area(map);
         canvas.write(&p, 1, 0);
-        let covered = canvas.covered(&[p]).iter().sum::<f64>();
+        let covered = canvas.covered(&[p], || Ok(())).unwrap().iter().sum::<f64>();
         canvas.write(&p, 0, 1);
         covered * 320.0 * 320.0
     };
@@ -56,4 +56,24 @@ fn pixels_of_elements_follow_all_of_a_map() {
     let plain = fits(to_middle * home);
     let tall = fits(to_middle * Affine::scale_non_uniform(1.0, 3.0) * home);
     assert!((tall / plain - 3.0).abs() < 0.1, "{plain} {tall}");
+}
+
+#[test]
+fn changing_places_stops_wherever_it_is_asked_to() {
+    let library = drawing();
+    let params = SynthParams { width: 320, height: 320, variation: Some(1.0), ..SynthParams::default() };
+    let free = Known::new(&library).free.iter().filter(|f| **f).count();
+    // Each wanders six times, settles five times, and is exchanged.
+    crate::progress::StopAfter::check(4 * free, |progress| place(&library, &params, progress));
+}
+
+#[test]
+fn a_drawing_of_elements_without_end_is_blamed_itself() {
+    let mut library = drawing();
+    let params = SynthParams { width: 320, height: 320, ..SynthParams::default() };
+    for instance in library.layers.iter_mut().flat_map(|layer| &mut layer.instances) {
+        instance.transform = [3000.0, 0.0, 0.0, 3000.0, 0.0, 0.0];
+    }
+    let error = place(&library, &params, &()).err().unwrap();
+    assert!(matches!(&error, Error::Control { role: "a drawing", .. }), "{error}");
 }

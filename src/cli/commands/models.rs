@@ -4,7 +4,7 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::foreign::escaped;
-use crate::cli::models::{Model, State, Store};
+use crate::cli::models::{DESCRIPTION, Model, State, Store};
 use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::output::{print, print_styled, say};
 use crate::cli::summary::bytes;
@@ -128,6 +128,11 @@ fn verify(common: &Common, store: &Store) -> anyhow::Result<()> {
             state,
         }));
     }
+    all.extend(store.undescribed()?.into_iter().map(|model| Verified {
+        model,
+        file: DESCRIPTION.into(),
+        state: State::Missing,
+    }));
     let bad = all.iter().filter(|v| v.state != State::Good).count();
     if common.json {
         json("models verify", "files", &all)?;

@@ -114,6 +114,10 @@ pub(super) fn of_parser(error: &clap::Error, verb: &Command) -> Fault {
             }),
             None => Fault::new(format!("{plain} = {value} cannot be"), format!("{plain} takes {takes}")),
         },
+        ErrorKind::MissingRequiredArgument if takes.is_empty() => {
+            // One of several: clap names them with bars between.
+            Fault::new(format!("one of {} is missing", plain.replace('|', ", ")), written)
+        }
         ErrorKind::MissingRequiredArgument => Fault::new(format!("{plain} is missing ({takes})"), written),
         ErrorKind::ArgumentConflict => Fault::new(format!("{plain} is given twice"), "give it once"),
         _ => Fault::new("it cannot be understood", written),

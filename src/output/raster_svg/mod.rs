@@ -11,14 +11,11 @@ use super::picture_size;
 use crate::Progress;
 use crate::error::{Error, Result};
 use crate::progress::advance;
-use crate::svg_tree;
+use crate::svg_tree::{self, Fault};
 use pieces::{Pieces, Step};
+use resvg::usvg::Tree;
 use resvg::usvg::roxmltree::Document;
-use resvg::usvg::{Group, Tree};
 use tiny_skia::{BlendMode, Pixmap, PixmapPaint, Transform};
-
-/// Furthest place of a shape, in pixels of the picture: beyond some 10⁹ curves cannot be drawn.
-const FURTHEST: f32 = 1e8;
 
 /// Elements at which patterns and masks within one another are refused.
 const UNFOLDED: u64 = 100_000_000;
@@ -34,7 +31,7 @@ const TOO_SLOW: &str = "its filters or patterns would take more than ten seconds
 /// patterns would take more than some ten seconds; a scale that is not above 0; [`Error::TooLarge`] beyond 2³⁰ pixels
 /// or 1 GiB of text; [`Error::Interrupted`].
 pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress) -> Result<Pixmap> {
-    let fail = |reason: String| Error::Render { name: name.into(), reason };
+    let fail = |fault| failed(name, fault);
     let text = svg_tree::text(bytes, name, fail)?;
     let document = svg_tree::document(&text).map_err(fail)?;
     if let Some(warning) = left_out(&document, name) {
@@ -43,23 +40,23 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
     let pieces = Pieces::new(&text, &document);
     let total = pieces.weight();
     if total < UNFOLDED && pieces.unfolded() >= UNFOLDED {
-        return Err(fail(TOO_SLOW.into()));
+        return Err(Error::Render { name: name.into(), reason: TOO_SLOW.into() });
     }
     let parse = |text: &str| svg_tree::document(text).and_then(|d| svg_tree::tree(&d));
     // Why an SVG of that number of elements cannot be parsed.
-    let refused = |reason: String, elements: u64| {
-        let most = pieces::MOST;
-        fail(if elements <= most {
-            reason
-        } else {
-            format!(
-                "{elements} of its elements, every <use> followed, can only be drawn as a whole; {most} are the most"
-            )
-        })
+    let refused = |fault: Fault, elements: u64| {
+        let most = svg_tree::MOST_ELEMENTS;
+        if elements <= most {
+            return fail(fault);
+        }
+        let reason = format!(
+            "{elements} of its elements, every <use> followed, can only be drawn as a whole; {most} are the most"
+        );
+        Error::Render { name: name.into(), reason }
     };
     if !pieces.several() {
         advance(progress, "drawing", 0, total)?;
-        let tree = svg_tree::tree(&document).map_err(|reason| refused(reason, total))?;
+        let tree = svg_tree::tree(&document).map_err(|fault| refused(fault, total))?;
         let mut canvas = Canvas::new(&tree, scale, name)?;
         canvas.draw(&tree)?;
         return Ok(canvas.picture);
@@ -71,7 +68,7 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
         match step {
             Step::Draw { text, weight } => {
                 done += weight;
-                canvas.draw(&parse(&text).map_err(|reason| refused(reason, weight))?)
+                canvas.draw(&parse(&text).map_err(|fault| refused(fault, weight))?)
             }
             Step::Open => canvas.open(),
             Step::Close(shape) => canvas.close(&parse(&shape).map_err(fail)?),
@@ -79,6 +76,16 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
     })?;
     advance(progress, "drawing", total, total)?;
     Ok(canvas.picture)
+}
+
+/// An SVG that cannot be drawn.
+fn failed(name: &str, fault: Fault) -> Error {
+    let reason = if fault.advice == svg_tree::COMPLETE {
+        fault.reason
+    } else {
+        format!("{}; {}", fault.reason, fault.advice)
+    };
+    Error::Render { name: name.into(), reason }
 }
 
 /// Elements of an SVG once every `<use>` is followed.
@@ -115,13 +122,9 @@ impl<'a> Canvas<'a> {
 
     /// Fails if an SVG cannot be drawn in reasonable time.
     fn check(&self, tree: &Tree) -> Result<()> {
-        let fail = |reason: &str| Error::Render { name: self.name.into(), reason: reason.into() };
         let Transform { sx, sy, .. } = self.transform;
-        if furthest(tree) * sx.max(sy) > FURTHEST {
-            return Err(fail("it has a shape that reaches further than can be drawn"));
-        }
         if !filters::affordable(tree, [sx, sy], [self.picture.width(), self.picture.height()]) {
-            return Err(fail(TOO_SLOW));
+            return Err(Error::Render { name: self.name.into(), reason: TOO_SLOW.into() });
         }
         Ok(())
     }
@@ -129,8 +132,7 @@ impl<'a> Canvas<'a> {
     /// Draws an SVG over what there is.
     fn draw(&mut self, tree: &Tree) -> Result<()> {
         self.check(tree)?;
-        resvg::render(tree, self.transform, &mut self.picture.as_mut());
-        Ok(())
+        svg_tree::draw(tree, self.transform, &mut self.picture).map_err(|fault| failed(self.name, fault))
     }
 
     /// Begins a layer.
@@ -144,7 +146,7 @@ impl<'a> Canvas<'a> {
     fn close(&mut self, shape: &Tree) -> Result<()> {
         self.check(shape)?;
         let mut mask = layer(self.picture.width(), self.picture.height(), self.name)?;
-        resvg::render(shape, self.transform, &mut mask.as_mut());
+        svg_tree::draw(shape, self.transform, &mut mask).map_err(|fault| failed(self.name, fault))?;
         let paint = |blend_mode| PixmapPaint { blend_mode, ..PixmapPaint::default() };
         let still = Transform::identity();
         self.picture.draw_pixmap(0, 0, mask.as_ref(), &paint(BlendMode::DestinationIn), still, None);
@@ -163,20 +165,6 @@ fn layer(width: u32, height: u32, name: &str) -> Result<Pixmap> {
         name: name.into(),
         reason: format!("a picture of {width} x {height} pixels cannot be held in memory"),
     })
-}
-
-/// How far from the origin anything lies, in units of the SVG.
-fn furthest(tree: &Tree) -> f32 {
-    let hidden = (tree.clip_paths().iter().map(|c| c.root()))
-        .chain(tree.masks().iter().map(|m| m.root()))
-        .chain(tree.patterns().iter().map(|p| p.root()));
-    let reach = |group: &Group| {
-        let (own, all) = (group.stroke_bounding_box(), group.abs_stroke_bounding_box());
-        [own.left(), own.top(), own.right(), own.bottom(), all.left(), all.top(), all.right(), all.bottom()]
-            .into_iter()
-            .fold(0.0, |most: f32, v| most.max(v.abs()))
-    };
-    hidden.map(reach).fold(reach(tree.root()), f32::max)
 }
 
 #[cfg(test)]
@@ -278,7 +266,7 @@ mod tests {
             let text = crowd(120_000, clip);
             let document = svg_tree::document(&text).unwrap();
             let pieces = Pieces::new(&text, &document);
-            assert!(pieces.several() && pieces.weight() < pieces::MOST);
+            assert!(pieces.several() && pieces.weight() < svg_tree::MOST_ELEMENTS);
             let (mut drawn, mut layers) = (0, 0);
             let step = &mut |step| -> Result<(), ()> {
                 match step {

@@ -5,18 +5,15 @@
 //! definitions that it refers to. A group that is clipped becomes a layer of its own, so that its edge
 //! is cut once.
 
-use resvg::usvg::roxmltree::{Attribute, Document, Node};
+use crate::svg_tree::{ids, referred, uses, weights};
+use resvg::usvg::roxmltree::{Document, Node};
 use std::collections::{BTreeSet, HashMap};
 
 /// Elements of a piece, with every `<use>` followed: a fifth of what the parser accepts.
 const PIECE: u64 = 200_000;
-/// Elements that the parser accepts.
-pub(super) const MOST: u64 = 1_000_000;
 /// How deep groups are taken apart. What is deeper is drawn as a whole, which the parser refuses where
 /// it is too much.
 const DEEPEST: usize = 32;
-/// How deep references to references are counted.
-const DEPTH: usize = 32;
 
 /// How the shapes of a clip path are painted, whatever is around them.
 const CLIP: &str =
@@ -51,18 +48,8 @@ struct Frame {
 
 impl<'a> Pieces<'a> {
     pub(super) fn new(text: &'a str, document: &'a Document<'a>) -> Self {
-        let mut ids = HashMap::new();
-        for node in document.descendants().filter(Node::is_element) {
-            if let Some(id) = node.attribute("id") {
-                ids.entry(id).or_insert(node);
-            }
-        }
-        let uses = document.descendants().filter(|n| n.tag_name().name() == "use");
-        let link = |node: Node<'_, '_>| {
-            let link = node.attributes().find(|a| a.name() == "href")?.value().strip_prefix('#')?;
-            Some((node.id().get_usize(), ids.get(link)?.id().get_usize()))
-        };
-        let weights = weights(document, &uses.filter_map(link).collect::<Vec<_>>());
+        let ids = ids(document);
+        let weights = weights(document, &uses(document, &ids));
         Self { text, document, ids, weights }
     }
 
@@ -263,46 +250,4 @@ fn is_plain(node: Node<'_, '_>) -> bool {
 /// The ids that an element and all in it refer to, in document order.
 fn references<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = &'a str> {
     node.descendants().flat_map(|n| n.attributes()).flat_map(referred)
-}
-
-/// The ids that an attribute refers to. A style, or a list of filters, may hold several.
-fn referred<'a>(attribute: Attribute<'a, '_>) -> Vec<&'a str> {
-    if attribute.name() == "href" {
-        return attribute.value().trim().strip_prefix('#').into_iter().collect();
-    }
-    let id = |rest: &'a str| {
-        let id = rest.split(')').next()?.trim().trim_matches(['\'', '"']);
-        id.trim().strip_prefix('#')
-    };
-    attribute.value().split("url(").skip(1).filter_map(id).collect()
-}
-
-/// Elements in each node with all links followed, which lead from one node to another by number, in
-/// the order of the nodes.
-fn weights(document: &Document<'_>, links: &[(usize, usize)]) -> Vec<u64> {
-    let nodes: Vec<Node<'_, '_>> = document.descendants().collect();
-    let mut weights = vec![0; nodes.len()];
-    // Each round follows links one level deeper.
-    for _ in 0..DEPTH {
-        let before = weights.clone();
-        weights.fill(0);
-        let mut rest = links;
-        for (i, node) in nodes.iter().enumerate().rev() {
-            weights[i] = u64::from(node.is_element()).saturating_add(weights[i]);
-            while let Some(((from, to), others)) = rest.split_last()
-                && *from == i
-            {
-                weights[i] = weights[i].saturating_add(before[*to]);
-                rest = others;
-            }
-            if let Some(parent) = node.parent() {
-                let parent = parent.id().get_usize();
-                weights[parent] = weights[i].saturating_add(weights[parent]);
-            }
-        }
-        if weights == before {
-            break;
-        }
-    }
-    weights
 }

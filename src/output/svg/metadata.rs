@@ -1,5 +1,6 @@
 //! Metadata of an SVG.
 
+use crate::document::json_in_order;
 use crate::output::categories::SceneCategory;
 use crate::scene::{EditRecord, LibraryRef, Scene, SynthParams, Tile};
 use serde::Serialize;
@@ -50,5 +51,5 @@ pub(super) fn json(
         recipe,
         edits: &scene.edits,
     };
-    serde_json::to_string(&metadata).expect("metadata hold nothing that JSON cannot")
+    json_in_order(serde_json::to_string(&metadata).expect("metadata hold nothing that JSON cannot"))
 }

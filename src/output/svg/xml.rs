@@ -1,5 +1,6 @@
 //! A small streaming XML writer: escapes, closes what was opened, counts elements and bytes.
 
+use crate::document::turns_text;
 use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
 
@@ -135,7 +136,7 @@ impl<W: Write> Xml<W> {
     /// Escapes the end of the buffer. What XML 1.0 cannot hold becomes U+FFFD.
     fn escape_from(&mut self, start: usize) {
         let plain = |c: char| matches!(c, ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..);
-        let special = |c: char| matches!(c, '&' | '<' | '>' | '"') || !plain(c);
+        let special = |c: char| matches!(c, '&' | '<' | '>' | '"') || turns_text(c) || !plain(c);
         if !self.buffer[start..].contains(special) {
             return;
         }
@@ -147,6 +148,9 @@ impl<W: Write> Xml<W> {
                 '"' => self.buffer.push_str("&quot;"),
                 '\n' | '\r' | '\t' => {
                     let _ = write!(self.buffer, "&#{};", u32::from(c));
+                }
+                c if turns_text(c) => {
+                    let _ = write!(self.buffer, "&#x{:x};", u32::from(c));
                 }
                 c if plain(c) => self.buffer.push(c),
                 _ => self.buffer.push('\u{fffd}'),
@@ -162,7 +166,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_text_comes_back(text in "\\PC*|[&<>\"'\n\t \\]]*") {
+        fn any_text_comes_back(text in "\\PC*|[&<>\"'\n\t \u{202a}-\u{202e}\u{2066}\\]]*") {
             let mut bytes = Vec::new();
             let mut xml = Xml::new(&mut bytes, "");
             xml.open("a");
@@ -172,6 +176,7 @@ mod tests {
             let (length, elements, _) = xml.finish().unwrap();
             prop_assert_eq!((length, elements), (bytes.len() as u64, 2));
             let source = String::from_utf8(bytes).unwrap();
+            prop_assert!(!source.contains(turns_text));
             let document = roxmltree::Document::parse(&source).unwrap();
             let root = document.root_element();
             let possible = text.replace(['\u{fffe}', '\u{ffff}'], "\u{fffd}");

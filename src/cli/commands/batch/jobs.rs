@@ -7,6 +7,7 @@ use crate::cli::format::stem;
 use crate::cli::input::read_text;
 use crate::cli::options::analyze::SegmenterName;
 use crate::cli::options::masks::MasksFrom;
+use crate::cli::values::is_device;
 use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -151,7 +152,8 @@ fn check_name(name: &str, place: &str) -> Result<(), Failure> {
     let plain = !name.is_empty()
         && !name.starts_with('.')
         && !name.contains(['/', '\\', ':'])
-        && !name.contains(char::is_control);
+        && !name.contains(char::is_control)
+        && !is_device(name);
     if plain {
         return Ok(());
     }

@@ -1,12 +1,14 @@
 //! The record of a batch, a line of JSON for each job, so that it can go on where it ended.
 
 use super::values::Shard;
+use crate::cli::interrupt::Passing;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 use vtex::{Error, Result};
 
 /// How a job ended.
@@ -48,6 +50,9 @@ pub(crate) struct Record {
     pub(crate) error: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) hint: Option<String>,
+    /// Whether it failed because the program ended while it did it, now or in an earlier run.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) died: bool,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) warnings: Vec<String>,
 }
@@ -80,6 +85,22 @@ pub(crate) struct Records {
     path: PathBuf,
     /// The records of jobs that were done, by job and key; several where one was done again.
     done: BTreeMap<String, Vec<Record>>,
+    /// The jobs and keys at which the program ended, as the last that is known of them.
+    died: BTreeSet<String>,
+}
+
+/// A job and its key, by which its records are found.
+fn both(job: &str, key: &str) -> String {
+    format!("{job}\n{key}")
+}
+
+/// Beginning and end of the name of a file that names the job that a process does.
+const MARKER: [&str; 2] = [".batch-", ".running"];
+
+/// Names the job that this process does, in a file that is locked. If the process dies, the file stays.
+pub(crate) struct Running {
+    _file: NamedTempFile,
+    _passing: Passing,
 }
 
 impl Records {
@@ -104,17 +125,69 @@ impl Records {
         }
         files.sort();
         let mut done: BTreeMap<String, Vec<Record>> = BTreeMap::new();
+        let mut died = BTreeSet::new();
         for path in files {
             let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
             for line in bytes.split(|b| *b == b'\n') {
-                if let Ok(record) = serde_json::from_slice::<Record>(line)
-                    && record.status == Status::Done
-                {
-                    done.entry(format!("{}\n{}", record.job, record.key)).or_default().push(record);
+                let Ok(record) = serde_json::from_slice::<Record>(line) else { continue };
+                let both = both(&record.job, &record.key);
+                if record.died {
+                    died.insert(both);
+                } else if record.status == Status::Done {
+                    died.remove(&both);
+                    done.entry(both).or_default().push(record);
                 }
             }
         }
-        Ok(Self { folder: folder.to_owned(), path: folder.join(name), done })
+        let records = Self { folder: folder.to_owned(), path: folder.join(name), done, died };
+        records.with_dead()
+    }
+
+    /// Notes the jobs of processes that died.
+    fn with_dead(mut self) -> Result<Self> {
+        for path in markers(&self.folder)? {
+            // Whoever still does the job has locked it.
+            let Ok(file) = File::open(&path) else { continue };
+            if file.try_lock().is_err() {
+                continue;
+            }
+            let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
+            if let Ok(record) = serde_json::from_slice::<Record>(&bytes) {
+                self.died.insert(both(&record.job, &record.key));
+                self.add(&record)?;
+            }
+            fs::remove_file(&path).map_err(|e| Error::write(&path, e))?;
+        }
+        Ok(self)
+    }
+
+    /// Whether the program ended while it did a job, and has not done it since.
+    pub(crate) fn died(&self, job: &str, key: &str) -> bool {
+        self.died.contains(&both(job, key))
+    }
+
+    /// Names a job as the one that is done, as long as the result is kept.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub(crate) fn begin(&self, record: &Record) -> Result<Running> {
+        let fail = |e: std::io::Error| Error::write(&self.folder, e.kind().into());
+        let record = Record {
+            status: Status::Failed,
+            died: true,
+            error: Some("the program ended while it did this job".into()),
+            ..record.clone()
+        };
+        let mut file = tempfile::Builder::new()
+            .prefix(MARKER[0])
+            .suffix(MARKER[1])
+            .tempfile_in(&self.folder)
+            .map_err(fail)?;
+        // Where there are no locks, nobody takes the job for one that died.
+        let _ = file.as_file().lock();
+        file.write_all(&serde_json::to_vec(&record).map_err(|e| fail(e.into()))?).map_err(fail)?;
+        let passing = Passing::new(file.path());
+        Ok(Running { _file: file, _passing: passing })
     }
 
     /// The record of a job that was done from the same, whose results are still there as they were
@@ -125,7 +198,7 @@ impl Records {
             same_size && Written::of(&self.folder, &w.file).is_ok_and(|found| found == *w)
         };
         let wanted = |r: &Record| files.iter().all(|file| r.outputs.iter().any(|w| w.file == *file));
-        let known = self.done.get(&format!("{job}\n{key}"))?;
+        let known = self.done.get(&both(job, key))?;
         known.iter().find(|record| wanted(record) && record.outputs.iter().all(is_there))
     }
 
@@ -149,6 +222,20 @@ impl Records {
         }
         file.write_all(&line).and_then(|()| file.sync_data()).map_err(fail)
     }
+}
+
+/// The files in a folder that name the job of a process.
+fn markers(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(|e| Error::read(folder, e))? {
+        let path = entry.map_err(|e| Error::read(folder, e))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with(MARKER[0]) && name.ends_with(MARKER[1]) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
 }
 
 /// SHA-256 of something as JSON, in hexadecimal.
@@ -180,6 +267,7 @@ mod tests {
             seconds: 1.5,
             error: None,
             hint: None,
+            died: false,
             warnings: Vec::new(),
         }
     }
@@ -202,6 +290,24 @@ mod tests {
         assert!(!known("k", &["a.svg"]));
         fs::remove_file(&file).unwrap();
         assert!(!known("k", &["a.svg"]));
+    }
+
+    #[test]
+    fn the_job_of_a_process_that_died_is_known_until_it_is_done() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = || Records::open(folder.path(), Shard::WHOLE).unwrap();
+        let job = record("a", "k", Vec::new());
+        let running = open().begin(&job).unwrap();
+        assert!(!open().died("a", "k"), "the process lives");
+        drop(running);
+        assert!(!open().died("a", "k") && markers(folder.path()).unwrap().is_empty());
+        // As a process leaves it that dies: nobody has locked it.
+        let line = serde_json::to_vec(&Record { status: Status::Failed, died: true, ..job.clone() }).unwrap();
+        fs::write(folder.path().join(".batch-0aB9zZ.running"), line).unwrap();
+        assert!(open().died("a", "k") && markers(folder.path()).unwrap().is_empty());
+        assert!(open().died("a", "k") && !open().died("a", "other") && !open().died("b", "k"));
+        open().add(&job).unwrap();
+        assert!(!open().died("a", "k"));
     }
 
     #[test]

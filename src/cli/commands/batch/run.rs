@@ -17,6 +17,7 @@ use crate::cli::options::layers::LayerFiles;
 use crate::cli::options::render::RenderParameters;
 use crate::cli::options::svg::SvgParameters;
 use crate::cli::output::{Drawing, Place, Target, say};
+use crate::cli::panics::guarded;
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::recipe;
@@ -26,7 +27,6 @@ use serde::Serialize;
 use serde_json::Value;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 use vtex::library::{AnalyzeParams, Library};
 use vtex::output::file::Format;
@@ -154,8 +154,10 @@ fn one(
         seconds: 0.0,
         error: None,
         hint: None,
+        died: false,
         warnings: Vec::new(),
     };
+    // A defect of the program in one job must not be the end of the others.
     let done = guarded(|| Run::new(common, batch, job, finders)?.complete(&mut record, records));
     if let Err(error) = done {
         let (message, hint, exit) = explain(&error);
@@ -167,16 +169,6 @@ fn one(
     }
     record.seconds = thousandths(began.elapsed().as_secs_f64());
     Some(record)
-}
-
-/// A defect of the program in one job must not be the end of the others.
-fn guarded<T>(work: impl FnOnce() -> anyhow::Result<T>) -> anyhow::Result<T> {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-        let said = panic.downcast_ref::<String>().map(String::as_str);
-        let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
-        let failure = Failure::failed(format!("a defect of this program: {said}"));
-        Err(failure.hint("please report it, with the input if you can").into())
-    })
 }
 
 impl<'a> Run<'a> {
@@ -216,6 +208,13 @@ impl<'a> Run<'a> {
             *record = Record { status: Status::Skipped, input: record.input.clone(), ..known.clone() };
             return Ok(());
         }
+        if !self.batch.force && records.died(&record.job, &record.key) {
+            record.died = true;
+            let failure = Failure::failed("the program ended while it did this job, so it is left out");
+            let hint = "give another input or other parameters, or --force to try it again; please report it";
+            return Err(failure.hint(hint).into());
+        }
+        let _running = records.begin(record)?;
         let reporter = Reporter::new(&self.common)?;
         let outcome = self.make(&reporter, is_library).and_then(|made| {
             reporter.stage("writing")?;
@@ -321,19 +320,5 @@ impl Made {
             }
         };
         Ok(written.warnings)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_panic_becomes_an_error() {
-        let error = guarded::<()>(|| panic!("number {}", 7)).unwrap_err();
-        let (message, hint, exit) = explain(&error);
-        assert_eq!((message.as_str(), exit), ("a defect of this program: number 7", Exit::Failed));
-        assert!(hint.unwrap().contains("report"));
-        assert_eq!(guarded(|| Ok(3)).unwrap(), 3);
     }
 }

@@ -108,7 +108,8 @@ impl Sam {
         };
         let (Some((encoder, encoding)), Some((decoder, decoding))) = (encoder, decoder) else {
             let part = if titles.iter().any(|t| t.contains("is an encoder")) { "decoder" } else { "encoder" };
-            return Err(wrong(format!("the {part} is missing ({})", titles.join(", "))));
+            let given = if titles.is_empty() { "no network is given".into() } else { titles.join(", ") };
+            return Err(wrong(format!("the {part} is missing ({given})")));
         };
         if encoder.family != decoder.family {
             return Err(wrong(format!("the files do not go together: {}", titles.join(", "))));
