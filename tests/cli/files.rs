@@ -381,7 +381,7 @@ fn a_texture_is_made_again_from_what_it_says() {
     let ramp = image::GrayImage::from_fn(64, 4, |x, _| image::Luma([4 * x as u8]));
     folder.write("ramp.png", super::support::encode(&ramp.into(), image::ImageFormat::Png));
     let analysis = "--detail-scale 20 --fidelity 0.8 --segmenter regions --categories 3";
-    let synthesis = "--size 90x60 --rotate 15 --precision 2 --expand --density ramp.png --tile x";
+    let synthesis = "--size 93x60 --rotate 15 --precision 2 --expand --density ramp.png --tile x";
     folder.run(&format!("texture photo.png {analysis} {synthesis} -o a.svg")).succeeds();
     folder.run("texture photo.png --again a.svg -o b.svg").succeeds();
     assert_eq!(folder.read("a.svg"), folder.read("b.svg"));
@@ -389,8 +389,8 @@ fn a_texture_is_made_again_from_what_it_says() {
     assert_eq!(unpack(&folder.path("c.svgz")), folder.read("a.svg"));
     folder.run("texture photo.png --again c.svgz -o d.svg --max-bytes 1MB").succeeds();
     // What else is said wins.
-    let run = folder.run("texture photo.png --again a.svg -o e.svg --size 40 --json").succeeds();
-    assert_eq!(run.json()["size"], serde_json::json!([40, 40]));
+    let run = folder.run("texture photo.png --again a.svg -o e.svg --size 63 --json").succeeds();
+    assert_eq!(run.json()["size"], serde_json::json!([63, 63]));
     // Other files are not taken for those of then.
     let turned = image::load_from_memory(&photo()).unwrap().rotate90();
     folder.write("other.png", super::support::encode(&turned, image::ImageFormat::Png));

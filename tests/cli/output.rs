@@ -134,14 +134,14 @@ fn inspect_tells_the_same_to_people_and_programs() {
 #[test]
 fn a_pattern_is_written_beside_the_result() {
     let folder = Folder::with_library();
-    let run = folder.run("synth photo.lib.json --size 60 --tile both --pattern p.svg -o a.scene.json --json");
+    let run = folder.run("synth photo.lib.json --size 63 --tile both --pattern p.svg -o a.scene.json --json");
     assert_eq!(run.succeeds().json()["pattern"], "p.svg");
     folder.run("render a.scene.json -o a.png --pattern p.svgz").succeeds();
     let mut unpacked = String::new();
     flate2::read::GzDecoder::new(&folder.read("p.svgz")[..]).read_to_string(&mut unpacked).unwrap();
     assert_eq!(unpacked.as_bytes(), folder.read("p.svg"));
     assert!(unpacked.contains("<pattern id=\"texture\""));
-    folder.run("synth photo.lib.json --size 60 --tile x -o b.scene.json").succeeds();
+    folder.run("synth photo.lib.json --size 63 --tile x -o b.scene.json").succeeds();
     folder.run("render b.scene.json --pattern b.svg").fails(1, "--tile");
     folder.run("synth photo.lib.json --size 60 -o c.svg").succeeds();
     folder.run("render c.svg --pattern d.svg").fails(2, "needs a scene");
@@ -173,7 +173,7 @@ fn pdf_is_written_by_every_command_that_writes_a_scene() {
 #[test]
 fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     let folder = Folder::with_library();
-    folder.run("synth photo.lib.json --size 150 --seed 1 --tile -o a.scene.json").succeeds();
+    folder.run("synth photo.lib.json --size 157 --seed 1 --tile -o a.scene.json").succeeds();
     let fine = "render a.scene.json --precision 2";
     let whole = folder.run(&format!("{fine} -o a.svg --pattern b.svg --json")).succeeds().json();
     assert!(whole.get("given_up").is_none());
@@ -217,7 +217,7 @@ fn axes_may_follow_after_a_space() {
         ("--tile=y", false, true),
         ("--tile none", false, false),
     ] {
-        folder.run(&format!("synth {arguments} photo.lib.json --size 50 -o a.scene.json")).succeeds();
+        folder.run(&format!("synth {arguments} photo.lib.json --size 63 -o a.scene.json")).succeeds();
         let scene: serde_json::Value = serde_json::from_slice(&folder.read("a.scene.json")).unwrap();
         assert_eq!(scene["tile"], serde_json::json!({ "x": x, "y": y }), "{arguments}");
     }
@@ -322,4 +322,18 @@ fn sizes_may_have_units() {
     folder.run(&format!("{synth} --size 9kg")).fails(2, "expected 1000 or 1000x600");
     folder.run(&format!("{synth} --size 100mm --dpi 0")).fails(2, "1 to 9600");
     folder.run(&format!("{synth} --size 900m")).fails(2, "size");
+}
+
+#[test]
+fn a_tile_that_holds_no_whole_periods_names_the_size_that_does() {
+    let folder = Folder::with_library();
+    let told = folder.run("inspect photo.lib.json").succeeds().text().to_owned();
+    assert!(told.contains("lattice of"), "{told}");
+    let run =
+        folder.run("synth photo.lib.json --size 50 --tile -o a.svg").fails(1, "whole periods of its lattice");
+    let size = run.stderr.split("give --size ").nth(1).and_then(|rest| rest.split(',').next()).unwrap();
+    folder.run(&format!("synth photo.lib.json --size {size} --tile -o a.svg")).succeeds();
+    folder.run("synth photo.lib.json --size 50 --tile --lattice off -o b.svg").succeeds();
+    folder.run("synth photo.lib.json --size 50 --lattice 12 -o c.svg").fails(2, "one or two vectors");
+    folder.run("synth photo.lib.json --size 50 --lattice 9,0,18,0 -o c.svg").fails(2, "different directions");
 }
