@@ -231,6 +231,19 @@ impl Mask {
         count as u32
     }
 
+    /// The pixels in both sets.
+    pub(crate) fn intersection(&self, other: &Self) -> Self {
+        let (mut i, mut j, mut spans) = (0, 0, Vec::new());
+        while let (Some(a), Some(b)) = (self.spans.get(i), other.spans.get(j)) {
+            let (x0, x1) = (a.x0.max(b.x0), a.x1.min(b.x1));
+            if a.y == b.y && x0 < x1 {
+                spans.push(Span { y: a.y, x0, x1 });
+            }
+            if (a.y, a.x1) <= (b.y, b.x1) { i += 1 } else { j += 1 }
+        }
+        Self { spans }
+    }
+
     /// All pixels, row by row, as (x, y).
     pub fn pixels(&self) -> impl Iterator<Item = (i32, i32)> + '_ {
         self.spans.iter().flat_map(|s| (s.x0..s.x1).map(move |x| (x, s.y)))

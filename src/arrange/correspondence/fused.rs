@@ -7,7 +7,7 @@
 use super::instances::{Instance, Part};
 use crate::arrange::model::Model;
 use crate::element::Gradient;
-use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
+use crate::geometry::{Affine, FittedMap, Outline, PlanarMap, Point, Region, Scale};
 use crate::library::{self, Library};
 use crate::raster::colour::Colour;
 use crate::raster::{LabelMap, Mask, Span};
@@ -61,7 +61,7 @@ pub(super) fn fused(
         // A part of another colour, such as the heart of a flower, keeps its own paint.
         if k > 0 && apart(placed.primary.base(), parts[0].primary.base()) > ONE_PAINT {
             let label = details.joined(placed, placed.primary.base());
-            fill(&mut labels, own.pixels(), label);
+            fill(&mut labels, &own, label);
         }
         if mask.area() >= DETAILED {
             let Some((x0, y0, x1, y1)) = own.bounds() else { continue };
@@ -74,12 +74,12 @@ pub(super) fn fused(
                 }
                 let Some(outline) = Outline::new(&(to_map * detail.outline.path())) else { continue };
                 let inside = pixels::mask(&outline);
-                let shown: Vec<(i32, i32)> = both(&inside, &own);
+                let shown = inside.intersection(&own);
                 if shown.is_empty() {
                     continue;
                 }
                 let label = details.joined(placed, detail);
-                fill(&mut labels, shown, label);
+                fill(&mut labels, &shown, label);
             }
         }
     }
@@ -188,29 +188,34 @@ impl<'a> Placed<'a> {
         to_map: Affine,
         is_free: impl Fn([i32; 2]) -> bool,
     ) {
+        let mut rim = Vec::new();
+        self.mask.for_cracks(|[x, y], [dx, dy], _| {
+            let beyond = [x + dx, y + dy];
+            if !whole.contains(beyond[0], beyond[1]) && is_free(beyond) {
+                rim.push(([x, y], beyond));
+            }
+        });
+        if rim.is_empty() {
+            return;
+        }
         let Some(outline) = Outline::new(&(to_map * self.to_place * self.primary.outline().path())) else {
             return;
         };
-        let inside = pixels::mask(&outline);
+        let inside = Region::new(&outline);
         let mut set = |[x, y]: [i32; 2], within: bool| {
-            for v in 0..FINE {
-                for u in 0..FINE {
-                    let [cx, cy] = [(x - corner[0]) * FINE + u, (y - corner[1]) * FINE + v];
-                    if inside.contains(cx, cy) != within {
-                        labels.set(cx as u32, cy as u32, u32::from(!within));
-                    }
+            for (u, v) in (0..FINE).flat_map(|v| (0..FINE).map(move |u| (u, v))) {
+                let [cx, cy] = [(x - corner[0]) * FINE + u, (y - corner[1]) * FINE + v];
+                let middle = Point::new(f64::from(cx) + 0.5, f64::from(cy) + 0.5);
+                if inside.contains(middle) != within {
+                    labels.set(cx as u32, cy as u32, u32::from(!within));
                 }
             }
         };
-        self.mask.for_cracks(|[x, y], [dx, dy], _| {
-            let beyond = [x + dx, y + dy];
-            if whole.contains(beyond[0], beyond[1]) || !is_free(beyond) {
-                return;
-            }
+        for (pixel, beyond) in rim {
             // Of the pixel within, only what the outline holds; of that beyond, what it holds too.
-            set([x, y], true);
+            set(pixel, true);
             set(beyond, false);
-        });
+        }
     }
 }
 
@@ -221,12 +226,11 @@ fn apart(a: &Shape, b: &Shape) -> f32 {
 }
 
 /// Labels cells of the whole.
-fn fill(labels: &mut LabelMap, cells: impl IntoIterator<Item = (i32, i32)>, label: u32) {
-    for (x, y) in cells {
-        let i = labels.index(x as u32, y as u32);
-        if labels.labels[i] > 0 {
-            labels.labels[i] = label;
-        }
+fn fill(labels: &mut LabelMap, cells: &Mask, label: u32) {
+    for span in cells.spans() {
+        let start = labels.index(span.x0 as u32, span.y as u32);
+        let row = &mut labels.labels[start..start + span.len() as usize];
+        row.iter_mut().filter(|own| **own > 0).for_each(|own| *own = label);
     }
 }
 
@@ -235,11 +239,6 @@ fn on_map(mask: &Mask, corner: [i32; 2]) -> Mask {
     let at = |v: i32, k: usize| (v - corner[k]) * FINE;
     let rows = |s: Span| (0..FINE).map(move |v| Span { y: at(s.y, 1) + v, x0: at(s.x0, 0), x1: at(s.x1, 0) });
     Mask::from_spans(mask.spans().iter().copied().flat_map(rows).collect())
-}
-
-/// The pixels of two masks that both have.
-fn both(a: &Mask, b: &Mask) -> Vec<(i32, i32)> {
-    a.pixels().filter(|&(x, y)| b.contains(x, y)).collect()
 }
 
 /// The shape beneath all: the paint of the part that has most of the whole, or a gradient from the largest

@@ -99,9 +99,10 @@ impl<'a> Resolver<'a> {
         let between = |[loose, packed]: [f64; 2]| loose + self.packings[element.library] * (packed - loose);
         let clipped = element.clipped && !instance.cut;
         let mask = &self.model.shape(main.variant).mask;
-        let (union, covered) = self.fit(instance, mask, main.at);
-        if !clipped && union >= between(WHOLE) && covered >= between(COVERED) && allowed(mask, main.at) {
-            return Outcome::Whole(vec![(main.variant, main.at)]);
+        let at = self.best_place(instance, mask, main.at);
+        let (union, covered) = self.fit(instance, mask, at);
+        if !clipped && union >= between(WHOLE) && covered >= between(COVERED) && allowed(mask, at) {
+            return Outcome::Whole(vec![(main.variant, at)]);
         }
         if !instance.cut
             && let Some((variant, at)) = self.like(instance)
@@ -172,6 +173,17 @@ impl<'a> Resolver<'a> {
         let sheet = &self.field.pages.sheets[page];
         let place = sheet.exemplar(self.model, there)?;
         self.colours[sheet.library].as_ref().map(|colours| colours.at(place))
+    }
+
+    /// Where the main element fits an instance best: where its largest part says, or middle on middle.
+    fn best_place(&self, instance: &Instance, mask: &Mask, at: [i32; 2]) -> [i32; 2] {
+        if instance.cut || instance.parts.len() == 1 {
+            return at;
+        }
+        let (Some((x, y)), Some((u, v))) = (instance.mask.centroid(), mask.centroid()) else { return at };
+        let middle = [x - u, y - v].map(|v| libm::round(v) as i32);
+        let union = |at: [i32; 2]| self.fit(instance, mask, at).0;
+        if union(middle) > union(at) { middle } else { at }
     }
 
     /// Overlap over union of an instance and a mask at a place, and the share of the instance that it covers.
