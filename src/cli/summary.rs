@@ -404,9 +404,10 @@ fn missing(given_up: &GivenUp) -> String {
 /// A lattice, in a line.
 pub(crate) fn regular(lattice: &Lattice) -> String {
     let vectors: Vec<String> = lattice.vectors.iter().map(|[x, y]| format!("({x:.1}, {y:.1})")).collect();
+    let kept = if lattice.is_kept() { "" } else { ": too weak to be kept to unasked" };
     let kind = if vectors.len() == 1 { "rows" } else { "lattice" };
     format!(
-        "{kind} of {} px, strength {:.2}, stray {:.1} px",
+        "{kind} of {} px, strength {:.2}, stray {:.1} px{kept}",
         vectors.join(" and "),
         lattice.strength,
         lattice.stray

@@ -21,6 +21,9 @@ const MOST_STRETCH: f64 = 0.03;
 const PROPOSED_STRETCH: f64 = 0.027;
 /// Least angle between two vectors: its sine.
 const LEAST_SINE: f64 = 0.2;
+/// Least strength of a lattice that textures keep to unasked: elements of a weaker one stray so much that seams
+/// fit better without it.
+const KEPT: f64 = 0.3;
 /// Shortest vector, in pixels.
 const SHORTEST: f64 = 4.0;
 
@@ -52,6 +55,11 @@ impl Lattice {
                 allowed: "one or two vectors of at least 4 pixels, in different directions",
             }),
         }
+    }
+
+    /// Whether textures keep to it unasked: not if its strength is below 0.3.
+    pub fn is_kept(&self) -> bool {
+        self.strength >= KEPT
     }
 
     /// Why the lattice is invalid; `None` if it is valid.

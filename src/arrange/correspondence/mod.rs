@@ -43,6 +43,9 @@ use serde::Serialize;
 /// Cells beyond the borders of the canvas, where it does not repeat.
 const MARGIN: i32 = 6;
 
+/// Largest stray of a lattice onto which elements are moved in a packed exemplar, in pixels.
+const MOST_STRAY: f64 = 1.0;
+
 /// What came along a field of correspondences. Shares are of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Structure {
@@ -151,6 +154,7 @@ impl Correspondence {
         step(2)?;
         let outcomes = parallel::map(&instances, |instance| resolver.resolve(instance, allowed));
         step(3)?;
+        let packed: Vec<bool> = (0..libraries.len()).map(|library| resolver.is_packed(library)).collect();
         let mut cover = Cover::new(grid, &instances);
         let mut structure =
             Structure { islands: Islands::new(&self.field).sizes.len(), ..Structure::default() };
@@ -173,9 +177,10 @@ impl Correspondence {
                 }
                 Outcome::Nothing => Vec::new(),
             };
+            let library = model.element(instance.main().variant).library;
             for (variant, at) in standing {
                 cover.take(&model.shape(variant).mask, at);
-                elements.push((variant, self.on_lattice(model, grid, variant, at)));
+                elements.push((variant, self.on_lattice(model, grid, packed[library], (variant, at))));
             }
         }
         (structure.wanted, structure.empty, structure.unwanted) = cover.shares();
@@ -187,10 +192,19 @@ impl Correspondence {
     }
 
     /// The place of a variant, moved to where its offset from the exemplar is a vector of the lattice, if
-    /// there is one.
-    fn on_lattice(&self, model: &Model, grid: &Grid, variant: VariantId, at: [i32; 2]) -> [i32; 2] {
+    /// there is one. Not in a packed exemplar whose elements stray: joints would open.
+    fn on_lattice(
+        &self,
+        model: &Model,
+        grid: &Grid,
+        packed: bool,
+        (variant, at): (VariantId, [i32; 2]),
+    ) -> [i32; 2] {
         let element = model.element(variant);
         let Some((lattice, canvas)) = &self.lattices[element.library] else { return at };
+        if lattice.stray > MOST_STRAY && packed {
+            return at;
+        }
         let place = [0, 1].map(|k| f64::from(at[k] - grid.margin[k]));
         let way = lattice.residual(canvas, element.origin.map(f64::from), place);
         [0, 1].map(|k| at[k] + libm::round(way[k]) as i32)
@@ -290,7 +304,7 @@ fn vary(
 fn lattices(libraries: &[Library], params: &SynthParams) -> Result<Vec<Option<(Lattice, Phases)>>> {
     let of = |library: &Library| {
         let lattice = match &params.lattice {
-            LatticeChoice::Auto => library.lattice.clone(),
+            LatticeChoice::Auto => library.lattice.clone().filter(Lattice::is_kept),
             LatticeChoice::Off => None,
             LatticeChoice::Vectors(vectors) => Some(Lattice::new(vectors)?),
         };

@@ -92,6 +92,11 @@ impl<'a> Resolver<'a> {
         Self { libraries, model, grid, alike, likeness, colours, field, packings, known, wanted }
     }
 
+    /// Whether the exemplar of a library counts as packed.
+    pub(super) fn is_packed(&self, library: usize) -> bool {
+        self.packings[library] >= PACKED
+    }
+
     /// What an instance becomes. `allowed` says where a variant may stand at all.
     pub(super) fn resolve(&self, instance: &Instance, allowed: impl Fn(&Mask, [i32; 2]) -> bool) -> Outcome {
         let main = instance.main();
@@ -114,7 +119,7 @@ impl<'a> Resolver<'a> {
         if self.libraries[element.library].source.kind == SourceKind::Drawing {
             return if clipped { Outcome::Nothing } else { Outcome::Whole(vec![(main.variant, main.at)]) };
         }
-        if self.packings[element.library] < PACKED
+        if !self.is_packed(element.library)
             && !instance.cut
             && instance.mask.area() >= LOOKED_AT
             && let Some(outcome) = self.unlike(instance, &allowed)
