@@ -46,6 +46,9 @@ const MARGIN: i32 = 6;
 /// Largest stray of a lattice onto which elements are moved in a packed exemplar, in pixels.
 const MOST_STRAY: f64 = 1.0;
 
+/// Farthest that an element is moved onto a lattice, in cells: offsets may miss by a cell and a half.
+const MOST_MOVED: f64 = 2.0;
+
 /// What came along a field of correspondences. Shares are of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Structure {
@@ -207,6 +210,10 @@ impl Correspondence {
         }
         let place = [0, 1].map(|k| f64::from(at[k] - grid.margin[k]));
         let way = lattice.residual(canvas, element.origin.map(f64::from), place);
+        // An element in place of another may have another phase; it stays where it is.
+        if libm::hypot(way[0], way[1]) > MOST_MOVED * f64::from(self.pages.cell) {
+            return at;
+        }
         [0, 1].map(|k| at[k] + libm::round(way[k]) as i32)
     }
 
