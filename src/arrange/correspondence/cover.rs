@@ -28,6 +28,11 @@ impl<'g> Cover<'g> {
         self.mark(mask, at, TAKEN);
     }
 
+    /// Whether a pixel wants a primary.
+    pub(super) fn is_wanted(&self, at: [i32; 2]) -> bool {
+        self.grid.cell(at).is_some_and(|i| self.pixels[i] & WANTED != 0)
+    }
+
     fn mark(&mut self, mask: &Mask, at: [i32; 2], flag: u8) {
         for cells in mask.spans().iter().flat_map(|&span| self.grid.cells(span, at)) {
             self.pixels[cells].iter_mut().for_each(|pixel| *pixel |= flag);

@@ -149,7 +149,8 @@ impl Correspondence {
         let instances = instances::find(self, model, grid, &kinds);
         step(1)?;
         let alike = Alike::new(libraries, model);
-        let resolver = Resolver::new(self, libraries, model, grid, (&alike, &kinds.strata), &instances);
+        let mut cover = Cover::new(grid, &instances);
+        let resolver = Resolver::new(self, libraries, model, grid, (&alike, &kinds.strata), &cover);
         let allowed = |mask: &Mask, at: [i32; 2]| {
             let middle = mask.centroid().map_or(at, |(x, y)| [at[0] + x as i32, at[1] + y as i32]);
             stands(grid, region, mask, at, middle)
@@ -158,7 +159,6 @@ impl Correspondence {
         let outcomes = parallel::map(&instances, |instance| resolver.resolve(instance, allowed));
         step(3)?;
         let packed: Vec<bool> = (0..libraries.len()).map(|library| resolver.is_packed(library)).collect();
-        let mut cover = Cover::new(grid, &instances);
         let mut structure =
             Structure { islands: Islands::new(&self.field).sizes.len(), ..Structure::default() };
         let mut elements = Vec::with_capacity(instances.len());

@@ -2,6 +2,7 @@
 
 use super::Correspondence;
 use super::alike::Alike;
+use super::cover::Cover;
 use super::fused::fused;
 use super::instances::Instance;
 use super::likeness::{Colours, Likeness, Look};
@@ -33,8 +34,10 @@ const TILED: [f64; 2] = [0.4, 0.6];
 const PACKED: f64 = 0.65;
 /// Fewest pixels of an instance that has to look like an element.
 const LOOKED_AT: u32 = 60;
-/// Least share of an element that has come, where several stand in place of one instance,
-const CAME: f64 = 0.5;
+/// Where several elements stand in place of one instance: least share of each that lies on the instance,
+const WITHIN: f64 = 0.5;
+/// least share of it that has come,
+const CAME: f64 = 0.4;
 /// and most of it that may lie on those that stand there already.
 const ON_OTHERS: f64 = 0.35;
 /// Least overlap over union of an instance and an element that looks like it.
@@ -58,15 +61,15 @@ pub(super) struct Resolver<'a> {
     model: &'a Model,
     grid: &'a Grid,
     alike: &'a Alike,
-    likeness: Likeness,
+    /// Looks of elements, unless every exemplar is packed.
+    likeness: Option<Likeness>,
     colours: Vec<Option<Colours<'a>>>,
     field: &'a Correspondence,
     /// How packed each exemplar is, 0 to 1.
     packings: Vec<f64>,
     /// The part of the map that the field knows.
     known: [[i32; 2]; 2],
-    /// Whether an instance lies on a pixel of the map.
-    wanted: Vec<bool>,
+    cover: &'a Cover<'a>,
 }
 
 impl<'a> Resolver<'a> {
@@ -77,19 +80,16 @@ impl<'a> Resolver<'a> {
         model: &'a Model,
         grid: &'a Grid,
         (alike, strata): (&'a Alike, &[u8]),
-        instances: &[Instance],
+        cover: &'a Cover<'a>,
     ) -> Self {
         let labels = &field.pages.labels;
-        let packings =
+        let packings: Vec<f64> =
             libraries.iter().zip(labels).map(|(library, labels)| packing(library, labels)).collect();
-        let mut wanted = vec![false; grid.len()];
-        for span in instances.iter().flat_map(|i| i.mask.spans()) {
-            grid.cells(*span, [0, 0]).for_each(|cells| wanted[cells].fill(true));
-        }
-        let likeness = Likeness::new(libraries, labels, model, strata);
+        let apart = packings.iter().any(|packing| *packing < PACKED);
+        let likeness = apart.then(|| Likeness::new(libraries, labels, model, strata));
         let colours = libraries.iter().map(Colours::new).collect();
         let known = field.known(grid);
-        Self { libraries, model, grid, alike, likeness, colours, field, packings, known, wanted }
+        Self { libraries, model, grid, alike, likeness, colours, field, packings, known, cover }
     }
 
     /// Whether the exemplar of a library counts as packed.
@@ -117,16 +117,18 @@ impl<'a> Resolver<'a> {
         }
         // Half a motif would be seen at once.
         if self.libraries[element.library].source.kind == SourceKind::Drawing {
-            return if clipped { Outcome::Nothing } else { Outcome::Whole(vec![(main.variant, main.at)]) };
+            let stands = !clipped && allowed(mask, main.at);
+            return if stands { Outcome::Whole(vec![(main.variant, main.at)]) } else { Outcome::Nothing };
         }
         if !self.is_packed(element.library)
             && !instance.cut
             && instance.mask.area() >= LOOKED_AT
-            && let Some(outcome) = self.unlike(instance, &allowed)
+            && let Some(likeness) = &self.likeness
+            && let Some(outcome) = self.unlike(instance, likeness, &allowed)
         {
             return outcome;
         }
-        let is_free = |at: [i32; 2]| self.grid.cell(at).is_none_or(|i| !self.wanted[i]);
+        let is_free = |at: [i32; 2]| !self.cover.is_wanted(at);
         match fused(instance, self.libraries, self.model, is_free) {
             Some((element, mask)) if allowed(&mask, main.at) => Outcome::Fused(Box::new(element), mask),
             _ => Outcome::Nothing,
@@ -135,13 +137,18 @@ impl<'a> Resolver<'a> {
 
     /// What stands in place of an instance that looks like no element: those of its parts of which enough has
     /// come, or the element that it looks like most, or nothing. `None` if it looks like one.
-    fn unlike(&self, instance: &Instance, allowed: impl Fn(&Mask, [i32; 2]) -> bool) -> Option<Outcome> {
+    fn unlike(
+        &self,
+        instance: &Instance,
+        likeness: &Likeness,
+        allowed: impl Fn(&Mask, [i32; 2]) -> bool,
+    ) -> Option<Outcome> {
         let main = instance.main();
         let (x, y) = instance.mask.centroid()?;
         let variation = self.model.variation(main.variant);
         let colour = |at: [i32; 2]| instance.mask.contains(at[0], at[1]).then(|| self.colour(at)).flatten();
         let look = Look::new([x, y], f64::from(instance.mask.area()), |way| variation.of_point(way), colour);
-        let nearest = self.likeness.nearest(self.model.element_of(main.variant), &look);
+        let nearest = likeness.nearest(self.model.element_of(main.variant), &look);
         if nearest.is_some_and(|(_, alike)| alike) {
             return None;
         }
@@ -151,8 +158,8 @@ impl<'a> Resolver<'a> {
             let mask = &self.model.shape(part.variant).mask;
             let area = f64::from(mask.area());
             let there = mask.shifted(part.at[0], part.at[1]);
-            let fits = f64::from(instance.mask.overlap(&there)) >= LOOKS_LIKE.max(CAME) * area
-                && f64::from(part.mask.area()) >= LIKE * CAME * area
+            let fits = f64::from(instance.mask.overlap(&there)) >= WITHIN * area
+                && f64::from(part.mask.area()) >= CAME * area
                 && f64::from(taken.overlap(&there)) <= ON_OTHERS * area;
             if fits && !self.model.element(part.variant).clipped && allowed(mask, part.at) {
                 taken = Mask::from_spans(taken.spans().iter().chain(there.spans()).copied().collect());
