@@ -68,6 +68,7 @@ pub mod output;
 pub mod pixels;
 pub mod procedural;
 pub mod raster;
+mod reconstruct;
 pub mod report;
 pub mod sampling;
 pub mod scene;

@@ -11,7 +11,6 @@ mod doubts;
 mod edges;
 mod exemplar;
 mod grid;
-pub(crate) mod guide;
 mod joining;
 mod kmeans;
 mod margin;
@@ -34,7 +33,7 @@ pub use exemplar::Exemplar;
 
 use crate::document::Document as _;
 use crate::error::Result;
-use crate::library::{Arrangement, Category, CategoryId, Element, Library, Source, SourceKind};
+use crate::library::{Arrangement, Category, CategoryId, Element, Guide, Library, Source, SourceKind};
 use crate::parallel;
 use crate::progress::{Progress, SideBySide, advance};
 use crate::raster::{LabelMap, Mask};
@@ -210,8 +209,8 @@ fn analyze_whole(
     let elements: Vec<Element> = primary_textons.into_iter().chain(secondary_textons).collect();
     let maps = [&primaries, &textons];
     let layers = strata.layers(exemplar, maps, &elements, (background, spacing), params);
-    let guide = guide::guide(&exemplar.image);
-    let lattice = guide::lattice(&guide, false);
+    let guide = Guide::of(&exemplar.image);
+    let lattice = guide.lattice(false);
     let library = Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,

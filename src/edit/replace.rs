@@ -12,9 +12,9 @@ use crate::geometry::{Affine, Outline, SecondMoments, edges};
 use crate::library::Library;
 use crate::parallel;
 use crate::raster::colour::Colour;
+use crate::reconstruct::{element, reference};
 use crate::scene::field::Interpolant;
 use crate::scene::{Element, ElementId, Instance, LibraryId, LibraryRef, Scene};
-use crate::synth::{element, reference};
 use std::collections::BTreeMap;
 use std::ops::Range;
 

@@ -9,12 +9,12 @@ use super::pieces::Piece;
 use super::read::Page;
 use super::shapes::shapes;
 use super::torus::Torus;
-use crate::analyze::guide::{guide, lattice};
 use crate::element;
 use crate::error::{Error, Result};
 use crate::geometry::{Affine, Outline, Rect};
 use crate::library::{
-    AnalyzeParams, Arrangement, Element, ElementId, Instance, Layer, Library, Role, Shape, Source, SourceKind,
+    AnalyzeParams, Arrangement, Element, ElementId, Guide, Instance, Layer, Library, Role, Shape, Source,
+    SourceKind,
 };
 use crate::parallel;
 use crate::progress::{Progress, advance};
@@ -161,7 +161,7 @@ pub(super) fn assemble(
         warnings.push("the drawing holds nothing but a background".into());
     }
     let analyze = AnalyzeParams { wrap, ..params.clone() };
-    let guide = guide(&origin.picture);
+    let guide = Guide::of(&origin.picture);
     let layers = layers(page, &drafts, origin.background);
     let (unit, remark) = unit(page);
     warnings.extend(remark);
@@ -189,7 +189,7 @@ pub(super) fn assemble(
         coverage,
         arrangement: Arrangement { periodic: wrap, ..Arrangement::from_labels(&labels) },
         descriptor_half: (libm::round(params.descriptor_reach * spacing) as u32).clamp(1, most.max(1)),
-        lattice: lattice(&guide, wrap),
+        lattice: guide.lattice(wrap),
         guide: Some(guide),
     };
     let mut library = library.scaled(pixels.map(|v| 1.0 / v));

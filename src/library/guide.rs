@@ -1,11 +1,13 @@
 //! The guide: the exemplar's colours on a coarse grid. Synthesis follows it to preserve structure larger
 //! than a few elements.
 
+use crate::lattice::{self, Lattice};
+use crate::raster::colour::{encoded, linear};
 use crate::raster::{Limits, decode};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder as _, RgbImage};
+use image::{ExtendedColorType, ImageEncoder as _, Rgb, RgbImage};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -28,6 +30,31 @@ pub struct Guide {
 pub struct Picture(pub RgbImage);
 
 impl Guide {
+    /// The guide of an exemplar. Colours are averaged in linear light, as seen from far away.
+    pub(crate) fn of(image: &RgbImage) -> Self {
+        let (width, height) = image.dimensions();
+        let cell = Self::cell_for(width, height);
+        let mean = |column: u32, row: u32| {
+            let mut sum = [0f32; 3];
+            let mut count = 0;
+            for y in row * cell..((row + 1) * cell).min(height) {
+                for x in column * cell..((column + 1) * cell).min(width) {
+                    let colour = image.get_pixel(x, y).0.map(linear);
+                    (0..3).for_each(|k| sum[k] += colour[k]);
+                    count += 1;
+                }
+            }
+            Rgb(sum.map(|v| encoded(v / count as f32)))
+        };
+        Self { cell, picture: Picture(RgbImage::from_fn(width.div_ceil(cell), height.div_ceil(cell), mean)) }
+    }
+
+    /// The lattice of an exemplar, found in its self. `repeated` if the exemplar is one period of a drawing.
+    pub(crate) fn lattice(&self, repeated: bool) -> Option<Lattice> {
+        let found = lattice::find(&self.picture.0, repeated)?;
+        Some(found.scaled([f64::from(self.cell); 2])).filter(|l| l.fault().is_none())
+    }
+
     /// Side of the cells for an exemplar of the given size in pixels: 2, or more for large exemplars, to
     /// bound the cost of synthesis. Joints between elements need small cells, but large photographs have
     /// larger elements.
@@ -102,6 +129,15 @@ impl JsonSchema for Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cells_hold_the_mean_of_their_pixels() {
+        let image = RgbImage::from_fn(5, 4, |x, _| if x < 2 { Rgb([200, 40, 40]) } else { Rgb([9, 9, 90]) });
+        let guide = Guide::of(&image);
+        assert_eq!((guide.cell, guide.picture.0.dimensions()), (2, (3, 2)));
+        let cells: Vec<_> = guide.picture.0.pixels().map(|p| p.0).collect();
+        assert_eq!(cells[..3], [[200, 40, 40], [9, 9, 90], [9, 9, 90]]);
+    }
 
     #[test]
     fn pictures_survive_json_and_damage_is_an_error() {

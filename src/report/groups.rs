@@ -2,8 +2,8 @@
 
 use super::{Named, Subject};
 use crate::library::Library;
+use crate::reconstruct::reconstruct;
 use crate::scene::{ElementId, Field, Instance, InstanceId, Layer, LibraryId, LibraryRef, Role, Scene};
-use crate::synth;
 
 /// One exemplar with its library, the part of the scene made from it, or both.
 pub(super) struct Group<'a> {
@@ -72,7 +72,7 @@ impl<'a> Group<'a> {
     /// library, all primaries of the scene at the origin, with their indices as ids.
     pub(super) fn drawn(&self, scene: Option<&Scene>) -> Option<Scene> {
         if let Some(library) = self.library {
-            return Some(synth::reconstruct(&library.content));
+            return Some(reconstruct(&library.content));
         }
         let scene = scene?;
         let place = |i: usize| Instance::new(InstanceId(i as u32), ElementId::after(i));

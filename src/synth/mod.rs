@@ -7,8 +7,6 @@
 mod backdrop;
 pub(crate) mod background;
 pub(crate) mod compose;
-mod equal;
-mod few;
 mod neighbourhoods;
 mod parted;
 mod period;
@@ -21,10 +19,10 @@ mod units;
 
 pub use crate::arrange::controls::{Controls, Lead};
 pub use crate::arrange::correspondence::Structure;
-pub(crate) use compose::{element, reference};
+pub use crate::reconstruct::reconstruct;
 pub use report::{CategoryReport, Report};
 pub use strata::{StratumReport, layer_map};
-pub use units::{reconstruct, synthesize_with};
+pub use units::synthesize_with;
 
 use crate::arrange::correspondence::no_guide;
 use crate::arrange::model::Model;

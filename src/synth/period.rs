@@ -1,6 +1,5 @@
 //! Periodic drawings: textures placed by the drawing's period ([`crate::arrange::period`]).
 
-use super::compose::{element, reference};
 use super::report::{CategoryReport, Report};
 use crate::arrange::controls::Controls;
 use crate::arrange::period::{Placed, Repeated, place};
@@ -8,6 +7,7 @@ use crate::error::Result;
 use crate::geometry::{Affine, Rect, rounded};
 use crate::library::{ElementId, Library, SourceKind};
 use crate::progress::Progress;
+use crate::reconstruct::{element, reference};
 use crate::scene::{Domain, Edge, Instance, InstanceId, Layer, LibraryId, Method, Role, Scene, SynthParams};
 use crate::statistics::{Overlap, Repetition};
 use std::collections::BTreeMap;

@@ -4,7 +4,7 @@
 //! Of photographs the canvas has as many pixels for a unit as the finest of them; of drawings alone as many
 //! as their arrangements, unless the canvas is too large for that.
 
-use super::{Controls, Report, check_canvas, compose, in_pixels, method};
+use super::{Controls, Report, check_canvas, in_pixels, method};
 use crate::arrange::period::check_periods;
 use crate::error::{Error, Result};
 use crate::geometry::Affine;
@@ -71,20 +71,6 @@ pub fn synthesize_with(
     }
     let scene = Scene { parameters: scene.parameters.map(given), domain: scene.domain.map(domain), ..scene };
     Ok((scene, report))
-}
-
-/// Draws the exemplar's own arrangement from its library, layer by layer. Elements have their original
-/// places and colours. If the library has a limit of colours, the scene keeps it, and each field has one
-/// colour.
-pub fn reconstruct(library: &Library) -> Scene {
-    let page = library.page();
-    let by = [f64::from(library.source.width) / page[0], f64::from(library.source.height) / page[1]];
-    let whole = by.iter().all(|v| (v - 1.0).abs() < 1e-9);
-    if whole || !library.arrangement.periodic {
-        return compose::reconstruct(library);
-    }
-    // A period that ends within a unit is stretched to a canvas of whole ones.
-    compose::reconstruct(&library.scaled(by))
 }
 
 fn mean(scale: [f64; 2]) -> f64 {

@@ -6,8 +6,8 @@ use crate::error::{Error, Result};
 use crate::geometry::{Affine, Outline, PathEl, Point, STEP, Vec2};
 use crate::library::{self, Library};
 use crate::raster::ControlMap;
+use crate::reconstruct::translated;
 use crate::scene::{Element, ElementId, Instance, Role, Scene, pixels};
-use crate::synth::compose;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -58,7 +58,7 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
 /// arrangement, both are compared in these pixels, in which the scene was made.
 fn is_shape_of(library: &Library, known: &library::Element, element: &Element) -> bool {
     if library.is_in_pixels() {
-        return compose::translated(known.outline(), known.origin()) == *element.outline();
+        return translated(known.outline(), known.origin()) == *element.outline();
     }
     let [x, y] = library.source.scale;
     let pixels = |outline: &Outline| outline.moved(Affine::scale_non_uniform(x, y));
@@ -96,7 +96,7 @@ fn with_sources<'a>(scene: &'a Scene, libraries: &[Library]) -> Cow<'a, Scene> {
     }
     let shapes = libraries.iter().map(|library| {
         let number = |(i, e): (usize, &library::Element)| {
-            (compose::translated(e.outline(), e.origin()).to_string(), library.secondary_id(i as u32))
+            (translated(e.outline(), e.origin()).to_string(), library.secondary_id(i as u32))
         };
         library.secondaries().iter().enumerate().map(number).collect()
     });

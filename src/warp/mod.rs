@@ -23,9 +23,10 @@ use crate::arrange::{Fixed, Task, arrange};
 use crate::error::Result;
 use crate::library::Library;
 use crate::progress::{Progress, advance};
+use crate::reconstruct::Listing;
 use crate::scene::field::Interpolant;
 use crate::scene::{Domain, Edge, Instance, InstanceId, LibraryId, Method, Role, Scene, SynthParams, Tile};
-use crate::synth::compose::{self, Known};
+use crate::synth::compose;
 use crate::synth::{Report, check_canvas};
 
 /// Distances may grow by this factor without a search for gaps.
@@ -93,15 +94,15 @@ pub fn warp(
         parameters: Some(params.clone()),
         ..scene.clone()
     };
-    let mut known: Vec<Known<'_>> =
-        libraries.iter().enumerate().map(|(k, l)| Known::of(LibraryId(k as u32), l, scene)).collect();
+    let mut listings: Vec<Listing<'_>> =
+        libraries.iter().enumerate().map(|(k, l)| Listing::of(LibraryId(k as u32), l, scene)).collect();
     let ids = scene.instances().map(|i| i.id.0);
     let mut next = InstanceId(ids.max().map_or(0, |id| id.wrapping_add(1)));
     for secondary in secondaries {
         let instance = match secondary {
             background::Secondary::Carried { instance, place } => moved(instance, place),
             background::Secondary::New(p) => {
-                let element = known[p.library].secondary(&mut result, p.secondary);
+                let element = listings[p.library].secondary(&mut result, p.secondary);
                 let variation = &model.variations[usize::from(p.variation)];
                 compose::instance(fresh(&mut next), element, p.at, variation, Some(p.colour))
             }
@@ -116,7 +117,7 @@ pub fn warp(
             }
             None => {
                 let placed = &model[p.element];
-                let element = known[placed.library].primary(&mut result, placed.index);
+                let element = listings[placed.library].primary(&mut result, placed.index);
                 let variation = &model.variations[usize::from(p.variation)];
                 compose::instance(fresh(&mut next), element, p.at, variation, None)
             }

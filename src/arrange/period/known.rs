@@ -1,18 +1,17 @@
 //! What is known of a periodic drawing: which elements are equal, which are free to move, and whether
 //! they stand in a regular order.
 
-use crate::element::{bounds, classes};
+use crate::element::bounds;
 use crate::geometry::{Affine, Rect};
 use crate::library::{Element, Library};
 use crate::raster::Mask;
 use crate::raster::contact::Page;
+use crate::reconstruct::equal;
 use crate::scene::pixels;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// How far equal elements may differ, in pixels.
-const EQUAL: f64 = 0.12;
 /// Share of the elements for which one of like size stands at the same offset, in a regular drawing.
 const REGULAR: f64 = 0.75;
 /// Fewest elements whose order can be anything but regular.
@@ -105,11 +104,6 @@ impl Known {
 
 fn of_element(element: &Element) -> Mask {
     if element.clipped { Mask::default() } else { pixels::of_shapes(&element.shapes) }
-}
-
-/// For each element the first that is equal to it up to a similarity.
-pub(crate) fn equal(elements: &[Element]) -> Vec<(usize, Affine)> {
-    classes(elements.len(), |k| &elements[k].shapes, |k| elements[k].clipped, EQUAL)
 }
 
 /// Largest difference of elements that are alike: of the logarithms of their areas, and of compactness.

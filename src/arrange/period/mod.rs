@@ -23,7 +23,6 @@ use crate::scene::SynthParams;
 use canvas::{Canvas, MOST_PIXELS};
 
 use known::Known;
-pub(crate) use known::equal;
 use std::collections::BTreeMap;
 
 /// Places that differ by no more mean the same, in pixels.

@@ -1,10 +1,18 @@
-//! Equal elements of a scene listed once.
+//! Equal elements, and scenes that list them once.
 
-use crate::arrange::period::equal;
+use crate::element::classes;
 use crate::geometry::{Affine, rounded};
-use crate::library::Library;
+use crate::library::{Element, Library};
 use crate::scene::{ElementId, Instance, Scene};
 use std::collections::BTreeMap;
+
+/// How far equal elements may differ, in pixels.
+const EQUAL: f64 = 0.12;
+
+/// For each element the first that is equal to it up to a similarity.
+pub(crate) fn equal(elements: &[Element]) -> Vec<(usize, Affine)> {
+    classes(elements.len(), |k| &elements[k].shapes, |k| elements[k].clipped, EQUAL)
+}
 
 /// Lists equal elements of a reconstruction once: their instances show the first, turned and moved.
 pub(super) fn share_equal(scene: &mut Scene, library: &Library) {
