@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example fit_texton -- src/segment/texton/weights.rs [scenes] [passes]`
 //!
-//! To be run again whenever the network in `models/texton` changes. Candidates are the network's
+//! To be run again whenever the network in `tools/texton` changes. Candidates are the network's
 //! masks and the nodes of the region tree. Seeds start at 5 000 000: neither the network's training
 //! nor any test or evaluation uses them.
 

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
-use vtex::procedural::{self, Exemplar, Kind, SceneParams};
+use vtex_testing::{self, Exemplar, Kind, SceneParams};
 
 #[path = "exemplars/scenes.rs"]
 mod scenes;
@@ -52,7 +52,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         Some(count) if arguments.packed => pack(&arguments, count, &folder)?,
         Some(count) => {
             for seed in arguments.seed..arguments.seed + count {
-                let scene = procedural::generate(&arguments.params(seed))?;
+                let scene = vtex_testing::generate(&arguments.params(seed))?;
                 save_labels(&scene, &folder.join(format!("scene_{seed:05}.labels.png")))?;
                 save(&scene.image, &folder.join(format!("scene_{seed:05}.png")))?;
             }
@@ -116,7 +116,7 @@ fn pack(arguments: &Arguments, count: u64, folder: &Path) -> Result<(), Box<dyn 
         (create("images.rgb")?, create("labels.u16")?, create("kinds.txt")?);
     for seed in arguments.seed..arguments.seed + count {
         let params = arguments.params(seed);
-        let scene = procedural::generate(&params)?;
+        let scene = vtex_testing::generate(&params)?;
         images.write_all(scene.image.as_raw())?;
         for &label in &scene.instances.labels {
             labels.write_all(&u16::try_from(label)?.to_le_bytes())?;
@@ -139,7 +139,7 @@ fn bench(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let count = 200;
     let started = Instant::now();
     for seed in 0..count {
-        procedural::generate(&arguments.params(seed))?;
+        vtex_testing::generate(&arguments.params(seed))?;
     }
     let seconds = started.elapsed().as_secs_f64();
     let (size, speed) = (arguments.size, count as f64 / seconds);

@@ -17,12 +17,12 @@ use vtex::interpolate::{Morph, morph};
 use vtex::library::Library;
 use vtex::output::png;
 use vtex::output::raster_svg::render_svg;
-use vtex::procedural::{self, Kind, SceneParams};
 use vtex::scene::{Scene, SynthParams};
 use vtex::segment::MasksFile;
 use vtex::segment::texton::Texton;
 use vtex::synth::{reconstruct, synthesize};
 use vtex::transfer::{StylizeParams, TransferParams, stylize, transfer};
+use vtex_testing::{self, Kind, SceneParams};
 
 /// White between the parts of a picture, in pixels.
 const GAP: u32 = 8;
@@ -52,8 +52,8 @@ fn main() -> Outcome {
 }
 
 /// A generated scene, and its exemplar with a name.
-fn generated(params: &SceneParams) -> Outcome<(procedural::Exemplar, Exemplar)> {
-    let scene = procedural::generate(params)?;
+fn generated(params: &SceneParams) -> Outcome<(vtex_testing::Exemplar, Exemplar)> {
+    let scene = vtex_testing::generate(params)?;
     let mut png = Vec::new();
     scene.image.write_with_encoder(PngEncoder::new(&mut png))?;
     let exemplar = Exemplar::from_bytes(&png, "generated.png", &Limits::default())?;

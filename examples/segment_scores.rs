@@ -14,11 +14,11 @@
 //! of prompts that the coarse-to-fine search finds too, and the share of prompts that it needs.
 
 use std::path::{Path, PathBuf};
-use vtex::procedural::{Exemplar, Kind, SceneParams, generate};
 use vtex::raster::{LabelMap, Mask, Span, picture};
 use vtex::segment::prompt::{Generator, GeneratorParams};
 use vtex::segment::texton::{Texton, TextonNetwork};
 use vtex::segment::{Felzenszwalb, Regions, ScoredMask, Segmenter};
+use vtex_testing::{Exemplar, Kind, SceneParams, generate};
 
 type Failure = Box<dyn std::error::Error>;
 

@@ -36,51 +36,323 @@
 //!
 //! `()` as the last argument of a stage means that nobody listens to its progress; see [`Progress`].
 
-#![forbid(unsafe_code)]
+#[doc(inline)]
+pub use vtex_base::{Error, PROGRAM, Progress, Result};
 
-mod disjoint_sets;
-mod document;
-pub mod error;
-mod fourier;
-pub mod gzip;
-mod parallel;
-mod progress;
-mod svg_tree;
-mod symmetric;
+/// The library's error type: what went wrong, where, and what to try.
+pub mod error {
+    #[doc(inline)]
+    pub use vtex_base::error::{EditFault, Error, Result};
+}
 
-pub mod analyze;
-mod arrange;
-pub mod control;
-mod correspondence;
-pub mod edit;
-pub mod element;
+/// Unpacking of gzip, with a bound on what comes out.
+pub mod gzip {
+    #[doc(inline)]
+    pub use vtex_base::gzip::beginning;
+}
+
+/// Image → library: primaries, details, secondaries, categories, descriptors, palette.
+pub mod analyze {
+    #[doc(inline)]
+    pub use vtex_analyze::{AnalyzeParams, Exemplar, Limits, analyze, borders_join};
+}
+
+/// Files that control synthesis and editing: shapes, masks, maps, palettes.
+pub mod control {
+    #[doc(inline)]
+    pub use vtex_drawing::control::{ColourMap, cage, colours, density, level, mask, palette, shape, shares};
+}
+
+/// Scene → scene: what can be done to a texture after it was made (paper §4.5).
+pub mod edit {
+    #[doc(inline)]
+    pub use vtex_edit::edit::{
+        About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Files, Identity, Jitter,
+        NumberOrMap, Operation, OrderBy, Outcome, Quantity, ThinOrder, Within, apply, validate,
+    };
+    /// Text → condition, such as `category=3|5`, `area>200` or `inside=disc.svg`.
+    pub mod condition {
+        #[doc(inline)]
+        pub use vtex_scene::scene::condition::{ConditionFault, EXPECTED, NAMES};
+    }
+}
+
+/// Elements: what libraries and scenes are made of, a texton of a photograph or a motif of a drawing.
+pub mod element {
+    #[doc(inline)]
+    pub use vtex_scene::element::{
+        Appearance, Cap, CategoryId, ElementId, Gaussian, Gradient, GradientKind, Join, Line, Role, Shape,
+        Stop,
+    };
+}
+
 #[cfg(feature = "onnx")]
-pub mod engine;
-pub mod flow;
-pub mod geometry;
-pub mod import;
-pub mod interpolate;
-pub mod lattice;
-pub mod layers;
-pub mod library;
-pub mod metrics;
-pub mod output;
-pub mod pixels;
-pub mod procedural;
-pub mod raster;
-mod reconstruct;
-pub mod report;
-pub mod sampling;
-pub mod scene;
-pub mod segment;
-pub mod statistics;
-pub mod synth;
-pub mod transfer;
-pub mod tune;
-pub mod warp;
+/// Neural networks: named tensors in, named tensors out. Knows nothing of images.
+pub mod engine {
+    #[doc(inline)]
+    pub use vtex_segment::engine::{
+        Choice, Engine, EngineOptions, Found, GIVEN, MINIMUM_MINOR, Port, Runtime, Source, Tensor, Values,
+        choose, load, locate, version,
+    };
+}
 
-pub use error::{Error, Result};
-pub use progress::Progress;
+/// Scene → the same scene carried by a flow, at any time of a loop (Tu, dissertation, sections 4.4.6 and
+/// 7.7.3).
+pub mod flow {
+    #[doc(inline)]
+    pub use vtex_edit::flow::{Flow, FlowParams, Flowing, Key};
+}
 
-/// Name and version of this program, as written into its files.
-pub const PROGRAM: &str = concat!("vtex ", env!("CARGO_PKG_VERSION"));
+/// Points, rings, outlines with holes, contour tracing, curve fitting.
+/// Knows nothing of images, libraries or scenes. Points and paths are those of `kurbo`.
+pub mod geometry {
+    #[doc(inline)]
+    pub use vtex_base::geometry::{
+        Affine, BezPath, Cage, Curve, Outline, PathEl, PathText, Point, Rect, STEP, Vec2, is_simple,
+        parse_path, write_path,
+    };
+}
+
+/// Drawing → library: an SVG read as elements in layers.
+pub mod import {
+    #[doc(inline)]
+    pub use vtex_drawing::import::{CONVERT, Grouping, ImportParams, drawn, import, is_drawing};
+}
+
+/// Two scenes → a scene between them: textons move and change into those of the other scene (paper
+/// §4.5, figures 1 and 9).
+pub mod interpolate {
+    #[doc(inline)]
+    pub use vtex_edit::interpolate::{
+        Axis, Brush, Interpolation, LayerMotion, Matched, Morph, Motion, Moving, across, morph,
+    };
+}
+
+/// Lattices: translations under which a picture looks the same.
+pub mod lattice {
+    #[doc(inline)]
+    pub use vtex_scene::lattice::Lattice;
+}
+
+/// Layers: nested regions of a weathered surface, found in a photograph and made anew.
+pub mod layers {
+    #[doc(inline)]
+    pub use vtex_field::layers::{
+        Contacts, Count, Decision, Exemplar, FindParams, Found, Layer, LayerMap, LayerPicture, MOST_LAYERS,
+        Region, Terrain, continuous, discrete, find, hole, shape_distance,
+    };
+}
+
+/// The library of elements: the result of analysing an exemplar (`*.lib.json`).
+pub mod library {
+    #[doc(inline)]
+    pub use vtex_scene::library::{
+        AnalyzeParams, Arrangement, Categories, Category, CategoryId, Element, ElementId, Gradient, Grouping,
+        Guide, Instance, Lattice, Layer, Library, Picture, Role, Shading, Shape, Source, SourceKind, Stratum,
+    };
+}
+
+/// Measures of the similarity of two pictures of textures; none of them needs a network.
+pub mod metrics {
+    #[doc(inline)]
+    pub use vtex_report::metrics::{Metrics, Spread, compare, scaled};
+}
+
+/// Scene → files: SVG, SVGZ, PDF, PNG; and SVG → pixels.
+pub mod output {
+    #[doc(inline)]
+    pub use vtex_output::{CSS_DPI, SceneCategory, categories, coverage, inside};
+    /// Files by kind, and writing them so that nothing is ever lost or left half done.
+    pub mod file {
+        #[doc(inline)]
+        pub use vtex_output::file::{Format, Kind, gzip, remove_abandoned, remove_unfinished, write_file};
+    }
+    /// Layer maps → PNG, SVG and JSON; values → PNG of 16 bits.
+    pub mod layer_map {
+        #[doc(inline)]
+        pub use vtex_output::layer_map::{write_grey, write_json, write_png, write_svg};
+    }
+    /// Scene → PDF: one page of pure vectors, 96 pixels to the inch as in SVG.
+    pub mod pdf {
+        #[doc(inline)]
+        pub use vtex_output::pdf::{write, write_at};
+    }
+    /// Scene → pixels and PNG, drawn directly.
+    pub mod png {
+        #[doc(inline)]
+        pub use vtex_output::png::{encode, encode_rgb, over_white, render, straight};
+    }
+    /// Pictures one after another → one file that plays them: GIF, and PNG that moves (APNG).
+    pub mod raster_animation {
+        #[doc(inline)]
+        pub use vtex_output::raster_animation::RasterAnimation;
+    }
+    /// SVG → pixels, any program's SVG.
+    pub mod raster_svg {
+        #[doc(inline)]
+        pub use vtex_output::raster_svg::render_svg;
+    }
+    /// Scene → scene whose SVG stays within a number of bytes.
+    pub mod reduce {
+        #[doc(inline)]
+        pub use vtex_output::reduce::{GivenUp, Reduced, to_fit};
+    }
+    /// The seal of a file: a SHA-256 of its own bytes, by which a file that nobody has changed since it was
+    /// written is distinguished from one that somebody has worked on.
+    pub mod seal {
+        #[doc(inline)]
+        pub use vtex_output::seal::Sealed;
+    }
+    /// Scene → SVG: pure vectors in groups that a designer finds their way in.
+    pub mod svg {
+        #[doc(inline)]
+        pub use vtex_output::svg::{
+            Animation, SvgOptions, SvgSummary, write, write_animation, write_at, write_flow, write_pattern,
+            write_with_recipe,
+        };
+    }
+}
+
+/// Pixel-based synthesis: textures without elements, as a baseline and for backgrounds.
+pub mod pixels {
+    #[doc(inline)]
+    pub use vtex_field::pixels::{Leaf, by_numbers, carried, scanned};
+}
+
+/// Pixels: decoding, label maps, run-length masks, components, distances, colour spaces.
+/// Knows nothing of curves.
+pub mod raster {
+    #[doc(inline)]
+    pub use vtex_base::raster::{
+        Connectivity, ControlMap, LabelMap, Limits, Mask, Span, components, components_of_mask,
+        squared_distance,
+    };
+    /// Colours: 8-bit sRGB for files; linear light and Oklab for arithmetic.
+    pub mod colour {
+        #[doc(inline)]
+        pub use vtex_base::raster::colour::{Colour, encoded, linear, median, oklab};
+    }
+    /// Plain names for colours.
+    pub mod colour_names {
+        #[doc(inline)]
+        pub use vtex_base::raster::colour_names::{distinct, name};
+    }
+    /// Colours as people write them: `#rrggbb`, `#rgb`, or a name of CSS.
+    pub mod css {
+        #[doc(inline)]
+        pub use vtex_base::raster::css::colour;
+    }
+    /// Diagnostic pictures of label maps.
+    pub mod picture {
+        #[doc(inline)]
+        pub use vtex_base::raster::picture::{label_colour, labels, outlines};
+    }
+}
+
+/// Library and scene → one HTML page for inspection in a browser.
+pub mod report {
+    #[doc(inline)]
+    pub use vtex_report::report::{Named, Photo, Subject, exemplars, write};
+}
+
+/// Random streams, Poisson-disk sets and weighted draws.
+pub mod sampling {
+    #[doc(inline)]
+    pub use vtex_base::sampling::{Area, Stream, poisson_disk, stream};
+}
+
+/// The scene: one synthesised texture, that is, layers of placed elements and colour fields
+/// (`*.scene.json`).
+pub mod scene {
+    #[doc(inline)]
+    pub use vtex_scene::scene::{
+        Ablation, About, Action, Axis, Between, CategoryId, ColourOrMap, Comparison, Condition, ControlPoint,
+        Direction, Distribution, Domain, Edge, EditRecord, Element, ElementId, Field, Gradient, Identity,
+        Instance, InstanceId, Jitter, LatticeChoice, Layer, LibraryId, LibraryRef, Method, NumberOrMap,
+        Operation, OrderBy, Place, Quantity, Recorded, Role, Scene, Shadow, Shape, Stroke, SynthParams,
+        ThinOrder, Tile, Transfer, TransferMode, Weights, Within, splat,
+    };
+    /// The background field: radial basis functions through coloured points.
+    pub mod field {
+        #[doc(inline)]
+        pub use vtex_scene::scene::field::Interpolant;
+    }
+}
+
+/// Image → masks: candidates for textons. Knows nothing of textons.
+pub mod segment {
+    #[doc(inline)]
+    pub use vtex_segment::segment::{
+        Felzenszwalb, MasksFile, OneTree, Perceptron, Regions, ScoredMask, Segmenter, masks_to_bytes,
+    };
+    /// Promptable segmenters: they return masks of the object at a given point.
+    pub mod prompt {
+        #[cfg(feature = "onnx")]
+        #[doc(inline)]
+        pub use vtex_segment::segment::prompt::Sam;
+        #[doc(inline)]
+        pub use vtex_segment::segment::prompt::{
+            Cost, Embedded, Found, Generator, GeneratorParams, Logits, PromptMask, Prompter,
+        };
+        #[cfg(feature = "onnx")]
+        /// Segment Anything in ONNX, in all common exports ([`export`]): an image encoder and a prompt
+        /// decoder, in two files or one.
+        pub mod sam {
+            #[doc(inline)]
+            pub use vtex_segment::segment::prompt::sam::{Role, Sam, recognise};
+        }
+    }
+    /// The built-in segmenter: a tree of merged regions, whose texton-like nodes are selected.
+    pub mod regions {
+        #[doc(inline)]
+        pub use vtex_segment::segment::regions::{
+            Candidate, FEATURES, HIDDEN, Network, OneTree, Regions, candidates,
+        };
+    }
+    #[cfg(feature = "onnx")]
+    /// The texton segmenter: candidates from a promptable network and from the region tree, scored
+    /// together.
+    pub mod texton {
+        #[doc(inline)]
+        pub use vtex_segment::segment::texton::{Candidate, FEATURES, HIDDEN, Judge, Texton, TextonNetwork};
+    }
+}
+
+/// How primaries are arranged: what they hide of one another, how often they repeat, and how the
+/// centres of categories keep together or apart.
+pub mod statistics {
+    #[doc(inline)]
+    pub use vtex_scene::statistics::{
+        Centre, Copies, Correlation, Curve, Cycle, Difference, Groups, Layout, Overlap, Repetition,
+        largest_categories, neighbour_distance,
+    };
+}
+
+/// Library → scene, in this order: correspondence field, arrangement and density
+/// ([`arrange`](crate::arrange)), background, secondaries, composition.
+pub mod synth {
+    #[doc(inline)]
+    pub use vtex_arrange::synth::{
+        CategoryReport, Controls, Lead, Report, StratumReport, Structure, default_size, layer_map,
+        reconstruct, synthesize, synthesize_with,
+    };
+}
+
+/// Scene × scenes → scene: the arrangement of one texture with the appearance of others (Tu, dissertation,
+/// section 4.4.2 and appendix 7.4).
+pub mod transfer {
+    #[doc(inline)]
+    pub use vtex_edit::transfer::{Keep, StylizeParams, TransferParams, TransferReport, stylize, transfer};
+}
+
+/// The weights of the score searched for one library.
+pub mod tune {
+    #[doc(inline)]
+    pub use vtex_arrange::tune::{Terms, TuneParams, TunedWeights, tune};
+}
+
+/// Warps scenes to another shape and keeps their density (paper §4.5).
+pub mod warp {
+    #[doc(inline)]
+    pub use vtex_arrange::warp::{Bend, WarpParams, warp};
+}

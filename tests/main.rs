@@ -5,13 +5,9 @@ mod cli;
 mod drawings;
 mod exemplar;
 mod exemplars;
-#[cfg(feature = "pdf")]
 mod formats;
-#[cfg(feature = "pdf")]
 mod golden;
-#[cfg(feature = "pdf")]
 mod hostile;
-mod layers;
 mod odd_drawings;
 mod pipeline;
 mod programs;

@@ -2,7 +2,7 @@
 // compares them.
 
 use image::RgbImage;
-use vtex::procedural::{Kind, SceneParams, generate};
+use vtex_testing::{Kind, SceneParams, generate};
 
 /// File name and parameters of every scene.
 pub(crate) fn finished() -> Vec<(&'static str, SceneParams)> {

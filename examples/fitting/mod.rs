@@ -4,10 +4,10 @@
 //! true element grows from 0.4 to 0.9.
 
 use std::fmt::Write;
-use vtex::procedural::{Exemplar, SceneParams, generate};
 use vtex::raster::Mask;
 use vtex::sampling::{Stream, stream};
 use vtex::segment::Perceptron;
+use vtex_testing::{Exemplar, SceneParams, generate};
 
 /// Sides of the scenes in turn: the larger ones hold larger elements.
 const SIDES: [u32; 3] = [256, 256, 400];

@@ -1,0 +1,184 @@
+//! Categories of primaries: k-means over colour, area and compactness.
+
+use super::kmeans;
+use vtex_base::raster::colour::Colour;
+use vtex_base::sampling::stream;
+use vtex_scene::library::{Categories, Category, CategoryId};
+
+/// Red, green, blue (0 to 255), area (px), Polsby–Popper compactness (0 to 1).
+pub(super) type Features = [f64; 5];
+
+/// Colours count twice as much as area and compactness (paper §3.1.3).
+const WEIGHTS: Features = [2.0, 2.0, 2.0, 1.0, 1.0];
+
+/// Largest spread of colour within categories, found by the data: the root of the mean squared distance
+/// of members' colours to that of their category, in Oklab. Colours that far apart have one name.
+const SPREAD: f64 = 0.04;
+
+/// Divides primaries into as many categories as asked for. See [`cluster`].
+pub(super) fn divide(
+    features: &[Features],
+    wanted: Categories,
+    image_area: f64,
+    seed: u64,
+) -> (Vec<CategoryId>, Vec<Category>) {
+    let cluster = |k: u32| cluster(features, k as usize, image_area, seed);
+    match wanted {
+        Categories::AtMost(k) => cluster(k),
+        Categories::Auto => {
+            let (mut low, mut high) = (1, Categories::MOST_BY_COLOUR);
+            while low < high {
+                let middle = (low + high) / 2;
+                if spread(features, &cluster(middle).0) <= SPREAD {
+                    high = middle;
+                } else {
+                    low = middle + 1;
+                }
+            }
+            cluster(high)
+        }
+    }
+}
+
+/// How far colours lie from the mean of their category: root of the mean square, in Oklab.
+fn spread(features: &[Features], ids: &[CategoryId]) -> f64 {
+    let colours: Vec<[f64; 3]> =
+        features.iter().map(|&[r, g, b, ..]| Colour::from_f64([r, g, b]).to_oklab().map(f64::from)).collect();
+    let count = ids.iter().map(|id| id.index() + 1).max().unwrap_or(0);
+    let mut sums = vec![([0.0; 3], 0.0); count];
+    for (colour, id) in colours.iter().zip(ids) {
+        let (sum, members) = &mut sums[id.index()];
+        (0..3).for_each(|k| sum[k] += colour[k]);
+        *members += 1.0;
+    }
+    let squared = |(colour, id): (&[f64; 3], &CategoryId)| {
+        let (sum, members) = sums[id.index()];
+        (0..3).map(|k| (colour[k] - sum[k] / members) * (colour[k] - sum[k] / members)).sum::<f64>()
+    };
+    let total: f64 = colours.iter().zip(ids).map(squared).sum();
+    libm::sqrt(total / (colours.len() as f64).max(1.0))
+}
+
+/// Clusters primaries into at most `k` categories: k-means++ seeding, Lloyd's iterations, best of
+/// ten starts. Each feature is scaled to 0..1 over the primaries, then weighted. Categories are
+/// sorted by number of members, largest first; none is empty. `image_area` (pixels) is the
+/// denominator of their coverage.
+pub(super) fn cluster(
+    features: &[Features],
+    k: usize,
+    image_area: f64,
+    seed: u64,
+) -> (Vec<CategoryId>, Vec<Category>) {
+    if features.is_empty() {
+        return (Vec::new(), Vec::new());
+    }
+    let points = scale(features);
+    let weights = vec![1.0; points.len()];
+    let assigned = kmeans::cluster(&points, &weights, k, |start| stream(seed, "analyze/categories", start));
+    number(&assigned, features, image_area)
+}
+
+fn scale(features: &[Features]) -> Vec<Features> {
+    let (mut low, mut high) = ([f64::INFINITY; 5], [f64::NEG_INFINITY; 5]);
+    for f in features {
+        for i in 0..5 {
+            low[i] = low[i].min(f[i]);
+            high[i] = high[i].max(f[i]);
+        }
+    }
+    let one = |f: &Features| {
+        std::array::from_fn(|i| {
+            let range = high[i] - low[i];
+            if range > 0.0 { WEIGHTS[i] * (f[i] - low[i]) / range } else { 0.0 }
+        })
+    };
+    features.iter().map(one).collect()
+}
+
+fn number(assigned: &[usize], features: &[Features], image_area: f64) -> (Vec<CategoryId>, Vec<Category>) {
+    let count = assigned.iter().max().map_or(0, |m| m + 1);
+    let mut members = vec![0u32; count];
+    for &c in assigned {
+        members[c] += 1;
+    }
+    let mut order: Vec<usize> = (0..count).filter(|&c| members[c] > 0).collect();
+    order.sort_by_key(|&c| (std::cmp::Reverse(members[c]), c));
+    let mut id = vec![0u16; count];
+    for (new, &old) in order.iter().enumerate() {
+        id[old] = new as u16;
+    }
+    let mut categories: Vec<Category> =
+        order.iter().map(|&c| Category { centre: [0.0; 5], members: members[c], coverage: 0.0 }).collect();
+    for (&c, f) in assigned.iter().zip(features) {
+        let category = &mut categories[usize::from(id[c])];
+        for i in 0..5 {
+            category.centre[i] += f[i];
+        }
+        category.coverage += f[3];
+    }
+    for category in &mut categories {
+        category.centre = category.centre.map(|v| v / f64::from(category.members));
+        category.coverage /= image_area;
+    }
+    (assigned.iter().map(|&c| CategoryId(id[c])).collect(), categories)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_clusters_are_found() {
+        let mut random = stream(5, "test", 0);
+        let colours = [[200.0, 30.0, 30.0], [30.0, 200.0, 30.0], [30.0, 30.0, 200.0]];
+        let features: Vec<Features> = (0..90)
+            .map(|i| {
+                let [r, g, b] = colours[i % 3].map(|v| v + random.range(-10.0, 10.0));
+                [r, g, b, random.range(50.0, 60.0), 0.7]
+            })
+            .collect();
+        let (ids, categories) = cluster(&features, 3, 10_000.0, 1);
+        assert_eq!(categories.len(), 3);
+        for i in 3..90 {
+            assert_eq!(ids[i], ids[i % 3]);
+        }
+        let covered: f64 = categories.iter().map(|c| c.coverage).sum();
+        let area: f64 = features.iter().map(|f| f[3]).sum();
+        assert!((covered - area / 10_000.0).abs() < 1e-9);
+        assert!(categories.iter().all(|c| c.members == 30));
+    }
+
+    #[test]
+    fn as_many_categories_as_there_are_colours() {
+        let mut random = stream(6, "test", 0);
+        for colours in [1, 2, 5, 9] {
+            let features: Vec<Features> = (0..40 * colours)
+                .map(|i| {
+                    // Around the grey axis, far enough apart for names of their own.
+                    let hue = (i % colours) as f64 / colours as f64 * std::f64::consts::TAU;
+                    let [r, g, b] = [0.0, 2.1, 4.2].map(|shift| 128.0 + 90.0 * libm::cos(hue - shift));
+                    let noise = random.range(-3.0, 3.0);
+                    [r + noise, g + noise, b + noise, 50.0, 0.7]
+                })
+                .collect();
+            let (ids, categories) = divide(&features, Categories::Auto, 10_000.0, 1);
+            // The fewest whose colours are alike; nine hues are so near that two may share a category.
+            let found = categories.len();
+            assert!(spread(&features, &ids) <= SPREAD);
+            assert!(found == 1 || spread(&features, &cluster(&features, found - 1, 1e4, 1).0) > SPREAD);
+            assert!(colours == 9 || found == colours, "{colours}: {found}");
+        }
+        let grey: Vec<Features> =
+            (0..50).map(|i| [120.0 + f64::from(i % 3), 121.0, 120.0, 50.0, 0.7]).collect();
+        assert_eq!(divide(&grey, Categories::Auto, 1000.0, 1).1.len(), 1);
+        assert!(divide(&[], Categories::Auto, 1000.0, 1).1.is_empty());
+    }
+
+    #[test]
+    fn fewer_points_than_categories() {
+        let same = [[1.0, 2.0, 3.0, 4.0, 0.5]; 3];
+        let (ids, categories) = cluster(&same, 15, 100.0, 0);
+        assert_eq!((ids.len(), categories.len()), (3, 1));
+        assert!(cluster(&[], 15, 100.0, 0).0.is_empty());
+    }
+}

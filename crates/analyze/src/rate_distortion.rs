@@ -1,0 +1,96 @@
+//! The rate–distortion cost: the squared error that a byte must save to be worth writing.
+
+use super::grid::Grid;
+use super::moments::Moments;
+use vtex_scene::library::{AnalyzeParams, Shading};
+
+/// Squared error over all components (8-bit steps) that equals one byte at a fit tolerance of 1 px.
+const ERROR_PER_BYTE: f64 = 16.0;
+/// Bytes of a gradient fill.
+const GRADIENT_BYTES: f64 = 145.0;
+/// Least area of a gradient fill at a fit tolerance of 1 px, in pixels. In smaller regions, noise and
+/// JPEG blocks cause exaggerated slopes.
+const GRADIENT_AREA: f64 = 80.0;
+/// Bytes per pixel of border.
+const BORDER_BYTES: f64 = 9.0;
+/// Bytes of a secondary, not counting its border.
+pub(super) const SECONDARY_BYTES: f64 = 120.0;
+/// Bisection steps in the search for a cost.
+const HALVINGS: usize = 16;
+
+/// Parameters of the rate–distortion cost.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RateDistortion {
+    /// Least number of cells of a gradient fill; infinite if all fills are flat.
+    pub(super) gradient_area: f64,
+    /// Squared error over all cells and components (8-bit steps) that equals one byte.
+    pub(super) error_per_byte: f64,
+    /// Bytes per cell of border. Both adjacent shapes draw it.
+    pub(super) border_bytes: f64,
+}
+
+impl RateDistortion {
+    /// The cost for a fit tolerance: twice the tolerance allows twice the error per byte. Gradients are
+    /// off if `params` limits the number of colours.
+    pub(super) fn new(params: &AnalyzeParams, grid: Grid) -> Self {
+        let gradients = params.shading == Shading::Gradient && params.colors == 0;
+        let gradient_area =
+            if gradients { GRADIENT_AREA * params.fidelity * grid.area() } else { f64::INFINITY };
+        Self {
+            gradient_area,
+            error_per_byte: ERROR_PER_BYTE * params.fidelity * grid.area(),
+            border_bytes: BORDER_BYTES / grid.along(),
+        }
+    }
+
+    /// The lowest cost of a byte, from this one upwards, for which `count` gives at most `most` shapes.
+    /// `count` must fall as the cost rises. If no cost suffices, the highest is returned.
+    pub(super) fn with_limit(self, most: usize, count: impl Fn(Self) -> usize) -> Self {
+        if count(self) <= most {
+            return self;
+        }
+        let at =
+            |doublings: f64| Self { error_per_byte: self.error_per_byte * libm::exp2(doublings), ..self };
+        let (mut low, mut high) = (0.0, 40.0);
+        for _ in 0..HALVINGS {
+            let middle = (low + high) / 2.0;
+            if count(at(middle)) <= most { high = middle } else { low = middle }
+        }
+        at(high)
+    }
+
+    /// Cost of a region without its border, and whether its cheaper fill is a gradient.
+    pub(super) fn of_region(self, sums: &Moments) -> (f64, bool) {
+        let flat = sums.flat_error();
+        if sums.count() < self.gradient_area {
+            return (flat, false);
+        }
+        let gradient = sums.gradient_error() + GRADIENT_BYTES * self.error_per_byte;
+        (flat.min(gradient), gradient < flat)
+    }
+
+    /// Whether a secondary of `area` cells, whose colour differs by `difference` from the background,
+    /// saves more error than its bytes cost.
+    pub(super) fn is_worth(self, area: u32, difference: [i16; 3]) -> bool {
+        let squares: f64 = difference.iter().map(|&d| f64::from(d) * f64::from(d)).sum();
+        f64::from(area) * squares >= SECONDARY_BYTES * self.error_per_byte
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lowest_price_that_is_high_enough() {
+        let start = RateDistortion::new(&AnalyzeParams::default(), Grid { cells: 2 });
+        // The number of shapes falls with the square root of the cost.
+        let count =
+            |p: RateDistortion| (1000.0 / libm::sqrt(p.error_per_byte / start.error_per_byte)) as usize;
+        assert_eq!(start.with_limit(1000, count).error_per_byte, start.error_per_byte);
+        let found = start.with_limit(100, count);
+        assert_eq!(count(found), 100);
+        assert!(count(RateDistortion { error_per_byte: found.error_per_byte * 0.95, ..found }) > 100);
+        assert!(start.with_limit(0, |_| 5).error_per_byte > 1e9 * start.error_per_byte);
+    }
+}

@@ -1,0 +1,122 @@
+//! The nested layers of a weathered photograph: the layer of each element, and the background of each layer.
+
+use super::{Exemplar, background};
+use vtex_base::error::Result;
+use vtex_base::progress::Progress;
+use vtex_base::raster::LabelMap;
+use vtex_field::layers::{Count, FindParams, LayerMap, find};
+use vtex_scene::element::ElementId;
+use vtex_scene::library::{AnalyzeParams, Element, Instance, Layer, Role};
+use vtex_scene::scene::Field;
+
+/// The layers of a photograph.
+pub(super) struct Strata {
+    /// Their map; each large element lies in one of them. `None` if there is a single layer.
+    map: Option<LayerMap>,
+    /// The reason for their number, if it was decided.
+    pub(super) why: Option<String>,
+}
+
+impl Strata {
+    /// Finds the layers of an exemplar, or takes painted ones. `primaries` has a label above 0 for each
+    /// known element.
+    pub(super) fn new(
+        exemplar: &Exemplar,
+        primaries: &LabelMap,
+        params: &AnalyzeParams,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let order = || params.layer_order.iter().map(|&k| k as usize).collect::<Vec<_>>();
+        let (map, why) = match (&exemplar.layers, params.layers) {
+            (Some(painted), _) => {
+                painted.check_photograph(exemplar.image.dimensions())?;
+                let given = &params.layer_order;
+                let map = if given.is_empty() { painted.clone() } else { painted.reordered(&order())? };
+                (map, Some("as painted".into()))
+            }
+            (None, 1) => return Ok(Self { map: None, why: None }),
+            (None, count) => {
+                let count = if count == 0 { Count::Auto } else { Count::Fixed(count as usize) };
+                let order = (!params.layer_order.is_empty()).then(order);
+                let wanted = FindParams { count, order, seed: params.seed };
+                let found = find(&exemplar.image, Some(primaries), &wanted, progress)?;
+                (found.map, Some(found.decision.why))
+            }
+        };
+        if map.layers.len() < 2 {
+            return Ok(Self { map: None, why });
+        }
+        let areas = primaries.areas();
+        let least = LayerMap::least_element([primaries.width, primaries.height]);
+        let of = map.layers_of(primaries, areas.len().saturating_sub(1));
+        let map = map.settled(|i| {
+            let element = primaries.labels[i] as usize;
+            (element > 0 && areas[element] >= least).then(|| of[element - 1])
+        });
+        let map = map.without_unused();
+        Ok(Self { map: (map.layers.len() > 1).then_some(map), why })
+    }
+
+    /// The layers of the library. `textons` is above 0 in any element, `primaries` in large ones; `elements`
+    /// are those of the library.
+    pub(super) fn layers(
+        &self,
+        exemplar: &Exemplar,
+        [primaries, textons]: [&LabelMap; 2],
+        elements: &[Element],
+        (background, spacing): (Field, f64),
+        params: &AnalyzeParams,
+    ) -> Vec<Layer> {
+        let Some(map) = &self.map else {
+            return vtex_scene::library::Library::three_layers(elements, background, spacing);
+        };
+        let of_elements = self.of_elements(map, primaries, elements);
+        let regions = map.outlines([false; 2]);
+        let mut layers = Vec::new();
+        for (k, layer) in map.layers.iter().enumerate() {
+            let beside = |known: &LabelMap| {
+                let labels = known.labels.iter().zip(&map.labels.labels);
+                let labels = labels.map(|(&known, &l)| u32::from(known > 0 || l as usize != k)).collect();
+                LabelMap { labels, ..*known }
+            };
+            let field = background::palette(&exemplar.image, &beside(primaries), &beside(textons), params);
+            let own = |role: Role| {
+                let is_own = |i: &usize| {
+                    usize::from(of_elements[*i]) == k
+                        && elements[*i].category.is_some() == (role == Role::Primary)
+                };
+                (0..elements.len()).filter(is_own).map(|i| Instance::of(ElementId::after(i))).collect()
+            };
+            layers.push(Layer {
+                name: layer.name.clone(),
+                region: k.checked_sub(1).map(|above| regions[above].clone()),
+                colour: Some(layer.colour),
+                field: Some(field),
+                ..Layer::new(Role::Background)
+            });
+            for role in [Role::Secondary, Role::Primary] {
+                layers.push(Layer {
+                    name: format!("{} {}", layer.name, role.name()),
+                    spacing: (role == Role::Secondary).then_some(spacing),
+                    instances: own(role),
+                    ..Layer::new(role)
+                });
+            }
+        }
+        layers
+    }
+
+    /// The layer of each element: the one of most of its pixels, or the one at its centre if it is small.
+    fn of_elements(&self, map: &LayerMap, primaries: &LabelMap, elements: &[Element]) -> Vec<u8> {
+        let count = elements.partition_point(|e| e.category.is_some());
+        let mut of = map.layers_of(primaries, count);
+        of.extend(elements[count..].iter().map(|e| {
+            let [x, y] = [0, 1].map(|k| {
+                let size = [map.labels.width, map.labels.height][k];
+                (e.centroid[k] as u32).min(size - 1)
+            });
+            map.labels.get(x, y) as u8
+        }));
+        of
+    }
+}

@@ -1,0 +1,52 @@
+//! Shapes and maps that steer synthesis.
+
+use vtex_base::error::{Result, check};
+use vtex_base::geometry::Outline;
+use vtex_base::raster::{ControlMap, LabelMap};
+use vtex_scene::library::Library;
+
+/// Shapes and maps that steer synthesis. All maps are stretched over the canvas. The
+/// default steers nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Controls {
+    /// The shape to fill, in pixels of the canvas; by default all of the canvas. What becomes of
+    /// textons at its edge is in the parameters.
+    pub domain: Option<Outline>,
+    /// Density of primaries and secondaries relative to the exemplar's, 0 to 2.
+    pub density: Option<ControlMap>,
+    /// How much of each library there is, 0 to 1: one map for each of several libraries. What they
+    /// say counts relative to their sum. None for a single library.
+    pub shares: Vec<ControlMap>,
+    /// What leads the large structure of a single library; by default chance.
+    pub lead: Option<Lead>,
+}
+
+/// What leads the large structure. Placement by correspondences follows it.
+#[derive(Clone, Debug)]
+pub enum Lead {
+    /// The stratum of each pixel, by its number in the library.
+    Strata(LabelMap),
+    /// Lightness, 0 to 1. Its distribution is matched to that of the exemplar.
+    Lightness(ControlMap),
+}
+
+impl Controls {
+    /// Checks that the maps fit the libraries.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`](vtex_base::Error::Parameter) unless there is a map of shares for each library, or one library and
+    /// none; and for a lead of several libraries, or one with strata that the library does not have.
+    pub(crate) fn validate(&self, libraries: &[Library]) -> Result<()> {
+        let count = libraries.len();
+        check((1..=Self::MOST_LIBRARIES).contains(&count), "libraries", count, "1 to 16 libraries")?;
+        let maps = self.shares.len();
+        check(maps == count || (maps == 0 && count == 1), "map", maps, "a map of shares for each library")?;
+        check(self.lead.is_none() || count == 1, "libraries", count, "one library where a map leads")?;
+        let Some(Lead::Strata(map)) = &self.lead else { return Ok(()) };
+        let most = map.labels.iter().max().map_or(0, |&label| label as usize);
+        check(most < libraries[0].strata().len(), "control", most, "numbers of layers of the library, from 0")
+    }
+
+    /// Most libraries that one scene is made from.
+    pub const MOST_LIBRARIES: usize = 16;
+}

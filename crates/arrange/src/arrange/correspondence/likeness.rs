@@ -1,0 +1,167 @@
+//! Whether something looks like an element of its exemplar.
+//!
+//! A look is a small picture of an element: where it is within a square that is as large as the element
+//! itself, and of what colour there. Two hearts, a torn side, a shape that no element has: all make it unlike
+//! every element of the exemplar, more than these are unlike each other.
+
+use crate::arrange::model::{Model, PlaceableId};
+use vtex_base::parallel;
+use vtex_base::raster::LabelMap;
+use vtex_base::raster::colour::oklab;
+use vtex_scene::library::{Guide, Library};
+
+/// Points along a side of a look.
+const SIDE: usize = 11;
+/// Half the side of the square, in radii of a disk of the element's area.
+const HALF: f64 = 1.35;
+/// What a point counts that only one of two looks has, in squared Oklab; colours differ by no more.
+const MISSING: f32 = 0.04;
+/// Areas of elements that are compared, as a share of the larger.
+const AREA: f64 = 0.6;
+/// Elements of like area that are compared with each.
+const COMPARED: usize = 160;
+/// Elements from which it is learned how much they differ.
+const LEARNED: usize = 200;
+/// Fewest elements that teach it.
+const LEAST: usize = 8;
+/// Share of elements that are no further from the next than what is still alike.
+const USUAL: f64 = 0.5;
+
+/// What an element looks like.
+pub(super) struct Look {
+    points: Vec<Option<[f32; 3]>>,
+    area: f64,
+}
+
+impl Look {
+    /// Of something with a middle and an area, in pixels. `colour` gives that of a pixel of it, `None` beside it;
+    /// `turned` turns a way from the middle as the thing is turned.
+    pub(super) fn new(
+        middle: [f64; 2],
+        area: f64,
+        turned: impl Fn([f64; 2]) -> [f64; 2],
+        colour: impl Fn([i32; 2]) -> Option<[f32; 3]>,
+    ) -> Self {
+        let radius = libm::sqrt(area / std::f64::consts::PI);
+        let way = |k: usize| ((k as f64 + 0.5) / SIDE as f64 * 2.0 - 1.0) * HALF * radius;
+        let point = |i: usize| {
+            let [dx, dy] = turned([way(i % SIDE), way(i / SIDE)]);
+            colour([middle[0] + dx, middle[1] + dy].map(|v| libm::floor(v) as i32))
+        };
+        Self { points: (0..SIDE * SIDE).map(point).collect(), area }
+    }
+
+    /// Mean squared difference over the points that any of two looks has.
+    fn distance(&self, other: &Self) -> f64 {
+        let (mut sum, mut count) = (0f32, 0);
+        for (a, b) in self.points.iter().zip(&other.points) {
+            sum += match (a, b) {
+                (Some(a), Some(b)) => (0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f32>().min(MISSING),
+                (None, None) => continue,
+                _ => MISSING,
+            };
+            count += 1;
+        }
+        f64::from(sum) / f64::from(count.max(1))
+    }
+}
+
+/// The looks of all elements that can stand whole, and how much they differ.
+pub(super) struct Likeness {
+    /// By library and stratum: area, element and look, the smallest first.
+    groups: Vec<Group>,
+    /// The group of each element.
+    group_of: Vec<usize>,
+}
+
+struct Group {
+    members: Vec<(PlaceableId, Look)>,
+    /// Largest distance of something alike.
+    usual: f64,
+}
+
+impl Likeness {
+    /// `strata` holds the stratum of each element; libraries without a guide have no looks.
+    pub(super) fn new(libraries: &[Library], labels: &[LabelMap], model: &Model, strata: &[u8]) -> Self {
+        let keys: Vec<(usize, u8)> =
+            model.elements.iter().map(|e| e.library).zip(strata.iter().copied()).collect();
+        let mut kinds = keys.clone();
+        kinds.sort_unstable();
+        kinds.dedup();
+        let group_of: Vec<usize> = keys.iter().map(|key| kinds.binary_search(key).unwrap_or(0)).collect();
+        let colours: Vec<Option<Colours<'_>>> = libraries.iter().map(Colours::new).collect();
+        let all: Vec<PlaceableId> = (0..model.elements.len() as u32).map(PlaceableId).collect();
+        let looks = parallel::map(&all, |&id| {
+            let element = &model[id];
+            let colours = colours[element.library].as_ref().filter(|_| element.placeable)?;
+            let (map, label) = (&labels[element.library], element.index + 1);
+            let middle = libraries[element.library].primaries()[element.index as usize].centroid;
+            let colour =
+                |[x, y]: [i32; 2]| (map.at(x.into(), y.into()) == Some(label)).then(|| colours.at([x, y]));
+            Some(Look::new(middle, f64::from(model.plain(id).area), |way| way, colour))
+        });
+        let mut groups: Vec<Group> =
+            kinds.iter().map(|_| Group { members: Vec::new(), usual: f64::INFINITY }).collect();
+        for ((&id, look), &group) in all.iter().zip(looks).zip(&group_of) {
+            groups[group].members.extend(look.map(|look| (id, look)));
+        }
+        for group in &mut groups {
+            group.members.sort_by(|a, b| a.1.area.total_cmp(&b.1.area).then(a.0.cmp(&b.0)));
+            group.learn();
+        }
+        Self { groups, group_of }
+    }
+
+    /// The element that something looks like most, of those like `element` in kind, and whether it looks as
+    /// much like it as the exemplar's elements do like each other; `None` if there is no element of like size.
+    pub(super) fn nearest(&self, element: PlaceableId, look: &Look) -> Option<(PlaceableId, bool)> {
+        let group = &self.groups[self.group_of[element.0 as usize]];
+        let (nearest, distance) = group.nearest(look, None)?;
+        Some((nearest, distance <= group.usual))
+    }
+}
+
+impl Group {
+    /// The member nearest to a look, but for one, and its distance.
+    fn nearest(&self, look: &Look, but: Option<PlaceableId>) -> Option<(PlaceableId, f64)> {
+        let bound = |area: f64| self.members.partition_point(|(_, l)| l.area < area);
+        let range = bound(AREA * look.area)..bound(look.area / AREA);
+        let step = range.len().div_ceil(COMPARED).max(1);
+        let near = self.members[range].iter().step_by(step).filter(|(id, _)| Some(*id) != but);
+        let found = near.map(|(id, other)| (*id, look.distance(other)));
+        found.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
+    }
+
+    /// Learns how far members are from each other.
+    fn learn(&mut self) {
+        let step = self.members.len().div_ceil(LEARNED).max(1);
+        let some: Vec<&(PlaceableId, Look)> = self.members.iter().step_by(step).collect();
+        let nearest = parallel::map(&some, |(id, look)| self.nearest(look, Some(*id)).map(|n| n.1));
+        let mut distances: Vec<f64> = nearest.into_iter().flatten().collect();
+        if distances.len() >= LEAST {
+            distances.sort_by(f64::total_cmp);
+            self.usual = distances[(USUAL * (distances.len() - 1) as f64) as usize];
+        }
+    }
+}
+
+/// The colours of a guide.
+pub(super) struct Colours<'a> {
+    guide: &'a Guide,
+    of_cells: Vec<[f32; 3]>,
+}
+
+impl<'a> Colours<'a> {
+    /// `None` for a library without a guide.
+    pub(super) fn new(library: &'a Library) -> Option<Self> {
+        let guide = library.guide.as_ref()?;
+        Some(Self { guide, of_cells: guide.picture.0.pixels().map(|p| oklab(p.0)).collect() })
+    }
+
+    /// The colour at a pixel of the exemplar.
+    pub(super) fn at(&self, pixel: [i32; 2]) -> [f32; 3] {
+        let (width, height) = self.guide.picture.0.dimensions();
+        let [x, y] = pixel.map(|v| v.max(0) as u32 / self.guide.cell);
+        self.of_cells[(y.min(height - 1) * width + x.min(width - 1)) as usize]
+    }
+}

@@ -1,0 +1,353 @@
+//! Placement by correspondences: elements carried along a field that says from where in the exemplar
+//! each place comes.
+//!
+//! The descriptors of the paper see a few textons around one. What is larger, clouds of rust, courses
+//! of a wall, is kept by copying whole islands of the exemplar, as synthesis of pixels does; but what is
+//! copied is what stands there: primaries, secondaries, the colours of the region.
+
+mod alike;
+mod cover;
+mod fused;
+mod instances;
+mod lead;
+mod likeness;
+mod pages;
+mod resolve;
+mod secondaries;
+mod shares;
+
+use super::controls::Controls;
+use super::grid::{Grid, Part};
+use super::model::{Model, VariantId};
+use super::region::Region;
+use alike::Alike;
+use cover::Cover;
+use image::{Rgb, RgbImage};
+use instances::Kinds;
+use lead::Lead;
+use pages::Pages;
+use resolve::{Outcome, Resolver};
+pub(crate) use secondaries::Arrived;
+use serde::Serialize;
+use vtex_base::error::{Error, Result};
+use vtex_base::parallel;
+use vtex_base::progress::{Progress, advance};
+use vtex_base::raster::picture::label_colour;
+use vtex_base::raster::{LabelMap, Mask};
+use vtex_base::sampling::stream;
+use vtex_field::correspondence::{Field, Islands, Request, find};
+use vtex_scene::lattice::{Lattice, Phases};
+use vtex_scene::library::Library;
+use vtex_scene::scene::{Edge, LatticeChoice, SynthParams};
+
+/// Cells beyond the borders of the canvas, where it does not repeat.
+const MARGIN: i32 = 6;
+
+/// Largest stray of a lattice onto which elements are moved in a packed exemplar, in pixels.
+const MOST_STRAY: f64 = 1.0;
+
+/// Farthest that an element is moved onto a lattice, in cells: offsets may miss by a cell and a half.
+const MOST_MOVED: f64 = 2.0;
+
+/// What came along a field of correspondences. Shares are of the canvas.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Structure {
+    /// Islands, each from one place of an exemplar.
+    pub islands: usize,
+    /// Share on which primaries are wanted.
+    pub wanted: f64,
+    /// Primaries that came whole.
+    pub whole: usize,
+    /// Primaries in place of others like them that came in part.
+    pub like: usize,
+    /// Primaries made of the parts of others.
+    pub fused: usize,
+    /// Share that those cover.
+    pub fused_share: f64,
+    /// Share that is wanted but empty.
+    pub empty: f64,
+    /// Share that is covered but not wanted.
+    pub unwanted: f64,
+}
+
+/// Elements that came along a field.
+pub(super) struct Carried {
+    /// Variants, fused ones included, and their places on the grid, in the order in which they stand.
+    pub(super) elements: Vec<(VariantId, [i32; 2])>,
+    pub(super) structure: Structure,
+}
+
+/// A canvas as a mosaic of its exemplars.
+pub(crate) struct Correspondence {
+    pages: Pages,
+    field: Field,
+    /// The lattice of each library, and how its phases run over the canvas.
+    lattices: Vec<Option<(Lattice, Phases)>>,
+    /// Cells beside the canvas, left and above.
+    margin: [i32; 2],
+}
+
+impl Correspondence {
+    /// Finds the correspondences of a canvas.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if a library has no guide, [`Error::Interrupted`].
+    pub(super) fn new(
+        (libraries, controls): (&[Library], &Controls),
+        model: &Model,
+        grid: &Grid,
+        region: &Region<'_>,
+        params: &SynthParams,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let lead = Lead::new(libraries, controls);
+        let classes = lead.as_ref().map(Lead::of_exemplar);
+        let lattices = lattices(libraries, params)?;
+        let wrap = [params.tile.x, params.tile.y];
+        let margin = wrap.map(|w| if w { 0 } else { MARGIN });
+        let pages = Pages::new(libraries, model, classes, &lattices, margin).ok_or_else(no_guide)?;
+        let cells =
+            |k: usize, size: u32| (size as usize).div_ceil(pages.cell as usize) + 2 * margin[k] as usize;
+        let size = [cells(0, params.width), cells(1, params.height)];
+        let place =
+            |x: usize, y: usize| [0, 1].map(|k| ([x, y][k] as i32 - margin[k]) * pages.cell + pages.cell / 2);
+        let groups = match &lead {
+            Some(lead) => Some(lead.of_cells([params.width, params.height], size, place)),
+            None => shares::libraries(grid, region, model, params.seed, size, place),
+        };
+        let active = shares::active(grid, region, size, place);
+        let request = Request { pages: &pages.pages, size, wrap, groups, active, seed: params.seed };
+        let field = find(&request, progress)?;
+        let this = Self { pages, field, lattices, margin };
+        progress.picture("correspondence", &|| this.picture(libraries, model, params));
+        progress.picture("islands", &|| this.islands_picture(params));
+        Ok(this)
+    }
+
+    /// Whether the field says where a pixel beside or on the canvas comes from.
+    fn reaches(&self, at: [i32; 2]) -> bool {
+        let cell = self.pages.cell;
+        (0..2).all(|k| (0..self.field.size[k] as i32 * cell).contains(&(at[k] + self.margin[k] * cell)))
+    }
+
+    /// The primaries that came along, and those fused of parts, which the model then knows.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
+    pub(super) fn carry(
+        &self,
+        libraries: &[Library],
+        model: &mut Model,
+        grid: &Grid,
+        region: &Region<'_>,
+        params: &SynthParams,
+        progress: &dyn Progress,
+    ) -> Result<Carried> {
+        let step = |done: u64| advance(progress, "carrying", done, 4);
+        step(0)?;
+        let kinds = Kinds::new(libraries, model);
+        let instances = instances::find(self, model, grid, &kinds);
+        step(1)?;
+        let alike = Alike::new(libraries, model);
+        let mut cover = Cover::new(grid, &instances);
+        let resolver = Resolver::new(self, libraries, model, grid, (&alike, &kinds.strata), &cover);
+        let allowed = |mask: &Mask, at: [i32; 2]| {
+            let middle = mask.centroid().map_or(at, |(x, y)| [at[0] + x as i32, at[1] + y as i32]);
+            stands(grid, region, mask, at, middle)
+        };
+        step(2)?;
+        let outcomes = parallel::map(&instances, |instance| resolver.resolve(instance, allowed));
+        step(3)?;
+        let packed: Vec<bool> = (0..libraries.len()).map(|library| resolver.is_packed(library)).collect();
+        let mut structure =
+            Structure { islands: Islands::new(&self.field).sizes.len(), ..Structure::default() };
+        let mut elements = Vec::with_capacity(instances.len());
+        for (instance, outcome) in instances.iter().zip(outcomes) {
+            let standing = match outcome {
+                Outcome::Whole(standing) => {
+                    structure.whole += standing.len();
+                    standing
+                }
+                Outcome::Like(variant, at) => {
+                    structure.like += 1;
+                    vec![(variant, at)]
+                }
+                Outcome::Fused(element, mask) => {
+                    let (variant, at) = (instance.main().variant, instance.main().at);
+                    structure.fused += 1;
+                    structure.fused_share += cover.share(&mask, at);
+                    vec![(model.add_fused(variant, mask, *element), at)]
+                }
+                Outcome::Nothing => Vec::new(),
+            };
+            let library = model.element(instance.main().variant).library;
+            for (variant, at) in standing {
+                cover.take(&model.shape(variant).mask, at);
+                elements.push((variant, self.on_lattice(model, grid, packed[library], (variant, at))));
+            }
+        }
+        (structure.wanted, structure.empty, structure.unwanted) = cover.shares();
+        if self.lattices.iter().any(Option::is_some) && model.variations.len() > 1 {
+            vary(&mut elements, &self.lattices, model, params.seed);
+        }
+        step(4)?;
+        Ok(Carried { elements, structure })
+    }
+
+    /// The place of a variant, moved to where its offset from the exemplar is a vector of the lattice, if
+    /// there is one. Not in a packed exemplar whose elements stray: joints would open.
+    fn on_lattice(
+        &self,
+        model: &Model,
+        grid: &Grid,
+        packed: bool,
+        (variant, at): (VariantId, [i32; 2]),
+    ) -> [i32; 2] {
+        let element = model.element(variant);
+        let Some((lattice, canvas)) = &self.lattices[element.library] else { return at };
+        if lattice.stray > MOST_STRAY && packed {
+            return at;
+        }
+        let place = [0, 1].map(|k| f64::from(at[k] - grid.margin[k]));
+        let way = lattice.residual(canvas, element.origin.map(f64::from), place);
+        // An element in place of another may have another phase; it stays where it is.
+        if libm::hypot(way[0], way[1]) > MOST_MOVED * f64::from(self.pages.cell) {
+            return at;
+        }
+        [0, 1].map(|k| at[k] + libm::round(way[k]) as i32)
+    }
+
+    /// Page and pixel there that a pixel of the canvas comes from; the pixel may lie beside the
+    /// canvas by less than the margin.
+    fn source(&self, [x, y]: [i32; 2]) -> (usize, [i32; 2]) {
+        let cell = self.pages.cell;
+        let at = [x + self.margin[0] * cell, y + self.margin[1] * cell];
+        let [cx, cy] = at.map(|v| v.div_euclid(cell));
+        let [cx, cy] =
+            [cx.clamp(0, self.field.size[0] as i32 - 1), cy.clamp(0, self.field.size[1] as i32 - 1)];
+        let source = self.field.sources[cy as usize * self.field.size[0] + cx as usize];
+        let place = [0, 1].map(|k| i32::from(source.at[k]) * cell + at[k].rem_euclid(cell));
+        (usize::from(source.page), place)
+    }
+
+    /// Side of a cell, in pixels.
+    pub(crate) fn cell(&self) -> i32 {
+        self.pages.cell
+    }
+
+    /// Which primary stands where in each exemplar.
+    pub(crate) fn labels(&self) -> &[LabelMap] {
+        &self.pages.labels
+    }
+
+    /// Library and place in its exemplar that a place of the canvas comes from.
+    pub(crate) fn origin(&self, model: &Model, at: [f64; 2]) -> (usize, [f64; 2]) {
+        let (page, there) = self.source(at.map(|v| libm::floor(v) as i32));
+        let sheet = &self.pages.sheets[page];
+        let place = sheet.exemplar(model, there).unwrap_or([0, 0]);
+        (sheet.library, place.map(|v| f64::from(v) + 0.5))
+    }
+
+    /// The labels of the exemplar's pixels where the cells of the canvas come from. `labels` are those of the
+    /// only library.
+    pub(crate) fn labels_of_cells(&self, model: &Model, labels: &LabelMap, canvas: [u32; 2]) -> LabelMap {
+        let [width, height] = canvas.map(|v| v.div_ceil(self.pages.cell as u32));
+        let mut cells = LabelMap::filled(width, height, 0);
+        for y in 0..height {
+            for x in 0..width {
+                let middle = [x, y].map(|v| f64::from(v as i32 * self.pages.cell + self.pages.cell / 2));
+                let (_, place) = self.origin(model, middle);
+                cells.set(x, y, labels.at(place[0] as i64, place[1] as i64).unwrap_or(0));
+            }
+        }
+        cells
+    }
+
+    /// The guides' colours where the field points.
+    fn picture(&self, libraries: &[Library], model: &Model, params: &SynthParams) -> RgbImage {
+        RgbImage::from_fn(params.width, params.height, |x, y| {
+            let (page, at) = self.source([x as i32, y as i32]);
+            let sheet = &self.pages.sheets[page];
+            let guide = libraries[sheet.library].guide.as_ref();
+            let colour = guide
+                .zip(sheet.exemplar(model, at))
+                .map(|(g, [ex, ey])| *g.picture.0.get_pixel(ex as u32 / g.cell, ey as u32 / g.cell));
+            colour.unwrap_or(Rgb([0; 3]))
+        })
+    }
+
+    /// The islands, each in a colour of its own.
+    fn islands_picture(&self, params: &SynthParams) -> RgbImage {
+        let islands = Islands::new(&self.field);
+        let cell = self.pages.cell;
+        RgbImage::from_fn(params.width, params.height, |x, y| {
+            let [cx, cy] = [0, 1].map(|k| ([x, y][k] as i32 / cell + self.margin[k]) as usize);
+            Rgb(label_colour(islands.of[cy * self.field.size[0] + cx] + 1))
+        })
+    }
+}
+
+/// Turns and mirrors each whole element of libraries with a lattice where it stands: pages that are varied as a
+/// whole would have other rows.
+fn vary(
+    elements: &mut [(VariantId, [i32; 2])],
+    lattices: &[Option<(Lattice, Phases)>],
+    model: &Model,
+    seed: u64,
+) {
+    for (i, (variant, _)) in elements.iter_mut().enumerate() {
+        let element = model.element(*variant);
+        if lattices[element.library].is_some() && element.fused.is_none() {
+            let mut random = stream(seed, "correspondence/variations", i as u64);
+            *variant = model.draw_variant(model.element_of(*variant), &mut random);
+        }
+    }
+}
+
+/// The lattice of each library, and how its phases run over the canvas.
+///
+/// # Errors
+/// [`Error::Periods`] if a canvas that repeats has no room for whole periods.
+fn lattices(libraries: &[Library], params: &SynthParams) -> Result<Vec<Option<(Lattice, Phases)>>> {
+    let of = |library: &Library| {
+        let lattice = match &params.lattice {
+            LatticeChoice::Auto => library.lattice.clone().filter(Lattice::is_kept),
+            LatticeChoice::Off => None,
+            LatticeChoice::Vectors(vectors) => Some(Lattice::new(vectors)?),
+        };
+        let Some(lattice) = lattice else { return Ok(None) };
+        let tile = [params.tile.x, params.tile.y];
+        let phases = lattice.phases_of_tile([params.width, params.height], tile)?;
+        Ok(Some((lattice, phases)))
+    };
+    libraries.iter().map(of).collect()
+}
+
+/// A library without a guide cannot be followed.
+pub(crate) fn no_guide() -> Error {
+    Error::Parameter {
+        name: "method",
+        value: "correspondence".into(),
+        allowed: "for libraries with a guide, which those of older versions lack (analyse the photograph again)",
+    }
+}
+
+/// Whether a mask may stand at a place: in a zone that correspondences serve, as the edge of the domain
+/// allows.
+fn stands(grid: &Grid, region: &Region<'_>, mask: &Mask, at: [i32; 2], middle: [i32; 2]) -> bool {
+    if region.is_plain() {
+        return true;
+    }
+    let served = |zone| region.is_carried(zone);
+    let canvas =
+        || mask.spans().iter().flat_map(|&s| grid.parts(s, at)).flat_map(|Part { canvas, .. }| canvas);
+    let inside = grid.canvas_cell(middle).and_then(|i| region.zone(i));
+    match region.edge {
+        Edge::Clip => inside.or_else(|| canvas().find_map(|i| region.zone(i))).is_some_and(served),
+        Edge::Keep => inside.is_some_and(served),
+        Edge::Avoid => {
+            inside.is_some_and(served)
+                && canvas().filter(|&i| region.zone(i).is_some()).count() as u32 == mask.area()
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Secondaries that come along with their islands.
+
+use super::Correspondence;
+use crate::arrange::model::Model;
+use std::sync::OnceLock;
+use vtex_base::geometry::{Point, Region};
+use vtex_scene::library::Library;
+
+/// Least share of a secondary that has arrived, if the cell of its origin has not.
+const ARRIVED: f64 = 0.4;
+/// Side of the buckets in which secondaries are sought, in pixels.
+const BUCKET: i32 = 8;
+
+/// A secondary that came along.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arrived {
+    /// Its index in its library.
+    pub(crate) secondary: u32,
+    /// Place of its origin on the canvas, in pixels.
+    pub(crate) at: [i32; 2],
+    /// Index of its variation in the model.
+    pub(crate) variation: u16,
+}
+
+/// A secondary on a page.
+struct Held {
+    /// Row and column of the cell of its origin.
+    cell: (u16, u16),
+    secondary: u32,
+    /// Place of its origin within the cell.
+    within: [i32; 2],
+}
+
+impl Correspondence {
+    /// The secondaries of a library that came along, with the places of their origins on the canvas:
+    /// each where the cell that holds its origin came to lie, so that islands
+    /// bring theirs whole and their number is that of the exemplar; and at the borders of islands those of
+    /// which a good part arrived without.
+    pub(crate) fn secondaries(&self, library: &Library, number: usize, model: &Model) -> Vec<Arrived> {
+        let cell = self.pages.cell;
+        let mut placed = Vec::new();
+        let held: Vec<Vec<Held>> = (0..self.pages.sheets.len())
+            .map(|k| {
+                let own = self.pages.sheets[k].library == number;
+                if own { self.held(library, k, model) } else { Vec::new() }
+            })
+            .collect();
+        let [w, h] = self.field.size;
+        for y in 0..h {
+            for x in 0..w {
+                let source = self.field.sources[y * w + x];
+                let page = usize::from(source.page);
+                let key = (source.at[1], source.at[0]);
+                let first = held[page].partition_point(|s| s.cell < key);
+                for s in held[page][first..].iter().take_while(|s| s.cell == key) {
+                    let at = [0, 1].map(|k| ([x, y][k] as i32 - self.margin[k]) * cell + s.within[k]);
+                    placed.push(self.arrived(page, s.secondary, at));
+                }
+            }
+        }
+        let without = self.arrived_without_origin(library, number, model, &placed);
+        placed.extend(without);
+        placed
+    }
+
+    fn arrived(&self, page: usize, secondary: u32, at: [i32; 2]) -> Arrived {
+        Arrived { secondary, at, variation: self.pages.sheets[page].variation }
+    }
+
+    /// The secondaries of a page by the cells of their origins.
+    fn held(&self, library: &Library, page: usize, model: &Model) -> Vec<Held> {
+        let (sheet, cell) = (&self.pages.sheets[page], self.pages.cell);
+        let size = self.pages.pages[page].size;
+        let mut held = Vec::new();
+        for (k, s) in library.secondaries().iter().enumerate() {
+            sheet.copies(model, s.origin(), size.map(|v| v as i32 * cell), |at| {
+                let within = at.map(|v| v.rem_euclid(cell));
+                held.push(Held {
+                    cell: ((at[1] / cell) as u16, (at[0] / cell) as u16),
+                    secondary: k as u32,
+                    within,
+                });
+            });
+        }
+        held.sort_unstable_by_key(|s| (s.cell, s.secondary));
+        held
+    }
+
+    /// Secondaries at the borders of islands of which enough arrived, but not the cell of their origin:
+    /// without them seams would be bare where secondaries tile the background.
+    fn arrived_without_origin(
+        &self,
+        library: &Library,
+        number: usize,
+        model: &Model,
+        placed: &[Arrived],
+    ) -> Vec<Arrived> {
+        let cell = self.pages.cell;
+        let shapes = Shapes::new(library);
+        let mut votes: Vec<(u32, [i32; 2], usize)> = Vec::new();
+        let [w, h] = self.field.size;
+        for y in 0..h {
+            for x in 0..w {
+                let page = usize::from(self.field.sources[y * w + x].page);
+                let sheet = &self.pages.sheets[page];
+                if sheet.library != number || !self.is_seam([x, y]) {
+                    continue;
+                }
+                let canvas = [0, 1].map(|k| ([x, y][k] as i32 - self.margin[k]) * cell + cell / 2);
+                let (_, there) = self.source(canvas);
+                let Some(place) = sheet.exemplar(model, there) else { continue };
+                if let Some(secondary) = shapes.at(library, place) {
+                    let own = library.secondaries()[secondary as usize].origin();
+                    let own = sheet.on_page(model, own, there);
+                    votes.push((secondary, [0, 1].map(|k| canvas[k] + own[k] - there[k]), page));
+                }
+            }
+        }
+        votes.sort_unstable();
+        let mut known: Vec<(u32, [i32; 2])> = placed.iter().map(|p| (p.secondary, p.at)).collect();
+        known.sort_unstable();
+        let arrived = |votes: &&[(u32, [i32; 2], usize)]| {
+            let (secondary, at, _) = votes[0];
+            let area = f64::from(library.secondaries()[secondary as usize].area);
+            let enough = votes.len() as f64 * f64::from(cell * cell) >= ARRIVED * area;
+            enough && known.binary_search(&(secondary, at)).is_err()
+        };
+        let groups = votes.chunk_by(|a, b| a == b).filter(arrived);
+        groups.map(|v| self.arrived(v[0].2, v[0].0, v[0].1)).collect()
+    }
+
+    /// Whether another island is within two cells of a cell.
+    fn is_seam(&self, [x, y]: [usize; 2]) -> bool {
+        let [w, h] = self.field.size;
+        let own = self.field.sources[y * w + x];
+        let continues = |dx: i64, dy: i64| {
+            let (u, v) = (x as i64 + dx, y as i64 + dy);
+            if u < 0 || v < 0 || u >= w as i64 || v >= h as i64 {
+                return true;
+            }
+            let other = self.field.sources[v as usize * w + u as usize];
+            other.page == own.page
+                && i64::from(other.at[0]) - i64::from(own.at[0]) == dx
+                && i64::from(other.at[1]) - i64::from(own.at[1]) == dy
+        };
+        ![(-2, 0), (2, 0), (0, -2), (0, 2), (-1, -1), (1, -1), (-1, 1), (1, 1)]
+            .iter()
+            .all(|&(dx, dy)| continues(dx, dy))
+    }
+}
+
+/// The shapes of an exemplar's secondaries, by place.
+struct Shapes {
+    columns: i32,
+    rows: i32,
+    /// Secondaries whose boxes touch each bucket.
+    buckets: Vec<Vec<u32>>,
+    /// Made when first asked.
+    regions: Vec<OnceLock<Region>>,
+}
+
+impl Shapes {
+    fn new(library: &Library) -> Self {
+        let [columns, rows] = [library.source.width, library.source.height].map(|v| v as i32 / BUCKET + 1);
+        let mut buckets = vec![Vec::new(); (columns * rows) as usize];
+        for (k, s) in library.secondaries().iter().enumerate() {
+            let b = s.outline().bounds();
+            let range = |low: f64, high: f64, count: i32| {
+                let bucket = |v: f64| (libm::floor(v) as i32 / BUCKET).clamp(0, count - 1);
+                bucket(low)..=bucket(high)
+            };
+            for row in range(b.y0, b.y1, rows) {
+                for column in range(b.x0, b.x1, columns) {
+                    buckets[(row * columns + column) as usize].push(k as u32);
+                }
+            }
+        }
+        let regions = library.secondaries().iter().map(|_| OnceLock::new()).collect();
+        Self { columns, rows, buckets, regions }
+    }
+
+    /// The secondary on a pixel of the exemplar.
+    fn at(&self, library: &Library, [x, y]: [i32; 2]) -> Option<u32> {
+        let (column, row) = ((x / BUCKET).clamp(0, self.columns - 1), (y / BUCKET).clamp(0, self.rows - 1));
+        let middle = Point::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let holds = |&&k: &&u32| {
+            let outline = library.secondaries()[k as usize].outline();
+            self.regions[k as usize].get_or_init(|| Region::new(outline)).contains(middle)
+        };
+        self.buckets[(row * self.columns + column) as usize].iter().find(holds).copied()
+    }
+}

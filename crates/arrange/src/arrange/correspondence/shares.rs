@@ -1,0 +1,75 @@
+//! Which library each cell takes its source from, and which cells need none.
+
+use crate::arrange::grid::Grid;
+use crate::arrange::model::Model;
+use crate::arrange::region::Region;
+use crate::arrange::sites::scattered;
+use vtex_base::sampling::stream;
+
+/// Cells further than this from all that is to be filled need no source, in pixels.
+const AROUND: i32 = 24;
+
+/// The library of every cell; none for one library. Where several have a part, each has regions of
+/// some elements, as many as its share.
+pub(super) fn libraries(
+    grid: &Grid,
+    region: &Region<'_>,
+    model: &Model,
+    seed: u64,
+    size: [usize; 2],
+    place: impl Fn(usize, usize) -> [i32; 2],
+) -> Option<Vec<u8>> {
+    if !region.is_shared() {
+        return None;
+    }
+    let mut random = stream(seed, "correspondence/libraries", 0);
+    let canvas = grid.canvas();
+    let radius = f64::from(model.half.max(8));
+    let sites = scattered(grid, radius, radius, &mut random);
+    // What decides for a library, the same for all cells of a site.
+    let draws: Vec<f64> = sites.centres().iter().map(|_| random.unit()).collect();
+    let library = |at: [i32; 2]| {
+        let at = [0, 1].map(|k| at[k].clamp(0, canvas[k] as i32 - 1));
+        let draw = sites.owner(at).map_or(0.5, |site| draws[site]);
+        let shares = region.shares(at.map(f64::from));
+        let mut sum = 0.0;
+        let known = model.sources.len();
+        let found = (0..known).find(|&k| {
+            sum += shares[k];
+            shares[k] > 0.0 && draw < sum
+        });
+        found.unwrap_or_else(|| (0..known).rev().find(|&k| shares[k] > 0.0).unwrap_or(0)) as u8
+    };
+    Some(
+        (0..size[1])
+            .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
+            .map(|(x, y)| library(place(x, y)))
+            .collect(),
+    )
+}
+
+/// Which cells need a source; none if all do.
+pub(super) fn active(
+    grid: &Grid,
+    region: &Region<'_>,
+    size: [usize; 2],
+    place: impl Fn(usize, usize) -> [i32; 2],
+) -> Option<Vec<bool>> {
+    if region.is_plain() {
+        return None;
+    }
+    let wanted = |at: [i32; 2]| {
+        let at = [0, 1].map(|k| at[k] + grid.margin[k]);
+        grid.canvas_cell(at).is_some_and(|i| region.cell_is_carried(i))
+    };
+    let near = |at: [i32; 2]| {
+        let step = AROUND / 2;
+        (-2..=2).any(|v| (-2..=2).any(|u| wanted([at[0] + u * step, at[1] + v * step])))
+    };
+    Some(
+        (0..size[1])
+            .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
+            .map(|(x, y)| near(place(x, y)))
+            .collect(),
+    )
+}

@@ -1,0 +1,188 @@
+//! Bands of the target map that are filled apart from each other, and put together again.
+//!
+//! Rows are divided into bands. Every second band is taken out, with so many rows around it that
+//! nothing placed for a request within the band can matter beyond; these windows have no cell in
+//! common, so they may be filled at the same time. Then the other bands follow, which see what now
+//! stands around them. What comes of it depends on the bands, not on who fills them when.
+
+use super::target::{Request, TargetMap};
+use crate::arrange::choice::Choice;
+use crate::arrange::grid::Grid;
+use crate::arrange::model::Model;
+use crate::arrange::occupancy::{Owner, PlacedId, RequestId, Standing};
+use std::ops::Range;
+use vtex_base::sampling::Sums;
+
+/// Fewest rows of a band.
+const LEAST_ROWS: i32 = 192;
+/// With fewer bands nothing is gained.
+const FEWEST: i32 = 4;
+
+/// How the rows of a map are divided.
+pub(in crate::arrange) struct Bands {
+    /// Rows around each band that its window holds too.
+    halo: i32,
+    /// The rows of each band.
+    pub(super) cores: Vec<Range<i32>>,
+}
+
+impl Bands {
+    /// Bands for a map; none if it is too small.
+    pub(in crate::arrange) fn new(model: &Model, grid: &Grid) -> Option<Self> {
+        // A texton at the edge of a band, and its descriptor.
+        let halo = model.half + model.reach + 2;
+        let mut count = grid.height / LEAST_ROWS.max(2 * halo);
+        if grid.tile.y {
+            count -= count % 2; // The last is the first one's neighbour.
+        }
+        let start = |k: i32| (i64::from(k) * i64::from(grid.height) / i64::from(count)) as i32;
+        (count >= FEWEST).then(|| Self { halo, cores: (0..count).map(|k| start(k)..start(k + 1)).collect() })
+    }
+
+    /// A band's window of a map.
+    pub(super) fn window<'a>(&self, map: &TargetMap<'a>, band: usize) -> Window<'a> {
+        let core = &self.cores[band];
+        let mut rows = core.start - self.halo..core.end + self.halo;
+        if !map.grid().tile.y {
+            rows = rows.start.max(0)..rows.end.min(map.grid().height);
+        }
+        Window::new(map, rows, core)
+    }
+}
+
+/// A window of a map, a map of its own.
+pub(super) struct Window<'a> {
+    pub(super) map: TargetMap<'a>,
+    rows: Range<i32>,
+    /// Elements and requests that the whole map had.
+    placed: usize,
+    requests: usize,
+}
+
+/// The changes made in a window.
+pub(super) struct Filled {
+    rows: Range<i32>,
+    /// Elements and requests that the whole map had when the window was made.
+    known: (u32, u32),
+    state: Vec<u16>,
+    owner: Vec<Owner>,
+    placed: Vec<Standing>,
+    /// Cells by which what stood before became less visible.
+    hidden: Vec<(usize, u32)>,
+    requests: Vec<Request>,
+    /// Requests of the band, all of them dealt with.
+    done: Vec<RequestId>,
+    deferred: Vec<RequestId>,
+    /// Change of the cells covered, by zone and category.
+    covered: Vec<Vec<i64>>,
+}
+
+impl<'a> Window<'a> {
+    fn new(whole: &TargetMap<'a>, rows: Range<i32>, core: &Range<i32>) -> Self {
+        let grid = whole.grid();
+        // Across a seam, what is nearest to the window.
+        let beside = (grid.height - rows.len() as i32) / 2;
+        let place = |[x, y]: [i32; 2]| {
+            let local = y - rows.start;
+            [x, if grid.tile.y { (local + beside).rem_euclid(grid.height) - beside } else { local }]
+        };
+        let mut map = TargetMap::new(whole.cells.band(&rows, place));
+        map.core = Some(core.start - rows.start..core.end - rows.start);
+        map.requests = whole.requests.iter().map(|r| Request { at: place(r.at), ..*r }).collect();
+        map.weights = Sums::zeros(map.requests.len());
+        for i in 0..map.requests.len() {
+            if map.in_core(RequestId(i as u32)) {
+                map.weights.set(i, whole.weights.get(i));
+            }
+        }
+        let (placed, requests) = (whole.cells.placed.len(), whole.requests.len());
+        Self { map, rows, placed, requests }
+    }
+
+    /// The changes that the whole map takes over.
+    pub(super) fn filled(self, whole: &TargetMap<'_>) -> Filled {
+        let Self { mut map, rows, placed, requests } = self;
+        let place = |at: [i32; 2]| whole.grid().canonical([at[0], at[1] + rows.start]);
+        let before = |(i, p): (usize, &Standing)| (i, whole.cells.placed[i].visible - p.visible);
+        let hidden = map.cells.placed[..placed].iter().enumerate().map(before).filter(|h| h.1 > 0).collect();
+        let change = |(new, old): (&Vec<u64>, &Vec<u64>)| {
+            new.iter().zip(old).map(|(n, o)| *n as i64 - *o as i64).collect()
+        };
+        let new = map.cells.placed[placed..].iter();
+        Filled {
+            hidden,
+            placed: new.map(|p| Standing { at: place(p.at), ..*p }).collect(),
+            requests: map.requests[requests..].iter().map(|r| Request { at: place(r.at), ..*r }).collect(),
+            done: (0..requests as u32).map(RequestId).filter(|&id| map.in_core(id)).collect(),
+            deferred: std::mem::take(&mut map.deferred),
+            covered: map.cells.covered.iter().zip(&whole.cells.covered).map(change).collect(),
+            state: map.cells.state,
+            owner: map.cells.owner,
+            known: (placed as u32, requests as u32),
+            rows,
+        }
+    }
+}
+
+impl Filled {
+    /// A request as the whole map numbers it, which has `more` requests than when the window was made.
+    fn request(&self, id: RequestId, more: u32) -> RequestId {
+        if id.0 >= self.known.1 { RequestId(id.0 + more) } else { id }
+    }
+
+    /// An owner as the whole map numbers it, which has `more` elements and requests.
+    fn owner(&self, owner: Owner, more: (u32, u32)) -> Owner {
+        if let Some(request) = owner.as_request() {
+            return Owner::request(self.request(request, more.1));
+        }
+        match owner.as_placed() {
+            Some(id) if id.0 >= self.known.0 => Owner::placed(PlacedId(id.0 + more.0)),
+            _ => owner,
+        }
+    }
+}
+
+impl TargetMap<'_> {
+    /// Takes over what was done in the windows of one batch, in their order.
+    pub(super) fn absorb(&mut self, windows: Vec<Filled>, choice: &mut Choice) {
+        let mut again = Vec::new();
+        for filled in windows {
+            // Windows numbered what is new as if they were alone.
+            let more = (
+                self.cells.placed.len() as u32 - filled.known.0,
+                self.requests.len() as u32 - filled.known.1,
+            );
+            let width = self.grid().width as usize;
+            let lines = filled.state.chunks_exact(width).zip(filled.owner.chunks_exact(width));
+            for (row, (state, owners)) in filled.rows.clone().zip(lines) {
+                let start = self.grid().index(0, row.rem_euclid(self.grid().height));
+                self.cells.state[start..start + width].copy_from_slice(state);
+                for (to, &from) in self.cells.owner[start..start + width].iter_mut().zip(owners) {
+                    *to = filled.owner(from, more);
+                }
+            }
+            for &(i, cells) in &filled.hidden {
+                self.cells.placed[i].visible -= cells;
+            }
+            for &placed in &filled.placed {
+                choice.used(self.model(), placed.variant);
+                self.cells.adopt(placed);
+            }
+            for done in &filled.done {
+                self.weights.set(done.0 as usize, 0);
+            }
+            for &new in &filled.requests {
+                self.requests.push(new);
+                self.weights.push(0);
+            }
+            again.extend(filled.deferred.iter().map(|&id| filled.request(id, more.1)));
+            let totals = self.cells.covered.iter_mut().flatten();
+            for (total, change) in totals.zip(filled.covered.iter().flatten()) {
+                *total = total.wrapping_add_signed(*change);
+            }
+        }
+        again.sort_unstable();
+        again.dedup();
+        again.into_iter().for_each(|request| self.weigh(request));
+    }
+}

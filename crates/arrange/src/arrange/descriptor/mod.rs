@@ -1,0 +1,317 @@
+//! Placement by descriptors (paper §3.2.1, algorithms 1 and 2).
+//!
+//! A region is the texton that a descriptor asked for: textons of one category that touch are
+//! separate regions, so packed exemplars are matched stone by stone.
+//!
+//! # What an attempt costs, and why few fail
+//!
+//! The paper draws a cell of the map for each attempt, finds its region anew, scores twenty
+//! candidates, and leaves the map as it is when none is good enough: four of five attempts fail,
+//! most of them where others have failed before. Here
+//!
+//! * a request keeps its cells, so its region is found by visiting the cells of one texton;
+//! * a request is drawn by its weight from running sums, and is tried once: answered or refused, it
+//!   is not asked for again. A second attempt would meet the same region with other candidates of the
+//!   same category; what it could have added, [`super::density`] adds where it is lacking;
+//! * a request of which others have covered more than half is dropped at once: whatever answered it
+//!   would stand on them;
+//! * candidates are tried at the place drawn and in the middle of the region, where most fit best;
+//! * a candidate whose size alone keeps it below the best so far is not counted. That changes no
+//!   choice.
+//!
+//! So an attempt visits cells of the textons concerned only, whatever the size of the canvas.
+
+pub(super) mod bands;
+mod score;
+mod target;
+
+use super::choice::Choice;
+use super::model::{EMPTY, PlaceableId, UNDEFINED, VariantId};
+use super::occupancy::{Occupancy, PlacedId, RequestId};
+use super::picture;
+use bands::{Bands, Filled};
+use score::Scorer;
+use std::sync::atomic::{AtomicU64, Ordering};
+use target::TargetMap;
+use vtex_base::error::Result;
+use vtex_base::parallel;
+use vtex_base::progress::{Progress, advance};
+use vtex_base::sampling::{Stream, stream};
+use vtex_scene::scene::{Ablation, SynthParams};
+
+/// How much a copy of the same texton nearby lowers a candidate's rank, as a share of its area.
+const COPY_PENALTY: f64 = 0.3;
+
+/// Name of the stage.
+const STAGE: &str = "placement";
+
+/// Counts of placement by descriptors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Counts {
+    /// Requests tried.
+    pub(crate) attempts: u64,
+    /// Requests for which no candidate was good enough.
+    pub(crate) refused: u64,
+}
+
+impl Counts {
+    fn add(&mut self, other: &Self) {
+        self.attempts += other.attempts;
+        self.refused += other.refused;
+    }
+}
+
+/// Windows filled before what came of them is put together.
+const BATCH: usize = 4;
+
+/// Whether an element that stands already writes its descriptor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Asks {
+    /// No.
+    Never,
+    /// Yes, but what it asks for stays empty.
+    InVain,
+    /// Yes.
+    Always,
+}
+
+/// Fills all that is undefined until nothing is asked for any more. Elements that stand already ask
+/// as `asks` says, in their order.
+pub(super) fn place<'a>(
+    cells: Occupancy<'a>,
+    asks: &[Asks],
+    choice: &mut Choice,
+    params: &SynthParams,
+    progress: &dyn Progress,
+) -> Result<(Occupancy<'a>, Counts)> {
+    let mut counts = Counts::default();
+    if !cells.state.contains(&UNDEFINED) {
+        return Ok((cells, counts));
+    }
+    let mut map = TargetMap::new(cells);
+    let asking = |wanted: Asks| {
+        let ids = (0..).map(PlacedId).zip(asks);
+        ids.filter(move |(_, asks)| **asks == wanted).map(|(id, _)| id)
+    };
+    asking(Asks::Always).for_each(|id| map.write_descriptor(id));
+    let asked = map.requests.len();
+    asking(Asks::InVain).for_each(|id| map.write_descriptor(id));
+    (asked..map.requests.len()).for_each(|i| map.drop_request(RequestId(i as u32)));
+
+    let watch = Watch::new(&map, progress);
+    let bands = if params.without(Ablation::Seeds) { None } else { Bands::new(map.model(), map.grid()) };
+    if let Some(bands) = bands {
+        for first in 0..2 {
+            let every_second: Vec<usize> = (first..bands.cores.len()).step_by(2).collect();
+            for batch in every_second.chunks(BATCH) {
+                let filled = parallel::map(batch, |&band| {
+                    let mut window = bands.window(&map, band);
+                    let mut random = stream(params.seed, "synth/primaries", 1 + band as u64);
+                    let mut choice = choice.clone();
+                    let counts = fill(&mut window.map, &mut choice, params, &watch, &mut random)?;
+                    Ok((window.filled(&map), counts))
+                });
+                let filled: Vec<(Filled, Counts)> = filled.into_iter().collect::<Result<_>>()?;
+                filled.iter().for_each(|(_, c)| counts.add(c));
+                map.absorb(filled.into_iter().map(|f| f.0).collect(), choice);
+                watch.picture(&map);
+            }
+        }
+    }
+    // All of it, or what was asked for across the bands.
+    let mut random = stream(params.seed, "synth/primaries", 0);
+    counts.add(&fill(&mut map, choice, params, &watch, &mut random)?);
+    watch.finish(&map)?;
+    Ok((map.cells, counts))
+}
+
+/// Answers requests, beginning at places of its own, until nothing is asked for in a map or a
+/// window of one.
+fn fill(
+    map: &mut TargetMap<'_>,
+    choice: &mut Choice,
+    params: &SynthParams,
+    watch: &Watch<'_>,
+    random: &mut Stream,
+) -> Result<Counts> {
+    let mut counts = Counts::default();
+    let mut seeds = seeds(map, random);
+    if params.without(Ablation::Seeds) {
+        seeds.truncate(1);
+    }
+    // Textons that stand already may have asked before anything is inserted.
+    for seed in std::iter::once(None).chain(seeds.into_iter().map(Some)) {
+        if let Some([x, y]) = seed
+            && (map.cells.state[map.grid().index(x, y)] != UNDEFINED || !insert(map, choice, [x, y], random))
+        {
+            continue;
+        }
+        while let Some(request) = map.draw_request(random) {
+            if counts.attempts % 256 == 0 {
+                watch.advance()?;
+            }
+            counts.attempts += 1;
+            if answer(map, choice, request, params, random) {
+                watch.placed.fetch_add(1, Ordering::Relaxed);
+            } else {
+                counts.refused += 1;
+            }
+        }
+    }
+    Ok(counts)
+}
+
+/// Places where to begin, in random order: the first is the beginning, the others serve where the
+/// requests died out before they reached everything.
+fn seeds(map: &TargetMap<'_>, random: &mut Stream) -> Vec<[i32; 2]> {
+    let step = (map.model().half / 2).max(8);
+    let inside = |size: i32, margin: i32| (margin + step / 2..size - margin).step_by(step as usize);
+    let [mx, my] = map.grid().margin;
+    let columns = || inside(map.grid().width, mx);
+    let mut seeds: Vec<[i32; 2]> =
+        inside(map.grid().height, my).flat_map(|y| columns().map(move |x| [x, y])).collect();
+    if seeds.is_empty() {
+        seeds.push([map.grid().width / 2, map.grid().height / 2]);
+    }
+    seeds.retain(|&at| map.cells.inside(at) && map.core.as_ref().is_none_or(|core| core.contains(&at[1])));
+    random.shuffle(&mut seeds);
+    seeds
+}
+
+/// Places a texton drawn by area; false if it would stand on another, or if there is none.
+fn insert(map: &mut TargetMap<'_>, choice: &mut Choice, at: [i32; 2], random: &mut Stream) -> bool {
+    let model = map.model();
+    let library = map.cells.region.draw_library(map.grid().point(at), random);
+    let source = &model.sources[library];
+    let area = |i: u32| {
+        let element = PlaceableId(i);
+        if model[element].placeable { f64::from(model.plain(element).area) } else { 0.0 }
+    };
+    let Some(drawn) = random.weighted(source.elements.clone().map(area)) else { return false };
+    let variant = model.draw_variant(PlaceableId(source.elements.start + drawn as u32), random);
+    let cells = &map.cells;
+    let known = |i: usize| !matches!(cells.state[i], UNDEFINED | EMPTY) || !cells.region.admits(i, library);
+    let spans = model.shape(variant).mask.spans();
+    if !cells.allows(variant, at) || spans.iter().flat_map(|&s| cells.grid.cells(s, at)).flatten().any(known)
+    {
+        return false;
+    }
+    map.place(variant, at, 0.0);
+    choice.used(model, variant);
+    true
+}
+
+/// Places the best of several textons for a request; false if none is good enough.
+fn answer(
+    map: &mut TargetMap<'_>,
+    choice: &mut Choice,
+    request: RequestId,
+    params: &SynthParams,
+    random: &mut Stream,
+) -> bool {
+    let model = map.model();
+    let asking = *model.element(map.get(request).variant);
+    let region = map.cells_of(request);
+    // The place drawn, and the middle of the region: most textons fit better there.
+    let Some(drawn) = random.weighted(region.iter().map(|c| f64::from(c.1))) else {
+        map.drop_request(request);
+        return false;
+    };
+    let mean = |k: usize| region.iter().map(|c| i64::from(c.0[k])).sum::<i64>() / region.len() as i64;
+    let places = [region[drawn].0, [mean(0) as i32, mean(1) as i32]];
+    // Where libraries meet, whose texton stands here is drawn by their shares.
+    let library = map.cells.region.draw_library(map.grid().point(places[1]), random);
+    let categories = &model.sources[library].categories;
+    let home = library == asking.library;
+    let covers = categories.clone().map(|c| model.wanted[c]);
+
+    let strict = params.without(Ablation::Overlap);
+    let scorer = Scorer::new(map, request, region.len() as u32, &params.weights, strict);
+    let mut best: Option<(f64, VariantId, [i32; 2])> = None;
+    for _ in 0..params.candidates {
+        let category = if home {
+            asking.category
+        } else {
+            let Some(drawn) = random.weighted(covers.clone()) else { break };
+            categories.start + drawn
+        };
+        let Some(element) = choice.draw(model, category, random) else { break };
+        let variant = model.draw_variant(element, random);
+        let bound = scorer.bound(variant);
+        if best.is_some_and(|b| bound <= b.0) {
+            continue;
+        }
+        let mut copy = 0.0;
+        if !params.without(Ablation::Copies) {
+            let penalty = map.cells.copy_nearness(element, places[0]);
+            copy = penalty * COPY_PENALTY * f64::from(model.shape(variant).area);
+        }
+        if best.is_some_and(|b| bound - copy <= b.0) {
+            continue;
+        }
+        for at in places {
+            let score = scorer.score(variant, at) - copy;
+            if best.is_none_or(|b| score > b.0) {
+                best = Some((score, variant, at));
+            }
+        }
+    }
+    let Some((_, variant, mut at)) = best else {
+        map.drop_request(request);
+        return false;
+    };
+    let mut score = scorer.score(variant, at);
+    let moves = if params.without(Ablation::Improve) { 0 } else { params.moves };
+    for _ in 0..moves {
+        let here = at;
+        for (dx, dy) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+            let there = [here[0] + dx, here[1] + dy];
+            let s = scorer.score(variant, there);
+            if s > score {
+                (score, at) = (s, there);
+            }
+        }
+        if at == here {
+            break;
+        }
+    }
+    if score > 0.0 {
+        map.place(variant, at, (score / f64::from(model.shape(variant).area)) as f32);
+        choice.used(model, variant);
+    }
+    // Answered or refused: what is left of it is not asked for again.
+    map.drop_request(request);
+    score > 0.0
+}
+
+/// Reports the work as it goes on.
+struct Watch<'p> {
+    progress: &'p dyn Progress,
+    placed: AtomicU64,
+    expected: u64,
+    pictures: AtomicU64,
+}
+
+impl<'p> Watch<'p> {
+    fn new(map: &TargetMap<'_>, progress: &'p dyn Progress) -> Self {
+        let expected = (map.model().density() * map.grid().len() as f64) as u64;
+        Self { progress, placed: AtomicU64::new(0), expected, pictures: AtomicU64::new(0) }
+    }
+
+    fn advance(&self) -> Result<()> {
+        let done = self.placed.load(Ordering::Relaxed);
+        advance(self.progress, STAGE, done, self.expected.max(done))
+    }
+
+    /// A picture of the target map as it is.
+    fn picture(&self, map: &TargetMap<'_>) {
+        let name = format!("target-map-{}", self.pictures.fetch_add(1, Ordering::Relaxed) + 1);
+        self.progress.picture(&name, &|| picture::target(&map.cells));
+    }
+
+    fn finish(&self, map: &TargetMap<'_>) -> Result<()> {
+        self.picture(map);
+        let done = self.placed.load(Ordering::Relaxed);
+        advance(self.progress, STAGE, done, done)
+    }
+}

@@ -1,0 +1,179 @@
+//! Placement: libraries and control in, placed elements out.
+//!
+//! Elements are carried from the exemplar along a correspondence field ([`correspondence`]), or placed
+//! by their descriptors until nothing is asked for any more ([`descriptor`]); where both are needed,
+//! descriptors begin with what was carried. Then coverage is corrected in both directions
+//! ([`density`]). Whatever follows needs only this, and the field where there is one: it sees [`Placed`] elements
+//! and the cells that they leave free.
+
+mod bins;
+mod choice;
+mod clearance;
+pub(crate) mod controls;
+pub(crate) mod correspondence;
+mod density;
+pub(crate) mod descriptor;
+pub(crate) mod grid;
+pub(crate) mod model;
+pub(crate) mod occupancy;
+pub(crate) mod period;
+mod picture;
+pub(crate) mod region;
+pub(crate) mod sites;
+#[cfg(test)]
+mod tests;
+pub(crate) mod variation;
+
+use choice::Choice;
+use controls::Controls;
+use correspondence::{Correspondence, Structure};
+use descriptor::Asks;
+use grid::Grid;
+use model::{EMPTY, Model, PlaceableId, UNDEFINED, VariantId};
+use occupancy::Occupancy;
+use region::Region;
+use vtex_base::error::Result;
+use vtex_base::progress::Progress;
+use vtex_scene::library::Library;
+use vtex_scene::scene::{Ablation, Method, SynthParams};
+
+/// Widest margin around a canvas that does not repeat, in pixels.
+const WIDEST_MARGIN: i32 = 256;
+/// Score of an element that stands beforehand, against those placed by descriptors: it stays if one
+/// of them can go.
+const FIXED_SCORE: f32 = 1.0;
+
+/// A placement to be made.
+pub(crate) struct Task<'a> {
+    /// Libraries that elements are taken from; the model is made of these.
+    pub(crate) libraries: &'a [Library],
+    pub(crate) controls: &'a Controls,
+    pub(crate) params: &'a SynthParams,
+    /// How. [`Method::Correspondence`] needs libraries with guides.
+    pub(crate) method: Method,
+    /// Elements that stand beforehand. Those whose origin lies beyond the margin are left out.
+    pub(crate) fixed: Vec<Fixed>,
+}
+
+/// An element that stands before placement begins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fixed {
+    /// Which variant.
+    pub(crate) variant: VariantId,
+    /// Place of its origin, in pixels of the canvas.
+    pub(crate) at: [i32; 2],
+    /// Whether its descriptor asks for what stands around it.
+    pub(crate) asks: Asks,
+}
+
+/// A placed element.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    /// Which element: a primary, or a part of one.
+    pub(crate) element: PlaceableId,
+    /// Index of its variation in the model.
+    pub(crate) variation: u16,
+    /// Place of its origin, in pixels of the canvas.
+    pub(crate) at: [i32; 2],
+    /// Its index in [`Task::fixed`], if it stood beforehand.
+    pub(crate) fixed: Option<usize>,
+}
+
+/// The result of placement.
+pub(crate) struct Arrangement<'a> {
+    /// The elements that can be seen, in painting order.
+    pub(crate) placed: Vec<Placed>,
+    /// The element on each cell.
+    pub(crate) cells: Occupancy<'a>,
+    /// The field that elements were carried along, if any.
+    pub(crate) correspondence: Option<Correspondence>,
+    /// The islands and elements that came along it.
+    pub(crate) structure: Option<Structure>,
+    /// Counts of placement by descriptors.
+    pub(crate) descriptors: descriptor::Counts,
+    /// Counts of the correction of density.
+    pub(crate) correction: density::Counts,
+    /// Cells covered by each category before density was corrected.
+    pub(crate) covered_before: Vec<u64>,
+}
+
+/// Places elements on a canvas.
+///
+/// # Errors
+/// [`vtex_base::Error::Interrupted`].
+pub(crate) fn arrange<'a>(
+    model: &'a mut Model,
+    task: &Task<'a>,
+    progress: &dyn Progress,
+) -> Result<Arrangement<'a>> {
+    let Task { libraries, controls, params, method, .. } = *task;
+    let grid = Grid::around(model, params);
+    let region = Region::new(&grid, controls, params.edge, method == Method::Correspondence);
+    let on_grid = |at: [i32; 2]| [0, 1].map(|k| at[k] + grid.margin[k]);
+    let (mut standing, mut asks, mut fixed) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, f) in task.fixed.iter().enumerate() {
+        let at = on_grid(f.at);
+        if grid.cell(at).is_some() {
+            standing.push((f.variant, at));
+            asks.push(f.asks);
+            fixed.push(i);
+        }
+    }
+    let (mut correspondence, mut structure) = (None, None);
+    if method == Method::Correspondence {
+        let found = Correspondence::new((libraries, controls), model, &grid, &region, params, progress)?;
+        let carried = found.carry(libraries, model, &grid, &region, params, progress)?;
+        // Where descriptors go on, they begin with what stands beside.
+        let begin = |variant: VariantId| match model.element(variant).fused {
+            None if !region.all_carried() => Asks::Always,
+            _ => Asks::Never,
+        };
+        asks.extend(carried.elements.iter().map(|&(variant, _)| begin(variant)));
+        standing.extend(carried.elements);
+        (correspondence, structure) = (Some(found), Some(carried.structure));
+    }
+
+    let model: &'a Model = model;
+    let mut cells = Occupancy::new(model, region, grid);
+    let mut choice = Choice::new(model, !params.without(Ablation::Decay));
+    for &(variant, at) in &standing {
+        cells.stand(variant, at, FIXED_SCORE, |_| {});
+        if model.element(variant).placeable {
+            choice.used(model, variant);
+        }
+    }
+    empty_where_carried(&mut cells);
+    let (mut cells, descriptors) = descriptor::place(cells, &asks, &mut choice, params, progress)?;
+    let covered_before = (0..model.members.len()).map(|c| cells.covered_by(c)).collect();
+    let correction = density::correct(&mut cells, &mut choice, params, progress)?;
+    progress.picture("placed", &|| picture::placed(&cells));
+    let placed = placed(&cells, &fixed);
+    Ok(Arrangement { placed, cells, correspondence, structure, descriptors, correction, covered_before })
+}
+
+/// Makes what nothing was carried to empty, in the zones that a field serves.
+fn empty_where_carried(cells: &mut Occupancy<'_>) {
+    let all = cells.region.all_carried();
+    let Occupancy { region, state, .. } = cells;
+    for (i, state) in state.iter_mut().enumerate() {
+        if *state == UNDEFINED && (all || region.cell_is_carried(i)) {
+            *state = EMPTY;
+        }
+    }
+}
+
+/// The elements that can be seen, in painting order. The first of those ever placed are the fixed ones.
+fn placed(cells: &Occupancy<'_>, fixed: &[usize]) -> Vec<Placed> {
+    let order = cells.painting_order().into_iter().filter(|&id| cells.is_seen(id));
+    order
+        .map(|id| {
+            let standing = cells.get(id);
+            Placed {
+                element: cells.model().element_of(standing.variant),
+                variation: cells.model().variation_of(standing.variant),
+                at: [0, 1].map(|k| standing.at[k] - cells.grid.margin[k]),
+                fixed: fixed.get(id.0 as usize).copied(),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,388 @@
+//! Data that placement derives from libraries once: the elements that may be placed, their shapes, and the
+//! exemplars' runs.
+//!
+//! A *variant* is an element in one of its variations (turned, mirrored, scaled). Variants are numbered
+//! element by element; without variation there is one for each. Elements and categories count through
+//! all libraries.
+
+use super::variation::Variation;
+use std::ops::{Index, Range};
+use std::sync::OnceLock;
+use vtex_base::raster::{LabelMap, Mask};
+use vtex_scene::library::{CategoryId, Library};
+use vtex_scene::scene::{Element, SynthParams};
+
+/// Index of an element: a primary of any of the libraries, or a part of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct PlaceableId(pub(crate) u32);
+
+/// Index of a variant of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct VariantId(pub(crate) u32);
+
+/// A cell of which nothing is known.
+pub(crate) const UNDEFINED: u16 = u16::MAX;
+/// A cell that should hold no primary.
+pub(crate) const EMPTY: u16 = 0;
+
+/// The shape of a variant.
+pub(crate) struct Shape {
+    /// Its pixels, relative to the origin.
+    pub(crate) mask: Mask,
+    /// Box around its pixels relative to the origin: x0, y0, x1, y1, ends exclusive.
+    pub(crate) bounds: [i32; 4],
+    /// Number of pixels.
+    pub(crate) area: u32,
+}
+
+impl Shape {
+    fn new(mask: Mask) -> Self {
+        let bounds = mask.bounds().map_or([0; 4], |b| [b.0, b.1, b.2, b.3]);
+        Self { area: mask.area(), bounds, mask }
+    }
+}
+
+/// A primary of one of the libraries, or a part of one.
+#[derive(Clone, Copy)]
+pub(crate) struct Placeable {
+    /// Which library.
+    pub(crate) library: usize,
+    /// Its index there.
+    pub(crate) index: u32,
+    /// Its centroid in the exemplar, rounded to whole pixels.
+    pub(crate) origin: [i32; 2],
+    /// Its category.
+    pub(crate) category: usize,
+    /// Its category as a cell of the target map; [`EMPTY`] if the category cannot be placed.
+    pub(crate) code: u16,
+    /// Whole, and small enough for the canvas, so it may be placed anew.
+    pub(crate) placeable: bool,
+    /// Cut by the border of its exemplar.
+    pub(crate) clipped: bool,
+    /// Index among the fused elements, for one of these.
+    pub(crate) fused: Option<u32>,
+}
+
+/// One library.
+pub(crate) struct Source {
+    /// Indices of its elements.
+    pub(crate) elements: Range<u32>,
+    /// Its categories.
+    pub(crate) categories: Range<usize>,
+    /// Half the side of its descriptors, in pixels.
+    pub(crate) half: i32,
+    /// Placeable textons per pixel of the exemplar.
+    pub(crate) density: f64,
+    exemplar: Runs,
+}
+
+/// Libraries made ready for placement.
+pub(crate) struct Model {
+    /// The libraries.
+    pub(crate) sources: Vec<Source>,
+    /// All elements.
+    pub(crate) elements: Vec<Placeable>,
+    /// Elements of each category that may be placed.
+    pub(crate) members: Vec<Vec<PlaceableId>>,
+    /// Half the side of the largest descriptor, in pixels.
+    pub(crate) half: i32,
+    /// Largest distance of a placeable pixel from its origin along an axis, in pixels.
+    pub(crate) reach: i32,
+    /// Wanted share of the library's area, each category; zero where nothing can be placed.
+    pub(crate) wanted: Vec<f64>,
+    /// The variations; the first is none.
+    pub(crate) variations: Vec<Variation>,
+    /// What is painted for each fused element.
+    pub(crate) fused: Vec<Element>,
+    shapes: Vec<OnceLock<Shape>>,
+}
+
+/// The exemplar's arrangement as runs by row.
+struct Runs {
+    width: i32,
+    height: i32,
+    wrap: bool,
+    /// Index of each row's first run.
+    rows: Vec<u32>,
+    /// End (exclusive) and label of each run.
+    runs: Vec<(i32, u32)>,
+}
+
+impl Runs {
+    fn new(map: &LabelMap, wrap: bool) -> Self {
+        let mut rows = vec![0];
+        let mut runs = Vec::new();
+        for y in 0..map.height {
+            let mut x = 0;
+            for run in map.row(y).chunk_by(|a, b| a == b) {
+                x += run.len() as i32;
+                runs.push((x, run[0]));
+            }
+            rows.push(runs.len() as u32);
+        }
+        Self { width: map.width as i32, height: map.height as i32, wrap, rows, runs }
+    }
+
+    fn row_of(&self, y: i32) -> &[(i32, u32)] {
+        &self.runs[self.rows[y as usize] as usize..self.rows[y as usize + 1] as usize]
+    }
+
+    /// Calls `visit(x0, x1, label)` for the runs of row `y` within `from..to`.
+    fn row(&self, y: i32, from: i32, to: i32, mut visit: impl FnMut(i32, i32, u32)) {
+        let (row, first, last) = if self.wrap {
+            let last = (to - 1).div_euclid(self.width);
+            (y.rem_euclid(self.height), from.div_euclid(self.width), last)
+        } else if (0..self.height).contains(&y) {
+            (y, 0, 0)
+        } else {
+            return;
+        };
+        let runs = self.row_of(row);
+        for tile in first..=last {
+            let shift = tile * self.width;
+            let (low, high) = ((from - shift).max(0), (to - shift).min(self.width));
+            let mut x = low;
+            let start = runs.partition_point(|r| r.0 <= low);
+            for &(end, label) in &runs[start..] {
+                if x >= high {
+                    break;
+                }
+                let end = end.min(high);
+                visit(x + shift, end + shift, label);
+                x = end;
+            }
+        }
+    }
+
+    /// The label at a place; none outside the exemplar.
+    fn at(&self, [x, y]: [i32; 2]) -> Option<u32> {
+        let [x, y] = if self.wrap { [x.rem_euclid(self.width), y.rem_euclid(self.height)] } else { [x, y] };
+        if !(0..self.width).contains(&x) || !(0..self.height).contains(&y) {
+            return None;
+        }
+        let runs = self.row_of(y);
+        runs.get(runs.partition_point(|r| r.0 <= x)).map(|r| r.1)
+    }
+}
+
+impl Model {
+    /// From libraries, for the canvas and the variations that the parameters ask for.
+    pub(crate) fn new(libraries: &[Library], params: &SynthParams) -> Self {
+        let variations = Variation::all(params);
+        let mut model = Self {
+            sources: Vec::new(),
+            elements: Vec::new(),
+            members: Vec::new(),
+            half: 0,
+            reach: 0,
+            wanted: Vec::new(),
+            variations,
+            fused: Vec::new(),
+            shapes: Vec::new(),
+        };
+        for library in libraries {
+            model.add(library, params);
+        }
+        model
+    }
+
+    fn add(&mut self, library: &Library, params: &SynthParams) {
+        let map = library.arrangement.to_labels();
+        let wrap = library.arrangement.periodic;
+        let torus = wrap.then_some([map.width as i32, map.height as i32]);
+        let masks = Mask::all_of_labels(&map, library.primaries().len() + 1);
+        let (first, base) = (self.elements.len() as u32, self.members.len());
+        self.members.resize(base + library.categories.len(), Vec::new());
+        // A texton as large as the period would meet itself.
+        let room = [(params.tile.x, params.width), (params.tile.y, params.height)]
+            .map(|(wrap, size)| if wrap { size as i32 } else { i32::MAX });
+        let growth = self.variations.iter().map(Variation::growth).fold(1.0, f64::max);
+        for (p, mask) in library.primaries().iter().zip(&masks[1..]) {
+            let origin = p.origin();
+            let shape = Shape::new(mask.around(origin, torus));
+            let b = shape.bounds;
+            let reach = b.map(i32::abs).into_iter().max().unwrap_or(0);
+            let [w, h] = if self.variations.len() > 1 { [2 * reach; 2] } else { [b[2] - b[0], b[3] - b[1]] };
+            let fits =
+                growth * f64::from(w) < f64::from(room[0]) && growth * f64::from(h) < f64::from(room[1]);
+            let placeable = !p.clipped && shape.area > 0 && fits;
+            let category = base + p.category.map_or(0, CategoryId::index);
+            if placeable {
+                self.members[category].push(PlaceableId(self.elements.len() as u32));
+                self.reach = self.reach.max(libm::ceil(growth * f64::from(reach)) as i32);
+            }
+            let index = self.elements.len() as u32 - first;
+            let library = self.sources.len();
+            let (code, clipped, fused) = (EMPTY, p.clipped, None);
+            self.elements.push(Placeable {
+                library,
+                index,
+                origin,
+                category,
+                code,
+                placeable,
+                clipped,
+                fused,
+            });
+            self.shapes.push(OnceLock::from(shape));
+            self.shapes.extend((1..self.variations.len()).map(|_| OnceLock::new()));
+        }
+        for p in &mut self.elements[first as usize..] {
+            if !self.members[p.category].is_empty() && p.category < usize::from(UNDEFINED - 1) {
+                p.code = p.category as u16 + 1;
+            }
+        }
+        let count = self.members[base..].iter().map(Vec::len).sum::<usize>();
+        self.wanted.extend(wanted(library, &self.members[base..]));
+        self.half = self.half.max(library.descriptor_half as i32);
+        self.sources.push(Source {
+            elements: first..self.elements.len() as u32,
+            categories: base..self.members.len(),
+            half: library.descriptor_half as i32,
+            density: count as f64 / (f64::from(map.width) * f64::from(map.height)),
+            exemplar: Runs::new(&map, wrap),
+        });
+    }
+
+    /// Adds a part of a variant, as an element that is never drawn. Gives its variant.
+    pub(crate) fn add_fused(&mut self, variant: VariantId, mask: Mask, painted: Element) -> VariantId {
+        let element = PlaceableId(self.elements.len() as u32);
+        let fused = Some(self.fused.len() as u32);
+        self.elements.push(Placeable { placeable: false, fused, ..*self.element(variant) });
+        self.fused.push(painted);
+        let shape = OnceLock::from(Shape::new(mask));
+        // Only one of its variations is ever asked for.
+        self.shapes.extend((0..self.variations.len()).map(|_| OnceLock::new()));
+        let part = self.varied(element, variant);
+        self.shapes[part.0 as usize] = shape;
+        part
+    }
+
+    /// The order in which variants are painted: the larger, and fused ones before all.
+    pub(crate) fn depth(&self, variant: VariantId) -> u32 {
+        const BENEATH: u32 = 1 << 31;
+        let area = self.shape(variant).area;
+        if self.element(variant).fused.is_some() { BENEATH.saturating_add(area) } else { area }
+    }
+
+    /// The element of a variant.
+    pub(crate) fn element_of(&self, variant: VariantId) -> PlaceableId {
+        PlaceableId(variant.0 / self.variations.len() as u32)
+    }
+
+    /// The element of a variant, with its origin and category.
+    pub(crate) fn element(&self, variant: VariantId) -> &Placeable {
+        &self[self.element_of(variant)]
+    }
+
+    /// Index of the variation of a variant.
+    pub(crate) fn variation_of(&self, variant: VariantId) -> u16 {
+        (variant.0 as usize % self.variations.len()) as u16
+    }
+
+    /// How a variant differs from its element.
+    pub(crate) fn variation(&self, variant: VariantId) -> &Variation {
+        &self.variations[usize::from(self.variation_of(variant))]
+    }
+
+    /// An element in one of the variations.
+    pub(crate) fn in_variation(&self, element: PlaceableId, variation: u16) -> VariantId {
+        VariantId(element.0 * self.variations.len() as u32 + u32::from(variation))
+    }
+
+    /// An element in the variation of another variant.
+    pub(crate) fn varied(&self, element: PlaceableId, like: VariantId) -> VariantId {
+        self.in_variation(element, self.variation_of(like))
+    }
+
+    /// An element in a variation drawn at random.
+    pub(crate) fn draw_variant(
+        &self,
+        element: PlaceableId,
+        random: &mut vtex_base::sampling::Stream,
+    ) -> VariantId {
+        let count = self.variations.len();
+        self.in_variation(element, if count > 1 { random.index(count) as u16 } else { 0 })
+    }
+
+    /// The shape of a variant, made when first needed.
+    pub(crate) fn shape(&self, variant: VariantId) -> &Shape {
+        self.shapes[variant.0 as usize].get_or_init(|| {
+            let plain = self.in_variation(self.element_of(variant), 0);
+            let plain = &self.shapes[plain.0 as usize]
+                .get()
+                .expect("the first variant of each element is made at once")
+                .mask;
+            Shape::new(self.variation(variant).of_mask(plain))
+        })
+    }
+
+    /// Calls `visit(y, x0, x1, label)` for the runs of the window around a variant, relative to its
+    /// origin; label k is primary k - 1 of its library. Outside the exemplar there are none.
+    pub(crate) fn window(&self, variant: VariantId, mut visit: impl FnMut(i32, i32, i32, u32)) {
+        let element = self.element(variant);
+        let Source { half, exemplar, .. } = &self.sources[element.library];
+        let [ox, oy] = element.origin;
+        let variation = self.variation(variant);
+        for y in -half..=*half {
+            if variation.is_none() {
+                exemplar.row(oy + y, ox - half, ox + half + 1, |x0, x1, label| {
+                    visit(y, x0 - ox, x1 - ox, label);
+                });
+                continue;
+            }
+            let mut run: Option<(i32, u32)> = None;
+            for x in -half..=half + 1 {
+                let label = if x <= *half {
+                    let [dx, dy] = variation.back([x, y]);
+                    exemplar.at([ox + dx, oy + dy])
+                } else {
+                    None
+                };
+                if let Some((start, old)) = run
+                    && label != Some(old)
+                {
+                    visit(y, start, x, old);
+                    run = None;
+                }
+                if let (None, Some(label)) = (run, label) {
+                    run = Some((x, label));
+                }
+            }
+        }
+    }
+
+    /// Placeable textons per pixel, of all libraries on average.
+    pub(crate) fn density(&self) -> f64 {
+        self.sources.iter().map(|s| s.density).sum::<f64>() / self.sources.len() as f64
+    }
+
+    /// Mean area of the placeable primaries, in pixels.
+    pub(crate) fn mean_area(&self) -> f64 {
+        let areas = self.members.iter().flatten().map(|&p| f64::from(self.plain(p).area));
+        let count = self.members.iter().map(Vec::len).sum::<usize>().max(1);
+        areas.sum::<f64>() / count as f64
+    }
+
+    /// The shape of an element without variation.
+    pub(crate) fn plain(&self, element: PlaceableId) -> &Shape {
+        self.shape(self.in_variation(element, 0))
+    }
+}
+
+impl Index<PlaceableId> for Model {
+    type Output = Placeable;
+
+    fn index(&self, element: PlaceableId) -> &Placeable {
+        &self.elements[element.0 as usize]
+    }
+}
+
+/// Share of the canvas wanted of each category. What belongs to categories that cannot be placed
+/// goes to the others, as far as that changes none of them by more than a tenth.
+fn wanted(library: &Library, members: &[Vec<PlaceableId>]) -> Vec<f64> {
+    let share = |c: usize| if members[c].is_empty() { 0.0 } else { library.categories[c].coverage };
+    let possible: f64 = (0..members.len()).map(share).sum();
+    let factor = if possible > 0.0 { (library.coverage / possible).clamp(0.5, 1.1) } else { 0.0 };
+    (0..members.len()).map(|c| share(c) * factor).collect()
+}

@@ -1,0 +1,229 @@
+//! The canvas pixel by pixel: who stands where, and what would keep its distance.
+
+use super::known::Known;
+use super::{Placed, size_of};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+use vtex_base::error::Result;
+use vtex_base::geometry::{Affine, Point, Rect};
+use vtex_base::raster::Mask;
+use vtex_scene::library::Library;
+use vtex_scene::scene::{SynthParams, pixels};
+
+/// Largest canvas with its margins, in pixels, on which elements change places.
+pub(super) const MOST_PIXELS: u64 = 600_000_000;
+
+/// The canvas, and who stands where.
+pub(super) struct Canvas<'a> {
+    pub(super) library: &'a Library,
+    pub(super) known: &'a Known,
+    /// Canvas and margins: the first pixel, and the size.
+    first: [i32; 2],
+    size: [i32; 2],
+    pub(super) canvas: [i32; 2],
+    pub(super) wrap: [bool; 2],
+    /// Number of the placed element on each pixel, from 1.
+    cells: Vec<u32>,
+    /// Pixels of elements, turned about the origin, by the map in steps of [`STEP`].
+    turned: BTreeMap<(usize, [i64; 4]), Arc<Mask>>,
+}
+
+/// Maps that differ by less have the same pixels.
+const STEP: f64 = 1e-4;
+
+impl<'a> Canvas<'a> {
+    /// An empty canvas; `None` if it would take more than `most` pixels.
+    pub(super) fn new(
+        library: &'a Library,
+        params: &SynthParams,
+        known: &'a Known,
+        most: u64,
+    ) -> Option<Self> {
+        let wrap = [params.tile.x, params.tile.y];
+        let canvas = [params.width as i32, params.height as i32];
+        let period = size_of(library);
+        let beyond = |k: usize| (known.margin + 0.5 * period[k]) as i32;
+        let first = [0, 1].map(|k| if wrap[k] { 0 } else { -beyond(k) });
+        let size = [0, 1].map(|k| if wrap[k] { canvas[k] } else { canvas[k] + 2 * beyond(k) });
+        let pixels = size[0] as u64 * size[1] as u64;
+        let cells = vec![0; if pixels <= most { pixels as usize } else { return None }];
+        let turned = BTreeMap::new();
+        Some(Self { library, known, first, size, canvas, wrap, cells, turned })
+    }
+
+    /// The cell of a pixel of the canvas.
+    fn cell(&self, at: [i32; 2]) -> Option<usize> {
+        let mut v = [at[0] - self.first[0], at[1] - self.first[1]];
+        for k in 0..2 {
+            if self.wrap[k] {
+                v[k] = v[k].rem_euclid(self.size[k]);
+            } else if !(0..self.size[k]).contains(&v[k]) {
+                return None;
+            }
+        }
+        let i = v[1] as usize * self.size[0] as usize + v[0] as usize;
+        (i < self.cells.len()).then_some(i)
+    }
+
+    /// The pixels of an element in a map, and the whole pixels by which they are moved.
+    fn mask(&mut self, p: &Placed) -> (Arc<Mask>, [i32; 2]) {
+        let [a, b, c, d, e, f] = p.map.as_coeffs();
+        let shift = [e, f].map(|v| libm::round(v).clamp(-1e9, 1e9) as i32);
+        // What runs on stands in the map of the exemplar; it has no pixels of its own.
+        if [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] || self.library.elements[p.element].clipped {
+            return (Arc::clone(&self.known.masks[p.element]), shift);
+        }
+        let key = (p.element, [a, b, c, d].map(|v| libm::round(v / STEP) as i64));
+        let own = &self.library.elements[p.element];
+        let mask = self.turned.entry(key).or_insert_with(|| {
+            let turn = Affine::new([a, b, c, d, 0.0, 0.0]);
+            Arc::new(pixels::of_shapes(&own.shapes.iter().map(|s| s.moved(turn)).collect::<Vec<_>>()))
+        });
+        (Arc::clone(mask), shift)
+    }
+
+    /// Lets all elements stand, in painting order. Asks `go_on` at each.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(super) fn stand_all(&mut self, placed: &[Placed], go_on: impl Fn() -> Result<()>) -> Result<()> {
+        let mut order: Vec<usize> = (0..placed.len()).collect();
+        order.sort_by_key(|&i| placed[i].order);
+        for i in order {
+            go_on()?;
+            self.write(&placed[i], i as u32 + 1, 0);
+        }
+        self.stand_endless();
+        Ok(())
+    }
+
+    /// Marks what runs on: it stands in every period, as the map of the exemplar says.
+    fn stand_endless(&mut self) {
+        let labels = self.library.arrangement.to_labels();
+        let ends: Vec<bool> = self.library.primaries().iter().map(|e| e.clipped).collect();
+        if !ends.contains(&true) {
+            return;
+        }
+        for y in 0..self.size[1] {
+            for x in 0..self.size[0] {
+                let [u, v] = [(x + self.first[0], labels.width), (y + self.first[1], labels.height)]
+                    .map(|(v, size)| v.rem_euclid(size as i32) as u32);
+                let label = labels.get(u, v);
+                if label > 0 && ends[label as usize - 1] {
+                    let i = y as usize * self.size[0] as usize + x as usize;
+                    if let Some(cell) = self.cells.get_mut(i) {
+                        *cell = u32::MAX - label;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The cells of a stretch of a row, in two parts where it runs across a seam.
+    fn stretch(&self, x0: i64, x1: i64, y: i64) -> [Range<usize>; 2] {
+        let [width, height] = self.size.map(i64::from);
+        let [x0, x1, y] =
+            [x0 - i64::from(self.first[0]), x1 - i64::from(self.first[0]), y - i64::from(self.first[1])];
+        let y = if self.wrap[1] { y.rem_euclid(height) } else { y };
+        if !(0..height).contains(&y) {
+            return [0..0, 0..0];
+        }
+        let cells = |low: i64, high: i64| {
+            let [low, high] = [low, high.max(low)].map(|x| (y * width + x.clamp(0, width)) as usize);
+            low..high
+        };
+        if !self.wrap[0] {
+            return [cells(x0, x1), 0..0];
+        }
+        let length = (x1 - x0).min(width);
+        let start = x0.rem_euclid(width);
+        [cells(start, start + length), cells(0, start + length - width)]
+    }
+
+    /// Writes `new` on the pixels of an element; over nothing but `old`, unless that is 0.
+    pub(super) fn write(&mut self, p: &Placed, new: u32, old: u32) {
+        let (mask, shift) = self.mask(p);
+        let [dx, dy] = shift.map(i64::from);
+        for s in mask.spans() {
+            for part in self.stretch(i64::from(s.x0) + dx, i64::from(s.x1) + dx, i64::from(s.y) + dy) {
+                let cells = &mut self.cells[part];
+                cells.iter_mut().filter(|cell| old == 0 || **cell == old).for_each(|cell| *cell = new);
+            }
+        }
+    }
+
+    /// Whether an element would keep a distance from all others, in units of that in the exemplar.
+    pub(super) fn fits(&mut self, p: &Placed, clearance: f64) -> bool {
+        let (mask, shift) = self.mask(p);
+        let reach = libm::ceil(clearance * f64::from(self.known.clearance)) as i32;
+        // A disc in rows close enough that nothing slips through between them.
+        let step = (0.35 * f64::from(reach)).min(self.known.lowest).max(1.0);
+        let count = libm::ceil(f64::from(reach) / step) as i32;
+        let row = |k: i32| {
+            let part = f64::from(k) / f64::from(count.max(1));
+            let [dy, beside] = [part, libm::sqrt(1.0 - part * part)].map(|v| v * f64::from(reach));
+            (libm::round(dy) as i32, libm::round(beside) as i32)
+        };
+        // The mask itself first, for there it is most likely to fail.
+        let rows = std::iter::once(0).chain((1..=count).flat_map(|k| [-k, k])).map(row);
+        let [x, y] = shift.map(i64::from);
+        rows.into_iter().all(|(dy, beside)| {
+            let (dy, beside) = (i64::from(dy), i64::from(beside));
+            mask.spans().iter().all(|s| {
+                let parts = self.stretch(
+                    i64::from(s.x0) + x - beside,
+                    i64::from(s.x1) + x + beside,
+                    i64::from(s.y) + y + dy,
+                );
+                parts.into_iter().all(|part| self.cells[part].iter().all(|cell| *cell == 0))
+            })
+        })
+    }
+
+    pub(super) fn periods(&self) -> [Option<f64>; 2] {
+        [0, 1].map(|k| self.wrap[k].then_some(f64::from(self.canvas[k])))
+    }
+
+    /// Whether an element lies on the canvas, on its border, or beyond: elements change places within one
+    /// of these, so that the canvas keeps its share of each.
+    pub(super) fn zone(&self, p: &Placed) -> u8 {
+        let b = p.map.transform_rect_bbox(self.known.bounds[p.element]);
+        let axis = |wrap: bool, low: f64, high: f64, size: i32| match (low >= 0.0, high <= f64::from(size)) {
+            _ if wrap => 0,
+            (true, true) => 0,
+            _ if high <= 0.0 || low >= f64::from(size) => 2,
+            _ => 1,
+        };
+        axis(self.wrap[0], b.x0, b.x1, self.canvas[0]).max(axis(self.wrap[1], b.y0, b.y1, self.canvas[1]))
+    }
+
+    pub(super) fn middle(&self, p: &Placed) -> Point {
+        p.map * self.known.bounds[p.element].center()
+    }
+
+    /// Share of the canvas that each category covers. Asks `go_on` at each row.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(super) fn covered(&self, placed: &[Placed], go_on: impl Fn() -> Result<()>) -> Result<Vec<f64>> {
+        let elements = &self.library.elements;
+        let mut counts = vec![0u64; self.library.categories.len()];
+        let canvas = Rect::new(0.0, 0.0, f64::from(self.canvas[0]), f64::from(self.canvas[1]));
+        for y in 0..self.canvas[1] {
+            go_on()?;
+            for x in 0..self.canvas[0] {
+                let Some(&cell) = self.cell([x, y]).and_then(|i| self.cells.get(i)) else { continue };
+                let element = match cell {
+                    0 => continue,
+                    own if own as usize <= placed.len() => placed[own as usize - 1].element,
+                    label => (u32::MAX - label) as usize - 1,
+                };
+                if let Some(category) = elements[element].category {
+                    counts[category.index()] += 1;
+                }
+            }
+        }
+        Ok(counts.iter().map(|&n| n as f64 / canvas.area()).collect())
+    }
+}

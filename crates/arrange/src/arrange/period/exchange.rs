@@ -1,0 +1,262 @@
+//! Elements that change places, wander and settle, none nearer to another than in the exemplar.
+
+use super::Placed;
+use super::canvas::Canvas;
+use std::f64::consts::TAU;
+use vtex_base::error::Result;
+use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, rotation, shortest_offset};
+use vtex_base::sampling::{Stream, stream};
+
+/// Elements with which each may change places: so many where none alike stands near, then so many where none
+/// equal does.
+const PARTNERS: [usize; 2] = [16, 8];
+/// Largest ratio of the sizes of elements that change places.
+const RATIO: f64 = 1.4;
+/// Distance, in mean distances between elements, within which no two that are alike come to stand, if there
+/// are partners enough.
+const COPIES: f64 = 1.4;
+/// How often elements wander before they settle, and places tried each time.
+const WALKS: usize = 6;
+const STEPS: usize = 3;
+/// Lengths of their ways at once, in units of [`FARTHEST`].
+const STRIDES: [f64; 3] = [1.0, 2.0, 4.0];
+/// How often elements settle, and places tried each time.
+const SETTLES: usize = 4;
+const SHIFTS: usize = 8;
+/// Largest shift at once, as a share of the mean distance between elements.
+const FARTHEST: f64 = 0.22;
+/// Clearances that settling elements may have, in units of that of the exemplar.
+const CLEARANCES: [f64; 6] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0];
+/// Angles of elements that may be turned at will.
+const TURNS: usize = 24;
+/// Largest gap between the angles of such elements, in radians.
+const LARGEST_GAP: f64 = 1.75;
+
+/// Places at which elements stand that change them.
+struct Sites {
+    near: NearPoints,
+    places: Vec<Point>,
+    /// Who stands at each.
+    occupants: Vec<usize>,
+    reach: f64,
+}
+
+impl Sites {
+    /// Whether one for which something holds stands near a site, but at two.
+    fn any_near(
+        &self,
+        site: usize,
+        but: [usize; 2],
+        periods: [Option<f64>; 2],
+        holds: impl Fn(usize) -> bool,
+    ) -> bool {
+        let mut any = false;
+        self.near.each(self.places[site], |k| {
+            any = any
+                || !but.contains(&k)
+                    && holds(self.occupants[k])
+                    && shortest_offset(self.places[site], self.places[k], periods).hypot() < self.reach;
+        });
+        any
+    }
+}
+
+impl Canvas<'_> {
+    /// Changes places, shifts and turns elements; `share` of those that are free take part. Asks `go_on` at
+    /// each.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(super) fn vary(
+        &mut self,
+        placed: &mut [Placed],
+        share: f64,
+        seed: u64,
+        go_on: impl Fn() -> Result<()>,
+    ) -> Result<()> {
+        let mut random = stream(seed, "synth/period", 0);
+        let mut all: Vec<usize> = (0..placed.len()).filter(|&i| self.known.free[placed[i].element]).collect();
+        all.retain(|_| random.unit() < share);
+        random.shuffle(&mut all);
+        for _ in 0..WALKS {
+            for &i in &all {
+                go_on()?;
+                self.walk(placed, i, share, &mut random);
+            }
+        }
+        for _ in 0..SETTLES {
+            for &i in &all {
+                go_on()?;
+                // Those at the border of the canvas settle once, at the end: what is seen of them changes.
+                if self.zone(&placed[i]) == 0 {
+                    self.settle(placed, i, share, &mut random);
+                }
+            }
+        }
+        let mut sites = self.sites(placed, &all);
+        for n in 0..all.len() {
+            go_on()?;
+            self.exchange(placed, &mut sites, n, &mut random);
+        }
+        for &i in &all {
+            go_on()?;
+            self.settle(placed, i, share, &mut random);
+        }
+        Ok(())
+    }
+
+    /// Where elements stand that change places.
+    fn sites(&self, placed: &[Placed], all: &[usize]) -> Sites {
+        let places: Vec<Point> = all.iter().map(|&i| self.middle(&placed[i])).collect();
+        let reach = COPIES * self.known.spacing;
+        let near = NearPoints::new(&places, self.periods(), reach);
+        Sites { near, places, occupants: all.to_vec(), reach }
+    }
+
+    /// Lets the element of a site change places with another of like size.
+    fn exchange(&mut self, placed: &mut [Placed], sites: &mut Sites, n: usize, random: &mut Stream) {
+        let known = self.known;
+        let extent = |p: &Placed| {
+            let b = known.bounds[p.element];
+            libm::hypot(b.width(), b.height())
+        };
+        let a = sites.occupants[n];
+        let own = extent(&placed[a]);
+        for attempt in 0..PARTNERS[0] + PARTNERS[1] {
+            let m = random.index(sites.occupants.len());
+            let b = sites.occupants[m];
+            let other = extent(&placed[b]);
+            let kinds = if attempt < PARTNERS[0] { &known.alike } else { &known.same };
+            let [kind_a, kind_b] = [a, b].map(|i| kinds[placed[i].element]);
+            let zones = [a, b].map(|i| self.zone(&placed[i]));
+            if kind_a == kind_b || zones[0] != zones[1] || own.max(other) > RATIO * own.min(other) {
+                continue;
+            }
+            let has = |site: usize, kind: usize| {
+                let periods = self.periods();
+                sites.any_near(site, [n, m], periods, |i| kinds[placed[i].element] == kind)
+            };
+            if !has(m, kind_a) && !has(n, kind_b) && self.swapped(placed, [a, b], random) {
+                sites.occupants.swap(n, m);
+                return;
+            }
+        }
+    }
+
+    /// Lets two elements change places, if both fit there.
+    fn swapped(&mut self, placed: &mut [Placed], [a, b]: [usize; 2], random: &mut Stream) -> bool {
+        let (old_a, old_b) = (placed[a], placed[b]);
+        self.write(&old_a, 0, a as u32 + 1);
+        self.write(&old_b, 0, b as u32 + 1);
+        let new_a = self.at(&old_a, self.middle(&old_b), random);
+        if self.fits(&new_a, 1.0) {
+            self.write(&new_a, a as u32 + 1, 0);
+            let new_b = self.at(&old_b, self.middle(&old_a), random);
+            if self.fits(&new_b, 1.0) {
+                self.write(&new_b, b as u32 + 1, 0);
+                (placed[a], placed[b]) = (new_a, new_b);
+                return true;
+            }
+            self.write(&new_a, 0, a as u32 + 1);
+        }
+        self.write(&old_a, a as u32 + 1, 0);
+        self.write(&old_b, b as u32 + 1, 0);
+        false
+    }
+
+    /// Lets an element that lies on the canvas wander, so that large ones too leave the places that
+    /// repeat. Others would change how much of each kind is seen.
+    fn walk(&mut self, placed: &mut [Placed], i: usize, share: f64, random: &mut Stream) {
+        let old = placed[i];
+        if self.zone(&old) != 0 {
+            return;
+        }
+        self.write(&old, 0, i as u32 + 1);
+        let middle = self.middle(&old);
+        for _ in 0..STEPS {
+            let stride = STRIDES[random.index(STRIDES.len())];
+            let reach = stride * share * FARTHEST * self.known.spacing;
+            let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));
+            let new = self.at(&old, middle + by, random);
+            if self.zone(&new) == 0 && self.fits(&new, 1.0) {
+                placed[i] = new;
+                break;
+            }
+        }
+        self.write(&placed[i].clone(), i as u32 + 1, 0);
+    }
+
+    /// Moves an element to where it is further from others, if it can be, and turns it if others of its
+    /// kind are turned.
+    fn settle(&mut self, placed: &mut [Placed], i: usize, share: f64, random: &mut Stream) {
+        let old = placed[i];
+        self.write(&old, 0, i as u32 + 1);
+        let (middle, zone) = (self.middle(&old), self.zone(&old));
+        let reach = share * FARTHEST * self.known.spacing;
+        // How many of the clearances it has where it is.
+        let mut has = CLEARANCES.iter().take_while(|c| self.fits(&old, **c)).count();
+        for _ in 0..SHIFTS {
+            let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));
+            let new = self.at(&old, middle + by, random);
+            if has == CLEARANCES.len() || self.zone(&new) != zone {
+                continue;
+            }
+            // The next one is the likeliest to fail.
+            if CLEARANCES[..=has].iter().rev().all(|c| self.fits(&new, *c)) {
+                placed[i] = new;
+                has += 1;
+            }
+        }
+        self.write(&placed[i].clone(), i as u32 + 1, 0);
+    }
+
+    /// An element with its middle at a place, turned as others of its kind are. Along axes that repeat it
+    /// stays on the canvas.
+    fn at(&self, p: &Placed, mut place: Point, random: &mut Stream) -> Placed {
+        let class = self.known.equal[p.element];
+        let angles = self.known.angles.get(&class.0).map_or(&[][..], Vec::as_slice);
+        // The angle of the element itself in its class.
+        let [a, b, ..] = class.1.as_coeffs();
+        let own = libm::atan2(b, a);
+        let turn = match angles.len() {
+            0 | 1 => 0.0,
+            _ if go_round(angles) => random.index(TURNS) as f64 / TURNS as f64 * TAU,
+            // The angles are those of elements that are not mirrored.
+            _ if class.1.determinant() < 0.0 => 0.0,
+            count => angles[random.index(count)] - own,
+        };
+        if self.wrap[0] {
+            place.x -= f64::from(self.canvas[0]) * libm::floor(place.x / f64::from(self.canvas[0]));
+        }
+        if self.wrap[1] {
+            place.y -= f64::from(self.canvas[1]) * libm::floor(place.y / f64::from(self.canvas[1]));
+        }
+        let centre = self.known.bounds[p.element].center();
+        let [a, b, c, d, ..] = self.library.layers[p.order.0].instances[p.order.1].transform;
+        let given = Affine::new([a, b, c, d, 0.0, 0.0]);
+        let linear = if turn.abs() < 1e-3 { given } else { rotation(turn) * given };
+        let at = place - linear * centre;
+        // On whole pixels, where it was looked at.
+        let map = Affine::translate(Vec2::new(libm::round(at.x), libm::round(at.y))) * linear;
+        Placed { map, ..*p }
+    }
+}
+
+/// Whether angles, in rising order and in radians, leave no large gap on the circle, so that elements seem to
+/// stand at any.
+fn go_round(angles: &[f64]) -> bool {
+    let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return false };
+    let gaps = angles.windows(2).map(|pair| pair[1] - pair[0]);
+    gaps.chain([first + TAU - last]).all(|gap| gap < LARGEST_GAP)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_few_angles_are_kept_to_and_many_go_round() {
+        assert!(!go_round(&[]) && !go_round(&[-0.14, 0.0, 0.14]) && !go_round(&[0.0, TAU / 2.0]));
+        assert!(go_round(&[-2.4, -0.8, 0.8, 2.4]));
+    }
+}

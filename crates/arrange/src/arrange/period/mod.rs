@@ -1,0 +1,252 @@
+//! Placement by the period of a drawing: the exemplar's own period repeated, its elements exchanged, moved
+//! and turned.
+//!
+//! An exact repetition is the best that can be done for a regular or interlocking swatch. In a loose
+//! one, elements that touch no other are free to move: they change places with others of like size, wander,
+//! and shift a little, as long as none comes nearer to another than elements of the swatch do. Number and
+//! area by category stay as they are, because elements only change places.
+//!
+//! When this works badly: packed swatches, whose elements have no room to move. They come out as they
+//! are, and the share of places that repeat says so.
+
+mod canvas;
+mod exchange;
+mod known;
+#[cfg(test)]
+mod tests;
+
+use canvas::{Canvas, MOST_PIXELS};
+use vtex_base::error::{Error, Result};
+use vtex_base::geometry::{Affine, Rect, Vec2};
+use vtex_base::progress::{Progress, advance};
+use vtex_scene::library::Library;
+use vtex_scene::scene::SynthParams;
+
+use known::Known;
+use std::collections::BTreeMap;
+
+/// Places that differ by no more mean the same, in pixels.
+const SAME: f64 = 2.0;
+
+/// An element of the library at a place of the canvas.
+#[derive(Clone, Copy)]
+pub(crate) struct Placed {
+    /// Which element.
+    pub(crate) element: usize,
+    /// From its place in the exemplar to that on the canvas.
+    pub(crate) map: Affine,
+    /// Index of its layer in the library, and its place in the painting order there.
+    pub(crate) order: (usize, usize),
+}
+
+/// The result of placement.
+pub(crate) struct Repeated {
+    /// All elements on the canvas, and those beside it that change places with them.
+    pub(crate) placed: Vec<Placed>,
+    /// For each element of the library the first that it is equal to, and the map from that one.
+    pub(crate) equal: Vec<(usize, Affine)>,
+    /// Bounds of each element of the library, in the exemplar.
+    pub(crate) bounds: Vec<Rect>,
+    /// Share of the canvas that each category covers.
+    pub(crate) covered: Vec<f64>,
+    /// Share of the elements free to move that took part, 0 to 1.
+    pub(crate) variation: f64,
+    /// Share of the places at which what stands there stands a period before too, along either axis.
+    pub(crate) repeating: Option<f64>,
+}
+
+/// Repeats the period of a library on a canvas.
+///
+/// # Errors
+/// [`Error::Parameter`] for a canvas that is to repeat along an axis and is not a whole number of
+/// periods long there; [`Error::TooLarge`] for too many copies; [`Error::Interrupted`].
+pub(crate) fn place(library: &Library, params: &SynthParams, progress: &dyn Progress) -> Result<Repeated> {
+    place_within(library, params, MOST_PIXELS, progress)
+}
+
+/// [`place`]; beyond `most` pixels nothing changes places.
+fn place_within(
+    library: &Library,
+    params: &SynthParams,
+    most: u64,
+    progress: &dyn Progress,
+) -> Result<Repeated> {
+    check_periods(library, params)?;
+    check_copies(library, params)?;
+    advance(progress, "primaries", 0, 2)?;
+    let known = Known::new(library);
+    let mut variation = params.variation.unwrap_or(if known.regular { 0.0 } else { 1.0 });
+    let mut placed = repeated(library, params, &known);
+    // Without room for it, what repeats covers what it covers in the exemplar.
+    let mut covered: Vec<f64> = library.categories.iter().map(|c| c.coverage).collect();
+    if let Some(mut canvas) = Canvas::new(library, params, &known, most) {
+        canvas.stand_all(&placed, || advance(progress, "primaries", 0, 2))?;
+        let go_on = || advance(progress, "primaries", 1, 2);
+        go_on()?;
+        if variation > 0.0 {
+            canvas.vary(&mut placed, variation, params.seed, go_on)?;
+        }
+        covered = canvas.covered(&placed, go_on)?;
+    } else if variation > 0.0 {
+        variation = 0.0;
+        progress
+            .warn("the texture is too large for elements to change places: the drawing is repeated as it is");
+    }
+    advance(progress, "primaries", 2, 2)?;
+    let repeating = repeating(library, params, &placed, &known);
+    let Known { equal, bounds, .. } = known;
+    Ok(Repeated { placed, equal, bounds, covered, variation, repeating })
+}
+
+fn size_of(library: &Library) -> [f64; 2] {
+    [library.source.width, library.source.height].map(f64::from)
+}
+
+/// Refuses a canvas that is to repeat along an axis and is not a whole number of periods long there, but for
+/// the rounding of the canvas.
+///
+/// # Errors
+/// [`Error::Parameter`] that names a size nearby.
+pub(crate) fn check_periods(library: &Library, params: &SynthParams) -> Result<()> {
+    let whole = |size: u32, period: f64| {
+        let count = libm::round(f64::from(size) / period).max(1.0);
+        libm::round(count * period) as u32
+    };
+    let [w, h] = library.page();
+    let near = |tile: bool, size: u32, period: f64| if tile { whole(size, period) } else { size };
+    let [width, height] = [near(params.tile.x, params.width, w), near(params.tile.y, params.height, h)];
+    if [width, height] == [params.width, params.height] {
+        return Ok(());
+    }
+    let [w, h] = [w, h].map(|v| libm::round(v * 100.0) / 100.0);
+    let value = format!(
+        "{}x{} (the drawing repeats every {w}x{h} px; {width}x{height} is near)",
+        params.width, params.height
+    );
+    let allowed = "a whole number of the drawing's periods where it is to repeat without a seam";
+    Err(Error::Parameter { name: "size", value, allowed })
+}
+
+/// Most copies of elements on a canvas, and most pixels that all of them together may cover.
+const MOST_COPIES: f64 = 4e6;
+const MOST_PAINTED: f64 = 1e10;
+
+/// Refuses a canvas of too many copies.
+fn check_copies(library: &Library, params: &SynthParams) -> Result<()> {
+    let tile = [params.tile.x, params.tile.y];
+    let (copies, painted) = copies(library, [params.width, params.height].map(f64::from), tile);
+    if copies <= MOST_COPIES && painted <= MOST_PAINTED {
+        return Ok(());
+    }
+    if self::copies(library, [1.0; 2], [false; 2]).1 > MOST_PAINTED {
+        return Err(Error::Control {
+            name: library.source.file.clone(),
+            role: "a drawing",
+            reason: "its elements are so much larger than its page that their copies cover it without end"
+                .into(),
+            advice: "make its strokes narrower, and leave out what lies far outside the page",
+        });
+    }
+    let (found, limit, unit) = if copies > MOST_COPIES {
+        (copies, MOST_COPIES, "copies of the drawing's elements")
+    } else {
+        (painted / 1e6, MOST_PAINTED / 1e6, "megapixels in all copies of the drawing's elements")
+    };
+    let [found, limit] = [found, limit].map(|count| format!("{count:.0} {unit}"));
+    Err(Error::TooLarge { name: "size".into(), found, limit })
+}
+
+/// Copies of elements on a canvas, and pixels that all of them together may cover.
+fn copies(library: &Library, canvas: [f64; 2], tile: [bool; 2]) -> (f64, f64) {
+    let period = size_of(library);
+    let (mut copies, mut painted) = (0.0, 0.0);
+    for instance in library.layers.iter().flat_map(|layer| &layer.instances) {
+        let element = &library.elements[instance.element.index()];
+        let own = vtex_scene::element::bounds(&element.shapes);
+        let bounds = Affine::new(instance.transform).transform_rect_bbox(own);
+        let side = [bounds.width(), bounds.height()];
+        // Copies beside the canvas stand within a period and a half of it.
+        let along =
+            |k: usize| (canvas[k] + if tile[k] { 0.0 } else { side[k] + 4.0 * period[k] }) / period[k];
+        copies += along(0) * along(1);
+        // What runs on is marked all at once.
+        if !element.clipped {
+            painted += along(0) * along(1) * side[0].max(1.0) * side[1].max(1.0);
+        }
+    }
+    (copies, painted)
+}
+
+/// All copies of all elements that reach the canvas and somewhat beyond; along axes that repeat each once.
+fn repeated(library: &Library, params: &SynthParams, known: &Known) -> Vec<Placed> {
+    let period = size_of(library);
+    let canvas = [params.width, params.height].map(f64::from);
+    let tile = [params.tile.x, params.tile.y];
+    let margin = known.margin;
+    let mut placed = Vec::new();
+    for (l, layer) in library.layers.iter().enumerate() {
+        for (n, instance) in layer.instances.iter().enumerate() {
+            let own = Affine::new(instance.transform);
+            let b = own.transform_rect_bbox(known.bounds[instance.element.index()]);
+            let range = |k: usize, low: f64, high: f64| {
+                if tile[k] {
+                    return 0..(canvas[k] / period[k]) as i64;
+                }
+                let first = libm::ceil((-margin - high) / period[k]) as i64;
+                first..libm::floor((canvas[k] + margin - low) / period[k]) as i64 + 1
+            };
+            for j in range(1, b.y0, b.y1) {
+                for i in range(0, b.x0, b.x1) {
+                    let shift = Vec2::new(i as f64 * period[0], j as f64 * period[1]);
+                    let map = Affine::translate(shift) * own;
+                    placed.push(Placed { element: instance.element.index(), map, order: (l, n) });
+                }
+            }
+        }
+    }
+    placed
+}
+
+/// Share of the places at which what stands there stands a period before too, along either axis.
+fn repeating(library: &Library, params: &SynthParams, placed: &[Placed], known: &Known) -> Option<f64> {
+    let period = size_of(library);
+    let size = [f64::from(params.width), f64::from(params.height)];
+    let at = |p: &Placed| {
+        let (first, from) = known.equal[p.element];
+        let map = p.map * from;
+        (first, map, map * known.bounds[first].center())
+    };
+    let all: Vec<_> = placed.iter().map(at).collect();
+    let cell = |x: f64, y: f64| [x, y].map(|v| libm::floor(v / (2.0 * SAME)) as i64);
+    let mut by_place: BTreeMap<(usize, [i64; 2]), Vec<usize>> = BTreeMap::new();
+    for (i, (first, _, centre)) in all.iter().enumerate() {
+        by_place.entry((*first, cell(centre.x, centre.y))).or_default().push(i);
+    }
+    let (mut pairs, mut same) = (0u64, 0u64);
+    for (first, map, centre) in &all {
+        for axis in 0..2 {
+            let mut wanted = [centre.x, centre.y];
+            let on_canvas = (0..2).all(|k| (0.0..size[k]).contains(&wanted[k]));
+            wanted[axis] -= period[axis];
+            if !on_canvas || wanted[axis] < 0.0 {
+                continue;
+            }
+            pairs += 1;
+            let turned = |other: &Affine| {
+                let (a, b) = (map.as_coeffs(), other.as_coeffs());
+                (0..4).all(|k| (a[k] - b[k]).abs() < 0.02)
+            };
+            let there = |&&i: &&usize| {
+                let other = &all[i];
+                (other.2.x - wanted[0]).abs() <= SAME
+                    && (other.2.y - wanted[1]).abs() <= SAME
+                    && turned(&other.1)
+            };
+            let [cx, cy] = cell(wanted[0], wanted[1]);
+            let around = (-1..=1).flat_map(|j| (-1..=1).map(move |i| [cx + i, cy + j]));
+            let mut near = around.filter_map(|cell| by_place.get(&(*first, cell))).flatten();
+            same += u64::from(near.any(|i| there(&i)));
+        }
+    }
+    (pairs > 0).then(|| same as f64 / pairs as f64)
+}

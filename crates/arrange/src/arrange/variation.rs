@@ -1,0 +1,158 @@
+//! Textons turned, mirrored and scaled at random, within what the parameters allow.
+
+use vtex_base::raster::{Mask, Span};
+use vtex_base::sampling::stream;
+use vtex_scene::scene::SynthParams;
+
+/// Different variations of each texton. More than the eye counts; their shapes are kept.
+const COUNT: usize = 32;
+
+/// A way to vary a texton: a linear map around its origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Variation {
+    /// Coefficients a b c d: x' = ax + cy, y' = bx + dy.
+    pub(crate) matrix: [f64; 4],
+    inverse: [f64; 4],
+    /// How much longer all becomes.
+    pub(crate) scale: f64,
+}
+
+const NONE: Variation = Variation { matrix: [1.0, 0.0, 0.0, 1.0], inverse: [1.0, 0.0, 0.0, 1.0], scale: 1.0 };
+
+impl Default for Variation {
+    fn default() -> Self {
+        NONE
+    }
+}
+
+impl Variation {
+    /// The variations that the parameters allow; the first leaves all as it is. Angles are spread
+    /// evenly, every second variation is mirrored.
+    pub(crate) fn all(params: &SynthParams) -> Vec<Self> {
+        if params.rotate == 0.0 && params.scale_jitter == 0.0 {
+            let mirrored = Self::new(0.0, true, 1.0);
+            return if params.mirror { vec![NONE, mirrored] } else { vec![NONE] };
+        }
+        let mut random = stream(params.seed, "synth/variations", 0);
+        let jitter = params.scale_jitter / 100.0;
+        let one = |k: usize| {
+            // Two variants, one of them mirrored, for each angle.
+            let (step, pairs) = if params.mirror { (k / 2, COUNT / 2) } else { (k, COUNT) };
+            let share = (step as f64 + random.unit()) / pairs as f64;
+            let angle = (2.0 * share - 1.0) * params.rotate;
+            // As much smaller as larger, in ratio.
+            let scale = libm::exp(random.range(-1.0, 1.0) * libm::log(1.0 + jitter));
+            Self::new(angle.to_radians(), params.mirror && k % 2 == 1, scale)
+        };
+        std::iter::once(NONE).chain((1..COUNT).map(one)).collect()
+    }
+
+    fn new(angle: f64, mirror: bool, scale: f64) -> Self {
+        let (s, c) = libm::sincos(angle);
+        let flip = if mirror { -1.0 } else { 1.0 };
+        let matrix = [scale * c * flip, scale * s * flip, -scale * s, scale * c];
+        let [a, b, cc, d] = matrix;
+        let det = a * d - b * cc;
+        Self { matrix, inverse: [d / det, -b / det, -cc / det, a / det], scale }
+    }
+
+    /// Whether it changes nothing.
+    pub(crate) fn is_none(&self) -> bool {
+        self.matrix == NONE.matrix
+    }
+
+    /// How much longer anything becomes, at most, along an axis: a box turned needs more room.
+    pub(crate) fn growth(&self) -> f64 {
+        if self.is_none() { 1.0 } else { self.scale * std::f64::consts::SQRT_2 }
+    }
+
+    /// Where a place goes, both relative to the origin, rounded to whole pixels.
+    pub(crate) fn there(&self, place: [i32; 2]) -> [i32; 2] {
+        apply(&self.matrix, place.map(f64::from)).map(|v| libm::round(v) as i32)
+    }
+
+    /// Where a point goes, both relative to the origin.
+    pub(crate) fn of_point(&self, point: [f64; 2]) -> [f64; 2] {
+        apply(&self.matrix, point)
+    }
+
+    /// The pixel that comes to a pixel, both relative to the origin.
+    pub(crate) fn back(&self, pixel: [i32; 2]) -> [i32; 2] {
+        apply(&self.inverse, pixel.map(|v| f64::from(v) + 0.5)).map(|v| libm::floor(v) as i32)
+    }
+
+    /// A mask around the origin, varied: every pixel whose centre comes from within it.
+    pub(crate) fn of_mask(&self, mask: &Mask) -> Mask {
+        let Some((x0, y0, x1, y1)) = mask.bounds() else { return mask.clone() };
+        if self.is_none() {
+            return mask.clone();
+        }
+        let corners = [[x0, y0], [x1, y0], [x0, y1], [x1, y1]].map(|p| apply(&self.matrix, p.map(f64::from)));
+        let low = |k: usize| libm::floor(corners.iter().map(|c| c[k]).fold(f64::INFINITY, f64::min)) as i32;
+        let high =
+            |k: usize| libm::ceil(corners.iter().map(|c| c[k]).fold(f64::NEG_INFINITY, f64::max)) as i32;
+        let mut spans = Vec::new();
+        for y in low(1)..high(1) {
+            let inside = |x: i32| {
+                let [u, v] = self.back([x, y]);
+                mask.contains(u, v)
+            };
+            spans.extend((low(0)..high(0)).filter(|&x| inside(x)).map(|x| Span { y, x0: x, x1: x + 1 }));
+        }
+        let varied = Mask::from_spans(spans);
+        // A speck made smaller may miss all centres.
+        if varied.is_empty() { mask.clone() } else { varied }
+    }
+}
+
+fn apply([a, b, c, d]: &[f64; 4], [x, y]: [f64; 2]) -> [f64; 2] {
+    [a * x + c * y, b * x + d * y]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn params(rotate: f64, mirror: bool, scale_jitter: f64) -> SynthParams {
+        SynthParams { rotate, mirror, scale_jitter, ..SynthParams::default() }
+    }
+
+    #[test]
+    fn within_what_is_allowed() {
+        assert_eq!(Variation::all(&params(0.0, false, 0.0)), [NONE]);
+        assert_eq!(Variation::all(&params(0.0, true, 0.0))[1].matrix, [-1.0, -0.0, -0.0, 1.0]);
+        for (rotate, mirror, jitter) in [(30.0, false, 0.0), (180.0, true, 20.0), (0.0, true, 50.0)] {
+            let all = Variation::all(&params(rotate, mirror, jitter));
+            assert!(all[0].is_none() && all.len() == COUNT);
+            let (mut left, mut right, mut mirrored) = (false, false, 0);
+            for v in &all {
+                let [a, b, c, d] = v.matrix;
+                let scale = libm::sqrt((a * d - b * c).abs());
+                let most = 1.0 + jitter / 100.0;
+                assert!(scale <= most + 1e-9 && scale >= 1.0 / most - 1e-9, "{scale}");
+                let angle = libm::atan2(-c, d).to_degrees();
+                assert!(angle.abs() <= rotate + 1e-9, "{angle}");
+                left |= angle < -0.4 * rotate;
+                right |= angle > 0.4 * rotate;
+                mirrored += usize::from(a * d - b * c < 0.0);
+            }
+            assert!(rotate == 0.0 || (left && right));
+            assert_eq!(mirrored, if mirror { COUNT / 2 } else { 0 });
+        }
+    }
+
+    #[test]
+    fn masks_keep_their_area_and_turn_about_the_origin() {
+        let bar = Mask::from_spans((-3..3).map(|y| Span { y, x0: -20, x1: 30 }).collect());
+        let quarter = Variation::new(std::f64::consts::FRAC_PI_2, false, 1.0);
+        assert_eq!(quarter.of_mask(&bar).bounds(), Some((-3, -20, 3, 30)));
+        for v in Variation::all(&params(180.0, true, 30.0)) {
+            let varied = v.of_mask(&bar);
+            let wanted = f64::from(bar.area()) * v.scale * v.scale;
+            assert!((f64::from(varied.area()) / wanted - 1.0).abs() < 0.06, "{} {wanted}", varied.area());
+            let (x, y) = varied.centroid().unwrap();
+            let [wx, wy] = apply(&v.matrix, [5.0, 0.0]);
+            assert!(libm::hypot(x - wx, y - wy) < 0.5);
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Library → scene, in this order: correspondence field, arrangement and density
+//! ([`arrange`](crate::arrange)), background, secondaries, composition.
+//!
+//! Works badly for exemplars with long curves, which islands cut, and for exemplars with too few whole
+//! elements, whose copies are seen.
+
+mod backdrop;
+pub(crate) mod background;
+pub(crate) mod compose;
+mod neighbourhoods;
+mod parted;
+mod period;
+pub(crate) mod report;
+pub(crate) mod secondaries;
+mod strata;
+#[cfg(test)]
+mod tests;
+mod units;
+
+pub use crate::arrange::controls::{Controls, Lead};
+pub use crate::arrange::correspondence::Structure;
+pub use report::{CategoryReport, Report};
+pub use strata::{StratumReport, layer_map};
+pub use units::synthesize_with;
+pub use vtex_scene::reconstruct::reconstruct;
+
+use crate::arrange::correspondence::no_guide;
+use crate::arrange::model::Model;
+use crate::arrange::{Task, arrange};
+use strata::Strata;
+use vtex_base::error::{Error, Result};
+use vtex_base::progress::{Progress, advance};
+use vtex_scene::library::{Library, SourceKind};
+use vtex_scene::scene::field::Interpolant;
+use vtex_scene::scene::{Ablation, Method, Scene, SynthParams, Weights};
+
+/// Largest canvas, in pixels.
+const LARGEST_CANVAS: u64 = 400_000_000;
+/// Memory per pixel of the canvas, in bytes: seven of the target map, and its share of what is placed
+/// (measured on sandy concrete, which has the most).
+const BYTES_PER_PIXEL: u64 = 25;
+
+/// Synthesises a texture of the size in `params` like the exemplar of the library. The same library,
+/// parameters and program give the same scene on any number of threads.
+///
+/// # Errors
+/// [`Error::Parameter`] for a parameter out of range, [`Error::TooLarge`] for a canvas of more than
+/// 400 megapixels, [`Error::Interrupted`].
+pub fn synthesize(library: &Library, params: &SynthParams, progress: &dyn Progress) -> Result<Scene> {
+    let libraries = std::slice::from_ref(library);
+    synthesize_with(libraries, params, &Controls::default(), progress).map(|(scene, _)| scene)
+}
+
+/// [`synthesize_with`] of libraries whose units are the pixels of their arrangements.
+fn in_pixels(
+    libraries: &[Library],
+    params: &SynthParams,
+    controls: &Controls,
+    progress: &dyn Progress,
+) -> Result<(Scene, Report)> {
+    params.validate()?;
+    controls.validate(libraries)?;
+    check_canvas(params)?;
+
+    if parted::applies(libraries, controls) {
+        return parted::synthesize(libraries, params, controls, progress);
+    }
+    let method = method(libraries, params, controls)?;
+    let params = &SynthParams { method, ..params.clone() };
+    if method == Method::Period {
+        return period::synthesize(&libraries[0], params, controls, progress);
+    }
+    let params = &keeping_apart(libraries, params);
+    let mut model = Model::new(libraries, params);
+    let task = Task { libraries, controls, params, method, fixed: Vec::new() };
+    let arrangement = arrange(&mut model, &task, progress)?;
+
+    advance(progress, "background field", 0, 2)?;
+    let correspondence = arrangement.correspondence.as_ref();
+    let field = background::field(libraries, &arrangement.cells, correspondence, params);
+    let interpolant = Interpolant::new(&field, params.width, params.height, params.tile);
+    advance(progress, "background field", 1, 2)?;
+    let secondaries = secondaries::place(libraries, &arrangement.cells, &interpolant, correspondence, params);
+    advance(progress, "background field", 2, 2)?;
+
+    let strata = Strata::new(libraries, controls, &arrangement, &field, params)?;
+    let nested = strata.as_ref().map_or_else(Vec::new, |strata| strata.report.clone());
+    let scene = compose::scene(libraries, params, controls, &arrangement, &secondaries, (field, strata));
+    let report = Report { strata: nested, ..Report::new(libraries, &arrangement, &scene) };
+    Ok((scene, report))
+}
+
+/// The canvas, width and height in pixels, that suits libraries where no size is asked for: 1000 × 1000;
+/// for a single periodic drawing some whole periods, at least two along each axis, about as large.
+pub fn default_size(libraries: &[Library]) -> [u32; 2] {
+    let SynthParams { width, height, .. } = SynthParams::default();
+    match libraries {
+        [library] if is_drawing(library) && library.arrangement.periodic => {
+            let [w, h] = library.page();
+            let whole = |about: u32, side: f64| {
+                libm::round(side * libm::round(f64::from(about) / side).max(2.0)) as u32
+            };
+            [whole(width, w), whole(height, h)]
+        }
+        _ => [width, height],
+    }
+}
+
+/// The parameters, with overlaps refused if all exemplars are drawings without touching elements.
+fn keeping_apart(libraries: &[Library], params: &SynthParams) -> SynthParams {
+    let mut params = params.clone();
+    let apart = |l: &Library| is_drawing(l) && !l.arrangement.to_labels().any_touch();
+    if libraries.iter().all(apart) && !params.without(Ablation::Overlap) {
+        params.ablate.push(Ablation::Overlap);
+    }
+    params
+}
+
+fn is_drawing(library: &Library) -> bool {
+    library.source.kind == SourceKind::Drawing
+}
+
+/// The method that places primaries; chosen by the libraries for [`Method::Auto`].
+///
+/// # Errors
+/// [`Error::Parameter`] if correspondences are asked for and a library has no guide.
+fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<Method> {
+    let periodic = period::applies(libraries, params, controls);
+    let guided = libraries.iter().all(|l| l.guide.is_some());
+    // Ablations that correspondences support.
+    let of_both = |part: &Ablation| *part == Ablation::Secondary;
+    let plain = params.weights == Weights::default() && params.ablate.iter().all(of_both);
+    let led = controls.lead.is_some();
+    match params.method {
+        Method::Auto if led && guided && plain => Ok(Method::Correspondence),
+        Method::Correspondence if guided => Ok(Method::Correspondence),
+        method if led => Err(Error::Parameter {
+            name: "method",
+            value: format!("{method:?}").to_lowercase(),
+            allowed: "correspondence where a map of layers or a guide leads, which needs a library with a guide \
+                      and no weights or ablation",
+        }),
+        Method::Auto if periodic && plain => Ok(Method::Period),
+        Method::Period if !periodic => Err(Error::Parameter {
+            name: "method",
+            value: "period".into(),
+            allowed: "for one drawing whose borders join, without a map of densities, turned or mirrored elements",
+        }),
+        // Islands would cut a drawing and lose elements along every border.
+        Method::Auto if libraries.iter().all(is_drawing) => Ok(Method::Descriptor),
+        Method::Auto if guided && plain => Ok(Method::Correspondence),
+        Method::Auto => Ok(Method::Descriptor),
+        Method::Correspondence if !guided => Err(no_guide()),
+        method => Ok(method),
+    }
+}
+
+/// The primaries of a scene alone, and the share of the canvas that each category covered before the
+/// density was corrected.
+pub(crate) fn primaries_alone(
+    libraries: &[Library],
+    params: &SynthParams,
+    progress: &dyn Progress,
+) -> Result<(Scene, Vec<f64>)> {
+    let controls = Controls::default();
+    let mut model = Model::new(libraries, params);
+    let method = Method::Descriptor;
+    let task = Task { libraries, controls: &controls, params, method, fixed: Vec::new() };
+    let arrangement = arrange(&mut model, &task, progress)?;
+    let canvas = f64::from(params.width) * f64::from(params.height);
+    let covered = arrangement.covered_before.iter().map(|&cells| cells as f64 / canvas).collect();
+    let field = vtex_scene::scene::Field { spacing: 1.0, fallback: Default::default(), points: Vec::new() };
+    Ok((compose::scene(libraries, params, &controls, &arrangement, &[], (field, None)), covered))
+}
+
+/// An error if the canvas is too large.
+pub(crate) fn check_canvas(params: &SynthParams) -> Result<()> {
+    let canvas = u64::from(params.width) * u64::from(params.height);
+    if canvas <= LARGEST_CANVAS {
+        return Ok(());
+    }
+    Err(Error::TooLarge {
+        name: "size".into(),
+        found: format!(
+            "{} x {} px, about {} GB of memory",
+            params.width,
+            params.height,
+            canvas * BYTES_PER_PIXEL / 1_000_000_000
+        ),
+        limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
+    })
+}

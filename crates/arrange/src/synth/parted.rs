@@ -1,0 +1,231 @@
+//! Drawings beside other libraries on one canvas: each library has its part of the canvas to itself.
+//!
+//! Photographs run into each other where they meet; flat colours do not, and a drawing's elements cannot be
+//! placed by what stands around a photograph's. So each drawing makes a texture of its own, as it would
+//! alone, and all photographs one together; of each the part that its map gives it is kept. Drawings lie
+//! below, because what lies on paper may reach beyond its part.
+
+use super::report::{CategoryReport, Report};
+use super::{Controls, is_drawing};
+use vtex_base::error::Result;
+use vtex_base::geometry::{Outline, Point, Rect};
+use vtex_base::progress::Progress;
+use vtex_base::raster::LabelMap;
+use vtex_base::raster::colour::Colour;
+use vtex_field::layers::{Layer as Part, LayerMap};
+use vtex_scene::library::{Library, SourceKind};
+use vtex_scene::reconstruct::reference;
+use vtex_scene::scene::{
+    Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, Role, Scene, SynthParams, joined,
+};
+use vtex_scene::statistics::{Overlap, Repetition};
+
+/// Distance of the places of an element's box at which its part of the canvas is looked for, in pixels, and the
+/// fewest and most along a side.
+const APART: f64 = 12.0;
+const PLACES: [usize; 2] = [6, 64];
+
+/// Whether libraries have parts of their own: a drawing is among several.
+pub(super) fn applies(libraries: &[Library], controls: &Controls) -> bool {
+    libraries.len() > 1 && controls.lead.is_none() && libraries.iter().any(is_drawing)
+}
+
+/// The texture of the parts of all libraries, and how close it came.
+///
+/// # Errors
+/// As [`synthesize_with`](super::synthesize_with).
+pub(super) fn synthesize(
+    libraries: &[Library],
+    params: &SynthParams,
+    controls: &Controls,
+    progress: &dyn Progress,
+) -> Result<(Scene, Report)> {
+    let groups = groups(libraries);
+    let map = parts(&groups, params, controls);
+    let outlines = map.outlines([params.tile.x, params.tile.y]);
+    let shares = map.shares();
+    let references = libraries.iter().map(reference).collect();
+    let mut whole = Whole { scene: Scene::new([params.width, params.height], references, Vec::new()), map };
+    let mut reports = Vec::new();
+    let is_seen = |g: usize| shares[g] > 0.0 && (g == 0 || !outlines[g - 1].is_empty());
+    for (g, group) in groups.iter().enumerate().filter(|(g, _)| is_seen(*g)) {
+        let own: Vec<Library> = group.iter().map(|&k| libraries[k].clone()).collect();
+        let of_group = Controls {
+            shares: if group.len() > 1 {
+                group.iter().map(|&k| controls.shares[k].clone()).collect()
+            } else {
+                Vec::new()
+            },
+            ..controls.clone()
+        };
+        let (scene, report) = super::synthesize_with(&own, params, &of_group, progress)?;
+        let region = g.checked_sub(1).map(|below| outlines[below].clone());
+        whole.add(scene, g, group, (region, report.period.is_some()));
+        reports.push((g, report));
+    }
+    let scene = whole.scene;
+    let report = joined_report(libraries, &groups, &shares, &reports, &scene);
+    Ok((scene, report))
+}
+
+/// The libraries that make one texture together: each drawing alone, then all photographs.
+fn groups(libraries: &[Library]) -> Vec<Vec<usize>> {
+    let of = |kind: SourceKind| (0..libraries.len()).filter(move |&k| libraries[k].source.kind == kind);
+    let mut groups: Vec<Vec<usize>> = of(SourceKind::Drawing).map(|k| vec![k]).collect();
+    let photographs: Vec<usize> = of(SourceKind::Photograph).collect();
+    if !photographs.is_empty() {
+        groups.push(photographs);
+    }
+    groups
+}
+
+/// Which group has each pixel of the canvas: the one with the largest share there.
+fn parts(groups: &[Vec<usize>], params: &SynthParams, controls: &Controls) -> LayerMap {
+    let canvas = [params.width, params.height].map(f64::from);
+    let rows: Vec<u32> = (0..params.height).collect();
+    let row = |&y: &u32| {
+        let label = |x: u32| {
+            let at = [x, y].map(|v| f64::from(v) + 0.5);
+            let share = |g: usize| groups[g].iter().map(|&k| controls.shares[k].at(at, canvas)).sum::<f64>();
+            let largest = (0..groups.len()).max_by(|&a, &b| share(a).total_cmp(&share(b)).then(b.cmp(&a)));
+            largest.unwrap_or(0) as u32
+        };
+        (0..params.width).map(label).collect::<Vec<u32>>()
+    };
+    let labels = vtex_base::parallel::map(&rows, row).concat();
+    let layer = |g: usize| Part { name: g.to_string(), colour: Colour([g as u8; 3]) };
+    LayerMap {
+        labels: LabelMap { width: params.width, height: params.height, labels },
+        layers: (0..groups.len()).map(layer).collect(),
+    }
+}
+
+/// The scene of all parts, and which part has each pixel.
+struct Whole {
+    scene: Scene,
+    map: LayerMap,
+}
+
+impl Whole {
+    /// Adds what a texture shows in its part. One that repeats its period as it is may be cut at the border
+    /// of its part, others show whole elements.
+    fn add(&mut self, scene: Scene, part: usize, group: &[usize], (region, period): (Option<Outline>, bool)) {
+        let still = scene.parameters.as_ref().is_some_and(|p| p.variation == Some(0.0));
+        let cut = period && still;
+        self.scene.tile = scene.tile;
+        self.scene.domain = scene.domain.clone();
+        self.scene.parameters = scene.parameters.clone();
+        let first = self.scene.elements.len();
+        let own = |e: &Element| Element { library: LibraryId(group[e.library.index()] as u32), ..e.clone() };
+        self.scene.elements.extend(scene.elements.iter().map(own));
+        let title = self.scene.libraries[group[0]].exemplar.clone();
+        let title = title.split('.').next().unwrap_or_default().to_owned();
+        let background =
+            Layer { field: field(&scene), region: region.clone(), ..Layer::new(Role::Background) };
+        let elements = scene.layers.iter().filter(|layer| !layer.instances.is_empty());
+        for layer in std::iter::once(&background).chain(elements) {
+            let kept = layer.instances.iter().filter(|i| {
+                let bounds = i.affine().transform_rect_bbox(scene.element(i).bounds());
+                if cut { self.reaches(bounds, part) } else { self.part_at(bounds.center()) == part as u32 }
+            });
+            let mut next = self.scene.count() as u32;
+            let renumbered = |i: &Instance| {
+                next += 1;
+                let element = ElementId::after(first + i.element.index());
+                Instance { id: InstanceId(next - 1), element, ..i.clone() }
+            };
+            let instances: Vec<Instance> = kept.map(renumbered).collect();
+            let clip = if cut || layer.field.is_some() { region.clone() } else { None };
+            let name = self.free_name(&title, &layer.name);
+            let (role, field) = (layer.role, layer.field.clone());
+            self.scene.layers.push(Layer { name, role, region: clip, field, instances });
+        }
+        self.scene.drop_unused();
+    }
+
+    /// The part that a place of the canvas belongs to; beyond the canvas that of the nearest pixel.
+    fn part_at(&self, p: Point) -> u32 {
+        let labels = &self.map.labels;
+        let along = |v: f64, size: u32, repeats: bool| {
+            let v = libm::floor(v) as i64;
+            let size = i64::from(size);
+            (if repeats { v.rem_euclid(size) } else { v.clamp(0, size - 1) }) as u32
+        };
+        let tile = self.scene.tile;
+        labels.get(along(p.x, labels.width, tile.x), along(p.y, labels.height, tile.y))
+    }
+
+    /// Whether a box reaches into a part.
+    fn reaches(&self, b: Rect, part: usize) -> bool {
+        let count = |side: f64| ((side / APART) as usize + 2).clamp(PLACES[0], PLACES[1]);
+        let [columns, rows] = [b.width(), b.height()].map(count);
+        let place = |k: usize, count: usize, low: f64, side: f64| low + k as f64 / (count - 1) as f64 * side;
+        let mut at = (0..columns * rows).map(|k| {
+            let [column, row] = [k % columns, k / columns];
+            Point::new(place(column, columns, b.x0, b.width()), place(row, rows, b.y0, b.height()))
+        });
+        at.any(|p| self.part_at(p) == part as u32)
+    }
+
+    /// A name that no layer has.
+    fn free_name(&self, title: &str, name: &str) -> String {
+        let own = format!("{title} {name}");
+        let known = |name: &str| self.scene.layers.iter().any(|layer| layer.name == name);
+        if !known(&own) {
+            return own;
+        }
+        let numbered = (2..).map(|n| format!("{own} {n}")).find(|name| !known(name));
+        numbered.unwrap_or(own)
+    }
+}
+
+/// The colours beneath all elements of a scene, as one field.
+fn field(scene: &Scene) -> Option<Field> {
+    let fields: Vec<_> =
+        scene.layers.iter().filter_map(|l| Some((l.region.as_ref(), l.field.as_ref()?))).collect();
+    joined(&fields).map(|field| field.into_owned())
+}
+
+/// Figures of the parts: each counts by its share of the canvas.
+fn joined_report(
+    libraries: &[Library],
+    groups: &[Vec<usize>],
+    shares: &[f64],
+    reports: &[(usize, Report)],
+    scene: &Scene,
+) -> Report {
+    let sum = |of: fn(&Report) -> f64| reports.iter().map(|(g, r)| shares[*g] * of(r)).sum::<f64>();
+    let count = |of: fn(&Report) -> u64| reports.iter().map(|(_, r)| of(r)).sum::<u64>();
+    let mut categories: Vec<Vec<CategoryReport>> = libraries
+        .iter()
+        .map(|l| vec![CategoryReport { wanted: 0.0, got: 0.0 }; l.categories.len()])
+        .collect();
+    for (g, report) in reports {
+        let own = groups[*g].iter().flat_map(|&k| (0..libraries[k].categories.len()).map(move |c| (k, c)));
+        for ((k, c), found) in own.zip(&report.categories) {
+            let [wanted, got] = [found.wanted, found.got].map(|v| shares[*g] * v);
+            categories[k][c] = CategoryReport { wanted, got };
+        }
+    }
+    let of_role = |role: Role| scene.of_role(role).count();
+    let last = reports.last().map(|(_, report)| report);
+    Report {
+        coverage_wanted: sum(|r| r.coverage_wanted),
+        coverage: sum(|r| r.coverage),
+        categories: categories.concat(),
+        strata: Vec::new(),
+        primaries: of_role(Role::Primary),
+        textons: scene.elements.iter().filter(|e| e.category.is_some()).count(),
+        secondaries: of_role(Role::Secondary),
+        control_points: scene.layers.iter().flat_map(|l| &l.field).map(|f| f.points.len()).sum(),
+        attempts: count(|r| r.attempts),
+        refused: count(|r| r.refused),
+        removed: count(|r| r.removed),
+        added: count(|r| r.added),
+        method: last.map_or_else(Default::default, |r| r.method),
+        structure: last.and_then(|r| r.structure),
+        overlap: Overlap::of_scene(scene, libraries),
+        repetition: Repetition::of_scene(scene, libraries),
+        period: None,
+    }
+}

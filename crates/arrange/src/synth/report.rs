@@ -1,0 +1,96 @@
+//! Figures that say how close a synthesised scene is to its exemplar.
+
+use super::strata::StratumReport;
+use crate::arrange::Arrangement;
+use crate::arrange::correspondence::Structure;
+use serde::Serialize;
+use vtex_scene::library::Library;
+use vtex_scene::scene::{Method, Role, Scene};
+use vtex_scene::statistics::{Overlap, Repetition};
+
+/// Coverage wanted and reached, and the steps taken. Shares are of the canvas, 0 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Share of the canvas that primaries should cover. For one library without maps and domain it is the
+    /// exemplar's.
+    pub coverage_wanted: f64,
+    /// Share of the canvas that primaries cover.
+    pub coverage: f64,
+    /// Coverage by category, library by library in their order.
+    pub categories: Vec<CategoryReport>,
+    /// The nested layers of the canvas, from bottom to top; empty if it has none.
+    pub strata: Vec<StratumReport>,
+    /// Primaries placed.
+    pub primaries: usize,
+    /// Different primaries among them.
+    pub textons: usize,
+    /// Secondaries placed.
+    pub secondaries: usize,
+    /// Control points of the background.
+    pub control_points: usize,
+    /// Requests of descriptors tried.
+    pub attempts: u64,
+    /// Requests that no element fitted well enough.
+    pub refused: u64,
+    /// Elements removed to correct the density.
+    pub removed: u64,
+    /// Elements added to correct the density.
+    pub added: u64,
+    /// The method that placed the primaries.
+    pub method: Method,
+    /// What was copied along the correspondence field, if there was one.
+    pub structure: Option<Structure>,
+    /// Area of primaries hidden by others.
+    pub overlap: Overlap,
+    /// Repetition of the same primaries.
+    pub repetition: Repetition,
+    /// Share of the places that repeat the exemplar's own period, if the period was repeated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub period: Option<f64>,
+}
+
+/// Coverage of one category.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CategoryReport {
+    /// Share wanted of the canvas.
+    pub wanted: f64,
+    /// Share of the canvas that its elements visibly cover.
+    pub got: f64,
+}
+
+impl Report {
+    pub(crate) fn new(libraries: &[Library], arrangement: &Arrangement<'_>, scene: &Scene) -> Self {
+        let Arrangement { cells: map, descriptors, correction, .. } = arrangement;
+        let canvas = f64::from(scene.width) * f64::from(scene.height);
+        let wanted = map.region.wanted(map.model());
+        let wanted = |c: usize| wanted.iter().map(|zone| zone[c]).sum::<f64>() / canvas;
+        let plain = libraries.len() == 1 && map.region.is_plain();
+        let category = |(c, category): (usize, &vtex_scene::library::Category)| CategoryReport {
+            // If only the exemplar sets the target, elements that cannot be placed count too.
+            wanted: if plain { category.coverage } else { wanted(c) },
+            got: map.covered_by(c) as f64 / canvas,
+        };
+        let all = libraries.iter().flat_map(|l| &l.categories);
+        let categories: Vec<CategoryReport> = all.enumerate().map(category).collect();
+        let sum = |of: fn(&CategoryReport) -> f64| categories.iter().map(of).sum::<f64>();
+        Self {
+            strata: Vec::new(),
+            coverage_wanted: if plain { libraries[0].coverage } else { sum(|c| c.wanted) },
+            coverage: sum(|c| c.got),
+            categories,
+            primaries: scene.of_role(Role::Primary).count(),
+            textons: scene.elements.iter().filter(|t| t.category.is_some()).count(),
+            secondaries: scene.of_role(Role::Secondary).count(),
+            control_points: scene.layers.iter().flat_map(|l| &l.field).map(|f| f.points.len()).sum(),
+            attempts: descriptors.attempts,
+            refused: descriptors.refused,
+            removed: correction.removed,
+            added: correction.added,
+            method: scene.parameters.as_ref().map_or(Method::Descriptor, |p| p.method),
+            structure: arrangement.structure,
+            overlap: Overlap::of_scene(scene, libraries),
+            repetition: Repetition::of_scene(scene, libraries),
+            period: None,
+        }
+    }
+}

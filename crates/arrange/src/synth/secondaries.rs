@@ -1,0 +1,451 @@
+//! Secondaries between the primaries (paper §3.2.2).
+//!
+//! The paper scatters secondaries one by one over a Poisson-disk set. Where they tile the background of the
+//! exemplar, this loses a third of them to overlap and leaves gaps of bare background, and a fifth of the
+//! contrast is lost. Here a sparser Poisson-disk set divides the background into small cells. Each cell
+//! takes a neighbourhood of the exemplar: all secondaries around a place whose primaries best match those
+//! around the cell. Secondaries thus keep their distances to each other and to primaries. Single ones fill
+//! the gaps that remain.
+//!
+//! Works badly where secondaries form structures larger than a cell, because these are cut.
+
+use super::neighbourhoods::Exemplar;
+use crate::arrange::correspondence::{Arrived, Correspondence};
+use crate::arrange::occupancy::Occupancy;
+use crate::arrange::sites::{Sites, scattered};
+use crate::arrange::variation::Variation;
+use vtex_base::geometry::Point;
+use vtex_base::parallel;
+use vtex_base::raster::colour::Colour;
+use vtex_base::sampling::{Stream, stream};
+use vtex_scene::library::{Element, Library};
+use vtex_scene::scene::field::Interpolant;
+use vtex_scene::scene::{Ablation, SynthParams};
+
+/// Points per area of a Poisson-disk set of radius 1 made by [`poisson_disk`] (measured).
+const POISSON_DENSITY: f64 = 0.616;
+/// Radius of the cells, relative to the radius of a set of single secondaries.
+pub(crate) const CELL: f64 = 3.0;
+/// Places of the exemplar compared for each cell.
+const CANDIDATES: usize = 8;
+/// Least visible share of a secondary's outline points; below it, the secondary is left out.
+const LEAST_VISIBLE: f64 = 0.3;
+/// Quantisation step of secondaries' colours, per sRGB component.
+const COLOUR_STEP: f64 = 5.0;
+
+/// A secondary on the canvas.
+#[derive(Clone, Copy)]
+pub(crate) struct Placed {
+    /// Index of its library.
+    pub(crate) library: usize,
+    /// Index among the library's secondaries.
+    pub(crate) secondary: u32,
+    /// Position of its origin, in whole pixels.
+    pub(crate) at: [i32; 2],
+    /// Index of its variation in the model.
+    pub(crate) variation: u16,
+    /// Its colour.
+    pub(crate) colour: Colour,
+}
+
+/// A secondary of one library and its position, before it has a colour.
+#[derive(Clone, Copy)]
+struct Place {
+    secondary: u32,
+    at: [i32; 2],
+    variation: u16,
+}
+
+/// Places secondaries. Each has the colour of the background beneath it plus its own difference. Their
+/// number per area of background is the exemplar's, times the density map. Those hidden by primaries are
+/// left out.
+pub(crate) fn place(
+    libraries: &[Library],
+    map: &Occupancy<'_>,
+    field: &Interpolant,
+    correspondence: Option<&Correspondence>,
+    params: &SynthParams,
+) -> Vec<Placed> {
+    if params.without(Ablation::Secondary) {
+        return Vec::new();
+    }
+    let came = correspondence.map_or_else(Vec::new, |c| arrived(libraries, map, c, params.seed));
+    if map.region.all_carried() {
+        return came;
+    }
+    let parts = Parts::new(libraries, map, params.seed);
+    let mut placed = Vec::new();
+    for (number, library) in libraries.iter().enumerate() {
+        let Some(radius) = radius(library) else { continue };
+        let task = Task { number, library, map, radius, params };
+        placed.extend(task.places(&parts).into_iter().map(|place| task.placed(place)));
+    }
+    let mut placed = painted(libraries, placed, field);
+    placed.extend(came);
+    placed.sort_by_key(Placed::painting_key);
+    placed
+}
+
+/// Secondaries copied along the correspondence field. They keep their exemplar colours, because the
+/// background beneath them is copied too.
+fn arrived(
+    libraries: &[Library],
+    map: &Occupancy<'_>,
+    correspondence: &Correspondence,
+    seed: u64,
+) -> Vec<Placed> {
+    let mut placed = Vec::new();
+    let mut random = stream(seed, "correspondence/secondaries", 0);
+    for (number, library) in libraries.iter().enumerate() {
+        let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
+        let mut came: Vec<Placed> = (correspondence.secondaries(library, number, map.model()).into_iter())
+            .map(|Arrived { secondary, at, variation }| {
+                let colour = coarse(library.secondaries()[secondary as usize].colour.to_f64());
+                Placed { library: number, secondary, at, variation, colour }
+            })
+            .collect();
+        if !map.region.is_plain() {
+            came.retain(|p| {
+                let level = map.region.density(p.at.map(f64::from));
+                is_served(map, p.at) && (level >= 1.0 || random.chance(level))
+            });
+        }
+        let seen = |p: &Placed| {
+            let place = Place { secondary: p.secondary, at: p.at, variation: p.variation };
+            visible(map, &samples[p.secondary as usize], &place) >= LEAST_VISIBLE
+        };
+        let seen = parallel::map(&came, seen).into_iter();
+        placed.extend(came.into_iter().zip(seen).filter(|c| c.1).map(|c| c.0));
+    }
+    placed.sort_by_key(Placed::painting_key);
+    placed
+}
+
+/// Whether a place of the canvas is covered by the correspondence field.
+fn is_served(map: &Occupancy<'_>, at: [i32; 2]) -> bool {
+    let at = [0, 1].map(|k| at[k] + map.grid.margin[k]);
+    map.grid.canvas_cell(at).is_some_and(|i| map.region.cell_is_carried(i))
+}
+
+/// Gives each the colour of the background beneath it plus its own difference, clamped to the tones of its
+/// exemplar: dark flecks of pale background would become too dark on dark background.
+pub(crate) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interpolant) -> Vec<Placed> {
+    let tones: Vec<[[f64; 2]; 3]> = libraries.iter().map(tones).collect();
+    parallel::map(&placed, |p| {
+        let secondary = &libraries[p.library].secondaries()[p.secondary as usize];
+        let difference = secondary.difference.unwrap_or_default();
+        let background = field.at(f64::from(p.at[0]), f64::from(p.at[1]));
+        let colour = [0, 1, 2].map(|c| {
+            let [least, most] = tones[p.library][c];
+            (background[c] + f64::from(difference[c])).clamp(least, most)
+        });
+        Placed { colour: coarse(colour), ..*p }
+    })
+}
+
+/// Range of each component among the secondaries of a library, without the outermost hundredth at either
+/// end.
+fn tones(library: &Library) -> [[f64; 2]; 3] {
+    [0, 1, 2].map(|c| {
+        let mut values: Vec<u8> = library.secondaries().iter().map(|s| s.colour.0[c]).collect();
+        values.sort_unstable();
+        let beyond = values.len() / 100;
+        match (values.get(beyond), values.len().checked_sub(beyond + 1)) {
+            (Some(&least), Some(last)) => [f64::from(least), f64::from(values[last])],
+            _ => [0.0, 255.0],
+        }
+    })
+}
+
+impl Placed {
+    /// Sort key for painting. It puts equal fills side by side, for smaller files. Secondaries hardly
+    /// overlap, so their painting order matters little. Fills are mixed, so that no tone is always on top.
+    pub(crate) fn painting_key(&self) -> impl Ord + use<> {
+        let [r, g, b] = self.colour.0.map(u32::from);
+        let colour = (r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1);
+        (colour, self.at[1], self.at[0], self.library, self.secondary)
+    }
+}
+
+/// The parts of the canvas that each library's secondaries fill.
+struct Parts {
+    /// Sites and the library of each; `None` for a single library.
+    sites: Option<(Sites, Vec<usize>)>,
+}
+
+impl Parts {
+    /// Divides the canvas into cells the size of a neighbourhood, and draws the library of each by its share.
+    fn new(libraries: &[Library], map: &Occupancy<'_>, seed: u64) -> Self {
+        let reach = libraries.iter().filter_map(radius).fold(f64::INFINITY, f64::min) * CELL;
+        if libraries.len() < 2 || !reach.is_finite() {
+            return Self { sites: None };
+        }
+        let mut random = stream(seed, "synth/secondaries/lands", 0);
+        let sites = scattered(&map.grid, reach, reach, &mut random);
+        let library = |p: &[i32; 2]| map.region.draw_library(p.map(f64::from), &mut random);
+        let of = sites.centres().to_vec().iter().map(library).collect();
+        Self { sites: Some((sites, of)) }
+    }
+
+    fn belongs(&self, at: [i32; 2], library: usize) -> bool {
+        self.sites.as_ref().is_none_or(|(sites, of)| sites.owner(at).is_some_and(|site| of[site] == library))
+    }
+}
+
+/// The secondaries of one library.
+struct Task<'t, 'a> {
+    number: usize,
+    library: &'t Library,
+    map: &'t Occupancy<'a>,
+    /// Radius of a Poisson-disk set of the exemplar's density of secondaries, in pixels.
+    radius: f64,
+    params: &'t SynthParams,
+}
+
+impl Task<'_, '_> {
+    /// A placed secondary without a colour yet.
+    fn placed(&self, Place { secondary, at, variation }: Place) -> Placed {
+        Placed { library: self.number, secondary, at, variation, colour: Colour([0; 3]) }
+    }
+
+    fn places(&self, parts: &Parts) -> Vec<Place> {
+        let samples: Vec<Vec<[f64; 2]>> = self.library.secondaries().iter().map(samples).collect();
+        let fits = |p: &Place| {
+            !is_served(self.map, p.at)
+                && parts.belongs(p.at, self.number)
+                && visible(self.map, &samples[p.secondary as usize], p) >= LEAST_VISIBLE
+        };
+        let mut places = Vec::new();
+        if !self.params.without(Ablation::Neighbourhoods) {
+            places = self.neighbourhoods();
+            places.retain(&fits);
+        }
+        self.fill_gaps(&mut places, fits);
+        places
+    }
+
+    /// All secondaries of the chosen neighbourhoods.
+    fn neighbourhoods(&self) -> Vec<Place> {
+        let (map, seed) = (self.map, self.params.seed);
+        let reach = CELL * self.radius;
+        // Each library has its own stream, so its draws do not depend on the others.
+        let item = |i: usize| (self.number as u64) << 40 | i as u64;
+        // Cells just outside the canvas reach into it.
+        let sites = scattered(&map.grid, reach, reach, &mut stream(seed, "synth/secondaries", item(0)));
+        let exemplar = Exemplar::new(self.library, reach);
+        let indices: Vec<usize> = (0..sites.centres().len()).collect();
+        let cells = parallel::map(&indices, |&i| {
+            let mut random = stream(seed, "synth/neighbourhood", item(i));
+            let cell = sites.cell(i);
+            self.neighbourhood(&exemplar, sites.centres()[i], |at| cell.owns(at), &mut random)
+        });
+        cells.into_iter().flatten().collect()
+    }
+
+    /// The secondaries of an exemplar neighbourhood that matches a place, where they fall into its cell.
+    fn neighbourhood(
+        &self,
+        exemplar: &Exemplar,
+        here: [i32; 2],
+        in_cell: impl Fn([i32; 2]) -> bool,
+        random: &mut Stream,
+    ) -> Vec<Place> {
+        let map = self.map;
+        let [mx, my] = map.grid.margin;
+        let free = |x: i32, y: i32| {
+            let at = [x + mx, y + my];
+            !map.inside(at) || map.grid.cell(at).is_none_or(|i| !map.taken(i))
+        };
+        let variations = &map.model().variations;
+        let variation = drawn(variations, random);
+        let varied = &variations[usize::from(variation)];
+        let source = exemplar.best_source(here, CANDIDATES, varied, free, random);
+        let mut found = Vec::new();
+        exemplar.around(source, |secondary, offset| {
+            let [dx, dy] = varied.there(offset);
+            let at = [here[0] + dx, here[1] + dy];
+            if in_cell(at) {
+                let density = map.region.density(at.map(f64::from));
+                if density >= 1.0 || random.chance(density) {
+                    found.push(Place { secondary, at: self.canonical(at), variation });
+                }
+            }
+        });
+        found
+    }
+
+    /// Wraps a place into the canvas where the canvas repeats.
+    fn canonical(&self, at: [i32; 2]) -> [i32; 2] {
+        let [mx, my] = self.map.grid.margin;
+        let [x, y] = self.map.grid.canonical([at[0] + mx, at[1] + my]);
+        [x - mx, y - my]
+    }
+
+    /// Adds single secondaries in the gaps until the wanted number per area of free background is reached.
+    fn fill_gaps(&self, places: &mut Vec<Place>, fits: impl Fn(&Place) -> bool) {
+        let (map, radius) = (self.map, self.radius);
+        let categories = map.model().sources[self.number].categories.clone();
+        let background = |zone: usize| {
+            let covered = map.covered_in(zone, categories.clone());
+            map.region.level(zone) * (map.region.area(zone, self.number) - covered as f64).max(0.0)
+        };
+        let zones = (0..map.region.zone_count()).filter(|&z| !map.region.is_carried(z));
+        let wanted = POISSON_DENSITY * zones.clone().map(background).sum::<f64>() / (radius * radius);
+        let missing = wanted - places.len() as f64;
+        if missing < 1.0 {
+            return;
+        }
+        // Where the density exceeds the exemplar's, single secondaries stand closer together.
+        let closer = |density: f64| radius / libm::sqrt(density.max(1.0));
+        let used = zones.filter(|&z| map.region.area(z, self.number) > 0.0);
+        let densest = used.map(|z| map.region.level(z)).fold(1.0, f64::max);
+        let (canvas, tile) = (map.grid.canvas(), map.grid.tile);
+        let sites = Sites::new(places.iter().map(|p| p.at).collect(), radius, canvas, tile);
+        let item = (self.number as u64) << 40;
+        let mut random = stream(self.params.seed, "synth/secondaries/gaps", item);
+        let mut gaps = scattered(&map.grid, closer(densest), 0.0, &mut random).centres().to_vec();
+        gaps.retain(|&at| {
+            let density = map.region.density(at.map(f64::from));
+            !sites.any_within(at, closer(density)) && (density >= 1.0 || random.chance(density))
+        });
+        random.shuffle(&mut gaps);
+        let count = self.library.secondaries().len();
+        let variations = &map.model().variations;
+        let single = |at| {
+            let secondary = random.index(count) as u32;
+            Place { secondary, at, variation: drawn(variations, &mut random) }
+        };
+        let singles = gaps.into_iter().map(single).filter(fits);
+        places.extend(singles.take(missing as usize));
+    }
+}
+
+/// Secondaries of one library for the gaps of an existing arrangement.
+pub(crate) struct Finder<'t, 'a> {
+    task: Task<'t, 'a>,
+    exemplar: Exemplar,
+    samples: Vec<Vec<[f64; 2]>>,
+}
+
+impl<'t, 'a> Finder<'t, 'a> {
+    /// For a library by its number; `None` if it has no secondaries.
+    pub(crate) fn new(
+        number: usize,
+        library: &'t Library,
+        map: &'t Occupancy<'a>,
+        params: &'t SynthParams,
+    ) -> Option<Self> {
+        let radius = radius(library)?;
+        let samples = library.secondaries().iter().map(samples).collect();
+        let exemplar = Exemplar::new(library, CELL * radius);
+        Some(Self { task: Task { number, library, map, radius, params }, exemplar, samples })
+    }
+
+    /// Radius of a Poisson-disk set of the exemplar's density of secondaries, in pixels.
+    pub(crate) fn radius(&self) -> f64 {
+        self.task.radius
+    }
+
+    /// Whether enough of a secondary is visible.
+    pub(crate) fn fits(&self, p: &Placed) -> bool {
+        self.sees(&Place { secondary: p.secondary, at: p.at, variation: p.variation })
+    }
+
+    fn sees(&self, place: &Place) -> bool {
+        visible(self.task.map, &self.samples[place.secondary as usize], place) >= LEAST_VISIBLE
+    }
+
+    /// The secondaries of an exemplar neighbourhood that matches a place, where they fall into its cell.
+    pub(crate) fn neighbourhood(
+        &self,
+        here: [i32; 2],
+        in_cell: impl Fn([i32; 2]) -> bool,
+        random: &mut Stream,
+    ) -> Vec<Placed> {
+        let mut places = self.task.neighbourhood(&self.exemplar, here, in_cell, random);
+        places.retain(|place| self.sees(place));
+        places.into_iter().map(|place| self.task.placed(place)).collect()
+    }
+
+    /// Single secondaries in the gaps between existing ones, where the library has more than half the share.
+    pub(crate) fn singles(&self, standing: Vec<[i32; 2]>) -> Vec<Placed> {
+        let mut places: Vec<Place> =
+            standing.into_iter().map(|at| Place { secondary: 0, at, variation: 0 }).collect();
+        let count = places.len();
+        let region = &self.task.map.region;
+        let own =
+            |at: [i32; 2]| !region.is_shared() || region.shares(at.map(f64::from))[self.task.number] > 0.5;
+        self.task.fill_gaps(&mut places, |place| own(place.at) && self.sees(place));
+        places.drain(count..).map(|place| self.task.placed(place)).collect()
+    }
+}
+
+/// A random variation; with a single one, nothing is drawn.
+fn drawn(variations: &[Variation], random: &mut Stream) -> u16 {
+    if variations.len() > 1 { random.index(variations.len()) as u16 } else { 0 }
+}
+
+/// The colour quantised to [`COLOUR_STEP`], a step too small to be visible on a speck.
+fn coarse(colour: [f64; 3]) -> Colour {
+    Colour::from_f64(colour.map(|v| COLOUR_STEP * libm::round(v / COLOUR_STEP)))
+}
+
+/// Radius of a Poisson-disk set with the exemplar's number of secondaries per area of background. `None`
+/// without secondaries or without background.
+///
+/// The number per area is what the eye compares. The library's spacing, a percentile of the distances
+/// between neighbours, is far smaller in clustered exemplars than this number implies.
+fn radius(library: &Library) -> Option<f64> {
+    let count = library.secondaries().len() as f64;
+    let exemplar = f64::from(library.source.width) * f64::from(library.source.height);
+    let background = exemplar * (1.0 - library.coverage);
+    (count > 0.0 && background > 0.0).then(|| libm::sqrt(POISSON_DENSITY * background / count).max(1.0))
+}
+
+/// Sample points of a secondary, relative to its origin: its centre and the points of its outline, moved a
+/// little towards the centre.
+fn samples(secondary: &Element) -> Vec<[f64; 2]> {
+    let origin = secondary.origin().map(f64::from);
+    let [cx, cy] = secondary.centroid;
+    let inner = |p: Point| [cx + (p.x - cx) * 0.7 - origin[0], cy + (p.y - cy) * 0.7 - origin[1]];
+    let ends = secondary.outline().path().elements().iter().filter_map(|e| e.end_point());
+    std::iter::once(Point::new(cx, cy)).chain(ends).map(inner).collect()
+}
+
+/// Share of the sample points that lie in the domain and are not covered by primaries.
+fn visible(map: &Occupancy<'_>, samples: &[[f64; 2]], place: &Place) -> f64 {
+    let variation = &map.model().variations[usize::from(place.variation)];
+    let free = |p: &&[f64; 2]| {
+        let p = variation.of_point(**p);
+        let at = [0, 1].map(|k| place.at[k] + map.grid.margin[k] + libm::floor(p[k]) as i32);
+        map.inside(at) && map.grid.cell(at).is_some_and(|i| !map.taken(i))
+    };
+    samples.iter().filter(free).count() as f64 / samples.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vtex_base::sampling::{Area, poisson_disk};
+
+    #[test]
+    fn density_of_poisson_sets_is_as_stated() {
+        let mut random = stream(1, "poisson density test", 0);
+        let points =
+            poisson_disk(Area { wrap_x: true, wrap_y: true, ..Area::plane(100.0, 100.0) }, 1.0, &mut random);
+        let density = points.len() as f64 / 1e4;
+        assert!((density / POISSON_DENSITY - 1.0).abs() < 0.01, "{density}");
+    }
+
+    #[test]
+    fn no_secondary_is_darker_or_lighter_than_those_of_the_exemplar() {
+        let library = vtex_scene::library::testing::library(&vtex_base::raster::LabelMap::filled(40, 40, 0));
+        let own = library.secondaries()[0].clone();
+        let secondary =
+            |r: u8| Element { colour: vtex_base::raster::colour::Colour([r, 90, 200]), ..own.clone() };
+        let library = library.without_secondaries();
+        assert_eq!(tones(&library), [[0.0, 255.0]; 3]);
+        let library = library.with_secondaries((0..=200).map(secondary).collect());
+        assert_eq!(tones(&library), [[2.0, 198.0], [90.0, 90.0], [200.0, 200.0]]);
+    }
+}

@@ -1,0 +1,128 @@
+//! Synthesis in the units of libraries: placement works on pixels, canvases and scenes have the units of the
+//! exemplars.
+//!
+//! Of photographs the canvas has as many pixels for a unit as the finest of them; of drawings alone as many
+//! as their arrangements, unless the canvas is too large for that.
+
+use super::{Controls, Report, check_canvas, in_pixels, method};
+use crate::arrange::period::check_periods;
+use vtex_base::error::{Error, Result};
+use vtex_base::geometry::Affine;
+use vtex_base::progress::Progress;
+use vtex_scene::library::{Library, SourceKind};
+use vtex_scene::scene::{Domain, Method, Scene, SynthParams};
+
+/// Pixels of a canvas beyond which drawings get fewer of them for a unit.
+const MOST_PIXELS: f64 = 25e6;
+
+/// [`synthesize`](super::synthesize) from several libraries and with control maps. Also reports how close the
+/// result is to its targets.
+///
+/// # Errors
+/// As [`synthesize`](super::synthesize); also [`Error::Parameter`] for no library, more than
+/// [`Controls::MOST_LIBRARIES`], or a number of share maps other than that of libraries.
+pub fn synthesize_with(
+    libraries: &[Library],
+    params: &SynthParams,
+    controls: &Controls,
+    progress: &dyn Progress,
+) -> Result<(Scene, Report)> {
+    if libraries.iter().all(Library::is_in_pixels) {
+        return in_pixels(libraries, params, controls, progress);
+    }
+    params.validate()?;
+    controls.validate(libraries)?;
+    let period = method(libraries, params, controls)? == Method::Period;
+    if period {
+        check_periods(&libraries[0], params)?;
+    }
+    let scale = scale(libraries, params);
+    let own: Vec<Library> = libraries.iter().map(|library| library.at_scale(scale).into_owned()).collect();
+    let canvas = canvas(&own, params, scale, period);
+    let spacing = |v: f64| (v * mean(scale)).clamp(4.0, 1000.0);
+    let on_pixels = SynthParams {
+        width: canvas[0],
+        height: canvas[1],
+        background_spacing: params.background_spacing.map(spacing),
+        lattice: params.lattice.scaled(scale),
+        ..params.clone()
+    };
+    check_canvas(&on_pixels).map_err(|error| in_units(error, params, scale))?;
+    let size = [params.width, params.height];
+    let places = [0, 1].map(|k| f64::from(canvas[k]) / f64::from(size[k]));
+    let stretch = Affine::scale_non_uniform(places[0], places[1]);
+    let steered = Controls { domain: controls.domain.as_ref().map(|d| d.moved(stretch)), ..controls.clone() };
+    let (scene, mut report) =
+        in_pixels(&own, &on_pixels, &steered, progress).map_err(|error| in_units(error, params, scale))?;
+    // What repeats without a seam is stretched with the canvas, else copies would not meet.
+    let elements = if period && params.tile.any() { places } else { scale };
+    let scene = scene.scaled(size, elements.map(|v| 1.0 / v));
+    let given = |p: SynthParams| SynthParams {
+        width: params.width,
+        height: params.height,
+        background_spacing: params.background_spacing,
+        lattice: params.lattice.clone(),
+        ..p
+    };
+    let domain = |d: Domain| Domain { outline: controls.domain.clone().unwrap_or(d.outline), edge: d.edge };
+    if let Some(copies) = &mut report.repetition.copies {
+        copies.shortest /= mean(scale);
+        copies.median /= mean(scale);
+    }
+    let scene = Scene { parameters: scene.parameters.map(given), domain: scene.domain.map(domain), ..scene };
+    Ok((scene, report))
+}
+
+fn mean(scale: [f64; 2]) -> f64 {
+    libm::sqrt(scale[0] * scale[1])
+}
+
+/// Pixels for each unit of the canvas.
+fn scale(libraries: &[Library], params: &SynthParams) -> [f64; 2] {
+    let finest = |kind: SourceKind| {
+        let of_kind = libraries.iter().filter(|l| l.source.kind == kind).map(|l| l.source.scale);
+        of_kind.max_by(|a, b| mean(*a).total_cmp(&mean(*b)))
+    };
+    if let Some(scale) = finest(SourceKind::Photograph) {
+        return scale;
+    }
+    let scale = finest(SourceKind::Drawing).unwrap_or([1.0; 2]);
+    let canvas = f64::from(params.width) * f64::from(params.height);
+    let most = libm::sqrt(MOST_PIXELS / canvas).max(1.0);
+    // Whole parts, so that few borders of pixels move.
+    let part = libm::ceil(mean(scale) / most).max(1.0);
+    scale.map(|v| v / part)
+}
+
+/// The canvas in pixels. Where a period repeats without a seam it is a whole number of them long.
+fn canvas(own: &[Library], params: &SynthParams, scale: [f64; 2], period: bool) -> [u32; 2] {
+    let side = |size: u32, scale: f64, tile: bool, pixels: u32| {
+        let exact = f64::from(size) * scale;
+        let whole = f64::from(pixels);
+        let side =
+            if period && tile { libm::round(exact / whole).max(1.0) * whole } else { libm::round(exact) };
+        (side as u32).max(1)
+    };
+    let source = &own[0].source;
+    [
+        side(params.width, scale[0], params.tile.x, source.width),
+        side(params.height, scale[1], params.tile.y, source.height),
+    ]
+}
+
+/// An error that names sizes, in the units of the canvas.
+fn in_units(error: Error, params: &SynthParams, scale: [f64; 2]) -> Error {
+    match error {
+        Error::TooLarge { name, .. } => {
+            let most = super::LARGEST_CANVAS as f64 / scale[0] / scale[1] / 1e6;
+            let found = format!("{} x {} px", params.width, params.height);
+            Error::TooLarge { name, found, limit: format!("{most:.0} megapixels of this photograph") }
+        }
+        Error::Periods { nearest, .. } => {
+            let side = |v: u32, k: usize| (libm::round(f64::from(v) / scale[k]) as u32).max(1);
+            let nearest = nearest.map(|[w, h]| [side(w, 0), side(h, 1)]);
+            Error::Periods { width: params.width, height: params.height, nearest }
+        }
+        other => other,
+    }
+}

@@ -1,0 +1,270 @@
+//! The weights of the score searched for one library.
+//!
+//! The weights are judged by more than area. For each set of weights primaries are
+//! placed on several canvases, and the objective is a weighted sum of four terms ([`Terms`]):
+//!
+//! * *coverage*, category by category, as placement alone leaves it. After density has been
+//!   corrected every set of weights has the right coverage, but those that leave much to correct pay
+//!   for it with textons that no descriptor asked for;
+//! * *overlap*, *repetition* and *correlation* as they are in the end, because that is what is seen.
+//!
+//! The score is homogeneous, so one weight stands for the scale of all and keeps its default. The
+//! others keep their signs, and are searched by their logarithms (`cmaes`).
+//!
+//! Every generation has canvases of its own, so that the search cannot learn the chances of a few.
+//! The answer is the middle of the last distribution, which suffers less from chance than the best
+//! set seen. It is judged on canvases that the search has not seen, and where it is no better than
+//! the weights to begin with, these are the answer.
+//!
+//! When this works badly: where all weights do about equally well. What they change most is how much
+//! is left for density to correct; arrangements as seen in the end hardly depend on them.
+
+mod cmaes;
+mod document;
+#[cfg(test)]
+mod tests;
+
+pub use document::TunedWeights;
+
+use crate::synth::primaries_alone;
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vtex_base::error::{Result, check};
+use vtex_base::parallel;
+use vtex_base::progress::{Progress, advance};
+use vtex_base::sampling::stream;
+use vtex_scene::element::CategoryId;
+use vtex_scene::library::Library;
+use vtex_scene::scene::LibraryId;
+use vtex_scene::scene::{LibraryRef, SynthParams, Weights};
+use vtex_scene::statistics::{
+    Correlation, Layout, Overlap, Repetition, largest_categories, neighbour_distance,
+};
+
+/// Name of the stage.
+const STAGE: &str = "tuning";
+/// First step of the search, in logarithms of weights.
+const STEP: f64 = 0.5;
+/// Canvases on which the answer is judged, for each of a set of weights in the search.
+const UNSEEN: u32 = 4;
+
+/// How weights are searched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TuneParams {
+    /// How scenes are placed: size, seed, candidates, moves. The weights are those to begin with.
+    /// Default: 500 × 500 pixels, otherwise as [`SynthParams`].
+    pub synth: SynthParams,
+    /// Canvases placed for each set of weights. 1 to 100, default 3.
+    pub seeds: u32,
+    /// Sets of weights tried. 10 to 100 000, default 200.
+    pub evaluations: u32,
+}
+
+impl Default for TuneParams {
+    fn default() -> Self {
+        let synth = SynthParams { width: 500, height: 500, ..SynthParams::default() };
+        Self { synth, seeds: 3, evaluations: 200 }
+    }
+}
+
+impl TuneParams {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`vtex_base::Error::Parameter`] naming the first parameter out of range.
+    pub fn validate(&self) -> Result<()> {
+        self.synth.validate()?;
+        check((1..=100).contains(&self.seeds), "seeds", self.seeds, "1 to 100")?;
+        check((10..=100_000).contains(&self.evaluations), "evaluations", self.evaluations, "10 to 100000")
+    }
+}
+
+/// Terms of a set of weights; of each, less is better.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Terms {
+    /// Coverage missing or too much, category by category, before density is corrected, as a share
+    /// of the coverage wanted.
+    pub coverage: f64,
+    /// Share of the area of primaries beneath others.
+    pub overlap: f64,
+    /// Share of the primaries with a copy nearer than two mean neighbour distances.
+    pub repetition: f64,
+    /// Difference of pair correlation from the exemplar's, within and between the five largest
+    /// categories.
+    pub correlation: f64,
+}
+
+impl Terms {
+    /// The value that the search minimises: the sum of the terms, weighted by how visible each is.
+    pub fn objective(&self) -> f64 {
+        self.coverage + 2.0 * self.overlap + self.repetition + self.correlation
+    }
+}
+
+/// The measures of a library that scenes are compared with.
+struct Judge<'a> {
+    library: &'a Library,
+    params: &'a TuneParams,
+    categories: Vec<CategoryId>,
+    unit: f64,
+    exemplar: Correlation,
+}
+
+/// The part of one canvas in the terms.
+struct Sample {
+    terms: Terms,
+    correlation: Correlation,
+}
+
+impl<'a> Judge<'a> {
+    fn new(library: &'a Library, params: &'a TuneParams) -> Self {
+        let categories = largest_categories(library);
+        let unit = neighbour_distance(library);
+        let exemplar =
+            Correlation::new(&Layout::of_library(library), LibraryId::default(), &categories, unit);
+        Self { library, params, categories, unit, exemplar }
+    }
+
+    /// The terms of several sets of weights, each on canvases of the same seeds.
+    fn terms(&self, all: &[Weights], seeds: &[u64], progress: &dyn Progress) -> Result<Vec<Terms>> {
+        let jobs: Vec<(&Weights, u64)> =
+            all.iter().flat_map(|w| seeds.iter().map(move |s| (w, *s))).collect();
+        let samples = parallel::map(&jobs, |(w, s)| self.sample(w, *s, progress));
+        let samples = samples.into_iter().collect::<Result<Vec<Sample>>>()?;
+        Ok(samples.chunks(seeds.len()).map(|of_one| self.together(of_one)).collect())
+    }
+
+    fn sample(&self, weights: &Weights, seed: u64, progress: &dyn Progress) -> Result<Sample> {
+        let params = SynthParams { weights: weights.clone(), seed, ..self.params.synth.clone() };
+        let libraries = std::slice::from_ref(self.library);
+        let (scene, covered) = primaries_alone(libraries, &params, progress)?;
+        let wanted: Vec<f64> = self.library.categories.iter().map(|c| c.coverage).collect();
+        let error: f64 = covered.iter().zip(&wanted).map(|(c, w)| (c - w).abs()).sum();
+        let layout = Layout::of_scene(&scene);
+        let terms = Terms {
+            coverage: error / wanted.iter().sum::<f64>().max(1e-9),
+            overlap: Overlap::of_scene(&scene, libraries).hidden,
+            repetition: Repetition::of_scene(&scene, libraries).near,
+            correlation: 0.0,
+        };
+        Ok(Sample {
+            terms,
+            correlation: Correlation::new(&layout, LibraryId::default(), &self.categories, self.unit),
+        })
+    }
+
+    /// Mean terms of several canvases; their pairs are put together first.
+    fn together(&self, samples: &[Sample]) -> Terms {
+        let mean = |f: fn(&Terms) -> f64| {
+            samples.iter().map(|s| f(&s.terms)).sum::<f64>() / samples.len().max(1) as f64
+        };
+        let mut curves: Option<Correlation> = None;
+        for s in samples {
+            match &mut curves {
+                Some(sum) => sum.add(&s.correlation),
+                None => curves = Some(s.correlation.clone()),
+            }
+        }
+        let difference = curves.and_then(|c| c.difference(&self.exemplar));
+        Terms {
+            coverage: mean(|t| t.coverage),
+            overlap: mean(|t| t.overlap),
+            repetition: mean(|t| t.repetition),
+            correlation: difference.map_or(0.0, |d| d.rms),
+        }
+    }
+}
+
+/// Searches the weights of the score for a library. Same library, parameters and program: the same
+/// weights, on any number of threads.
+///
+/// # Errors
+/// [`vtex_base::Error::Parameter`] for a parameter out of range, [`vtex_base::Error::Interrupted`].
+pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> Result<TunedWeights> {
+    params.validate()?;
+    let library = library.at_scale(library.source.scale);
+    let judge = Judge::new(&library, params);
+    let begin = &params.synth.weights;
+    let mut random = stream(params.synth.seed, "tune/search", 0);
+    let mut search = cmaes::Search::new(coordinates(begin), STEP);
+    let mut canvases = stream(params.synth.seed, "tune/canvases", 0);
+    let mut seeds = |count: u32| -> Vec<u64> { (0..count).map(|_| canvases.bits()).collect() };
+    let total = u64::from(params.evaluations);
+    let mut tried = 0;
+    advance(progress, STAGE, 0, total)?;
+    while tried < params.evaluations {
+        let points = search.ask(&mut random);
+        let weights: Vec<Weights> = points.iter().map(|p| at(begin, *p)).collect();
+        let watch = Watch { progress, done: u64::from(tried), total };
+        let terms = judge.terms(&weights, &seeds(params.seeds), &watch)?;
+        let values: Vec<f64> = terms.iter().map(Terms::objective).collect();
+        search.tell(&points, &values);
+        tried += points.len() as u32;
+        advance(progress, STAGE, u64::from(tried).min(total), total)?;
+    }
+    let found = at(begin, search.mean);
+    let watch = Watch { progress, done: total, total };
+    let judged = judge.terms(&[begin.clone(), found.clone()], &seeds(params.seeds * UNSEEN), &watch)?;
+    let better = judged[1].objective() < judged[0].objective();
+    let (weights, after) = if better { (found, judged[1]) } else { (begin.clone(), judged[0]) };
+    if !better {
+        progress.warn("no weights were found that are better than those to begin with");
+    }
+    Ok(TunedWeights {
+        format: TunedWeights::FORMAT.into(),
+        version: TunedWeights::VERSION,
+        program: vtex_base::PROGRAM.into(),
+        library: LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() },
+        weights,
+        before: judged[0],
+        after,
+        size: [params.synth.width, params.synth.height],
+        seed: params.synth.seed,
+        seeds: params.seeds,
+        evaluations: tried,
+    })
+}
+
+/// Smallest and largest size of a weight relative to that of the target.
+const RANGE: [f64; 2] = [0.005, 20.0];
+
+/// Weights as the search sees them: logarithms of their sizes relative to that of the target.
+fn coordinates(w: &Weights) -> [f64; 4] {
+    let scale = w.target.abs().max(1e-3);
+    [w.uncovered, w.empty, w.mismatched, w.same_overlap]
+        .map(|v| libm::log((v.abs() / scale).clamp(RANGE[0], RANGE[1])))
+}
+
+/// Weights at a point of the search, with the signs and the target of those to begin with, on a
+/// grid of thousandths.
+fn at(begin: &Weights, point: [f64; 4]) -> Weights {
+    let scale = begin.target.abs().max(1e-3);
+    let size = |k: usize, sign: f64| {
+        let value = scale * libm::exp(point[k]).clamp(RANGE[0], RANGE[1]);
+        (libm::round(value.min(10.0) * 1e3) / 1e3).copysign(sign)
+    };
+    Weights {
+        target: begin.target,
+        uncovered: size(0, begin.uncovered),
+        empty: size(1, begin.empty),
+        mismatched: size(2, begin.mismatched),
+        same_overlap: size(3, begin.same_overlap),
+    }
+}
+
+/// Shows how far the search is, whatever the placements within it report, and stops them when
+/// asked to.
+struct Watch<'a> {
+    progress: &'a dyn Progress,
+    done: u64,
+    total: u64,
+}
+
+impl Progress for Watch<'_> {
+    fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+        self.progress.advance(STAGE, self.done, self.total)
+    }
+}

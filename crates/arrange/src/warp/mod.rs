@@ -1,0 +1,180 @@
+//! Warps scenes to another shape and keeps their density (paper §4.5).
+//!
+//! Elements move with the warp and keep their size and shape. Their descriptors are applied again at the
+//! new places, so that the gaps between them request elements and the usual placement fills them. Where
+//! elements crowd, the density is corrected as in synthesis. Secondaries move in small neighbourhoods,
+//! control points of the background one by one. Both are thinned where they crowd and added where they are
+//! sparse.
+//!
+//! Works badly where the scene is compressed much: its rows and rings are broken.
+
+mod background;
+mod bend;
+mod carried;
+#[cfg(test)]
+mod tests;
+
+pub use bend::Bend;
+
+use crate::arrange::controls::Controls;
+use crate::arrange::descriptor::Asks;
+use crate::arrange::model::Model;
+use crate::arrange::{Fixed, Task, arrange};
+use crate::synth::compose;
+use crate::synth::{Report, check_canvas};
+use vtex_base::error::Result;
+use vtex_base::progress::{Progress, advance};
+use vtex_scene::library::Library;
+use vtex_scene::reconstruct::Listing;
+use vtex_scene::scene::field::Interpolant;
+use vtex_scene::scene::{
+    Domain, Edge, Instance, InstanceId, LibraryId, Method, Role, Scene, SynthParams, Tile,
+};
+
+/// Distances may grow by this factor without a search for gaps.
+const NO_STRETCH: f64 = 1.02;
+
+/// Parameters of a warp, apart from the bend itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WarpParams {
+    /// Seed for filling the gaps. Default: that of the scene.
+    pub seed: Option<u64>,
+    /// Treatment of elements at the edge of the new shape. Default: as in the scene.
+    pub edge: Option<Edge>,
+}
+
+/// Warps a scene. `libraries` are those that it was made from, in any order. Elements that stay keep their
+/// identity and their index in the scene. The result does not tile.
+///
+/// # Errors
+/// [`vtex_base::Error::Control`] unless the libraries are those that the scene was made from;
+/// [`vtex_base::Error::TooLarge`] beyond 400 megapixels; [`vtex_base::Error::Interrupted`].
+pub fn warp(
+    scene: &Scene,
+    libraries: Vec<Library>,
+    bend: &Bend,
+    warp: WarpParams,
+    progress: &dyn Progress,
+) -> Result<(Scene, Report)> {
+    let before = scene.parameters.clone().unwrap_or_default();
+    let [width, height] = bend.canvas();
+    let edge = warp.edge.or(scene.domain.as_ref().map(|d| d.edge)).unwrap_or(before.edge);
+    let seed = warp.seed.unwrap_or(before.seed);
+    let params = SynthParams { width, height, seed, edge, tile: Tile::default(), ..before.clone() };
+    params.validate()?;
+    check_canvas(&params)?;
+    let (libraries, scene) = carried::matched(scene, libraries)?;
+    let scene = &*scene;
+    // A scene is bent pixel by pixel.
+    let libraries: Vec<Library> = libraries.iter().map(|l| l.at_scale([1.0; 2]).into_owned()).collect();
+    let shares = if libraries.len() > 1 { carried::parts(scene, bend, libraries.len()) } else { Vec::new() };
+    let controls = Controls { domain: bend.domain(scene), density: None, shares, lead: None };
+
+    // Variations are drawn with the scene's own seed.
+    let mut model = Model::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });
+    let (fixed, standing) = carry(scene, bend, &mut model, progress)?;
+    let carried: Vec<&Instance> = scene.individuals().collect();
+    let method = Method::Descriptor;
+    let task = Task { libraries: &libraries, controls: &controls, params: &params, method, fixed };
+    let arrangement = arrange(&mut model, &task, progress)?;
+    let (cells, model) = (&arrangement.cells, arrangement.cells.model());
+
+    advance(progress, "background field", 0, 2)?;
+    let field = background::field(scene, &libraries, cells, bend, &params);
+    let interpolant = Interpolant::new(&field, width, height, Tile::default());
+    advance(progress, "background field", 1, 2)?;
+    let secondaries = background::secondaries(scene, &libraries, cells, &interpolant, bend, &params);
+    advance(progress, "background field", 2, 2)?;
+
+    let mut result = Scene {
+        width,
+        height,
+        tile: Tile::default(),
+        program: vtex_base::PROGRAM.into(),
+        domain: controls.domain.clone().map(|outline| Domain { outline, edge }),
+        layers: Scene::three_layers(field),
+        parameters: Some(params.clone()),
+        ..scene.clone()
+    };
+    let mut listings: Vec<Listing<'_>> =
+        libraries.iter().enumerate().map(|(k, l)| Listing::of(LibraryId(k as u32), l, scene)).collect();
+    let ids = scene.instances().map(|i| i.id.0);
+    let mut next = InstanceId(ids.max().map_or(0, |id| id.wrapping_add(1)));
+    for secondary in secondaries {
+        let instance = match secondary {
+            background::Secondary::Carried { instance, place } => moved(instance, place),
+            background::Secondary::New(p) => {
+                let element = listings[p.library].secondary(&mut result, p.secondary);
+                let variation = &model.variations[usize::from(p.variation)];
+                compose::instance(fresh(&mut next), element, p.at, variation, Some(p.colour))
+            }
+        };
+        result.layer_mut(Role::Secondary).instances.push(instance);
+    }
+    for p in &arrangement.placed {
+        let instance = match p.fixed {
+            Some(k) => {
+                let (index, there) = standing[k];
+                moved(carried[index], there)
+            }
+            None => {
+                let placed = &model[p.element];
+                let element = listings[placed.library].primary(&mut result, placed.index);
+                let variation = &model.variations[usize::from(p.variation)];
+                compose::instance(fresh(&mut next), element, p.at, variation, None)
+            }
+        };
+        result.layer_mut(Role::Primary).instances.push(instance);
+    }
+    result.drop_unused();
+    let report = Report::new(&libraries, &arrangement, &result);
+    Ok((result, report))
+}
+
+/// Index of an element among those of the scene, and its place in the new one.
+type Standing = (usize, [f64; 2]);
+
+/// Elements of the scene that stand in the new one.
+fn carry(
+    scene: &Scene,
+    bend: &Bend,
+    model: &mut Model,
+    progress: &dyn Progress,
+) -> Result<(Vec<Fixed>, Vec<Standing>)> {
+    let fused = carried::fused(model, scene);
+    let (mut fixed, mut standing) = (Vec::new(), Vec::new());
+    let carried: Vec<&Instance> = scene.individuals().collect();
+    for (i, &instance) in carried.iter().enumerate() {
+        if i % 1024 == 0 {
+            advance(progress, "carrying", i as u64, carried.len() as u64)?;
+        }
+        let element = scene.element(instance);
+        let Some(there) = bend.texton(instance, element) else { continue };
+        let known = fused[instance.element.index()];
+        let [.., x, y] = instance.transform;
+        // Without stretch no gaps open: room that a descriptor requests between moved elements was empty in
+        // the scene.
+        let asks = match known {
+            Some(_) => Asks::Never,
+            None if bend.stretch([x, y]) > NO_STRETCH => Asks::Always,
+            None => Asks::InVain,
+        };
+        let variant = known.unwrap_or_else(|| carried::variant(model, instance, element));
+        fixed.push(Fixed { variant, at: there.map(|v| libm::round(v) as i32), asks });
+        standing.push((i, there));
+    }
+    Ok((fixed, standing))
+}
+
+/// The next unused identity.
+fn fresh(next: &mut InstanceId) -> InstanceId {
+    let id = *next;
+    next.0 = id.0.wrapping_add(1);
+    id
+}
+
+/// An instance moved to another place, in whole pixels.
+fn moved(instance: &Instance, place: [f64; 2]) -> Instance {
+    let [a, b, c, d, ..] = instance.transform;
+    Instance { transform: [a, b, c, d, libm::round(place[0]), libm::round(place[1])], ..instance.clone() }
+}

@@ -1,0 +1,247 @@
+//! Versioned JSON documents, plain or gzip: what libraries and scenes share.
+
+use crate::error::{Error, Result, clip};
+use crate::gzip;
+use serde::de::{DeserializeOwned, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
+use serde::{Deserializer, Serialize};
+use std::borrow::Cow;
+use std::path::Path;
+
+/// A JSON document with a format name, a version and invariants.
+pub trait Document: Serialize + DeserializeOwned {
+    /// Value of the field `format`.
+    const FORMAT: &'static str;
+    /// Value of the field `version`.
+    const VERSION: u32;
+
+    /// Reads a document of an older version and brings it up to date; `None` for a version that is not
+    /// known.
+    fn read_older(_version: u64, _json: &[u8]) -> Option<serde_json::Result<Self>> {
+        None
+    }
+
+    /// Checks what the types cannot say.
+    ///
+    /// # Errors
+    /// The first invariant broken, in words.
+    fn validate(&self) -> std::result::Result<(), String>;
+}
+
+/// Reads and validates a document from a file.
+pub fn read<T: Document>(path: &Path) -> Result<T> {
+    let bytes = std::fs::read(path).map_err(|e| Error::read(path, e))?;
+    from_bytes(bytes, &path.display().to_string())
+}
+
+/// Reads and validates a document from bytes, plain or gzip.
+pub fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) -> Result<T> {
+    let fail = |reason: String| Error::Format { name: name.into(), format: T::FORMAT, reason };
+    let json = gzip::unpack(bytes, u64::MAX).map_err(fail)?;
+    // Name and version first, so that another format is told apart from a damaged file.
+    let header = Header::of(&json).map_err(|e| fail(e.to_string()))?;
+    match header.format.as_deref() {
+        Some(f) if f == T::FORMAT => {}
+        Some(f) => return Err(fail(format!("its format is '{}'", clip(f)))),
+        None => return Err(fail("it has no field 'format'".into())),
+    }
+    let Some(version) = header.version else { return Err(fail("it has no field 'version'".into())) };
+    let known = u64::from(T::VERSION);
+    let parse = |json: &[u8]| match version == known {
+        true => Some(serde_json::from_slice(json)),
+        false => T::read_older(version, json),
+    };
+    let json = without_seal(json);
+    let Some(read) = parse(&json) else {
+        return Err(Error::Version { name: name.into(), format: T::FORMAT, found: version, known });
+    };
+    let elsewhere = || parse(&without_seal_elsewhere(&json)?);
+    let is_seal = |e: &serde_json::Error| e.to_string().starts_with("unknown field `sha256`");
+    let read = read.or_else(|e: serde_json::Error| is_seal(&e).then(elsewhere).flatten().unwrap_or(Err(e)));
+    // A brace too many or missing before the seal makes it a field of something else.
+    let read = read.map_err(|e| match serde_json::from_slice::<IgnoredAny>(&json) {
+        Err(broken) if is_seal(&e) => braces(&broken),
+        _ => without_list(e.to_string()),
+    });
+    let document: T = read.map_err(fail)?;
+    document.validate().map_err(fail)?;
+    Ok(document)
+}
+
+/// What is wrong with the braces of a document.
+fn braces(broken: &serde_json::Error) -> String {
+    let place = format!("at line {} column {}", broken.line(), broken.column());
+    match broken.classify() {
+        serde_json::error::Category::Eof => {
+            format!("it ends before its last brace, {place}: a }} is missing")
+        }
+        _ if broken.to_string().starts_with("trailing") => {
+            format!("something follows its last brace, {place}: a }} is too many, or a {{ is missing")
+        }
+        _ => broken.to_string(),
+    }
+}
+
+/// A message of the reader without its list of names, if that is long.
+pub fn without_list(message: String) -> String {
+    const MOST: usize = 8;
+    let Some((before, rest)) = message.split_once(", expected one of ") else { return message };
+    // The names stand in backquotes, and what follows the last of them is the place.
+    let (names, place) = rest.rsplit_once('`').unwrap_or((rest, ""));
+    if names.matches("`, `").count() < MOST { message } else { format!("{before}{place}") }
+}
+
+/// The fields by which documents are told apart.
+#[derive(Default)]
+struct Header {
+    format: Option<String>,
+    version: Option<u64>,
+}
+
+impl Header {
+    /// Reads no further than to the second of the fields: they come first, and the rest is read with the
+    /// document.
+    fn of(json: &[u8]) -> serde_json::Result<Self> {
+        let mut header = Self::default();
+        let read = Fields(&mut header).deserialize(&mut serde_json::Deserializer::from_slice(json));
+        if header.format.is_some() && header.version.is_some() {
+            return Ok(header);
+        }
+        read.map(|()| header)
+    }
+}
+
+struct Fields<'a>(&'a mut Header);
+
+impl<'de> DeserializeSeed<'de> for Fields<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> std::result::Result<(), D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Fields<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<(), A::Error> {
+        let Header { format, version } = self.0;
+        while format.is_none() || version.is_none() {
+            match map.next_key::<String>()?.as_deref() {
+                Some("format") => *format = map.next_value()?,
+                Some("version") => *version = map.next_value()?,
+                Some(_) => _ = map.next_value::<IgnoredAny>()?,
+                None => break,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A document without the seal that files of vtex have as their last field, `sha256`.
+fn without_seal(json: Cow<'_, [u8]>) -> Cow<'_, [u8]> {
+    const DIGITS: usize = 64;
+    let end = || {
+        let rest = json.trim_ascii_end().strip_suffix(b"}")?.trim_ascii_end().strip_suffix(b"\"")?;
+        let (rest, sum) = rest.split_at_checked(rest.len().checked_sub(DIGITS)?)?;
+        let rest = rest.strip_suffix(b"\"")?.trim_ascii_end().strip_suffix(b":")?.trim_ascii_end();
+        let rest = rest.strip_suffix(b"\"sha256\"")?.trim_ascii_end().strip_suffix(b",")?;
+        sum.iter().all(u8::is_ascii_hexdigit).then_some(rest.len())
+    };
+    let Some(end) = end() else { return json };
+    let mut rest = json.into_owned();
+    rest.truncate(end);
+    rest.push(b'}');
+    rest.into()
+}
+
+/// A document without a seal that does not come last, because another program has ordered the fields anew;
+/// `None` if there is none.
+fn without_seal_elsewhere(json: &[u8]) -> Option<Vec<u8>> {
+    let mut fields: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(json).ok()?;
+    fields.remove("sha256")?;
+    serde_json::to_vec(&fields).ok()
+}
+
+/// The document as JSON, ending in a newline.
+pub fn to_json<T: Document>(document: &T) -> Vec<u8> {
+    let text = serde_json::to_string(document).expect("documents hold nothing that JSON cannot");
+    let mut bytes = json_in_order(text).into_bytes();
+    bytes.push(b'\n');
+    bytes
+}
+
+/// Whether a character turns the direction of the text after it, so that what is shown is not what is
+/// written: embeddings, overrides and isolates.
+pub fn turns_text(c: char) -> bool {
+    matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// Text with a replacement for each character that [`turns_text`].
+pub fn in_order(text: String) -> String {
+    if text.contains(turns_text) { text.replace(turns_text, "\u{fffd}") } else { text }
+}
+
+/// JSON with an escape for each character that [`turns_text`]; they occur only in strings.
+pub fn json_in_order(json: String) -> String {
+    if !json.contains(turns_text) {
+        return json;
+    }
+    let mut escaped = String::with_capacity(json.len() + 64);
+    for c in json.chars() {
+        if turns_text(c) { escaped += &format!("\\u{:04x}", u32::from(c)) } else { escaped.push(c) }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_header_is_read_as_far_as_it_reaches() {
+        let of = |text: &str| super::Header::of(text.as_bytes()).map(|h| (h.format, h.version));
+        assert_eq!(of(r#"{"format":"x","version":2,"rest":"#).unwrap(), (Some("x".into()), Some(2)));
+        assert_eq!(of(r#"{"a":[1,{}],"version":2}"#).unwrap(), (None, Some(2)));
+        for wrong in ["", "[]", r#"{"format":"x""#, r#"{"format":7}"#, r#"{"version":-1}"#] {
+            assert!(of(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn long_lists_of_names_are_left_out() {
+        let list = |count: usize| (0..count).map(|k| format!("`n{k}`")).collect::<Vec<_>>().join(", ");
+        let message =
+            |count: usize| format!("unknown field `x`, expected one of {} at line 1 column 2", list(count));
+        assert_eq!(super::without_list(message(5)), message(5));
+        assert_eq!(super::without_list(message(25)), "unknown field `x` at line 1 column 2");
+        assert_eq!(super::without_list("trailing comma".into()), "trailing comma");
+    }
+
+    #[test]
+    fn text_that_turns_its_direction_is_written_in_order() {
+        assert_eq!(super::json_in_order("[\"a\u{202e}b\u{2066}\"]".into()), r#"["a\u202eb\u2066"]"#);
+        assert_eq!(super::in_order("a\u{202e}b".into()), "a\u{fffd}b");
+    }
+
+    #[test]
+    fn a_seal_is_left_out_wherever_it_stands() {
+        let sum = "0a".repeat(32);
+        let plain = r#"{"format":"x","a":{"sha256":"y"}}"#;
+        let without_seal = |text: &str| super::without_seal(text.as_bytes().to_vec().into()).into_owned();
+        assert_eq!(without_seal(plain), plain.as_bytes());
+        let sealed = format!("{},\"sha256\":\"{sum}\"}}\n", &plain[..plain.len() - 1]);
+        assert_eq!(without_seal(&sealed), plain.as_bytes());
+        let spread = sealed.replace(",\"sha256\":\"0", ",\n  \"sha256\": \"0").replace("}\n", "\n}\n\n");
+        assert_eq!(without_seal(&spread), plain.as_bytes());
+        let moved = format!("{{\"sha256\":\"{sum}\",\"format\":7,\"z\":[1.5]}}");
+        assert_eq!(without_seal(&moved), moved.as_bytes());
+        let elsewhere = super::without_seal_elsewhere(moved.as_bytes()).unwrap();
+        assert_eq!(elsewhere, br#"{"format":7,"z":[1.5]}"#);
+        assert_eq!(super::without_seal_elsewhere(plain.as_bytes()), None);
+        for other in ["", "}", "\"}", "[1]", "{\"sha256\":1", &sum] {
+            assert_eq!(without_seal(other), other.as_bytes());
+        }
+    }
+}

@@ -1,0 +1,361 @@
+//! The library's error type: what went wrong, where, and what to try.
+
+use std::path::{Path, PathBuf};
+
+/// Result of every fallible function of the library.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Errors of the library. [`Error::hint`] says what to try.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be opened or read.
+    #[error("cannot read '{}': {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A file could not be created, written or renamed into place.
+    #[error("cannot write '{}': {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file exists and vtex did not write it, or not as it is.
+    #[error("'{}' exists and was {}", path.display(), if *changed { "changed since vtex wrote it" } else { "not written by vtex" })]
+    Exists {
+        /// The file.
+        path: PathBuf,
+        /// Whether vtex wrote it, and something else has changed it since.
+        changed: bool,
+    },
+    /// The bytes are not an image that can be decoded.
+    #[error("cannot decode '{name}' as an image: {reason}")]
+    Decode {
+        /// File name, or `-` for standard input.
+        name: String,
+        /// The decoder's reason.
+        reason: String,
+    },
+    /// The image is larger than the limits allow.
+    #[error("'{name}' is too large: {found}, the limit is {limit}")]
+    TooLarge {
+        /// File name or the parameter concerned.
+        name: String,
+        /// The value found, with its unit.
+        found: String,
+        /// The values allowed, with their unit.
+        limit: String,
+    },
+    /// The image cannot be analysed (too small, without any variation …).
+    #[error("'{name}' cannot be analysed: {reason}")]
+    Unusable {
+        /// File name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// A library, scene or mask file does not follow its format.
+    #[error("'{name}' is not a valid {format} file: {reason}")]
+    Format {
+        /// File name, or `-` for standard input.
+        name: String,
+        /// The format expected, such as `vtex-library`.
+        format: &'static str,
+        /// The fault and its place.
+        reason: String,
+    },
+    /// The file was written by a version of the format that is not known here.
+    #[error("'{name}' has {format} version {found}; this vtex reads version {known}")]
+    Version {
+        /// File name.
+        name: String,
+        /// The format.
+        format: &'static str,
+        /// The version found.
+        found: u64,
+        /// The version known.
+        known: u64,
+    },
+    /// A parameter lies outside its range.
+    #[error("{name} = {value} is out of range: {allowed}")]
+    Parameter {
+        /// The parameter, with hyphens between words.
+        name: &'static str,
+        /// The value given.
+        value: String,
+        /// The range allowed.
+        allowed: &'static str,
+    },
+    /// A texture that repeats has no room for whole periods of its lattice.
+    #[error("a texture of {width} x {height} px that repeats does not hold whole periods of its lattice{}",
+        nearest.map_or(String::new(), |[w, h]| format!(": {w} x {h} px does")))]
+    Periods {
+        /// Width asked for, in pixels.
+        width: u32,
+        /// Height asked for, in pixels.
+        height: u32,
+        /// The nearest size that holds whole periods, if one is near.
+        nearest: Option<[u32; 2]>,
+    },
+    /// Masks do not fit the image.
+    #[error("the masks do not fit the image: {0}")]
+    Masks(String),
+    /// An SVG could not be parsed or drawn.
+    #[error("cannot draw '{name}': {reason}")]
+    Render {
+        /// File name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// A pattern was asked for of a scene that does not tile along both axes.
+    #[error("a pattern needs a texture that repeats along both axes")]
+    Seams,
+    /// Two scenes cannot turn into one another.
+    #[error("the scenes have different sizes, {}x{} and {}x{}", from[0], from[1], to[0], to[1])]
+    Sizes {
+        /// Width and height of the first, in pixels.
+        from: [u32; 2],
+        /// Width and height of the second.
+        to: [u32; 2],
+    },
+    /// The caller asked to stop (see [`crate::Progress`]).
+    #[error("interrupted")]
+    Interrupted,
+    /// Two cages do not make a map of the plane.
+    #[error("the cages do not correspond: {0}")]
+    Cages(String),
+    /// A file that steers synthesis does not hold what it is used for.
+    #[error("'{name}' cannot be used as {role}: {reason}")]
+    Control {
+        /// File name.
+        name: String,
+        /// Its use, such as `a shape`.
+        role: &'static str,
+        /// Why not.
+        reason: String,
+        /// A hint, as [`Error::hint`] gives it.
+        advice: &'static str,
+    },
+    /// A neural network cannot be loaded, recognised or run.
+    #[error("network '{name}': {reason}")]
+    Network {
+        /// File or name of the network.
+        name: String,
+        /// Why.
+        reason: String,
+        /// A hint, as [`Error::hint`] gives it.
+        advice: &'static str,
+    },
+    /// ONNX Runtime's shared library cannot be found, loaded or used.
+    #[error("network '{name}': {reason}")]
+    Runtime {
+        /// The library, or the network that needs it.
+        name: String,
+        /// Why not.
+        reason: String,
+    },
+    /// An engine cannot run a network that it has loaded.
+    #[error("network '{name}': {reason}")]
+    Engine {
+        /// File or name of the network.
+        name: String,
+        /// The engine, such as `rten`; empty where it is not known.
+        engine: &'static str,
+        /// Why not.
+        reason: String,
+    },
+    /// An operation on a scene cannot be done.
+    #[error("cannot do '{operation}': {fault}")]
+    Edit {
+        /// The operation as text.
+        operation: String,
+        /// Its fault.
+        fault: EditFault,
+    },
+    /// Nothing that can be given up makes a file small enough.
+    #[error("no SVG of the scene fits in {most} bytes: the smallest has {smallest}")]
+    MaxBytes {
+        /// The bytes allowed.
+        most: u64,
+        /// The bytes of the smallest.
+        smallest: u64,
+    },
+}
+
+/// A fault of an operation on a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EditFault {
+    /// A number lies outside its range.
+    #[error("{name} = {value} is out of range: {low} to {high}{}{unit}", if unit.is_empty() { "" } else { " " })]
+    Range {
+        /// The parameter, named as in `vtex edit`.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// The least allowed.
+        low: f64,
+        /// The most allowed.
+        high: f64,
+        /// Its unit; empty for plain numbers.
+        unit: &'static str,
+    },
+    /// Thinning is told neither a share nor a smallest area.
+    #[error("nothing says how much to keep")]
+    NothingKept,
+    /// Jitter changes neither place nor angle nor size.
+    #[error("nothing says what to change")]
+    NothingChanged,
+    /// Of several parameters one has to be given, and no more.
+    #[error("one of {0} is needed, and only one")]
+    NotOneOf(&'static str),
+    /// Elements are to be like another, and nothing says like which.
+    #[error("--similar needs a drawing or --of, which say what the others are like")]
+    LikeNothing,
+    /// Only colours of the background can be changed.
+    #[error("it cannot be done to the background")]
+    NotForBackground,
+    /// A condition on something that points of the background do not have.
+    #[error("the background has no categories, areas and the like")]
+    BackgroundCondition,
+    /// No layer of the scene has the name or role that the operation is for.
+    #[error("the scene has no layer '{name}'")]
+    NoLayer {
+        /// The name.
+        name: String,
+        /// The names of the scene's layers.
+        known: Vec<String>,
+    },
+    /// More would be drawn on elements than a scene is to hold.
+    #[error(
+        "{lines} lines and curves on each of {elements} elements are too many: {most} are the most in all"
+    )]
+    TooMuchDrawn {
+        /// Lines and curves of the drawing.
+        lines: usize,
+        /// Elements that would get them.
+        elements: usize,
+        /// The most allowed.
+        most: usize,
+    },
+    /// The content of a file that the operation names is not given.
+    #[error("the content of '{0}' is not given")]
+    NoFile(String),
+    /// The scene that comes of it breaks the invariants of scenes.
+    #[error("it leads too far: {0}")]
+    TooFar(String),
+}
+
+impl Error {
+    /// Shorthand for [`Error::Read`].
+    pub fn read(path: &Path, source: std::io::Error) -> Self {
+        Self::Read { path: path.to_owned(), source }
+    }
+
+    /// Shorthand for [`Error::Write`].
+    pub fn write(path: &Path, source: std::io::Error) -> Self {
+        Self::Write { path: path.to_owned(), source }
+    }
+
+    /// A hint, in one sentence without a full stop. It names no commands and no options: those
+    /// are the program's.
+    pub fn hint(&self) -> Option<String> {
+        use std::io::ErrorKind;
+        Some(match self {
+            Self::Read { source, .. } => match source.kind() {
+                ErrorKind::NotFound => "check the spelling of the path".into(),
+                ErrorKind::PermissionDenied => "the file is there but may not be read by you".into(),
+                _ => return None,
+            },
+            Self::Write { path, source } => match source.kind() {
+                ErrorKind::NotFound => "the folder does not exist; create it first".into(),
+                ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+                    "choose a place that you may write to".into()
+                }
+                ErrorKind::StorageFull if path == Path::new("-") => "standard output is full".into(),
+                ErrorKind::StorageFull => "the disk is full: make room there, or choose another place".into(),
+                ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+                    "a folder is needed where there is a file".into()
+                }
+                _ => return None,
+            },
+            Self::Decode { name, .. } if ends_as_svg(name) => {
+                "an SVG begins with '<svg' or '<?xml'; is the file complete?".into()
+            }
+            Self::Decode { .. } => {
+                "PNG, JPEG, TIFF, WebP, BMP, GIF and PNM are read; is the file complete?".into()
+            }
+            Self::TooLarge { name, .. } if name == "size" => "ask for a smaller canvas".into(),
+            Self::TooLarge { found, .. }
+                if ["shapes", "curves", "SVG text"].iter().any(|w| found.contains(w)) =>
+            {
+                "simplify it in the program that made it, or leave a part of it out".into()
+            }
+            Self::TooLarge { .. } => "scale it down first, or crop a part of it".into(),
+            Self::Unusable { .. } => {
+                "use a photograph of at least 32 x 32 pixels that shows the texture from above".into()
+            }
+            Self::Version { found, known, .. } if found > known => {
+                "a newer vtex wrote it: update vtex, or write the file again with this version".into()
+            }
+            Self::Version { .. } => "write the file again with this version of vtex".into(),
+            Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
+            Self::Control { advice, .. } => (*advice).into(),
+            Self::Runtime { .. } => "'pip install onnxruntime' brings it".into(),
+            Self::Engine { .. } => "is the file complete? Another engine may run it".into(),
+            Self::Network { advice, .. } if !advice.is_empty() => (*advice).into(),
+            Self::Masks(_) => "masks must have the size of the image they belong to".into(),
+            Self::Sizes { .. } => "make both of the same size, or stretch one".into(),
+            Self::Seams => "synthesise it so that it repeats along both".into(),
+            Self::MaxBytes { .. } => "allow more bytes, or make the texture smaller".into(),
+            _ => return None,
+        })
+    }
+}
+
+fn ends_as_svg(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    name.ends_with(".svg") || name.ends_with(".svgz")
+}
+
+/// An error naming the parameter unless `ok`.
+pub fn check(
+    ok: bool,
+    name: &'static str,
+    value: impl std::fmt::Display,
+    allowed: &'static str,
+) -> Result<()> {
+    if ok { Ok(()) } else { Err(Error::Parameter { name, value: short(&value.to_string()), allowed }) }
+}
+
+/// Does work of another library; what it said, if it panicked.
+pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).map_err(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given").to_owned()
+    })
+}
+
+/// A number as few digits tell it.
+fn short(value: &str) -> String {
+    match value.parse::<f64>() {
+        Ok(number) if value.len() > 16 => format!("{number:e}"),
+        _ => clip(value),
+    }
+}
+
+/// The first characters of a hostile string, for an error message.
+pub fn clip(text: &str) -> String {
+    clip_to(text, 24)
+}
+
+/// As [`clip`], with a number of characters.
+pub fn clip_to(text: &str, characters: usize) -> String {
+    text.chars().take(characters).collect()
+}

@@ -1,0 +1,81 @@
+//! Unpacking of gzip, with a bound on what comes out.
+
+use flate2::read::GzDecoder;
+use std::borrow::Cow;
+use std::io::Read;
+
+/// Bytes that may always come out.
+const ALWAYS: u64 = 64_000_000;
+/// Beyond [`ALWAYS`], how many times the packed bytes may come out. Libraries, scenes and SVGs of vtex
+/// are packed to a third to a tenth; gzip itself reaches 1000.
+const RATIO: u64 = 32;
+
+/// Whether bytes begin as gzip does.
+pub fn is_packed(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0x1f, 0x8b])
+}
+
+/// The bytes themselves, unpacked if they are gzip; of gzip no more than `limit` bytes.
+///
+/// # Errors
+/// In words: damaged data, or more than 64 MB that are also more than 32 times the packed bytes.
+pub fn unpack<'a>(bytes: impl Into<Cow<'a, [u8]>>, limit: u64) -> Result<Cow<'a, [u8]>, String> {
+    let bytes = bytes.into();
+    if !is_packed(&bytes) {
+        return Ok(bytes);
+    }
+    let most = ALWAYS.max(RATIO * bytes.len() as u64);
+    let mut unpacked = Vec::new();
+    let read = GzDecoder::new(&*bytes).take(limit.min(most + 1)).read_to_end(&mut unpacked);
+    read.map_err(|e| format!("damaged gzip data: {e}"))?;
+    if unpacked.len() as u64 > most {
+        return Err(format!("it unpacks to more than {} MB, over {RATIO} times its size", most / 1_000_000));
+    }
+    Ok(unpacked.into())
+}
+
+/// The first bytes, at most `most`, unpacked if they are gzip. Of damaged data what comes before the
+/// damage.
+pub fn beginning(bytes: &[u8], most: usize) -> Cow<'_, [u8]> {
+    if !is_packed(bytes) {
+        return bytes[..bytes.len().min(most)].into();
+    }
+    let mut unpacked = Vec::new();
+    // An error ends the data; whoever reads all of them reports it.
+    let _ = GzDecoder::new(bytes).take(most as u64).read_to_end(&mut unpacked);
+    unpacked.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flate2::{Compression, write::GzEncoder};
+    use std::io::Write;
+
+    fn packed(bytes: &[u8], times: usize) -> Vec<u8> {
+        let mut out = GzEncoder::new(Vec::new(), Compression::fast());
+        (0..times).for_each(|_| out.write_all(bytes).unwrap());
+        out.finish().unwrap()
+    }
+
+    #[test]
+    fn plain_and_packed_are_the_same() {
+        for bytes in [&b"{\"format\":1}"[..], b""] {
+            assert_eq!(unpack(bytes, u64::MAX).unwrap(), bytes);
+            assert_eq!(unpack(packed(bytes, 1), u64::MAX).unwrap(), bytes);
+            assert_eq!(beginning(&packed(bytes, 1), 3), &bytes[..bytes.len().min(3)]);
+            assert_eq!(beginning(bytes, 3), &bytes[..bytes.len().min(3)]);
+        }
+        assert!(unpack(&[0x1f, 0x8b, 8, 0, 1], u64::MAX).unwrap_err().contains("damaged"));
+    }
+
+    #[test]
+    fn a_bomb_is_given_up() {
+        let bomb = packed(&[b' '; 1 << 20], 80);
+        assert!(bomb.len() < 1_000_000);
+        assert!(unpack(&bomb, u64::MAX).unwrap_err().contains("more than 64 MB"));
+        let large = packed(&[b' '; 1 << 20], 60);
+        assert_eq!(unpack(&large, u64::MAX).unwrap().len(), 60 << 20);
+        assert_eq!(unpack(&large, 1000).unwrap().len(), 1000);
+    }
+}

@@ -1,0 +1,19 @@
+//! Pixels and curves, and what every stage needs: errors, progress, threads, random streams, stored documents.
+
+pub mod disjoint_sets;
+pub mod document;
+pub mod error;
+pub mod fourier;
+pub mod geometry;
+pub mod gzip;
+pub mod parallel;
+pub mod progress;
+pub mod raster;
+pub mod sampling;
+pub mod symmetric;
+
+pub use error::{Error, Result};
+pub use progress::Progress;
+
+/// Name and version of this program, as written into its files.
+pub const PROGRAM: &str = concat!("vtex ", env!("CARGO_PKG_VERSION"));

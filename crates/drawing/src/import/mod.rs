@@ -1,0 +1,147 @@
+//! Drawing → library: an SVG read as elements in layers.
+//!
+//! The stages, in order: shapes of the page ([`read`]), connected pieces of compound paths ([`pieces`]),
+//! pieces made whole across the borders of a periodic page ([`torus`]), what touches what
+//! (`raster/contact.rs`), which pieces are one element ([`elements`]), and the library of it ([`assemble`]).
+//!
+//! A library has the units of the drawing's page. Its maps have a whole number of pixels for each of them, so
+//! that the shorter side of the page has at least 200 px and the median piece at least eight cells of the
+//! guide; pages beyond 4096 px have fewer. Pages of less than ten units are read as ten or a hundred times
+//! as large.
+//!
+//! When this works badly: drawings whose elements touch and are neither grouped nor of one path, as in
+//! a mosaic: each piece is then an element of its own.
+
+mod assemble;
+mod categories;
+mod clip;
+mod elements;
+mod lines;
+mod offsets;
+mod paint;
+mod periodic;
+mod picture;
+mod pieces;
+mod read;
+mod recurring;
+mod shapes;
+mod torus;
+
+pub use read::CONVERT;
+pub use vtex_scene::library::Grouping;
+
+use crate::svg_tree;
+use assemble::{Origin, assemble};
+use torus::Torus;
+use vtex_base::error::Result;
+use vtex_base::geometry::Affine;
+use vtex_base::progress::{Progress, advance};
+use vtex_scene::element::Shape;
+use vtex_scene::library::{AnalyzeParams, Library};
+
+/// How a drawing is read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImportParams {
+    /// Whether opposite borders of the page join. `None` (the default): where they are seen to. What
+    /// `analyze` says of it has no effect.
+    pub wrap: Option<bool>,
+    /// Of these `elements`, `lenient`, `categories` and `descriptor_reach` have an effect.
+    pub analyze: AnalyzeParams,
+}
+
+/// Whether bytes, plain or gzip, look like an SVG: they may still be a damaged one.
+pub fn is_drawing(bytes: &[u8]) -> bool {
+    svg_tree::is_svg(bytes)
+}
+
+/// Reads an SVG or SVGZ as a library. `name` appears in errors and in the library. Nothing outside the
+/// file is ever loaded. A drawing of nothing but a background is no error: its library has no
+/// primaries and says so in a warning.
+///
+/// # Errors
+/// [`vtex_base::Error::Control`] for what is no SVG, for a page beyond a million units, and, unless
+/// `lenient`, for raster images, filters, masks, blend modes, pattern fills and clip paths that are not
+/// convex polygons; [`vtex_base::Error::TooLarge`] beyond 64 MiB, 400 000 XML elements or 100 000 shapes, or
+/// for shapes that together paint more than a gigapixel where the page has 200 px;
+/// [`vtex_base::Error::Parameter`], [`vtex_base::Error::Interrupted`].
+pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Progress) -> Result<Library> {
+    params.analyze.validate()?;
+    advance(progress, "drawing", 0, 4)?;
+    let mut page = read::read(bytes, name, params.analyze.lenient, progress)?;
+    advance(progress, "drawing", 1, 4)?;
+    let split = matches!(params.analyze.elements, Grouping::Auto | Grouping::Piece);
+    let all = page.items.iter().enumerate();
+    let mut pieces: Vec<pieces::Piece> = Vec::new();
+    for (k, item) in all {
+        advance(progress, "drawing", 1, 4)?;
+        pieces.extend(pieces::pieces(k, item, split));
+    }
+    for piece in &mut pieces {
+        piece.parts.retain(shapes::is_visible);
+    }
+    pieces.retain(|p| !p.parts.is_empty());
+    let found = pieces.len();
+    let (background, pieces) = assemble::background(&page, pieces);
+    // Very many beneath the background are not worth the time of drawing them.
+    page.lacks |= found - pieces.len() > MOST_BENEATH;
+    let scale = assemble::scale(&page, &pieces, name)?;
+    let picture = picture::picture(&page, (background, &pieces), scale)
+        .map_err(|found| read::fault(name, found.reason, found.advice))?;
+    let (wrap, remark) = match params.wrap {
+        Some(wrap) => (wrap, None),
+        None if periodic::is_periodic(&picture) => (true, None),
+        None => repeated_anyway(&page, &pieces),
+    };
+    page.warnings.extend(remark);
+    advance(progress, "drawing", 2, 4)?;
+    let pieces = if wrap { Torus::new(page.size).whole(pieces) } else { pieces };
+    advance(progress, "drawing", 3, 4)?;
+    let origin = Origin { bytes, name, params, wrap, scale, picture, background };
+    let library = assemble(&page, &pieces, origin, progress)?;
+    for warning in &library.source.warnings {
+        progress.warn(warning);
+    }
+    advance(progress, "drawing", 4, 4)?;
+    Ok(library)
+}
+
+/// Reads the shapes of an SVG or SVGZ in painting order, its page fitted to a canvas of `width` × `height`
+/// pixels as SVG viewers do by default: scaled to the largest size that fits, and centred. `name` appears in
+/// errors. Nothing outside the file is ever loaded.
+///
+/// # Errors
+/// [`vtex_base::Error::Control`] for what is no SVG, and for a drawing without shapes or with raster images,
+/// filters, masks, blend modes or pattern fills; [`vtex_base::Error::TooLarge`] as [`import`].
+pub fn drawn(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Vec<Shape>> {
+    let page = read::read(bytes, name, false, &())?;
+    let [wide, high] = page.size;
+    let scale = (f64::from(width) / wide).min(f64::from(height) / high);
+    let left = (f64::from(width) - scale * wide) / 2.0;
+    let top = (f64::from(height) - scale * high) / 2.0;
+    let map = Affine::new([scale, 0.0, 0.0, scale, left, top]);
+    let all = page.items.iter().enumerate();
+    let pieces = all.flat_map(|(k, item)| pieces::pieces(k, item, false));
+    let shapes: Vec<Shape> = pieces.flat_map(|piece| shapes::shapes(&piece, map)).collect();
+    if shapes.is_empty() {
+        return Err(read::fault(name, "it has no shapes", "draw at least one shape in it"));
+    }
+    Ok(shapes)
+}
+
+/// Most shapes beneath the background that are drawn to look at the page.
+const MOST_BENEATH: usize = 1000;
+/// Fewest whole pieces of a page that need not be repeated as it is.
+const FEWEST: usize = 8;
+
+/// Whether a page whose borders do not join is repeated all the same, because too little on it is whole;
+/// and what is said of it.
+fn repeated_anyway(page: &read::Page, pieces: &[pieces::Piece]) -> (bool, Option<String>) {
+    let inside = clip::page(page.size);
+    let whole = pieces.iter().filter(|p| inside.contains_rect(p.bounds())).count();
+    if whole >= FEWEST {
+        return (false, None);
+    }
+    let remark =
+        "the borders of the page do not join, but few shapes on it are whole: it is repeated as it is";
+    (true, Some(remark.into()))
+}

@@ -1,0 +1,71 @@
+//! The page as pixels.
+
+use super::pieces::Piece;
+use super::read::Page;
+use super::shapes::shapes;
+use crate::svg_tree::{self, Fault};
+use image::{Rgb, RgbImage};
+use resvg::usvg::Transform;
+use vtex_base::geometry::Affine;
+use vtex_base::raster::colour::Colour;
+use vtex_scene::scene::pixels;
+
+/// Samples along each side of a pixel, where resvg does not draw.
+const SAMPLES: u32 = 2;
+
+/// The drawing over white, as resvg draws it. Where something was left out, it is drawn from the pieces
+/// that are left, gradients in their mean colour.
+///
+/// # Errors
+/// As [`svg_tree::draw`].
+pub(super) fn picture(
+    page: &Page,
+    (colour, pieces): (Colour, &[Piece]),
+    size: [u32; 2],
+) -> Result<RgbImage, Fault> {
+    if page.lacks { Ok(drawn(page, colour, pieces, size)) } else { by_resvg(page, size) }
+}
+
+fn by_resvg(page: &Page, [width, height]: [u32; 2]) -> Result<RgbImage, Fault> {
+    let Some(mut pixmap) = tiny_skia::Pixmap::new(width, height) else {
+        return Ok(RgbImage::from_pixel(width, height, Rgb([255; 3])));
+    };
+    pixmap.fill(tiny_skia::Color::WHITE);
+    let [sx, sy] = [0, 1].map(|k| ([width, height][k] as f64 / page.size[k]) as f32);
+    svg_tree::draw(&page.tree, Transform::from_scale(sx, sy), &mut pixmap)?;
+    Ok(RgbImage::from_fn(width, height, |x, y| {
+        let p = pixmap.pixels()[(y * width + x) as usize];
+        Rgb([p.red(), p.green(), p.blue()])
+    }))
+}
+
+fn drawn(page: &Page, colour: Colour, pieces: &[Piece], [width, height]: [u32; 2]) -> RgbImage {
+    let fine = [width, height].map(|v| v * SAMPLES);
+    let mut picture = RgbImage::from_pixel(fine[0], fine[1], Rgb(colour.0));
+    let [sx, sy] = [0, 1].map(|k| f64::from(fine[k]) / page.size[k]);
+    let map = Affine::scale_non_uniform(sx, sy);
+    pieces.iter().for_each(|piece| draw(&mut picture, piece, map));
+    let count = SAMPLES * SAMPLES;
+    RgbImage::from_fn(width, height, |x, y| {
+        let samples = (0..count).map(|k| (SAMPLES * x + k % SAMPLES, SAMPLES * y + k / SAMPLES));
+        let sum = samples.fold([0u32; 3], |sum, (x, y)| {
+            let p = picture.get_pixel(x, y).0;
+            [0, 1, 2].map(|c| sum[c] + u32::from(p[c]))
+        });
+        Rgb(sum.map(|v| ((v + count / 2) / count) as u8))
+    })
+}
+
+fn draw(picture: &mut RgbImage, piece: &Piece, map: Affine) {
+    for shape in shapes(piece, map) {
+        let new = shape.colour.to_f64();
+        for (x, y) in pixels::mask(&shape.outline).pixels() {
+            let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else { continue };
+            if let Some(Rgb(old)) = picture.get_pixel_mut_checked(x, y) {
+                for (old, new) in old.iter_mut().zip(new) {
+                    *old = libm::round(f64::from(*old) + (new - f64::from(*old)) * shape.opacity) as u8;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! Items → pieces: the connected parts of compound paths.
+
+use super::clip::rings;
+use super::paint::Paint;
+use super::read::{Fill, Item, Stroke};
+use kurbo::{ParamCurve, PathSeg, Shape as _};
+use vtex_base::geometry::{BezPath, Point, Rect, is_simple};
+
+/// Rings of a path above which it is not taken apart.
+const MOST_RINGS: usize = 5_000;
+
+/// A part of the drawing that is never taken apart: fill and stroke of one connected path, or the two
+/// halves of one that was cut by the border of the page.
+#[derive(Clone)]
+pub(super) struct Piece {
+    /// What is painted, in order. Coordinates are those of the page.
+    pub(super) parts: Vec<Part>,
+    /// Index of its item.
+    pub(super) item: usize,
+    /// The innermost group that holds it.
+    pub(super) group: Option<usize>,
+    pub(super) layer: usize,
+}
+
+/// A filled area, or a stroked path.
+#[derive(Clone)]
+pub(super) struct Part {
+    pub(super) path: BezPath,
+    pub(super) paint: Paint,
+    /// How it is stroked; `None` for an area, filled by the non-zero rule.
+    pub(super) stroke: Option<Stroke>,
+}
+
+impl Part {
+    /// Bounds, with a stroke's width.
+    pub(super) fn bounds(&self) -> Rect {
+        let reach = self.stroke.as_ref().map_or(0.0, |s| s.width / 2.0);
+        self.path.bounding_box().inflate(reach, reach)
+    }
+}
+
+impl Piece {
+    /// Area that all parts may cover at most.
+    pub(super) fn reach(&self) -> f64 {
+        let lengths = |path: &BezPath| -> f64 { path.segments().map(|s| polygon(&s)).sum() };
+        let area = |part: &Part| {
+            let stroke = part.stroke.as_ref();
+            stroke.map_or(f64::INFINITY, |s| {
+                s.width * s.miter_limit.clamp(1.5, 10.0) * (lengths(&part.path) + s.width)
+            })
+        };
+        self.parts.iter().map(area).sum()
+    }
+
+    /// Bounds of all parts.
+    pub(super) fn bounds(&self) -> Rect {
+        let mut all = self.parts.iter().map(Part::bounds);
+        let first = all.next().unwrap_or_default();
+        all.fold(first, |sum, next| sum.union(next))
+    }
+}
+
+/// Length of the control polygon of a segment.
+fn polygon(segment: &PathSeg) -> f64 {
+    let c = segment.to_cubic();
+    c.p0.distance(c.p1) + c.p1.distance(c.p2) + c.p2.distance(c.p3)
+}
+
+/// The pieces of an item; all of it as one unless `split`.
+pub(super) fn pieces(number: usize, item: &Item, split: bool) -> Vec<Piece> {
+    let paths = match &item.fill {
+        Some(fill) => filled(&item.path, fill, split),
+        None if split => subpaths(&item.path),
+        None => vec![item.path.clone()],
+    };
+    let piece = |path: BezPath| {
+        let area = item.fill.as_ref().filter(|_| path.area() != 0.0);
+        let area = area.map(|f| Part { path: path.clone(), paint: f.paint.clone(), stroke: None });
+        let line = item.stroke.as_ref();
+        let line = line.map(|s| Part { path, paint: s.paint.clone(), stroke: Some(s.clone()) });
+        let parts: Vec<Part> = area.into_iter().chain(line).collect();
+        Piece { parts, item: number, group: item.group, layer: item.layer }
+    };
+    paths.into_iter().map(piece).filter(|p| !p.parts.is_empty()).collect()
+}
+
+/// Each ring and open line of a path.
+fn subpaths(path: &BezPath) -> Vec<BezPath> {
+    let split = path.elements().chunk_by(|_, next| !matches!(next, kurbo::PathEl::MoveTo(_)));
+    split.map(|elements| BezPath::from_vec(elements.to_vec())).filter(|p| p.elements().len() > 1).collect()
+}
+
+/// Some places on a ring, each with the length that it stands for.
+fn places(ring: &BezPath) -> Vec<(Point, f64)> {
+    let mut all: Vec<(Point, f64)> =
+        ring.segments().map(|s| (s.eval(0.5), s.start().distance(s.end()))).collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    all.truncate(9);
+    all
+}
+
+/// A ring of a filled path.
+struct Ring {
+    path: BezPath,
+    area: f64,
+    bounds: Rect,
+    /// Number of rings around it.
+    depth: usize,
+    /// The outermost ring around it, or itself.
+    outermost: usize,
+}
+
+/// The connected pieces of a filled path: outer rings with what lies inside. Filled by the non-zero rule,
+/// they look as the path does by its own.
+fn filled(path: &BezPath, fill: &Fill, split: bool) -> Vec<BezPath> {
+    let mut all: Vec<Ring> = subpaths(path)
+        .into_iter()
+        .map(|path| {
+            let (area, bounds) = (path.area(), path.bounding_box());
+            Ring { path, area, bounds, depth: 0, outermost: 0 }
+        })
+        .collect();
+    all.sort_by(|a, b| b.area.abs().total_cmp(&a.area.abs()));
+    if all.len() > MOST_RINGS {
+        return vec![path.clone()];
+    }
+    for i in 0..all.len() {
+        all[i].outermost = i;
+        let places = places(&all[i].path);
+        for k in 0..i {
+            let ring = &all[k];
+            let near = ring.bounds.overlaps(all[i].bounds);
+            let inside = |p: Point| ring.bounds.contains(p) && ring.path.contains(p);
+            // Some places may lie on the ring itself.
+            let sum = |all: bool| {
+                let counted = places.iter().filter(|(p, _)| all || inside(*p));
+                counted.map(|(_, length)| length).sum::<f64>()
+            };
+            if near && sum(false) > 0.5 * sum(true) {
+                all[i].depth += 1;
+                if all[i].depth == 1 {
+                    all[i].outermost = all[k].outermost;
+                }
+            }
+        }
+    }
+    // What crosses itself means other areas by each rule, or where it is taken apart.
+    let delicate = (fill.even_odd || fill.paint.opacity < 1.0) && !is_simple(path);
+    let turned = |ring: &Ring, outer: f64| {
+        let wanted = if fill.even_odd && !delicate {
+            ring.depth.is_multiple_of(2)
+        } else {
+            (ring.area > 0.0) == (outer > 0.0)
+        };
+        if wanted == (ring.area > 0.0) { ring.path.clone() } else { ring.path.reverse_subpaths() }
+    };
+    if delicate || !split {
+        let outer = all.first().map_or(1.0, |r| r.area);
+        return vec![all.iter().flat_map(|ring| turned(ring, outer)).collect()];
+    }
+    let roots = (0..all.len()).filter(|&i| all[i].depth == 0);
+    roots
+        .map(|root| {
+            let within = all.iter().filter(|ring| ring.outermost == root);
+            within.flat_map(|ring| turned(ring, all[root].area)).collect()
+        })
+        .collect()
+}
+
+/// The rings of a path, as segments.
+pub(super) fn segments(path: &BezPath) -> Vec<Vec<PathSeg>> {
+    rings(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vtex_base::geometry::parse_path;
+    use vtex_base::raster::colour::Colour;
+
+    fn of(text: &str, even_odd: bool) -> Vec<f64> {
+        let paint = Paint { colour: Colour([0; 3]), gradient: None, opacity: 1.0 };
+        let path = parse_path(text).unwrap();
+        filled(&path, &Fill { paint, even_odd }, true).iter().map(BezPath::area).collect()
+    }
+
+    #[test]
+    fn outer_rings_take_along_what_lies_inside() {
+        let ring = "M0 0h10v10h-10zM2 2h6v6h-6zM4 4h2v2h-2z";
+        assert_eq!(of(&format!("{ring}M20 0v4h4v-4z"), true), [100.0 - 36.0 + 4.0, 16.0]);
+        // By the non-zero rule rings of one direction make no hole.
+        assert_eq!(of("M0 0h10v10h-10zM2 2v6h6v-6z", false), [64.0]);
+        assert_eq!(of("M0 0v10h10v-10zM2 2h6v6h-6z", false), [64.0]);
+    }
+}

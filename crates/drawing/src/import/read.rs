@@ -1,0 +1,469 @@
+//! SVG → items: every visible shape of the page, with its paint, group and layer.
+
+use super::clip::{self, Clip};
+use super::paint::{self, Paint};
+use crate::svg_tree;
+use kurbo::Shape as _;
+use resvg::usvg::{self, roxmltree};
+use std::collections::{BTreeMap, BTreeSet};
+use vtex_base::error::{Error, Result, clip_to};
+use vtex_base::geometry::{Affine, BezPath, Point};
+use vtex_base::progress::{Progress, advance};
+use vtex_scene::element::stroked;
+
+/// Largest SVG read, unpacked, in bytes.
+const LARGEST: usize = 64 << 20;
+/// Most shapes of a drawing.
+const MOST_ITEMS: usize = 100_000;
+/// Most XML elements of a drawing.
+const MOST_NODES: usize = 400_000;
+/// Most lines and curves of a drawing.
+const MOST_SEGMENTS: usize = 10_000_000;
+/// Furthest coordinate of a shape, in widths of the page.
+const FURTHEST: f64 = 100.0;
+/// Largest side of a page, in units of the drawing.
+const LARGEST_PAGE: f64 = 1e6;
+/// The namespace of SVG.
+const SVG: &str = "http://www.w3.org/2000/svg";
+/// Advice where something cannot be read.
+pub const CONVERT: &str = "turn it into plain shapes in the program that made it, or delete it";
+
+/// A drawing as it was read; coordinates are those of its page.
+pub(super) struct Page {
+    /// Width and height.
+    pub size: [f64; 2],
+    /// Its shapes, in painting order.
+    pub(super) items: Vec<Item>,
+    /// Its groups, each after those that hold it.
+    pub(super) groups: Vec<Group>,
+    /// Names of its layers, bottom first; the first is for what lies in none.
+    pub(super) layers: Vec<String>,
+    /// One sentence for each kind of thing that was changed or left out.
+    pub(super) warnings: Vec<String>,
+    /// Whether something was left out that the tree shows.
+    pub(super) lacks: bool,
+    /// The drawing itself.
+    pub(super) tree: usvg::Tree,
+}
+
+/// A group of shapes.
+pub(super) struct Group {
+    pub(super) parent: Option<usize>,
+    /// Number of shapes within, those of inner groups included.
+    pub(super) items: usize,
+}
+
+/// A shape.
+pub(super) struct Item {
+    pub(super) path: BezPath,
+    pub(super) fill: Option<Fill>,
+    pub(super) stroke: Option<Stroke>,
+    /// The innermost group that holds it.
+    pub(super) group: Option<usize>,
+    pub(super) layer: usize,
+}
+
+/// How a shape is filled.
+#[derive(Clone)]
+pub(super) struct Fill {
+    pub(super) paint: Paint,
+    pub(super) even_odd: bool,
+}
+
+/// How a shape is stroked. Lengths are those of the page.
+#[derive(Clone)]
+pub(super) struct Stroke {
+    pub(super) paint: Paint,
+    pub(super) width: f64,
+    pub(super) cap: usvg::LineCap,
+    pub(super) join: usvg::LineJoin,
+    pub(super) miter_limit: f64,
+    pub(super) dashes: Vec<f64>,
+    pub(super) dash_offset: f64,
+}
+
+/// Reads a drawing. What cannot be read is an error, or is left out and counted if `lenient`.
+pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progress) -> Result<Page> {
+    let fail = |found: svg_tree::Fault| fault(name, found.reason, found.advice);
+    let text = svg_tree::text(bytes, name, fail)?;
+    if text.len() > LARGEST {
+        let found = format!("{} MB of SVG text", text.len() / 1_000_000);
+        return Err(Error::TooLarge { name: name.into(), found, limit: "64 MiB".into() });
+    }
+    let document = svg_tree::document(&text).map_err(fail)?;
+    let nodes = document.descendants().filter(roxmltree::Node::is_element).count();
+    if nodes > MOST_NODES {
+        return Err(too_many(name, nodes, MOST_NODES));
+    }
+    let tree = svg_tree::tree_with_images(&document).map_err(fail)?;
+    let size = [tree.size().width(), tree.size().height()].map(f64::from);
+    if size.iter().any(|v| !(1e-3..=LARGEST_PAGE).contains(v)) {
+        let reason = format!("its page has {} x {} units", size[0], size[1]);
+        return Err(fault(name, reason, "scale it to between 0.001 and 1000000 units"));
+    }
+    advance(progress, "drawing", 0, 4)?;
+    let mut reader = Reader { progress, ..Reader::new(name, lenient, &document, size) };
+    let root = Place { group: None, layer: 0, opacity: 1.0, depth: 0, id: "" };
+    reader.group(tree.root(), root, &[])?;
+    let Reader { items, mut groups, layers, counts, lacks, .. } = reader;
+    for item in &items {
+        let mut up = item.group;
+        while let Some(g) = up {
+            groups[g].items += 1;
+            up = groups[g].parent;
+        }
+    }
+    let warnings = counts.into_iter().map(|(what, n)| format!("{what} ({n})"));
+    let warnings = warnings.chain(texts(&document)).collect();
+    Ok(Page { size, items, groups, layers, warnings, lacks, tree })
+}
+
+/// An error about a drawing.
+pub(super) fn fault(name: &str, reason: impl Into<String>, advice: &'static str) -> Error {
+    Error::Control { name: name.into(), role: "a drawing", reason: reason.into(), advice }
+}
+
+fn too_many(name: &str, found: usize, most: usize) -> Error {
+    let [found, limit] = [found, most].map(|n| format!("{n} shapes"));
+    Error::TooLarge { name: name.into(), found, limit }
+}
+
+/// What is said of texts, which the tree of shapes does not show.
+fn texts(document: &roxmltree::Document<'_>) -> Option<String> {
+    let mut texts = document.descendants().filter(|n| n.has_tag_name((SVG, "text")));
+    let first = texts.next()?;
+    let words: String =
+        first.descendants().filter_map(|n| if n.is_text() { n.text() } else { None }).collect();
+    let words: String = words.split_whitespace().collect::<Vec<_>>().join(" ");
+    let more = match texts.count() {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    Some(format!("the text '{}'{more} is left out: turn it into a path", clip_to(&words, 60)))
+}
+
+struct Reader<'a, 'd> {
+    progress: &'a dyn Progress,
+    name: &'a str,
+    lenient: bool,
+    size: [f64; 2],
+    /// The first XML element of each id.
+    named: BTreeMap<&'a str, roxmltree::Node<'a, 'd>>,
+    items: Vec<Item>,
+    /// Lines and curves of all items.
+    segments: usize,
+    groups: Vec<Group>,
+    layers: Vec<String>,
+    /// Names of the layers, and the next number for each title that several have.
+    taken: BTreeSet<String>,
+    numbers: BTreeMap<String, usize>,
+    /// What was changed or left out, and how often.
+    counts: BTreeMap<&'static str, usize>,
+    lacks: bool,
+}
+
+/// Where the walk stands.
+#[derive(Clone, Copy)]
+struct Place<'t> {
+    group: Option<usize>,
+    layer: usize,
+    opacity: f64,
+    depth: usize,
+    /// The innermost id.
+    id: &'t str,
+}
+
+impl<'a, 'd> Reader<'a, 'd> {
+    fn new(name: &'a str, lenient: bool, document: &'a roxmltree::Document<'d>, size: [f64; 2]) -> Self {
+        let mut named = BTreeMap::new();
+        for node in document.descendants() {
+            if let Some(id) = node.attribute("id") {
+                named.entry(id).or_insert(node);
+            }
+        }
+        let layers: Vec<String> = vec![vtex_scene::element::Role::Primary.name().into()];
+        let background = vtex_scene::element::Role::Background.name().to_owned();
+        Self {
+            progress: &(),
+            name,
+            lenient,
+            size,
+            named,
+            items: Vec::new(),
+            segments: 0,
+            groups: Vec::new(),
+            taken: layers.iter().cloned().chain([background]).collect(),
+            layers,
+            numbers: BTreeMap::new(),
+            counts: BTreeMap::new(),
+            lacks: false,
+        }
+    }
+
+    fn count(&mut self, what: &'static str) {
+        *self.counts.entry(what).or_default() += 1;
+    }
+
+    /// Leaves something out, or fails if nothing may be.
+    fn unreadable(&mut self, id: &str, what: &'static str, counted: &'static str) -> Result<()> {
+        if self.lenient {
+            self.count(counted);
+            self.lacks = true;
+            return Ok(());
+        }
+        let id = if id.is_empty() { String::new() } else { format!(" '{}'", clip_to(id, 60)) };
+        Err(fault(self.name, format!("the element{id} {what}"), CONVERT))
+    }
+
+    fn group<'t>(&mut self, group: &'t usvg::Group, place: Place<'t>, clips: &[Clip]) -> Result<()> {
+        let id = group.id();
+        let opacity = place.opacity * f64::from(group.opacity().get());
+        if group.mask().is_some() {
+            return self.unreadable(id, "has a mask", "elements with masks are left out");
+        }
+        if !group.filters().is_empty() {
+            return self.unreadable(id, "has a filter", "elements with filters are left out");
+        }
+        if group.blend_mode() != usvg::BlendMode::Normal {
+            return self.unreadable(id, "is blended", "elements with blend modes are left out");
+        }
+        let mut clips = clips.to_vec();
+        if let Some(path) = group.clip_path() {
+            match Clip::new(path, affine(group.abs_transform())) {
+                Some(clip) => clips.push(clip),
+                None => {
+                    let what = "is clipped by something else than one convex polygon";
+                    return self.unreadable(id, what, "elements with other clip paths are left out");
+                }
+            }
+        }
+        if opacity < 1.0 && group.opacity().get() < 1.0 && group.children().len() > 1 {
+            self.count("translucent groups are drawn shape by shape");
+        }
+        let layer = self.layer(group, place);
+        let depth = place.depth + 1;
+        // The root and layers are not groups of shapes.
+        let is_group = place.depth > 0 && layer == place.layer && group.children().len() > 1;
+        let inner = if is_group {
+            self.groups.push(Group { parent: place.group, items: 0 });
+            Some(self.groups.len() - 1)
+        } else {
+            place.group
+        };
+        let place =
+            Place { group: inner, layer, opacity, depth, id: if id.is_empty() { place.id } else { id } };
+        for child in group.children() {
+            match child {
+                usvg::Node::Group(inner) => self.group(inner, place, &clips)?,
+                usvg::Node::Path(path) if path.is_visible() => self.path(path, place, &clips)?,
+                usvg::Node::Image(image) if image.is_visible() => {
+                    self.unreadable(place.id, "is a raster image", "raster images are left out")?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The layer of a group: its own if Inkscape or Illustrator marked it as one.
+    fn layer(&mut self, group: &usvg::Group, place: Place<'_>) -> usize {
+        let id = group.id();
+        if id.is_empty() || place.group.is_some() {
+            return place.layer;
+        }
+        let node = self.named.get(id).copied();
+        let attribute = |name: &str| {
+            node.and_then(|n| n.attributes().find(|a| a.name() == name).map(|a| a.value().to_owned()))
+        };
+        let marked = attribute("groupmode").as_deref() == Some("layer")
+            || id.to_ascii_lowercase().starts_with("layer");
+        if !marked {
+            return place.layer;
+        }
+        let title = attribute("label").or_else(|| attribute("data-name")).unwrap_or_else(|| id.to_owned());
+        let title: String = title.chars().filter(|c| !c.is_control()).take(60).collect();
+        let mut name = title.clone();
+        let number = self.numbers.entry(title.clone()).or_insert(2);
+        while name.trim().is_empty() || self.taken.contains(&name) {
+            name = format!("{title} {number}");
+            *number += 1;
+        }
+        self.taken.insert(name.clone());
+        self.layers.push(name);
+        self.layers.len() - 1
+    }
+
+    fn path(&mut self, path: &usvg::Path, place: Place<'_>, clips: &[Clip]) -> Result<()> {
+        advance(self.progress, "drawing", 0, 4)?;
+        if self.items.len() >= MOST_ITEMS {
+            return Err(too_many(self.name, self.items.len() + 1, MOST_ITEMS));
+        }
+        self.segments += path.data().len();
+        if self.segments > MOST_SEGMENTS {
+            let found = "more than 10 million lines and curves".into();
+            return Err(Error::TooLarge { name: self.name.into(), found, limit: "10 million".into() });
+        }
+        let map = affine(path.abs_transform());
+        let local = bezier(path.data());
+        let drawn = map * local.clone();
+        let far = FURTHEST * self.size[0].max(self.size[1]);
+        let b = drawn.bounding_box();
+        if ![b.x0, b.y0, b.x1, b.y1].iter().all(|v| v.abs() <= far) {
+            let what = "reaches further than a hundred pages away";
+            return self.unreadable(path.id(), what, "shapes that reach far beyond the page are left out");
+        }
+        let of = |paint: &usvg::Paint, opacity: usvg::Opacity| {
+            paint::paint(paint, place.opacity * f64::from(opacity.get()), map)
+        };
+        let mut painted = Vec::new();
+        for (part, found) in [
+            (true, path.fill().map(|f| of(f.paint(), f.opacity()))),
+            (false, path.stroke().map(|s| of(s.paint(), s.opacity()))),
+        ] {
+            match found {
+                Some(Some((paint, remark))) => {
+                    if let Some(remark) = remark {
+                        self.count(remark);
+                    }
+                    painted.push((part, paint));
+                }
+                Some(None) => {
+                    let what = "is filled with a pattern";
+                    self.unreadable(path.id(), what, "pattern fills are left out")?;
+                }
+                None => {}
+            }
+        }
+        let fill = painted.iter().find(|p| p.0).map(|(_, paint)| Fill {
+            paint: paint.clone(),
+            even_odd: path.fill().is_some_and(|f| f.rule() == usvg::FillRule::EvenOdd),
+        });
+        let stroke = painted.iter().find(|p| !p.0).and_then(|(_, p)| stroke(path.stroke()?, p.clone(), map));
+        let new = |path, fill, stroke| Item { path, fill, stroke, group: place.group, layer: place.layer };
+        let mut items = Vec::new();
+        let cut = clips.iter().any(|clip| !clip.holds(inflated(&drawn, stroke.as_ref())));
+        let plain = stroke.as_ref().is_none_or(|s| s.conformal) && !cut;
+        if plain {
+            items.push(new(drawn, fill, stroke.map(|s| s.stroke)));
+        } else {
+            let line = stroke.map(|s| {
+                let fill = Fill { paint: s.stroke.paint.clone(), even_odd: false };
+                new(map * s.expanded(&local), Some(fill), None)
+            });
+            items.extend(fill.map(|fill| new(drawn, Some(fill), None)));
+            items.extend(line);
+            for item in &mut items {
+                item.path = clips.iter().fold(std::mem::take(&mut item.path), |p, clip| clip.apply(&p));
+            }
+        }
+        let page = clip::page(self.size);
+        let shown = |i: &Item| {
+            let reach = i.stroke.as_ref().map_or(0.0, |s| s.width * s.miter_limit.max(1.5));
+            let painted = i.fill.is_some() || i.stroke.is_some();
+            let b = i.path.bounding_box().inflate(reach, reach);
+            painted && !i.path.elements().is_empty() && b.overlaps(page)
+        };
+        self.items.extend(items.into_iter().filter(shown));
+        Ok(())
+    }
+}
+
+/// Bounds of a path with its stroke.
+fn inflated(path: &BezPath, stroke: Option<&Stroked>) -> kurbo::Rect {
+    let reach = stroke.map_or(0.0, |s| s.stroke.width * s.stroke.miter_limit.max(1.5) / 2.0);
+    path.bounding_box().inflate(reach, reach)
+}
+
+/// A stroke, on the page and before its transform.
+struct Stroked {
+    stroke: Stroke,
+    /// Whether the transform preserves angles.
+    conformal: bool,
+    /// The stroke before the transform.
+    local: kurbo::Stroke,
+}
+
+impl Stroked {
+    /// The area that it paints, before the transform.
+    fn expanded(&self, path: &BezPath) -> BezPath {
+        let tolerance = 1e-3 * self.local.width.max(1e-6);
+        stroked(path, self.local.clone(), tolerance)
+    }
+}
+
+fn stroke(s: &usvg::Stroke, paint: Paint, map: Affine) -> Option<Stroked> {
+    let [a, b, c, d, ..] = map.as_coeffs();
+    let size = libm::sqrt(map.determinant().abs());
+    let width = f64::from(s.width().get());
+    if !(size > 0.0 && width > 0.0) {
+        return None;
+    }
+    let off = |direct: bool| {
+        let sign = if direct { 1.0 } else { -1.0 };
+        (a - sign * d).abs() + (b + sign * c).abs()
+    };
+    let conformal = off(true).min(off(false)) < 1e-4 * size;
+    let dashes: Vec<f64> = s.dasharray().into_iter().flatten().map(|d| f64::from(*d)).collect();
+    let offset = f64::from(s.dashoffset());
+    let miter_limit = f64::from(s.miterlimit().get());
+    let cap = match s.linecap() {
+        usvg::LineCap::Butt => kurbo::Cap::Butt,
+        usvg::LineCap::Round => kurbo::Cap::Round,
+        usvg::LineCap::Square => kurbo::Cap::Square,
+    };
+    let join = match s.linejoin() {
+        usvg::LineJoin::Miter | usvg::LineJoin::MiterClip => kurbo::Join::Miter,
+        usvg::LineJoin::Round => kurbo::Join::Round,
+        usvg::LineJoin::Bevel => kurbo::Join::Bevel,
+    };
+    let mut local = kurbo::Stroke::new(width).with_caps(cap).with_join(join).with_miter_limit(miter_limit);
+    if !dashes.is_empty() {
+        local = local.with_dashes(offset, dashes.iter().copied());
+    }
+    let stroke = Stroke {
+        paint,
+        width: width * size,
+        cap: s.linecap(),
+        join: s.linejoin(),
+        miter_limit,
+        dashes: dashes.iter().map(|d| d * size).collect(),
+        dash_offset: offset * size,
+    };
+    Some(Stroked { stroke, conformal, local })
+}
+
+/// A transform of the tree.
+pub(super) fn affine(t: usvg::Transform) -> Affine {
+    Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from))
+}
+
+/// A path of the tree, its quadratic curves as cubic ones.
+pub(super) fn bezier(path: &usvg::tiny_skia_path::Path) -> BezPath {
+    use usvg::tiny_skia_path::PathSegment;
+    let point = |p: usvg::tiny_skia_path::Point| Point::new(f64::from(p.x), f64::from(p.y));
+    let mut out = BezPath::new();
+    let mut at = Point::ORIGIN;
+    for segment in path.segments() {
+        match segment {
+            PathSegment::MoveTo(p) => {
+                at = point(p);
+                out.move_to(at);
+            }
+            PathSegment::LineTo(p) => {
+                at = point(p);
+                out.line_to(at);
+            }
+            PathSegment::QuadTo(a, p) => {
+                let (a, p) = (point(a), point(p));
+                out.curve_to(at.lerp(a, 2.0 / 3.0), p.lerp(a, 2.0 / 3.0), p);
+                at = p;
+            }
+            PathSegment::CubicTo(a, b, p) => {
+                at = point(p);
+                out.curve_to(point(a), point(b), at);
+            }
+            PathSegment::Close => out.close_path(),
+        }
+    }
+    out
+}

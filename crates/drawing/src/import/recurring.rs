@@ -1,0 +1,74 @@
+//! Contacts that recur: shapes of different colours that always come together, at the same relative place.
+
+use super::elements::Known;
+use super::offsets::Offsets;
+use std::collections::{BTreeMap, BTreeSet};
+use vtex_base::geometry::{Affine, Point, Rect};
+use vtex_base::raster::contact::{Contact, Pair};
+use vtex_scene::element::{Shape, classes};
+
+/// How far equal shapes, and the places of their partners, may differ, in pixels.
+const EQUAL: f64 = 0.25;
+/// How often shapes have to come together.
+const LEAST: usize = 2;
+
+/// Two pieces that touch.
+struct Touch {
+    pair: Pair,
+    /// Where the second lies, seen from the first as both lie in their classes.
+    relative: Affine,
+}
+
+/// The pairs of pieces of one layer, not of one set yet, that touch as others do: everywhere one kind of shape
+/// is, the other is at the same place beside it, at least twice.
+pub(super) fn recurring(known: &Known<'_>, shapes: &[Vec<Shape>], sets: &Offsets) -> BTreeSet<Pair> {
+    let touches = |(pair, contact): (&Pair, &Contact)| {
+        let [a, b] = [pair.0 as usize, pair.1 as usize];
+        let [p, q] = [a, b].map(|k| &known.pieces[k]);
+        let colours = p.parts[0].paint.colour != q.parts[0].paint.colour && p.layer == q.layer;
+        let apart = sets.find(a).0 != sets.find(b).0;
+        (colours && apart && (contact.gap == 0 || contact.hidden > 0)).then_some(*pair)
+    };
+    let pairs: Vec<Pair> = known.contacts.iter().filter_map(touches).collect();
+    if pairs.len() < LEAST {
+        return BTreeSet::new();
+    }
+    let classes = classes(shapes.len(), |k| &shapes[k], |k| known.pieces[k].layer, EQUAL);
+    let mut members: BTreeMap<usize, usize> = BTreeMap::new();
+    classes.iter().for_each(|c| *members.entry(c.0).or_default() += 1);
+    let mut by_kind: BTreeMap<[usize; 2], Vec<Touch>> = BTreeMap::new();
+    for pair in pairs {
+        let (a, b, shift) = (pair.0 as usize, pair.1 as usize, pair.2);
+        let (low, high, back) = if classes[a].0 <= classes[b].0 { (a, b, 1.0) } else { (b, a, -1.0) };
+        let [dx, dy] = [0, 1].map(|k| back * f64::from(shift[k]) * known.size[k]);
+        let relative = classes[low].1.inverse() * Affine::translate((dx, dy)) * classes[high].1;
+        by_kind.entry([classes[low].0, classes[high].0]).or_default().push(Touch { pair, relative });
+    }
+    let mut found = BTreeSet::new();
+    for ([a, b], touches) in by_kind {
+        let fewest = members[&a].min(members[&b]);
+        for alike in by_place(touches, known.bounds[b]) {
+            if alike.len() >= LEAST.max(fewest) {
+                found.extend(alike.iter().map(|t| t.pair));
+            }
+        }
+    }
+    found
+}
+
+/// Contacts of two kinds of shapes, those at one relative place together; `bounds` are those of the second.
+fn by_place(touches: Vec<Touch>, bounds: Rect) -> Vec<Vec<Touch>> {
+    let corners = [(bounds.x0, bounds.y0), (bounds.x1, bounds.y0), (bounds.x0, bounds.y1)].map(Point::from);
+    let mut groups: Vec<Vec<Touch>> = Vec::new();
+    for touch in touches {
+        let same = |other: &Touch| {
+            corners.iter().all(|&p| (touch.relative * p).distance(other.relative * p) <= 4.0 * EQUAL)
+        };
+        // Of very many places only the first are told apart.
+        match groups.iter().take(64).position(|group| same(&group[0])) {
+            Some(k) => groups[k].push(touch),
+            None => groups.push(vec![touch]),
+        }
+    }
+    groups
+}

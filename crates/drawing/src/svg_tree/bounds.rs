@@ -1,0 +1,243 @@
+//! What parsing an SVG costs, estimated beforehand.
+//!
+//! The parser cannot be interrupted, and a few bytes can ask for hours: it tries each rule of the style sheets
+//! at each element, follows references within references, and reads path data by recursion.
+
+use super::Fault;
+use resvg::usvg::roxmltree::{Attribute, Document, Node};
+use simplecss::{AttributeOperator, Element, PseudoClass, StyleSheet};
+use std::cell::Cell;
+use std::collections::HashMap;
+
+/// Steps that are allowed: some two seconds here, and as many in the parser.
+const MOST_STEPS: u64 = 200_000_000;
+/// Steps of a declaration of a style.
+const DECLARATION: u64 = 20;
+/// Characters of a style for a step, where the parser counts the lines up to a place, on average half way.
+const CHARACTERS: u64 = 40;
+/// Most declarations of style sheets, those of a list of selectors counted for each.
+const MOST_DECLARATIONS: u64 = 20_000_000;
+/// Most commands in a row that close a path. Each takes a part of the stack.
+const MOST_CLOSES: usize = 1000;
+/// Elements that the parser accepts.
+pub const MOST_ELEMENTS: u64 = 1_000_000;
+/// How deep the parser follows elements within one another.
+pub(super) const DEEPEST: usize = 1024;
+/// How deep references to references are counted.
+const DEPTH: usize = 32;
+
+/// Why a document is not given to the parser.
+pub(super) fn refused(document: &Document<'_>) -> Option<Fault> {
+    let closes = |a: Attribute<'_, '_>| a.name() == "d" && closes(a.value()) > MOST_CLOSES;
+    if document.descendants().flat_map(|n| n.attributes()).any(closes) {
+        let reason = format!("a path is closed more than {MOST_CLOSES} times in a row");
+        return Some(Fault { reason, advice: "delete the repeated Z in its path data" });
+    }
+    if !styles_are_affordable(document) {
+        let reason = "its styles would take more than ten seconds to apply".into();
+        let advice = "turn its style sheet into attributes in the program that made it, or shorten it";
+        return Some(Fault { reason, advice });
+    }
+    if links_within_containers(document) > MOST_STEPS {
+        let reason = "its patterns, masks and clip paths refer to one another too often".into();
+        return Some(Fault { reason, advice: super::SHAPES });
+    }
+    None
+}
+
+/// The most commands that close a path in a row.
+fn closes(data: &str) -> usize {
+    let mut longest = 0;
+    let mut run = 0;
+    for byte in data.bytes() {
+        match byte {
+            b'z' | b'Z' => run += 1,
+            byte if byte.is_ascii_whitespace() => {}
+            _ => run = 0,
+        }
+        longest = longest.max(run);
+    }
+    longest
+}
+
+/// Whether the styles of a document can be applied in reasonable time.
+fn styles_are_affordable(document: &Document<'_>) -> bool {
+    let steps = Cell::new(0);
+    let mut sheet = StyleSheet::new();
+    for style in document.descendants().filter(|n| n.has_tag_name("style")) {
+        if style.attribute("type").is_some_and(|t| t != "text/css") {
+            continue;
+        }
+        let text = style.text().unwrap_or_default();
+        let count = |what: &[u8]| 1 + text.bytes().filter(|b| what.contains(b)).count() as u64;
+        if count(b",").saturating_mul(count(b";")) > MOST_DECLARATIONS {
+            return false;
+        }
+        // All rules are sorted again for each style sheet.
+        steps.set(steps.get() + reading(text) + sheet.rules.len() as u64);
+        if steps.get() > MOST_STEPS {
+            return false;
+        }
+        sheet.parse_more(text);
+    }
+    let mut dearest = 0;
+    for node in document.descendants().filter(Node::is_element) {
+        let before = steps.get();
+        let element = Counted { node, steps: &steps };
+        for rule in &sheet.rules {
+            if rule.selector.matches(&element) {
+                element.count(DECLARATION * rule.declarations.len() as u64);
+            }
+        }
+        element.count(node.attribute("style").map_or(0, reading));
+        if steps.get() > MOST_STEPS {
+            return false;
+        }
+        dearest = dearest.max(steps.get() - before);
+    }
+    let own = document.descendants().filter(Node::is_element).count() as u64;
+    let copies = weights(document, &uses(document, &ids(document)))[0].min(MOST_ELEMENTS).saturating_sub(own);
+    steps.get() + copies * dearest <= MOST_STEPS
+}
+
+/// Steps of reading a style. Where a value ends, after the mark of a colour, and after a number without a unit,
+/// the parser counts the lines up to there.
+fn reading(style: &str) -> u64 {
+    let mut counts = 0;
+    let mut last = b' ';
+    for byte in style.bytes() {
+        let number = byte.is_ascii_digit() && !last.is_ascii_alphanumeric() && !matches!(last, b'#' | b'.');
+        counts += u64::from(number || matches!(byte, b';' | b'}' | b'#'));
+        last = byte;
+    }
+    style.len() as u64 / 8 + style.len() as u64 * counts / CHARACTERS
+}
+
+/// An element that counts what is asked of it. Beyond [`MOST_STEPS`] nothing matches, so that the search ends.
+struct Counted<'a, 'd> {
+    node: Node<'a, 'd>,
+    steps: &'a Cell<u64>,
+}
+
+impl Counted<'_, '_> {
+    /// Counts steps; whether there are some left.
+    fn count(&self, steps: u64) -> bool {
+        self.steps.set(self.steps.get() + steps);
+        self.steps.get() <= MOST_STEPS
+    }
+
+    fn beside(&self, node: Option<Self>) -> Option<Self> {
+        node.filter(|_| self.count(1))
+    }
+}
+
+impl Element for Counted<'_, '_> {
+    fn parent_element(&self) -> Option<Self> {
+        self.beside(self.node.parent_element().map(|node| Self { node, ..*self }))
+    }
+
+    fn prev_sibling_element(&self) -> Option<Self> {
+        self.beside(self.node.prev_sibling_element().map(|node| Self { node, ..*self }))
+    }
+
+    fn has_local_name(&self, name: &str) -> bool {
+        self.count(1) && self.node.tag_name().name() == name
+    }
+
+    fn attribute_matches(&self, name: &str, operator: AttributeOperator<'_>) -> bool {
+        let value = self.node.attribute(name).unwrap_or_default();
+        let steps = 1 + self.node.attributes().len() as u64 / 8 + value.len() as u64 / 8;
+        self.count(steps) && self.node.has_attribute(name) && operator.matches(value)
+    }
+
+    fn pseudo_class_matches(&self, class: PseudoClass<'_>) -> bool {
+        self.count(1) && class == PseudoClass::FirstChild && self.node.prev_sibling_element().is_none()
+    }
+}
+
+/// Steps in which the parser looks for patterns, masks and the like that refer to themselves: for each, at
+/// all that its elements refer to.
+fn links_within_containers(document: &Document<'_>) -> u64 {
+    const CONTAINERS: [&str; 5] = ["pattern", "mask", "clipPath", "filter", "marker"];
+    let ids = ids(document);
+    let sizes = weights(document, &[]);
+    let mut steps = sizes.clone();
+    let mut links = vec![0u64; sizes.len()];
+    let nodes: Vec<Node<'_, '_>> = document.descendants().collect();
+    for (i, node) in nodes.iter().enumerate().rev() {
+        for target in node.attributes().flat_map(referred).filter_map(|id| ids.get(id)) {
+            links[i] += 1;
+            steps[i] = steps[i].saturating_add(sizes[target.id().get_usize()]);
+        }
+        if let Some(parent) = node.parent() {
+            let parent = parent.id().get_usize();
+            steps[parent] = steps[parent].saturating_add(steps[i] - sizes[i]);
+            links[parent] += links[i];
+        }
+    }
+    let containers = nodes.iter().enumerate().filter(|(_, n)| CONTAINERS.contains(&n.tag_name().name()));
+    containers.fold(0, |sum: u64, (i, _)| sum.saturating_add(if links[i] > 0 { steps[i] } else { 0 }))
+}
+
+/// The first element of each id.
+pub fn ids<'a, 'd>(document: &'a Document<'d>) -> HashMap<&'a str, Node<'a, 'd>> {
+    let mut ids = HashMap::new();
+    for node in document.descendants().filter(Node::is_element) {
+        if let Some(id) = node.attribute("id") {
+            ids.entry(id).or_insert(node);
+        }
+    }
+    ids
+}
+
+/// What each `<use>` shows, by the numbers of the nodes, in the order of the nodes.
+pub fn uses(document: &Document<'_>, ids: &HashMap<&str, Node<'_, '_>>) -> Vec<(usize, usize)> {
+    let uses = document.descendants().filter(|n| n.tag_name().name() == "use");
+    let link = |node: Node<'_, '_>| {
+        let link = node.attributes().find(|a| a.name() == "href")?.value().strip_prefix('#')?;
+        Some((node.id().get_usize(), ids.get(link)?.id().get_usize()))
+    };
+    uses.filter_map(link).collect()
+}
+
+/// The ids that an attribute refers to. A style, or a list of filters, may hold several.
+pub fn referred<'a>(attribute: Attribute<'a, '_>) -> Vec<&'a str> {
+    if attribute.name() == "href" {
+        return attribute.value().trim().strip_prefix('#').into_iter().collect();
+    }
+    let id = |rest: &'a str| {
+        let id = rest.split(')').next()?.trim().trim_matches(['\'', '"']);
+        id.trim().strip_prefix('#')
+    };
+    attribute.value().split("url(").skip(1).filter_map(id).collect()
+}
+
+/// Elements in each node with all links followed, which lead from one node to another by number, in
+/// the order of the nodes.
+pub fn weights(document: &Document<'_>, links: &[(usize, usize)]) -> Vec<u64> {
+    let nodes: Vec<Node<'_, '_>> = document.descendants().collect();
+    let mut weights = vec![0; nodes.len()];
+    // Each round follows links one level deeper.
+    for _ in 0..DEPTH {
+        let before = weights.clone();
+        weights.fill(0);
+        let mut rest = links;
+        for (i, node) in nodes.iter().enumerate().rev() {
+            weights[i] = u64::from(node.is_element()).saturating_add(weights[i]);
+            while let Some(((from, to), others)) = rest.split_last()
+                && *from == i
+            {
+                weights[i] = weights[i].saturating_add(before[*to]);
+                rest = others;
+            }
+            if let Some(parent) = node.parent() {
+                let parent = parent.id().get_usize();
+                weights[parent] = weights[i].saturating_add(weights[parent]);
+            }
+        }
+        if weights == before {
+            break;
+        }
+    }
+    weights
+}

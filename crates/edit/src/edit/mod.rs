@@ -1,0 +1,195 @@
+//! Scene → scene: what can be done to a texture after it was made (paper §4.5).
+//!
+//! An [`Operation`] is plain data, as scenes record it: an action, and which textons it is for. Files
+//! that it names are in [`Files`]. [`apply`] does operations one after the other.
+//!
+//! A texton that several instances share is copied when only some of them change.
+
+mod amount;
+mod colours;
+#[cfg(test)]
+mod composing_tests;
+mod files;
+mod groups;
+mod jitter;
+mod order;
+mod paint_order;
+mod place;
+mod propagate;
+mod relax;
+mod replace;
+mod selection;
+mod shuffle;
+mod style;
+#[cfg(test)]
+mod tests;
+mod textons;
+mod thin;
+mod validate;
+mod vary;
+
+pub use files::Files;
+pub(crate) use place::draw_as;
+pub use validate::validate;
+pub use vtex_scene::scene::{
+    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter,
+    NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
+};
+
+use amount::{Amount, Paint};
+use propagate::Propagated;
+use relax::Relaxing;
+use selection::Chosen;
+use serde::Serialize;
+use vtex_base::document::Document;
+use vtex_base::error::{EditFault, Error, Result};
+use vtex_base::geometry::{Affine, rotation};
+use vtex_base::sampling::{Stream, stream};
+use vtex_scene::scene::{EditRecord, InstanceId, Recorded, Scene};
+
+/// The outcome of an operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Outcome {
+    /// Elements, or points of fields, that it was for: those selected; of `recolor` those that
+    /// have a colour like the one sought, of `replace` those for which the library has another.
+    pub matched: usize,
+    /// Textons that are gone after it.
+    pub removed: usize,
+    /// Textons without a frame, not wider than a pixel or enclosing nothing, that it left as they were.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub thin: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+/// Random numbers of one operation, independent for each instance.
+struct Draw {
+    seed: u64,
+    /// Place of the operation in the scene's chain.
+    step: u64,
+}
+
+impl Draw {
+    /// The stream of an instance.
+    fn of(&self, name: &str, id: InstanceId) -> Stream {
+        stream(self.seed, name, self.step << 32 | u64::from(id.0))
+    }
+}
+
+/// Does operations one after the other and records them in the scene. Random choices follow `seed`,
+/// by default the scene's own, 0 for a reconstruction; a chain done in one go or one by one gives the
+/// same scene. `files` holds what the operations name ([`Files::read`]).
+///
+/// # Errors
+/// [`Error::Format`] for a scene that breaks its invariants, [`Error::Edit`] for an operation that
+/// cannot be done or leads out of their range.
+pub fn apply(
+    mut scene: Scene,
+    operations: &[Operation],
+    files: &Files,
+    seed: Option<u64>,
+) -> Result<(Scene, Vec<Outcome>)> {
+    scene.check()?;
+    let seed = seed.or(scene.parameters.as_ref().map(|p| p.seed)).unwrap_or(0);
+    let mut outcomes = Vec::with_capacity(operations.len());
+    for operation in operations {
+        let fail = |fault| Error::Edit { operation: operation.to_string(), fault };
+        validate(operation).map_err(fail)?;
+        let chosen = Chosen::new(&scene, operation, files).map_err(fail)?;
+        if operation.action.is_nothing() {
+            outcomes.push(Outcome { matched: chosen.count(), removed: 0, thin: 0 });
+            continue;
+        }
+        let before = scene.count();
+        let draw = Draw { seed, step: scene.edits.len() as u64 };
+        let (matched, thin) = act(&mut scene, &chosen, &operation.action, files, &draw).map_err(fail)?;
+        scene.drop_unused();
+        let removed = before - scene.count();
+        scene.edits.push(EditRecord { operation: Recorded::Edit(operation.clone()), seed });
+        scene.validate().map_err(|reason| fail(EditFault::TooFar(reason)))?;
+        outcomes.push(Outcome { matched, removed, thin });
+    }
+    Ok((scene, outcomes))
+}
+
+/// Does an operation; how many it was for, and how many of these were too thin.
+fn act(
+    scene: &mut Scene,
+    chosen: &Chosen,
+    action: &Action,
+    files: &Files,
+    draw: &Draw,
+) -> Result<(usize, usize), EditFault> {
+    let mut thin = 0;
+    match action {
+        Action::Thin { keep, order, minimum_area } => {
+            thin::thin(scene, chosen, *keep, *order, *minimum_area, draw);
+        }
+        Action::Density { map } => thin::by_map(scene, chosen, files.map(map)?, draw),
+        Action::Mask { shape, inside } => thin::by_region(scene, chosen, files.shape(shape)?, *inside),
+        Action::Delete => thin::retain(scene, chosen, |_, _| false),
+        Action::Orient { direction, strength } => {
+            let towards = match direction {
+                Direction::Angle(degrees) => place::Towards::Angle(degrees.to_radians()),
+                Direction::Map(map) => place::Towards::Map(files.map(map)?),
+            };
+            place::orient(scene, chosen, &towards, *strength);
+        }
+        Action::Move { x, y } => place::shift(scene, chosen, [*x, *y]),
+        Action::Scale { factor } => place::scale(scene, chosen, &Amount::new(factor, files)?),
+        Action::Rotate { angle } => place::rotate(scene, chosen, &Amount::new(angle, files)?),
+        Action::Transform { by, scale: [x, y], angle, about } => {
+            let map = rotation(angle.to_radians()) * Affine::scale_non_uniform(*x, *y);
+            place::transform(scene, chosen, map, *by, *about);
+        }
+        Action::Jitter(jitter) => jitter::jitter(scene, chosen, jitter, draw),
+        Action::Relax { rounds, strength, minimum_distance } => {
+            let how = Relaxing { rounds: *rounds, strength: *strength, minimum: *minimum_distance };
+            relax::relax(scene, chosen, &how);
+        }
+        Action::Propagate { drawing, element, fill, of, similar, replace } => {
+            let what = match (drawing, element, fill) {
+                (Some(file), None, None) => Propagated::Over(files.drawing(file)?),
+                (None, Some(file), None) => Propagated::Alone(files.drawing(file)?),
+                (None, None, Some(colour)) => Propagated::Fill(*colour),
+                _ => return Err(EditFault::NotOneOf("a drawing, --element and --fill")),
+            };
+            if similar.is_some() && drawing.is_none() && of.is_none() {
+                return Err(EditFault::LikeNothing);
+            }
+            let like = propagate::Like { of: *of, similar: *similar };
+            return propagate::propagate(scene, chosen, &what, like, *replace);
+        }
+        Action::Order { by, reverse } => paint_order::order(scene, chosen, *by, *reverse, draw),
+        Action::Shuffle { within, share, outlines } => {
+            thin = shuffle::shuffle(scene, chosen, (*within, *share), *outlines, draw);
+        }
+        Action::Vary { colour, shape, within } => {
+            if let Some(factor) = colour {
+                vary::colours(scene, chosen, &Amount::new(factor, files)?, *within);
+            }
+            if let Some(factor) = shape {
+                thin = vary::shapes(scene, chosen, &Amount::new(factor, files)?, *within);
+            }
+        }
+        Action::Tint { colour, amount, share } => {
+            colours::tint(scene, chosen, &Paint::new(colour, files)?, *amount, *share, draw);
+        }
+        Action::Recolor { from, to, reach } => {
+            return Ok((colours::recolor(scene, chosen, *from, *to, *reach), 0));
+        }
+        Action::Palette { colours, .. } => colours::palette(scene, chosen, colours),
+        Action::Shadow { angle, length, opacity, blur } => {
+            style::shadow(scene, chosen, *angle, *length, *opacity, *blur);
+        }
+        Action::Outline { width, colour } => style::outline(scene, chosen, *width, *colour),
+        Action::Flatten => style::flatten(scene, chosen),
+        Action::Simplify { tolerance } => style::simplify(scene, chosen, *tolerance),
+        Action::Replace { library } => {
+            return Ok((replace::replace(scene, chosen, files.library(library)?), 0));
+        }
+    }
+    Ok((chosen.count(), thin))
+}

@@ -1,0 +1,177 @@
+//! Which of many points to keep so that those left are spread evenly.
+//!
+//! Points are taken away one by one, always the one most crowded by those that are left: weighted
+//! sample elimination (Yuksel 2015, "Sample Elimination for Generating Poisson Disk Sample Sets").
+//! The distance at which points crowd one another is that of as many points in a perfect lattice, so
+//! it grows in steps as points go; a point then always has some ten neighbours, and the whole costs
+//! little more than their number.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use vtex_base::geometry::{NearPoints, Point, shortest_offset};
+
+/// By how much the number of points falls at one distance.
+const STEP: usize = 3;
+
+/// Indices of `count` of the points, ascending. Equally crowded points go in the order of `ties`,
+/// which are random numbers; along an axis with a period, distances are those on a circle of it.
+pub(super) fn spread(points: &[Point], ties: &[u64], periods: [Option<f64>; 2], count: usize) -> Vec<usize> {
+    let mut left: Vec<usize> = (0..points.len()).collect();
+    while left.len() > count {
+        let goal = count.max(left.len() / STEP);
+        left = eliminated(points, ties, periods, left, goal);
+    }
+    left
+}
+
+/// A point that may go.
+struct Crowded {
+    weight: f64,
+    tie: u64,
+    /// Its index among those left.
+    index: usize,
+}
+
+impl PartialEq for Crowded {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Crowded {}
+
+impl PartialOrd for Crowded {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Crowded {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_weight = self.weight.total_cmp(&other.weight);
+        by_weight.then(self.tie.cmp(&other.tie)).then(self.index.cmp(&other.index))
+    }
+}
+
+fn eliminated(
+    points: &[Point],
+    ties: &[u64],
+    periods: [Option<f64>; 2],
+    left: Vec<usize>,
+    goal: usize,
+) -> Vec<usize> {
+    let kept: Vec<Point> = left.iter().map(|&i| points[i]).collect();
+    let (starts, near) = crowding(&kept, periods, reach(&kept, periods, goal));
+    let of = |i: usize| &near[starts[i]..starts[i + 1]];
+    let mut weights: Vec<f64> = (0..left.len()).map(|i| of(i).iter().map(|(_, w)| w).sum()).collect();
+    let entry = |index: usize, weight: f64| Crowded { weight, tie: ties[left[index]], index };
+    let mut heap: BinaryHeap<Crowded> = weights.iter().enumerate().map(|(i, w)| entry(i, *w)).collect();
+    let mut gone = vec![false; left.len()];
+    let mut rest = left.len();
+    while rest > goal {
+        let Some(Crowded { weight, index, .. }) = heap.pop() else { break };
+        if gone[index] {
+            continue;
+        }
+        // Weights only fall, so an entry that is out of date stands too high and is put back.
+        if weight != weights[index] {
+            heap.push(entry(index, weights[index]));
+            continue;
+        }
+        gone[index] = true;
+        rest -= 1;
+        of(index).iter().for_each(|&(other, w)| weights[other as usize] -= w);
+    }
+    left.iter().zip(gone).filter(|(_, gone)| !gone).map(|(i, _)| *i).collect()
+}
+
+/// The distance at which points crowd one another when `goal` are to be left: twice the largest radius
+/// of that number of discs in the area.
+fn reach(points: &[Point], periods: [Option<f64>; 2], goal: usize) -> f64 {
+    let length = |period: Option<f64>, at: &dyn Fn(&Point) -> f64| {
+        let low = points.iter().map(at).fold(f64::INFINITY, f64::min);
+        let high = points.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
+        period.unwrap_or((high - low).max(1e-3))
+    };
+    let (width, height) = (length(periods[0], &|p| p.x), length(periods[1], &|p| p.y));
+    let reach = 2.0 * libm::sqrt(width * height / (2.0 * libm::sqrt(3.0) * goal.max(1) as f64));
+    reach.min(width.max(height)).max(1e-3)
+}
+
+/// The other points that crowd each point, and how much: those of point i stand at `starts[i]` up to
+/// `starts[i + 1]`.
+fn crowding(points: &[Point], periods: [Option<f64>; 2], reach: f64) -> (Vec<usize>, Vec<(u32, f64)>) {
+    let cells = NearPoints::new(points, periods, reach);
+    let (mut starts, mut near) = (vec![0], Vec::new());
+    for (index, &at) in points.iter().enumerate() {
+        cells.each(at, |other| {
+            let square = shortest_offset(at, points[other], periods).hypot2();
+            if other != index && square < reach * reach {
+                near.push((other as u32, weight(libm::sqrt(square) / reach)));
+            }
+        });
+        starts.push(near.len());
+    }
+    (starts, near)
+}
+
+/// How much points crowd one another at a share of the distance at which they begin to.
+fn weight(distance: f64) -> f64 {
+    let near = 1.0 - distance;
+    let square = near * near;
+    let fourth = square * square;
+    fourth * fourth
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vtex_base::sampling::stream;
+
+    fn points(count: usize, [width, height]: [f64; 2]) -> (Vec<Point>, Vec<u64>) {
+        let mut random = stream(1, "test/points", 0);
+        let points =
+            (0..count).map(|_| Point::new(random.range(0.0, width), random.range(0.0, height))).collect();
+        (points, (0..count).map(|_| random.bits()).collect())
+    }
+
+    /// Shortest distance of two kept points.
+    fn shortest(points: &[Point], kept: &[usize], periods: [Option<f64>; 2]) -> f64 {
+        let pairs = kept.iter().enumerate().flat_map(|(n, i)| kept[..n].iter().map(move |j| (*i, *j)));
+        let apart = pairs.map(|(i, j)| libm::sqrt(shortest_offset(points[i], points[j], periods).hypot2()));
+        apart.fold(f64::MAX, f64::min)
+    }
+
+    #[test]
+    fn what_is_left_is_spread_evenly_across_the_seams() {
+        // Cells along the two axes are of unlike sizes.
+        for canvas in [[400.0, 300.0], [1000.0, 61.0], [90.0, 700.0]] {
+            let (points, ties) = points(2000, canvas);
+            let periods = canvas.map(Some);
+            for count in [600, 100, 9] {
+                let kept = spread(&points, &ties, periods, count);
+                assert_eq!(kept.len(), count);
+                assert!(kept.windows(2).all(|w| w[0] < w[1]));
+                // In a perfect lattice they would be this far apart.
+                let area = canvas[0] * canvas[1];
+                let lattice = libm::sqrt(area * 2.0 / (libm::sqrt(3.0) * count as f64));
+                let share = shortest(&points, &kept, periods) / lattice;
+                assert!(share > 0.5, "{canvas:?} {count}: {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn any_points_and_numbers_end() {
+        let (mut all, ties) = points(50, [400.0, 300.0]);
+        let whole = [None, None];
+        assert_eq!(spread(&all, &ties, whole, 50).len(), 50);
+        assert_eq!(spread(&all, &ties, whole, 70).len(), 50);
+        assert_eq!(spread(&all, &ties, whole, 0).len(), 0);
+        all.fill(Point::new(7.0, 7.0));
+        assert_eq!(spread(&all, &ties, whole, 20).len(), 20);
+        all[3] = Point::new(1e7, -1e7);
+        assert!(spread(&all, &ties, [None, Some(0.5)], 20).contains(&3));
+        assert_eq!(spread(&[], &[], whole, 3), Vec::<usize>::new());
+    }
+}

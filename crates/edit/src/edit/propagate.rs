@@ -1,0 +1,204 @@
+//! What is drawn on one element appears on all that are like it (Tu, dissertation, section 4.4.5.2).
+
+use super::selection::Chosen;
+use super::textons::{change, selected, selected_mut};
+use std::collections::BTreeSet;
+use vtex_base::error::EditFault;
+use vtex_base::geometry::{Affine, Outline, Point, Vec2, shortest_offset};
+use vtex_base::raster::colour::Colour;
+use vtex_scene::element::Gaussian;
+use vtex_scene::scene::{Element, ElementId, Instance, InstanceId, Scene, Shape};
+
+/// What appears on elements.
+pub(super) enum Propagated<'a> {
+    /// Shapes on the canvas; the element under them is the one that is drawn on.
+    Over(&'a [Shape]),
+    /// Shapes by themselves, the largest of which is brought onto each element.
+    Alone(&'a [Shape]),
+    /// A colour of the first shape.
+    Fill(Colour),
+}
+
+/// Which elements are alike.
+#[derive(Clone, Copy)]
+pub(super) struct Like {
+    /// As this one; by default as the one that is drawn on, and if none is, all are.
+    pub(super) of: Option<InstanceId>,
+    /// By median colours that are no further apart in Oklab; by default of one category.
+    pub(super) similar: Option<f64>,
+}
+
+/// Most lines and curves that are drawn on elements: some 20 MB of SVG.
+const MOST_DRAWN: usize = 2_000_000;
+
+/// Draws on all selected elements that are alike, in their frames, or in place of what they show. How many
+/// they are, and how many of them have no frame.
+///
+/// # Errors
+/// [`EditFault::TooMuchDrawn`].
+pub(super) fn propagate(
+    scene: &mut Scene,
+    chosen: &Chosen,
+    what: &Propagated<'_>,
+    like: Like,
+    replace: bool,
+) -> Result<(usize, usize), EditFault> {
+    let gaussians = scene.gaussians();
+    let named = like.of.and_then(|id| {
+        let mut all = scene.instances().zip(chosen.instances());
+        all.position(|(instance, chosen)| chosen && instance.id == id)
+    });
+    if like.of.is_some() && named.is_none() {
+        return Ok((0, 0));
+    }
+    let mut edited = named;
+    // From where the shapes are given to the canonical frame of an element.
+    let mut canonical = Affine::IDENTITY;
+    match what {
+        Propagated::Over(shapes) => {
+            let under = |k: &usize| named.is_none_or(|named| named == *k);
+            let Some((found, map)) = beneath(scene, chosen, &gaussians, shapes)
+                .filter(|(found, _)| under(found))
+                .and_then(|(found, period)| Some((found, drawn_over(scene, found, period)?)))
+            else {
+                return Ok((0, 0));
+            };
+            (edited, canonical) = (Some(found), map);
+        }
+        Propagated::Alone(shapes) => {
+            let Some(own) = largest(shapes).and_then(|shape| Gaussian::new(&shape.outline)) else {
+                return Ok((0, 0));
+            };
+            canonical = own.frame().inverse();
+        }
+        Propagated::Fill(_) => (),
+    }
+    let like = match edited.and_then(|k| Some((scene.instances().nth(k)?, k))) {
+        Some((source, k)) => likeness(scene, source, k, like.similar),
+        None => vec![true; gaussians.len()],
+    };
+    let fill = matches!(what, Propagated::Fill(_));
+    let mut alike = chosen.only(scene, |_| true, |_, _| false);
+    let mut index = 0;
+    let (mut count, mut thin) = (0, 0);
+    for layer in &mut alike.layers {
+        layer.fallback = false;
+        for chosen in &mut layer.instances {
+            let is = *chosen && like[index];
+            let can = fill || gaussians[index].is_some();
+            count += usize::from(is);
+            thin += usize::from(is && !can);
+            *chosen = is && can;
+            index += 1;
+        }
+    }
+    match what {
+        Propagated::Fill(colour) => selected_mut(scene, &alike).for_each(|i| i.colour = Some(*colour)),
+        Propagated::Over(shapes) | Propagated::Alone(shapes) => {
+            let elements: BTreeSet<ElementId> = selected(scene, &alike).map(|i| i.element).collect();
+            let (lines, elements) = (shapes.iter().map(lines).sum::<usize>(), elements.len());
+            if lines.saturating_mul(elements) > MOST_DRAWN {
+                return Err(EditFault::TooMuchDrawn { lines, elements, most: MOST_DRAWN });
+            }
+            let outline = matches!(what, Propagated::Alone(_)).then(|| largest(shapes)).flatten();
+            change(scene, &alike, |element, _| {
+                let replaced = replace.then_some(outline);
+                drawn_on(element, shapes, canonical, replaced)
+            });
+            if replace {
+                selected_mut(scene, &alike).for_each(|i| i.colour = None);
+            }
+        }
+    }
+    Ok((count, thin))
+}
+
+/// Lines and curves of a shape.
+fn lines(shape: &Shape) -> usize {
+    shape.outline.path().elements().len()
+}
+
+/// The shape that encloses most.
+fn largest(shapes: &[Shape]) -> Option<&Shape> {
+    shapes.iter().max_by(|a, b| a.outline.area().total_cmp(&b.outline.area()))
+}
+
+/// The map from the canvas to the canonical frame of an element of which the copy so far away is drawn on.
+fn drawn_over(scene: &Scene, edited: usize, period: Vec2) -> Option<Affine> {
+    let source = scene.instances().nth(edited)?;
+    let own = scene.element(source).gaussian()?;
+    Some(own.frame().inverse() * source.affine().inverse() * Affine::translate(-period))
+}
+
+/// Largest squared Mahalanobis distance of shapes from the element on which they are drawn. The border of a disc
+/// lies at 4.
+const FARTHEST: f64 = 6.0;
+
+/// The selected element on which shapes are drawn: the one whose mean is nearest to the middle of their
+/// bounds by its own covariance; of several, the one painted last. With the whole periods from the element to
+/// the copy of it on which they are drawn.
+fn beneath(
+    scene: &Scene,
+    chosen: &Chosen,
+    gaussians: &[Option<Gaussian>],
+    shapes: &[Shape],
+) -> Option<(usize, Vec2)> {
+    let mut bounds = shapes.iter().map(|s| s.outline.bounds());
+    let first = bounds.next()?;
+    let middle: Point = bounds.fold(first, |all, next| all.union(next)).center();
+    let periods = scene.periods();
+    let value = |(i, chosen): (usize, bool)| {
+        let own = gaussians[i].filter(|_| chosen)?;
+        let way = shortest_offset(own.mean, middle, periods);
+        Some((own.squared_distance(way), (i, middle - own.mean - way)))
+    };
+    let near = chosen.instances().enumerate().filter_map(value).filter(|(far, _)| *far <= FARTHEST);
+    near.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.0.cmp(&a.1.0))).map(|(_, found)| found)
+}
+
+/// Whether each instance is like one.
+fn likeness(scene: &Scene, source: &Instance, edited: usize, similar: Option<f64>) -> Vec<bool> {
+    if let Some(reach) = similar {
+        let appearances = scene.appearances();
+        let wanted = appearances[edited].median;
+        let distance = |lab: [f32; 3]| -> f64 {
+            libm::sqrt((0..3).map(|k| f64::from(lab[k] - wanted[k])).map(|d| d * d).sum())
+        };
+        return appearances.iter().map(|a| distance(a.median) <= reach).collect();
+    }
+    let element = scene.element(source);
+    let key = |e: &Element| (e.library, e.category);
+    let like = |i: &Instance| match element.category {
+        Some(_) => key(scene.element(i)) == key(element),
+        None => i.element == source.element,
+    };
+    scene.instances().map(like).collect()
+}
+
+/// An element with shapes that `canonical` brings to the canonical frame, on what it shows or in place of that.
+/// In its place the outline of the whole is that of a shape, or else stays, so that the element has the frame
+/// that it had.
+fn drawn_on(
+    element: &Element,
+    shapes: &[Shape],
+    canonical: Affine,
+    replaced: Option<Option<&Shape>>,
+) -> Element {
+    let Some(own) = element.gaussian() else { return element.clone() };
+    let map = own.frame() * canonical;
+    let moved = |shape: &Shape| {
+        let outline = Outline::new(&(map * shape.outline.path()))?;
+        let gradient = shape.gradient.as_ref().and_then(|g| g.drawn(map));
+        (!outline.is_empty()).then(|| Shape { gradient, ..shape.with_outline(outline) })
+    };
+    let new: Vec<Shape> = shapes.iter().filter_map(moved).collect();
+    let Some(outline) = replaced else {
+        return element.with_shapes(element.shapes.iter().cloned().chain(new).collect());
+    };
+    if new.is_empty() {
+        return element.clone();
+    }
+    let whole = outline.and_then(moved).map(|shape| shape.outline);
+    let silhouette = Some(whole.unwrap_or_else(|| element.outline().clone()));
+    Element { silhouette: silhouette.filter(|s| *s != new[0].outline), shapes: new, ..*element }
+}

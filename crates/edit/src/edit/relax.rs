@@ -1,0 +1,122 @@
+//! Elements moved apart, so that the distances between them become even.
+
+use super::place::put;
+use super::selection::Chosen;
+use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, shortest_offset};
+use vtex_base::parallel;
+use vtex_scene::scene::Scene;
+
+/// Ratio of the distance between neighbours in a hexagonal lattice to the root of the area for each.
+const LATTICE: f64 = 1.074_569_93;
+
+/// Neighbours that push one element, at most: more are there only where many lie on one another.
+const MOST_NEIGHBOURS: u32 = 64;
+
+/// How elements are moved.
+pub(super) struct Relaxing {
+    pub(super) rounds: u32,
+    /// Share of the way in each round.
+    pub(super) strength: f64,
+    /// Distance that none is to be nearer than; by default that of a hexagonal lattice of as many.
+    pub(super) minimum: Option<f64>,
+}
+
+/// Moves the selected elements of each layer away from those that are nearer than the distance wanted: in
+/// each round by half of the mean that is missing, all at the same time. Elements that are not selected
+/// stay, and push. Those whose centres lie on the canvas stay on it.
+pub(super) fn relax(scene: &mut Scene, chosen: &Chosen, how: &Relaxing) {
+    let (periods, size) = (scene.periods(), [f64::from(scene.width), f64::from(scene.height)]);
+    let plane = Plane { periods, size };
+    for k in 0..scene.layers.len() {
+        let moves = &chosen.layers[k].instances;
+        let before: Vec<Point> = scene.layers[k].instances.iter().map(|i| scene.place(i)).collect();
+        if before.is_empty() || !moves.contains(&true) {
+            continue;
+        }
+        let lattice = LATTICE * libm::sqrt(size[0] * size[1] / before.len() as f64);
+        // No arrangement of as many keeps twice the distance of a lattice.
+        let distance = how.minimum.map_or(lattice, |least| least.min(2.0 * lattice));
+        if distance <= 0.0 {
+            continue;
+        }
+        let mut at = before.clone();
+        for _ in 0..how.rounds {
+            if !plane.spread(&mut at, moves, distance, how.strength) {
+                break;
+            }
+        }
+        for ((instance, from), to) in scene.layers[k].instances.iter_mut().zip(before).zip(at) {
+            let way = to - from;
+            if way != Vec2::ZERO {
+                put(instance, Affine::IDENTITY, [way.x, way.y], periods);
+            }
+        }
+    }
+}
+
+/// A canvas.
+struct Plane {
+    periods: [Option<f64>; 2],
+    size: [f64; 2],
+}
+
+impl Plane {
+    /// One round. Whether any point has moved.
+    fn spread(&self, at: &mut [Point], moves: &[bool], distance: f64, strength: f64) -> bool {
+        // Points far beyond the canvas must not make the cells of the index large.
+        let within: Vec<Point> = at.iter().map(|&p| self.clamped(p)).collect();
+        let near = NearPoints::new(&within, self.periods, distance);
+        let all: Vec<usize> = (0..at.len()).collect();
+        let way = |&i: &usize| match moves[i] {
+            true => self.way(at, &near, i, moves, distance) * strength,
+            false => Vec2::ZERO,
+        };
+        let ways = parallel::map(&all, way);
+        let mut moved = false;
+        for (point, way) in at.iter_mut().zip(ways) {
+            moved |= way.hypot2() > 1e-6;
+            *point = self.kept(*point, *point + way);
+        }
+        moved
+    }
+
+    /// The way of one point in a round.
+    fn way(&self, at: &[Point], near: &NearPoints, i: usize, moves: &[bool], distance: f64) -> Vec2 {
+        let (mut sum, mut count) = (Vec2::ZERO, 0);
+        near.each(self.clamped(at[i]), |j| {
+            if count >= MOST_NEIGHBOURS {
+                return;
+            }
+            let apart = shortest_offset(at[j], at[i], self.periods);
+            let square = apart.hypot2();
+            if j == i || square >= distance * distance {
+                return;
+            }
+            let length = libm::sqrt(square);
+            // Points at the same place part in a direction that depends on their numbers.
+            let (sine, cosine) = libm::sincos(i as f64 * 2.399_963);
+            let unit = if length > 1e-6 { apart / length } else { Vec2::new(cosine, sine) };
+            // What does not move leaves the whole way to the other.
+            let share = if moves[j] { 0.5 } else { 1.0 };
+            sum += unit * (distance - length) * share;
+            count += 1;
+        });
+        // Neighbours on all sides push alike: of several, no more than the mean of two.
+        if count == 0 { Vec2::ZERO } else { sum / f64::from(count).max(2.0) * 2.0 }
+    }
+
+    /// The nearest point of the canvas where it does not repeat.
+    fn clamped(&self, p: Point) -> Point {
+        let along = |v: f64, k: usize| if self.periods[k].is_none() { v.clamp(0.0, self.size[k]) } else { v };
+        Point::new(along(p.x, 0), along(p.y, 1))
+    }
+
+    /// A point that does not leave the canvas where it does not repeat.
+    fn kept(&self, from: Point, to: Point) -> Point {
+        let along = |from: f64, to: f64, k: usize| match self.periods[k] {
+            None if (0.0..=self.size[k]).contains(&from) => to.clamp(0.0, self.size[k]),
+            _ => to,
+        };
+        Point::new(along(from.x, to.x, 0), along(from.y, to.y, 1))
+    }
+}

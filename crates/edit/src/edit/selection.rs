@@ -1,0 +1,147 @@
+//! Which elements of a scene, and which points of its fields, an operation is for.
+
+use super::Files;
+use super::textons::measured;
+use vtex_base::error::EditFault;
+use vtex_base::geometry::{Point, Region, SecondMoments};
+use vtex_scene::scene::{Condition, Identity, Instance, Layer, Operation, Quantity, Scene};
+
+/// A condition and the shape that it names.
+type Test<'a> = (&'a Condition, Option<&'a Region>);
+
+/// The selected elements of each layer of a scene.
+#[derive(Clone)]
+pub(super) struct Chosen {
+    pub(super) layers: Vec<ChosenLayer>,
+}
+
+/// Whether each instance of a layer and each point of its field is selected, by their places in it.
+#[derive(Clone)]
+pub(super) struct ChosenLayer {
+    pub(super) instances: Vec<bool>,
+    pub(super) points: Vec<bool>,
+    /// Whether the colour of a field without points is.
+    pub(super) fallback: bool,
+}
+
+impl Chosen {
+    pub(super) fn new(scene: &Scene, operation: &Operation, files: &Files) -> Result<Self, EditFault> {
+        let conditions = operation.conditions.iter().map(|condition| {
+            let shape = match condition {
+                Condition::Place { shape, .. } => Some(files.shape(shape)?),
+                Condition::Among { .. } | Condition::Compare { .. } => None,
+            };
+            Ok((condition, shape))
+        });
+        let conditions = conditions.collect::<Result<Vec<Test<'_>>, EditFault>>()?;
+        let measures = |(c, _): &Test<'_>| {
+            matches!(c, Condition::Compare { quantity: Quantity::Area | Quantity::Elongation, .. })
+        };
+        let moments = if conditions.iter().any(measures) { measured(scene) } else { Vec::new() };
+        let asked = operation.layer.as_deref();
+        let is_asked = |layer: &Layer| asked.is_none_or(|name| is_called(layer, name));
+        if let Some(name) = asked.filter(|_| !scene.layers.iter().any(is_asked)) {
+            let known = scene.layers.iter().map(|layer| layer.name.clone()).collect();
+            return Err(EditFault::NoLayer { name: name.into(), known });
+        }
+        let chosen = |layer: &Layer| {
+            let is_asked = is_asked(layer);
+            let fits = |i: &Instance| is_asked && conditions.iter().all(|c| holds(*c, scene, i, &moments));
+            // Fields only where their layer is named.
+            let field = layer.field.as_ref().filter(|_| is_asked && asked.is_some());
+            let points = layer.field.iter().flat_map(|f| &f.points).map(|p| {
+                let at = scene.on_canvas(Point::new(p.x, p.y));
+                field.is_some() && conditions.iter().all(|c| holds_of_point(*c, at))
+            });
+            ChosenLayer {
+                instances: layer.instances.iter().map(fits).collect(),
+                points: points.collect(),
+                fallback: field.is_some() && conditions.is_empty(),
+            }
+        };
+        Ok(Self { layers: scene.layers.iter().map(chosen).collect() })
+    }
+
+    /// Whether each instance of the scene is selected, in painting order.
+    pub(super) fn instances(&self) -> impl Iterator<Item = bool> {
+        self.layers.iter().flat_map(|layer| &layer.instances).copied()
+    }
+
+    /// Those of them for which the instance, or the number of the layer and of the point in its field,
+    /// fulfils something.
+    pub(super) fn only(
+        &self,
+        scene: &Scene,
+        instance: impl Fn(&Instance) -> bool,
+        point: impl Fn(usize, usize) -> bool,
+    ) -> Self {
+        let layers = self.layers.iter().zip(&scene.layers).enumerate().map(|(k, (chosen, layer))| {
+            let pairs = chosen.instances.iter().zip(&layer.instances);
+            ChosenLayer {
+                instances: pairs.map(|(chosen, i)| *chosen && instance(i)).collect(),
+                points: chosen.points.iter().enumerate().map(|(i, chosen)| *chosen && point(k, i)).collect(),
+                fallback: chosen.fallback,
+            }
+        });
+        Self { layers: layers.collect() }
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        let of = |layer: &ChosenLayer| {
+            let all = layer.instances.iter().chain(&layer.points).filter(|chosen| **chosen).count();
+            all + usize::from(layer.fallback && layer.points.is_empty())
+        };
+        self.layers.iter().map(of).sum()
+    }
+}
+
+/// Whether a layer is meant by a name: its own, that of its role, or that of its stratum, to which it adds
+/// its role. Case does not matter, because editors show names with a capital letter.
+fn is_called(layer: &Layer, name: &str) -> bool {
+    let (own, name, role) = (layer.name.to_lowercase(), name.to_lowercase(), layer.role.name());
+    let ends = |rest: &str| rest.is_empty() || rest.strip_prefix(' ') == Some(role);
+    name == role || own.strip_prefix(&name).is_some_and(ends)
+}
+
+fn holds(
+    (condition, shape): Test<'_>,
+    scene: &Scene,
+    instance: &Instance,
+    moments: &[SecondMoments],
+) -> bool {
+    let element = scene.element(instance);
+    let moments = || moments[instance.element.index()].moved(instance.affine());
+    match condition {
+        Condition::Among { identity, numbers, wanted } => {
+            let number = match identity {
+                Identity::Category => element.category.map(|c| u32::from(c.0)),
+                Identity::Library => Some(element.library.0),
+                Identity::Id => Some(instance.id.0),
+            };
+            number.is_some_and(|n| numbers.contains(&n)) == *wanted
+        }
+        Condition::Compare { quantity, comparison, limit } => {
+            let value = match quantity {
+                Quantity::Area => moments().area,
+                Quantity::Elongation => moments().elongation(),
+                Quantity::X => scene.place(instance).x,
+                Quantity::Y => scene.place(instance).y,
+            };
+            comparison.holds(value, *limit)
+        }
+        Condition::Place { inside, .. } => {
+            shape.is_some_and(|shape| shape.contains(scene.place(instance)) == *inside)
+        }
+    }
+}
+
+/// A point of a field has a place and nothing else.
+fn holds_of_point((condition, shape): Test<'_>, at: Point) -> bool {
+    match condition {
+        Condition::Compare { quantity: Quantity::X, comparison, limit } => comparison.holds(at.x, *limit),
+        Condition::Compare { quantity: Quantity::Y, comparison, limit } => comparison.holds(at.y, *limit),
+        Condition::Place { inside, .. } => shape.is_some_and(|shape| shape.contains(at) == *inside),
+        Condition::Among { .. } | Condition::Compare { .. } => false,
+    }
+}

@@ -1,0 +1,165 @@
+//! Appearances that change places among elements of like size (Tu, dissertation, section 4.4.1).
+
+use super::Draw;
+use super::groups::groups;
+use super::place::draw_as;
+use super::selection::Chosen;
+use vtex_base::geometry::{Affine, Outline, Point, inside, nearest};
+use vtex_base::parallel;
+use vtex_scene::element::Gaussian;
+use vtex_scene::scene::{Element, ElementId, Instance, Scene, Shape, Within};
+
+/// Largest ratio of the areas of Gaussians that change places.
+const LIKE: f64 = 2.0;
+/// With how many others an exchange is tried for one that would look as before.
+const TRIES: usize = 32;
+/// How far details may lie from where they belong, and the distance of points on those that are bent, in
+/// pixels.
+const TOLERANCE: f64 = 0.15;
+const STEP: f64 = 1.0;
+
+/// Lets appearances change places. Outlines stay, unless they are asked to go along; so they do where an
+/// element has a silhouette of its own. How many are too thin and stay as they are.
+pub(super) fn shuffle(
+    scene: &mut Scene,
+    chosen: &Chosen,
+    (within, share): (Within, f64),
+    outlines: bool,
+    draw: &Draw,
+) -> usize {
+    let gaussians = scene.gaussians();
+    let all: Vec<Instance> = scene.instances().cloned().collect();
+    let mut from: Vec<usize> = (0..all.len()).collect();
+    let mut thin = 0;
+    for group in groups(scene, chosen, within) {
+        let drawn = |i: &usize| share >= 1.0 || draw.of("edit/shuffle/share", all[*i].id).chance(share);
+        let sizes = group.iter().filter(|i| drawn(i)).map(|&i| (gaussians[i].map(|g| g.size()), i));
+        let mut ranked: Vec<(f64, usize)> = sizes.filter_map(|(size, i)| Some((size?, i))).collect();
+        thin += group.iter().filter(|i| gaussians[**i].is_none()).count();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut rest = &ranked[..];
+        while let Some(&(least, _)) = rest.first() {
+            let (alike, larger) = rest.split_at(rest.partition_point(|(size, _)| *size <= LIKE * least));
+            exchange(&all, alike, &mut from, draw);
+            rest = larger;
+        }
+    }
+    let jobs: Vec<usize> = (0..all.len()).filter(|&i| from[i] != i).collect();
+    let exchange = Exchange { scene, all: &all, gaussians: &gaussians, outlines };
+    let made = parallel::map(&jobs, |&i| exchange.made(i, from[i]));
+    let mut new: Vec<Option<Made>> = vec![None; all.len()];
+    jobs.into_iter().zip(made).for_each(|(i, made)| new[i] = made);
+    let mut elements = std::mem::take(&mut scene.elements);
+    for (instance, made) in scene.instances_mut().zip(new) {
+        let Some((mut changed, element)) = made else { continue };
+        if let Some(element) = element {
+            elements.push(element);
+            changed.element = ElementId::after(elements.len() - 1);
+        }
+        *instance = changed;
+    }
+    scene.elements = elements;
+    thin
+}
+
+/// Chooses for each of some instances that are alike in size the one that it gets its appearance from: in
+/// a random circle, so that none keeps its own, with exchanges where it would get the same again.
+fn exchange(all: &[Instance], alike: &[(f64, usize)], from: &mut [usize], draw: &Draw) {
+    let keyed = alike.iter().map(|&(_, i)| (draw.of("edit/shuffle", all[i].id).bits(), i));
+    let mut circle: Vec<(u64, usize)> = keyed.collect();
+    circle.sort_unstable();
+    let circle: Vec<usize> = circle.into_iter().map(|(_, i)| i).collect();
+    let n = circle.len();
+    let mut source: Vec<usize> = (0..n).map(|k| circle[(k + 1) % n]).collect();
+    let looks = |i: usize| (all[i].element, all[i].colour);
+    for k in 0..n {
+        if looks(source[k]) != looks(circle[k]) {
+            continue;
+        }
+        let fits = |other: &usize| {
+            looks(source[*other]) != looks(circle[k]) && looks(source[k]) != looks(circle[*other])
+        };
+        if let Some(other) = (1..n.min(TRIES)).map(|d| (k + d) % n).find(fits) {
+            source.swap(k, other);
+        }
+    }
+    circle.iter().zip(source).for_each(|(&i, source)| from[i] = source);
+}
+
+/// An instance as it becomes, and its element if that is new.
+type Made = (Instance, Option<Element>);
+
+/// The scene before an exchange.
+struct Exchange<'a> {
+    scene: &'a Scene,
+    all: &'a [Instance],
+    gaussians: &'a [Option<Gaussian>],
+    outlines: bool,
+}
+
+impl Exchange<'_> {
+    /// The instance `to` with the appearance of the instance `from`.
+    fn made(&self, to: usize, from: usize) -> Option<Made> {
+        let (own, other) = (&self.all[to], &self.all[from]);
+        let (target, source) = (self.gaussians[to]?, self.gaussians[from]?);
+        let [into, out] = [own, other].map(|i| self.scene.element(i));
+        if self.outlines || into.silhouette.is_some() || out.silhouette.is_some() {
+            let mut new = Instance { element: other.element, colour: other.colour, ..own.clone() };
+            draw_as(&mut new, other, &source, &target, self.scene.periods());
+            return Some((new, None));
+        }
+        let (colour, gradient) = out.paint(other.colour);
+        let plain = gradient.is_none() && out.details().is_empty() && into.details().is_empty();
+        if plain {
+            return Some((Instance { colour: Some(colour), ..own.clone() }, None));
+        }
+        let map = own.affine().inverse() * source.onto(&target) * other.affine();
+        let gradient = gradient.and_then(|g| g.drawn(map));
+        let base = Shape { colour, gradient, ..into.base().clone() };
+        let hull = into.base().outline.polygons(TOLERANCE);
+        let hull = hull.iter().max_by(|a, b| extent(a).total_cmp(&extent(b)));
+        let details = out.details().iter().filter_map(|detail| carried(detail, map, hull?));
+        let shapes = std::iter::once(base).chain(details).collect();
+        Some((Instance { colour: None, ..own.clone() }, Some(into.with_shapes(shapes))))
+    }
+}
+
+/// Area of the bounds of a ring.
+fn extent(ring: &[Point]) -> f64 {
+    let along = |at: &dyn Fn(&Point) -> f64| {
+        let values = ring.iter().map(at);
+        values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+    };
+    along(&|p| p.x) * along(&|p| p.y)
+}
+
+/// A detail brought into a ring by a map; what would stick out of the ring is moved to it. `None` if nothing
+/// of it is left.
+fn carried(detail: &Shape, map: Affine, hull: &[Point]) -> Option<Shape> {
+    let path = map * detail.outline.path();
+    let moved = Outline::new(&path)?;
+    let rings = moved.polygons(TOLERANCE);
+    let outline = if rings.iter().flatten().all(|p| inside(hull, *p)) {
+        moved
+    } else {
+        let kept = |p: Point| if inside(hull, p) { p } else { nearest(hull, p) };
+        let rings: Vec<Vec<Point>> =
+            rings.iter().map(|ring| dense(ring).into_iter().map(kept).collect()).collect();
+        Outline::along(&rings, TOLERANCE)?
+    };
+    if outline.is_empty() || outline.area() < TOLERANCE {
+        return None;
+    }
+    let gradient = detail.gradient.as_ref().and_then(|g| g.drawn(map));
+    Some(Shape { gradient, ..detail.with_outline(outline) })
+}
+
+/// A ring with points between those that are far apart.
+fn dense(ring: &[Point]) -> Vec<Point> {
+    let sides = (0..ring.len()).map(|i| (ring[i], ring[(i + 1) % ring.len()]));
+    let points = sides.flat_map(|(a, b)| {
+        let count = libm::ceil(a.distance(b) / STEP).clamp(1.0, 1e4) as u32;
+        (0..count).map(move |k| a.lerp(b, f64::from(k) / f64::from(count)))
+    });
+    points.collect()
+}

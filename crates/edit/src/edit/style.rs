@@ -1,0 +1,65 @@
+//! The style of elements: shadows, lines, fewer details, simpler outlines.
+
+use super::colours::mean;
+use super::selection::Chosen;
+use super::textons::{change, selected_mut, size};
+use vtex_base::raster::colour::Colour;
+use vtex_scene::scene::{Element, Instance, Scene, Shadow, Shape, Stroke};
+
+/// Decimals at which a simpler outline is to be short: those of an SVG.
+const DECIMALS: u8 = 1;
+
+/// A length on the canvas in a texton's own pixels, to a hundredth, from 0.01.
+fn own(length: f64, size: f64) -> f64 {
+    (libm::round(100.0 * length / size.max(1e-6)) / 100.0).max(0.01)
+}
+
+pub(super) fn shadow(scene: &mut Scene, chosen: &Chosen, angle: f64, length: f64, opacity: f64, blur: f64) {
+    let angle = angle.to_radians();
+    let offset = [libm::cos(angle), libm::sin(angle)].map(|v| libm::round(100.0 * length * v) / 100.0);
+    for instance in selected_mut(scene, chosen) {
+        let blur = if blur == 0.0 { 0.0 } else { own(blur, size(instance)).min(Shadow::WIDEST) };
+        instance.shadow = (opacity > 0.0).then_some(Shadow { offset, opacity, blur });
+    }
+}
+
+pub(super) fn outline(scene: &mut Scene, chosen: &Chosen, width: f64, colour: Colour) {
+    for instance in selected_mut(scene, chosen) {
+        let own = own(width, size(instance)).min(Stroke::WIDEST);
+        instance.stroke = (width > 0.0).then_some(Stroke { width: own, colour });
+    }
+}
+
+/// Leaves shadow and line as wide on the canvas as they were when the instance had another size.
+pub(super) fn keep_widths(instance: &mut Instance, before: f64) {
+    let now = size(instance);
+    if let Some(stroke) = &mut instance.stroke {
+        stroke.width = own(stroke.width * before, now).min(Stroke::WIDEST);
+    }
+    if let Some(shadow) = instance.shadow.as_mut().filter(|shadow| shadow.blur > 0.0) {
+        shadow.blur = own(shadow.blur * before, now).min(Shadow::WIDEST);
+    }
+}
+
+pub(super) fn flatten(scene: &mut Scene, chosen: &Chosen) {
+    change(scene, chosen, |element, _| Element {
+        silhouette: None,
+        shapes: vec![Shape::new(element.outline().clone(), mean(element))],
+        ..*element
+    });
+}
+
+/// Outlines within `tolerance` pixels of the canvas of what they were, without the details that are
+/// smaller than a square of that side.
+pub(super) fn simplify(scene: &mut Scene, chosen: &Chosen, tolerance: f64) {
+    change(scene, chosen, |element, size| {
+        let tolerance = tolerance / size.max(1e-6);
+        let large = |s: &&Shape| s.outline.area() >= tolerance * tolerance;
+        let shapes = std::iter::once(element.base()).chain(element.details().iter().filter(large));
+        Element {
+            silhouette: element.silhouette.as_ref().map(|outline| outline.refitted(tolerance, DECIMALS)),
+            shapes: shapes.map(|s| s.with_outline(s.outline.refitted(tolerance, DECIMALS))).collect(),
+            ..*element
+        }
+    });
+}

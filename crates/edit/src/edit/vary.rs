@@ -1,0 +1,75 @@
+//! Appearances and shapes brought nearer to their mean, or further from it (Tu, dissertation, equations
+//! 4.25 to 4.30).
+
+use super::amount::Amount;
+use super::groups::groups;
+use super::place::draw_as;
+use super::selection::Chosen;
+use vtex_base::geometry::Lower;
+use vtex_base::raster::oklab_map::OklabMap;
+use vtex_scene::element::Gaussian;
+use vtex_scene::scene::{Repaint, Scene, Within};
+
+/// Scales how far the colours of each texton lie from the mean of its group.
+pub(super) fn colours(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>, within: Within) {
+    let appearances = scene.appearances();
+    let factors: Vec<f64> = scene.instances().map(|i| factor.factor(scene, i)).collect();
+    let mut maps = vec![OklabMap::IDENTITY; appearances.len()];
+    for group in groups(scene, chosen, within) {
+        let mut sum = [0.0; 3];
+        for &i in &group {
+            (0..3).for_each(|k| sum[k] += f64::from(appearances[i].median[k]));
+        }
+        let mean = sum.map(|v| v / group.len() as f64);
+        for i in group {
+            let of = appearances[i].median;
+            let further = factors[i] - 1.0;
+            let by = std::array::from_fn(|k| (further * (f64::from(of[k]) - mean[k])) as f32);
+            maps[i] = OklabMap::shift(by);
+        }
+    }
+    let mut elements = std::mem::take(&mut scene.elements);
+    let mut repaint = Repaint::default();
+    for (instance, map) in scene.instances_mut().zip(&maps) {
+        repaint.paint(&mut elements, instance, map);
+    }
+    scene.elements = elements;
+}
+
+/// Scales how far the covariance of each texton lies from the mean of its group: with U = L·Lᵀ, the mean
+/// Ū = L̄·L̄ᵀ and W = L·L̄⁻¹, it becomes Wᵗ·Ū·(Wᵗ)ᵀ. Centres stay where they are. How many are too thin for
+/// that and stay as they are.
+pub(super) fn shapes(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>, within: Within) -> usize {
+    let gaussians = scene.gaussians();
+    let factors: Vec<f64> = scene.instances().map(|i| factor.factor(scene, i)).collect();
+    let mut targets: Vec<Option<Gaussian>> = vec![None; gaussians.len()];
+    let mut thin = 0;
+    for group in groups(scene, chosen, within) {
+        let roots: Vec<(usize, Gaussian, Lower)> = group
+            .iter()
+            .filter_map(|&i| gaussians[i].and_then(|g| Some((i, g, Lower::root(g.covariance)?))))
+            .collect();
+        thin += group.len() - roots.len();
+        let mut sum = [0.0; 3];
+        for (_, g, _) in &roots {
+            (0..3).for_each(|k| sum[k] += g.covariance[k]);
+        }
+        let mean = sum.map(|v| v / roots.len() as f64);
+        let Some(middle) = Lower::root(mean) else { continue };
+        for (i, own, root) in roots {
+            if factors[i] != 1.0 {
+                let away = root.times(middle.inverse()).power(factors[i]);
+                let target = own.with(away.map(mean), own.direction);
+                targets[i] = Some(target).filter(|t| !t.is_degenerate());
+            }
+        }
+    }
+    let periods = scene.periods();
+    for ((instance, own), target) in scene.instances_mut().zip(&gaussians).zip(targets) {
+        if let (Some(own), Some(target)) = (own, target) {
+            let was = instance.clone();
+            draw_as(instance, &was, own, &target, periods);
+        }
+    }
+    thin
+}

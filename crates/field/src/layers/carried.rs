@@ -1,0 +1,294 @@
+//! New layer maps whose labels are copied along a correspondence field.
+//!
+//! The features of the exemplar's cells, a 128th of its shorter side wide, are the colours of the
+//! photograph and the labels of its layers. The field gives the source of each cell of the canvas. The
+//! cells around a place vote on its depth in each region. Labels follow from depths by rank, so regions are
+//! nested and their areas exact.
+
+use super::map::{Contacts, LayerMap};
+use super::regions::{Depths, depth};
+use crate::correspondence::{CHANNELS, Field, Page, Request, find};
+use image::RgbImage;
+use vtex_base::error::Result;
+use vtex_base::parallel;
+use vtex_base::progress::Progress;
+use vtex_base::raster::blur::oklab_planes;
+use vtex_base::raster::check_size;
+
+/// Cells along the shorter side of an exemplar.
+pub(super) const CELLS: usize = 128;
+/// Weight of one layer relative to one standard deviation of colour.
+const LABEL_WEIGHT: f32 = 0.7;
+/// Half the width of the soft transition between layers in the features, in cells.
+const SOFT: f32 = 1.5;
+/// Depths are clamped to this many cells where they replace colours.
+const DEEP: f32 = 6.0;
+
+/// The model of new maps.
+#[derive(Clone, Copy, Debug)]
+pub struct Exemplar<'a> {
+    /// Its layers.
+    pub map: &'a LayerMap,
+    /// The photograph of these layers, if there is one. Its colours keep structure that labels do not show.
+    pub photograph: Option<&'a RgbImage>,
+}
+
+impl Exemplar<'_> {
+    /// Side of a cell, in pixels.
+    pub(super) fn cell(&self) -> usize {
+        let [w, h] = self.map.size();
+        (w.min(h) as f64 / CELLS as f64).round().max(1.0) as usize
+    }
+
+    /// Checks that the photograph has the size of the map and that the map has a border.
+    pub(super) fn check(&self) -> Result<()> {
+        self.map.check_layered()?;
+        self.photograph.map_or(Ok(()), |photo| self.map.check_photograph(photo.dimensions()))
+    }
+
+    /// Largest permitted share of borders between non-consecutive layers: that of the exemplar
+    /// plus 1 %.
+    pub(super) fn most_distant(&self) -> f64 {
+        Contacts::new(&self.map.labels, self.map.layers.len(), [false; 2]).distant() + 0.01
+    }
+
+    /// Area in pixels below which a piece is removed: a quarter of the least that [`super::find`] leaves.
+    pub(super) fn speck(&self) -> usize {
+        let [w, h] = self.map.size();
+        (w.min(h) * w.min(h)) / 10_000
+    }
+
+    /// Makes a new map of `size` pixels along a correspondence field. The map repeats along the axes of
+    /// `wrap`. Areas are those of the exemplar.
+    ///
+    /// # Errors
+    /// [`vtex_base::Error::Control`] if the map has one layer or another size than the photograph; a size out
+    /// of range; [`vtex_base::Error::Interrupted`].
+    pub fn carried(
+        &self,
+        size: [usize; 2],
+        wrap: [bool; 2],
+        seed: u64,
+        progress: &dyn Progress,
+    ) -> Result<LayerMap> {
+        self.check()?;
+        check_size(size)?;
+        let cell = self.cell();
+        let depths: Vec<Vec<f32>> =
+            (1..self.map.layers.len()).map(|k| depth(&self.map.region(k, [false; 2]))).collect();
+        let page = self.page(&depths, cell);
+        let cells = size.map(|v| v.div_ceil(cell));
+        let request = Request { pages: &[page], size: cells, wrap, groups: None, active: None, seed };
+        let field = find(&request, progress)?;
+        let carrier = Carrier { field: &field, exemplar: self.map.size(), cell, canvas: size };
+        let grid = size.map(|v| v.div_ceil((cell / 2).max(1)));
+        let planes = carrier.voted(&depths, grid, 1, 0.6);
+        let depths = Depths { size, wrap, grid, planes };
+        let labels = depths.labels(&self.map.shares(), self.most_distant(), self.speck());
+        Ok(self.map.with(labels))
+    }
+
+    /// The features of the exemplar for the search.
+    fn page(&self, depths: &[Vec<f32>], cell: usize) -> Page {
+        let [w, h] = self.map.size();
+        let size = [(w / cell).max(1), (h / cell).max(1)];
+        let mean = |i: usize, value: &dyn Fn(usize) -> f32| {
+            let [x0, y0] = [i % size[0] * cell, i / size[0] * cell];
+            let mut sum = (0.0, 0.0);
+            for y in y0..(y0 + cell).min(h) {
+                for x in x0..(x0 + cell).min(w) {
+                    sum = (sum.0 + value(y * w + x), sum.1 + 1.0);
+                }
+            }
+            sum.0 / sum.1
+        };
+        let level = |i: usize| {
+            let soft = |d: &Vec<f32>| 0.5 + 0.5 * (d[i] / (SOFT * cell as f32)).clamp(-1.0, 1.0);
+            depths.iter().map(soft).sum::<f32>()
+        };
+        let cells = size[0] * size[1];
+        let mut channels: [Vec<f32>; CHANNELS] = std::array::from_fn(|_| vec![0.0; cells]);
+        channels[3] = (0..cells).map(|i| mean(i, &level)).collect();
+        let middle = channels[3].iter().sum::<f32>() / cells as f32;
+        channels[3].iter_mut().for_each(|v| *v = LABEL_WEIGHT * (*v - middle));
+        if let Some(photo) = self.photograph {
+            let planes = oklab_planes(photo, cell);
+            let unit = 1.0 / deviation(planes.iter().map(|p| &p.values)).max(1e-3);
+            for (channel, plane) in channels.iter_mut().zip(&planes) {
+                // A photograph narrower than a cell still has one cell.
+                if plane.values.len() == cells {
+                    *channel = plane.values.iter().map(|v| v * unit).collect();
+                }
+            }
+        } else {
+            // Depths in the first three regions replace colours.
+            for (channel, depth) in channels.iter_mut().zip(depths.iter().take(3)) {
+                let value = |i: usize| (depth[i] / cell as f32).clamp(-DEEP, DEEP);
+                *channel = (0..cells).map(|i| mean(i, &value)).collect();
+            }
+            let used = depths.len().min(3);
+            let unit = 1.0 / deviation(channels[..used].iter()).max(1e-3);
+            channels[..used].iter_mut().flatten().for_each(|v| *v *= unit);
+        }
+        let features = (0..cells).map(|i| std::array::from_fn(|c| channels[c][i])).collect();
+        Page { group: 0, groups: None, size, features, inside: None, periods: None }
+    }
+}
+
+/// Square root of the summed variances of several channels.
+pub(super) fn deviation<'v>(channels: impl Iterator<Item = &'v Vec<f32>>) -> f32 {
+    let variance = |values: &Vec<f32>| {
+        let count = values.len().max(1) as f64;
+        let mean = values.iter().map(|&v| f64::from(v)).sum::<f64>() / count;
+        values.iter().map(|&v| (f64::from(v) - mean) * (f64::from(v) - mean)).sum::<f64>() / count
+    };
+    libm::sqrt(channels.map(variance).sum::<f64>()) as f32
+}
+
+/// Values of an exemplar, copied along a field.
+pub(super) struct Carrier<'a> {
+    pub(super) field: &'a Field,
+    /// Size of the exemplar, in pixels.
+    pub(super) exemplar: [usize; 2],
+    /// Side of its cells, in pixels.
+    pub(super) cell: usize,
+    /// Size of the canvas, in pixels.
+    pub(super) canvas: [usize; 2],
+}
+
+impl Carrier<'_> {
+    /// Planes of the exemplar, sampled on a grid over the canvas. Each sample is the mean over the cells
+    /// within `reach`, each continued from its source and weighted by a Gaussian of `sigma` cells.
+    pub(super) fn voted(
+        &self,
+        planes: &[Vec<f32>],
+        grid: [usize; 2],
+        reach: i64,
+        sigma: f64,
+    ) -> Vec<Vec<f32>> {
+        let cells = self.field.size;
+        // Cells are slightly smaller where their size does not divide the canvas.
+        let pitch = [0, 1].map(|k| self.canvas[k] as f64 / cells[k] as f64);
+        let count = planes.len();
+        let mut voted = vec![0f32; grid[0] * grid[1] * count];
+        parallel::for_chunks(&mut voted, grid[0] * count, |gy, row| {
+            let py = (gy as f64 + 0.5) * self.canvas[1] as f64 / grid[1] as f64;
+            for (gx, out) in row.chunks_mut(count).enumerate() {
+                let px = (gx as f64 + 0.5) * self.canvas[0] as f64 / grid[0] as f64;
+                let at = [px / pitch[0], py / pitch[1]];
+                let own = at.map(|v| v as i64);
+                let mut total = 0.0;
+                for dy in -reach..=reach {
+                    for dx in -reach..=reach {
+                        let there = [own[0] + dx, own[1] + dy];
+                        let Some(q) = self.cell_at(there) else { continue };
+                        let away = [0, 1].map(|k| at[k] - there[k] as f64);
+                        let source = self.field.sources[q].at;
+                        let from =
+                            [0, 1].map(|k| ((f64::from(source[k]) + away[k]) * self.cell as f64) as i64);
+                        let inside = (0..2).all(|k| (0..self.exemplar[k] as i64).contains(&from[k]));
+                        if !inside && [dx, dy] != [0, 0] {
+                            continue;
+                        }
+                        let from = [0, 1].map(|k| from[k].clamp(0, self.exemplar[k] as i64 - 1) as usize);
+                        let off = [away[0] - 0.5, away[1] - 0.5];
+                        let weight =
+                            libm::exp(-(off[0] * off[0] + off[1] * off[1]) / (2.0 * sigma * sigma)) as f32;
+                        let pixel = from[1] * self.exemplar[0] + from[0];
+                        out.iter_mut().zip(planes).for_each(|(out, plane)| *out += weight * plane[pixel]);
+                        total += weight;
+                    }
+                }
+                out.iter_mut().for_each(|v| *v /= total);
+            }
+        });
+        (0..count).map(|c| voted.iter().skip(c).step_by(count).copied().collect()).collect()
+    }
+
+    /// Index of a cell, across seams; `None` beyond a border.
+    fn cell_at(&self, at: [i64; 2]) -> Option<usize> {
+        let axis = |k: usize| {
+            let count = self.field.size[k] as i64;
+            let v = if self.field.wrap[k] { at[k].rem_euclid(count) } else { at[k] };
+            (0..count).contains(&v).then_some(v as usize)
+        };
+        Some(axis(1)? * self.field.size[0] + axis(0)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::names::named;
+    use super::super::testing::{nested, surface};
+    use super::*;
+    use vtex_base::error::Error;
+    use vtex_base::raster::LabelMap;
+    use vtex_base::raster::colour::Colour;
+
+    fn layered(labels: LabelMap, count: u8) -> LayerMap {
+        let colours: Vec<Colour> = (0..count).map(|k| Colour([40 + 60 * k, 90, 60])).collect();
+        LayerMap { labels, layers: named(&colours) }
+    }
+
+    #[test]
+    fn areas_and_contacts_are_the_exemplars() {
+        for (count, seed) in [(2u8, 1), (3, 2), (4, 3)] {
+            let map = layered(nested([160, 140], usize::from(count), seed), count);
+            let exemplar = Exemplar { map: &map, photograph: None };
+            let made = exemplar.carried([320, 280], [false; 2], seed, &()).unwrap();
+            assert_eq!(made.size(), [320, 280]);
+            for (own, theirs) in made.shares().iter().zip(map.shares()) {
+                assert!((own - theirs).abs() < 1e-3, "{:?} {:?}", made.shares(), map.shares());
+            }
+            let distant = Contacts::new(&made.labels, usize::from(count), [false; 2]).distant();
+            assert!(distant <= exemplar.most_distant(), "{distant}");
+            let same = exemplar.carried([320, 280], [false; 2], seed, &()).unwrap();
+            assert_eq!(same, made);
+            assert_ne!(exemplar.carried([320, 280], [false; 2], seed + 9, &()).unwrap(), made);
+        }
+    }
+
+    #[test]
+    fn borders_are_as_long_as_the_exemplars() {
+        let (photo, labels) = surface([200, 200], 2, 4);
+        let map = layered(labels, 2);
+        let made =
+            Exemplar { map: &map, photograph: Some(&photo) }.carried([400, 400], [true; 2], 1, &()).unwrap();
+        let [own, theirs] = [&made, &map].map(|m| Contacts::new(&m.labels, 2, [false; 2]).total() as f64);
+        let ratio = own / theirs / 4.0;
+        assert!((0.7..1.3).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn a_map_that_repeats_has_no_seam() {
+        let map = layered(nested([150, 150], 3, 5), 3);
+        let made = Exemplar { map: &map, photograph: None }.carried([211, 173], [true; 2], 2, &()).unwrap();
+        let [w, h] = made.size();
+        let changes = |x: usize| {
+            (0..h)
+                .filter(|y| made.labels.labels[y * w + x] != made.labels.labels[y * w + (x + 1) % w])
+                .count()
+        };
+        let inside = (0..w - 1).map(changes).sum::<usize>() as f64 / (w - 1) as f64;
+        let most = (0..w - 1).map(changes).max().unwrap();
+        assert!(changes(w - 1) <= most.max(2 * inside as usize + 4), "{} {inside} {most}", changes(w - 1));
+    }
+
+    #[test]
+    fn any_size_is_filled_and_what_cannot_be_is_refused() {
+        let map = layered(nested([40, 33], 2, 6), 2);
+        let exemplar = Exemplar { map: &map, photograph: None };
+        for size in [[1, 1], [3, 200], [50, 1]] {
+            assert_eq!(exemplar.carried(size, [true, false], 1, &()).unwrap().size(), size);
+        }
+        let refused = |size| exemplar.carried(size, [false; 2], 1, &());
+        assert!(matches!(refused([0, 5]), Err(Error::Parameter { name: "size", .. })));
+        assert!(matches!(refused([20_000, 5]), Err(Error::TooLarge { .. })));
+        let flat = layered(LabelMap::filled(40, 40, 0), 2);
+        let one = Exemplar { map: &flat, photograph: None }.carried([9, 9], [false; 2], 1, &());
+        assert!(matches!(one, Err(Error::Control { .. })));
+        let (photo, _) = surface([64, 64], 2, 1);
+        let other = Exemplar { map: &map, photograph: Some(&photo) }.carried([9, 9], [false; 2], 1, &());
+        assert!(matches!(other, Err(Error::Control { .. })));
+    }
+}

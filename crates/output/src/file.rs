@@ -1,0 +1,466 @@
+//! Files by kind, and writing them so that nothing is ever lost or left half done.
+
+use super::seal::{self, PAGE_BEGINNING, Sealed};
+use flate2::write::GzEncoder;
+use flate2::{Compression, GzBuilder};
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use tempfile::NamedTempFile;
+use vtex_base::error::{Error, Result};
+use vtex_base::gzip;
+
+/// The content of a file, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// `.svg`, `.svgz`.
+    Svg,
+    /// `.pdf`.
+    Pdf,
+    /// `.png`.
+    Png,
+    /// `.scene.json`, `.scene.json.gz`.
+    Scene,
+    /// `.lib.json`, `.lib.json.gz`.
+    Library,
+}
+
+/// The content of a file, and whether it is packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    /// Its content.
+    pub format: Format,
+    /// Whether that is packed as gzip.
+    pub gzip: bool,
+}
+
+impl Kind {
+    /// The kind that a file name stands for, whatever its case; none for any other name.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        const ENDINGS: [(&str, Format, bool); 8] = [
+            (".svg", Format::Svg, false),
+            (".svgz", Format::Svg, true),
+            (".pdf", Format::Pdf, false),
+            (".png", Format::Png, false),
+            (".scene.json", Format::Scene, false),
+            (".scene.json.gz", Format::Scene, true),
+            (".lib.json", Format::Library, false),
+            (".lib.json.gz", Format::Library, true),
+        ];
+        let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
+        let (_, format, gzip) = ENDINGS.into_iter().find(|(ending, ..)| name.ends_with(ending))?;
+        Some(Self { format, gzip })
+    }
+}
+
+/// Packs what is written as gzip, always to the same bytes: no time, no name. Call
+/// [`GzEncoder::finish`] at the end.
+pub fn gzip<W: Write>(out: W) -> GzEncoder<W> {
+    GzBuilder::new().mtime(0).write(out, Compression::best())
+}
+
+/// Writes a file as a whole or not at all: `content` writes to a temporary file in the same
+/// folder, which then takes the place of the old one. If `content` fails, the old file stays as it
+/// was and nothing is left behind. A device or pipe is written to directly. Files of vtex are sealed
+/// ([`super::seal`]). Gives what `content` returns and the number of bytes written.
+///
+/// # Errors
+/// [`Error::Exists`] if there is a file that vtex did not write or that was changed since, unless
+/// `force`; whatever `content` returns; [`Error::Write`].
+pub fn write_file<T>(
+    path: &Path,
+    force: bool,
+    content: impl FnOnce(&mut dyn Write) -> Result<T>,
+) -> Result<(T, u64)> {
+    let fail = |e: io::Error| Error::write(path, e);
+    let old = match fs::metadata(path) {
+        Ok(found) => Some(found),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => None,
+        Err(e) => return Err(fail(e)),
+    };
+    if let Some(old) = &old {
+        if old.is_dir() {
+            return Err(fail(io::ErrorKind::IsADirectory.into()));
+        }
+        if !old.is_file() {
+            let out = File::options().write(true).open(path).map_err(fail)?;
+            return sealed(path, &out, content);
+        }
+        if !force {
+            match found(path)? {
+                Found::Ours => {}
+                other => {
+                    let changed = other == Found::Changed;
+                    return Err(Error::Exists { path: path.to_owned(), changed });
+                }
+            }
+        }
+    }
+    // A link stays a link: the file that it points to is replaced.
+    let target = if old.is_some() { fs::canonicalize(path).map_err(fail)? } else { path.to_owned() };
+    // The system's own words where the folder is not there.
+    fs::metadata(folder_of(&target)).map_err(fail)?;
+    // Without the temporary name, which tells the user nothing.
+    let temporary = temporary(folder_of(&target)).map_err(|e| fail(e.kind().into()))?;
+    let _unfinished = Unfinished::new(temporary.path());
+    let written = sealed(path, temporary.as_file(), content)?;
+    if let Some(old) = old {
+        temporary.as_file().set_permissions(old.permissions()).map_err(fail)?;
+    }
+    // Some disks say only now that they are full.
+    temporary.as_file().sync_all().map_err(fail)?;
+    temporary.persist(&target).map_err(|e| fail(e.error))?;
+    Ok(written)
+}
+
+/// Writes content, sealed, to an open file.
+fn sealed<T>(
+    path: &Path,
+    file: &File,
+    content: impl FnOnce(&mut dyn Write) -> Result<T>,
+) -> Result<(T, u64)> {
+    let fail = |e: io::Error| Error::write(path, e);
+    let mut out = Sealed::new(BufWriter::new(Counting { out: file, count: 0 }));
+    let value = content(&mut out).map_err(|e| match e {
+        // Writers do not know the path they write to.
+        Error::Write { path, source } if path == Path::new("-") => fail(source),
+        other => other,
+    })?;
+    let out = out.finish().map_err(fail)?.into_inner().map_err(|e| fail(e.into_error()))?;
+    Ok((value, out.count))
+}
+
+/// Counts bytes.
+struct Counting<W> {
+    out: W,
+    count: u64,
+}
+
+impl<W: Write> Write for Counting<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = self.out.write(bytes)?;
+        self.count += n as u64;
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// The folder that a file is in.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+const PREFIX: &str = ".vtex-";
+const SUFFIX: &str = ".tmp";
+
+/// A new file beside what it is to replace. It is locked as long as it is open, so that others know that
+/// somebody is writing to it.
+fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX).suffix(SUFFIX);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
+    loop {
+        let file = builder.tempfile_in(folder)?;
+        // Where there are no locks, nobody takes a file for abandoned.
+        let locked = file.as_file().lock().is_ok();
+        // Before it was locked, another process may have taken it for abandoned.
+        if !locked || file.path().exists() {
+            return Ok(file);
+        }
+    }
+}
+
+/// Temporary files of this process.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// A temporary file that [`remove_unfinished`] knows until this is dropped.
+struct Unfinished(PathBuf);
+
+impl Unfinished {
+    fn new(path: &Path) -> Self {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned());
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.0);
+    }
+}
+
+/// Removes the temporary files that this process is writing, for a program that ends in the midst of that.
+pub fn remove_unfinished() {
+    for path in &*UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner) {
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// Removes the temporary files that killed processes left in the folder of a file: those that nobody has
+/// locked. What cannot be removed stays.
+pub fn remove_abandoned(path: &Path) {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    for entry in fs::read_dir(folder_of(&target)).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let middle = name.to_str().and_then(|n| n.strip_prefix(PREFIX)?.strip_suffix(SUFFIX));
+        let ours = middle.is_some_and(|m| m.len() == 6 && m.bytes().all(|b| b.is_ascii_alphanumeric()));
+        if ours
+            && entry.file_type().is_ok_and(|t| t.is_file())
+            && let Ok(file) = File::open(entry.path())
+            && file.try_lock().is_ok()
+        {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// A file that stands at a place already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Found {
+    /// Byte for byte what vtex wrote.
+    Ours,
+    /// Begun by vtex, and changed since.
+    Changed,
+    Foreign,
+}
+
+/// The kind of a file: by its seal, else by its beginning.
+fn found(path: &Path) -> Result<Found> {
+    let file = File::open(path).map_err(|e| Error::read(path, e))?;
+    if seal::is_whole(file).map_err(|e| Error::read(path, e))? {
+        Ok(Found::Ours)
+    } else if is_begun(path)? {
+        Ok(Found::Changed)
+    } else {
+        Ok(Found::Foreign)
+    }
+}
+
+/// Whether vtex began a file: an SVG or a page just as vtex begins it, a JSON document whose first field
+/// is `"format": "vtex-…"`, one of these packed, a PNG whose text says so, a GIF whose comment does, or a
+/// PDF whose information does.
+fn is_begun(path: &Path) -> Result<bool> {
+    const ENOUGH: usize = 4096;
+    let mut start = Vec::new();
+    let file = File::open(path).map_err(|e| Error::read(path, e))?;
+    (&file).take(ENOUGH as u64).read_to_end(&mut start).map_err(|e| Error::read(path, e))?;
+    if start.starts_with(b"%PDF-") {
+        let mut whole = start;
+        (&file).read_to_end(&mut whole).map_err(|e| Error::read(path, e))?;
+        return Ok(whole.windows(16).any(|w| w == b"/Producer (vtex "));
+    }
+    if start.starts_with(b"GIF89a") {
+        return Ok(is_gif(&start));
+    }
+    // The data may end in the middle; what comes before is what counts.
+    let start = gzip::beginning(&start, ENOUGH);
+    let begins = |how: &str| start.starts_with(how.as_bytes());
+    Ok(begins(super::svg::BEGINNING) || begins(PAGE_BEGINNING) || is_document(&start) || is_png(&start))
+}
+
+fn is_document(start: &[u8]) -> bool {
+    let mut rest = start.iter().filter(|b| !b.is_ascii_whitespace());
+    b"{\"format\":\"vtex-".iter().all(|expected| rest.next() == Some(expected))
+}
+
+fn is_png(start: &[u8]) -> bool {
+    let Some(mut rest) = start.strip_prefix(b"\x89PNG\r\n\x1a\n") else { return false };
+    // Length, type, data, checksum.
+    while let Some((head, after)) = rest.split_at_checked(8) {
+        let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
+        if &head[4..] == b"tEXt" && after.starts_with(b"Software\0vtex ") {
+            return true;
+        }
+        let Some(next) = length.checked_add(4).and_then(|n| after.get(n..)) else { return false };
+        rest = next;
+    }
+    false
+}
+
+/// Whether a GIF says in a comment that vtex wrote it.
+fn is_gif(start: &[u8]) -> bool {
+    start.windows(8).any(|w| w[..2] == [0x21, 0xfe] && w[3..] == *b"vtex ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{pdf, png, svg, testing};
+
+    fn put(path: &Path, force: bool, text: &str) -> Result<()> {
+        let text = |w: &mut dyn Write| w.write_all(text.as_bytes());
+        write_file(path, force, |w| text(w).map_err(|e| Error::write(Path::new("-"), e))).map(drop)
+    }
+
+    /// The bytes written of some content.
+    fn seal(content: &[u8]) -> Vec<u8> {
+        let mut out = Sealed::new(Vec::new());
+        out.write_all(content).unwrap();
+        out.finish().unwrap()
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn kinds_by_name() {
+        let kind = |name: &str| Kind::from_path(Path::new(name)).map(|k| (k.format, k.gzip));
+        assert_eq!(kind("a/b.svg"), Some((Format::Svg, false)));
+        assert_eq!(kind("b.SVGZ"), Some((Format::Svg, true)));
+        assert_eq!(kind("b.png"), Some((Format::Png, false)));
+        assert_eq!(kind("b.scene.json"), Some((Format::Scene, false)));
+        assert_eq!(kind("b.lib.json.gz"), Some((Format::Library, true)));
+        for other in ["b.json", "svg", "b.svg.gz", "", "-", "b.svg/.."] {
+            assert_eq!(kind(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn failing_content_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.svg");
+        put(&path, false, "old").unwrap();
+        let failed = write_file(&path, true, |w| {
+            w.write_all(&[b'x'; 100_000]).unwrap();
+            Err::<(), _>(Error::write(Path::new("-"), io::ErrorKind::StorageFull.into()))
+        });
+        let error = failed.unwrap_err();
+        assert!(matches!(&error, Error::Write { path: p, .. } if p == &path), "{error}");
+        let failed = write_file(&folder.path().join("new.svg"), false, |_| Err::<(), _>(Error::Interrupted));
+        assert!(matches!(failed, Err(Error::Interrupted)));
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.svg"]);
+    }
+
+    #[test]
+    fn only_own_files_are_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let scene = testing::scene(40, 40, 1);
+        let mut drawn = Vec::new();
+        svg::write(&scene, &svg::SvgOptions::default(), &mut drawn).unwrap();
+        let pack = |bytes: &[u8]| {
+            let mut packed = gzip(Vec::new());
+            packed.write_all(bytes).unwrap();
+            packed.finish().unwrap()
+        };
+        let mut picture = Vec::new();
+        png::encode(&png::render(&scene, 1.0).unwrap(), None, &mut picture).unwrap();
+        let mut page = Vec::new();
+        pdf::write(&scene, &mut page).unwrap();
+        let web = format!("{PAGE_BEGINNING}0.1.0 -->\n<html/>").into_bytes();
+        let unsealed = [web, page, drawn.clone(), picture.clone(), scene.to_json()];
+        let own = unsealed.iter().map(|content| seal(content));
+        let own = own.chain([pack(&seal(&drawn)), pack(&seal(&scene.to_json()))]);
+        for (i, content) in own.enumerate() {
+            fs::write(&path, &content).unwrap();
+            put(&path, false, "new").unwrap_or_else(|e| panic!("{i}: {e}"));
+            assert_eq!(fs::read(&path).unwrap(), b"new");
+            // In place of what is in the file, one thing more or another: then it is somebody's work.
+            let appended = [&content[..], b"<!-- mine -->"].concat();
+            fs::write(&path, &appended).unwrap();
+            let refused = put(&path, false, "new");
+            assert!(matches!(refused, Err(Error::Exists { changed: true, .. })), "{i}");
+            assert_eq!(fs::read(&path).unwrap(), appended);
+        }
+        // By hand, in a text editor.
+        let text = String::from_utf8(seal(&drawn)).unwrap();
+        for (from, to) in [("Background", "Backdrop"), ("fill=\"#", "fill=\"#0"), ("</svg>\n", "</svg>")] {
+            let edited = text.replacen(from, to, 1);
+            assert_ne!(edited, text);
+            fs::write(&path, &edited).unwrap();
+            let refused = put(&path, false, "new");
+            assert!(matches!(refused, Err(Error::Exists { changed: true, .. })), "{from}");
+        }
+
+        let resaved = String::from_utf8(drawn).unwrap().replacen("UTF-8\"", "UTF-8\" standalone=\"no\"", 1);
+        let from_elsewhere = {
+            let at = picture.windows(5).position(|w| w == b"vtex ").unwrap();
+            [&picture[..at], b"gimp ", &picture[at + 5..]].concat()
+        };
+        let foreign: [&[u8]; 9] = [
+            b"%PDF-1.7\n1 0 obj <</Producer (other)>> endobj\n%%EOF",
+            b"",
+            b"my notes",
+            b"{\"format\":\"other\"}",
+            b"<svg xmlns=\"http://www.w3.org/2000/svg\"/>",
+            b"\x1f\x8b\x08",
+            b"\x89PNG\r\n\x1a\n\xff\xff\xff\xffIDAT",
+            resaved.as_bytes(),
+            &from_elsewhere,
+        ];
+        for (i, content) in foreign.iter().enumerate() {
+            fs::write(&path, content).unwrap();
+            let refused = put(&path, false, "new");
+            assert!(matches!(refused, Err(Error::Exists { changed: false, .. })), "{i}");
+            assert_eq!(&fs::read(&path).unwrap(), content);
+            put(&path, true, "new").unwrap();
+            assert_eq!(fs::read(&path).unwrap(), b"new");
+        }
+    }
+
+    #[test]
+    fn only_abandoned_files_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.svg");
+        for name in [".vtex-aB3dEf.tmp", ".vtex-mine.tmp", "vtex-aB3dEf.tmp"] {
+            fs::write(folder.path().join(name), "x").unwrap();
+        }
+        fs::create_dir(folder.path().join(".vtex-folder.tmp")).unwrap();
+        // A file that is being written stays.
+        write_file(&path, false, |w| {
+            w.write_all(b"begun").unwrap();
+            remove_abandoned(&path);
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"begun");
+        assert_eq!(names(folder.path()), [".vtex-folder.tmp", ".vtex-mine.tmp", "a.svg", "vtex-aB3dEf.tmp"]);
+    }
+
+    #[test]
+    fn folders_that_are_missing_or_in_the_way() {
+        let folder = tempfile::tempdir().unwrap();
+        for path in [folder.path().to_owned(), folder.path().join("missing/a.svg")] {
+            assert!(matches!(put(&path, true, "new"), Err(Error::Write { .. })), "{}", path.display());
+        }
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_permissions_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.svg"), folder.path().join("link.svg"));
+        put(&path, false, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        put(&link, true, "new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+        put(Path::new("/dev/null"), false, "gone").unwrap();
+    }
+
+    #[test]
+    fn packing_gives_the_same_bytes() {
+        let pack = || {
+            let mut out = gzip(Vec::new());
+            out.write_all(b"texture").unwrap();
+            out.finish().unwrap()
+        };
+        assert_eq!(pack(), pack());
+        assert_eq!(pack()[4..8], [0; 4], "no time");
+    }
+}

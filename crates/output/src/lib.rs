@@ -1,0 +1,70 @@
+//! Scene → files: SVG, SVGZ, PDF, PNG; and SVG → pixels.
+//!
+//! All writers see one finished type, [`vtex_scene::scene::Scene`], and know nothing of how it came to
+//! be. [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale,
+//! [`raster_animation`] writes GIFs and PNGs that play, [`raster_svg`] draws any SVG, [`reduce`] reduces a scene to a number of bytes, [`file`] replaces
+//! files safely.
+
+mod background;
+mod categories;
+mod coverage;
+pub mod file;
+pub mod layer_map;
+pub mod pdf;
+pub mod png;
+pub mod raster_animation;
+pub mod raster_svg;
+pub mod reduce;
+pub mod seal;
+#[cfg(test)]
+mod seams;
+mod shadow;
+pub mod svg;
+#[cfg(test)]
+mod testing;
+
+pub use categories::{SceneCategory, categories};
+pub use coverage::{coverage, inside};
+
+use vtex_base::document::in_order;
+use vtex_base::error::{Error, Result};
+use vtex_scene::scene::Scene;
+
+/// Pixels to the inch of CSS, and of files that say nothing else.
+pub const CSS_DPI: u32 = 96;
+
+/// Largest picture drawn, in pixels: 4 GiB of memory.
+const LARGEST_PICTURE: u64 = 1 << 30;
+
+/// Size of a picture of a canvas at a scale, in pixels: rounded, at least 1 × 1.
+///
+/// # Errors
+/// A scale that is not positive and finite; a picture larger than [`LARGEST_PICTURE`], `name` being
+/// what is drawn.
+fn picture_size(width: f64, height: f64, scale: f64, name: &str) -> Result<(u32, u32)> {
+    vtex_base::error::check(scale.is_finite() && scale > 0.0, "scale", scale, "a number above 0")?;
+    let side = |v: f64| libm::round(v * scale).max(1.0);
+    let (w, h) = (side(width), side(height));
+    // The comparison also refuses what is not a number.
+    if w * h <= LARGEST_PICTURE as f64 && w.max(h) <= f64::from(i32::MAX / 4) {
+        return Ok((w as u32, h as u32));
+    }
+    Err(Error::TooLarge {
+        name: name.into(),
+        found: format!("a picture of {w:.0} x {h:.0} pixels"),
+        limit: format!("{LARGEST_PICTURE} pixels"),
+    })
+}
+
+/// The title of a file: which exemplars the texture comes from.
+fn title(scene: &Scene) -> String {
+    let names: Vec<&str> = scene.libraries.iter().map(|l| l.exemplar.as_str()).collect();
+    let what = if scene.parameters.is_some() { "Texture" } else { "Reconstruction" };
+    in_order(if names.is_empty() { what.into() } else { format!("{what} from {}", names.join(", ")) })
+}
+
+/// The label of a layer in editors and viewers: its name with a capital letter.
+fn label(name: &str) -> String {
+    let mut letters = name.chars();
+    in_order(letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect()))
+}

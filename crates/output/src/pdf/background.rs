@@ -1,0 +1,160 @@
+//! The background field in PDF: flat cells mixed by two masks.
+//!
+//! A gradient with many stops, as in SVG, takes an object of some 200 bytes for every stop, which
+//! no filter packs. So the field is taken at the nodes of a lattice, and what lies between is mixed:
+//! along x, cells around the odd nodes lie over cells around the even ones under a mask that is
+//! opaque at odd nodes, clear at even ones and linear between; along y the odd rows lie over the
+//! even rows in the same way. The result is bilinear between nodes. No joint of cells can show: it
+//! lies where what is over it is opaque, or where it is itself clear. The masks are all there is of
+//! gradients, one for each odd column and row; the cells are plain rectangles in a packed stream.
+
+use super::Background;
+use super::content::Content;
+use super::file::{File, Ref};
+use super::paint::{set_gradient, set_mask};
+use std::io::Result;
+use vtex_base::geometry::{Affine, Rect};
+use vtex_base::raster::colour::Colour;
+use vtex_scene::element::Stop;
+use vtex_scene::scene::Gradient;
+
+/// How far a cell reaches beneath the next, and the outermost beyond the canvas, in pixels.
+const OVERLAP: f64 = 1.0;
+
+/// Paints the background.
+///
+/// # Errors
+/// Those of packing.
+pub(super) fn draw(background: &Background, content: &mut Content, file: &mut File) -> Result<()> {
+    let lattice = Lattice::new(background);
+    let masks = [lattice.mask(file, Axis::X)?, lattice.mask(file, Axis::Y)?];
+    lattice.draw_rows(content, file, 0, masks[0])?;
+    let mut odd = Content::default();
+    lattice.draw_rows(&mut odd, file, 1, masks[0])?;
+    let odd = odd.group(file, lattice.bounds())?;
+    masked(content, file, masks[1], odd);
+    Ok(())
+}
+
+/// Draws a form through a mask.
+fn masked(content: &mut Content, file: &mut File, mask: Ref, form: Ref) {
+    content.within(|c| {
+        set_mask(c, file, mask);
+        c.draw(form);
+    });
+}
+
+#[derive(Clone, Copy)]
+enum Axis {
+    X,
+    Y,
+}
+
+/// The field at equal distances.
+struct Lattice {
+    /// Distance of nodes along x and y, in pixels. The first lie at 0, the last at the far border.
+    step: [f64; 2],
+    /// Colours of the nodes by row; every row has as many.
+    rows: Vec<Vec<Colour>>,
+}
+
+impl Lattice {
+    /// From the rows of the background, with nodes along x as far apart as the rows are.
+    fn new(background: &Background) -> Self {
+        let width = background.columns.last().copied().unwrap_or_default();
+        let count = libm::ceil(width / background.row_height).max(1.0) as usize;
+        let step = width / count as f64;
+        let xs: Vec<f64> = (0..=count).map(|i| i as f64 * step).collect();
+        let colours = |k| {
+            let row: Vec<[f32; 3]> = background.row(k, &xs);
+            row.into_iter().map(|c| Colour::from_f64(c.map(f64::from))).collect()
+        };
+        let rows = (0..background.rows.len()).map(colours).collect();
+        Self { step: [step, background.row_height], rows }
+    }
+
+    /// Number of the last node along an axis.
+    fn last(&self, axis: Axis) -> usize {
+        match axis {
+            Axis::X => self.rows[0].len() - 1,
+            Axis::Y => self.rows.len() - 1,
+        }
+    }
+
+    /// From where to where the cell of a node reaches, in pixels: to the next nodes.
+    fn reach(&self, axis: Axis, node: usize) -> [f64; 2] {
+        let (last, step) = (self.last(axis), self.step[axis as usize]);
+        let from = if node < 2 { -OVERLAP } else { (node - 1) as f64 * step };
+        [from, (node + 1).min(last) as f64 * step + OVERLAP]
+    }
+
+    /// Width and height, in pixels.
+    fn size(&self) -> [f64; 2] {
+        [Axis::X, Axis::Y].map(|axis| self.last(axis) as f64 * self.step[axis as usize])
+    }
+
+    /// All that is painted.
+    fn bounds(&self) -> Rect {
+        let [width, height] = self.size();
+        Rect::new(0.0, 0.0, width, height).inset(OVERLAP)
+    }
+
+    /// The even rows, or with `first` 1 the odd ones.
+    fn draw_rows(&self, content: &mut Content, file: &mut File, first: usize, mask: Ref) -> Result<()> {
+        self.draw_cells(content, first, 0);
+        let mut odd = Content::default();
+        self.draw_cells(&mut odd, first, 1);
+        let odd = odd.group(file, self.bounds())?;
+        masked(content, file, mask, odd);
+        Ok(())
+    }
+
+    /// Every second cell of every second row. Neighbours of one colour are one rectangle.
+    fn draw_cells(&self, content: &mut Content, first_row: usize, first: usize) {
+        let mut last = None;
+        for (k, row) in self.rows.iter().enumerate().skip(first_row).step_by(2) {
+            let [top, bottom] = self.reach(Axis::Y, k);
+            let mut i = first;
+            while i < row.len() {
+                let [left, mut right] = self.reach(Axis::X, i);
+                let colour = row[i];
+                i += 2;
+                while i < row.len() && row[i] == colour {
+                    right = self.reach(Axis::X, i)[1];
+                    i += 2;
+                }
+                if last != Some(colour) {
+                    content.fill_with(colour);
+                }
+                last = Some(colour);
+                content.fill_rectangle(Rect::new(left, top, right, bottom));
+            }
+        }
+    }
+
+    /// White at odd nodes, black at even ones, linear between.
+    fn mask(&self, file: &mut File, axis: Axis) -> Result<Ref> {
+        let ([width, height], step) = (self.size(), self.step[axis as usize]);
+        // All are one form, moved. The last may end beyond the canvas.
+        let (end, bounds) = match axis {
+            Axis::X => ([1.0, 0.0], Rect::new(0.0, -OVERLAP, 2.0 * step, height + OVERLAP)),
+            Axis::Y => ([0.0, 1.0], Rect::new(-OVERLAP, 0.0, width + OVERLAP, 2.0 * step)),
+        };
+        let [black, white] = [0, 255].map(|light| Colour([light; 3]));
+        let mut gradient = Gradient::linear([0.0; 2], end.map(|v| v * 2.0 * step), [black; 2]);
+        gradient.between = vec![Stop { offset: 0.5, colour: white, opacity: 1.0 }];
+        let mut tent = Content::default();
+        set_gradient(&mut tent, file, &gradient, bounds)?;
+        tent.fill_rectangle(bounds);
+        let tent = tent.form(file, bounds)?;
+        let mut content = Content::default();
+        for node in (1..=self.last(axis)).step_by(2) {
+            let from = (node - 1) as f64 * step;
+            content.within(|c| {
+                c.transform(Affine::translate((end[0] * from, end[1] * from)));
+                c.draw(tent);
+            });
+        }
+        content.group(file, self.bounds())
+    }
+}

@@ -1,0 +1,167 @@
+//! Scene → PDF: one page of pure vectors, 96 pixels to the inch as in SVG.
+//!
+//! Everything is a path with a flat colour or a gradient, and the background is mixed by masks of
+//! gradients; nothing is a bitmap. Each layer is a form XObject in a group of optional content, so
+//! viewers list it by name. A texton is a form XObject if it stands more than once and its paths are
+//! longer than that, or if it has a gradient; other textons are written where they stand.
+//!
+//! Gradients are drawn in forms of their own because Inkscape 1.2 places a gradient wrongly where the
+//! same content stream has changed the coordinates before. So the page changes its coordinates once,
+//! outside of all that is saved and restored.
+//!
+//! Works badly beyond [`LARGEST_PAGE`]: viewers then need a page that is scaled down, and its
+//! numbers are rounded to more than a hundredth of a pixel.
+
+mod background;
+mod content;
+mod file;
+mod paint;
+#[cfg(test)]
+mod tests;
+mod textons;
+
+use super::CSS_DPI;
+use super::background::Background;
+use content::Content;
+use file::{File, Ref};
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::path::Path;
+use textons::Textons;
+use vtex_base::error::{Error, Result, check};
+use vtex_base::geometry::{Affine, Outline, Rect, Vec2};
+use vtex_scene::scene::{Layer, Scene};
+
+/// Points to the inch.
+const POINTS: f64 = 72.0;
+/// Largest side of a page that readers are known to show, in points.
+const LARGEST_PAGE: f64 = 14_400.0;
+
+/// Writes a scene as PDF, of 96 pixels to the inch. Same scene: the same bytes. Gives their number.
+///
+/// # Errors
+/// A scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
+pub fn write(scene: &Scene, out: impl Write) -> Result<u64> {
+    write_at(scene, CSS_DPI, out)
+}
+
+/// As [`write()`], of so many pixels to the inch.
+///
+/// # Errors
+/// Those of [`write()`], and [`Error::Parameter`] for no pixels.
+pub fn write_at(scene: &Scene, dpi: u32, mut out: impl Write) -> Result<u64> {
+    check(dpi > 0, "dpi", dpi, "1 or more")?;
+    scene.check()?;
+    let bytes = document(scene, dpi).map_err(|e| Error::write(Path::new("-"), e))?;
+    out.write_all(&bytes).and_then(|()| out.flush()).map_err(|e| Error::write(Path::new("-"), e))?;
+    Ok(bytes.len() as u64)
+}
+
+/// The whole file.
+fn document(scene: &Scene, dpi: u32) -> io::Result<Vec<u8>> {
+    let mut file = File::default();
+    let mut page = Content::default();
+    let size = [scene.width, scene.height].map(f64::from);
+    let scale = (LARGEST_PAGE / size[0].max(size[1])).min(POINTS / f64::from(dpi));
+    // Once and for all: Inkscape 1.2 takes a change within `q` and `Q` for one that gradients in forms
+    // ignore.
+    page.transform(Affine::new([scale, 0.0, 0.0, -scale, 0.0, size[1] * scale]));
+    let groups = draw(scene, &mut page, &mut file)?;
+
+    let all: Vec<String> = groups.iter().map(Ref::to_string).collect();
+    // Viewers list the topmost layer first.
+    let order: Vec<String> = groups.iter().rev().map(Ref::to_string).collect();
+    let properties: String = groups.iter().enumerate().map(|(k, group)| format!("/l{k} {group} ")).collect();
+    let mut bounds = String::new();
+    content::numbers(&mut bounds, size.map(|side| side * scale), 3);
+    let pages = file.reserve();
+    let content = page.page(&mut file);
+    let resources = page.resources(&format!("/Properties <<{}>>", properties.trim_end()));
+    let page = file.add(format!(
+        "<</Type /Page/Parent {pages}/MediaBox [0 0 {}]{resources}/Contents {content}>>",
+        bounds.trim_end()
+    ));
+    file.put(pages, format!("<</Type /Pages/Kids [{page}]/Count 1>>"));
+    let catalog = file.add(format!(
+        "<</Type /Catalog/Pages {pages}/OCProperties <</OCGs [{}]/D <</Order [{}]>>>>>>",
+        all.join(" "),
+        order.join(" ")
+    ));
+    let mut information = format!(
+        "<</Title {}/Creator (vtex)/Producer {}",
+        file::text(&super::title(scene)),
+        file::text(vtex_base::PROGRAM)
+    );
+    if let Some(parameters) = &scene.parameters {
+        let _ = write!(information, "/Subject (Seed {})", parameters.seed);
+    }
+    let information = file.add(information + ">>");
+    Ok(file.finish(catalog, information))
+}
+
+/// The layers, those that a domain clips inside its outline. Gives the group of each that is drawn.
+fn draw(scene: &Scene, page: &mut Content, file: &mut File) -> io::Result<Vec<Ref>> {
+    let mut textons = Textons::new(scene);
+    // A domain without any room shows nothing; elements that stick out lie outside of it.
+    let domain = scene.domain.as_ref().map(|d| &d.outline).filter(|outline| !is_empty(outline));
+    let mut groups = Vec::new();
+    for run in scene.layers.chunk_by(|a, b| scene.is_clipped(a) == scene.is_clipped(b)) {
+        let clipped = scene.is_clipped(&run[0]);
+        if clipped && domain.is_none() {
+            continue;
+        }
+        page.within(|page| {
+            if let Some(outline) = domain.filter(|_| clipped) {
+                clip(scene, outline, page);
+            }
+            for layer in run {
+                let form = form_of(scene, layer, &mut textons, file)?;
+                page.draw_optional(form, groups.len());
+                let name = file::text(&super::label(&layer.name));
+                // Layers of one name are groups of their own.
+                let group = file.reserve();
+                file.put(group, format!("<</Type /OCG/Name {name}>>"));
+                groups.push(group);
+            }
+            Ok::<(), io::Error>(())
+        })?;
+    }
+    Ok(groups)
+}
+
+/// A layer as a form.
+fn form_of(scene: &Scene, layer: &Layer, textons: &mut Textons<'_>, file: &mut File) -> io::Result<Ref> {
+    let mut content = Content::default();
+    // A region without any room shows nothing.
+    if layer.region.as_ref().is_none_or(|outline| !is_empty(outline)) {
+        if let Some(outline) = &layer.region {
+            clip(scene, outline, &mut content);
+        }
+        if let Some(field) = &layer.field {
+            background::draw(&Background::new(scene, field), &mut content, file)?;
+        }
+        textons.draw(&layer.instances, &mut content, file)?;
+    }
+    content.form(file, Rect::new(0.0, 0.0, f64::from(scene.width), f64::from(scene.height)))
+}
+
+/// Clips what follows to an outline on the canvas of a scene, with its copies.
+fn clip(scene: &Scene, outline: &Outline, content: &mut Content) {
+    let shifts: Vec<Vec2> = scene.copies(outline.bounds()).collect();
+    content.clip(outline, &shifts);
+}
+
+/// Whether an outline encloses nothing; some viewers draw a hair where one is filled.
+fn is_empty(outline: &Outline) -> bool {
+    let bounds = outline.bounds();
+    outline.is_empty() || bounds.width() <= 0.0 || bounds.height() <= 0.0
+}
+
+/// Whether anything within `bounds` can be seen on the canvas of a scene.
+fn is_seen(scene: &Scene, bounds: Rect, shift: Vec2) -> bool {
+    let bounds = bounds + shift;
+    bounds.x1 > 0.0
+        && bounds.y1 > 0.0
+        && bounds.x0 < f64::from(scene.width)
+        && bounds.y0 < f64::from(scene.height)
+}

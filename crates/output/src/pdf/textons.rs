@@ -1,0 +1,174 @@
+//! Textons in PDF: defined once and drawn often, or written where they stand.
+
+use super::content::Content;
+use super::file::{File, Ref};
+use super::paint::{set_gradient, set_opacity};
+use super::{is_empty, is_seen};
+use crate::shadow::{self, Shadows};
+use std::collections::BTreeMap;
+use std::io::Result;
+use vtex_base::geometry::{Affine, Outline, Rect};
+use vtex_base::raster::colour::Colour;
+use vtex_scene::scene::{Element, ElementId, Instance, Scene};
+
+/// From how many path elements on, in all copies but one, a texton is worth an object of its own.
+const WORTH: usize = 40;
+
+/// The textons of a scene and how each is written.
+pub(super) struct Textons<'a> {
+    scene: &'a Scene,
+    bounds: Vec<Rect>,
+    /// How often each is drawn in which colour.
+    uses: BTreeMap<(ElementId, Option<Colour>), usize>,
+    /// Those that are defined already.
+    defined: BTreeMap<(ElementId, Option<Colour>), Ref>,
+    shadows: Shadows,
+    /// The shadows that are defined already.
+    defined_shadows: BTreeMap<shadow::Key, Ref>,
+}
+
+impl<'a> Textons<'a> {
+    pub(super) fn new(scene: &'a Scene) -> Self {
+        let bounds = scene.elements.iter().map(Element::bounds).collect();
+        let (shadows, defined_shadows) = (Shadows::new(scene), BTreeMap::new());
+        let mut textons =
+            Self { scene, bounds, uses: BTreeMap::new(), defined: BTreeMap::new(), shadows, defined_shadows };
+        for instance in scene.instances() {
+            let count = textons.places(instance).count();
+            *textons.uses.entry((instance.element, instance.colour)).or_default() += count;
+        }
+        textons
+    }
+
+    /// The maps to the canvas of what is seen of an instance and its copies.
+    fn places(&self, instance: &Instance) -> impl Iterator<Item = Affine> + use<'a> {
+        let (scene, affine) = (self.scene, instance.affine());
+        let bounds = instance.reach(self.bounds[instance.element.index()]);
+        let shifts = scene.copies(bounds).filter(move |&shift| is_seen(scene, bounds, shift));
+        shifts.map(move |shift| affine.then_translate(shift))
+    }
+
+    /// Draws a layer.
+    ///
+    /// # Errors
+    /// Those of packing.
+    pub(super) fn draw(
+        &mut self,
+        instances: &[Instance],
+        content: &mut Content,
+        file: &mut File,
+    ) -> Result<()> {
+        for instance in instances {
+            let key = (instance.element, instance.colour);
+            let element = self.scene.element(instance);
+            // Gradients are drawn in forms of their own.
+            let shared = self.uses[&key].saturating_sub(1) * path_elements(element) >= WORTH
+                || has_gradient(element, instance.colour);
+            for affine in self.places(instance) {
+                if let Some(shadow) = &instance.shadow {
+                    let form = self.shadow(instance, shadow, file)?;
+                    content.within(|c| {
+                        c.transform(affine.then_translate(shadow.shift()));
+                        c.draw(form);
+                    });
+                }
+                let form = if shared { Some(self.form(key, element, file)?) } else { None };
+                content.within(|c| -> Result<()> {
+                    c.transform(affine);
+                    match form {
+                        Some(form) => c.draw(form),
+                        // In its own coordinates, whose numbers are short.
+                        None => paint(element, instance.colour, c, file)?,
+                    }
+                    if let Some(stroke) = instance.stroke {
+                        c.stroke(element.outline(), stroke.colour, stroke.width);
+                    }
+                    Ok(())
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A texton that is defined once, in one colour.
+    fn form(&mut self, key: (ElementId, Option<Colour>), element: &Element, file: &mut File) -> Result<Ref> {
+        if let Some(form) = self.defined.get(&key) {
+            return Ok(*form);
+        }
+        let mut content = Content::default();
+        paint(element, key.1, &mut content, file)?;
+        let bounds = union(element.shapes.iter().map(|shape| &shape.outline));
+        let form = content.form(file, bounds)?;
+        self.defined.insert(key, form);
+        Ok(form)
+    }
+
+    /// A shadow, which is defined once.
+    fn shadow(
+        &mut self,
+        instance: &Instance,
+        shadow: &vtex_scene::scene::Shadow,
+        file: &mut File,
+    ) -> Result<Ref> {
+        let key = shadow::key(instance, shadow);
+        if let Some(form) = self.defined_shadows.get(&key) {
+            return Ok(*form);
+        }
+        let layers = self.shadows.of(instance, shadow);
+        let mut content = Content::default();
+        content.fill_with(Colour([0; 3]));
+        for layer in layers.iter().filter(|layer| !is_empty(&layer.outline)) {
+            set_opacity(&mut content, file, layer.opacity);
+            content.fill(&layer.outline);
+        }
+        let form = content.form(file, union(layers.iter().map(|layer| &layer.outline)))?;
+        self.defined_shadows.insert(key, form);
+        Ok(form)
+    }
+}
+
+/// What outlines fill together, and a little more.
+fn union<'a>(outlines: impl Iterator<Item = &'a Outline>) -> Rect {
+    let bounds = outlines.filter(|o| !is_empty(o)).map(Outline::bounds).reduce(|a, b| a.union(b));
+    bounds.map_or(Rect::ZERO, |b| b.inset(0.01))
+}
+
+/// Number of path elements of all shapes of an element.
+fn path_elements(element: &Element) -> usize {
+    element.shapes.iter().map(|s| s.outline.path().elements().len()).sum()
+}
+
+/// Whether an element, its base in `colour` if there is one, is painted with a gradient.
+fn has_gradient(element: &Element, colour: Option<Colour>) -> bool {
+    element.paint(colour).1.is_some() || element.details().iter().any(|s| s.gradient.is_some())
+}
+
+/// The shapes of an element, its base in `colour` if there is one.
+fn paint(element: &Element, colour: Option<Colour>, content: &mut Content, file: &mut File) -> Result<()> {
+    let mut last = None;
+    for (i, shape) in element.shapes.iter().enumerate().filter(|(_, shape)| !is_empty(&shape.outline)) {
+        let own = colour.filter(|_| i == 0);
+        let gradient = shape.gradient.as_deref().filter(|_| own.is_none());
+        let flat = own.unwrap_or(shape.colour);
+        if gradient.is_none() && shape.opacity == 1.0 {
+            if last != Some(flat) {
+                content.fill_with(flat);
+            }
+            last = Some(flat);
+            content.fill(&shape.outline);
+            continue;
+        }
+        content.within(|c| -> Result<()> {
+            if shape.opacity != 1.0 {
+                set_opacity(c, file, shape.opacity);
+            }
+            match gradient {
+                Some(gradient) => set_gradient(c, file, gradient, shape.outline.bounds())?,
+                None => c.fill_with(flat),
+            }
+            c.fill(&shape.outline);
+            Ok(())
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,506 @@
+//! Scene → pixels and PNG, drawn directly.
+//!
+//! Outside a domain the picture is transparent. It agrees with what a renderer makes of the SVG: the same grid of background colours,
+//! the same paths in the same order. It is drawn in bands of fixed height, which are independent of
+//! each other and of the number of threads.
+
+use super::background::Background;
+use super::picture_size;
+use super::shadow::{self, Shadows};
+use image::RgbImage;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+use tiny_skia::{
+    Color, FillRule, GradientStop, LineJoin, LinearGradient, Mask, Paint, PathBuilder, Pixmap, PixmapMut,
+    PixmapPaint, RadialGradient, Shader, SpreadMode, Transform,
+};
+use vtex_base::error::{Error, Result};
+use vtex_base::geometry::{Affine, Outline, PathEl, Rect, Vec2};
+use vtex_base::parallel;
+use vtex_base::raster::colour::Colour;
+use vtex_scene::element::{GradientKind, Stop};
+use vtex_scene::scene::{Gradient, Instance, Scene, Shape};
+
+/// Height of the bands drawn at a time, in pixels.
+const BAND: usize = 256;
+
+/// Draws a scene, `scale` pixels of the picture to a pixel of the canvas; the size is rounded.
+///
+/// # Errors
+/// A scale that is not above 0; a scene that breaks its invariants; [`Error::TooLarge`] beyond 2³⁰
+/// pixels.
+pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
+    scene.check()?;
+    let (canvas_width, canvas_height) = (f64::from(scene.width), f64::from(scene.height));
+    let (width, height) = picture_size(canvas_width, canvas_height, scale, "scene")?;
+    let mut pixmap = Pixmap::new(width, height).ok_or_else(|| Error::TooLarge {
+        name: "scene".into(),
+        found: format!("a picture of {width} x {height} pixels"),
+        limit: "what one picture in memory can hold".into(),
+    })?;
+    let scale = [f64::from(width) / canvas_width, f64::from(height) / canvas_height];
+    let picture = Picture::new(scene, scale);
+    let row = width as usize * 4;
+    parallel::for_chunks(pixmap.data_mut(), row * BAND, |i, data| {
+        let rows = data.len() / row;
+        if let Some(mut band) = PixmapMut::from_bytes(data, width, rows as u32) {
+            picture.draw(&mut band, i * BAND);
+        }
+    });
+    Ok(pixmap)
+}
+
+/// A picture over white.
+pub fn over_white(pixmap: &Pixmap) -> RgbImage {
+    // Components are multiplied by the opacity already.
+    RgbImage::from_fn(pixmap.width(), pixmap.height(), |x, y| {
+        let pixel = pixmap.pixel(x, y).expect("within the picture");
+        let white = 255 - pixel.alpha();
+        image::Rgb([pixel.red(), pixel.green(), pixel.blue()].map(|v| v.saturating_add(white)))
+    })
+}
+
+/// Bilinear interpolation of the background's rows.
+fn paint_background(background: &Background, scale: [f64; 2], top: usize, band: &mut PixmapMut<'_>) {
+    let (width, data) = (band.width() as usize, band.data_mut());
+    let xs: Vec<f64> = (0..width).map(|x| (x as f64 + 0.5) / scale[0]).collect();
+    let mut current = None;
+    let (mut above, mut below) = (Vec::new(), Vec::new());
+    for (y, line) in data.chunks_exact_mut(width * 4).enumerate() {
+        let v = ((top + y) as f64 + 0.5) / scale[1] / background.row_height;
+        let k = (v as usize).min(background.rows.len() - 2);
+        if current != Some(k) {
+            above = background.row(k, &xs);
+            below = background.row(k + 1, &xs);
+            current = Some(k);
+        }
+        let t = (v - k as f64) as f32;
+        for ((pixel, a), b) in line.chunks_exact_mut(4).zip(&above).zip(&below) {
+            for c in 0..3 {
+                pixel[c] = (a[c] + (b[c] - a[c]) * t + 0.5) as u8;
+            }
+            pixel[3] = 255;
+        }
+    }
+}
+
+/// A shape to which something is clipped, on the picture.
+pub(super) struct Region(Vec<(tiny_skia::Path, Affine)>);
+
+impl Region {
+    /// The domain of a scene, with its copies; empty if there is none.
+    pub(super) fn of_domain(scene: &Scene, scale: [f64; 2]) -> Self {
+        scene.domain.as_ref().map_or(Self(Vec::new()), |d| Self::new(scene, &d.outline, scale))
+    }
+
+    /// An outline on the canvas of a scene, with its copies.
+    fn new(scene: &Scene, outline: &Outline, scale: [f64; 2]) -> Self {
+        let scale = Affine::scale_non_uniform(scale[0], scale[1]);
+        let copies = scene.copies(outline.bounds());
+        Self(copies.filter_map(|shift| Some((path_of(outline)?, scale * Affine::translate(shift)))).collect())
+    }
+
+    /// The opacity of each pixel of a band that begins at row `top`.
+    pub(super) fn mask(&self, width: u32, rows: u32, top: f64, anti_alias: bool) -> Option<Mask> {
+        let mut mask = Mask::new(width, rows)?;
+        for (path, affine) in &self.0 {
+            mask.fill_path(path, FillRule::Winding, anti_alias, band_transform(*affine, top));
+        }
+        Some(mask)
+    }
+
+    fn clip(&self, band: &mut PixmapMut<'_>, top: f64) {
+        if let Some(mask) = self.mask(band.width(), band.height(), top, true) {
+            band.apply_mask(&mask);
+        }
+    }
+}
+
+/// As tiny-skia knows a map to the picture, in a band that begins at row `top`.
+fn band_transform(affine: Affine, top: f64) -> Transform {
+    let [a, b, c, d, e, f] = affine.as_coeffs();
+    let [a, b, c, d, e, f] = [a, b, c, d, e, f - top].map(|v| v as f32);
+    Transform::from_row(a, b, c, d, e, f)
+}
+
+/// The paths of an element with their paint; that of the base may come from the instance.
+struct Drawing {
+    base: Option<tiny_skia::Path>,
+    details: Vec<(tiny_skia::Path, Paint<'static>)>,
+    /// The outline of the whole, if that is not the base's.
+    silhouette: Option<tiny_skia::Path>,
+    bounds: Rect,
+}
+
+/// A scene made ready to be drawn.
+struct Picture<'a> {
+    scene: &'a Scene,
+    scale: [f64; 2],
+    drawings: Vec<Drawing>,
+    layers: Vec<DrawnLayer<'a>>,
+    domain: Region,
+    shadows: BTreeMap<shadow::Key, Vec<(tiny_skia::Path, Paint<'static>)>>,
+}
+
+struct DrawnLayer<'a> {
+    background: Option<Background>,
+    region: Option<Region>,
+    /// Whether the domain clips it.
+    clipped: bool,
+    /// Instances in painting order, copies right after their originals.
+    instances: Vec<Placed<'a>>,
+}
+
+/// An instance or a copy of it.
+struct Placed<'a> {
+    instance: &'a Instance,
+    /// The map to the picture.
+    affine: Affine,
+    /// The same of its shadow.
+    shadow: Affine,
+    /// First and last row of the picture that it may touch.
+    rows: [f64; 2],
+}
+
+impl<'a> Picture<'a> {
+    fn new(scene: &'a Scene, scale: [f64; 2]) -> Self {
+        let drawings = parallel::map(&scene.elements, |element| Drawing {
+            base: path_of(&element.base().outline),
+            details: element
+                .details()
+                .iter()
+                .filter_map(|s| Some((path_of(&s.outline)?, paint(s, s.colour, s.gradient.as_deref()))))
+                .collect(),
+            silhouette: element.silhouette.as_ref().and_then(path_of),
+            bounds: element.bounds(),
+        });
+        let to_picture = Affine::scale_non_uniform(scale[0], scale[1]);
+        let place = |instance: &'a Instance| {
+            let affine = instance.affine();
+            let bounds = instance.reach(drawings[instance.element.index()].bounds);
+            scene.copies(bounds).map(move |shift| {
+                let reach = to_picture.transform_rect_bbox(bounds + shift);
+                let away = shift + instance.shadow.map_or(Vec2::ZERO, |s| s.shift());
+                Placed {
+                    instance,
+                    affine: to_picture * affine.then_translate(shift),
+                    shadow: to_picture * affine.then_translate(away),
+                    rows: [reach.y0, reach.y1],
+                }
+            })
+        };
+        let layers = scene.layers.iter().map(|layer| DrawnLayer {
+            background: layer.field.as_ref().map(|field| Background::new(scene, field)),
+            region: layer.region.as_ref().map(|outline| Region::new(scene, outline, scale)),
+            clipped: scene.is_clipped(layer),
+            instances: layer.instances.iter().flat_map(&place).collect(),
+        });
+        let layers = layers.collect();
+        let black = |l: &shadow::Layer| {
+            let mut paint = Paint::default();
+            paint.set_color(Color::from_rgba(0.0, 0.0, 0.0, l.opacity as f32).unwrap_or(Color::TRANSPARENT));
+            path_of(&l.outline).map(|path| (path, paint))
+        };
+        let shadows = Shadows::new(scene);
+        let shadows = shadows.all().map(|(key, layers)| (key, layers.iter().filter_map(black).collect()));
+        let (shadows, domain) = (shadows.collect(), Region::of_domain(scene, scale));
+        Self { scene, scale, drawings, layers, domain, shadows }
+    }
+
+    /// Draws a band of the picture, which begins at row `top` and is clear before.
+    fn draw(&self, band: &mut PixmapMut<'_>, top: usize) {
+        for (k, run) in self.layers.chunk_by(|a, b| a.clipped == b.clipped).enumerate() {
+            let clip = run[0].clipped.then_some(&self.domain);
+            if k == 0 {
+                // Nothing lies underneath that must not be clipped.
+                run.iter().for_each(|layer| self.draw_layer(layer, band, top));
+                clip.inspect(|domain| domain.clip(band, top as f64));
+            } else {
+                apart(band, clip, top, |band| {
+                    run.iter().for_each(|layer| self.draw_layer(layer, band, top));
+                });
+            }
+        }
+    }
+
+    fn draw_layer(&self, layer: &DrawnLayer<'_>, band: &mut PixmapMut<'_>, top: usize) {
+        apart(band, layer.region.as_ref(), top, |band| {
+            if let Some(background) = &layer.background {
+                paint_background(background, self.scale, top, band);
+            }
+            let (top, rows) = (top as f64, f64::from(band.height()));
+            for placed in &layer.instances {
+                // A pixel more on each side, for antialiasing.
+                if placed.rows[1] >= top - 1.0 && placed.rows[0] <= top + rows + 1.0 {
+                    self.draw_instance(placed, band, top);
+                }
+            }
+        });
+    }
+
+    fn draw_instance(&self, placed: &Placed<'_>, band: &mut PixmapMut<'_>, top: f64) {
+        let instance = placed.instance;
+        let drawing = &self.drawings[instance.element.index()];
+        if let Some(layers) = instance.shadow.and_then(|s| self.shadows.get(&shadow::key(instance, &s))) {
+            for (path, paint) in layers {
+                band.fill_path(path, paint, FillRule::Winding, band_transform(placed.shadow, top), None);
+            }
+        }
+        let transform = band_transform(placed.affine, top);
+        let element = self.scene.element(instance);
+        if let Some(path) = &drawing.base {
+            let (colour, gradient) = element.paint(instance.colour);
+            band.fill_path(
+                path,
+                &paint(element.base(), colour, gradient),
+                FillRule::Winding,
+                transform,
+                None,
+            );
+        }
+        for (path, paint) in &drawing.details {
+            band.fill_path(path, paint, FillRule::Winding, transform, None);
+        }
+        let outline = drawing.silhouette.as_ref().or(drawing.base.as_ref());
+        if let (Some(path), Some(stroke)) = (outline, instance.stroke) {
+            let line = tiny_skia::Stroke {
+                width: stroke.width as f32,
+                line_join: LineJoin::Round,
+                ..tiny_skia::Stroke::default()
+            };
+            band.stroke_path(path, &opaque(stroke.colour), &line, transform, None);
+        }
+    }
+}
+
+/// Draws onto a band, clipped to a region if there is one.
+fn apart(
+    band: &mut PixmapMut<'_>,
+    region: Option<&Region>,
+    top: usize,
+    draw: impl FnOnce(&mut PixmapMut<'_>),
+) {
+    let Some(region) = region else { return draw(band) };
+    let Some(mut own) = Pixmap::new(band.width(), band.height()) else { return };
+    draw(&mut own.as_mut());
+    region.clip(&mut own.as_mut(), top as f64);
+    band.draw_pixmap(0, 0, own.as_ref(), &PixmapPaint::default(), Transform::identity(), None);
+}
+
+fn opaque(colour: Colour) -> Paint<'static> {
+    let Colour([r, g, b]) = colour;
+    Paint { shader: Shader::SolidColor(Color::from_rgba8(r, g, b, 255)), ..Paint::default() }
+}
+
+/// A gradient, or one colour where there is none, as opaque as a shape.
+fn paint(shape: &Shape, colour: Colour, gradient: Option<&Gradient>) -> Paint<'static> {
+    let solid = |Colour([r, g, b]): Colour, opacity: f64| {
+        Color::from_rgba8(r, g, b, libm::round(255.0 * shape.opacity * opacity) as u8)
+    };
+    let shader = gradient.and_then(|g| {
+        let point = |[x, y]: [f64; 2]| tiny_skia::Point::from_xy(x as f32, y as f32);
+        let stop = |s: Stop| GradientStop::new(s.offset as f32, solid(s.colour, s.opacity));
+        let (stops, pad, whole) = (g.stops().map(stop).collect(), SpreadMode::Pad, Transform::identity());
+        let [from, to] = [g.from, g.to].map(point);
+        match g.kind {
+            GradientKind::Linear => LinearGradient::new(from, to, stops, pad, whole),
+            GradientKind::Radial => {
+                RadialGradient::new(from, 0.0, from, from.distance(to), stops, pad, whole)
+            }
+        }
+    });
+    Paint { shader: shader.unwrap_or(Shader::SolidColor(solid(colour, 1.0))), ..Paint::default() }
+}
+
+/// The path as tiny-skia knows it; none if there is nothing to fill.
+pub(super) fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
+    let mut builder = PathBuilder::new();
+    for element in outline.path().elements() {
+        match *element {
+            PathEl::MoveTo(p) => builder.move_to(p.x as f32, p.y as f32),
+            PathEl::LineTo(p) => builder.line_to(p.x as f32, p.y as f32),
+            PathEl::QuadTo(a, p) => builder.quad_to(a.x as f32, a.y as f32, p.x as f32, p.y as f32),
+            PathEl::CurveTo(a, b, p) => {
+                builder.cubic_to(a.x as f32, a.y as f32, b.x as f32, b.y as f32, p.x as f32, p.y as f32);
+            }
+            PathEl::ClosePath => builder.close(),
+        }
+    }
+    builder.finish()
+}
+
+/// Writes a picture as PNG, 8-bit sRGB, with alpha only where something shows through. The text
+/// chunks name the program and, where there is one, the seed.
+///
+/// # Errors
+/// A failing writer, as [`Error::Write`] with the path `-`.
+pub fn encode(pixmap: &Pixmap, seed: Option<u64>, out: impl Write) -> Result<()> {
+    let opaque = pixmap.pixels().iter().all(|p| p.alpha() == 255);
+    let channels = if opaque { 3 } else { 4 };
+    let data = straight(pixmap, channels);
+    encode_data(pixmap.width(), pixmap.height(), opaque, &data, seed, out).map_err(failed)
+}
+
+/// The components of all pixels, 8-bit sRGB, not multiplied by alpha: `channels` of each, 3 or 4 for
+/// those with alpha.
+pub fn straight(pixmap: &Pixmap, channels: usize) -> Vec<u8> {
+    let mut data = Vec::with_capacity(pixmap.pixels().len() * channels);
+    for pixel in pixmap.pixels() {
+        let c = pixel.demultiply();
+        data.extend_from_slice(&[c.red(), c.green(), c.blue(), c.alpha()][..channels]);
+    }
+    data
+}
+
+/// As [`encode`], of plain RGB.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_rgb(image: &RgbImage, out: impl Write) -> Result<()> {
+    encode_data(image.width(), image.height(), true, image.as_raw(), None, out).map_err(failed)
+}
+
+pub(super) fn failed(e: png::EncodingError) -> Error {
+    let source = match e {
+        png::EncodingError::IoError(e) => e,
+        other => std::io::Error::other(other.to_string()),
+    };
+    Error::write(Path::new("-"), source)
+}
+
+fn encode_data(
+    width: u32,
+    height: u32,
+    opaque: bool,
+    data: &[u8],
+    seed: Option<u64>,
+    out: impl Write,
+) -> Result<(), png::EncodingError> {
+    let mut encoder = png::Encoder::new(out, width, height);
+    encoder.set_color(if opaque { png::ColorType::Rgb } else { png::ColorType::Rgba });
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.add_text_chunk("Software".into(), vtex_base::PROGRAM.into())?;
+    if let Some(seed) = seed {
+        encoder.add_text_chunk("Seed".into(), seed.to_string())?;
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(data)?;
+    writer.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster_svg::render_svg;
+    use crate::svg::{self, SvgOptions};
+    use crate::testing;
+
+    /// Mean and largest difference of two pictures, in 8-bit steps.
+    fn difference(a: &Pixmap, b: &Pixmap) -> (f64, u8) {
+        assert_eq!((a.width(), a.height()), (b.width(), b.height()));
+        let pairs = || a.data().iter().zip(b.data());
+        let sum: u64 = pairs().map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+        let most = pairs().map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
+        (sum as f64 / a.data().len() as f64, most)
+    }
+
+    fn by_svg(scene: &Scene, options: SvgOptions, scale: f64) -> Pixmap {
+        let mut bytes = Vec::new();
+        svg::write(scene, &options, &mut bytes).unwrap();
+        render_svg(&bytes, scale, "test", &()).unwrap()
+    }
+
+    #[test]
+    fn agrees_with_resvg_at_any_scale() {
+        let scene = testing::scene(560, 320, 1);
+        for scale in [0.5, 1.0, 2.3] {
+            let direct = render(&scene, scale).unwrap();
+            for expand in [false, true] {
+                let options = SvgOptions { expand, ..SvgOptions::default() };
+                let (mean, most) = difference(&direct, &by_svg(&scene, options, scale));
+                assert!(mean < 0.5, "scale {scale}, expand {expand}: mean {mean}");
+                assert!(most <= 40, "scale {scale}, expand {expand}: {most} somewhere");
+            }
+        }
+    }
+
+    #[test]
+    fn textons_are_really_drawn() {
+        let mut scene = testing::scene(300, 300, 2);
+        let full = render(&scene, 1.0).unwrap();
+        scene.primary_mut().clear();
+        scene.secondary_mut().clear();
+        let (mean, _) = difference(&full, &render(&scene, 1.0).unwrap());
+        assert!(mean > 5.0, "{mean}");
+    }
+
+    #[test]
+    fn bands_of_the_background_leave_no_seam() {
+        let mut scene = testing::scene(1200, 120, 3);
+        scene.primary_mut().clear();
+        scene.secondary_mut().clear();
+        for scale in [1.0, 1.37, 4.0] {
+            let svg = by_svg(&scene, SvgOptions::default(), scale);
+            let (mean, most) = difference(&render(&scene, scale).unwrap(), &svg);
+            assert!(mean < 0.6 && most <= 3, "scale {scale}: mean {mean}, largest {most}");
+        }
+    }
+
+    #[test]
+    fn background_follows_the_field() {
+        let mut scene = testing::scene(200, 200, 4);
+        scene.primary_mut().clear();
+        scene.secondary_mut().clear();
+        let picture = render(&scene, 1.0).unwrap();
+        let field = vtex_scene::scene::field::Interpolant::new(scene.field(), 200, 200, scene.tile);
+        let mut sum = 0.0;
+        for (i, pixel) in picture.pixels().iter().enumerate() {
+            let at = field.at((i % 200) as f64 + 0.5, (i / 200) as f64 + 0.5);
+            let got = [pixel.red(), pixel.green(), pixel.blue()];
+            sum += (0..3).map(|c| (at[c].clamp(0.0, 255.0) - f64::from(got[c])).abs()).sum::<f64>();
+        }
+        let mean = sum / (3.0 * 200.0 * 200.0);
+        assert!(mean < 1.0, "{mean}");
+    }
+
+    #[test]
+    fn tiny_and_huge_pictures() {
+        let scene = testing::scene(1, 1, 5);
+        assert_eq!(render(&scene, 1.0).unwrap().width(), 1);
+        assert_eq!(render(&scene, 1e-9).unwrap().width(), 1);
+        let error = render(&scene, 1e5).unwrap_err().to_string();
+        assert!(error.contains("100000 x 100000"), "{error}");
+        for scale in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(render(&scene, scale), Err(Error::Parameter { name: "scale", .. })), "{scale}");
+        }
+    }
+
+    #[test]
+    fn png_comes_back_and_names_program_and_seed() {
+        let picture = render(&testing::scene(90, 60, 6), 1.0).unwrap();
+        let mut bytes = Vec::new();
+        encode(&picture, Some(77), &mut bytes).unwrap();
+        let decoder = png::Decoder::new(std::io::Cursor::new(&bytes));
+        let mut reader = decoder.read_info().unwrap();
+        let mut data = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut data).unwrap();
+        let drawn: Vec<u8> = picture.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+        assert_eq!(data, drawn);
+        let texts: Vec<(&str, &str)> = reader
+            .info()
+            .uncompressed_latin1_text
+            .iter()
+            .map(|t| (t.keyword.as_str(), t.text.as_str()))
+            .collect();
+        assert_eq!(texts, [("Software", vtex_base::PROGRAM), ("Seed", "77")]);
+    }
+
+    #[test]
+    fn unsound_scenes_are_refused() {
+        let mut scene = testing::scene(20, 20, 7);
+        scene.primary_mut()[0].element = vtex_scene::scene::ElementId(1000);
+        assert!(matches!(render(&scene, 1.0), Err(Error::Format { .. })));
+    }
+}

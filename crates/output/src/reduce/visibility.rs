@@ -1,0 +1,180 @@
+//! How much of a picture each detail and each secondary is, by the bytes it takes.
+//!
+//! A patch is seen as much as its area times the Oklab distance of its colour from what would be seen
+//! in its place; a detail in all instances of its texton, which share its bytes. What hides a part of
+//! it is not regarded. Counted by byte, not by piece, a file of the same size is nearer to the whole:
+//! mean difference 3.7 instead of 4.3 at three fifths of a texture of grass, 0.96 instead of 1.22 at
+//! two thirds of one of stones.
+
+use vtex_base::geometry::{Outline, PathText, Rect, write_path};
+use vtex_base::raster::colour::{Colour, oklab};
+use vtex_scene::scene::field::Interpolant;
+use vtex_scene::scene::{Element, Scene, Shape};
+
+/// About how many bytes a reference to a texton takes, with place and colour.
+const REFERENCE: f64 = 50.0;
+
+/// The order in which details and secondaries can be left out.
+pub(super) struct Ranks {
+    /// Of each element's details.
+    details: Vec<Vec<usize>>,
+    /// Of each layer's instances; empty for layers of individual elements, which stay.
+    instances: Vec<Vec<usize>>,
+    /// How often each element is shown.
+    uses: Vec<usize>,
+    count: usize,
+}
+
+impl Ranks {
+    pub(super) fn new(scene: &Scene) -> Self {
+        let mut sizes = vec![0.0; scene.elements.len()];
+        let mut uses = vec![0; scene.elements.len()];
+        for instance in scene.instances() {
+            sizes[instance.element.index()] += instance.affine().determinant().abs();
+            uses[instance.element.index()] += 1;
+        }
+        let mut all: Vec<(f64, Place)> = Vec::new();
+        for (t, element) in scene.elements.iter().enumerate() {
+            for (d, detail) in element.details().iter().enumerate() {
+                let seen = sizes[t] * detail.outline.area() * distance(detail.colour, beneath(element, d));
+                all.push((seen / bytes(&detail.outline), Place::Detail(t, d)));
+            }
+        }
+        // The cost of an instance: a reference and a share of the definition where there is one.
+        let own_bytes: Vec<f64> = (scene.elements.iter().zip(&uses))
+            .map(|(element, &uses)| {
+                let whole = bytes(element.outline());
+                if uses > 1 { REFERENCE + whole / uses as f64 } else { whole }
+            })
+            .collect();
+        let mut instances = Vec::new();
+        for (k, layer) in scene.layers.iter().enumerate() {
+            let small = if layer.role.is_individual() { &[][..] } else { &layer.instances[..] };
+            instances.push(vec![0; small.len()]);
+            let under = scene.field_under(k).filter(|_| !small.is_empty());
+            let field = under.map(|f| Interpolant::new(f, scene.width, scene.height, scene.tile));
+            for (i, instance) in small.iter().enumerate() {
+                let element = scene.element(instance);
+                let affine = instance.affine();
+                let at = affine * element.outline().bounds().center();
+                let beneath =
+                    field.as_ref().map_or(Colour::default(), |f| Colour::from_f64(f.at(at.x, at.y)));
+                let contrast = distance(instance.colour.unwrap_or(element.base().colour), beneath);
+                let area = element.outline().area() * affine.determinant().abs();
+                let own: f64 =
+                    element.details().iter().map(|p| p.outline.area() * distance(p.colour, beneath)).sum();
+                let bytes = own_bytes[instance.element.index()];
+                all.push(((area * contrast + own) / bytes, Place::Instance(k, i)));
+            }
+        }
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let details = scene.elements.iter().map(|e| vec![0; e.details().len()]).collect();
+        let mut ranks = Self { details, instances, uses, count: all.len() };
+        for (rank, (_, place)) in all.into_iter().enumerate() {
+            match place {
+                Place::Detail(t, d) => ranks.details[t][d] = rank,
+                Place::Instance(k, i) => ranks.instances[k][i] = rank,
+            }
+        }
+        ranks
+    }
+
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Takes the first `count` out of a scene with the same textons and instances. Gives the numbers
+    /// of details, on all instances, and of secondaries.
+    pub(super) fn leave_out(&self, scene: &mut Scene, count: usize) -> (usize, usize) {
+        let mut details = 0;
+        for ((element, ranks), uses) in scene.elements.iter_mut().zip(&self.details).zip(&self.uses) {
+            let before = element.shapes.len();
+            let mut stay = std::iter::once(true).chain(ranks.iter().map(|&rank| rank >= count));
+            element.shapes.retain(|_| stay.next().unwrap_or(true));
+            details += (before - element.shapes.len()) * uses;
+        }
+        let before = scene.count();
+        for (layer, ranks) in scene.layers.iter_mut().zip(&self.instances) {
+            let mut ranks = ranks.iter();
+            layer.instances.retain(|_| ranks.next().is_none_or(|&rank| rank >= count));
+        }
+        (details, before - scene.count())
+    }
+}
+
+enum Place {
+    /// Element, and number of the detail.
+    Detail(usize, usize),
+    /// Layer, and number of the instance.
+    Instance(usize, usize),
+}
+
+/// The colour that would be seen in place of a detail: that of the last one before it that it lies
+/// in as a whole, else that of the base.
+fn beneath(element: &Element, detail: usize) -> Colour {
+    let bounds = element.details()[detail].outline.bounds();
+    let contains = |outer: Rect| {
+        outer.x0 <= bounds.x0 && outer.y0 <= bounds.y0 && outer.x1 >= bounds.x1 && outer.y1 >= bounds.y1
+    };
+    let holds = |p: &&Shape| {
+        contains(p.outline.bounds()) && kurbo::Shape::winding(p.outline.path(), bounds.center()) != 0
+    };
+    element.details()[..detail].iter().rev().find(holds).map_or(element.base().colour, |p| p.colour)
+}
+
+/// About how many bytes of an SVG a path takes.
+fn bytes(outline: &Outline) -> f64 {
+    const AROUND: usize = 30;
+    (write_path(outline.path(), PathText { precision: 1 }).len() + AROUND) as f64
+}
+
+/// Oklab distance: 1 from black to white.
+fn distance(a: Colour, b: Colour) -> f64 {
+    let (a, b) = (oklab(a.0), oklab(b.0));
+    libm::sqrt((0..3).map(|c| f64::from(a[c] - b[c])).map(|d| d * d).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+
+    #[test]
+    fn specks_like_their_background_go_first_and_contrast_last() {
+        let mut scene = testing::scene(300, 200, 3);
+        let used = scene
+            .primary()
+            .iter()
+            .map(|i| i.element.index())
+            .find(|&t| scene.elements[t].details().len() > 3);
+        let texton = used.unwrap();
+        let shapes = &mut scene.elements[texton].shapes;
+        shapes[2].colour = shapes[0].colour;
+        shapes[3].colour = Colour([255, 0, 255]);
+        shapes[3].outline = shapes[0].outline.clone();
+        let ranks = Ranks::new(&scene);
+        let mut few = scene.clone();
+        let invisible = few.elements[texton].details()[1].clone();
+        let loud = few.elements[texton].details()[2].clone();
+        let (details, secondaries) = ranks.leave_out(&mut few, ranks.len() / 2);
+        assert!(details > 0 && secondaries > 0);
+        assert!(!few.elements[texton].details().contains(&invisible));
+        assert!(few.elements[texton].details().contains(&loud));
+        let (_, all) = ranks.leave_out(&mut scene, ranks.len());
+        assert_eq!(all, ranks.instances.iter().map(Vec::len).sum::<usize>());
+        assert!(scene.elements.iter().all(|t| t.details().is_empty()) && scene.secondary().is_empty());
+    }
+
+    #[test]
+    fn a_detail_on_a_detail_is_compared_with_that() {
+        let mut element = testing::scene(50, 50, 4).elements.swap_remove(0);
+        let mut patch = element.details()[0].clone();
+        patch.outline = element.outline().clone();
+        patch.colour = Colour([10, 20, 30]);
+        element.shapes.truncate(1);
+        element.shapes.extend([patch.clone(), patch]);
+        assert_eq!(beneath(&element, 0), element.base().colour);
+        assert_eq!(beneath(&element, 1), Colour([10, 20, 30]));
+    }
+}

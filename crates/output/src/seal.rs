@@ -1,0 +1,264 @@
+//! The seal of a file: a SHA-256 of its own bytes, by which a file that nobody has changed since it was
+//! written is distinguished from one that somebody has worked on.
+//!
+//! It stands where the format has room for remarks, at the end, because files are written as they are
+//! made: a comment in SVG, HTML and PDF, a text chunk in PNG, a comment in GIF, the last field of a JSON
+//! document. Of a packed file the content is sealed, and gzip guards the rest.
+
+use flate2::Crc;
+use flate2::bufread::GzDecoder;
+use sha2::{Digest, Sha256};
+use std::io::{self, BufRead, BufReader, Read, Write};
+use vtex_base::gzip;
+
+/// How every page of vtex begins, its version next.
+pub const PAGE_BEGINNING: &str = "<!DOCTYPE html>\n<!-- Written by vtex ";
+/// How every JSON document of vtex begins.
+const DOCUMENT_BEGINNING: &str = "{\"format\":\"vtex-";
+/// Bytes by which a format is recognised; none of the beginnings is longer.
+const HEAD: usize = 64;
+/// The end of every PNG: an empty chunk.
+const PNG_END: &[u8] = b"\0\0\0\0IEND\xaeB`\x82";
+
+/// Where a format has room for a seal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    /// SVG and HTML.
+    Markup,
+    Pdf,
+    Png,
+    Gif,
+    /// A JSON document of vtex.
+    Document,
+}
+
+impl Format {
+    /// Told by the first [`HEAD`] bytes, or all if there are fewer.
+    fn of(head: &[u8]) -> Option<Self> {
+        let begins = |how: &[u8]| head.starts_with(how);
+        if begins(super::svg::BEGINNING.as_bytes()) || begins(PAGE_BEGINNING.as_bytes()) {
+            Some(Self::Markup)
+        } else if begins(b"%PDF-") {
+            Some(Self::Pdf)
+        } else if begins(b"\x89PNG\r\n\x1a\n") {
+            Some(Self::Png)
+        } else if begins(b"GIF89a") {
+            Some(Self::Gif)
+        } else if begins(DOCUMENT_BEGINNING.as_bytes()) {
+            Some(Self::Document)
+        } else {
+            None
+        }
+    }
+
+    /// The end of a file, before which the seal stands.
+    fn end(self) -> &'static [u8] {
+        match self {
+            Self::Markup => b"",
+            Self::Pdf => b"%%EOF",
+            Self::Png => PNG_END,
+            Self::Gif => b"\x3b",
+            Self::Document => b"}\n",
+        }
+    }
+
+    /// The seal and the end of a file whose bytes before them have this sum.
+    fn tail(self, sum: &str) -> Vec<u8> {
+        let mut tail = match self {
+            Self::Markup => format!("<!-- sha256 {sum} -->\n").into_bytes(),
+            Self::Pdf => format!("% sha256 {sum}\n").into_bytes(),
+            Self::Png => {
+                let content = [b"tEXtSHA-256\0", sum.as_bytes()].concat();
+                let mut crc = Crc::new();
+                crc.update(&content);
+                let length = (content.len() - 4) as u32;
+                [&length.to_be_bytes()[..], &content, &crc.sum().to_be_bytes()].concat()
+            }
+            Self::Gif => [&[0x21, 0xfe, sum.len() as u8], sum.as_bytes(), &[0]].concat(),
+            Self::Document => format!(",\"sha256\":\"{sum}\"").into_bytes(),
+        };
+        tail.extend(self.end());
+        tail
+    }
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Hashes a stream but for its last bytes.
+struct AllBut {
+    last: usize,
+    held: Vec<u8>,
+    hash: Sha256,
+}
+
+impl AllBut {
+    fn new(last: usize) -> Self {
+        Self { last, held: Vec::new(), hash: Sha256::new() }
+    }
+
+    /// Takes bytes, and hands on those that are certainly not among the last.
+    fn push(&mut self, bytes: &[u8], mut on: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
+        let old = (self.held.len() + bytes.len()).saturating_sub(self.last).min(self.held.len());
+        let new = bytes.len().saturating_sub(self.last);
+        for part in [&self.held[..old], &bytes[..new]] {
+            self.hash.update(part);
+            on(part)?;
+        }
+        self.held.drain(..old);
+        self.held.extend(&bytes[new..]);
+        Ok(())
+    }
+}
+
+/// Writes on what it is given and, where the format is known, adds the seal at [`Sealed::finish`].
+pub struct Sealed<W> {
+    out: W,
+    head: Vec<u8>,
+    /// Known once enough has come.
+    format: Option<Option<Format>>,
+    content: AllBut,
+}
+
+impl<W: Write> Sealed<W> {
+    /// Nothing written yet.
+    pub fn new(out: W) -> Self {
+        Self { out, head: Vec::new(), format: None, content: AllBut::new(0) }
+    }
+
+    /// Writes what is left, and gives back what was written to.
+    ///
+    /// # Errors
+    /// Those of writing.
+    pub fn finish(mut self) -> io::Result<W> {
+        self.begin()?;
+        let Self { mut out, format, content, .. } = self;
+        match format.flatten() {
+            Some(format) if content.held == format.end() => {
+                out.write_all(&format.tail(&hexadecimal(content.hash)))?;
+            }
+            _ => out.write_all(&content.held)?,
+        }
+        Ok(out)
+    }
+
+    /// Decides on the format, and writes the bytes by which it was recognised.
+    fn begin(&mut self) -> io::Result<()> {
+        if self.format.is_some() {
+            return Ok(());
+        }
+        let format = Format::of(&self.head);
+        self.format = Some(format);
+        self.content = AllBut::new(format.map_or(0, |f| f.end().len()));
+        let head = std::mem::take(&mut self.head);
+        self.content.push(&head, |part| self.out.write_all(part))
+    }
+}
+
+impl<W: Write> Write for Sealed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.format {
+            None => {
+                self.head.extend(bytes);
+                if self.head.len() >= HEAD {
+                    self.begin()?;
+                }
+            }
+            Some(None) => self.out.write_all(bytes)?,
+            Some(Some(_)) => self.content.push(bytes, |part| self.out.write_all(part))?,
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// Whether a file, plain or gzip, is sealed and as it was then.
+///
+/// # Errors
+/// Those of reading; damaged gzip is not sealed.
+pub(super) fn is_whole(mut file: impl Read) -> io::Result<bool> {
+    let mut start = Vec::new();
+    file.by_ref().take(2).read_to_end(&mut start)?;
+    let packed = gzip::is_packed(&start);
+    let all = io::Cursor::new(start).chain(file);
+    if !packed {
+        return whole(all);
+    }
+    let mut unpacked = GzDecoder::new(BufReader::new(all));
+    let sealed = whole(&mut unpacked).unwrap_or(false);
+    // Bytes after the packed data are not theirs.
+    Ok(sealed && unpacked.into_inner().fill_buf()?.is_empty())
+}
+
+fn whole(mut file: impl Read) -> io::Result<bool> {
+    let mut head = Vec::new();
+    file.by_ref().take(HEAD as u64).read_to_end(&mut head)?;
+    let Some(format) = Format::of(&head) else { return Ok(false) };
+    let empty = "0".repeat(2 * Sha256::output_size());
+    let mut content = AllBut::new(format.tail(&empty).len());
+    content.push(&head, |_| Ok(()))?;
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut buffer)? {
+            0 => break,
+            n => content.push(&buffer[..n], |_| Ok(()))?,
+        }
+    }
+    Ok(content.held == format.tail(&hexadecimal(content.hash)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file::gzip;
+    use crate::{pdf, png, svg, testing};
+
+    fn seal(bytes: &[u8], step: usize) -> Vec<u8> {
+        let mut out = Sealed::new(Vec::new());
+        bytes.chunks(step).for_each(|part| out.write_all(part).unwrap());
+        out.finish().unwrap()
+    }
+
+    /// A file of each format.
+    fn files() -> Vec<Vec<u8>> {
+        let scene = testing::scene(40, 40, 1);
+        let (mut drawn, mut sheet, mut picture) = (Vec::new(), Vec::new(), Vec::new());
+        svg::write(&scene, &svg::SvgOptions::default(), &mut drawn).unwrap();
+        pdf::write(&scene, &mut sheet).unwrap();
+        png::encode(&png::render(&scene, 1.0).unwrap(), None, &mut picture).unwrap();
+        let page = format!("{PAGE_BEGINNING}0.1.0 -->\n<html></html>\n").into_bytes();
+        vec![drawn, sheet, picture, page, scene.to_json(), b"GIF89a\x01\0\x01\0\0\0\0\x3b".to_vec()]
+    }
+
+    #[test]
+    fn any_change_breaks_the_seal() {
+        for file in files() {
+            let sealed = seal(&file, 7);
+            assert_eq!(sealed, seal(&file, 100_000), "it does not matter how it is written");
+            assert!(is_whole(&sealed[..]).unwrap() && !is_whole(&file[..]).unwrap());
+            let mut out = gzip(Vec::new());
+            out.write_all(&sealed).unwrap();
+            assert!(is_whole(&out.finish().unwrap()[..]).unwrap());
+            for at in (0..sealed.len()).step_by(sealed.len() / 97 + 1).chain([sealed.len() - 2]) {
+                let mut changed = sealed.clone();
+                changed[at] ^= 1;
+                assert!(!is_whole(&changed[..]).unwrap(), "byte {at} of {}", sealed.len());
+            }
+            let (shorter, longer) = (&sealed[..sealed.len() - 1], [&sealed[..], b"\n"].concat());
+            assert!(!is_whole(shorter).unwrap() && !is_whole(&longer[..]).unwrap());
+        }
+    }
+
+    #[test]
+    fn what_is_not_known_is_written_as_it_is() {
+        for foreign in [&b""[..], b"x", b"{\"format\":\"other\"}\n", b"<svg/>", &[7; 1000]] {
+            assert_eq!(seal(foreign, 3), foreign);
+            assert!(!is_whole(foreign).unwrap());
+        }
+        assert!(!is_whole(&b"\x1f\x8b damaged"[..]).unwrap());
+    }
+}

@@ -1,0 +1,486 @@
+//! Two scenes → one SVG that plays the way between them, by CSS animations of paths and colours.
+//!
+//! A texton that becomes another is drawn once, as it is in the first scene, and has a rule that says
+//! what it is at the end, and half-way where it does not go there straight; the viewer does the rest.
+//! Programs that know nothing of animations show the first scene. Outlines are smooth splines: between
+//! the middles of the sides of a polygon run parabolas that touch its sides. As `T` commands these need
+//! but one point each, and the numbers of one path can be turned into those of another one by one.
+//!
+//! Elements that grow or shrink are animated as paths too: Chromium would make a layer of its own of everything
+//! whose transform is animated, and thousands of them are more than it can paint.
+//!
+//! Gradients on textons are drawn in their mean colours, shadows with a sharp edge. The painting order
+//! is that half-way, because it cannot change in a document.
+
+use super::layers::{self, Frame};
+use super::number::{Number, Paint};
+use super::xml::{Drawn, Xml};
+use super::{NamedField, SvgSummary, backgrounds};
+use crate::background::Background;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use vtex_base::error::{Result, check};
+use vtex_base::geometry::{Point, Rect, Vec2};
+use vtex_edit::interpolate::{Brush, Interpolation, LayerMotion, Motion, Moving};
+use vtex_scene::scene::{Edge, InstanceId, Scene};
+
+/// Windows of time are rounded to this share of the way, so that many share a rule.
+const WINDOW: f64 = 0.05;
+/// How much is done in a window at even times.
+const SMOOTH: [f64; 5] = [0.0, 0.156, 0.5, 0.844, 1.0];
+/// What is further than this from half-way between its ends when half-way there, in pixels, is told
+/// where it is then.
+const STRAIGHT: f64 = 0.6;
+/// From this many moving shapes on viewers no longer play smoothly.
+pub(super) const MANY_SHAPES: usize = 5000;
+
+/// How an animation is played, again and again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Animation {
+    /// Seconds from the first scene to the second, 0.01 to 100 000.
+    pub seconds: f64,
+    /// Whether it is played back as well, instead of beginning anew.
+    pub back: bool,
+    /// Digits after the decimal point of coordinates, 0 to 6. Default of the program: 1.
+    pub precision: u8,
+}
+
+/// Writes the way between two scenes as one SVG that plays in browsers. Same scenes and options: the
+/// same bytes.
+///
+/// # Errors
+/// A parameter out of range; a failing writer, as [`Error::Write`] with the path `-`.
+pub fn write_animation(way: &Interpolation, options: &Animation, out: impl Write) -> Result<SvgSummary> {
+    check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
+    check((0.01..=1e5).contains(&options.seconds), "seconds", options.seconds, "0.01 to 100000")?;
+    let motions = way.motions();
+    let writer = Writer { scenes: way.scenes(), domain: way.domain_motion(), precision: options.precision };
+    let mut shapes = 0;
+    let mut summary = super::summed(0, out, |xml| {
+        shapes = writer.write(xml, &motions, options)?;
+        Ok(())
+    })?;
+    if shapes > MANY_SHAPES {
+        summary.warnings.push(format!(
+            "{shapes} shapes move; viewers do not play more than {MANY_SHAPES} smoothly: write a smaller size, \
+             a .gif or a .png, or thin and flatten the scenes with 'vtex edit' before"
+        ));
+    }
+    let soft = |scene: &Scene| {
+        let mut shadows = scene.instances().filter_map(|i| i.shadow);
+        shadows.any(|shadow| shadow.blur > 0.0)
+    };
+    if way.scenes().into_iter().any(soft) {
+        summary.warnings.push(
+            "soft shadows have a sharp edge in an animated SVG; frames, a .gif and a .png show them soft"
+                .into(),
+        );
+    }
+    Ok(summary)
+}
+
+struct Writer<'a> {
+    scenes: [&'a Scene; 2],
+    domain: Option<(Moving, Edge)>,
+    precision: u8,
+}
+
+impl Writer<'_> {
+    /// Writes everything; gives the number of shapes that move.
+    fn write<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        motions: &[LayerMotion<'_>],
+        options: &Animation,
+    ) -> io::Result<usize> {
+        let Scene { width, height, .. } = *self.scenes[0];
+        xml.open("svg");
+        xml.attribute("xmlns", "http://www.w3.org/2000/svg");
+        xml.attribute("xmlns:xlink", "http://www.w3.org/1999/xlink");
+        xml.attribute("xmlns:inkscape", "http://www.inkscape.org/namespaces/inkscape");
+        xml.attribute("width", width);
+        xml.attribute("height", height);
+        xml.attribute("viewBox", format_args!("0 0 {width} {height}"));
+        xml.line();
+        let [from, to] = self.scenes.map(super::super::title);
+        xml.open("title");
+        xml.text(&format!("{from} → {to}"));
+        xml.close()?;
+        xml.line();
+        let field = |side: usize| {
+            let scene = self.scenes[side];
+            motions.iter().map(move |layer| layer.fields[side].map(|field| Background::new(scene, field)))
+        };
+        let fields = [backgrounds(field(0), "b"), backgrounds(field(1), "e")];
+        let named = motions.iter().map(|layer| (layer.name, layer.role, layer.region.is_some()));
+        let frames = Frame::of(named, self.domain.as_ref().map(|(_, edge)| *edge));
+        self.write_rules(xml, motions, &frames, options)?;
+        self.write_definitions(xml, &fields, motions, &frames)?;
+        let mut shapes = 0;
+        layers::write(xml, &frames, |xml, k| {
+            write_fields(xml, [fields[0][k].as_ref(), fields[1][k].as_ref()])?;
+            shapes += self.write_motions(xml, &motions[k].motions)?;
+            Ok(())
+        })?;
+        Ok(shapes)
+    }
+
+    fn write_definitions<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        fields: &[Vec<NamedField>; 2],
+        motions: &[LayerMotion<'_>],
+        frames: &[Frame],
+    ) -> io::Result<()> {
+        xml.open("defs");
+        xml.line();
+        for (background, name) in fields.iter().flatten().flatten() {
+            background.write_definitions(xml, 0.0, name)?;
+        }
+        for (id, rule, shape) in self.clips(motions, frames) {
+            xml.open("clipPath");
+            xml.attribute("id", id);
+            xml.open("path");
+            xml.attribute("id", format_args!("{rule}-shape"));
+            xml.attribute("class", "a");
+            xml.attribute("style", format_args!("animation-name:{rule}"));
+            xml.attribute("d", self.data(shape, 0));
+            xml.close()?;
+            let drawn = Drawn { elements: 1, references: 0 };
+            self.write_copies(xml, &format!("{rule}-shape"), shape.bounds(), drawn)?;
+            xml.close()?;
+            xml.line();
+        }
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    /// The shapes that clip something: id of the clip path, name of the rule, and the shape.
+    fn clips<'a>(
+        &'a self,
+        motions: &'a [LayerMotion<'_>],
+        frames: &'a [Frame],
+    ) -> impl Iterator<Item = (&'a str, String, &'a Moving)> {
+        let domain = self.domain.iter().map(|(shape, _)| (layers::DOMAIN, layers::DOMAIN.to_owned(), shape));
+        let regions = motions.iter().zip(frames).enumerate();
+        let regions = regions.filter_map(|(k, (layer, frame))| {
+            Some((frame.region()?, format!("region{k}"), layer.region.as_ref()?))
+        });
+        domain.chain(regions)
+    }
+
+    /// The textons of a layer; gives the number of their shapes.
+    fn write_motions<W: Write>(&self, xml: &mut Xml<W>, motions: &[Motion]) -> io::Result<usize> {
+        let mut shapes = 0;
+        for motion in motions {
+            shapes += self.write_motion(xml, motion)?;
+            xml.line();
+        }
+        Ok(shapes)
+    }
+
+    /// The rules of all that moves.
+    fn write_rules<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        motions: &[LayerMotion<'_>],
+        frames: &[Frame],
+        options: &Animation,
+    ) -> io::Result<()> {
+        let direction = if options.back { "alternate" } else { "normal" };
+        xml.open("style");
+        let seconds = Number(options.seconds, 3);
+        xml.raw_text(&format!(
+            "\n.a{{animation:{seconds}s linear infinite {direction}}}\n.e{{animation-name:e}}\n\
+             @keyframes e{{from{{opacity:0}}to{{opacity:1}}}}\n"
+        ))?;
+        // Windows begin and end on a few steps: a rule for each pair that there is.
+        let mut windows: Vec<[u32; 2]> =
+            motions.iter().flat_map(|layer| &layer.motions).filter_map(window).collect();
+        windows.sort_unstable();
+        windows.dedup();
+        for [first, last] in windows {
+            let mut pace = String::from("0");
+            for (k, done) in SMOOTH.iter().enumerate() {
+                let share = k as f64 / (SMOOTH.len() - 1) as f64;
+                let step = f64::from(first) + f64::from(last - first) * share;
+                let _ = write!(pace, ",{} {}%", Number(*done, 3), Number(step * WINDOW * 100.0, 2));
+            }
+            xml.raw_text(&format!(".w{first}-{last}{{animation-timing-function:linear({pace},1)}}\n"))?;
+        }
+        for (_, rule, shape) in self.clips(motions, frames) {
+            xml.raw_text(&format!("@keyframes {rule}{{to{{d:path(\"{}\")}}}}\n", self.data(shape, 2)))?;
+        }
+        for motion in motions.iter().flat_map(|layer| &layer.motions) {
+            let mut rules = String::new();
+            for (k, shape) in motion.shapes.iter().enumerate() {
+                let _ = write!(rules, "@keyframes {}{{", name(motion.id, k));
+                if !straight(shape) {
+                    let _ = write!(rules, "50%{{d:path(\"{}\")}}", self.data(shape, 1));
+                }
+                let _ = write!(rules, "to{{d:path(\"{}\")", self.data(shape, 2));
+                brush_rule(&mut rules, &shape.brush);
+                rules.push_str("}}\n");
+            }
+            xml.raw_text(&rules)?;
+        }
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    /// One texton, and its copies; gives the number of its shapes.
+    fn write_motion<W: Write>(&self, xml: &mut Xml<W>, motion: &Motion) -> io::Result<usize> {
+        let Motion { id, shapes, .. } = motion;
+        let grouped = shapes.len() > 1;
+        let before = xml.drawn();
+        if grouped {
+            xml.open("g");
+            xml.attribute("id", format_args!("p{id}"));
+        }
+        for (k, shape) in shapes.iter().enumerate() {
+            xml.open("path");
+            if !grouped {
+                xml.attribute("id", format_args!("p{id}"));
+            }
+            match window(motion) {
+                Some([first, last]) => xml.attribute("class", format_args!("a w{first}-{last}")),
+                None => xml.attribute("class", "a"),
+            }
+            xml.attribute("style", format_args!("animation-name:{}", name(*id, k)));
+            write_brush(xml, &shape.brush);
+            xml.attribute("d", self.data(shape, 0));
+            xml.close()?;
+        }
+        if grouped {
+            xml.close()?;
+        }
+        let bounds = shapes.iter().map(Moving::bounds).reduce(|a, b| a.union(b)).unwrap_or_default();
+        self.write_copies(xml, &format!("p{id}"), bounds, xml.drawn().since(before))?;
+        Ok(shapes.len())
+    }
+
+    /// The copies of an element that reaches as far as `bounds`, where the scenes repeat; `drawn` is what
+    /// each shows.
+    fn write_copies<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        id: &str,
+        bounds: Rect,
+        drawn: Drawn,
+    ) -> io::Result<()> {
+        for shift in self.scenes[0].copies(bounds).filter(|&shift| shift != Vec2::ZERO) {
+            xml.open("use");
+            xml.attribute("xlink:href", format_args!("#{id}"));
+            xml.attribute("x", Number(shift.x, self.precision));
+            xml.attribute("y", Number(shift.y, self.precision));
+            xml.follow(drawn);
+            xml.close()?;
+        }
+        Ok(())
+    }
+
+    /// The rings of a shape at one of its three times.
+    fn data(&self, shape: &Moving, time: usize) -> String {
+        let mut text = String::new();
+        for ring in &shape.rings {
+            spline(&mut text, &ring[time], self.precision);
+        }
+        text
+    }
+}
+
+/// How a shape is painted in the first scene.
+fn write_brush<W: Write>(xml: &mut Xml<W>, brush: &Brush) {
+    match brush {
+        Brush::Fill([colour, _]) => xml.attribute("fill", Paint(*colour)),
+        Brush::Shadow([opacity, _]) => xml.attribute("fill-opacity", Number(*opacity, 3)),
+        Brush::Line { colours: [colour, _], widths: [width, _] } => {
+            xml.attribute("fill", "none");
+            xml.attribute("stroke", Paint(*colour));
+            xml.attribute("stroke-width", Number(*width, 2));
+            xml.attribute("stroke-linejoin", "round");
+        }
+    }
+}
+
+/// The field of the first scene, and over it that of the second, which appears.
+fn write_fields<W: Write>(
+    xml: &mut Xml<W>,
+    [from, to]: [Option<&(Background, String)>; 2],
+) -> io::Result<()> {
+    match (from, to) {
+        (None, None) => Ok(()),
+        (Some((only, name)), None) | (None, Some((only, name))) => only.write_bands(xml, 0.0, name),
+        (Some((from, from_name)), Some((to, to_name))) => {
+            from.write_bands(xml, 0.0, from_name)?;
+            xml.open("g");
+            xml.attribute("class", "a e");
+            xml.attribute("opacity", 0);
+            xml.line();
+            to.write_bands(xml, 0.0, to_name)?;
+            xml.close()
+        }
+    }
+}
+
+/// Its properties that differ in the second scene, as a part of a rule.
+fn brush_rule(rule: &mut String, brush: &Brush) {
+    // Writing into a String cannot fail.
+    match brush {
+        Brush::Fill([from, to]) if from != to => _ = write!(rule, ";fill:{}", Paint(*to)),
+        Brush::Shadow([from, to]) if from != to => _ = write!(rule, ";fill-opacity:{}", Number(*to, 3)),
+        Brush::Line { colours, widths } => {
+            if colours[0] != colours[1] {
+                let _ = write!(rule, ";stroke:{}", Paint(colours[1]));
+            }
+            if widths[0] != widths[1] {
+                let _ = write!(rule, ";stroke-width:{}", Number(widths[1], 2));
+            }
+        }
+        Brush::Fill(_) | Brush::Shadow(_) => {}
+    }
+}
+
+/// The rule of shape `k` of a texton.
+fn name(id: InstanceId, k: usize) -> String {
+    if k == 0 { format!("k{id}") } else { format!("k{id}-{k}") }
+}
+
+/// When a texton begins and ends to change, in steps, if it does not all the way.
+fn window(motion: &Motion) -> Option<[u32; 2]> {
+    motion.window.map(|ends| ends.map(|v| libm::round(v / WINDOW) as u32))
+}
+
+/// Whether a shape goes to its end straight enough.
+fn straight(shape: &Moving) -> bool {
+    shape.rings.iter().all(|[a, b, c]| {
+        let mut points = a.iter().zip(b).zip(c);
+        points.all(|((a, b), c)| (a.midpoint(*c) - *b).hypot2() < STRAIGHT * STRAIGHT)
+    })
+}
+
+/// A closed smooth curve near the points of a ring. Ends of parabolas are rounded so that the errors
+/// of the points between them, each of which is the last one mirrored, do not add up.
+fn spline(text: &mut String, ring: &[Point], precision: u8) {
+    let n = ring.len();
+    if n < 3 {
+        return;
+    }
+    // A control polygon whose parabolas come near the points.
+    let control = |i: usize| {
+        let (before, here, after) = (ring[(i + n - 1) % n], ring[i % n], ring[(i + 1) % n]);
+        here + ((here - before) + (here - after)) * 0.25
+    };
+    let scale = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6][usize::from(precision.min(6))];
+    let snap = |p: Point| Point::new(libm::round(p.x * scale) / scale, libm::round(p.y * scale) / scale);
+    let number = |v: f64| Number(v, precision);
+    let add = |text: &mut String, p: Point, from: Point, first: bool| {
+        for (k, v) in [p.x - from.x, p.y - from.y].into_iter().enumerate() {
+            let shown = number(v).to_string();
+            if !(first && k == 0 || shown.starts_with('-')) {
+                text.push(' ');
+            }
+            text.push_str(&shown);
+        }
+    };
+    let start = snap(control(0).midpoint(control(n - 1)));
+    text.push('M');
+    add(text, start, Point::ORIGIN, true);
+    let mut at = start;
+    let mut mirrored = snap(control(0));
+    for i in 0..n {
+        // Halfway from the point as it will be drawn to the next one as it should be.
+        let end = if i + 1 == n { start } else { snap(mirrored.midpoint(control(i + 1))) };
+        if i == 0 {
+            text.push('q');
+            add(text, mirrored, at, true);
+            add(text, end, at, false);
+            text.push('t');
+        } else {
+            add(text, end, at, i == 1);
+        }
+        mirrored = (end.to_vec2() * 2.0 - mirrored.to_vec2()).to_point();
+        at = end;
+    }
+    text.push('z');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+    use std::f64::consts::TAU;
+    use vtex_base::geometry::BezPath;
+
+    fn ring(n: u32, phase: f64) -> Vec<Point> {
+        let point = |i: u32| {
+            let angle = TAU * f64::from(i) / f64::from(n);
+            let r = 20.0 + 4.0 * libm::sin(3.0 * angle + phase);
+            Point::new(700.0 + r * libm::cos(angle), 300.0 + r * libm::sin(angle))
+        };
+        (0..n).map(point).collect()
+    }
+
+    #[test]
+    fn splines_pass_near_their_points_whatever_is_rounded() {
+        for precision in [1, 2] {
+            for phase in 0..8 {
+                let points = ring(28, f64::from(phase));
+                let mut text = String::new();
+                spline(&mut text, &points, precision);
+                let path = BezPath::from_svg(&text).unwrap();
+                let mut drawn = Vec::new();
+                kurbo_points(&path, &mut drawn);
+                for p in &points {
+                    let far = drawn.iter().map(|q| (*p - *q).hypot2()).fold(f64::INFINITY, f64::min);
+                    assert!(far < 0.45 * 0.45, "{far} {text}");
+                }
+            }
+        }
+    }
+
+    /// Points along a path.
+    fn kurbo_points(path: &BezPath, out: &mut Vec<Point>) {
+        use kurbo::ParamCurve;
+        for segment in path.segments() {
+            out.extend((0..20).map(|k| segment.eval(f64::from(k) / 20.0)));
+        }
+    }
+
+    #[test]
+    fn an_animation_has_everything_once_and_commands_that_correspond() {
+        let (a, b) = (testing::scene(200, 200, 1), testing::scene(200, 200, 2));
+        let way = Interpolation::new(a.clone(), b.clone(), &()).unwrap();
+        let options = Animation { seconds: 2.0, back: true, precision: 1 };
+        let mut bytes = Vec::new();
+        let summary = write_animation(&way, &options, &mut bytes).unwrap();
+        assert_eq!(summary.bytes, bytes.len() as u64);
+        let source = String::from_utf8(bytes).unwrap();
+        let document = roxmltree::Document::parse(&source).unwrap();
+        let with_id = |id: &str| document.descendants().filter(|n| n.attribute("id") == Some(id)).count();
+        for motion in way.motions().iter().flat_map(|layer| &layer.motions) {
+            assert_eq!(with_id(&format!("p{}", motion.id)), 1);
+        }
+        let style = document.descendants().find(|n| n.has_tag_name("style")).unwrap().text().unwrap();
+        let commands = |d: &str| -> String { d.chars().filter(char::is_ascii_alphabetic).collect() };
+        let numbers = |d: &str| BezPath::from_svg(d).unwrap().elements().len();
+        let mut seen = 0;
+        for path in document.descendants().filter(|n| n.has_tag_name("path")) {
+            let Some(name) = path.attribute("style").and_then(|s| s.strip_prefix("animation-name:")) else {
+                continue;
+            };
+            let rule = style.split(&format!("@keyframes {name}{{")).nth(1).unwrap().lines().next().unwrap();
+            let d = path.attribute("d").unwrap();
+            for other in rule.split("path(\"").skip(1).map(|r| r.split('"').next().unwrap()) {
+                assert_eq!((commands(d), numbers(d)), (commands(other), numbers(other)));
+            }
+            seen += 1;
+        }
+        assert!(seen > 10, "{seen}");
+        let mut again = Vec::new();
+        write_animation(&way, &options, &mut again).unwrap();
+        assert!(source.as_bytes() == again);
+    }
+}

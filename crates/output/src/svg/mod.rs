@@ -1,0 +1,482 @@
+//! Scene → SVG: pure vectors in groups that a designer finds their way in.
+//!
+//! The file is written as it is made; nothing of it is held in memory but the background's grid.
+//! Textons that stand more than once are defined once. Those with details become
+//! `<symbol overflow="visible">`, which vector editors list among their symbols; those of one path
+//! become a plain `<path>` that takes the fill of its `<use>`. References are `xlink:href`, which
+//! old and new readers alike understand. A texton that stands once is written where it stands.
+//!
+//! In a scene that tiles, textons that cross an edge come again at the opposite one, right after
+//! their original: primaries as a `<use>` of it, secondaries in full.
+//!
+//! Layers become groups with the layer's name; a region becomes a clip path. A reader finds of every
+//! element of a layer of individuals its *category* in the class of its group (`category-2`, or
+//! `category-2-1` for category 2 of library 1 where there are several); its *source*, the
+//! index among the elements of its library, in the id of its definition, or of its first path where it
+//! stands once (`t12` is element 12 with a category, `s340` element 340 without one, `t12-1` that of
+//! library 1, counted from 0 as in the metadata, where there are several); in an expanded file in
+//! `data-source` and `data-library` of its first path; its *place in the painting order* in the order of
+//! the document. What stands in such a layer without an id is a copy of what its `xlink:href` or
+//! `data-copy-of` names. The layers are layers in Inkscape too, and the symbols have titles.
+//!
+//! Ids: layers `background`, `secondary`, `primary`, or `layer-` and a name of their own, with `-region`
+//! their clip paths; `p7` the instance of id 7; `t…` and `s…` the elements, `t12g` the gradient of one,
+//! `t12s` its shadow (`t12s2` another), `t12o` its bare outline; `g5` any other gradient; `b…` those of
+//! fields; `inside` a group that a domain clips, `domain` its clip path; `texture` the pattern.
+
+mod animation;
+mod background;
+mod css;
+mod flowing;
+mod gradients;
+mod layers;
+mod metadata;
+mod number;
+#[cfg(test)]
+mod tests;
+mod textons;
+mod xml;
+
+pub use animation::{Animation, write_animation};
+pub use flowing::write_flow;
+
+use super::CSS_DPI;
+use super::background::Background;
+use super::categories::{SceneCategory, class};
+use flowing::{Moving, Way, at_origin};
+use layers::Frame;
+use number::{Number, Paint};
+use std::io::{self, Write};
+use std::path::Path;
+use textons::Textons;
+use vtex_base::error::{Error, Result, check};
+use vtex_base::geometry::Vec2;
+use vtex_scene::scene::{Instance, Scene};
+use xml::{Drawn, Xml};
+
+/// How every SVG of vtex begins. Editors write another beginning when they save, so a file that
+/// begins like this holds nobody's work.
+pub(super) const BEGINNING: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- Written by vtex ";
+
+/// The id of the pattern.
+const PATTERN: &str = "texture";
+
+/// How far what a pattern repeats reaches beyond its cell, in pixels. Renderers draw the cell into
+/// whole pixels; where it ends within one, the paper would show through as a hairline.
+const BLEED: f64 = 8.0;
+
+/// Elements with every `<use>` followed from which editors are slow.
+const SLOW_ELEMENTS: u64 = 100_000;
+/// Seconds and gigabytes that Inkscape takes to open a million of them: it took 37 s and 6.3 GB for 330 000.
+const INKSCAPE: [f64; 2] = [112.0, 19.0];
+/// Elements with every `<use>` followed at which resvg stops.
+const MANY_ELEMENTS: u64 = 1_000_000;
+/// References at which librsvg stops, and with it rsvg-convert and the viewers of GNOME.
+const MANY_REFERENCES: u64 = 500_000;
+
+/// How an SVG is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SvgOptions {
+    /// Digits after the decimal point of coordinates, 0 to 6. Default 1: a twentieth of a pixel at
+    /// most is far below the fidelity of outlines. With 2 nothing is lost, for outlines are kept
+    /// on a grid of 0.01 px.
+    pub precision: u8,
+    /// Write every texton as plain paths where it stands, without `<symbol>`, `<use>` and
+    /// transforms, for programs that know none of these. Default false.
+    pub expand: bool,
+    /// Write a style rule for each category, with custom properties that shift its hue and lightness.
+    /// Default false.
+    pub css: bool,
+}
+
+impl Default for SvgOptions {
+    fn default() -> Self {
+        Self { precision: 1, expand: false, css: false }
+    }
+}
+
+/// Counts of a written file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SvgSummary {
+    /// Length of the file.
+    pub bytes: u64,
+    /// Elements in the file.
+    pub elements: u64,
+    /// Elements that a viewer draws from, once every `<use>` is followed.
+    pub drawn: u64,
+    /// Textons defined once and placed by reference.
+    pub shared_textons: u64,
+    /// Warnings for the user, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Writes a scene as SVG. Same scene and options: the same bytes.
+///
+/// # Errors
+/// A precision out of range; a scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
+pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
+    write_with_recipe(scene, options, None, out)
+}
+
+/// As [`write()`]; `recipe` says how the scene was made from its inputs, in the words of the program that
+/// made it, and is stored in the metadata.
+///
+/// # Errors
+/// Those of [`write()`].
+pub fn write_with_recipe(
+    scene: &Scene,
+    options: &SvgOptions,
+    recipe: Option<&serde_json::Value>,
+    out: impl Write,
+) -> Result<SvgSummary> {
+    write_at(scene, options, recipe, CSS_DPI, out)
+}
+
+/// As [`write_with_recipe`], of so many pixels to the inch: width and height are in millimetres unless that
+/// is what CSS has.
+///
+/// # Errors
+/// Those of [`write()`], and [`Error::Parameter`] for no pixels.
+pub fn write_at(
+    scene: &Scene,
+    options: &SvgOptions,
+    recipe: Option<&serde_json::Value>,
+    dpi: u32,
+    out: impl Write,
+) -> Result<SvgSummary> {
+    check(dpi > 0, "dpi", dpi, "1 or more")?;
+    let document = Document { recipe, dpi, ..Document::new(scene, options, 0.0)? };
+    summed(document.textons.shared_count(), out, |xml| document.write(xml))
+}
+
+/// Writes a scene that tiles as an SVG that fills whatever room it is given: a
+/// `<pattern id="texture">` with all that it needs inside, and a rectangle filled with it. Same
+/// scene and options: the same bytes.
+///
+/// # Errors
+/// [`Error::Seams`] for a scene that does not tile along both axes; those of [`write`].
+pub fn write_pattern(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
+    if !scene.tile.both() {
+        return Err(Error::Seams);
+    }
+    let document = Document::new(scene, options, BLEED)?;
+    summed(document.textons.shared_count(), out, |xml| document.write_pattern(xml))
+}
+
+/// Writes a document and says what was written.
+fn summed<W: Write>(
+    shared_textons: u64,
+    out: W,
+    content: impl FnOnce(&mut Xml<W>) -> io::Result<()>,
+) -> Result<SvgSummary> {
+    let program = vtex_base::PROGRAM.strip_prefix("vtex ").unwrap_or_default();
+    let mut xml = Xml::new(out, &format!("{BEGINNING}{program} -->\n"));
+    let written = content(&mut xml).and_then(|()| xml.finish());
+    let (bytes, elements, drawn) = written.map_err(|e| Error::write(Path::new("-"), e))?;
+    let warnings = too_much(drawn).into_iter().collect();
+    Ok(SvgSummary { bytes, elements, drawn: drawn.elements, shared_textons, warnings })
+}
+
+/// Which programs are slow with a file or give up on it, and what helps.
+fn too_much(drawn: Drawn) -> Option<String> {
+    let Drawn { elements, references } = drawn;
+    if elements < SLOW_ELEMENTS && references < MANY_REFERENCES {
+        return None;
+    }
+    let (many, linked) = (elements >= MANY_ELEMENTS, references >= MANY_REFERENCES);
+    let [seconds, gigabytes] = INKSCAPE.map(|each| each * elements as f64 / 1e6);
+    let mut text = format!(
+        "the SVG has {elements} shapes, every <use> followed: Inkscape takes some {seconds:.0} s and \
+         {gigabytes:.1} GB of memory to open it"
+    );
+    if many {
+        text.push_str(&format!(", resvg stops at {MANY_ELEMENTS}"));
+    }
+    if linked {
+        text.push_str(&format!(
+            ", librsvg stops at {MANY_REFERENCES} references, of which it has {references}"
+        ));
+    }
+    let expand = if linked && !many { " --expand," } else { "" };
+    Some(text + &format!("; lighter are a smaller --size,{expand} --max-bytes, --max-paths, or a PNG"))
+}
+
+/// A scene made ready to be written.
+struct Document<'a> {
+    scene: &'a Scene,
+    backgrounds: Vec<NamedField>,
+    frames: Vec<Frame>,
+    textons: Textons<'a>,
+    categories: Vec<SceneCategory>,
+    /// Whether categories have style rules.
+    css: bool,
+    /// How far beyond the canvas it reaches, in pixels.
+    bleed: f64,
+    /// The recipe in the metadata: how the scene was made.
+    recipe: Option<&'a serde_json::Value>,
+    /// Pixels to the inch.
+    dpi: u32,
+    /// How elements move; `None` if they stay.
+    moving: Option<Moving<'a>>,
+}
+
+impl<'a> Document<'a> {
+    fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Result<Self> {
+        check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
+        scene.check()?;
+        let categories = crate::categories(scene);
+        let textons = Textons::new(scene, &categories, options, bleed);
+        let fields = scene.layers.iter().map(|layer| layer.field.as_ref());
+        let backgrounds = backgrounds(fields.map(|f| f.map(|field| Background::new(scene, field))), "b");
+        let layers = scene.layers.iter().map(|l| (l.name.as_str(), l.role, l.region.is_some()));
+        let frames = Frame::of(layers, scene.domain.as_ref().map(|d| d.edge));
+        let css = options.css;
+        let (recipe, moving, dpi) = (None, None, CSS_DPI);
+        Ok(Self { scene, backgrounds, frames, textons, categories, css, bleed, recipe, dpi, moving })
+    }
+
+    /// The canvas as it is.
+    fn write<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        let (width, height) = (self.scene.width, self.scene.height);
+        self.begin(xml);
+        if self.dpi == CSS_DPI {
+            xml.attribute("width", width);
+            xml.attribute("height", height);
+        } else {
+            let length = |side: u32| format!("{}mm", Number(f64::from(side) * 25.4 / f64::from(self.dpi), 3));
+            xml.attribute("width", length(width));
+            xml.attribute("height", length(height));
+        }
+        xml.attribute("viewBox", format_args!("0 0 {width} {height}"));
+        xml.line();
+        self.write_about(xml)?;
+        self.write_definitions(xml)?;
+        self.write_layers(xml)
+    }
+
+    /// A pattern of the canvas, and a sheet of any size filled with it.
+    fn write_pattern<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        self.begin(xml);
+        xml.attribute("width", "100%");
+        xml.attribute("height", "100%");
+        xml.line();
+        self.write_about(xml)?;
+        xml.open("pattern");
+        xml.attribute("id", PATTERN);
+        xml.attribute("patternUnits", "userSpaceOnUse");
+        xml.attribute("width", self.scene.width);
+        xml.attribute("height", self.scene.height);
+        xml.line();
+        self.write_definitions(xml)?;
+        self.write_layers(xml)?;
+        xml.close()?;
+        xml.line();
+        xml.open("rect");
+        xml.attribute("width", "100%");
+        xml.attribute("height", "100%");
+        xml.attribute("fill", format_args!("url(#{PATTERN})"));
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    fn begin<W: Write>(&self, xml: &mut Xml<W>) {
+        xml.open("svg");
+        xml.attribute("xmlns", "http://www.w3.org/2000/svg");
+        xml.attribute("xmlns:xlink", "http://www.w3.org/1999/xlink");
+        xml.attribute("xmlns:inkscape", "http://www.inkscape.org/namespaces/inkscape");
+    }
+
+    /// Title, metadata and style rules.
+    fn write_about<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        let title = crate::title(self.scene);
+        let metadata = metadata::json(self.scene, &self.categories, self.recipe);
+        for (name, text) in [("title", title), ("metadata", metadata)] {
+            xml.open(name);
+            xml.text(&text);
+            xml.close()?;
+            xml.line();
+        }
+        if self.css {
+            xml.open("style");
+            xml.raw_text(&css::rules(self.scene, &self.categories))?;
+            xml.close()?;
+            xml.line();
+        }
+        Ok(())
+    }
+
+    /// All that the layers refer to.
+    fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        xml.open("defs");
+        xml.line();
+        for (background, name) in self.backgrounds.iter().flatten() {
+            background.write_definitions(xml, self.bleed, name)?;
+        }
+        self.textons.write_definitions(xml)?;
+        let domain = self.scene.domain.as_ref().map(|d| (layers::DOMAIN, &d.outline));
+        let layers = self.scene.layers.iter().zip(&self.frames);
+        let regions = layers.filter_map(|(layer, frame)| Some((frame.region()?, layer.region.as_ref()?)));
+        for (id, outline) in domain.into_iter().chain(regions) {
+            xml.open("clipPath");
+            xml.attribute("id", id);
+            for shift in self.textons.copies_of(outline.bounds()) {
+                self.textons.write_outline(xml, outline, shift)?;
+            }
+            xml.close()?;
+            xml.line();
+        }
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+
+    fn write_layers<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        layers::write(xml, &self.frames, |xml, k| {
+            if let Some((background, name)) = self.backgrounds[k].as_ref() {
+                background.write_bands(xml, self.bleed, name)?;
+            }
+            let layer = &self.scene.layers[k];
+            let turns = match &self.moving {
+                Some(moving) if !layer.instances.is_empty() => moving.begin_turn(xml, self.scene)?,
+                _ => false,
+            };
+            if layer.role.is_individual() {
+                self.write_individuals(xml, &layer.instances)?;
+            } else {
+                self.write_compactly(xml, &layer.instances)?;
+            }
+            if turns {
+                xml.close()?;
+                xml.line();
+            }
+            Ok(())
+        })
+    }
+
+    /// Elements without groups of their own.
+    fn write_compactly<W: Write>(&self, xml: &mut Xml<W>, instances: &[Instance]) -> io::Result<()> {
+        let textons = &self.textons;
+        // Neighbours in painting order that share a fill take it from one group.
+        let alike = |a: &_, b: &_| textons.fill(a).is_some() && textons.fill(a) == textons.fill(b);
+        for run in instances.chunk_by(alike) {
+            let fill = textons.fill(&run[0]).filter(|_| run.len() > 1);
+            if let Some(fill) = fill {
+                xml.open("g");
+                xml.attribute("fill", Paint(fill));
+                xml.line();
+            }
+            for instance in run {
+                for shift in textons.copies(instance) {
+                    let moves = self.way(instance).is_some();
+                    if moves {
+                        xml.open("g");
+                    }
+                    self.write_in_group(xml, instance, shift, fill.is_none())?;
+                    if moves {
+                        xml.close()?;
+                    }
+                    xml.line();
+                }
+            }
+            if fill.is_some() {
+                xml.close()?;
+                xml.line();
+            }
+        }
+        Ok(())
+    }
+
+    /// How an element moves, unless it stays.
+    fn way(&self, instance: &Instance) -> Option<Way<'_>> {
+        self.moving.as_ref().and_then(|moving| moving.way(instance))
+    }
+
+    /// An element in the group that is open, which is carried along its way if it moves.
+    fn write_in_group<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        instance: &Instance,
+        shift: Vec2,
+        fill: bool,
+    ) -> io::Result<()> {
+        match self.way(instance) {
+            Some(way) => {
+                way.write(xml, instance)?;
+                self.textons.write_instance(xml, &at_origin(instance), shift, fill)
+            }
+            None => self.textons.write_instance(xml, instance, shift, fill),
+        }
+    }
+
+    /// The category of an individual element, as the class of its group, and by name in its label.
+    fn write_category<W: Write>(&self, xml: &mut Xml<W>, instance: &Instance) {
+        let element = self.scene.element(instance);
+        if let Some(class) = class(self.scene, element) {
+            xml.attribute("class", class);
+        }
+        if let Some(name) = self.textons.category_name(element) {
+            xml.attribute("inkscape:label", format_args!("{name} {}", instance.id));
+        }
+    }
+
+    /// Elements each in a group with its id.
+    fn write_individuals<W: Write>(&self, xml: &mut Xml<W>, instances: &[Instance]) -> io::Result<()> {
+        for instance in instances {
+            let before = xml.drawn();
+            let mut original = Drawn::default();
+            for (k, shift) in self.textons.copies(instance).enumerate() {
+                self.write_individual(xml, instance, (k > 0).then_some((shift, original)))?;
+                if k == 0 {
+                    original = xml.drawn().since(before);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// An element, or its copy: moved, and what is drawn of the original.
+    fn write_individual<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        instance: &Instance,
+        copy: Option<(Vec2, Drawn)>,
+    ) -> io::Result<()> {
+        match copy {
+            Some((shift, original)) if !self.textons.expands() => {
+                xml.open("use");
+                xml.attribute("xlink:href", format_args!("#p{}", instance.id));
+                self.textons.write_shift(xml, shift);
+                xml.follow(original);
+            }
+            Some((shift, _)) => {
+                xml.open("g");
+                xml.attribute("data-copy-of", format_args!("p{}", instance.id));
+                self.write_category(xml, instance);
+                self.textons.write_instance(xml, instance, shift, true)?;
+            }
+            None => {
+                xml.open("g");
+                xml.attribute("id", format_args!("p{}", instance.id));
+                self.write_category(xml, instance);
+                self.write_in_group(xml, instance, Vec2::ZERO, true)?;
+            }
+        }
+        xml.close()?;
+        xml.line();
+        Ok(())
+    }
+}
+
+/// The field of a layer, if it has one, and what its ids begin with.
+type NamedField = Option<(Background, String)>;
+
+/// The fields of layers, whose ids begin with `name`, and a number from the second on.
+fn backgrounds(fields: impl Iterator<Item = Option<Background>>, name: &str) -> Vec<NamedField> {
+    let mut count = 0;
+    let mut named = |background: Background| {
+        count += 1;
+        (background, if count > 1 { format!("{name}{count}-") } else { name.to_owned() })
+    };
+    fields.map(|field| field.map(&mut named)).collect()
+}

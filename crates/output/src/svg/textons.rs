@@ -1,0 +1,540 @@
+//! Textons in SVG: defined once, or written where they stand.
+
+use super::SvgOptions;
+use super::gradients::BoxGradient;
+use super::number::{Number, Paint, list};
+use super::xml::{Drawn, Xml};
+use crate::categories::SceneCategory;
+use crate::shadow::{self, Layer, Shadows};
+use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write};
+use vtex_base::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
+use vtex_base::raster::colour::Colour;
+use vtex_scene::element::{Cap, Join, Line};
+use vtex_scene::scene::{
+    CategoryId, Element, ElementId, Gradient, Instance, LibraryId, Scene, Shadow, Shape, Stroke,
+};
+
+/// The textons of a scene and how each is written.
+pub(super) struct Textons<'a> {
+    scene: &'a Scene,
+    precision: u8,
+    expand: bool,
+    /// How far beyond the canvas copies are written, in pixels.
+    bleed: f64,
+    /// Whether a texton is defined once and placed by reference.
+    shared: Vec<bool>,
+    /// Whether a shared texton has no colour of its own and takes that of the instance.
+    inherits: Vec<bool>,
+    /// Bounding boxes; none where nothing is copied.
+    bounds: Vec<Rect>,
+    /// The elements and references drawn of each where it is defined.
+    drawn: Vec<Cell<Drawn>>,
+    /// The id of each where it is defined.
+    ids: Vec<String>,
+    /// Names of categories.
+    names: BTreeMap<(LibraryId, CategoryId), String>,
+    /// Number of the next gradient.
+    gradients: Cell<u64>,
+    shadows: Shadows,
+    /// Ids of the shadows that are defined once.
+    shared_shadows: BTreeMap<shadow::Key, String>,
+    /// Whether a texton's bare outline is defined, for lines along it.
+    outlined: Vec<bool>,
+}
+
+/// The paint of an element's outline.
+#[derive(Clone, Copy)]
+enum Base<'a> {
+    /// The paint of its parent.
+    Inherited,
+    Colour(Colour),
+    /// A colour, and the gradient in its place.
+    Gradient(Colour, &'a Gradient),
+}
+
+impl<'a> Base<'a> {
+    /// A colour, or the gradient in its place.
+    fn new((colour, gradient): (Colour, Option<&'a Gradient>)) -> Self {
+        gradient.map_or(Self::Colour(colour), |g| Self::Gradient(colour, g))
+    }
+}
+
+impl<'a> Textons<'a> {
+    /// Decides which textons are shared.
+    pub(super) fn new(
+        scene: &'a Scene,
+        categories: &[SceneCategory],
+        options: &SvgOptions,
+        bleed: f64,
+    ) -> Self {
+        // A stroked path keeps its paint, unless an instance has a colour of its own.
+        let inherits =
+            scene.elements.iter().map(|t| t.details().is_empty() && t.base().line.is_none()).collect();
+        let bounds =
+            if scene.tile.any() { scene.elements.iter().map(Element::bounds).collect() } else { Vec::new() };
+        let shared = vec![false; scene.elements.len()];
+        let SvgOptions { precision, expand, .. } = *options;
+        let names = categories.iter().map(|c| ((c.library, c.category), c.name.clone())).collect();
+        let (ids, gradients) = (ids(scene), Cell::new(0));
+        let drawn = vec![Cell::default(); scene.elements.len()];
+        let (shadows, shared_shadows) = (Shadows::new(scene), BTreeMap::new());
+        let outlined = vec![false; scene.elements.len()];
+        let mut textons = Self {
+            scene,
+            precision,
+            expand,
+            bleed,
+            shared,
+            inherits,
+            bounds,
+            drawn,
+            ids,
+            names,
+            gradients,
+            shadows,
+            shared_shadows,
+            outlined,
+        };
+        let mut uses = vec![0; scene.elements.len()];
+        let mut shadow_uses: BTreeMap<shadow::Key, usize> = BTreeMap::new();
+        let mut outlined = textons.outlined.clone();
+        // Copies of individual elements refer to their original as a whole.
+        let counted = scene.layers.iter().flat_map(|layer| {
+            layer.instances.iter().map(|i| {
+                let count = if layer.role.is_individual() { 1 } else { textons.copies(i).count() };
+                (i, count)
+            })
+        });
+        for (instance, count) in counted {
+            uses[instance.element.index()] += count;
+            if let Some(shadow) = &instance.shadow {
+                *shadow_uses.entry(shadow::key(instance, shadow)).or_insert(0) += count;
+            }
+            outlined[instance.element.index()] |= instance.stroke.is_some();
+        }
+        for instance in scene.instances() {
+            textons.inherits[instance.element.index()] |= instance.colour.is_some();
+        }
+        textons.shared = uses.iter().map(|&n| n > 1 && !expand).collect();
+        let with_line =
+            |(i, asked): (usize, bool)| asked && textons.shared[i] && !scene.elements[i].details().is_empty();
+        textons.outlined = outlined.into_iter().enumerate().map(with_line).collect();
+        let many = shadow_uses.into_iter().filter(|(_, n)| *n > 1 && !expand);
+        let mut numbers: BTreeMap<ElementId, u32> = BTreeMap::new();
+        for (key, _) in many {
+            let number = numbers.entry(key.0).or_insert(0);
+            *number += 1;
+            let more = if *number > 1 { number.to_string() } else { String::new() };
+            textons.shared_shadows.insert(key, format!("{}s{more}", textons.ids[key.0.index()]));
+        }
+        textons
+    }
+
+    /// The shifts at which an instance is to be written, that of the original first.
+    pub(super) fn copies(&self, instance: &Instance) -> impl Iterator<Item = Vec2> + use<> {
+        let bounds = self.bounds.get(instance.element.index()).copied().unwrap_or_default();
+        self.copies_of(instance.reach(bounds))
+    }
+
+    /// The same of anything with the given bounds on the canvas.
+    pub(super) fn copies_of(&self, bounds: Rect) -> impl Iterator<Item = Vec2> + use<> {
+        // Rounding may move an outline by as much as the last digit.
+        let reach = self.bleed + 1.0 / f64::from(10u32.pow(self.precision.into()));
+        self.scene.copies(bounds.inflate(reach, reach))
+    }
+
+    /// The name of an element's category, if it has one.
+    pub(super) fn category_name(&self, element: &Element) -> Option<&str> {
+        self.names.get(&(element.library, element.category?)).map(String::as_str)
+    }
+
+    /// Whether every texton is written in full where it stands.
+    pub(super) fn expands(&self) -> bool {
+        self.expand
+    }
+
+    /// Number of textons that are defined once.
+    pub(super) fn shared_count(&self) -> u64 {
+        self.shared.iter().filter(|s| **s).count() as u64
+    }
+
+    /// The shared textons, for `<defs>`.
+    pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        for (key, layers) in self.shadows.all() {
+            if let Some(id) = self.shared_shadows.get(&key) {
+                self.write_shadow(xml, layers, None, Some(id))?;
+                xml.line();
+            }
+        }
+        for (i, element) in self.scene.elements.iter().enumerate().filter(|(i, _)| self.shared[*i]) {
+            if self.outlined[i] {
+                xml.open("path");
+                xml.attribute("id", format_args!("{}o", self.ids[i]));
+                xml.attribute("d", self.data(element.outline(), None));
+                xml.close()?;
+                xml.line();
+            }
+            let id = &self.ids[i];
+            if self.inherits[i]
+                && let Some(gradient) = self.base_gradient(element)
+            {
+                gradient.write(xml, format_args!("{id}g"))?;
+                xml.line();
+            }
+            let before = xml.drawn();
+            if element.details().is_empty() && self.inherits[i] {
+                xml.open("path");
+                xml.attribute("id", id);
+                write_opacity(xml, element.base());
+                xml.attribute("d", self.data(&element.base().outline, None));
+                xml.close()?;
+            } else {
+                xml.open("symbol");
+                xml.attribute("id", id);
+                xml.attribute("overflow", "visible");
+                xml.open("title");
+                xml.text(&title(element, self.category_name(element)));
+                xml.close()?;
+                let base = if self.inherits[i] { Base::Inherited } else { Base::new(element.paint(None)) };
+                self.write_paths(xml, i, base, None)?;
+                xml.close()?;
+            }
+            self.drawn[i].set(xml.drawn().since(before));
+            xml.line();
+        }
+        Ok(())
+    }
+
+    /// Where a texton that is written in place comes from: its id says it, but where it may stand
+    /// several times.
+    fn write_source<W: Write>(&self, xml: &mut Xml<W>, index: usize) {
+        if !self.expand {
+            return xml.attribute("id", &self.ids[index]);
+        }
+        let element = &self.scene.elements[index];
+        if let Some(source) = element.source {
+            xml.attribute("data-source", source.0);
+        }
+        if self.scene.libraries.len() > 1 {
+            xml.attribute("data-library", element.library);
+        }
+    }
+
+    /// The one colour of a placed texton; none if it has details or a gradient.
+    pub(super) fn fill(&self, instance: &Instance) -> Option<Colour> {
+        let element = self.scene.element(instance);
+        let one =
+            element.details().is_empty() && (element.base().gradient.is_none() || instance.colour.is_some());
+        one.then(|| instance.colour.unwrap_or(element.base().colour))
+    }
+
+    /// One placed texton, moved by `shift`; its fill is left to the group around it unless
+    /// `with_fill`.
+    pub(super) fn write_instance<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        instance: &Instance,
+        shift: Vec2,
+        with_fill: bool,
+    ) -> io::Result<()> {
+        let index = instance.element.index();
+        let base = Base::new(self.scene.elements[index].paint(instance.colour));
+        let affine = instance.affine().then_translate(shift);
+        if let Some(shadow) = &instance.shadow {
+            self.write_shadow_of(xml, instance, shadow, affine)?;
+        }
+        if !self.shared[index] {
+            let base = if with_fill { base } else { Base::Inherited };
+            self.write_paths(xml, index, base, Some(affine))?;
+        } else {
+            self.write_use(xml, index, base, affine, with_fill)?;
+        }
+        instance.stroke.map_or(Ok(()), |stroke| self.write_stroke(xml, index, stroke, affine))
+    }
+
+    /// A shared texton in its place.
+    fn write_use<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        index: usize,
+        base: Base<'_>,
+        affine: Affine,
+        with_fill: bool,
+    ) -> io::Result<()> {
+        let element = &self.scene.elements[index];
+        xml.open("use");
+        xml.attribute("xlink:href", format_args!("#{}", self.ids[index]));
+        self.write_transform(xml, &affine.as_coeffs());
+        xml.follow(self.drawn[index].get());
+        if self.inherits[index] && with_fill {
+            match base {
+                Base::Gradient(..) if self.base_gradient(element).is_some() => {
+                    xml.attribute("fill", format_args!("url(#{}g)", self.ids[index]));
+                }
+                Base::Gradient(colour, _) | Base::Colour(colour) => xml.attribute("fill", Paint(colour)),
+                Base::Inherited => (),
+            }
+        }
+        xml.close()
+    }
+
+    /// The shadow of an instance that `affine` brings to its place.
+    fn write_shadow_of<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        instance: &Instance,
+        shadow: &Shadow,
+        affine: Affine,
+    ) -> io::Result<()> {
+        let affine = affine.then_translate(shadow.shift());
+        let Some(id) = self.shared_shadows.get(&shadow::key(instance, shadow)) else {
+            return self.write_shadow(xml, self.shadows.of(instance, shadow), Some(affine), None);
+        };
+        xml.open("use");
+        xml.attribute("xlink:href", format_args!("#{id}"));
+        self.write_transform(xml, &affine.as_coeffs());
+        let layers = self.shadows.of(instance, shadow).len() as u64;
+        xml.follow(Drawn { elements: 1 + layers, references: 0 });
+        xml.close()
+    }
+
+    /// The layers of a shadow, moved by `affine`.
+    fn write_shadow<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        layers: &[Layer],
+        affine: Option<Affine>,
+        id: Option<&str>,
+    ) -> io::Result<()> {
+        xml.open("g");
+        if let Some(id) = id {
+            xml.attribute("id", id);
+        }
+        xml.attribute("class", "shadow");
+        xml.attribute("fill", Paint(Colour([0; 3])));
+        for layer in layers {
+            xml.open("path");
+            xml.attribute("fill-opacity", Number(layer.opacity, 4));
+            xml.attribute("d", self.data(&layer.outline, affine));
+            xml.close()?;
+        }
+        xml.close()
+    }
+
+    /// The line along the outline of a texton that `affine` brings to its place.
+    fn write_stroke<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        index: usize,
+        stroke: Stroke,
+        affine: Affine,
+    ) -> io::Result<()> {
+        let width = if self.shared[index] {
+            xml.open("use");
+            let line = if self.outlined[index] { "o" } else { "" };
+            xml.attribute("xlink:href", format_args!("#{}{line}", self.ids[index]));
+            self.write_transform(xml, &affine.as_coeffs());
+            xml.follow(Drawn { elements: 1, references: 0 });
+            stroke.width
+        } else {
+            xml.open("path");
+            xml.attribute("d", self.data(self.scene.elements[index].outline(), Some(affine)));
+            stroke.width * libm::sqrt(affine.determinant().abs())
+        };
+        xml.attribute("class", "outline");
+        xml.attribute("fill", "none");
+        xml.attribute("stroke", Paint(stroke.colour));
+        xml.attribute("stroke-width", Number(width, 2));
+        xml.attribute("stroke-linejoin", "round");
+        xml.close()
+    }
+
+    /// The gradient of a texton's outline where it is defined.
+    fn base_gradient<'e>(&self, element: &'e Element) -> Option<BoxGradient<'e>> {
+        BoxGradient::new(
+            element.base().gradient.as_deref()?,
+            Affine::IDENTITY,
+            element.base().outline.bounds(),
+        )
+    }
+
+    /// The paths of a texton, moved by `affine`.
+    fn write_paths<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        index: usize,
+        base: Base<'_>,
+        affine: Option<Affine>,
+    ) -> io::Result<()> {
+        let element = &self.scene.elements[index];
+        // A definition has its id already.
+        let source = affine.is_some().then_some(index);
+        self.write_filled(xml, element.base(), base, affine, source)?;
+        for shape in element.details() {
+            let fill = Base::new((shape.colour, shape.gradient.as_deref()));
+            self.write_filled(xml, shape, fill, affine, None)?;
+        }
+        Ok(())
+    }
+
+    /// A path, moved by `affine`, after the gradient that fills it; the first of a texton written in
+    /// place names its source.
+    fn write_filled<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        shape: &Shape,
+        fill: Base<'_>,
+        affine: Option<Affine>,
+        source: Option<usize>,
+    ) -> io::Result<()> {
+        let mut id = None;
+        if let Base::Gradient(_, gradient) = fill {
+            let moved = affine.unwrap_or_default();
+            if let Some(gradient) = BoxGradient::new(gradient, moved, shape.outline.bounds_after(moved)) {
+                let number = self.gradients.get();
+                self.gradients.set(number + 1);
+                gradient.write(xml, format_args!("g{number}"))?;
+                id = Some(number);
+            }
+        }
+        xml.open("path");
+        if let Some(index) = source {
+            self.write_source(xml, index);
+        }
+        // A shape that takes its paint from elsewhere is filled.
+        let line = shape.line.as_ref().filter(|_| !matches!(fill, Base::Inherited));
+        let kind = if line.is_some() { "stroke" } else { "fill" };
+        match (fill, id) {
+            (_, Some(number)) => xml.attribute(kind, format_args!("url(#g{number})")),
+            (Base::Colour(colour) | Base::Gradient(colour, _), None) => xml.attribute(kind, Paint(colour)),
+            (Base::Inherited, None) => (),
+        }
+        match line {
+            Some(line) => self.write_line(xml, line, shape.opacity, affine),
+            None => {
+                write_opacity(xml, shape);
+                xml.attribute("d", self.data(&shape.outline, affine));
+            }
+        }
+        xml.close()
+    }
+
+    /// All attributes of a stroked path but its paint.
+    fn write_line<W: Write>(&self, xml: &mut Xml<W>, line: &Line, opacity: f64, affine: Option<Affine>) {
+        let affine = affine.unwrap_or_default();
+        let size = libm::sqrt(affine.determinant().abs());
+        let length = |v: f64| Number(v * size, self.precision + 1);
+        xml.attribute("fill", "none");
+        if opacity < 1.0 {
+            xml.attribute("stroke-opacity", Number(opacity, 4));
+        }
+        xml.attribute("stroke-width", length(line.width));
+        match line.cap {
+            Cap::Butt => (),
+            Cap::Round => xml.attribute("stroke-linecap", "round"),
+            Cap::Square => xml.attribute("stroke-linecap", "square"),
+        }
+        match line.join {
+            Join::Miter if line.miter_limit != 4.0 => {
+                xml.attribute("stroke-miterlimit", Number(line.miter_limit, 2));
+            }
+            Join::Miter => (),
+            Join::Round => xml.attribute("stroke-linejoin", "round"),
+            Join::Bevel => xml.attribute("stroke-linejoin", "bevel"),
+        }
+        if !line.dashes.is_empty() {
+            let dashes: Vec<Number> = line.dashes.iter().map(|d| length(*d)).collect();
+            xml.attribute("stroke-dasharray", list(&dashes));
+            if line.dash_offset != 0.0 {
+                xml.attribute("stroke-dashoffset", length(line.dash_offset));
+            }
+        }
+        let style = PathText { precision: self.precision };
+        xml.attribute("d", write_path(&(affine * line.path.path()), style));
+    }
+
+    /// A bare outline, moved by `shift`.
+    pub(super) fn write_outline<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        outline: &Outline,
+        shift: Vec2,
+    ) -> io::Result<()> {
+        xml.open("path");
+        xml.attribute("d", self.data(outline, Some(Affine::translate(shift))));
+        xml.close()
+    }
+
+    fn data(&self, outline: &Outline, affine: Option<Affine>) -> String {
+        let style = PathText { precision: self.precision };
+        match affine {
+            Some(affine) => write_path(&(affine * outline.path()), style),
+            None => write_path(outline.path(), style),
+        }
+    }
+
+    /// `x` and `y` for a mere shift, which is shorter than a transform; else a matrix, its linear
+    /// part with two digits more because it is multiplied by coordinates.
+    fn write_transform<W: Write>(&self, xml: &mut Xml<W>, m: &[f64; 6]) {
+        let [a, b, c, d, e, f] = *m;
+        let length = |v: f64| Number(v, self.precision);
+        if [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] {
+            self.write_shift(xml, Vec2::new(e, f));
+        } else {
+            let fine = |v: f64| Number(v, self.precision + 2);
+            let numbers = [fine(a), fine(b), fine(c), fine(d), length(e), length(f)];
+            xml.attribute("transform", format_args!("matrix({})", list(&numbers)));
+        }
+    }
+
+    /// `x` and `y` of a `<use>`.
+    pub(super) fn write_shift<W: Write>(&self, xml: &mut Xml<W>, shift: Vec2) {
+        for (name, v) in [("x", shift.x), ("y", shift.y)] {
+            if v != 0.0 {
+                xml.attribute(name, Number(v, self.precision));
+            }
+        }
+    }
+}
+
+/// The opacity of a shape, if it is not opaque.
+fn write_opacity<W: Write>(xml: &mut Xml<W>, shape: &Shape) {
+    if shape.opacity < 1.0 {
+        xml.attribute("fill-opacity", Number(shape.opacity, 4));
+    }
+}
+
+/// An id for each element: `t` of one with a category, `f` of a fused one or `s` of one without, its
+/// index in its library, and `-` with the number of the library where there are several. In a scene in
+/// which two are called alike, the later ones have `.` and their index after it.
+fn ids(scene: &Scene) -> Vec<String> {
+    let mut known = BTreeSet::new();
+    let id = |(i, e): (usize, &Element)| {
+        let kind = match e.category {
+            Some(_) if e.fused => 'f',
+            Some(_) => 't',
+            None => 's',
+        };
+        let source = e.source.map_or(String::new(), |source| source.0.to_string());
+        let mut id = format!("{kind}{source}");
+        if scene.libraries.len() > 1 {
+            id.push_str(&format!("-{}", e.library));
+        }
+        if source.is_empty() || !known.insert((kind, source, e.library)) {
+            id.push_str(&format!(".{i}"));
+        }
+        id
+    };
+    scene.elements.iter().enumerate().map(id).collect()
+}
+
+/// The title of an element among the symbols of an editor.
+fn title(element: &Element, category_name: Option<&str>) -> String {
+    let part = if element.fused { "Fused, mostly of element" } else { "Element" };
+    let number = element.source.map_or(String::new(), |source| format!(" {}", source.0));
+    let category = element.category.map_or(String::new(), |c| format!(", category {}", c.0));
+    let name = category_name.map_or(String::new(), |name| format!(" ({name})"));
+    format!("{part}{number}{category}{name}")
+}

@@ -1,0 +1,142 @@
+//! Elements: what libraries and scenes are made of, a texton of a photograph or a motif of a drawing.
+//!
+//! An element is a list of shapes in painting order. Libraries and scenes share the shapes; what they
+//! know of an element besides differs ([`crate::library::Element`], [`crate::scene::Element`]).
+
+mod appearance;
+mod gaussian;
+mod gradient;
+mod line;
+mod shape;
+mod similar;
+#[cfg(test)]
+mod tests;
+pub(crate) mod version1;
+
+pub use appearance::Appearance;
+pub use gaussian::Gaussian;
+pub use gaussian::ROUND;
+pub use gradient::{Gradient, GradientKind, Stop};
+pub use line::stroked;
+pub use line::{Cap, Join, Line};
+pub use shape::Shape;
+pub use similar::classes;
+
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use vtex_base::geometry::{Outline, Rect};
+
+/// Index of an element in the list of its library or scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(transparent)]
+pub struct ElementId(pub u32);
+
+impl ElementId {
+    /// The index of the element that `count` others precede.
+    pub fn after(count: usize) -> Self {
+        Self(count as u32)
+    }
+
+    /// The index in its list.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// Index of a category in the list of its library.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(transparent)]
+pub struct CategoryId(pub u16);
+
+impl CategoryId {
+    /// The index in its list.
+    pub fn index(self) -> usize {
+        self.0.into()
+    }
+}
+
+impl std::fmt::Display for CategoryId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// The role of a layer: what its elements are to the texture, and so how they are treated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// A colour field underneath the elements of other layers.
+    Background,
+    /// Small elements between the large ones, of one shape each. They are clipped at the edge of a
+    /// domain and written compactly.
+    Secondary,
+    /// Large elements, each addressed by its id. At the edge of a domain they follow its rule.
+    Primary,
+}
+
+impl Role {
+    /// The name of the role in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Background => "background",
+            Self::Secondary => "secondary",
+            Self::Primary => "primary",
+        }
+    }
+
+    /// Whether each element counts as a thing of its own: it is written as a group with an id, and a
+    /// domain may keep it whole. Other layers are textures of many small elements.
+    pub fn is_individual(self) -> bool {
+        self == Self::Primary
+    }
+}
+
+/// Reads the shapes of an element. Most elements have one, and a list that grows step by step would take
+/// room for four.
+pub(crate) fn deserialize_shapes<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Shape>, D::Error> {
+    struct Shapes;
+
+    impl<'de> Visitor<'de> for Shapes {
+        type Value = Vec<Shape>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("a list of shapes")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<Shape>, A::Error> {
+            let mut shapes = Vec::with_capacity(1);
+            while let Some(shape) = list.next_element()? {
+                shapes.push(shape);
+            }
+            Ok(shapes)
+        }
+    }
+
+    deserializer.deserialize_seq(Shapes)
+}
+
+/// Bounding box of shapes; empty at the origin if there are none.
+pub fn bounds(shapes: &[Shape]) -> Rect {
+    let mut all = shapes.iter().map(|s| s.outline.bounds());
+    let first = all.next().unwrap_or_default();
+    all.fold(first, |sum, next| sum.union(next))
+}
+
+/// The outline of an element as a whole: its silhouette if it has one of its own, else the outline of
+/// its first shape, which contains the others.
+pub(crate) fn outline<'a>(silhouette: Option<&'a Outline>, shapes: &'a [Shape]) -> &'a Outline {
+    silhouette.unwrap_or(&shapes[0].outline)
+}
+
+/// Why shapes and silhouette are invalid; `None` if they are valid.
+pub(crate) fn fault(shapes: &[Shape]) -> Option<String> {
+    if shapes.is_empty() {
+        return Some("has no shapes".into());
+    }
+    shapes.iter().enumerate().find_map(|(i, shape)| Some(format!("shapes[{i}]: {}", shape.fault()?)))
+}

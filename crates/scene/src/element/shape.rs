@@ -1,0 +1,145 @@
+//! Shapes and their paint.
+
+use super::{Gradient, Line};
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
+use vtex_base::geometry::{Affine, Outline};
+use vtex_base::raster::colour::Colour;
+
+/// A shape of an element: a filled outline, or a stroked path.
+///
+/// A stroked path is stored as its line; its outline, the area that the stroke paints, is derived when
+/// it is read, so that whatever looks at shapes sees outlines only.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(try_from = "Stored")]
+#[cfg_attr(feature = "schema", schemars(with = "Stored"))]
+pub struct Shape {
+    /// Its outline, in the coordinates of the element.
+    pub outline: Outline,
+    /// The stroked path that has this outline; `None` for a filled outline.
+    pub line: Option<Box<Line>>,
+    /// Fill or stroke colour; if there is a gradient, its mean colour.
+    pub colour: Colour,
+    /// Gradient that replaces the colour. Few shapes have one.
+    pub gradient: Option<Box<Gradient>>,
+    /// Opacity, 0 to 1. Default 1.
+    pub opacity: f64,
+}
+
+/// A shape as files hold it: with either an outline or a line.
+#[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "Shape"))]
+#[serde(deny_unknown_fields)]
+struct Stored {
+    /// A filled outline, in the coordinates of the element.
+    #[serde(default)]
+    outline: Option<Outline>,
+    /// A stroked path, in place of the outline.
+    #[serde(default)]
+    line: Option<Box<Line>>,
+    /// Fill or stroke colour; if there is a gradient, its mean colour.
+    colour: Colour,
+    /// Gradient that replaces the colour.
+    #[serde(default)]
+    gradient: Option<Box<Gradient>>,
+    /// Opacity, 0 to 1. Default 1.
+    #[serde(default = "opaque")]
+    opacity: f64,
+}
+
+fn opaque() -> f64 {
+    1.0
+}
+
+impl TryFrom<Stored> for Shape {
+    type Error = String;
+
+    fn try_from(stored: Stored) -> Result<Self, String> {
+        let Stored { outline, line, colour, gradient, opacity } = stored;
+        let outline = match (outline, &line) {
+            (Some(outline), None) => outline,
+            (None, Some(line)) => match line.fault() {
+                Some(fault) => return Err(fault),
+                None => line.outline().ok_or("a line leads out of range")?,
+            },
+            _ => return Err("a shape has either an outline or a line".into()),
+        };
+        Ok(Self { outline, line, colour, gradient, opacity })
+    }
+}
+
+impl Serialize for Shape {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let opacity = (self.opacity != opaque()).then_some(self.opacity);
+        let count = 2 + usize::from(self.gradient.is_some()) + usize::from(opacity.is_some());
+        let mut shape = serializer.serialize_struct("Shape", count)?;
+        match &self.line {
+            Some(line) => shape.serialize_field("line", line)?,
+            None => shape.serialize_field("outline", &self.outline)?,
+        }
+        shape.serialize_field("colour", &self.colour)?;
+        match &self.gradient {
+            Some(gradient) => shape.serialize_field("gradient", gradient)?,
+            None => shape.skip_field("gradient")?,
+        }
+        match opacity {
+            Some(opacity) => shape.serialize_field("opacity", &opacity)?,
+            None => shape.skip_field("opacity")?,
+        }
+        shape.end()
+    }
+}
+
+impl Shape {
+    /// An opaque filled shape of one colour.
+    pub fn new(outline: Outline, colour: Colour) -> Self {
+        Self { outline, line: None, colour, gradient: None, opacity: opaque() }
+    }
+
+    /// An opaque stroked path of one colour; `None` if its outline leaves the permitted coordinates, or its
+    /// width, mitre limit or dashes are invalid.
+    pub fn stroked(line: Line, colour: Colour) -> Option<Self> {
+        let outline = line.outline().filter(|_| line.fault().is_none())?;
+        Some(Self { line: Some(Box::new(line)), ..Self::new(outline, colour) })
+    }
+
+    /// The shape with a map that preserves angles applied. The outline stays as it was where the map
+    /// leads beyond ±10⁷ pixels.
+    pub fn moved(&self, affine: Affine) -> Self {
+        Self {
+            outline: self.outline.moved(affine),
+            line: self.line.as_ref().and_then(|line| line.moved(affine)).map(Box::new),
+            gradient: self.gradient.as_ref().map(|g| Box::new(g.moved(affine))),
+            ..*self
+        }
+    }
+
+    /// The shape filled, with another outline.
+    pub fn with_outline(&self, outline: Outline) -> Self {
+        Self { outline, line: None, gradient: self.gradient.clone(), ..*self }
+    }
+
+    /// The shape with all its colours changed.
+    pub fn recoloured(&self, new: impl Fn(Colour) -> Colour) -> Self {
+        Self {
+            colour: new(self.colour),
+            gradient: self.gradient.as_ref().map(|g| Box::new(g.recoloured(&new))),
+            ..self.clone()
+        }
+    }
+
+    /// Why the shape is invalid; `None` if it is valid.
+    pub(super) fn fault(&self) -> Option<String> {
+        if !(0.0..=1.0).contains(&self.opacity) {
+            return Some(format!("opacity = {} is not within 0 to 1", self.opacity));
+        }
+        if let Some(fault) = self.line.as_ref().and_then(|line| line.fault()) {
+            return Some(fault);
+        }
+        Some(format!("a gradient {}", self.gradient.as_ref()?.fault()?))
+    }
+}

@@ -1,0 +1,76 @@
+//! Shapes as files hold them.
+
+use super::*;
+use vtex_base::geometry::{Affine, Curve, parse_path};
+use vtex_base::raster::colour::Colour;
+
+fn curve(text: &str) -> Curve {
+    Curve::new(parse_path(text).unwrap()).unwrap()
+}
+
+fn again(shape: &Shape) -> Shape {
+    serde_json::from_str(&serde_json::to_string(shape).unwrap()).unwrap()
+}
+
+#[test]
+fn filled_and_stroked_shapes_are_read_as_they_were_written() {
+    let outline = Outline::new(&parse_path("M0 0h8v4h-8z").unwrap()).unwrap();
+    let filled = Shape::new(outline, Colour([1, 2, 3]));
+    let text = serde_json::to_string(&filled).unwrap();
+    assert_eq!(text, r##"{"outline":"m0 0h8v4h-8z","colour":"#010203"}"##);
+    assert_eq!(again(&filled), filled);
+
+    let line = Line { dashes: vec![3.0, 1.0], cap: Cap::Round, ..Line::new(curve("M0 0h20"), 2.0) };
+    let stop = Stop { offset: 0.3, colour: Colour([9; 3]), opacity: 0.5 };
+    let linear = Gradient::linear([0.0, 0.0], [20.0, 0.0], [Colour([0; 3]), Colour([255; 3])]);
+    let gradient = Gradient { kind: GradientKind::Radial, between: vec![stop], ..linear };
+    let stroked = Shape::stroked(line, Colour([7; 3])).unwrap();
+    let stroked = Shape { gradient: Some(Box::new(gradient)), opacity: 0.25, ..stroked };
+    let text = serde_json::to_string(&stroked).unwrap();
+    assert!(!text.contains("outline") && text.contains("\"dashes\":[3.0,1.0]"), "{text}");
+    assert_eq!(again(&stroked), stroked);
+}
+
+#[test]
+fn the_outline_of_a_line_is_the_area_that_it_paints() {
+    let area = |line: Line| Shape::stroked(line, Colour([0; 3])).unwrap().outline.area();
+    let plain = Line::new(curve("M0 0h20"), 2.0);
+    assert!((area(plain.clone()) - 40.0).abs() < 0.1);
+    assert!((area(Line { cap: Cap::Square, ..plain.clone() }) - 44.0).abs() < 0.1);
+    let dashed = Line { dashes: vec![5.0, 5.0], ..plain.clone() };
+    assert!((area(dashed) - 20.0).abs() < 0.1);
+    // More dashes than anybody draws are none.
+    assert!((area(Line { dashes: vec![1e-9, 1e-9], ..plain.clone() }) - 40.0).abs() < 0.1);
+    let moved = Shape::stroked(plain, Colour([0; 3])).unwrap().moved(Affine::scale(3.0));
+    assert!((moved.outline.area() - 360.0).abs() < 1.0);
+    assert_eq!(moved.line.unwrap().width, 6.0);
+}
+
+#[test]
+fn what_is_neither_or_both_is_refused() {
+    let read = |text: &str| serde_json::from_str::<Shape>(text).map_err(|e| e.to_string()).unwrap_err();
+    for text in [
+        r##"{"colour":"#000000"}"##,
+        r##"{"colour":"#000000","outline":"M0 0h1v1z","line":{"path":"M0 0h1","width":1}}"##,
+    ] {
+        assert!(read(text).contains("either an outline or a line"), "{}", read(text));
+    }
+    let wide = r##"{"colour":"#000000","line":{"path":"M0 0h1","width":-1}}"##;
+    assert!(read(wide).contains("the width of a line, -1"), "{}", read(wide));
+}
+
+#[test]
+fn strange_paint_is_a_fault() {
+    let outline = Outline::new(&parse_path("M0 0h8v4h-8z").unwrap()).unwrap();
+    let shape = Shape::new(outline, Colour([0; 3]));
+    let linear = Gradient::linear([0.0, 0.0], [9.0, 0.0], [Colour([0; 3]); 2]);
+    let stop = |offset| Stop { offset, colour: Colour([0; 3]), opacity: 1.0 };
+    let with = |gradient| fault(&[Shape { gradient: Some(Box::new(gradient)), ..shape.clone() }]);
+    assert_eq!(with(linear.clone()), None);
+    assert!(with(Gradient { to: [0.0; 2], ..linear.clone() }).unwrap().contains("no way"));
+    assert!(with(Gradient { between: vec![stop(0.5), stop(0.2)], ..linear.clone() }).is_some());
+    assert!(with(Gradient { between: vec![stop(2.0)], ..linear.clone() }).is_some());
+    assert!(with(Gradient { opacities: [0.5, f64::NAN], ..linear }).is_some());
+    assert!(fault(&[Shape { opacity: 1.5, ..shape }]).unwrap().contains("opacity"));
+    assert!(fault(&[]).is_some());
+}

@@ -1,0 +1,177 @@
+//! Lattices: translations under which a picture looks the same.
+//!
+//! A picture has rows, such as planks, or a lattice, such as bricks or a tread plate. Both are found from
+//! its autocorrelation ([`find`]), and both say the *phase* of a place: its position within a period.
+
+mod correlation;
+mod find;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use find::find;
+
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vtex_base::error::{Error, Result};
+
+/// Largest relative change of a lattice's vectors that makes its periods fit a canvas.
+const MOST_STRETCH: f64 = 0.03;
+/// The same for sizes that are proposed: not at the limit, for sizes are rounded.
+const PROPOSED_STRETCH: f64 = 0.027;
+/// Least angle between two vectors: its sine.
+const LEAST_SINE: f64 = 0.2;
+/// Least strength of a lattice that textures keep to unasked: elements of a weaker one stray so much that seams
+/// fit better without it.
+const KEPT: f64 = 0.3;
+/// Shortest vector, in pixels.
+const SHORTEST: f64 = 4.0;
+
+/// Translations under which an exemplar looks the same.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Lattice {
+    /// One vector, in pixels: rows across it, free along the direction at right angles to it. Two: a lattice.
+    pub vectors: Vec<[f64; 2]>,
+    /// Correlation of the exemplar with itself moved by a vector, 0 to 1; the least of the vectors.
+    pub strength: f64,
+    /// Standard deviation of the exemplar's periods from the lattice, in pixels.
+    pub stray: f64,
+}
+
+impl Lattice {
+    /// A lattice of given vectors, one or two, in pixels.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] unless each is at least 4 pixels long and two are far from parallel.
+    pub fn new(vectors: &[[f64; 2]]) -> Result<Self> {
+        let lattice = Self { vectors: vectors.to_vec(), strength: 1.0, stray: 0.0 };
+        match lattice.fault() {
+            None => Ok(lattice),
+            Some(_) => Err(Error::Parameter {
+                name: "lattice",
+                value: vectors.iter().flatten().map(f64::to_string).collect::<Vec<_>>().join(","),
+                allowed: "one or two vectors of at least 4 pixels, in different directions",
+            }),
+        }
+    }
+
+    /// Whether textures keep to it unasked: not if its strength is below 0.3.
+    pub fn is_kept(&self) -> bool {
+        self.strength >= KEPT
+    }
+
+    /// Why the lattice is invalid; `None` if it is valid.
+    pub(crate) fn fault(&self) -> Option<String> {
+        let length = |v: &[f64; 2]| libm::hypot(v[0], v[1]);
+        if !(1..=2).contains(&self.vectors.len()) {
+            return Some(format!("has {} vectors, not 1 or 2", self.vectors.len()));
+        }
+        if !self.vectors.iter().all(|v| (SHORTEST..=1e5).contains(&length(v))) {
+            return Some("has a vector that is not within 4 to 100000 pixels".into());
+        }
+        if let [a, b] = self.vectors[..]
+            && cross(a, b).abs() < LEAST_SINE * length(&a) * length(&b)
+        {
+            return Some("has two vectors in nearly the same direction".into());
+        }
+        let sound = (0.0..=1.0).contains(&self.strength) && (0.0..=1e5).contains(&self.stray);
+        (!sound).then(|| "has a strength or stray out of range".into())
+    }
+
+    /// The lattice with lengths along x and y multiplied.
+    pub(crate) fn scaled(&self, by: [f64; 2]) -> Self {
+        let vectors = self.vectors.iter().map(|v| [v[0] * by[0], v[1] * by[1]]).collect();
+        Self { vectors, stray: self.stray * libm::sqrt(by[0] * by[1]), ..*self }
+    }
+
+    /// How phases of places are measured.
+    pub fn phases(&self) -> Phases {
+        let waves = match self.vectors[..] {
+            [a, b] => {
+                let d = cross(a, b);
+                vec![[b[1] / d, -b[0] / d], [-a[1] / d, a[0] / d]]
+            }
+            _ => self.vectors.iter().map(|a| a.map(|c| c / dot(*a, *a))).collect(),
+        };
+        Phases { waves }
+    }
+
+    /// [`Lattice::phases`] of a canvas of `size` pixels that repeats along the axes of `wrap`: stretched a
+    /// little, so that whole periods fit.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if that changes the vectors by more than 3 %; it names the nearest sizes that fit.
+    pub fn phases_of_tile(&self, size: [u32; 2], wrap: [bool; 2]) -> Result<Phases> {
+        let waves = self.phases().waves;
+        let fitted = |size: [f64; 2]| -> Vec<[f64; 2]> {
+            let whole = |w: f64, k: usize| if wrap[k] { libm::round(w * size[k]) / size[k] } else { w };
+            waves.iter().map(|w| [whole(w[0], 0), whole(w[1], 1)]).collect()
+        };
+        // Largest distance by which a vector misses its place, as a share of its length.
+        let strain = |size: [f64; 2]| -> f64 {
+            let fitted = fitted(size);
+            let missed = |v: &[f64; 2]| {
+                let phase =
+                    fitted.iter().zip(&waves).map(|(f, w)| [f[0] - w[0], f[1] - w[1]]).map(|d| dot(d, *v));
+                libm::sqrt(self.residual_of(&phase.collect::<Vec<_>>())) / libm::sqrt(dot(*v, *v))
+            };
+            self.vectors.iter().map(missed).fold(0.0, f64::max)
+        };
+        let size = size.map(f64::from);
+        if strain(size) <= MOST_STRETCH {
+            return Ok(Phases { waves: fitted(size) });
+        }
+        // The nearest size, and the nearest larger one, whose periods fit.
+        let fits = |w: f64, h: f64| w >= 1.0 && h >= 1.0 && strain([w, h]) <= PROPOSED_STRETCH;
+        let reach = |k: usize| if wrap[k] { (size[k] / 2.0) as i32 } else { 0 };
+        let steps = |most: i32| (0..=most).flat_map(|d| [d, -d]);
+        let near = steps(reach(0))
+            .map(f64::from)
+            .flat_map(|dx| steps(reach(1)).take(160).map(f64::from).map(move |dy| [dx, dy]));
+        let nearest = near
+            .take(200_000)
+            .filter(|d| fits(size[0] + d[0], size[1] + d[1]))
+            .min_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)));
+        Err(Error::Periods {
+            width: size[0] as u32,
+            height: size[1] as u32,
+            nearest: nearest.map(|d| [0, 1].map(|k| (size[k] + d[k]) as u32)),
+        })
+    }
+
+    /// The way from a place of a canvas to the nearest that has the phase of a place of the exemplar.
+    pub fn residual(&self, canvas: &Phases, exemplar: [f64; 2], place: [f64; 2]) -> [f64; 2] {
+        let mut way = [0.0; 2];
+        for ((wave, on_canvas), vector) in self.phases().waves.iter().zip(&canvas.waves).zip(&self.vectors) {
+            let phase = dot(*wave, exemplar) - dot(*on_canvas, place);
+            (0..2).for_each(|k| way[k] += (phase - libm::round(phase)) * vector[k]);
+        }
+        way
+    }
+
+    /// Squared distance in pixels that differences of phase, each from -0.5 to 0.5, mean.
+    fn residual_of(&self, phases: &[f64]) -> f64 {
+        let mut sum = [0.0; 2];
+        for (phase, v) in phases.iter().zip(&self.vectors) {
+            (0..2).for_each(|k| sum[k] += phase * v[k]);
+        }
+        dot(sum, sum)
+    }
+}
+
+/// Phases of places: how many periods along each vector they are from the origin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phases {
+    /// For each vector of the lattice the reciprocal one: their product is 1, that with the other vector 0.
+    pub waves: Vec<[f64; 2]>,
+}
+
+pub(crate) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+pub(crate) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}

@@ -1,0 +1,188 @@
+//! The arrangement: a run-length coded map of the primaries in the exemplar.
+
+use super::LARGEST_SIDE;
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use vtex_base::raster::LabelMap;
+
+/// The map of primaries over the exemplar, row by row.
+///
+/// Descriptors are not stored individually. Each is a window of this map around its texton, extended
+/// by the textons that reach out of it, and is derived from the map when needed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Arrangement {
+    /// Width, in pixels.
+    pub width: u32,
+    /// Height, in pixels.
+    pub height: u32,
+    /// Whether left and right borders join, and top and bottom borders too. Default false.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub periodic: bool,
+    /// `label, length, label, length, …` over all rows in turn. Label 0 is background, label k is primary
+    /// k - 1. Lengths add up to `width * height`.
+    pub runs: Vec<u32>,
+}
+
+/// Reads field by field, so that a short file cannot expand to more runs than the map has room for.
+impl<'de> Deserialize<'de> for Arrangement {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(Fields)
+    }
+}
+
+struct Fields;
+
+impl<'de> Visitor<'de> for Fields {
+    type Value = Arrangement;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an arrangement: width, height and runs")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut fields: A) -> Result<Arrangement, A::Error> {
+        let (mut width, mut height, mut runs): (Option<u32>, Option<u32>, _) = (None, None, None);
+        let mut periodic = None;
+        while let Some(name) = fields.next_key::<String>()? {
+            match &*name {
+                "width" if width.is_none() => width = Some(fields.next_value()?),
+                "height" if height.is_none() => height = Some(fields.next_value()?),
+                "periodic" if periodic.is_none() => periodic = Some(fields.next_value()?),
+                "runs" if runs.is_none() => {
+                    // If the size comes later, the largest size applies.
+                    let [w, h] =
+                        [width, height].map(|v| v.unwrap_or(LARGEST_SIDE).min(LARGEST_SIDE) as usize);
+                    runs = Some(fields.next_value_seed(Runs { most: 2 * w * h })?);
+                }
+                "width" | "height" | "periodic" | "runs" => {
+                    return Err(A::Error::custom(format!("duplicate field `{name}`")));
+                }
+                other => {
+                    return Err(A::Error::unknown_field(other, &["width", "height", "periodic", "runs"]));
+                }
+            }
+        }
+        let missing = A::Error::missing_field;
+        Ok(Arrangement {
+            width: width.ok_or_else(|| missing("width"))?,
+            height: height.ok_or_else(|| missing("height"))?,
+            periodic: periodic.unwrap_or(false),
+            runs: runs.ok_or_else(|| missing("runs"))?,
+        })
+    }
+}
+
+/// The runs of a map, limited to `most` numbers.
+struct Runs {
+    most: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for Runs {
+    type Value = Vec<u32>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Vec<u32>, D::Error> {
+        deserializer.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Runs {
+    type Value = Vec<u32>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a list of labels and lengths")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Vec<u32>, A::Error> {
+        let mut runs = Vec::new();
+        while let Some(entry) = entries.next_element()? {
+            if runs.len() == self.most {
+                return Err(A::Error::custom(format!(
+                    "arrangement.runs has more than {} entries, two for each pixel",
+                    self.most
+                )));
+            }
+            runs.push(entry);
+        }
+        Ok(runs)
+    }
+}
+
+impl Arrangement {
+    /// Encodes a label map in which label k is primary k - 1 and 0 is background.
+    pub fn from_labels(map: &LabelMap) -> Self {
+        let mut runs = Vec::new();
+        for run in map.labels.chunk_by(|a, b| a == b) {
+            runs.extend([run[0], run.len() as u32]);
+        }
+        Self { width: map.width, height: map.height, periodic: false, runs }
+    }
+
+    /// Decodes the label map. The arrangement must be valid (see [`Arrangement::check`]).
+    pub fn to_labels(&self) -> LabelMap {
+        let mut labels = Vec::with_capacity(self.width as usize * self.height as usize);
+        for run in self.runs.chunks_exact(2) {
+            labels.extend(std::iter::repeat_n(run[0], run[1] as usize));
+        }
+        labels.resize(self.width as usize * self.height as usize, 0);
+        LabelMap { width: self.width, height: self.height, labels }
+    }
+
+    /// Checks that the runs cover the map exactly and contain no label above `largest`.
+    ///
+    /// # Errors
+    /// A description of the first fault.
+    pub fn check(&self, largest: u32) -> Result<(), String> {
+        let pairs = self.runs.chunks_exact(2);
+        if !pairs.remainder().is_empty() {
+            return Err("arrangement.runs has an odd number of entries".into());
+        }
+        let mut total = 0u64;
+        for run in pairs {
+            if run[0] > largest {
+                return Err(format!("arrangement.runs names primary {}, there are {largest}", run[0]));
+            }
+            total += u64::from(run[1]);
+        }
+        let wanted = u64::from(self.width) * u64::from(self.height);
+        if total != wanted {
+            return Err(format!("arrangement.runs covers {total} pixels, not {wanted}"));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Arrangement, String> {
+        serde_json::from_str(text).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn fields_come_in_any_order_and_once() {
+        let wanted = Arrangement { width: 3, height: 1, periodic: true, runs: vec![0, 3] };
+        assert_eq!(read(&serde_json::to_string(&wanted).unwrap()), Ok(wanted.clone()));
+        assert_eq!(read(r#"{"runs":[0,3],"height":1,"periodic":true,"width":3}"#), Ok(wanted));
+        for (text, message) in [
+            (r#"{"runs":[0,3],"height":1}"#, "missing field `width`"),
+            (r#"{"runs":[],"height":1,"height":1}"#, "duplicate field `height`"),
+            (r#"{"runs":[],"depth":1}"#, "unknown field `depth`"),
+            (r#"{"runs":[-1]}"#, "expected u32"),
+            ("[1]", "an arrangement"),
+        ] {
+            assert!(read(text).unwrap_err().contains(message), "{text}: {:?}", read(text));
+        }
+    }
+
+    #[test]
+    fn runs_are_bounded_by_the_size() {
+        let text = format!(r#"{{"width":4,"height":2,"runs":[{}0]}}"#, "0,".repeat(16));
+        assert!(read(&text).unwrap_err().contains("more than 16 entries"));
+        assert!(read(&text.replace("[0,", "[")).is_ok());
+    }
+}

@@ -1,0 +1,123 @@
+//! How many categories primaries are divided into.
+
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::de::{Error, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::fmt;
+use std::str::FromStr;
+
+/// How many categories primaries are divided into. In JSON and on the command line a number, or `auto`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Categories {
+    /// The fewest, up to [`Categories::MOST_BY_COLOUR`], whose members are alike in colour.
+    Auto,
+    /// This number, 1 to 1000; fewer where there are fewer different primaries.
+    AtMost(u32),
+}
+
+const EXPECTED: &str = "expected auto or a number from 1 to 1000";
+
+impl Categories {
+    /// Most categories that [`Categories::Auto`] makes.
+    pub const MOST_BY_COLOUR: u32 = 40;
+
+    /// Most categories there may be.
+    pub fn most(self) -> usize {
+        match self {
+            Self::Auto => Self::MOST_BY_COLOUR as usize,
+            Self::AtMost(number) => number as usize,
+        }
+    }
+
+    fn checked(number: u64) -> Result<Self, &'static str> {
+        if (1..=1000).contains(&number) { Ok(Self::AtMost(number as u32)) } else { Err(EXPECTED) }
+    }
+}
+
+impl FromStr for Categories {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            _ => Self::checked(text.parse().map_err(|_| EXPECTED)?),
+        }
+    }
+}
+
+impl fmt::Display for Categories {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::AtMost(number) => number.fmt(f),
+        }
+    }
+}
+
+impl Serialize for Categories {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => serializer.serialize_str("auto"),
+            Self::AtMost(number) => serializer.serialize_u32(*number),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Categories {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Either;
+        impl Visitor<'_> for Either {
+            type Value = Categories;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(EXPECTED.trim_start_matches("expected "))
+            }
+
+            fn visit_u64<E: Error>(self, number: u64) -> Result<Categories, E> {
+                Categories::checked(number).map_err(E::custom)
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Categories, E> {
+                Categories::checked(number.try_into().unwrap_or(0)).map_err(E::custom)
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Categories, E> {
+                text.parse().map_err(E::custom)
+            }
+        }
+        deserializer.deserialize_any(Either)
+    }
+}
+
+#[cfg(feature = "schema")]
+impl JsonSchema for Categories {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Categories".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({
+            "description": "How many categories primaries are divided into: a number, or `auto`.",
+            "anyOf": [{"type": "integer", "minimum": 1, "maximum": 1000}, {"const": "auto"}]
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_or_auto_in_json_and_text() {
+        for (value, json) in [(Categories::Auto, "\"auto\""), (Categories::AtMost(15), "15")] {
+            assert_eq!(serde_json::to_string(&value).unwrap(), json);
+            assert_eq!(serde_json::from_str::<Categories>(json).unwrap(), value);
+            assert_eq!(value.to_string().parse(), Ok(value));
+        }
+        for wrong in ["0", "1001", "-1", "2.5", "\"many\"", "null"] {
+            let message = serde_json::from_str::<Categories>(wrong).unwrap_err().to_string();
+            assert!(message.contains("auto or a number from 1 to 1000"), "{message}");
+        }
+    }
+}

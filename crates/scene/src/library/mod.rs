@@ -1,0 +1,316 @@
+//! The library of elements: the result of analysing an exemplar (`*.lib.json`).
+
+mod arrangement;
+mod categories;
+mod guide;
+mod instance;
+mod layer_count;
+mod parameters;
+mod pixel_limit;
+mod strata;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
+mod units;
+mod validate;
+mod version1;
+
+pub use arrangement::Arrangement;
+pub use categories::Categories;
+pub use guide::{Guide, Picture};
+pub use instance::Instance;
+pub use parameters::{AnalyzeParams, Grouping, Shading};
+pub use strata::Stratum;
+
+use crate::element;
+pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
+pub use crate::lattice::Lattice;
+use crate::scene::Field;
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::ops::Range;
+use std::path::Path;
+use vtex_base::document::{self, Document};
+use vtex_base::error::Result;
+use vtex_base::geometry::Outline;
+use vtex_base::raster::colour::Colour;
+
+/// Largest side of an exemplar, in pixels.
+const LARGEST_SIDE: u32 = 16_384;
+
+/// The result of analysing one exemplar. Coordinates are pixels of the photograph, or units of the drawing,
+/// x right, y down, pixel centres at .5; colours are 8-bit sRGB. The arrangement and the guide may have
+/// another resolution ([`Source::scale`]).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Library {
+    /// Always `vtex-library`.
+    pub format: String,
+    /// Version of the format; this is 2.
+    pub version: u32,
+    /// The exemplar, and how it was analysed.
+    pub source: Source,
+    /// The elements: primaries, which have a category, before secondaries, which have none.
+    pub elements: Vec<Element>,
+    /// The layers of the exemplar, in painting order: what lies where.
+    pub layers: Vec<Layer>,
+    /// Clusters of primaries that look alike.
+    pub categories: Vec<Category>,
+    /// Share of the exemplar covered by primaries, 0 to 1.
+    pub coverage: f64,
+    /// Map of the primaries in the exemplar. Descriptors are windows of this map.
+    pub arrangement: Arrangement,
+    /// Half the side of a descriptor's window, in pixels of the arrangement. By default 2.25 mean neighbour distances.
+    pub descriptor_half: u32,
+    /// The exemplar's colours on a coarse grid, which placement by correspondences follows. `None` in
+    /// libraries of older versions; their textons are placed by descriptors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub guide: Option<Guide>,
+    /// Translations under which the exemplar looks the same; `None` if it has no rows and no lattice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lattice: Option<Lattice>,
+}
+
+/// What an exemplar is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum SourceKind {
+    /// A photograph, or any other raster image.
+    Photograph,
+    /// A vector drawing.
+    Drawing,
+}
+
+/// The origin of a library.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// What the exemplar is.
+    pub kind: SourceKind,
+    /// File name of the exemplar, without its folder.
+    pub file: String,
+    /// Width of the exemplar, in pixels of the photograph or units of the drawing.
+    pub width: u32,
+    /// Height of the exemplar, in the same.
+    pub height: u32,
+    /// Pixels of the arrangement for each pixel of the photograph or unit of the drawing, along x and y. Below
+    /// 1 for a photograph that was reduced before it was analysed. Default 1.
+    #[serde(default = "same_scale", skip_serializing_if = "is_same_scale")]
+    pub scale: [f64; 2],
+    /// SHA-256 of the exemplar's file, in hexadecimal.
+    pub sha256: String,
+    /// Name of the segmenter that made the masks, such as `regions`.
+    pub segmenter: String,
+    /// Parameters of the analysis, with all defaults filled in.
+    pub parameters: AnalyzeParams,
+    /// Name and version of the program that made the library.
+    pub program: String,
+    /// Why the exemplar has as many strata as it has: a clause without a full stop. `None` if nothing
+    /// was decided.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layers: Option<String>,
+    /// Warnings of the analysis, one sentence each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+fn same_scale() -> [f64; 2] {
+    [1.0; 2]
+}
+
+fn is_same_scale(scale: &[f64; 2]) -> bool {
+    *scale == same_scale()
+}
+
+/// An element of the exemplar: a texton of a photograph.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Element {
+    /// Category of similar primaries; `None` for a secondary.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub category: Option<CategoryId>,
+    /// Median colour of its pixels.
+    pub colour: Colour,
+    /// Colour minus the background field at the centroid, per sRGB component, -255 to 255. Elements
+    /// with it take their colour from the field where they are placed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub difference: Option<[i16; 3]>,
+    /// Area, in pixels of the arrangement.
+    pub area: u32,
+    /// Centroid.
+    pub centroid: [f64; 2],
+    /// Polsby–Popper compactness of the outline, 4π · area / perimeter², 0 to 1. `None` for a
+    /// secondary.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compactness: Option<f64>,
+    /// Whether it is cut off by the border of the exemplar. Such an element belongs to the arrangement
+    /// but is never placed.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub clipped: bool,
+    /// The outline of the whole, if that is not the outline of the first shape.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub silhouette: Option<Outline>,
+    /// Its shapes at its position in the exemplar, in painting order; at least one. The first covers the
+    /// whole. Each extends a little underneath later ones.
+    #[serde(deserialize_with = "element::deserialize_shapes")]
+    pub shapes: Vec<Shape>,
+}
+
+impl Element {
+    /// The outline of the whole: its silhouette, or the outline of its first shape.
+    pub fn outline(&self) -> &Outline {
+        element::outline(self.silhouette.as_ref(), &self.shapes)
+    }
+
+    /// The shape that is painted first.
+    pub fn base(&self) -> &Shape {
+        &self.shapes[0]
+    }
+
+    /// The shapes that are painted on the first.
+    pub fn details(&self) -> &[Shape] {
+        &self.shapes[1..]
+    }
+
+    /// The point that stands for it: its centroid in whole pixels.
+    pub fn origin(&self) -> [i32; 2] {
+        self.centroid.map(|v| libm::round(v) as i32)
+    }
+}
+
+/// A layer of the exemplar.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Layer {
+    /// Its name, unique within the library. Not empty.
+    pub name: String,
+    /// What its elements are to the texture.
+    pub role: Role,
+    /// The part of the exemplar that it fills; `None` for all of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<Outline>,
+    /// Its colour in layer maps, for a background with a region or layers above it that have one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour: Option<Colour>,
+    /// Colours sampled between the elements: the control points of a colour field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field: Option<Field>,
+    /// Typical distance between neighbouring secondaries, in pixels; 0 if there are fewer than three.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<f64>,
+    /// What stands where, in painting order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub instances: Vec<Instance>,
+}
+
+impl Layer {
+    /// A layer named after its role, with nothing in it.
+    pub fn new(role: Role) -> Self {
+        let name = role.name().into();
+        Self { name, role, region: None, colour: None, field: None, spacing: None, instances: Vec::new() }
+    }
+}
+
+/// A cluster of similar primaries.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Category {
+    /// Mean of its members' features: red, green, blue (0 to 255), area (pixels of the arrangement), compactness (0 to 1).
+    pub centre: [f64; 5],
+    /// Number of members.
+    pub members: u32,
+    /// Share of the exemplar that its members cover, 0 to 1.
+    pub coverage: f64,
+}
+
+impl Library {
+    /// Value of [`Library::format`].
+    pub const FORMAT: &'static str = "vtex-library";
+    /// Value of [`Library::version`].
+    pub const VERSION: u32 = 2;
+
+    /// The primaries: large distinct elements, each with a category. Their order is that of the labels
+    /// of the arrangement.
+    pub fn primaries(&self) -> &[Element] {
+        &self.elements[..self.primary_count()]
+    }
+
+    /// The secondaries: small elements between the primaries.
+    pub fn secondaries(&self) -> &[Element] {
+        &self.elements[self.primary_count()..]
+    }
+
+    fn primary_count(&self) -> usize {
+        self.elements.partition_point(|e| e.category.is_some())
+    }
+
+    /// Index of the secondary with the given number among the secondaries.
+    pub fn secondary_id(&self, number: u32) -> ElementId {
+        ElementId::after(self.primary_count() + number as usize)
+    }
+
+    /// Typical distance between neighbouring secondaries, in pixels; 0 if it is not known.
+    pub fn secondary_spacing(&self) -> f64 {
+        self.layers.iter().find_map(|layer| layer.spacing).unwrap_or(0.0)
+    }
+
+    /// The three layers of a homogeneous photograph, whose elements stand where their shapes say.
+    pub fn three_layers(elements: &[Element], background: Field, spacing: f64) -> Vec<Layer> {
+        let primaries = elements.partition_point(|e| e.category.is_some());
+        let of = |range: Range<usize>| range.map(|i| Instance::of(ElementId::after(i))).collect();
+        vec![
+            Layer { field: Some(background), ..Layer::new(Role::Background) },
+            Layer {
+                spacing: Some(spacing),
+                instances: of(primaries..elements.len()),
+                ..Layer::new(Role::Secondary)
+            },
+            Layer { instances: of(0..primaries), ..Layer::new(Role::Primary) },
+        ]
+    }
+
+    /// Reads and validates a library. Gzip is detected by content.
+    ///
+    /// # Errors
+    /// [`vtex_base::Error::Read`] for an unreadable file; [`vtex_base::Error::Format`] for anything but a valid
+    /// library of version 1 or 2.
+    pub fn read(path: &Path) -> Result<Self> {
+        document::read(path)
+    }
+
+    /// Reads and validates a library from bytes, plain or gzip; owned ones take no copy. `name` appears in errors.
+    ///
+    /// # Errors
+    /// [`vtex_base::Error::Format`] for anything but a valid library of this version.
+    pub fn from_bytes<'a>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) -> Result<Self> {
+        document::from_bytes(bytes, name)
+    }
+
+    /// Serialises the library as JSON, ending in a newline.
+    pub fn to_json(&self) -> Vec<u8> {
+        document::to_json(self)
+    }
+}
+
+impl Document for Library {
+    const FORMAT: &'static str = Self::FORMAT;
+    const VERSION: u32 = Self::VERSION;
+
+    fn read_older(version: u64, json: &[u8]) -> Option<serde_json::Result<Self>> {
+        (version == 1).then(|| -> serde_json::Result<Self> {
+            let old: version1::Version1 = serde_json::from_slice(json)?;
+            Self::try_from(old).map_err(serde::de::Error::custom)
+        })
+    }
+
+    fn validate(&self) -> std::result::Result<(), String> {
+        validate::validate(self)
+    }
+}

@@ -1,0 +1,286 @@
+//! Parameters of synthesis, as stored in the scene.
+
+use super::{Edge, Tile};
+use crate::lattice::Lattice;
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+use vtex_base::error::check;
+
+/// Parameters of synthesis. Lengths in pixels.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct SynthParams {
+    /// Width of the canvas. 1 to 100 000, default 1000.
+    pub width: u32,
+    /// Height of the canvas. 1 to 100 000, default 1000.
+    pub height: u32,
+    /// Seed of all random choices. Default 0.
+    pub seed: u64,
+    /// How primaries are placed. Default `auto`. A scene stores the method used.
+    pub method: Method,
+    /// Number of candidates tried for each placement. 1 to 1000, default 20.
+    pub candidates: u32,
+    /// Number of moves by one cell that may improve a placement. 0 to 100, default 5.
+    pub moves: u32,
+    /// Weights of the candidates' score.
+    pub weights: Weights,
+    /// Distance between background points. Default: that of the library.
+    pub background_spacing: Option<f64>,
+    /// Axes along which the texture repeats seamlessly. Default none.
+    pub tile: Tile,
+    /// Largest rotation of a texton in either direction, in degrees. 0 to 180, default 0.
+    pub rotate: f64,
+    /// Whether half of the textons, chosen at random, are mirrored. Default false.
+    pub mirror: bool,
+    /// Largest change of a texton's size in either direction, in per cent. 0 to 50, default 0.
+    pub scale_jitter: f64,
+    /// Treatment of primaries at the edge of a domain. Default `clip`.
+    pub edge: Edge,
+    /// Parts of the method that are left out, for experiments. Default none.
+    pub ablate: Vec<Ablation>,
+    /// Share of the movable elements that leave their place in the period, for [`Method::Period`]: 0
+    /// repeats the exemplar exactly. 0 to 1. Default: 0 for a regular exemplar, 1 for another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variation: Option<f64>,
+    /// The rows or the lattice that the texture keeps to, for [`Method::Correspondence`]: `auto`, `off`, or one
+    /// or two vectors in pixels of the exemplar, such as `80,0,40,60`. Default `auto`.
+    pub lattice: LatticeChoice,
+}
+
+/// The lattice that placement by correspondences keeps to. As text `auto`, `off`, or two or four numbers with
+/// commas.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum LatticeChoice {
+    /// That of each library, if analysis found one.
+    #[default]
+    Auto,
+    /// None.
+    Off,
+    /// One or two vectors in pixels of the exemplar.
+    Vectors(Vec<[f64; 2]>),
+}
+
+impl LatticeChoice {
+    /// The choice with lengths along x and y multiplied.
+    pub fn scaled(&self, by: [f64; 2]) -> Self {
+        match self {
+            Self::Vectors(vectors) => {
+                Self::Vectors(vectors.iter().map(|v| [v[0] * by[0], v[1] * by[1]]).collect())
+            }
+            other => other.clone(),
+        }
+    }
+}
+
+#[cfg(feature = "schema")]
+impl JsonSchema for LatticeChoice {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "LatticeChoice".into()
+    }
+
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        String::json_schema(generator)
+    }
+}
+
+impl fmt::Display for LatticeChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Off => f.write_str("off"),
+            Self::Vectors(vectors) => {
+                let numbers: Vec<String> = vectors.iter().flatten().map(f64::to_string).collect();
+                f.write_str(&numbers.join(","))
+            }
+        }
+    }
+}
+
+impl From<LatticeChoice> for String {
+    fn from(choice: LatticeChoice) -> Self {
+        choice.to_string()
+    }
+}
+
+impl TryFrom<String> for LatticeChoice {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl FromStr for LatticeChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => return Ok(Self::Auto),
+            "off" => return Ok(Self::Off),
+            _ => {}
+        }
+        const EXPECTED: &str = "expected auto, off, or one or two vectors in pixels: 80,0 or 80,0,40,60";
+        let number = |part: &str| part.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        let numbers: Vec<f64> = text.split(',').map(number).collect::<Option<_>>().ok_or(EXPECTED)?;
+        let (vectors, []) = numbers.as_chunks::<2>() else { return Err(EXPECTED.into()) };
+        match Lattice::new(vectors) {
+            Ok(_) => Ok(Self::Vectors(vectors.to_vec())),
+            Err(_) => Err("expected one or two vectors of at least 4 px, in different directions".into()),
+        }
+    }
+}
+
+/// How primaries are placed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// `period` for one periodic drawing, `descriptor` for other drawings; else `correspondence` if
+    /// every library has a guide and no option is set that only `descriptor`
+    /// supports (weights of the score, parts of its method left out); otherwise `descriptor`.
+    #[default]
+    Auto,
+    /// Elements are copied along a field that maps each place of the result to a place of the
+    /// exemplar. It preserves structure larger than a few elements.
+    Correspondence,
+    /// Elements are drawn one by one to match the descriptors of their neighbours (paper §3.2.1).
+    Descriptor,
+    /// The exemplar's own period is repeated, and its movable elements are exchanged, moved and turned.
+    /// For one periodic drawing.
+    Period,
+}
+
+/// A part of the method that can be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Ablation {
+    /// No secondary textons (paper, table 3).
+    Secondary,
+    /// Candidates that overlap a placed texton at all are rejected (paper, table 3).
+    Overlap,
+    /// Coverage is not corrected (paper, table 3).
+    Density,
+    /// The probability of a texton does not fall after it is used (paper, table 3).
+    Decay,
+    /// Placements are not improved by moves.
+    Improve,
+    /// No textons are added where placement leaves gaps.
+    Growth,
+    /// Surplus textons are removed at random instead of by overlap and fit.
+    Removal,
+    /// Copies of a texton may be placed next to each other.
+    Copies,
+    /// Placement starts at a single place.
+    Seeds,
+    /// Secondaries are scattered one by one instead of by neighbourhoods of the exemplar.
+    Neighbourhoods,
+}
+
+impl Ablation {
+    /// All parts, in the order of declaration.
+    pub const ALL: [Self; 10] = [
+        Self::Secondary,
+        Self::Overlap,
+        Self::Density,
+        Self::Decay,
+        Self::Improve,
+        Self::Growth,
+        Self::Removal,
+        Self::Copies,
+        Self::Seeds,
+        Self::Neighbourhoods,
+    ];
+}
+
+/// Weights of the five areas in a candidate's score (paper §3.2.1). Each -10 to 10.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Weights {
+    /// Covered area of the requested region. Default 0.5.
+    pub target: f64,
+    /// Uncovered area of the requested region. Default -0.4.
+    pub uncovered: f64,
+    /// Covered area that should be empty. Default -0.2.
+    pub empty: f64,
+    /// Covered area that should hold another category. Default -0.5.
+    pub mismatched: f64,
+    /// Covered area of another region of the same category. Default -0.5.
+    pub same_overlap: f64,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self { target: 0.5, uncovered: -0.4, empty: -0.2, mismatched: -0.5, same_overlap: -0.5 }
+    }
+}
+
+impl Default for SynthParams {
+    fn default() -> Self {
+        Self {
+            width: 1000,
+            height: 1000,
+            seed: 0,
+            method: Method::default(),
+            candidates: 20,
+            moves: 5,
+            weights: Weights::default(),
+            background_spacing: None,
+            tile: Tile::default(),
+            rotate: 0.0,
+            mirror: false,
+            scale_jitter: 0.0,
+            edge: Edge::default(),
+            ablate: Vec::new(),
+            variation: None,
+            lattice: LatticeChoice::default(),
+        }
+    }
+}
+
+impl SynthParams {
+    /// Largest permitted width and height of a canvas, in pixels.
+    pub const LARGEST_SIDE: u32 = 100_000;
+
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`vtex_base::Error::Parameter`] naming the first parameter out of range.
+    pub fn validate(&self) -> vtex_base::Result<()> {
+        let side = |v: u32| (1..=Self::LARGEST_SIDE).contains(&v);
+        let size = || format!("{}x{}", self.width, self.height);
+        check(side(self.width) && side(self.height), "size", size(), "1 to 100000 px on each side")?;
+        check((1..=1000).contains(&self.candidates), "candidates", self.candidates, "1 to 1000")?;
+        check(self.moves <= 100, "moves", self.moves, "0 to 100")?;
+        let w = &self.weights;
+        for value in [w.target, w.uncovered, w.empty, w.mismatched, w.same_overlap] {
+            check((-10.0..=10.0).contains(&value), "weights", value, "-10 to 10 each")?;
+        }
+        if let Some(spacing) = self.background_spacing {
+            check((4.0..=1000.0).contains(&spacing), "background-spacing", spacing, "4 to 1000 px")?;
+        }
+        let variation = self.variation.unwrap_or(0.0);
+        check((0.0..=1.0).contains(&variation), "variation", variation, "0 to 1")?;
+        if let LatticeChoice::Vectors(vectors) = &self.lattice {
+            Lattice::new(vectors)?;
+        }
+        check((0.0..=180.0).contains(&self.rotate), "rotate", self.rotate, "0 to 180 degrees")?;
+        check(
+            (0.0..=50.0).contains(&self.scale_jitter),
+            "scale-jitter",
+            self.scale_jitter,
+            "0 to 50 per cent",
+        )
+    }
+
+    /// Whether a part of the method is left out.
+    pub fn without(&self, part: Ablation) -> bool {
+        self.ablate.contains(&part)
+    }
+}
