@@ -55,6 +55,17 @@ pub(crate) struct Task<'a> {
     pub(crate) fixed: Vec<Fixed>,
 }
 
+/// What every method knows.
+#[derive(Clone, Copy)]
+pub(crate) struct Context<'a> {
+    pub(crate) libraries: &'a [Library],
+    pub(crate) controls: &'a Controls,
+    pub(crate) params: &'a SynthParams,
+    pub(crate) grid: &'a Grid,
+    pub(crate) region: &'a Region<'a>,
+    pub(crate) progress: &'a dyn Progress,
+}
+
 /// An element that stands before placement begins.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fixed {
@@ -121,8 +132,9 @@ pub(crate) fn arrange<'a>(
     }
     let (mut correspondence, mut structure) = (None, None);
     if method == Method::Correspondence {
-        let found = Correspondence::new((libraries, controls), model, &grid, &region, params, progress)?;
-        let carried = found.carry(libraries, model, &grid, &region, params, progress)?;
+        let context = Context { libraries, controls, params, grid: &grid, region: &region, progress };
+        let found = Correspondence::new(&context, model)?;
+        let carried = found.carry(&context, model)?;
         // Where descriptors go on, they begin with what stands beside.
         let begin = |variant: VariantId| match model.element(variant).fused {
             None if !region.all_carried() => Asks::Always,

@@ -1,108 +1,99 @@
-//! Scenes from placed elements.
+//! Scenes from what was placed, whichever method placed it.
 
-use super::secondaries;
-use super::strata::Strata;
 use crate::arrange::Arrangement;
 use crate::arrange::controls::Controls;
 use crate::arrange::variation::Variation;
-use vtex_base::geometry::Outline;
 use vtex_base::raster::colour::Colour;
 use vtex_scene::library::Library;
 use vtex_scene::reconstruct::{Listing, reference};
 use vtex_scene::scene::{
-    Domain, ElementId, Field, Instance, InstanceId, Layer, LibraryId, Scene, SynthParams,
+    Domain, Element, ElementId, Instance, InstanceId, Layer, LibraryId, Scene, SynthParams,
 };
 
-/// Positions of the element layers within a stratum.
-const SECONDARY: usize = 1;
-const PRIMARY: usize = 2;
+/// An element, and where a scene is to have it.
+pub(crate) struct Placement<'a> {
+    pub(crate) what: What<'a>,
+    /// From the coordinates of the element to those of the canvas.
+    pub(crate) transform: [f64; 6],
+    /// Index of the layer.
+    pub(crate) layer: usize,
+}
 
-/// Makes the scene of an arrangement. Elements are listed in the order of their first instance.
-pub(crate) fn scene(
+/// What a placement shows.
+pub(crate) enum What<'a> {
+    /// An element of a library, in a colour of its own or in the element's.
+    Known(LibraryId, ElementId, Option<Colour>),
+    /// An element made for this scene.
+    Made(&'a Element),
+    /// An instance of an earlier scene, which keeps its identity, element, colour and effects.
+    Kept(&'a Instance),
+}
+
+/// A scene of some layers, in which nothing stands yet.
+pub(crate) fn blank(
     libraries: &[Library],
     params: &SynthParams,
     controls: &Controls,
-    arrangement: &Arrangement<'_>,
-    secondaries: &[secondaries::Placed],
-    (background, strata): (Field, Option<Strata>),
+    layers: Vec<Layer>,
 ) -> Scene {
     let references = libraries.iter().map(reference).collect();
-    let layers = match &strata {
-        Some(strata) => strata.layers(),
-        None => Scene::three_layers(background),
-    };
-    let mut scene = Scene::new([params.width, params.height], references, layers);
-    scene.parameters = Some(params.clone());
-    scene.tile = params.tile;
-    scene.domain = controls.domain.clone().map(|outline| Domain { outline, edge: params.edge });
-    let mut listings: Vec<Listing<'_>> =
-        libraries.iter().enumerate().map(|(k, l)| Listing::new(LibraryId(k as u32), l)).collect();
-    let model = arrangement.cells.model();
-    for p in secondaries {
-        let element = listings[p.library].secondary(&mut scene, p.secondary);
-        let variation = &model.variations[usize::from(p.variation)];
-        let stratum = strata.as_ref().map_or(0, |strata| strata.of_secondary(p));
-        push(&mut scene, (stratum, SECONDARY), element, p.at, variation, Some(p.colour));
+    Scene {
+        parameters: Some(params.clone()),
+        tile: params.tile,
+        domain: controls.domain.clone().map(|outline| Domain { outline, edge: params.edge }),
+        ..Scene::new([params.width, params.height], references, layers)
     }
-    for p in &arrangement.placed {
-        let placed = &model[p.element];
-        let (element, variation) = match placed.fused {
-            // A fused element is stored with its variation applied.
-            Some(fused) => (scene.add(model.fused[fused as usize].clone()), &Variation::default()),
-            None => {
-                let element = listings[placed.library].primary(&mut scene, placed.index);
-                (element, &model.variations[usize::from(p.variation)])
+}
+
+/// Adds placements to the layers of a scene, in their order. Elements are listed in the order of their first
+/// instance, after those that the scene lists already. New instances are numbered from `first` on.
+pub(crate) fn compose<'a>(
+    mut scene: Scene,
+    first: InstanceId,
+    libraries: &[Library],
+    placements: impl IntoIterator<Item = Placement<'a>>,
+) -> Scene {
+    let listing = |(k, library)| Listing::of(LibraryId(k as u32), library, &scene);
+    let mut listings: Vec<Listing<'_>> = libraries.iter().enumerate().map(listing).collect();
+    let mut ids = (first.0..=u32::MAX).chain(0..first.0).map(InstanceId);
+    let mut fresh = |element| Instance::new(ids.next().unwrap_or(first), element);
+    for Placement { what, transform, layer } in placements {
+        let instance = match what {
+            What::Known(library, source, colour) => {
+                let element = listings[library.index()].element(&mut scene, source);
+                Instance { transform, colour, ..fresh(element) }
             }
+            What::Made(element) => {
+                let element = scene.add(element.clone());
+                Instance { transform, ..fresh(element) }
+            }
+            What::Kept(instance) => Instance { transform, ..instance.clone() },
         };
-        let of = |strata: &Strata| strata.of_primary(&libraries[0], arrangement, p.element, p.at);
-        let stratum = strata.as_ref().map_or(0, of);
-        push(&mut scene, (stratum, PRIMARY), element, p.at, variation, None);
-    }
-    if strata.is_some() {
-        without_empty_strata(&mut scene);
+        scene.layers[layer].instances.push(instance);
     }
     scene
 }
 
-/// Removes strata without a place on the canvas: a given map may lack some, and small canvases have no room
-/// for all.
-fn without_empty_strata(scene: &mut Scene) {
-    let layers = std::mem::take(&mut scene.layers);
-    for mut stratum in layers.chunks(Strata::LAYERS).map(<[Layer]>::to_vec) {
-        let nowhere = stratum[0].region.as_ref().is_some_and(Outline::is_empty);
-        if nowhere {
-            (stratum[0].region, stratum[0].field) = (None, None);
-        }
-        if !nowhere || stratum.iter().any(|layer| !layer.instances.is_empty()) {
-            scene.layers.extend(stratum);
+/// What a placed primary shows, and its transform.
+pub(crate) fn primary<'a>(
+    arrangement: &'a Arrangement<'_>,
+    placed: &crate::arrange::Placed,
+) -> (What<'a>, [f64; 6]) {
+    let model = arrangement.cells.model();
+    let element = &model[placed.element];
+    match element.fused {
+        // A fused element is stored with its variation applied.
+        Some(fused) => (What::Made(&model.fused[fused as usize]), at(&Variation::default(), placed.at)),
+        None => {
+            let known = What::Known(LibraryId(element.library as u32), ElementId(element.index), None);
+            (known, at(&model.variations[usize::from(placed.variation)], placed.at))
         }
     }
 }
 
-/// Appends an instance to a layer of a stratum. Ids are numbered across all layers.
-fn push(
-    scene: &mut Scene,
-    (stratum, layer): (usize, usize),
-    element: ElementId,
-    at: [i32; 2],
-    variation: &Variation,
-    colour: Option<Colour>,
-) {
-    let id = InstanceId(scene.count() as u32);
-    let layer = &mut scene.layers[stratum * Strata::LAYERS + layer];
-    layer.instances.push(instance(id, element, at, variation, colour));
-}
-
-/// An element at a place of the canvas.
-pub(crate) fn instance(
-    id: InstanceId,
-    element: ElementId,
-    at: [i32; 2],
-    variation: &Variation,
-    colour: Option<Colour>,
-) -> Instance {
+/// The transform of a variation at a place of the canvas.
+pub(crate) fn at(variation: &Variation, at: [i32; 2]) -> [f64; 6] {
     // Five decimals are precise to a hundredth of a pixel at a distance of a thousand, and short.
     let [a, b, c, d] = variation.matrix.map(|v| libm::round(v * 1e5) / 1e5);
-    let transform = [a, b, c, d, f64::from(at[0]), f64::from(at[1])];
-    Instance { transform, colour, ..Instance::new(id, element) }
+    [a, b, c, d, f64::from(at[0]), f64::from(at[1])]
 }

@@ -26,13 +26,15 @@ pub use vtex_scene::reconstruct::reconstruct;
 
 use crate::arrange::correspondence::no_guide;
 use crate::arrange::model::Model;
-use crate::arrange::{Task, arrange};
+use crate::arrange::{Arrangement, Task, arrange};
+use compose::{Placement, What, compose};
+use secondaries::PlacedSecondary;
 use strata::Strata;
 use vtex_base::error::{Error, Result};
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::field::Interpolant;
-use vtex_scene::scene::{Ablation, Method, Scene, SynthParams, Weights};
+use vtex_scene::scene::{Ablation, InstanceId, Layer, LibraryId, Method, Role, Scene, SynthParams, Weights};
 
 /// Largest canvas, in pixels.
 const LARGEST_CANVAS: u64 = 400_000_000;
@@ -84,10 +86,43 @@ fn in_pixels(
     advance(progress, "background field", 2, 2)?;
 
     let strata = Strata::new(libraries, controls, &arrangement, &field, params)?;
-    let nested = strata.as_ref().map_or_else(Vec::new, |strata| strata.report.clone());
-    let scene = compose::scene(libraries, params, controls, &arrangement, &secondaries, (field, strata));
-    let report = Report { strata: nested, ..Report::new(libraries, &arrangement, &scene) };
+    let layers = match &strata {
+        Some(strata) => strata.layers(),
+        None => Scene::three_layers(field),
+    };
+    let placements = placements(libraries, &arrangement, &secondaries, strata.as_ref());
+    let blank = compose::blank(libraries, params, controls, layers);
+    let mut scene = compose(blank, InstanceId(0), libraries, placements);
+    let strata = strata.map_or_else(Vec::new, |strata| {
+        scene.layers = Strata::drop_empty(std::mem::take(&mut scene.layers));
+        strata.report
+    });
+    let report = Report { strata, ..Report::of_arrangement(libraries, &arrangement, &scene) };
     Ok((scene, report))
+}
+
+/// Secondaries, then primaries, each in the layer of its stratum.
+fn placements<'a>(
+    libraries: &'a [Library],
+    arrangement: &'a Arrangement<'_>,
+    secondaries: &'a [PlacedSecondary],
+    strata: Option<&'a Strata>,
+) -> impl Iterator<Item = Placement<'a>> {
+    let below = secondaries.iter().map(move |p| Placement {
+        what: What::Known(
+            LibraryId(p.library as u32),
+            libraries[p.library].secondary_id(p.secondary),
+            Some(p.colour),
+        ),
+        transform: compose::at(&arrangement.cells.model().variations[usize::from(p.variation)], p.at),
+        layer: Strata::layer(strata.map_or(0, |strata| strata.of_secondary(p)), Role::Secondary),
+    });
+    let above = arrangement.placed.iter().map(move |p| {
+        let (what, transform) = compose::primary(arrangement, p);
+        let of = |strata: &Strata| strata.of_primary(&libraries[0], arrangement, p.element, p.at);
+        Placement { what, transform, layer: Strata::layer(strata.map_or(0, of), Role::Primary) }
+    });
+    below.chain(above)
 }
 
 /// The canvas, width and height in pixels, that suits libraries where no size is asked for: 1000 × 1000;
@@ -169,8 +204,13 @@ pub(crate) fn primaries_alone(
     let arrangement = arrange(&mut model, &task, progress)?;
     let canvas = f64::from(params.width) * f64::from(params.height);
     let covered = arrangement.covered_before.iter().map(|&cells| cells as f64 / canvas).collect();
-    let field = vtex_scene::scene::Field { spacing: 1.0, fallback: Default::default(), points: Vec::new() };
-    Ok((compose::scene(libraries, params, &controls, &arrangement, &[], (field, None)), covered))
+    let layers = vec![Layer::new(Role::Primary)];
+    let placements = arrangement.placed.iter().map(|p| {
+        let (what, transform) = compose::primary(&arrangement, p);
+        Placement { what, transform, layer: 0 }
+    });
+    let blank = compose::blank(libraries, params, &controls, layers);
+    Ok((compose(blank, InstanceId(0), libraries, placements), covered))
 }
 
 /// An error if the canvas is too large.

@@ -18,7 +18,6 @@ use vtex_scene::reconstruct::reference;
 use vtex_scene::scene::{
     Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, Role, Scene, SynthParams, joined,
 };
-use vtex_scene::statistics::{Overlap, Repetition};
 
 /// Distance of the places of an element's box at which its part of the canvas is looked for, in pixels, and the
 /// fewest and most along a side.
@@ -207,25 +206,16 @@ fn joined_report(
             categories[k][c] = CategoryReport { wanted, got };
         }
     }
-    let of_role = |role: Role| scene.of_role(role).count();
     let last = reports.last().map(|(_, report)| report);
     Report {
         coverage_wanted: sum(|r| r.coverage_wanted),
         coverage: sum(|r| r.coverage),
-        categories: categories.concat(),
-        strata: Vec::new(),
-        primaries: of_role(Role::Primary),
-        textons: scene.elements.iter().filter(|e| e.category.is_some()).count(),
-        secondaries: of_role(Role::Secondary),
-        control_points: scene.layers.iter().flat_map(|l| &l.field).map(|f| f.points.len()).sum(),
         attempts: count(|r| r.attempts),
         refused: count(|r| r.refused),
         removed: count(|r| r.removed),
         added: count(|r| r.added),
         method: last.map_or_else(Default::default, |r| r.method),
         structure: last.and_then(|r| r.structure),
-        overlap: Overlap::of_scene(scene, libraries),
-        repetition: Repetition::of_scene(scene, libraries),
-        period: None,
+        ..Report::of_scene(libraries, scene, categories.concat())
     }
 }

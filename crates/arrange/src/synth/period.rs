@@ -1,18 +1,14 @@
 //! Periodic drawings: textures placed by the drawing's period ([`crate::arrange::period`]).
 
+use super::compose::{self, Placement, What, compose};
 use super::report::{CategoryReport, Report};
 use crate::arrange::controls::Controls;
-use crate::arrange::period::{Placed, Repeated, place};
-use std::collections::BTreeMap;
+use crate::arrange::period::{PeriodCopy, Repeated, place};
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Rect, rounded};
 use vtex_base::progress::Progress;
 use vtex_scene::library::{ElementId, Library, SourceKind};
-use vtex_scene::reconstruct::{element, reference};
-use vtex_scene::scene::{
-    Domain, Edge, Instance, InstanceId, Layer, LibraryId, Method, Role, Scene, SynthParams,
-};
-use vtex_scene::statistics::{Overlap, Repetition};
+use vtex_scene::scene::{Edge, InstanceId, Layer, LibraryId, Scene, SynthParams};
 
 /// Whether the period of a library can be repeated: it is a drawing whose borders join, and nothing asks
 /// for another density or for whole elements along an edge.
@@ -38,73 +34,45 @@ pub(super) fn synthesize(
     progress: &dyn Progress,
 ) -> Result<(Scene, Report)> {
     let repeated = place(library, params, progress)?;
-    let mut scene = scene(library, params, controls, &repeated);
-    if let Some(p) = scene.parameters.as_mut() {
-        p.variation = Some(repeated.variation);
-    }
-    let report = report(library, &scene, &repeated);
+    let params = SynthParams { variation: Some(repeated.variation), ..params.clone() };
+    let libraries = std::slice::from_ref(library);
+    let layers = library.layers.iter().map(|own| Layer {
+        name: own.name.clone(),
+        field: own.field.clone(),
+        ..Layer::new(own.role)
+    });
+    let blank = compose::blank(libraries, &params, controls, layers.collect());
+    let scene = compose(blank, InstanceId(0), libraries, placements(library, &params, &repeated));
+    let covered = library.categories.iter().zip(&repeated.covered);
+    let categories = covered.map(|(c, &got)| CategoryReport { wanted: c.coverage, got }).collect();
+    let report = Report {
+        coverage_wanted: library.coverage,
+        period: repeated.repeating,
+        ..Report::of_scene(libraries, &scene, categories)
+    };
     Ok((scene, report))
 }
 
-/// The scene of placed elements, in the layers of the library. Equal elements are shared.
-fn scene(library: &Library, params: &SynthParams, controls: &Controls, repeated: &Repeated) -> Scene {
-    let mut scene = Scene::new([params.width, params.height], vec![reference(library)], Vec::new());
-    scene.parameters = Some(params.clone());
-    scene.tile = params.tile;
-    scene.domain = controls.domain.clone().map(|outline| Domain { outline, edge: params.edge });
+/// The elements that reach the canvas, layer by layer in painting order. Of equal elements the first stands for
+/// all.
+fn placements<'a>(
+    library: &'a Library,
+    params: &'a SynthParams,
+    repeated: &'a Repeated,
+) -> impl Iterator<Item = Placement<'a>> {
     let canvas = Rect::new(0.0, 0.0, f64::from(params.width), f64::from(params.height));
-    let mut listed: BTreeMap<usize, vtex_scene::scene::ElementId> = BTreeMap::new();
-    let mut next = 0;
-    let mut by_layer: Vec<Vec<&Placed>> = vec![Vec::new(); library.layers.len()];
-    repeated.placed.iter().for_each(|p| by_layer[p.order.0].push(p));
-    for (layer, own) in library.layers.iter().zip(&mut by_layer) {
-        own.sort_by_key(|p| p.order.1);
-        let mut instances = Vec::new();
-        for p in own {
-            let reach = p.map.transform_rect_bbox(repeated.bounds[p.element]);
-            if !params.tile.any() && !reach.overlaps(canvas) {
-                continue;
-            }
-            let (first, from) = repeated.equal[p.element];
-            let id = *listed
-                .entry(first)
-                .or_insert_with(|| scene.add(element(LibraryId(0), library, ElementId::after(first))));
-            let [x, y] = library.elements[first].origin().map(f64::from);
-            let transform = rounded(p.map * from * Affine::translate((x, y)));
-            instances.push(Instance { transform, ..Instance::new(InstanceId(next), id) });
-            next += 1;
+    let reaches = move |p: &&PeriodCopy| {
+        params.tile.any() || p.map.transform_rect_bbox(repeated.bounds[p.element]).overlaps(canvas)
+    };
+    let mut ordered: Vec<&PeriodCopy> = repeated.placed.iter().filter(reaches).collect();
+    ordered.sort_by_key(|p| p.order);
+    ordered.into_iter().map(|p| {
+        let (first, from) = repeated.equal[p.element];
+        let [x, y] = library.elements[first].origin().map(f64::from);
+        Placement {
+            what: What::Known(LibraryId(0), ElementId::after(first), None),
+            transform: rounded(p.map * from * Affine::translate((x, y))),
+            layer: p.order.0,
         }
-        let (name, region, field) = (layer.name.clone(), None, layer.field.clone());
-        scene.layers.push(Layer { name, role: layer.role, region, field, instances });
-    }
-    scene
-}
-
-fn report(library: &Library, scene: &Scene, repeated: &Repeated) -> Report {
-    let categories: Vec<CategoryReport> = library
-        .categories
-        .iter()
-        .zip(&repeated.covered)
-        .map(|(c, &got)| CategoryReport { wanted: c.coverage, got })
-        .collect();
-    let libraries = std::slice::from_ref(library);
-    Report {
-        coverage_wanted: library.coverage,
-        coverage: repeated.covered.iter().sum(),
-        categories,
-        strata: Vec::new(),
-        primaries: scene.of_role(Role::Primary).count(),
-        textons: scene.elements.len(),
-        secondaries: 0,
-        control_points: 0,
-        attempts: 0,
-        refused: 0,
-        removed: 0,
-        added: 0,
-        method: Method::Period,
-        structure: None,
-        overlap: Overlap::of_scene(scene, libraries),
-        repetition: Repetition::of_scene(scene, libraries),
-        period: repeated.repeating,
-    }
+    })
 }

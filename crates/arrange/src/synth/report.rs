@@ -4,7 +4,7 @@ use super::strata::StratumReport;
 use crate::arrange::Arrangement;
 use crate::arrange::correspondence::Structure;
 use serde::Serialize;
-use vtex_scene::library::Library;
+use vtex_scene::library::{Category, Library};
 use vtex_scene::scene::{Method, Role, Scene};
 use vtex_scene::statistics::{Overlap, Repetition};
 
@@ -59,38 +59,56 @@ pub struct CategoryReport {
 }
 
 impl Report {
-    pub(crate) fn new(libraries: &[Library], arrangement: &Arrangement<'_>, scene: &Scene) -> Self {
+    /// What can be told of any scene, given how much its categories cover. Nothing is known of how it was placed.
+    pub(super) fn of_scene(libraries: &[Library], scene: &Scene, categories: Vec<CategoryReport>) -> Self {
+        let sum = |of: fn(&CategoryReport) -> f64| categories.iter().map(of).sum::<f64>();
+        Self {
+            coverage_wanted: sum(|c| c.wanted),
+            coverage: sum(|c| c.got),
+            categories,
+            strata: Vec::new(),
+            primaries: scene.of_role(Role::Primary).count(),
+            textons: scene.elements.iter().filter(|e| e.category.is_some()).count(),
+            secondaries: scene.of_role(Role::Secondary).count(),
+            control_points: scene.layers.iter().flat_map(|l| &l.field).map(|f| f.points.len()).sum(),
+            attempts: 0,
+            refused: 0,
+            removed: 0,
+            added: 0,
+            method: scene.parameters.as_ref().map_or(Method::Descriptor, |p| p.method),
+            structure: None,
+            overlap: Overlap::of_scene(scene, libraries),
+            repetition: Repetition::of_scene(scene, libraries),
+            period: None,
+        }
+    }
+
+    /// The report of a scene that was composed of an arrangement.
+    pub(crate) fn of_arrangement(
+        libraries: &[Library],
+        arrangement: &Arrangement<'_>,
+        scene: &Scene,
+    ) -> Self {
         let Arrangement { cells: map, descriptors, correction, .. } = arrangement;
         let canvas = f64::from(scene.width) * f64::from(scene.height);
         let wanted = map.region.wanted(map.model());
         let wanted = |c: usize| wanted.iter().map(|zone| zone[c]).sum::<f64>() / canvas;
         let plain = libraries.len() == 1 && map.region.is_plain();
-        let category = |(c, category): (usize, &vtex_scene::library::Category)| CategoryReport {
+        let category = |(c, category): (usize, &Category)| CategoryReport {
             // If only the exemplar sets the target, elements that cannot be placed count too.
             wanted: if plain { category.coverage } else { wanted(c) },
             got: map.covered_by(c) as f64 / canvas,
         };
         let all = libraries.iter().flat_map(|l| &l.categories);
-        let categories: Vec<CategoryReport> = all.enumerate().map(category).collect();
-        let sum = |of: fn(&CategoryReport) -> f64| categories.iter().map(of).sum::<f64>();
+        let report = Self::of_scene(libraries, scene, all.enumerate().map(category).collect());
         Self {
-            strata: Vec::new(),
-            coverage_wanted: if plain { libraries[0].coverage } else { sum(|c| c.wanted) },
-            coverage: sum(|c| c.got),
-            categories,
-            primaries: scene.of_role(Role::Primary).count(),
-            textons: scene.elements.iter().filter(|t| t.category.is_some()).count(),
-            secondaries: scene.of_role(Role::Secondary).count(),
-            control_points: scene.layers.iter().flat_map(|l| &l.field).map(|f| f.points.len()).sum(),
+            coverage_wanted: if plain { libraries[0].coverage } else { report.coverage_wanted },
             attempts: descriptors.attempts,
             refused: descriptors.refused,
             removed: correction.removed,
             added: correction.added,
-            method: scene.parameters.as_ref().map_or(Method::Descriptor, |p| p.method),
             structure: arrangement.structure,
-            overlap: Overlap::of_scene(scene, libraries),
-            repetition: Repetition::of_scene(scene, libraries),
-            period: None,
+            ..report
         }
     }
 }

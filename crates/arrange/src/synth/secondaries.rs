@@ -35,7 +35,7 @@ const COLOUR_STEP: f64 = 5.0;
 
 /// A secondary on the canvas.
 #[derive(Clone, Copy)]
-pub(crate) struct Placed {
+pub(crate) struct PlacedSecondary {
     /// Index of its library.
     pub(crate) library: usize,
     /// Index among the library's secondaries.
@@ -65,7 +65,7 @@ pub(crate) fn place(
     field: &Interpolant,
     correspondence: Option<&Correspondence>,
     params: &SynthParams,
-) -> Vec<Placed> {
+) -> Vec<PlacedSecondary> {
     if params.without(Ablation::Secondary) {
         return Vec::new();
     }
@@ -82,7 +82,7 @@ pub(crate) fn place(
     }
     let mut placed = painted(libraries, placed, field);
     placed.extend(came);
-    placed.sort_by_key(Placed::painting_key);
+    placed.sort_by_key(PlacedSecondary::painting_key);
     placed
 }
 
@@ -93,31 +93,32 @@ fn arrived(
     map: &Occupancy<'_>,
     correspondence: &Correspondence,
     seed: u64,
-) -> Vec<Placed> {
+) -> Vec<PlacedSecondary> {
     let mut placed = Vec::new();
     let mut random = stream(seed, "correspondence/secondaries", 0);
     for (number, library) in libraries.iter().enumerate() {
         let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
-        let mut came: Vec<Placed> = (correspondence.secondaries(library, number, map.model()).into_iter())
-            .map(|Arrived { secondary, at, variation }| {
-                let colour = coarse(library.secondaries()[secondary as usize].colour.to_f64());
-                Placed { library: number, secondary, at, variation, colour }
-            })
-            .collect();
+        let mut came: Vec<PlacedSecondary> =
+            (correspondence.secondaries(library, number, map.model()).into_iter())
+                .map(|Arrived { secondary, at, variation }| {
+                    let colour = coarse(library.secondaries()[secondary as usize].colour.to_f64());
+                    PlacedSecondary { library: number, secondary, at, variation, colour }
+                })
+                .collect();
         if !map.region.is_plain() {
             came.retain(|p| {
                 let level = map.region.density(p.at.map(f64::from));
                 is_served(map, p.at) && (level >= 1.0 || random.chance(level))
             });
         }
-        let seen = |p: &Placed| {
+        let seen = |p: &PlacedSecondary| {
             let place = Place { secondary: p.secondary, at: p.at, variation: p.variation };
             visible(map, &samples[p.secondary as usize], &place) >= LEAST_VISIBLE
         };
         let seen = parallel::map(&came, seen).into_iter();
         placed.extend(came.into_iter().zip(seen).filter(|c| c.1).map(|c| c.0));
     }
-    placed.sort_by_key(Placed::painting_key);
+    placed.sort_by_key(PlacedSecondary::painting_key);
     placed
 }
 
@@ -129,7 +130,11 @@ fn is_served(map: &Occupancy<'_>, at: [i32; 2]) -> bool {
 
 /// Gives each the colour of the background beneath it plus its own difference, clamped to the tones of its
 /// exemplar: dark flecks of pale background would become too dark on dark background.
-pub(crate) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interpolant) -> Vec<Placed> {
+pub(crate) fn painted(
+    libraries: &[Library],
+    placed: Vec<PlacedSecondary>,
+    field: &Interpolant,
+) -> Vec<PlacedSecondary> {
     let tones: Vec<[[f64; 2]; 3]> = libraries.iter().map(tones).collect();
     parallel::map(&placed, |p| {
         let secondary = &libraries[p.library].secondaries()[p.secondary as usize];
@@ -139,7 +144,7 @@ pub(crate) fn painted(libraries: &[Library], placed: Vec<Placed>, field: &Interp
             let [least, most] = tones[p.library][c];
             (background[c] + f64::from(difference[c])).clamp(least, most)
         });
-        Placed { colour: coarse(colour), ..*p }
+        PlacedSecondary { colour: coarse(colour), ..*p }
     })
 }
 
@@ -157,7 +162,7 @@ fn tones(library: &Library) -> [[f64; 2]; 3] {
     })
 }
 
-impl Placed {
+impl PlacedSecondary {
     /// Sort key for painting. It puts equal fills side by side, for smaller files. Secondaries hardly
     /// overlap, so their painting order matters little. Fills are mixed, so that no tone is always on top.
     pub(crate) fn painting_key(&self) -> impl Ord + use<> {
@@ -204,8 +209,8 @@ struct Task<'t, 'a> {
 
 impl Task<'_, '_> {
     /// A placed secondary without a colour yet.
-    fn placed(&self, Place { secondary, at, variation }: Place) -> Placed {
-        Placed { library: self.number, secondary, at, variation, colour: Colour([0; 3]) }
+    fn placed(&self, Place { secondary, at, variation }: Place) -> PlacedSecondary {
+        PlacedSecondary { library: self.number, secondary, at, variation, colour: Colour([0; 3]) }
     }
 
     fn places(&self, parts: &Parts) -> Vec<Place> {
@@ -347,7 +352,7 @@ impl<'t, 'a> Finder<'t, 'a> {
     }
 
     /// Whether enough of a secondary is visible.
-    pub(crate) fn fits(&self, p: &Placed) -> bool {
+    pub(crate) fn fits(&self, p: &PlacedSecondary) -> bool {
         self.sees(&Place { secondary: p.secondary, at: p.at, variation: p.variation })
     }
 
@@ -361,14 +366,14 @@ impl<'t, 'a> Finder<'t, 'a> {
         here: [i32; 2],
         in_cell: impl Fn([i32; 2]) -> bool,
         random: &mut Stream,
-    ) -> Vec<Placed> {
+    ) -> Vec<PlacedSecondary> {
         let mut places = self.task.neighbourhood(&self.exemplar, here, in_cell, random);
         places.retain(|place| self.sees(place));
         places.into_iter().map(|place| self.task.placed(place)).collect()
     }
 
     /// Single secondaries in the gaps between existing ones, where the library has more than half the share.
-    pub(crate) fn singles(&self, standing: Vec<[i32; 2]>) -> Vec<Placed> {
+    pub(crate) fn singles(&self, standing: Vec<[i32; 2]>) -> Vec<PlacedSecondary> {
         let mut places: Vec<Place> =
             standing.into_iter().map(|at| Place { secondary: 0, at, variation: 0 }).collect();
         let count = places.len();

@@ -9,7 +9,7 @@
 mod near;
 
 use super::backdrop::{Backdrop, Part};
-use super::secondaries::Placed;
+use super::secondaries::PlacedSecondary;
 use crate::arrange::Arrangement;
 use crate::arrange::controls::{Controls, Lead};
 use crate::arrange::correspondence::Correspondence;
@@ -17,6 +17,7 @@ use crate::arrange::model::PlaceableId;
 use near::Near;
 use serde::Serialize;
 use vtex_base::error::Result;
+use vtex_base::geometry::Outline;
 use vtex_base::parallel;
 use vtex_base::raster::LabelMap;
 use vtex_base::raster::colour::Colour;
@@ -24,6 +25,8 @@ use vtex_field::layers::{Exemplar, Layer as Nested, LayerMap};
 use vtex_scene::library::{Library, Stratum};
 use vtex_scene::scene::{ControlPoint, Field, Layer, Role, SynthParams};
 
+/// The layers of a stratum, from bottom to top.
+const ROLES: [Role; 3] = [Role::Background, Role::Secondary, Role::Primary];
 /// Distance in guide cells over which the difference across a border is compared with that of one cell.
 const FAR: u32 = 4;
 /// Ratios of the two differences: up to the first a border is soft, from the second on it is crisp.
@@ -112,7 +115,7 @@ impl Strata {
     }
 
     /// The stratum of a secondary.
-    pub(super) fn of_secondary(&self, placed: &Placed) -> usize {
+    pub(super) fn of_secondary(&self, placed: &PlacedSecondary) -> usize {
         self.at(placed.at)
     }
 
@@ -131,17 +134,34 @@ impl Strata {
     /// The layers of the scene without elements, stratum by stratum.
     pub(super) fn layers(&self) -> Vec<Layer> {
         let of = |background: &Layer| {
-            let elements = [Role::Secondary, Role::Primary].map(|role| Layer {
-                name: format!("{} {}", background.name, role.name()),
-                ..Layer::new(role)
-            });
-            [background.clone()].into_iter().chain(elements)
+            ROLES.map(|role| match role {
+                Role::Background => background.clone(),
+                _ => Layer { name: format!("{} {}", background.name, role.name()), ..Layer::new(role) },
+            })
         };
         self.backgrounds.iter().flat_map(of).collect()
     }
 
-    /// Number of scene layers of each stratum; the first is the background.
-    pub(super) const LAYERS: usize = 3;
+    /// The index of the layer of a role in a stratum.
+    pub(super) fn layer(stratum: usize, role: Role) -> usize {
+        stratum * ROLES.len() + ROLES.iter().position(|r| *r == role).unwrap_or(0)
+    }
+
+    /// Removes strata without a place on the canvas: a given map may lack some, and small canvases have no
+    /// room for all.
+    pub(super) fn drop_empty(layers: Vec<Layer>) -> Vec<Layer> {
+        let mut kept = Vec::new();
+        for mut stratum in layers.chunks(ROLES.len()).map(<[Layer]>::to_vec) {
+            let nowhere = stratum[0].region.as_ref().is_some_and(Outline::is_empty);
+            if nowhere {
+                (stratum[0].region, stratum[0].field) = (None, None);
+            }
+            if !nowhere || stratum.iter().any(|layer| !layer.instances.is_empty()) {
+                kept.extend(stratum);
+            }
+        }
+        kept
+    }
 
     /// The background of each stratum: the control points of the whole background, each in the stratum's
     /// colour at the nearest place of the exemplar that belongs to it.

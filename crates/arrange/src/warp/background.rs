@@ -5,7 +5,7 @@ use super::{Bend, NO_STRETCH};
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::Sites;
 use crate::synth::background;
-use crate::synth::secondaries::{self, CELL, Finder, Placed};
+use crate::synth::secondaries::{self, CELL, Finder, PlacedSecondary};
 use std::collections::BTreeMap;
 use vtex_base::sampling::{Area, Stream, poisson_disk, stream};
 use vtex_scene::library::Library;
@@ -26,7 +26,7 @@ pub(super) enum Secondary<'s> {
     /// An instance of the scene at its new place.
     Carried { instance: &'s Instance, place: [f64; 2] },
     /// A new one that fills a gap.
-    New(Placed),
+    New(PlacedSecondary),
 }
 
 /// The scene's control points at their new places, and new ones in the gaps.
@@ -100,7 +100,7 @@ pub(super) fn secondaries<'s>(
     let from = Sites::new(before.clone(), reach, old_canvas, Tile::default());
     let to = Sites::new(after.clone(), reach, canvas, Tile::default());
 
-    let mut found: Vec<(Secondary<'s>, Placed)> = Vec::new();
+    let mut found: Vec<(Secondary<'s>, PlacedSecondary)> = Vec::new();
     let mut standing: Vec<Vec<[i32; 2]>> = vec![Vec::new(); libraries.len()];
     for instance in scene.of_role(Role::Secondary) {
         let element = scene.element(instance);
@@ -112,7 +112,7 @@ pub(super) fn secondaries<'s>(
         let library = element.library.index();
         let first = libraries[library].primaries().len();
         let Some(number) = element.source.and_then(|s| s.index().checked_sub(first)) else { continue };
-        let placed = Placed {
+        let placed = PlacedSecondary {
             library,
             secondary: number as u32,
             at: whole(place),

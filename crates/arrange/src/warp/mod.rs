@@ -20,12 +20,11 @@ use crate::arrange::controls::Controls;
 use crate::arrange::descriptor::Asks;
 use crate::arrange::model::Model;
 use crate::arrange::{Fixed, Task, arrange};
-use crate::synth::compose;
+use crate::synth::compose::{self, Placement, What, compose};
 use crate::synth::{Report, check_canvas};
 use vtex_base::error::Result;
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::library::Library;
-use vtex_scene::reconstruct::Listing;
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{
     Domain, Edge, Instance, InstanceId, LibraryId, Method, Role, Scene, SynthParams, Tile,
@@ -86,48 +85,41 @@ pub fn warp(
     let secondaries = background::secondaries(scene, &libraries, cells, &interpolant, bend, &params);
     advance(progress, "background field", 2, 2)?;
 
-    let mut result = Scene {
+    let layers = Scene::three_layers(field);
+    let blank = Scene {
         width,
         height,
         tile: Tile::default(),
         program: vtex_base::PROGRAM.into(),
         domain: controls.domain.clone().map(|outline| Domain { outline, edge }),
-        layers: Scene::three_layers(field),
+        layers: layers.clone(),
         parameters: Some(params.clone()),
         ..scene.clone()
     };
-    let mut listings: Vec<Listing<'_>> =
-        libraries.iter().enumerate().map(|(k, l)| Listing::of(LibraryId(k as u32), l, scene)).collect();
-    let ids = scene.instances().map(|i| i.id.0);
-    let mut next = InstanceId(ids.max().map_or(0, |id| id.wrapping_add(1)));
-    for secondary in secondaries {
-        let instance = match secondary {
-            background::Secondary::Carried { instance, place } => moved(instance, place),
+    let layer = |role: Role| layers.iter().position(|l| l.role == role).unwrap_or(0);
+    let below = secondaries.iter().map(|secondary| {
+        let (what, transform) = match secondary {
+            background::Secondary::Carried { instance, place } => moved(instance, *place),
             background::Secondary::New(p) => {
-                let element = listings[p.library].secondary(&mut result, p.secondary);
-                let variation = &model.variations[usize::from(p.variation)];
-                compose::instance(fresh(&mut next), element, p.at, variation, Some(p.colour))
+                let source = libraries[p.library].secondary_id(p.secondary);
+                let what = What::Known(LibraryId(p.library as u32), source, Some(p.colour));
+                (what, compose::at(&model.variations[usize::from(p.variation)], p.at))
             }
         };
-        result.layer_mut(Role::Secondary).instances.push(instance);
-    }
-    for p in &arrangement.placed {
-        let instance = match p.fixed {
-            Some(k) => {
-                let (index, there) = standing[k];
-                moved(carried[index], there)
-            }
-            None => {
-                let placed = &model[p.element];
-                let element = listings[placed.library].primary(&mut result, placed.index);
-                let variation = &model.variations[usize::from(p.variation)];
-                compose::instance(fresh(&mut next), element, p.at, variation, None)
-            }
+        Placement { what, transform, layer: layer(Role::Secondary) }
+    });
+    let above = arrangement.placed.iter().map(|p| {
+        let (what, transform) = match p.fixed.map(|k| standing[k]) {
+            Some((index, there)) => moved(carried[index], there),
+            None => compose::primary(&arrangement, p),
         };
-        result.layer_mut(Role::Primary).instances.push(instance);
-    }
+        Placement { what, transform, layer: layer(Role::Primary) }
+    });
+    let last = scene.instances().map(|i| i.id.0).max();
+    let first = InstanceId(last.map_or(0, |id| id.wrapping_add(1)));
+    let mut result = compose(blank, first, &libraries, below.chain(above));
     result.drop_unused();
-    let report = Report::new(&libraries, &arrangement, &result);
+    let report = Report::of_arrangement(&libraries, &arrangement, &result);
     Ok((result, report))
 }
 
@@ -166,15 +158,8 @@ fn carry(
     Ok((fixed, standing))
 }
 
-/// The next unused identity.
-fn fresh(next: &mut InstanceId) -> InstanceId {
-    let id = *next;
-    next.0 = id.0.wrapping_add(1);
-    id
-}
-
 /// An instance moved to another place, in whole pixels.
-fn moved(instance: &Instance, place: [f64; 2]) -> Instance {
+fn moved(instance: &Instance, place: [f64; 2]) -> (What<'_>, [f64; 6]) {
     let [a, b, c, d, ..] = instance.transform;
-    Instance { transform: [a, b, c, d, libm::round(place[0]), libm::round(place[1])], ..instance.clone() }
+    (What::Kept(instance), [a, b, c, d, libm::round(place[0]), libm::round(place[1])])
 }

@@ -44,17 +44,6 @@ impl<'a> Listing<'a> {
         listing
     }
 
-    /// The primary with the given number among the library's, added to the scene if it is missing.
-    pub fn primary(&mut self, scene: &mut Scene, number: u32) -> ElementId {
-        self.element(scene, ElementId(number))
-    }
-
-    /// The secondary with the given number among the library's, or one of the same shape, added to the
-    /// scene if it is missing.
-    pub fn secondary(&mut self, scene: &mut Scene, number: u32) -> ElementId {
-        self.element(scene, self.library.secondary_id(number))
-    }
-
     /// The element with the given identity in the library, or a secondary of the same shape, added to the
     /// scene if it is missing.
     pub fn element(&mut self, scene: &mut Scene, source: ElementId) -> ElementId {

@@ -50,8 +50,8 @@ pub(super) fn fused(
         Affine::scale(f64::from(FINE)) * Affine::translate((-f64::from(corner[0]), -f64::from(corner[1])));
     labels.fill(&on_map(&mask, corner), 1);
 
-    let parts: Vec<Placed<'_>> =
-        instance.parts.iter().map(|part| Placed::new(part, at, libraries, model)).collect();
+    let parts: Vec<PlacedPart<'_>> =
+        instance.parts.iter().map(|part| PlacedPart::new(part, at, libraries, model)).collect();
     for placed in &parts {
         placed.refine(&mut labels, &mask, corner, to_map, |[x, y]| is_free([x + at[0], y + at[1]]));
     }
@@ -94,7 +94,7 @@ pub(super) fn fused(
     if whole.is_empty() {
         return None;
     }
-    let patch = |(own, (placed, detail)): (u32, &(&Placed<'_>, &Shape))| {
+    let patch = |(own, (placed, detail)): (u32, &(&PlacedPart<'_>, &Shape))| {
         let stacked = fitted.stacked_outline(own, |other| if own < other { BENEATH } else { 0.0 });
         placed.painted(detail, moved(&stacked))
     };
@@ -115,13 +115,13 @@ pub(super) fn fused(
 /// The details of several parts.
 #[derive(Default)]
 struct Details<'a> {
-    list: Vec<(&'a Placed<'a>, &'a Shape)>,
+    list: Vec<(&'a PlacedPart<'a>, &'a Shape)>,
 }
 
 impl<'a> Details<'a> {
     /// The label of a detail: that of the detail of another part with nearly the same colour, so that it runs on
     /// across the seam, or a new one.
-    fn joined(&mut self, part: &'a Placed<'a>, detail: &'a Shape) -> u32 {
+    fn joined(&mut self, part: &'a PlacedPart<'a>, detail: &'a Shape) -> u32 {
         let others = self.list.iter().enumerate().filter(|(_, known)| !std::ptr::eq(known.0, part));
         let near = others.map(|(k, known)| (apart(known.1, detail), k)).filter(|(d, _)| *d <= SAME_COLOUR);
         let known = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -134,7 +134,7 @@ impl<'a> Details<'a> {
 
     /// The details that are large enough, in the order of their labels, which are numbered anew from 2 on; the
     /// cells of others become the base's.
-    fn without_specks(self, labels: &mut LabelMap) -> Vec<(&'a Placed<'a>, &'a Shape)> {
+    fn without_specks(self, labels: &mut LabelMap) -> Vec<(&'a PlacedPart<'a>, &'a Shape)> {
         let areas = labels.areas();
         let least = LEAST_DETAIL * (FINE * FINE) as u32;
         let mut numbers = vec![0, 1];
@@ -152,7 +152,7 @@ impl<'a> Details<'a> {
 }
 
 /// A part with its primary, relative to the origin of the instance.
-struct Placed<'a> {
+struct PlacedPart<'a> {
     primary: &'a library::Element,
     /// Its pixels.
     mask: Mask,
@@ -160,7 +160,7 @@ struct Placed<'a> {
     to_place: Affine,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedPart<'a> {
     fn new(part: &Part, origin: [i32; 2], libraries: &'a [Library], model: &Model) -> Self {
         let known = model.element(part.variant);
         let primary = &libraries[known.library].primaries()[known.index as usize];
@@ -243,15 +243,15 @@ fn on_map(mask: &Mask, corner: [i32; 2]) -> Mask {
 
 /// The shape beneath all: the paint of the part that has most of the whole, or a gradient from the largest
 /// part to the next.
-fn base(parts: &[Placed<'_>], whole: &Mask, outline: Outline) -> Shape {
+fn base(parts: &[PlacedPart<'_>], whole: &Mask, outline: Outline) -> Shape {
     let main = &parts[0];
     let shape = main.painted(main.primary.base(), outline);
-    let area = |part: &Placed<'_>| f64::from(part.mask.area());
-    let colour = |part: &Placed<'_>| part.primary.base().colour;
-    let near = |part: &&Placed<'_>| apart(part.primary.base(), main.primary.base()) <= ONE_PAINT;
+    let area = |part: &PlacedPart<'_>| f64::from(part.mask.area());
+    let colour = |part: &PlacedPart<'_>| part.primary.base().colour;
+    let near = |part: &&PlacedPart<'_>| apart(part.primary.base(), main.primary.base()) <= ONE_PAINT;
     let other = parts.iter().skip(1).filter(near).find(|part| colour(part) != colour(main));
     let Some(other) = other.filter(|_| area(main) < DOMINANT * f64::from(whole.area())) else { return shape };
-    let middle = |part: &Placed<'_>| part.mask.centroid().map_or([0.0; 2], |(x, y)| [x, y]);
+    let middle = |part: &PlacedPart<'_>| part.mask.centroid().map_or([0.0; 2], |(x, y)| [x, y]);
     let (from, to) = (middle(main), middle(other));
     let gradient = Gradient::linear(from, to, [colour(main), colour(other)]);
     if gradient.fault().is_some() {

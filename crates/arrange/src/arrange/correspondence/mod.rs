@@ -16,7 +16,7 @@ mod resolve;
 mod secondaries;
 mod shares;
 
-use super::controls::Controls;
+use super::Context;
 use super::grid::{Grid, Part};
 use super::model::{Model, VariantId};
 use super::region::Region;
@@ -31,7 +31,7 @@ pub(crate) use secondaries::Arrived;
 use serde::Serialize;
 use vtex_base::error::{Error, Result};
 use vtex_base::parallel;
-use vtex_base::progress::{Progress, advance};
+use vtex_base::progress::advance;
 use vtex_base::raster::picture::label_colour;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_base::sampling::stream;
@@ -92,14 +92,8 @@ impl Correspondence {
     ///
     /// # Errors
     /// [`Error::Parameter`] if a library has no guide, [`Error::Interrupted`].
-    pub(super) fn new(
-        (libraries, controls): (&[Library], &Controls),
-        model: &Model,
-        grid: &Grid,
-        region: &Region<'_>,
-        params: &SynthParams,
-        progress: &dyn Progress,
-    ) -> Result<Self> {
+    pub(super) fn new(context: &Context<'_>, model: &Model) -> Result<Self> {
+        let Context { libraries, controls, params, progress, .. } = *context;
         let lead = Lead::new(libraries, controls);
         let classes = lead.as_ref().map(Lead::of_exemplar);
         let lattices = lattices(libraries, params)?;
@@ -113,9 +107,9 @@ impl Correspondence {
             |x: usize, y: usize| [0, 1].map(|k| ([x, y][k] as i32 - margin[k]) * pages.cell + pages.cell / 2);
         let groups = match &lead {
             Some(lead) => Some(lead.of_cells([params.width, params.height], size, place)),
-            None => shares::libraries(grid, region, model, params.seed, size, place),
+            None => shares::libraries(context, model, size, place),
         };
-        let active = shares::active(grid, region, size, place);
+        let active = shares::active(context, size, place);
         let request = Request { pages: &pages.pages, size, wrap, groups, active, seed: params.seed };
         let field = find(&request, progress)?;
         let this = Self { pages, field, lattices, margin };
@@ -134,15 +128,8 @@ impl Correspondence {
     ///
     /// # Errors
     /// [`Error::Interrupted`].
-    pub(super) fn carry(
-        &self,
-        libraries: &[Library],
-        model: &mut Model,
-        grid: &Grid,
-        region: &Region<'_>,
-        params: &SynthParams,
-        progress: &dyn Progress,
-    ) -> Result<Carried> {
+    pub(super) fn carry(&self, context: &Context<'_>, model: &mut Model) -> Result<Carried> {
+        let Context { libraries, params, grid, region, progress, .. } = *context;
         let step = |done: u64| advance(progress, "carrying", done, 4);
         step(0)?;
         let kinds = Kinds::new(libraries, model);

@@ -1,8 +1,7 @@
 //! Which library each cell takes its source from, and which cells need none.
 
-use crate::arrange::grid::Grid;
+use crate::arrange::Context;
 use crate::arrange::model::Model;
-use crate::arrange::region::Region;
 use crate::arrange::sites::scattered;
 use vtex_base::sampling::stream;
 
@@ -12,17 +11,16 @@ const AROUND: i32 = 24;
 /// The library of every cell; none for one library. Where several have a part, each has regions of
 /// some elements, as many as its share.
 pub(super) fn libraries(
-    grid: &Grid,
-    region: &Region<'_>,
+    context: &Context<'_>,
     model: &Model,
-    seed: u64,
     size: [usize; 2],
     place: impl Fn(usize, usize) -> [i32; 2],
 ) -> Option<Vec<u8>> {
+    let Context { grid, region, params, .. } = *context;
     if !region.is_shared() {
         return None;
     }
-    let mut random = stream(seed, "correspondence/libraries", 0);
+    let mut random = stream(params.seed, "correspondence/libraries", 0);
     let canvas = grid.canvas();
     let radius = f64::from(model.half.max(8));
     let sites = scattered(grid, radius, radius, &mut random);
@@ -50,11 +48,11 @@ pub(super) fn libraries(
 
 /// Which cells need a source; none if all do.
 pub(super) fn active(
-    grid: &Grid,
-    region: &Region<'_>,
+    context: &Context<'_>,
     size: [usize; 2],
     place: impl Fn(usize, usize) -> [i32; 2],
 ) -> Option<Vec<bool>> {
+    let Context { grid, region, .. } = *context;
     if region.is_plain() {
         return None;
     }

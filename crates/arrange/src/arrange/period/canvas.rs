@@ -1,7 +1,7 @@
 //! The canvas pixel by pixel: who stands where, and what would keep its distance.
 
 use super::known::Known;
-use super::{Placed, size_of};
+use super::{PeriodCopy, size_of};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -67,7 +67,7 @@ impl<'a> Canvas<'a> {
     }
 
     /// The pixels of an element in a map, and the whole pixels by which they are moved.
-    fn mask(&mut self, p: &Placed) -> (Arc<Mask>, [i32; 2]) {
+    fn mask(&mut self, p: &PeriodCopy) -> (Arc<Mask>, [i32; 2]) {
         let [a, b, c, d, e, f] = p.map.as_coeffs();
         let shift = [e, f].map(|v| libm::round(v).clamp(-1e9, 1e9) as i32);
         // What runs on stands in the map of the exemplar; it has no pixels of its own.
@@ -87,7 +87,7 @@ impl<'a> Canvas<'a> {
     ///
     /// # Errors
     /// Those of `go_on`.
-    pub(super) fn stand_all(&mut self, placed: &[Placed], go_on: impl Fn() -> Result<()>) -> Result<()> {
+    pub(super) fn stand_all(&mut self, placed: &[PeriodCopy], go_on: impl Fn() -> Result<()>) -> Result<()> {
         let mut order: Vec<usize> = (0..placed.len()).collect();
         order.sort_by_key(|&i| placed[i].order);
         for i in order {
@@ -142,7 +142,7 @@ impl<'a> Canvas<'a> {
     }
 
     /// Writes `new` on the pixels of an element; over nothing but `old`, unless that is 0.
-    pub(super) fn write(&mut self, p: &Placed, new: u32, old: u32) {
+    pub(super) fn write(&mut self, p: &PeriodCopy, new: u32, old: u32) {
         let (mask, shift) = self.mask(p);
         let [dx, dy] = shift.map(i64::from);
         for s in mask.spans() {
@@ -154,7 +154,7 @@ impl<'a> Canvas<'a> {
     }
 
     /// Whether an element would keep a distance from all others, in units of that in the exemplar.
-    pub(super) fn fits(&mut self, p: &Placed, clearance: f64) -> bool {
+    pub(super) fn fits(&mut self, p: &PeriodCopy, clearance: f64) -> bool {
         let (mask, shift) = self.mask(p);
         let reach = libm::ceil(clearance * f64::from(self.known.clearance)) as i32;
         // A disc in rows close enough that nothing slips through between them.
@@ -187,7 +187,7 @@ impl<'a> Canvas<'a> {
 
     /// Whether an element lies on the canvas, on its border, or beyond: elements change places within one
     /// of these, so that the canvas keeps its share of each.
-    pub(super) fn zone(&self, p: &Placed) -> u8 {
+    pub(super) fn zone(&self, p: &PeriodCopy) -> u8 {
         let b = p.map.transform_rect_bbox(self.known.bounds[p.element]);
         let axis = |wrap: bool, low: f64, high: f64, size: i32| match (low >= 0.0, high <= f64::from(size)) {
             _ if wrap => 0,
@@ -198,7 +198,7 @@ impl<'a> Canvas<'a> {
         axis(self.wrap[0], b.x0, b.x1, self.canvas[0]).max(axis(self.wrap[1], b.y0, b.y1, self.canvas[1]))
     }
 
-    pub(super) fn middle(&self, p: &Placed) -> Point {
+    pub(super) fn middle(&self, p: &PeriodCopy) -> Point {
         p.map * self.known.bounds[p.element].center()
     }
 
@@ -206,7 +206,7 @@ impl<'a> Canvas<'a> {
     ///
     /// # Errors
     /// Those of `go_on`.
-    pub(super) fn covered(&self, placed: &[Placed], go_on: impl Fn() -> Result<()>) -> Result<Vec<f64>> {
+    pub(super) fn covered(&self, placed: &[PeriodCopy], go_on: impl Fn() -> Result<()>) -> Result<Vec<f64>> {
         let elements = &self.library.elements;
         let mut counts = vec![0u64; self.library.categories.len()];
         let canvas = Rect::new(0.0, 0.0, f64::from(self.canvas[0]), f64::from(self.canvas[1]));

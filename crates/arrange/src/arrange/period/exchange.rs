@@ -1,6 +1,6 @@
 //! Elements that change places, wander and settle, none nearer to another than in the exemplar.
 
-use super::Placed;
+use super::PeriodCopy;
 use super::canvas::Canvas;
 use std::f64::consts::TAU;
 use vtex_base::error::Result;
@@ -69,7 +69,7 @@ impl Canvas<'_> {
     /// Those of `go_on`.
     pub(super) fn vary(
         &mut self,
-        placed: &mut [Placed],
+        placed: &mut [PeriodCopy],
         share: f64,
         seed: u64,
         go_on: impl Fn() -> Result<()>,
@@ -106,7 +106,7 @@ impl Canvas<'_> {
     }
 
     /// Where elements stand that change places.
-    fn sites(&self, placed: &[Placed], all: &[usize]) -> Sites {
+    fn sites(&self, placed: &[PeriodCopy], all: &[usize]) -> Sites {
         let places: Vec<Point> = all.iter().map(|&i| self.middle(&placed[i])).collect();
         let reach = COPIES * self.known.spacing;
         let near = NearPoints::new(&places, self.periods(), reach);
@@ -114,9 +114,9 @@ impl Canvas<'_> {
     }
 
     /// Lets the element of a site change places with another of like size.
-    fn exchange(&mut self, placed: &mut [Placed], sites: &mut Sites, n: usize, random: &mut Stream) {
+    fn exchange(&mut self, placed: &mut [PeriodCopy], sites: &mut Sites, n: usize, random: &mut Stream) {
         let known = self.known;
-        let extent = |p: &Placed| {
+        let extent = |p: &PeriodCopy| {
             let b = known.bounds[p.element];
             libm::hypot(b.width(), b.height())
         };
@@ -144,7 +144,7 @@ impl Canvas<'_> {
     }
 
     /// Lets two elements change places, if both fit there.
-    fn swapped(&mut self, placed: &mut [Placed], [a, b]: [usize; 2], random: &mut Stream) -> bool {
+    fn swapped(&mut self, placed: &mut [PeriodCopy], [a, b]: [usize; 2], random: &mut Stream) -> bool {
         let (old_a, old_b) = (placed[a], placed[b]);
         self.write(&old_a, 0, a as u32 + 1);
         self.write(&old_b, 0, b as u32 + 1);
@@ -166,7 +166,7 @@ impl Canvas<'_> {
 
     /// Lets an element that lies on the canvas wander, so that large ones too leave the places that
     /// repeat. Others would change how much of each kind is seen.
-    fn walk(&mut self, placed: &mut [Placed], i: usize, share: f64, random: &mut Stream) {
+    fn walk(&mut self, placed: &mut [PeriodCopy], i: usize, share: f64, random: &mut Stream) {
         let old = placed[i];
         if self.zone(&old) != 0 {
             return;
@@ -188,7 +188,7 @@ impl Canvas<'_> {
 
     /// Moves an element to where it is further from others, if it can be, and turns it if others of its
     /// kind are turned.
-    fn settle(&mut self, placed: &mut [Placed], i: usize, share: f64, random: &mut Stream) {
+    fn settle(&mut self, placed: &mut [PeriodCopy], i: usize, share: f64, random: &mut Stream) {
         let old = placed[i];
         self.write(&old, 0, i as u32 + 1);
         let (middle, zone) = (self.middle(&old), self.zone(&old));
@@ -212,7 +212,7 @@ impl Canvas<'_> {
 
     /// An element with its middle at a place, turned as others of its kind are. Along axes that repeat it
     /// stays on the canvas.
-    fn at(&self, p: &Placed, mut place: Point, random: &mut Stream) -> Placed {
+    fn at(&self, p: &PeriodCopy, mut place: Point, random: &mut Stream) -> PeriodCopy {
         let class = self.known.equal[p.element];
         let angles = self.known.angles.get(&class.0).map_or(&[][..], Vec::as_slice);
         // The angle of the element itself in its class.
@@ -238,7 +238,7 @@ impl Canvas<'_> {
         let at = place - linear * centre;
         // On whole pixels, where it was looked at.
         let map = Affine::translate(Vec2::new(libm::round(at.x), libm::round(at.y))) * linear;
-        Placed { map, ..*p }
+        PeriodCopy { map, ..*p }
     }
 }
 

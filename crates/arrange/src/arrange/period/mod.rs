@@ -30,7 +30,7 @@ const SAME: f64 = 2.0;
 
 /// An element of the library at a place of the canvas.
 #[derive(Clone, Copy)]
-pub(crate) struct Placed {
+pub(crate) struct PeriodCopy {
     /// Which element.
     pub(crate) element: usize,
     /// From its place in the exemplar to that on the canvas.
@@ -42,7 +42,7 @@ pub(crate) struct Placed {
 /// The result of placement.
 pub(crate) struct Repeated {
     /// All elements on the canvas, and those beside it that change places with them.
-    pub(crate) placed: Vec<Placed>,
+    pub(crate) placed: Vec<PeriodCopy>,
     /// For each element of the library the first that it is equal to, and the map from that one.
     pub(crate) equal: Vec<(usize, Affine)>,
     /// Bounds of each element of the library, in the exemplar.
@@ -178,7 +178,7 @@ fn copies(library: &Library, canvas: [f64; 2], tile: [bool; 2]) -> (f64, f64) {
 }
 
 /// All copies of all elements that reach the canvas and somewhat beyond; along axes that repeat each once.
-fn repeated(library: &Library, params: &SynthParams, known: &Known) -> Vec<Placed> {
+fn repeated(library: &Library, params: &SynthParams, known: &Known) -> Vec<PeriodCopy> {
     let period = size_of(library);
     let canvas = [params.width, params.height].map(f64::from);
     let tile = [params.tile.x, params.tile.y];
@@ -199,7 +199,7 @@ fn repeated(library: &Library, params: &SynthParams, known: &Known) -> Vec<Place
                 for i in range(0, b.x0, b.x1) {
                     let shift = Vec2::new(i as f64 * period[0], j as f64 * period[1]);
                     let map = Affine::translate(shift) * own;
-                    placed.push(Placed { element: instance.element.index(), map, order: (l, n) });
+                    placed.push(PeriodCopy { element: instance.element.index(), map, order: (l, n) });
                 }
             }
         }
@@ -208,10 +208,10 @@ fn repeated(library: &Library, params: &SynthParams, known: &Known) -> Vec<Place
 }
 
 /// Share of the places at which what stands there stands a period before too, along either axis.
-fn repeating(library: &Library, params: &SynthParams, placed: &[Placed], known: &Known) -> Option<f64> {
+fn repeating(library: &Library, params: &SynthParams, placed: &[PeriodCopy], known: &Known) -> Option<f64> {
     let period = size_of(library);
     let size = [f64::from(params.width), f64::from(params.height)];
-    let at = |p: &Placed| {
+    let at = |p: &PeriodCopy| {
         let (first, from) = known.equal[p.element];
         let map = p.map * from;
         (first, map, map * known.bounds[first].center())

@@ -18,7 +18,7 @@ fn drawing() -> Library {
     library
 }
 
-fn moved(placed: &[Placed], still: &[Placed]) -> usize {
+fn moved(placed: &[PeriodCopy], still: &[PeriodCopy]) -> usize {
     placed.iter().zip(still).filter(|(a, b)| a.map != b.map).count()
 }
 
@@ -43,7 +43,7 @@ fn pixels_of_elements_follow_all_of_a_map() {
     let params = SynthParams { width: 320, height: 320, ..SynthParams::default() };
     let known = Known::new(&library);
     let mut canvas = Canvas::new(&library, &params, &known, MOST_PIXELS).unwrap();
-    let area = |map: Affine| Placed { element: 0, map, order: (0, 0) };
+    let area = |map: Affine| PeriodCopy { element: 0, map, order: (0, 0) };
     let mut fits = |map: Affine| {
         let p = area(map);
         canvas.write(&p, 1, 0);
