@@ -45,7 +45,7 @@ def made(program, photo_path, tmp_path_factory):
         *("--mode", "mean", "--element-scale", "0.8", "-o", "mixed.svg"),
     )
     run("vectorize", photo_path, "-o", "vectors.svg")
-    run("vectorize", photo_path, "--colors", "8", "--wrap", "on", "-o", "poster.scene.json")
+    run("vectorize", photo_path, "--colors", "8", "--wrap=on", "-o", "poster.scene.json")
     run("stylize", photo_path, "--with", "t.lib.json", "-o", "drawn.svg")
     run(
         *("stylize", photo_path, "--with", "t.scene.json", "--keep", "none", "--longer-side", "200"),
