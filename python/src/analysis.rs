@@ -14,7 +14,7 @@ use vtex::layers::LayerPicture;
 use vtex::library::AnalyzeParams;
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
-use vtex::segment::{Felzenszwalb, MasksFile, Regions, Segmenter};
+use vtex::segment::{Felzenszwalb, MasksFile, OneTree, Regions, Segmenter};
 use vtex::{Error, Result};
 
 /// How an exemplar is analysed.
@@ -40,6 +40,9 @@ enum Name {
     Regions,
     Felzenszwalb,
     Sam,
+    /// What draws a picture back, without a network.
+    #[serde(rename = "one-tree")]
+    OneTree,
 }
 
 /// What runs networks.
@@ -74,6 +77,7 @@ impl Options {
             Name::Auto if !self.networks.is_empty() => sam(),
             Name::Sam => sam(),
             Name::Auto | Name::Texton => Ok(Box::new(Texton::new()?)),
+            Name::OneTree => Ok(Box::new(OneTree)),
             Name::Regions => Ok(Box::new(Regions)),
             Name::Felzenszwalb => Ok(Box::new(Felzenszwalb::default())),
         }

@@ -11,6 +11,9 @@ use vtex::Result;
 use vtex::library::Library;
 use vtex::scene::Scene;
 
+/// A category: name, colour, number of elements, share of the picture, its number, and its library.
+pub(crate) type Category = (String, String, usize, f64, usize, usize);
+
 /// A versioned document of JSON.
 pub(crate) trait Document: PartialEq + Send + Sync + Sized {
     /// Reads a document, plain or gzip.

@@ -31,22 +31,34 @@ pub(crate) fn raised(py: Python<'_>, error: &Error) -> PyErr {
     let (message, hint) = (message(error), hint(error));
     match error {
         Error::Read { path, source } | Error::Write { path, source } => {
-            let what = match source.kind() {
-                io::ErrorKind::NotFound => "missing",
-                io::ErrorKind::PermissionDenied => "denied",
-                io::ErrorKind::IsADirectory => "folder",
-                io::ErrorKind::AlreadyExists => "exists",
-                _ => "other",
-            };
-            made(py, "file_error", (what, message, hint, source.raw_os_error(), path))
+            made(py, "file_error", (number(py, source), message, hint, path))
         }
-        Error::Exists { path, .. } => made(py, "file_error", ("exists", message, hint, None::<i32>, path)),
+        Error::Exists { path, .. } => {
+            let exists = number(py, &io::ErrorKind::AlreadyExists.into());
+            made(py, "file_error", (exists, message, hint, path))
+        }
         Error::Interrupted => made(py, "Interrupted", (message, hint)),
         Error::Network { .. } | Error::Runtime { .. } | Error::Engine { .. } => {
             made(py, "EngineError", (message, hint))
         }
         _ => made(py, "InputError", (message, hint)),
     }
+}
+
+/// Python's number for what is wrong with a file, which on Windows is not the system's.
+fn number(py: Python<'_>, error: &io::Error) -> Option<i32> {
+    if !cfg!(windows) && error.raw_os_error().is_some() {
+        return error.raw_os_error();
+    }
+    let name = match error.kind() {
+        io::ErrorKind::NotFound => "ENOENT",
+        io::ErrorKind::PermissionDenied => "EACCES",
+        io::ErrorKind::IsADirectory => "EISDIR",
+        io::ErrorKind::NotADirectory => "ENOTDIR",
+        io::ErrorKind::AlreadyExists => "EEXIST",
+        _ => return error.raw_os_error(),
+    };
+    py.import("errno").ok()?.getattr(name).ok()?.extract().ok()
 }
 
 /// The message, with parameters named as in Python.

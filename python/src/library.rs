@@ -1,6 +1,6 @@
 //! Libraries.
 
-use crate::document;
+use crate::document::{self, Category};
 use crate::errors;
 use crate::pictures::Named;
 use crate::run::run;
@@ -89,8 +89,13 @@ impl Library {
     }
 
     #[getter]
-    fn categories(&self) -> usize {
-        self.inner.categories.len()
+    fn categories(&self) -> Vec<Category> {
+        let named = self.inner.categories.iter().zip(self.inner.category_names()).enumerate();
+        let listed = named.map(|(number, (category, name))| {
+            let colour = category.colour().to_string();
+            (name, colour, category.members as usize, category.coverage, number, 0)
+        });
+        listed.collect()
     }
 
     #[getter]

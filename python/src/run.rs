@@ -7,7 +7,6 @@
 use crate::errors;
 use pyo3::prelude::*;
 use rayon::ThreadPoolBuilder;
-use std::ffi::CString;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::available_parallelism;
@@ -142,9 +141,7 @@ fn tell(py: Python<'_>, progress: &Py<PyAny>, stage: &str, done: u64, total: u64
     if answer.is_none() { Ok(true) } else { answer.is_truthy() }
 }
 
-/// Issues a warning at the caller of the Python function that called this.
+/// Issues a warning at the line that called the package.
 pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
-    let category = py.import("vtex._errors")?.getattr("VtexWarning")?;
-    let message = CString::new(message.replace('\0', " "))?;
-    PyErr::warn(py, &category, &message, 2)
+    py.import("vtex._errors")?.getattr("warn")?.call1((message,)).map(drop)
 }

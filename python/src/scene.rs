@@ -1,6 +1,6 @@
 //! Scenes.
 
-use crate::document;
+use crate::document::{self, Category};
 use crate::editing::Asked;
 use crate::errors;
 use crate::pictures::Named;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use vtex::edit::{self, Files};
 use vtex::output::file::{Format, Kind};
-use vtex::output::png;
+use vtex::output::{self, png};
 use vtex::{Error, scene};
 
 /// A synthesised texture.
@@ -136,6 +136,20 @@ impl Scene {
     #[getter]
     fn instances(&self) -> usize {
         self.inner.count()
+    }
+
+    #[getter]
+    fn categories(&self, py: Python<'_>) -> PyResult<Vec<Category>> {
+        run(py, None, |_| {
+            let covered = output::coverage(&self.inner);
+            let pixels = output::inside(&self.inner).max(1) as f64;
+            let listed = output::categories(&self.inner).into_iter().map(|c| {
+                let own = covered.get(&(c.library, c.category)).copied().unwrap_or(0);
+                let share = own as f64 / pixels;
+                (c.name, c.colour.to_string(), c.elements, share, c.category.index(), c.library.index())
+            });
+            Ok(listed.collect())
+        })
     }
 
     #[getter]

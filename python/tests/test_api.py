@@ -15,7 +15,7 @@ import vtex
 def test_a_photograph_becomes_a_library(library, photo_path):
     assert (library.width, library.height, library.file) == (160, 128, photo_path.name)
     assert 5 < library.primaries <= library.elements
-    assert 1 <= library.categories <= 15
+    assert 1 <= len(library.categories) <= 15
     assert 0 < library.coverage < 1
     assert [layer.role for layer in library.layers] == ["background", "secondary", "primary"]
     assert not library.is_drawing and not library.is_periodic
@@ -158,6 +158,11 @@ def test_drawings_are_exemplars_too():
     assert library.is_drawing and library.primaries > 3
     small = vtex.synthesize(library, 200)
     assert small.render().shape == (200, 200, 3)
+    text = (ROOT / "examples" / "drawings" / "garden.svg").read_text(encoding="utf-8")
+    for form in (text, "\ufeff\n" + text, text[text.index("<svg") :]):
+        again = vtex.analyze(form, name="garden.svg")
+        assert again.to_dict()["elements"] == library.to_dict()["elements"]
+    assert vtex.analyze(text).file.endswith(".svg")
     if library.is_periodic:
         whole = vtex.synthesize(library)
         assert whole.width % library.width == 0 and whole.height % library.height == 0
@@ -197,14 +202,6 @@ def test_pictures_steer(library):
     assert alpha[100, 100] == 255 and alpha[2, 2] == 0
 
 
-def test_masks_take_the_place_of_a_segmenter(pixels):
-    labels = np.zeros(pixels.shape[:2], np.int64)
-    labels[20:50, 20:60], labels[70:100, 80:130] = 1, 2
-    library = vtex.analyze(pixels, masks=labels, secondary_tolerance=0.0)
-    assert library.primaries == 2
-    assert library.to_dict()["source"]["segmenter"] == "masks:array"
-
-
 @pytest.mark.parametrize(
     ("schema", "definition", "function"),
     [
@@ -236,12 +233,79 @@ def test_every_public_name_is_documented():
     assert (Path(vtex.__file__).parent / "py.typed").exists()
 
 
-def test_notebooks_show_scenes_and_libraries(scene, library):
+def test_notebooks_show_and_store_one_picture(scene, library):
     for thing in (scene, library):
-        assert thing._repr_svg_().startswith("<?xml") and thing._repr_png_().startswith(b"\x89PNG")
-    large = vtex.synthesize(library, (1700, 100))
+        shown = thing._repr_mimebundle_()
+        assert list(shown) == ["image/svg+xml"] and shown["image/svg+xml"].startswith("<?xml")
+        assert list(thing._repr_mimebundle_(exclude={"image/svg+xml"})) == ["image/png"]
+        assert list(thing._repr_mimebundle_(include=["image/png"])) == ["image/png"]
+        assert thing._repr_mimebundle_(include=["text/html"]) == {}
+        assert not hasattr(thing, "_repr_svg_") and not hasattr(thing, "_repr_png_")
+
+
+def test_notebooks_show_pixels_of_what_is_long(library):
     from io import BytesIO
 
     from PIL import Image
 
-    assert Image.open(BytesIO(large._repr_png_())).size == (800, 47)
+    large = vtex.synthesize(library, (2600, 700))
+    assert len(large.svg().encode()) > 1_000_000
+    shown = large._repr_mimebundle_()
+    assert list(shown) == ["image/png"]
+    assert Image.open(BytesIO(shown["image/png"])).size == (800, 215)
+    assert list(large._repr_mimebundle_(exclude=["image/png"])) == ["image/svg+xml"]
+
+
+def test_categories_have_names_and_colours(library, scene):
+    listed = library.categories
+    assert [category.number for category in listed] == list(range(len(listed)))
+    assert len({category.name for category in listed}) == len(listed)
+    assert sum(category.count for category in listed) == library.primaries
+    assert sum(category.coverage for category in listed) == pytest.approx(library.coverage, abs=0.01)
+    for category in listed + scene.categories:
+        assert re.fullmatch("#[0-9a-f]{6}", category.colour) and category.color == category.colour
+        assert category.name and category.library == 0
+    assert {category.number for category in scene.categories} <= {category.number for category in listed}
+    assert sum(category.count for category in scene.categories) == scene.layers[2].instances
+    assert 0 < sum(category.coverage for category in scene.categories) < 1
+    red = scene.edit(vtex.Tint("red", amount=1.0, layer="primary")).categories
+    assert {category.colour for category in red} == {"#ff0000"}
+
+
+def test_photographs_are_drawn_in_vectors(photo_path, pixels):
+    drawn = vtex.vectorize(photo_path)
+    assert (drawn.width, drawn.height, drawn.tile, drawn.parameters) == (160, 128, "none", None)
+    assert vtex.metrics(pixels, drawn)["ssim"] > 0.5
+    poster = vtex.vectorize(pixels, colours=4, max_paths=100, detail_scale=20.0)
+    assert len(poster.svg()) < len(drawn.svg()) / 2
+    assert poster == vtex.vectorize(pixels, colors=4, max_paths=100, detail_scale=20.0)
+    with pytest.raises(TypeError, match="sizes"):
+        vtex.vectorize(pixels, sizes=3)
+    with pytest.raises(vtex.Interrupted):
+        vtex.vectorize(pixels, progress=lambda *_: False)
+
+
+def test_both_spellings_are_taken(pixels, scene):
+    quick = {"segmenter": "felzenszwalb"}
+    assert vtex.analyze(pixels, colours=5, **quick) == vtex.analyze(pixels, colors=5, **quick)
+    for one, other in (
+        (vtex.Tint(color="red"), vtex.Tint("red")),
+        (vtex.Tint(color="red", amount=0.2), vtex.Tint(colour="red", amount=0.2)),
+        (vtex.Outline(2, color="navy"), vtex.Outline(2, "navy")),
+        (vtex.Vary(color=0.5), vtex.Vary(colour=0.5)),
+        (vtex.Palette(colors=["red", "tan"]), vtex.Palette(["red", "tan"])),
+    ):
+        assert one == other and scene.edit(one) == scene.edit(other)
+    assert vtex.Tint("red").color == "red" and vtex.Palette(["tan"]).colors == ["tan"]
+    assert not hasattr(vtex.Thin(0.5), "color")
+    drawn = [vtex.stylize(pixels, scene, keep=keep, longer_side=100) for keep in ("color", "colour")]
+    assert drawn[0] == drawn[1]
+    for wrong in (
+        lambda: vtex.Tint(color="red", colour="red"),
+        lambda: vtex.Tint("red", color="red"),
+        lambda: vtex.Thin(0.5, color="red"),
+        lambda: vtex.analyze(pixels, colors=5, colours=5),
+        lambda: vtex.analyze(pixels, colour=5),
+    ):
+        with pytest.raises(TypeError, match="colo"):
+            wrong()

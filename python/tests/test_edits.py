@@ -25,7 +25,11 @@ def test_edits_are_done_in_order(scene):
     assert once == scene.edit(vtex.Thin(0.5)).edit(vtex.Shadow(length=4))
     assert once.instances < scene.instances
     assert len(once.edits) == 2
-    assert scene.edit() == scene
+    assert scene.edit() == scene.edit([]) == scene
+    for listed in ([vtex.Thin(0.5), vtex.Shadow(length=4)], (vtex.Thin(0.5), vtex.Shadow(length=4))):
+        assert scene.edit(listed) == once
+        assert scene.edit(iter(listed)) == once
+    assert scene.edit([vtex.Thin(0.5)], vtex.Shadow(length=4)) == once
 
 
 def test_selections_limit_edits(scene):
@@ -122,6 +126,18 @@ DEFAULTS = [
     (vtex.Propagate(fill="teal", layer="primary"), "propagate --fill teal --layer primary"),
     (vtex.Replace("other.lib.json"), "replace other.lib.json"),
 ]
+
+
+def test_svgs_are_paths_bytes_and_text(scene, folder):
+    path = folder / "shape.svg"
+    text = path.read_text()
+    wanted = scene.edit(vtex.Mask(path))
+    for form in (text, f'<?xml version="1.0"?>\n{text}', text.encode()):
+        assert scene.edit(vtex.Mask(form)).layers == wanted.layers
+    drawn = [scene.edit(vtex.Propagate(form)).render() for form in (path, text)]
+    assert (drawn[0] == drawn[1]).all()
+    names = [edit["operation"]["edit"]["action"] for edit in scene.edit(vtex.Mask(text)).edits]
+    assert names[0]["mask"]["shape"].startswith("text-")
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,10 @@
 """What is given: every form that is taken, and what is said of those that are not."""
 
+import errno
 import io
+import os
 import pathlib
+import pickle
 
 import numpy as np
 import pytest
@@ -152,8 +155,13 @@ def test_files_that_cannot_be_read(quick, tmp_path, library):
         quick(tmp_path / "none.jpg")
     assert told(error).filename == str(tmp_path / "none.jpg") and error.value.errno == 2
     assert isinstance(error.value, vtex.FileError)
-    with pytest.raises(IsADirectoryError):
+    assert error.value.strerror and type(error.value).__name__ == "FileNotFoundError"
+    with pytest.raises(IsADirectoryError) as error:
         quick(tmp_path)
+    assert isinstance(error.value, vtex.FileError) and type(error.value).__name__ == "IsADirectoryError"
+    (tmp_path / "file").write_text("")
+    with pytest.raises(NotADirectoryError):
+        quick(tmp_path / "file" / "none.jpg")
     with pytest.raises(FileNotFoundError):
         vtex.Scene.read("none.scene.json")
     with pytest.raises(FileNotFoundError):
@@ -295,6 +303,10 @@ def test_synthesis_needs_libraries(known):
         (vtex.Edit(), TypeError, "nothing to do"),
         (vtex.Tint, TypeError, "no edit"),
         ("tint red", TypeError, "no edit"),
+        ([vtex.Flatten(), "tint red"], TypeError, "no edit"),
+        ([[vtex.Flatten()]], TypeError, "no edit"),
+        (None, TypeError, "no edit"),
+        (vtex.Mask("<svg"), ValueError, "svg"),
     ],
 )
 def test_edits_that_cannot_be_done(scene, edit, kind, message):
@@ -365,3 +377,45 @@ def test_threads_out_of_range():
     for number in (0, 5000):
         with pytest.raises(ValueError):
             vtex.set_threads(number)
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="all files may be read here")
+def test_files_that_may_not_be_read(quick, tmp_path):
+    path = tmp_path / "closed.png"
+    path.write_bytes(b"")
+    path.chmod(0)
+    with pytest.raises(PermissionError) as error:
+        quick(path)
+    assert isinstance(error.value, vtex.FileError) and error.value.errno == 13
+
+
+@pytest.mark.parametrize(
+    ("number", "kind"),
+    [
+        (errno.ENOENT, FileNotFoundError),
+        (errno.EACCES, PermissionError),
+        (errno.EPERM, PermissionError),
+        (errno.EEXIST, FileExistsError),
+        (errno.EISDIR, IsADirectoryError),
+        (errno.ENOTDIR, NotADirectoryError),
+        (errno.ENOSPC, vtex.FileError),
+        (None, vtex.FileError),
+    ],
+)
+def test_errors_of_files_are_those_of_python(number, kind):
+    from vtex._errors import file_error
+
+    error = file_error(number, "message", None, "a.png")
+    assert isinstance(error, kind) and isinstance(error, vtex.FileError) and str(error) == "message"
+    assert (error.errno, error.filename) == (number, "a.png")
+    assert type(error).__name__ == kind.__name__
+    again = pickle.loads(pickle.dumps(error))
+    assert type(again) is type(error) and (again.errno, again.filename) == (number, "a.png")
+
+
+def test_warnings_name_the_line_that_called(quick, pixels):
+    clear = np.dstack([pixels, np.full(pixels.shape[:2], 128, np.uint8)])
+    for call in (quick, vtex.vectorize):
+        with pytest.warns(vtex.VtexWarning, match="transparent") as seen:
+            call(clear)
+        assert {warning.filename for warning in seen} == {__file__}

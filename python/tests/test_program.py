@@ -44,6 +44,8 @@ def made(program, photo_path, tmp_path_factory):
         *("transfer", "--structure", "p.lib.json", "--appearance", "t.lib.json", "p.scene.json.gz", "--map", "map.png"),
         *("--mode", "mean", "--element-scale", "0.8", "-o", "mixed.svg"),
     )
+    run("vectorize", photo_path, "-o", "vectors.svg")
+    run("vectorize", photo_path, "--colors", "8", "--wrap=on", "-o", "poster.scene.json")
     run("stylize", photo_path, "--with", "t.lib.json", "-o", "drawn.svg")
     run(
         *("stylize", photo_path, "--with", "t.scene.json", "--keep", "none", "--longer-side", "200"),
@@ -62,6 +64,12 @@ def test_one_seed_gives_the_same_bytes(made, photo_path, tmp_path):
     small = vtex.synthesize(library, 300, seed=7)
     small.save(tmp_path / "small.svgz", max_bytes=25000, background="navy")
     same(made, tmp_path, 7)
+
+
+def test_photographs_in_vectors_are_the_same_bytes(made, photo_path, tmp_path):
+    vtex.vectorize(photo_path, seed=7).save(tmp_path / "vectors.svg")
+    vtex.vectorize(photo_path, seed=7, colours=8, wrap=True).save(tmp_path / "poster.scene.json")
+    same(made, tmp_path, 2)
 
 
 def same(made, folder, number):

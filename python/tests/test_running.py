@@ -1,6 +1,7 @@
 """Work that is watched, stopped, forked, and done in many threads at once."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -10,9 +11,11 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from conftest import EXEMPLARS
+from conftest import EXEMPLARS, ROOT
 
 import vtex
+
+README = (ROOT / "python" / "README.md").read_text(encoding="utf-8")
 
 
 def test_progress_is_told_in_this_thread(library, pixels, scene):
@@ -34,6 +37,18 @@ def test_progress_is_told_in_this_thread(library, pixels, scene):
         for stage, done, total, thread in seen:
             assert isinstance(stage, str) and done >= 0 and (total == 0 or done <= total)
             assert thread == threading.get_ident()
+
+
+def test_the_bar_of_the_readme_moves(photo_path, tmp_path, monkeypatch, capsys):
+    pytest.importorskip("tqdm", reason="pip install tqdm")
+    code = next(block for block in re.findall(r"```python\n(.*?)```", README, re.S) if "tqdm" in block)
+    (tmp_path / "photo.jpg").write_bytes(photo_path.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    exec(code, {})
+    bars = re.findall(r"([a-z][\w :]+): +(\d+)%", capsys.readouterr().err)
+    shares = [int(share) for _, share in bars]
+    assert len({stage for stage, _ in bars}) > 5 and len(set(shares)) > 5, bars
+    assert shares == sorted(shares) and shares[-1] == 100, bars
 
 
 class Stop(Exception):

@@ -2,7 +2,7 @@
 
 `analyze` finds the elements of a photograph or an SVG, `synthesize` makes a `Scene` of any size of
 them, and a scene is drawn, edited and saved as SVG, PDF, PNG or JSON. `warp`, `interpolate`, `transfer` and
-`stylize` make scenes of scenes.
+`stylize` make scenes of scenes; `vectorize` draws a photograph itself.
 
 Examples
 --------
@@ -12,7 +12,9 @@ Examples
 >>> scene.edit(vtex.Tint("#d08030", amount=0.3)).save("out.svg")       # doctest: +SKIP
 """
 
+from vtex import _errors
 from vtex._analysis import analyze
+from vtex._category import Category
 from vtex._comparing import Metrics, Spread, metrics
 from vtex._composing import interpolate, stylize, transfer, warp
 from vtex._errors import (
@@ -29,6 +31,7 @@ from vtex._library import Library
 from vtex._scene import Scene
 from vtex._synthesis import reconstruct, synthesize
 from vtex._threads import get_threads, set_threads
+from vtex._vectorizing import vectorize
 from vtex._vtex import __version__
 from vtex.edits import (
     Delete,
@@ -58,6 +61,7 @@ from vtex.edits import (
 )
 
 __all__ = [
+    "Category",
     "Delete",
     "Density",
     "Edit",
@@ -104,6 +108,7 @@ __all__ = [
     "stylize",
     "synthesize",
     "transfer",
+    "vectorize",
     "warp",
 ]
 
@@ -111,3 +116,6 @@ __all__ = [
 for _name in __all__:
     if not _name.startswith("_"):
         globals()[_name].__module__ = "vtex"
+for _kind in _errors.KINDS.values():
+    _kind.__module__ = "vtex"
+    globals()[_kind.__name__] = _kind

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal
 
-from vtex import _inputs, _vtex
+from vtex import _inputs, _masks, _spelling, _vtex
 from vtex._errors import InputError
 from vtex._library import Library
 
 
+@_spelling.both
 def analyze(
     exemplar: _inputs.Picture,
     *,
     name: str | None = None,
     segmenter: Literal["auto", "texton", "regions", "felzenszwalb", "sam"] = "auto",
-    masks: _inputs.Picture | None = None,
+    masks: _masks.Masks | None = None,
     seed: int = 0,
     minimum_area: int = 5,
     detail_scale: float = 10.0,
@@ -54,17 +55,20 @@ def analyze(
     Parameters
     ----------
     exemplar : str, os.PathLike, bytes, file, numpy.ndarray or PIL.Image.Image
-        The photograph (PNG, JPEG, TIFF, WebP, BMP, GIF, PNM) or SVG: its path, its bytes, or a file open
-        for reading bytes; or pixels: an array height x width x 3 of uint8 (also x 4, laid over white, or
-        height x width of greys), or an image of Pillow. At least 32 pixels on each side, at most 16384.
+        The photograph (PNG, JPEG, TIFF, WebP, BMP, GIF, PNM) or SVG: its path, its bytes, a file open for
+        reading bytes, or the text of an SVG; or pixels: an array height x width x 3 of uint8 (also x 4, laid
+        over white, or height x width of greys), or an image of Pillow. At least 32 pixels on each side, at
+        most 16384.
     name : str, optional
         What the library calls the exemplar. Default: the file's name, or ``"array"``.
     segmenter : {"auto", "texton", "regions", "felzenszwalb", "sam"}, default "auto"
         What finds the elements of a photograph. ``"auto"`` is ``"sam"`` if an `encoder` is given, else
         ``"texton"``, a small network that is part of vtex.
-    masks : path, bytes, file or numpy.ndarray, optional
-        The elements, in place of a segmenter: an array height x width of whole numbers (0 for none, 1 to
-        65535 for an element each), a label PNG, or vtex's own JSON.
+    masks : path, bytes, file, numpy.ndarray or list, optional
+        The elements, in place of a segmenter. Masks that may overlap: an array N x height x width of bool, a
+        list of such arrays height x width, or the list of dictionaries that Segment Anything's generator
+        gives. Or labels: an array height x width of whole numbers (0 for none, 1 to 65535 for an element
+        each), a label PNG, or vtex's own JSON.
     seed : int, default 0
         Seed of random choices, 0 to 2**64 - 1.
     minimum_area : int, default 5
@@ -92,7 +96,7 @@ def analyze(
     shading : {"gradient", "flat"}, default "gradient"
         Whether elements are filled with gradients where these tell more.
     colors : int, default 0
-        Most colours, all flat, up to 4096; 0 for as many as there are.
+        Most colours, all flat, up to 4096; 0 for as many as there are. ``colours`` is the same.
     max_paths : int, default 0
         Most elements and details together, up to 10 000 000; 0 for as many as there are.
     cells : int, default 0
@@ -186,7 +190,7 @@ def analyze(
         label,
         source,
         _inputs.to_json(options),
-        _inputs.labels(masks),
+        _masks.masks_of(masks),
         _inputs.picture(layer_map, "layer_map"),
         progress,
     )

@@ -228,7 +228,7 @@ def stylize(
     picture: _inputs.Picture,
     texture: Scene | Library,
     *,
-    keep: Literal["color", "lightness", "none"] = "color",
+    keep: Literal["color", "colour", "lightness", "none"] = "color",
     longer_side: int = 1000,
     element_size: float | None = None,
     levels: int = 4,
@@ -245,7 +245,7 @@ def stylize(
         The picture, of any of the forms that `analyze` takes for a photograph.
     texture : Scene or Library
         The texture whose elements are used.
-    keep : {"color", "lightness", "none"}, default "color"
+    keep : {"color", "colour", "lightness", "none"}, default "color"
         Whether elements take the picture's colours, its lightness, or keep their own, the nearest being used.
     longer_side : int, default 1000
         Longer side of the canvas, 32 to 16384 pixels; the other follows from the picture's proportions.
@@ -272,7 +272,7 @@ def stylize(
     """
     name, content = _inputs.photo(picture, None)
     options = {
-        "keep": keep,
+        "keep": "color" if keep == "colour" else keep,
         "longer_side": _inputs.whole("longer_side", longer_side, 32, 16384),
         "element_size": None if element_size is None else _inputs.number("element_size", element_size, 2, 1000),
         "levels": _inputs.whole("levels", levels, 1, 6),

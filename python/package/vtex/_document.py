@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from vtex import _inputs, _showing, _vtex
@@ -121,8 +121,7 @@ class Document(Generic[Core]):
         """Give the document as a scene, which notebooks show."""
         raise NotImplementedError
 
-    def _repr_svg_(self) -> str | None:
-        return _showing.svg(self._as_scene())
-
-    def _repr_png_(self) -> bytes:
-        return _showing.png(self._as_scene())
+    def _repr_mimebundle_(
+        self, include: Collection[str] | None = None, exclude: Collection[str] | None = None
+    ) -> dict[str, Any]:
+        return _showing.picture(self._as_scene(), include, exclude)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import inspect
 import os
+import sys
+import warnings
+from types import FrameType
 from typing import Any
 
 _SHARED = """
@@ -77,33 +81,38 @@ class VtexWarning(UserWarning):
     """Something that the user should know; the work went on."""
 
 
-class _FileNotFound(FileError, FileNotFoundError):
-    """A file that is not there."""
+def _kind(standard: type[OSError]) -> type[FileError]:
+    """Make the class of a file's error that Python has a name for. Tracebacks show that name."""
+    return type(standard.__name__, (FileError, standard), {"__doc__": inspect.getdoc(standard)})
 
 
-class _PermissionDenied(FileError, PermissionError):
-    """A file that may not be read or written."""
-
-
-class _IsAFolder(FileError, IsADirectoryError):
-    """A folder in place of a file."""
-
-
-class _FileExists(FileError, FileExistsError):
-    """A file that is there and not replaced."""
-
-
-_KINDS: dict[str, type[FileError]] = {
-    "missing": _FileNotFound,
-    "denied": _PermissionDenied,
-    "folder": _IsAFolder,
-    "exists": _FileExists,
+#: The classes of errors of files that have a name, by number.
+KINDS = {
+    number: _kind(standard)
+    for number, standard in (
+        (errno.ENOENT, FileNotFoundError),
+        (errno.EACCES, PermissionError),
+        (errno.EISDIR, IsADirectoryError),
+        (errno.ENOTDIR, NotADirectoryError),
+        (errno.EEXIST, FileExistsError),
+    )
 }
 
 
-def file_error(kind: str, message: str, hint: str | None, errno: int | None, path: str | os.PathLike[str]) -> FileError:
-    """Make the exception for a file."""
-    error = _KINDS.get(kind, FileError)(message, hint)
-    error.errno = errno
+def file_error(number: int | None, message: str, hint: str | None, path: str | os.PathLike[str]) -> FileError:
+    """Make the exception for a file, of the class that Python has for the number of its error."""
+    usual = errno.EACCES if number == errno.EPERM else number
+    error = KINDS.get(usual, FileError)(message, hint) if usual is not None else FileError(message, hint)
+    error.errno = number
+    error.strerror = None if number is None else os.strerror(number)
     error.filename = os.fspath(path)
     return error
+
+
+def warn(message: str) -> None:
+    """Warn at the line that called vtex."""
+    level = 1
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and str(frame.f_globals.get("__name__")).partition(".")[0] == "vtex":
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, VtexWarning, stacklevel=level)

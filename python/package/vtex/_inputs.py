@@ -27,7 +27,7 @@ class PillowImage(Protocol):
 
 
 Path: TypeAlias = Union[str, "os.PathLike[str]"]
-#: A picture: the path of a file, its bytes, a file open for reading, an array, or an image of Pillow.
+#: A picture: the path of a file, its bytes, an SVG as text, a file open for reading, an array, or an image of Pillow.
 Picture: TypeAlias = Union[Path, bytes, bytearray, memoryview, IO[bytes], npt.NDArray[Any], PillowImage]
 #: Called with the name of a stage, the steps done, and the steps in all (0 while that is unknown). The
 #: work goes on unless it answers False or raises.
@@ -36,6 +36,20 @@ Progress: TypeAlias = Callable[[str, int, int], Union[bool, None]]
 Named: TypeAlias = "tuple[str, bytes]"
 
 _BYTES = "give height x width x 3 of uint8, 0 to 255: array.astype('uint8')"
+
+
+#: What an SVG given as text begins with.
+_SVG = ("<svg", "<?xml", "<!--", "<!DOCTYPE svg")
+
+
+def is_svg(text: str) -> bool:
+    """Tell whether text is an SVG, not the path of one."""
+    return text.lstrip("\ufeff \t\r\n").startswith(_SVG)
+
+
+def names_file(text: str) -> bool:
+    """Tell whether text that may be the name of something is a path, or an SVG."""
+    return "." in text or is_svg(text)
 
 
 def path_of(path: Path) -> str:
@@ -48,6 +62,9 @@ def path_of(path: Path) -> str:
 
 def contents(source: Picture, name: str | None) -> tuple[str, bytes] | None:
     """Give the name and the bytes of a file, in whatever form; None for what is no file."""
+    if isinstance(source, str) and is_svg(source):
+        data = source.lstrip("\ufeff \t\r\n").encode("utf-8", "replace")
+        return name or f"text-{hashlib.sha256(data).hexdigest()[:12]}.svg", data
     if isinstance(source, (str, os.PathLike)):
         path = path_of(source)
         return name or path, _vtex.read(path)
@@ -89,11 +106,16 @@ def is_pillow(source: object) -> bool:
     return any(kind.__module__ == "PIL.Image" for kind in type(source).__mro__)
 
 
+def has_pixels(source: object) -> bool:
+    """Tell whether something is an array, or can be read as one."""
+    return isinstance(source, np.ndarray) or hasattr(source, "__array__") or hasattr(source, "__array_interface__")
+
+
 def array_of(source: object, role: str) -> npt.NDArray[Any]:
     """Give what has pixels as an array of two or three axes."""
     if is_pillow(source):
         return pixels_of_pillow(source)
-    if isinstance(source, np.ndarray) or hasattr(source, "__array__") or hasattr(source, "__array_interface__"):
+    if has_pixels(source):
         array: npt.NDArray[Any] = np.asarray(source)
         if array.ndim == 3 and array.shape[2] == 1:
             array = array[:, :, 0]
@@ -153,27 +175,6 @@ def picture(source: Picture | None, role: str, most: float = 1.0) -> Named | Non
         raise InputTypeError(f"{role} is an array of {array.dtype}", "give uint8, bool, or floats in range")
     data = _vtex.encode(np.ascontiguousarray(array))
     return f"array-{hashlib.sha256(data).hexdigest()[:12]}.png", data
-
-
-def labels(source: Picture | None) -> Named | None:
-    """Give masks as the bytes of a file; arrays hold a number for each pixel, 0 where there is none."""
-    if source is None:
-        return None
-    file = contents(source, None)
-    if file is not None:
-        # They are named after the file alone in the library.
-        return os.path.basename(file[0]), file[1]
-    array = array_of(source, "masks")
-    if array.ndim != 2 or array.dtype.kind not in "biu":
-        raise InputTypeError(
-            f"masks are an array of {array.dtype} of shape {array.shape}",
-            "give height x width of whole numbers: 0 for none, 1, 2, ... for each mask",
-        )
-    least, most = int(array.min()), int(array.max())
-    if least < 0 or most > 65535:
-        raise InputError(f"masks have numbers from {least} to {most}", "they are 0 to 65535")
-    array = array.astype(np.uint8 if most < 256 else np.uint16)
-    return "array", _vtex.encode(np.ascontiguousarray(array))
 
 
 def size_of(size: int | Sequence[int] | None) -> tuple[int, int] | None:

@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 from vtex import _inputs, _vtex
+from vtex._category import Category
 from vtex._document import Document
 
 
@@ -86,9 +87,9 @@ class Library(Document[_vtex.Library]):
         return self._core.primaries
 
     @property
-    def categories(self) -> int:
-        """Number of categories of primary elements."""
-        return self._core.categories
+    def categories(self) -> list[Category]:
+        """Categories of primary elements, by number."""
+        return [Category(*category) for category in self._core.categories]
 
     @property
     def warnings(self) -> list[str]:
@@ -104,7 +105,7 @@ class Library(Document[_vtex.Library]):
     def __repr__(self) -> str:
         return (
             f"<vtex.Library of '{self.file}', {self.width} x {self.height} px: {self.primaries} primary elements in "
-            f"{self.categories} categories, {self.elements - self.primaries} others>"
+            f"{len(self.categories)} categories, {self.elements - self.primaries} others>"
         )
 
     def _as_scene(self) -> _vtex.Scene:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from vtex import _inputs, _showing, _vtex
+from vtex._category import Category
 from vtex._document import Document
 from vtex.edits import Edit, _asked
 
@@ -172,13 +174,13 @@ class Scene(Document[_vtex.Scene]):
         options = _showing.options(precision, expand, css, max_bytes, scale, background)
         return self._core.save(_inputs.path_of(path), options, force)
 
-    def edit(self, *edits: Edit, seed: int | None = None) -> Scene:
+    def edit(self, *edits: Edit | Iterable[Edit], seed: int | None = None) -> Scene:
         """Do edits one after the other.
 
         Parameters
         ----------
-        *edits : Edit
-            What to do: `Tint`, `Shadow`, `Thin` and the other classes of `vtex.edits`.
+        *edits : Edit or sequence of Edit
+            What to do: `Tint`, `Shadow`, `Thin` and the other classes of `vtex.edits`, one by one or in lists.
         seed : int, optional
             Seed of random choices, 0 to 2**64 - 1. Default: the scene's own.
 
@@ -232,6 +234,14 @@ class Scene(Document[_vtex.Scene]):
     def instances(self) -> int:
         """Number of elements at their places."""
         return self._core.instances
+
+    @property
+    def categories(self) -> list[Category]:
+        """Categories of which it shows elements, by library and number.
+
+        Their coverage is counted in the picture: what others hide does not count.
+        """
+        return [Category(*category) for category in self._core.categories]
 
     @property
     def parameters(self) -> dict[str, Any] | None:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from typing import Any
+
 from vtex import _inputs, _vtex
 
+_SVG = "image/svg+xml"
+_PNG = "image/png"
 #: Most bytes of an SVG that a notebook shows; beyond, the picture of pixels must do.
-_SHOWN_BYTES = 2_000_000
+_SHOWN_BYTES = 1_000_000
 #: Longest side of the picture of pixels that a notebook shows.
 _SHOWN_SIDE = 800
 
@@ -31,13 +36,14 @@ def options(
     )
 
 
-def svg(scene: _vtex.Scene) -> str | None:
-    """Give the SVG that a notebook shows, if it is not too long."""
-    text = scene.encode(".svg", options())
-    return text.decode() if len(text) <= _SHOWN_BYTES else None
-
-
-def png(scene: _vtex.Scene) -> bytes:
-    """Give the PNG that a notebook shows."""
+def picture(scene: _vtex.Scene, include: Collection[str] | None, exclude: Collection[str] | None) -> dict[str, Any]:
+    """Give the one picture that a notebook shows and stores: the SVG, or pixels where that is long or not wanted."""
+    wanted = {kind for kind in (_SVG, _PNG) if (not include or kind in include) and kind not in (exclude or ())}
+    if _SVG in wanted:
+        text = scene.encode(".svg", options())
+        if len(text) <= _SHOWN_BYTES or _PNG not in wanted:
+            return {_SVG: text.decode()}
+    if _PNG not in wanted:
+        return {}
     scale = max(0.01, min(1.0, _SHOWN_SIDE / max(scene.width, scene.height)))
-    return scene.encode(".png", options(scale=scale))
+    return {_PNG: scene.encode(".png", options(scale=scale))}

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Literal
 
+import numpy as np
+
 from vtex import _inputs, _vtex
 from vtex._errors import InputError, InputTypeError
 from vtex._library import Library
@@ -117,7 +119,7 @@ def synthesize(
         If `progress` returned False.
     """
     libraries = libraries_of(library)
-    if isinstance(tile, bool):
+    if isinstance(tile, (bool, np.bool_)):
         tile = "both" if tile else "none"
     if tile not in ("none", "both", "x", "y"):
         raise InputError(f"tile = {tile!r} cannot be used", "give True, False, 'none', 'both', 'x' or 'y'")

@@ -1,8 +1,8 @@
 """What can be done to a scene: a class for each operation, for `Scene.edit`.
 
 Edits are plain values: they can be compared, printed, pickled, and done to any number of scenes. Lengths
-are pixels of the canvas, angles degrees, clockwise on the screen. All have two more parameters, given by
-name:
+are pixels of the canvas, angles degrees, clockwise on the screen. ``color`` and ``colors`` are taken and read
+like ``colour`` and ``colours``. All have two more parameters, given by name:
 
 layer : str, optional
     Only the elements of this layer, by its name or role (``"primary"``, ``"secondary"``; ``"background"``
@@ -19,18 +19,20 @@ height x width of uint8 or of floats from 0 to 1; colours are height x width x 3
 from __future__ import annotations
 
 import inspect
+import itertools
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, Literal, TypeAlias, Union
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, TypeGuard, Union
 
 import numpy as np
 
-from vtex import _inputs, _library, _vtex
+from vtex import _inputs, _library, _spelling, _vtex
 from vtex._errors import InputError, InputTypeError
 
 #: Red, green and blue, 0 to 255; or ``"#rrggbb"``, ``"#rgb"`` or a name of CSS.
 Colour: TypeAlias = Union[str, tuple[int, int, int]]
+Color: TypeAlias = Colour
 
 
 class _Files:
@@ -82,7 +84,7 @@ where : str or sequence of str, default ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Edit:
+class Edit(metaclass=_spelling.Spelled):
     """Any of the edits; not made itself.
 
     Parameters
@@ -119,6 +121,15 @@ class Edit:
         if "Parameters\n---" not in doc:
             doc += "\n\nParameters\n----------"
         cls.__doc__ = f"{doc}\n{_SHARED}"
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            # Only what is not found is asked for here.
+            field = _spelling.other(name)
+            if field != name and field in self.__dataclass_fields__:
+                return getattr(self, field)
+            raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'", name=name, obj=self)
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
@@ -219,7 +230,7 @@ class Tint(Edit):
 
     def _action(self, files: _Files) -> dict[str, Any]:
         colour: Any = self.colour
-        is_path = isinstance(colour, str) and "." in colour and _vtex.colour(colour) is None
+        is_path = isinstance(colour, str) and _vtex.colour(colour) is None and _inputs.names_file(colour)
         if is_path or not isinstance(colour, (str, tuple, list)):
             colour = files.add(colour, "colour")
         else:
@@ -681,13 +692,19 @@ class Mask(Edit):
         return {"shape": files.add(self.shape, "shape"), "inside": bool(self.inside)}
 
 
-def _asked(edits: Sequence[Edit]) -> tuple[list[dict[str, Any]], dict[str, bytes]]:
-    """Give edits as plain data, and the files that they name."""
+def _asked(edits: Iterable[Edit | Iterable[Edit]]) -> tuple[list[dict[str, Any]], dict[str, bytes]]:
+    """Give edits, and those of lists among them, as plain data, and the files that they name."""
     files = _Files()
     asked = []
-    for edit in edits:
+    several = (list(given) if _is_list(given) else [given] for given in edits)
+    for edit in itertools.chain.from_iterable(several):
         if not isinstance(edit, Edit):
             message = f"{edit if isinstance(edit, type) else type(edit).__name__} is no edit"
             raise InputTypeError(message, "give objects such as vtex.Tint('red')")
         asked.append(edit._asked(files))
     return asked, files.contents
+
+
+def _is_list(given: object) -> TypeGuard[Iterable[Edit]]:
+    """Tell whether something holds edits; text and classes hold none."""
+    return isinstance(given, Iterable) and not isinstance(given, (str, bytes, type))

@@ -35,6 +35,7 @@ use vtex_base::document::{self, Document};
 use vtex_base::error::Result;
 use vtex_base::geometry::Outline;
 use vtex_base::raster::colour::Colour;
+use vtex_base::raster::colour_names;
 
 /// Largest side of an exemplar, in pixels.
 const LARGEST_SIDE: u32 = 16_384;
@@ -230,6 +231,14 @@ pub struct Category {
     pub coverage: f64,
 }
 
+impl Category {
+    /// Mean colour of its members.
+    pub fn colour(&self) -> Colour {
+        let [red, green, blue, ..] = self.centre;
+        Colour::from_f64([red, green, blue])
+    }
+}
+
 impl Library {
     /// Value of [`Library::format`].
     pub const FORMAT: &'static str = "vtex-library";
@@ -240,6 +249,12 @@ impl Library {
     /// of the arrangement.
     pub fn primaries(&self) -> &[Element] {
         &self.elements[..self.primary_count()]
+    }
+
+    /// A plain name for the colour of each category; all are different.
+    pub fn category_names(&self) -> Vec<String> {
+        let colours: Vec<Colour> = self.categories.iter().map(Category::colour).collect();
+        colour_names::distinct(&colours)
     }
 
     /// The secondaries: small elements between the primaries.

@@ -9,9 +9,8 @@ use crate::cli::output;
 use crate::cli::summary::{Counts, bytes as show_bytes, regular};
 use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
-use vtex::library::{AnalyzeParams, Category, Lattice, Library};
+use vtex::library::{AnalyzeParams, Lattice, Library};
 use vtex::raster::colour::Colour;
-use vtex::raster::colour_names;
 use vtex::scene::{CategoryId, EditRecord, Field, LibraryId, Role, Scene, SynthParams, Tile};
 
 /// The report on a file.
@@ -135,25 +134,21 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
     let source = &library.source;
     // Areas are counted in pixels of the arrangement.
     let pixels = source.scale[0] * source.scale[1];
-    let colour = |category: &Category| {
-        let [r, g, b, ..] = category.centre;
-        Colour::from_f64([r, g, b])
-    };
-    let colours: Vec<Colour> = library.categories.iter().map(colour).collect();
-    let names = colour_names::distinct(&colours);
-    let categories = library.categories.iter().zip(names).enumerate().map(|(i, (category, name))| {
-        let members = || library.primaries().iter().filter(|p| p.category.is_some_and(|c| c.index() == i));
-        CategoryLine {
-            library: None,
-            category: CategoryId(i as u16),
-            name,
-            colour: colours[i],
-            primaries: members().count(),
-            whole: Some(members().filter(|p| !p.clipped).count()),
-            mean_area: category.centre[3] / pixels,
-            coverage: category.coverage,
-        }
-    });
+    let categories =
+        library.categories.iter().zip(library.category_names()).enumerate().map(|(i, (category, name))| {
+            let members =
+                || library.primaries().iter().filter(|p| p.category.is_some_and(|c| c.index() == i));
+            CategoryLine {
+                library: None,
+                category: CategoryId(i as u16),
+                name,
+                colour: category.colour(),
+                primaries: members().count(),
+                whole: Some(members().filter(|p| !p.clipped).count()),
+                mean_area: category.centre[3] / pixels,
+                coverage: category.coverage,
+            }
+        });
     Inspection {
         command: "inspect",
         file,
