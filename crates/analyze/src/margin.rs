@@ -9,6 +9,7 @@
 //! known, but not placed.
 
 use image::RgbImage;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::geometry::{Affine, Outline};
@@ -30,11 +31,11 @@ const ALIKE: f64 = 1.3;
 /// Contacts with a border of fewer pixels cut nothing.
 const FEW: usize = 4;
 
-/// The margin around a photograph.
+/// The margin around a photograph; none around one that does not repeat.
 pub(super) struct Margin {
     /// Size of the photograph.
     size: [u32; 2],
-    /// Width on each side.
+    /// Width on each side; 0 for no margin, which leaves everything as it is.
     width: u32,
     /// Masks that are one element across the right border, and across the lower one, by their labels: the one
     /// before the border, the one after it.
@@ -44,6 +45,11 @@ pub(super) struct Margin {
 }
 
 impl Margin {
+    /// No margin.
+    pub(super) fn none(size: [u32; 2]) -> Self {
+        Self { size, width: 0, joined: [BTreeMap::new(), BTreeMap::new()], cut: Vec::new() }
+    }
+
     /// The margin that a photograph with these primaries needs.
     pub(super) fn new(primaries: &LabelMap) -> Self {
         let size = [primaries.width, primaries.height];
@@ -73,6 +79,10 @@ impl Margin {
         Self { size, width: (reach + ROOM).max(LEAST).min(most), joined, cut }
     }
 
+    fn is_none(&self) -> bool {
+        self.width == 0
+    }
+
     /// Size of the photograph with its margin.
     fn whole(&self) -> [u32; 2] {
         self.size.map(|side| side + 2 * self.width)
@@ -86,13 +96,20 @@ impl Margin {
     }
 
     /// The photograph with its margin.
-    pub(super) fn image(&self, image: &RgbImage) -> RgbImage {
+    pub(super) fn image<'a>(&self, image: &'a RgbImage) -> Cow<'a, RgbImage> {
+        if self.is_none() {
+            return Cow::Borrowed(image);
+        }
         let [width, height] = self.whole();
-        RgbImage::from_fn(width, height, |x, y| *image.get_pixel(self.copy(x, 0).1, self.copy(y, 1).1))
+        let pixel = |x, y| *image.get_pixel(self.copy(x, 0).1, self.copy(y, 1).1);
+        Cow::Owned(RgbImage::from_fn(width, height, pixel))
     }
 
     /// Its primaries, a label for each, numbered by their first pixel. And the labels of those that are cut.
-    pub(super) fn primaries(&self, primaries: &LabelMap) -> (LabelMap, Vec<u32>) {
+    pub(super) fn primaries(&self, primaries: LabelMap) -> (LabelMap, Vec<u32>) {
+        if self.is_none() {
+            return (primaries, Vec::new());
+        }
         let count = primaries.labels.iter().max().map_or(0, |most| *most as usize) + 1;
         // A node for each label in each of the nine copies that show.
         let node = |[i, j]: [u32; 2], label: u32| (j as usize * 3 + i as usize) * count + label as usize;
@@ -140,21 +157,24 @@ impl Margin {
     }
 
     /// The part of a map of the whole that is the photograph.
-    pub(super) fn inner(&self, map: &LabelMap) -> LabelMap {
+    pub(super) fn inner<'a>(&self, map: &'a LabelMap) -> Cow<'a, LabelMap> {
+        if self.is_none() {
+            return Cow::Borrowed(map);
+        }
         let [width, height] = self.size;
         let rows = (0..height).flat_map(|y| {
             let first = (y + self.width) as usize * map.width as usize + self.width as usize;
             &map.labels[first..first + width as usize]
         });
-        LabelMap { width, height, labels: rows.copied().collect() }
+        Cow::Owned(LabelMap { width, height, labels: rows.copied().collect() })
     }
 
     /// As [`Margin::inner`], with the numbers of elements of which some are kept: their new labels by the old
     /// ones, 0 for those that are not. Where another copy of one that is kept stands, it is that one.
-    pub(super) fn kept_labels(&self, map: &LabelMap, new: &[u32]) -> LabelMap {
+    fn kept_labels(&self, map: &LabelMap, new: &[u32]) -> LabelMap {
         let sides = self.size.map(i64::from);
         let of = |x: i64, y: i64| map.at(x, y).map_or(0, |label| new[label as usize]);
-        let mut inner = self.inner(map);
+        let mut inner = self.inner(map).into_owned();
         for (i, label) in inner.labels.iter_mut().enumerate() {
             let at = [i as i64 % sides[0], i as i64 / sides[0]].map(|v| v + i64::from(self.width));
             let copies =
@@ -165,8 +185,28 @@ impl Margin {
         inner
     }
 
-    /// The elements whose centroid lies in the photograph, where they stand in it, with their former indices.
-    pub(super) fn kept(&self, elements: Vec<Element>) -> (Vec<Element>, Vec<usize>) {
+    /// The elements whose centroid lies in the photograph, where they stand in it.
+    pub(super) fn kept(&self, elements: Vec<Element>) -> Vec<Element> {
+        self.kept_of(elements).0
+    }
+
+    /// The primaries that stand in the photograph, and the map of them there. `map` has a label for each.
+    pub(super) fn kept_primaries(&self, primaries: Vec<Element>, map: LabelMap) -> (Vec<Element>, LabelMap) {
+        if self.is_none() {
+            return (primaries, map);
+        }
+        let mut new = vec![0; primaries.len() + 1];
+        let (kept, indices) = self.kept_of(primaries);
+        (1..).zip(&indices).for_each(|(label, &old)| new[old + 1] = label);
+        (kept, self.kept_labels(&map, &new))
+    }
+
+    /// [`Margin::kept`], with the former indices of those that are kept.
+    fn kept_of(&self, elements: Vec<Element>) -> (Vec<Element>, Vec<usize>) {
+        if self.is_none() {
+            let indices = (0..elements.len()).collect();
+            return (elements, indices);
+        }
         let margin = f64::from(self.width);
         let size = self.size.map(f64::from);
         let mut kept = Vec::new();
@@ -215,13 +255,17 @@ impl Margin {
 
     /// Where in the photograph a place of the whole is.
     pub(super) fn place(&self, at: [f64; 2]) -> [f64; 2] {
+        if self.is_none() {
+            return at;
+        }
         [0, 1].map(|k| (at[k] - f64::from(self.width)).rem_euclid(f64::from(self.size[k])))
     }
 
     /// Whether what has its centroid at a place of the whole may be kept.
     pub(super) fn holds(&self, at: [f64; 2]) -> bool {
         let margin = f64::from(self.width);
-        (0..2).all(|k| (margin - SAME..margin + f64::from(self.size[k]) + SAME).contains(&at[k]))
+        self.is_none()
+            || (0..2).all(|k| (margin - SAME..margin + f64::from(self.size[k]) + SAME).contains(&at[k]))
     }
 }
 

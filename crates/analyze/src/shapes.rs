@@ -8,6 +8,7 @@ use super::edges::Edges;
 use super::grid::{Cells, Grid, to_four_digits};
 use super::joining;
 use super::palette::Palette;
+use super::partition::Partition;
 use super::rate_distortion::RateDistortion;
 use image::RgbImage;
 use std::collections::{BTreeMap, BTreeSet};
@@ -44,16 +45,10 @@ pub(super) struct Pieces {
     pub(super) details: Vec<Vec<Cells<Mask>>>,
     /// The secondaries.
     pub(super) secondaries: Vec<Patch>,
-}
-
-/// Settings for tracing and filling pieces.
-pub(super) struct Style<'a> {
-    /// Fit tolerance: largest distance between an outline and the traced border, in pixels.
-    pub(super) fidelity: f64,
-    /// Grid of the pieces' masks.
-    pub(super) grid: Grid,
+    /// What a piece has to be worth.
     pub(super) cost: RateDistortion,
-    pub(super) palette: &'a Palette,
+    /// The colours of all pieces, if these are limited.
+    pub(super) palette: Palette,
 }
 
 /// The elements made from the pieces.
@@ -87,14 +82,10 @@ pub(super) fn median(image: &Cells<RgbImage>, mask: &Cells<Mask>) -> Colour {
     colour::median(mask.pixels().map(|(x, y)| image.get_pixel(x as u32, y as u32).0)).unwrap_or_default()
 }
 
-/// Traces and fits all outlines. Colours are taken from `image` (cells), edges from `photo` (pixels).
-pub(super) fn outlines(
-    photo: &RgbImage,
-    image: &Cells<RgbImage>,
-    pieces: &Pieces,
-    style: &Style<'_>,
-) -> Shapes {
-    let (grid, (width, height)) = (style.grid, image.dimensions());
+/// Traces and fits all outlines. Colours are taken from the cells of the partition, edges from its photograph.
+pub(super) fn outlines(partition: &Partition<'_>, pieces: &Pieces) -> Shapes {
+    let (grid, image) = (partition.grid, &partition.clean);
+    let (width, height) = image.dimensions();
     let mut map = LabelMap::filled(width, height, 0);
     // Labels of one primary form a group; every secondary is a group of its own.
     let mut groups = vec![0u32];
@@ -126,8 +117,8 @@ pub(super) fn outlines(
     let group = |label: u32| groups.get(label as usize).copied().unwrap_or(0);
     let (count, group_count) = (groups.len() - 1, primary_count + pieces.secondaries.len());
     drop(map);
-    let edges = Edges::new(photo, colours);
-    let scale = Scale { tolerance: style.fidelity, cells: grid.along() };
+    let edges = Edges::new(&partition.image, colours);
+    let scale = Scale { tolerance: partition.params.fidelity, cells: grid.along() };
     let fitted = FittedMap::with_edges(planar, scale, count, group_count, group, |at, normal, l, r| {
         edges.distance(at, normal, l, r)
     });
@@ -144,10 +135,10 @@ pub(super) fn outlines(
     let primaries = parallel::map(&ordered, |(first, details)| {
         let mask = Cells(Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect()));
         let colours: Vec<Colour> =
-            medians[first - 1..].iter().take(details.len()).map(|&m| style.palette.nearest(m)).collect();
+            medians[first - 1..].iter().take(details.len()).map(|&m| pieces.palette.nearest(m)).collect();
         let base = colours.first().copied().unwrap_or_default();
         let gradients: Vec<_> =
-            details.iter().map(|m| joining::gradient(image, m, style.cost, grid).map(Box::new)).collect();
+            details.iter().map(|m| joining::gradient(image, m, pieces.cost, grid).map(Box::new)).collect();
         let base_gradient = gradients.first().cloned().flatten();
         let outline = whole[group(*first as u32) as usize].clone();
         let compactness = to_four_digits(outline.compactness());
@@ -177,7 +168,7 @@ pub(super) fn outlines(
     let labelled: Vec<(usize, &Patch)> = (first_secondary..).zip(&pieces.secondaries).collect();
     let secondaries = parallel::map(&labelled, |&(label, Patch { mask, colour, difference })| {
         let outline = specks.outline(mask).unwrap_or_else(|| stacked(label as u32));
-        let colour = style.palette.nearest(*colour);
+        let colour = pieces.palette.nearest(*colour);
         Element {
             category: None,
             colour,

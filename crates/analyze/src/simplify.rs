@@ -1,8 +1,9 @@
 //! Simplification: joins and drops pieces until the drawing is worth its bytes.
 
-use super::grid::{Cells, Grid};
+use super::grid::Cells;
 use super::joining;
 use super::palette::Palette;
+use super::partition::Partition;
 use super::rate_distortion::RateDistortion;
 use super::shapes::{self, Patch, Pieces};
 use image::RgbImage;
@@ -10,36 +11,29 @@ use vtex_base::parallel;
 use vtex_base::raster::Mask;
 use vtex_scene::library::AnalyzeParams;
 
-/// Which pieces count to those that are asked for.
-pub(super) struct Counts<'a> {
-    /// Whether each primary does.
-    pub(super) primaries: Vec<bool>,
-    /// Whether a patch does.
-    pub(super) patch: &'a dyn Fn(&Cells<Mask>) -> bool,
-}
-
 /// Joins details and drops patches that cost more bytes than they save error. If `max_paths` is
 /// above 0, the cost of a byte rises until at most that many shapes remain; a warning says if the
 /// primaries alone exceed it.
+/// Then, if colours are limited, clusters those of all pieces, and joins neighbouring details of one colour.
 pub(super) fn simplify(
-    image: &Cells<RgbImage>,
+    partition: &Partition<'_>,
     details: &[Vec<Cells<Mask>>],
     patches: Vec<Patch>,
-    (params, grid): (&AnalyzeParams, Grid),
-    counts: &Counts<'_>,
     warnings: &mut Vec<String>,
-) -> (Pieces, RateDistortion) {
-    let join = |cost: RateDistortion| parallel::map(details, |masks| joining::join(image, masks, cost));
+) -> Pieces {
+    let Partition { params, clean, grid, .. } = partition;
+    let join = |cost: RateDistortion| parallel::map(details, |masks| joining::join(clean, masks, cost));
     let worthwhile = |cost: RateDistortion, p: &Patch| cost.is_worth(p.mask.area(), p.difference);
-    let mut cost = RateDistortion::new(params, grid);
+    let mut cost = RateDistortion::new(params, *grid);
     if params.max_paths > 0 {
         let most = params.max_paths as usize;
         cost = cost.with_limit(most, |cost| {
-            let kept = patches.iter().filter(|p| worthwhile(cost, p) && (counts.patch)(&p.mask)).count();
-            let joined = join(cost).into_iter().zip(&counts.primaries).filter(|(_, counts)| **counts);
+            let kept = patches.iter().filter(|p| worthwhile(cost, p) && partition.counts(&p.mask)).count();
+            let joined = join(cost).into_iter().zip(&partition.primaries);
+            let joined = joined.filter(|(_, mask)| partition.counts(mask));
             kept + joined.map(|(details, _)| details.len()).sum::<usize>()
         });
-        let primaries = counts.primaries.iter().filter(|counts| **counts).count();
+        let primaries = partition.primaries.iter().filter(|mask| partition.counts(mask)).count();
         if primaries > most {
             warnings.push(format!(
                 "there are {primaries} primary elements, more than the {most} paths asked for: each is drawn as \
@@ -48,26 +42,20 @@ pub(super) fn simplify(
         }
     }
     let secondaries = patches.into_iter().filter(|p| worthwhile(cost, p)).collect();
-    (Pieces { details: join(cost), secondaries }, cost)
+    let palette = Palette::new(&[], 0, params.seed);
+    let pieces = Pieces { details: join(cost), secondaries, cost, palette };
+    if params.colors == 0 { pieces } else { reduce_colours(clean, pieces, params) }
 }
 
 /// Clusters the colours of all pieces into a palette of `colors` entries, and joins neighbouring
 /// details that share an entry.
-pub(super) fn reduce_colours(
-    image: &Cells<RgbImage>,
-    mut pieces: Pieces,
-    params: &AnalyzeParams,
-) -> (Pieces, Palette) {
-    let count = params.colors as usize;
-    if count == 0 {
-        return (pieces, Palette::new(&[], 0, params.seed));
-    }
+fn reduce_colours(image: &Cells<RgbImage>, mut pieces: Pieces, params: &AnalyzeParams) -> Pieces {
     let masks: Vec<&Cells<Mask>> = pieces.details.iter().flatten().collect();
     let mut colours = parallel::map(&masks, |m| (shapes::median(image, m), m.area()));
     colours.extend(pieces.secondaries.iter().map(|p| (p.colour, p.mask.area())));
-    let palette = Palette::new(&colours, count, params.seed);
+    let palette = Palette::new(&colours, params.colors as usize, params.seed);
     pieces.details = parallel::map(&pieces.details, |masks| {
         joining::join_alike(masks, |m| palette.nearest(shapes::median(image, m)))
     });
-    (pieces, palette)
+    Pieces { palette, ..pieces }
 }
