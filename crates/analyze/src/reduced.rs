@@ -6,7 +6,7 @@
 //! [`LARGE`] pixels across, but not so far that a quarter of it belongs to elements of less than [`SMALL`].
 //! How large elements are is seen in a first pass of the region tree at a small size.
 //!
-//! The library that comes of it has the photograph's own pixels as its units (`library/units.rs`), so sizes
+//! The library that comes of it has the photograph's own pixels as its units (`crates/scene/src/library/units.rs`), so sizes
 //! of results mean what they mean without reduction.
 
 use super::{AnalyzeParams, Exemplar};

@@ -60,7 +60,7 @@ pub struct TransferReport {
 }
 
 /// Gives the elements of a scene the appearance of other scenes: the reconstruction of a library
-/// ([`vtex_arrange::synth::reconstruct`]) or any other. With several, `shares` has a map of each one's share; every
+/// (`vtex::synth::reconstruct`) or any other. With several, `shares` has a map of each one's share; every
 /// element is of the one with the largest share where its centre lies. A scene with its own appearance, not
 /// scaled, stays as it is.
 ///

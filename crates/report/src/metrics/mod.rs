@@ -2,7 +2,7 @@
 //!
 //! No single value decides. Each covers one aspect (colours, frequencies, grain, small structures,
 //! repetition), and two photographs of the same texture are never at distance 0. Reference values
-//! are in `benches/metrics.md`.
+//! are in `docs/measurements/metrics.md`.
 //!
 //! Works badly for pictures at different scales (see [`scaled`]), and for pictures with so few
 //! elements that the values are dominated by chance.

@@ -59,7 +59,7 @@ pub struct AnalyzeParams {
     #[cfg_attr(feature = "schema", schemars(schema_with = "pixel_limit::schema"))]
     pub max_pixels: u32,
     /// Whether the exemplar tiles, that is, its opposite borders join. What they cut is one element then. Default
-    /// false; [`vtex_analyze::borders_join`] finds it out.
+    /// false; `vtex::analyze::borders_join` finds it out.
     pub wrap: bool,
     /// Number of nested layers, such as rust on paint. 1 to 6, or 0 (the default) for one to three, by the
     /// photograph, written as `auto`.
