@@ -295,7 +295,7 @@ pub mod segment {
             Cost, Embedded, Found, Generator, GeneratorParams, Logits, PromptMask, Prompter,
         };
         #[cfg(feature = "onnx")]
-        /// Segment Anything in ONNX, in all common exports ([`export`]): an image encoder and a prompt
+        /// Segment Anything in ONNX, in all common exports: an image encoder and a prompt
         /// decoder, in two files or one.
         pub mod sam {
             #[doc(inline)]

@@ -1,10 +1,9 @@
-//! Coverage as wanted, in both directions: textons are taken away from categories that cover too
-//! much and added, where there is room, to those that cover too little. Both zone by zone, where
-//! density differs from place to place.
+//! Corrects the coverage of each category in both directions, zone by zone where the density varies.
 //!
-//! Taken away is, of a few drawn at random, the texton that is hidden most and that fitted worst.
-//! Added is where the way to what stands is longest, in proportion to what each category lacks, the
-//! texton that overlaps least; more overlap is allowed only when nothing else has worked.
+//! Where a category covers too much, a few of its textons are drawn at random and the one that is hidden
+//! most and fitted worst is removed. Where categories cover too little, a texton is added at the place
+//! furthest from what stands, of a category drawn in proportion to its lack, with the least overlap. More
+//! overlap is allowed only when nothing else has worked.
 
 use super::choice::Choice;
 use super::clearance::Clearance;

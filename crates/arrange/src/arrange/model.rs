@@ -1,9 +1,10 @@
 //! Data that placement derives from libraries once: the elements that may be placed, their shapes, and the
 //! exemplars' runs.
 //!
-//! A *variant* is an element in one of its variations (turned, mirrored, scaled). Variants are numbered
-//! element by element; without variation there is one for each. Elements and categories count through
-//! all libraries.
+//! A *variant* is an element in one of its variations (rotated, mirrored, scaled). Variants are numbered
+//! element by element; without variation there is one for each. The shape of a variant is made when it is
+//! first needed; its descriptor is the exemplar's arrangement seen through the same map. Elements and
+//! categories are numbered through all libraries, so categories of different libraries never meet.
 
 use super::variation::Variation;
 use std::ops::{Index, Range};

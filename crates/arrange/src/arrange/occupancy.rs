@@ -1,7 +1,8 @@
 //! The canvas and a margin around it, cell by cell.
 //!
-//! Cells are canvas pixels. Besides its state every cell knows its owner, so elements can be taken
-//! away again. What it costs to place or remove one depends on its size, never on the canvas.
+//! Cells are canvas pixels. Besides its state every cell knows its owner, a placed element or a request, so
+//! elements can be removed again. The cost of placing or removing one depends on its size, never on the
+//! canvas.
 
 use super::bins::Bins;
 use super::grid::{Grid, Part};

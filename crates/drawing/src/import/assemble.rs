@@ -1,4 +1,7 @@
 //! Pieces → library: elements, their layers, the map of them, the guide.
+//!
+//! A library has one element for each place in the drawing, so that labels of the arrangement tell them
+//! apart. Scenes list equal ones once.
 
 use super::ImportParams;
 use super::categories::categorise;

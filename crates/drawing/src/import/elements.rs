@@ -1,9 +1,9 @@
 //! Which pieces are one element.
 //!
-//! Groups of the drawing come first. Without them pieces belong together that lie within one another,
-//! that touch, or that are much nearer to each other than to all else; unless what comes of it would
-//! run on without end or span most of the page, as where a drawing is packed. There those belong together
-//! that always touch at the same relative place.
+//! Groups of the drawing come first. Without groups, pieces belong together if they lie within one another,
+//! touch, or are much nearer to each other than to all else. If the result would run on without end or span
+//! most of the page, as in a packed drawing, only contacts count that recur at the same relative place
+//! ([`recurring`](super::recurring)).
 
 use super::offsets::Offsets;
 use super::pieces::Piece;

@@ -1,4 +1,6 @@
 //! SVG → items: every visible shape of the page, with its paint, group and layer.
+//!
+//! What has no place in the model is an error that names the element, or is left out and counted.
 
 use super::clip::{self, Clip};
 use super::paint::{self, Paint};

@@ -1,9 +1,9 @@
-//! Textons replaced by those of another library whose shapes fit best.
+//! Replaces textons by those of another library whose shapes fit best.
 //!
-//! Shapes are compared brought to the same place, size and direction of the longer axis. Candidates
-//! are sorted by elongation; those nearest in it, in area and in compactness are sought outwards from
-//! the texton's own, until what is left must be further away. Of these few the one that overlaps most
-//! is taken, turned by half where that fits better.
+//! Shapes are compared at the same place, size and direction of the longer axis. Candidates are sorted by
+//! elongation. Those nearest in elongation, area and compactness are sought outwards from the texton's own
+//! elongation, until all others must be further away. Of these few the one that overlaps most is taken,
+//! turned by half if that fits better.
 
 use super::selection::Chosen;
 use super::textons::{measured, size};

@@ -7,7 +7,7 @@
 //! are deformed with the outline that contains them while they change into their partners
 //! (`patch`). Unmatched textons shrink or grow in place, one after another (`tween`). Shadows and
 //! strokes are interpolated (`effects`), and so are background fields (`background`), domains
-//! (`domain`) and positions in the painting order.
+//! (`domain`) and positions in the painting order. A scene between two records this in its `edits`.
 //!
 //! Works badly for strongly branched outlines: those that would cross themselves at half-time become
 //! rounder. Where two overlapping textons swap their painting order, one pops in front of the other.

@@ -1,8 +1,10 @@
-//! Finds the lattice of a picture.
+//! Finds the lattice of a picture from its autocorrelation.
 //!
-//! A peak of the autocorrelation is a period if its double is a peak too. Two periods in different
-//! directions make a lattice. One makes rows: the other direction is free, or has no period. Vectors are
-//! fitted to all peaks at their multiples.
+//! The lightness and the main axis of chroma are correlated, without what is larger than an eighth of the
+//! side. A peak is a period if its double is a peak too, or if its sum and its difference with another peak
+//! are. Two periods in different directions make a lattice. One makes rows: the other direction is free, or
+//! has no period. Vectors are fitted to all peaks at their multiples. A drawing that is one period is
+//! repeated first.
 
 use super::correlation::Correlation;
 use super::{LEAST_SINE, Lattice, cross, dot};

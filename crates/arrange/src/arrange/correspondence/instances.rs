@@ -1,9 +1,10 @@
 //! Instances: the pixels of a canvas that together show one element.
 //!
-//! Each pixel that comes from a primary votes for the place where that primary would then stand. Pixels side
-//! by side whose votes nearly agree are one instance, whichever primaries they come from: a field that
+//! Each pixel that comes from a primary votes for the place where that primary would then stand. Adjacent
+//! pixels whose votes nearly agree are one instance, whichever primaries they come from: a field that
 //! continues the left half of one stone with the right half of another shows one stone. In a packed exemplar
-//! neighbours stay apart, though nothing lies between them, for their votes differ by a stone's width.
+//! neighbours stay apart although nothing lies between them, because their votes differ by the width of a
+//! stone. Small instances join a neighbour of their colour or vanish.
 
 use super::Correspondence;
 use crate::arrange::grid::Grid;

@@ -1,8 +1,8 @@
 //! Whether something looks like an element of its exemplar.
 //!
-//! A look is a small picture of an element: where it is within a square that is as large as the element
-//! itself, and of what colour there. Two hearts, a torn side, a shape that no element has: all make it unlike
-//! every element of the exemplar, more than these are unlike each other.
+//! A look is a small picture of an element: which points of a square as large as the element it covers, and
+//! their colours. Two hearts, a torn side or a shape that no element has make it unlike every element of the
+//! exemplar, more than these are unlike each other.
 
 use crate::arrange::model::{Model, PlaceableId};
 use vtex_base::parallel;

@@ -1,4 +1,11 @@
 //! Libraries as pages for the search of correspondences, and the way back to their pixels.
+//!
+//! A cell has six features: its colour in Oklab in units of the standard deviation, the signed distance to
+//! the nearest border of a primary, up to three cells, and its place within that primary, from the middle,
+//! in radii. Each variation that the parameters allow has a page of its own, at most eight. An exemplar that
+//! wraps is continued beyond its borders. An exemplar with a lattice has its plain page only, because a
+//! rotated one has other rows. Colours of strata lie half as far again apart as in the exemplar, so islands
+//! keep to their stratum.
 
 use crate::arrange::model::Model;
 use vtex_base::raster::colour::oklab;

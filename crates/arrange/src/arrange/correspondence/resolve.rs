@@ -1,4 +1,11 @@
-//! What each instance becomes: an element whole, another like it, or a fused one.
+//! What each instance becomes: a whole element, another like it, a fused one, or nothing.
+//!
+//! The main element of an instance stands whole if it fits. If another element of like colour and size fits
+//! better, that one stands. Otherwise the instance becomes a fused element. The more packed the exemplar,
+//! the closer an element has to fit, because a gap is seen there at once. Where elements stand apart, a
+//! fused one has to look like an element of the exemplar ([`likeness`](super::likeness)). If it does not,
+//! the elements stand of which enough has arrived, or the element that it looks most like, or none. Elements
+//! cut by the exemplar's border stand only where the canvas cuts them too.
 
 use super::Correspondence;
 use super::alike::Alike;

@@ -1,4 +1,6 @@
 //! The merge tree: the order in which regions are merged, and the measurements of each node.
+//!
+//! Sums are kept only for regions that still grow. A node is measured when it becomes part of another.
 
 use super::oversegmentation::Field;
 use crate::segment::hashing::ByNumber;
