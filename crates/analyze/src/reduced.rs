@@ -82,7 +82,7 @@ fn factor(mut areas: Vec<f64>, shown: f64) -> Option<f64> {
     (all >= COVERED * shown).then(|| (LARGE / half).max(SMALL / quarter).max(1.0))
 }
 
-/// A picture of at most so many pixels, but for rounding.
+/// The image reduced to at most `pixels` pixels, up to rounding.
 fn at_most(image: &RgbImage, pixels: f64, filter: Filter) -> RgbImage {
     let (width, height) = image.dimensions();
     let by = libm::sqrt(pixels / f64::from(width) / f64::from(height)).min(1.0);

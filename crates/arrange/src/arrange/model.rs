@@ -91,7 +91,7 @@ pub(crate) struct Model {
     pub(crate) reach: i32,
     /// Wanted share of the library's area, each category; zero where nothing can be placed.
     pub(crate) wanted: Vec<f64>,
-    /// The variations; the first is none.
+    /// The variations; the first leaves elements as they are.
     pub(crate) variations: Vec<Variation>,
     /// What is painted for each fused element.
     pub(crate) fused: Vec<Element>,

@@ -130,7 +130,7 @@ fn too_many(name: &str, found: usize, most: usize) -> Error {
     Error::TooLarge { name: name.into(), found, limit }
 }
 
-/// What is said of texts, which the tree of shapes does not show.
+/// The message about texts, which the tree of shapes leaves out; `None` if there are no texts.
 fn texts(document: &roxmltree::Document<'_>) -> Option<String> {
     let mut texts = document.descendants().filter(|n| n.has_tag_name((SVG, "text")));
     let first = texts.next()?;

@@ -1,4 +1,4 @@
-//! What parsing an SVG costs, estimated beforehand.
+//! Estimates the cost of parsing an SVG beforehand.
 //!
 //! The parser cannot be interrupted, and a few bytes can ask for hours: it tries each rule of the style sheets
 //! at each element, follows references within references, and reads path data by recursion.
@@ -190,7 +190,7 @@ pub fn ids<'a, 'd>(document: &'a Document<'d>) -> HashMap<&'a str, Node<'a, 'd>>
     ids
 }
 
-/// What each `<use>` shows, by the numbers of the nodes, in the order of the nodes.
+/// Each `<use>` and the node that it shows, by number, in document order.
 pub fn uses(document: &Document<'_>, ids: &HashMap<&str, Node<'_, '_>>) -> Vec<(usize, usize)> {
     let uses = document.descendants().filter(|n| n.tag_name().name() == "use");
     let link = |node: Node<'_, '_>| {

@@ -42,9 +42,9 @@ pub(super) fn margin(flow: &Flow, [width, height]: [f64; 2], params: &FlowParams
 pub(super) enum Path {
     /// It stays.
     Still,
-    /// Along x, by so many pixels in a loop, and a wobble about that. It wraps at `period` about `from`.
+    /// Along x, by `distance` pixels in a loop, with a wobble. Wraps at `period`, starting at `from`.
     Band { distance: f64, from: f64, period: f64, wobble: [f64; KNOTS] },
-    /// About the middle, by so many rounds.
+    /// About the middle, `rounds` times in a loop.
     Round { arm: Vec2, rounds: f64 },
     /// To and fro.
     Sway { rounds: f64, phase: f64, way: Vec2, bend: f64 },

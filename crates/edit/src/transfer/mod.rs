@@ -48,7 +48,7 @@ impl Default for TransferParams {
     }
 }
 
-/// What has become of the elements.
+/// Counts of what happened to the elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct TransferReport {
     /// Elements that have the appearance of another texture now.
@@ -98,7 +98,7 @@ pub fn transfer(
     Ok((scene, report))
 }
 
-/// What is given.
+/// The arguments of a transfer.
 struct Work<'a> {
     structure: &'a Scene,
     appearances: &'a [Scene],

@@ -161,7 +161,7 @@ fn peaks(correlation: &Correlation) -> Vec<Peak> {
     peaks
 }
 
-/// Of the peaks for which `counts` holds, the shortest that is nearly as high as the highest.
+/// The shortest peak that satisfies `counts` and is nearly as high as the highest of these.
 fn shortest(peaks: &[Peak], counts: impl Fn(&Peak) -> bool) -> Option<Peak> {
     let counting: Vec<&Peak> = peaks.iter().filter(|p| counts(p)).collect();
     let highest = counting.iter().map(|p| p.height).fold(0.0, f64::max);

@@ -65,7 +65,7 @@ impl Correlation {
     /// Radius at which curves end, in mean neighbour distances.
     pub const REACH: f64 = REACH;
 
-    /// Of the centres within a layout that belong to `categories` of a library; `unit` is the mean
+    /// Correlates the centres within a layout that belong to `categories` of a library; `unit` is the mean
     /// neighbour distance, in pixels. All counts are 0 if it is not positive.
     pub fn new(layout: &Layout, library: LibraryId, categories: &[CategoryId], unit: f64) -> Self {
         let period = layout.period();

@@ -16,11 +16,11 @@ use vtex_scene::library::{Guide, Library};
 
 /// Most pages of a library, of those that variations make.
 const MOST_VARIED: usize = 8;
-/// Distance to the border of a primary that tells no more, in cells.
+/// Distances to the border of a primary are clamped to this, in cells.
 const FARTHEST: f32 = 3.0;
-/// What a distance of [`FARTHEST`] weighs against a deviation of colour.
+/// Weight of a distance of [`FARTHEST`], relative to a standard deviation of colour.
 const BORDER_WEIGHT: f32 = 0.6;
-/// What a place within a primary weighs, at a distance of its radius from its middle.
+/// Weight of a place at one radius from the middle of a primary.
 const PLACE_WEIGHT: f32 = 0.8;
 /// Farthest place within a primary that is told apart, in radii.
 const MOST_RADII: f64 = 1.5;
@@ -58,12 +58,12 @@ pub(super) struct Pages {
     pub(super) labels: Vec<LabelMap>,
 }
 
-/// What an exemplar shows, pixel by pixel.
+/// The pixels of an exemplar as features are computed from them.
 struct Surface<'a> {
     guide: &'a Guide,
     /// Colours of the guide's cells.
     colours: &'a [[f32; 3]],
-    /// What a unit of Oklab weighs.
+    /// Weight of a unit of Oklab.
     unit: f32,
     /// Signed distance of each pixel to the nearest border, as [`border_distances`] gives it.
     borders: Vec<f32>,

@@ -41,11 +41,11 @@ const TILED: [f64; 2] = [0.4, 0.6];
 const PACKED: f64 = 0.65;
 /// Fewest pixels of an instance that has to look like an element.
 const LOOKED_AT: u32 = 60;
-/// Where several elements stand in place of one instance: least share of each that lies on the instance,
+/// If several elements replace one instance: least share of each that lies on the instance,
 const WITHIN: f64 = 0.5;
-/// least share of it that has come,
+/// least share of each that has arrived,
 const CAME: f64 = 0.4;
-/// and most of it that may lie on those that stand there already.
+/// and largest share of each that may lie on elements placed before.
 const ON_OTHERS: f64 = 0.35;
 /// Least overlap over union of an instance and an element that looks like it.
 const LOOKS_LIKE: f64 = 0.4;
@@ -62,7 +62,7 @@ pub(super) enum Outcome {
     Nothing,
 }
 
-/// What decides.
+/// Decides what instances become.
 pub(super) struct Resolver<'a> {
     libraries: &'a [Library],
     model: &'a Model,
@@ -142,8 +142,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// What stands in place of an instance that looks like no element: those of its parts of which enough has
-    /// come, or the element that it looks like most, or nothing. `None` if it looks like one.
+    /// Replaces an instance that looks like no element: by those of its parts of which enough has arrived, by
+    /// the element that it looks like most, or by nothing. `None` if it looks like an element.
     fn unlike(
         &self,
         instance: &Instance,
@@ -206,7 +206,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Overlap over union of an instance and a mask at a place, and the share of the instance that it covers.
-    /// What lies beyond the part that the field knows does not count.
+    /// Pixels outside the field are ignored.
     fn fit(&self, instance: &Instance, mask: &Mask, at: [i32; 2]) -> (f64, f64) {
         let there = mask.shifted(at[0], at[1]);
         let there = if instance.cut {

@@ -29,7 +29,7 @@ pub(super) struct Known {
     pub(super) alike: Vec<usize>,
     /// Bounds of each, in the exemplar.
     pub(super) bounds: Vec<Rect>,
-    /// Pixels of each, where they stand in the exemplar; those of one that runs on are none.
+    /// Pixels of each element in the exemplar; empty for elements that run on.
     pub(super) masks: Vec<Arc<Mask>>,
     /// Whether each touches no other and does not run on.
     pub(super) free: Vec<bool>,
@@ -52,7 +52,7 @@ impl Known {
         let size = [library.source.width as i32, library.source.height as i32];
         let bounds: Vec<Rect> = elements.iter().map(|e| bounds(&e.shapes)).collect();
         let masks: Vec<Mask> = vtex_base::parallel::map(elements, of_element);
-        // As far as they lie within a page around the page.
+        // Limited to one page width beyond the page on each side.
         let [w, h] = size;
         let on_page: Vec<Mask> = masks.iter().map(|m| m.within([-w, -h], [2 * w, 2 * h])).collect();
         let (page, mut contacts) = Page::new(size, true, &on_page);

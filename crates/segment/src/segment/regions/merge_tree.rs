@@ -224,7 +224,7 @@ fn key(a: u32, b: u32) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
 
-/// What the weight of a merge takes of a region.
+/// The properties of a region that the weight of a merge depends on.
 #[derive(Clone, Copy)]
 struct Look {
     mean: [f32; 3],

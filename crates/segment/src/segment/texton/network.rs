@@ -43,7 +43,7 @@ impl TextonNetwork {
         Ok(Self { encoder: Encoder::built_in()? })
     }
 
-    /// Embeds an image. Masks of which the network expects less than `least_iou` are not decoded.
+    /// Embeds an image. Masks with an expected IoU below `least_iou` are not decoded.
     pub(super) fn view(&self, image: &RgbImage, least_iou: f32) -> View {
         View::new(self.encode(image), least_iou)
     }
