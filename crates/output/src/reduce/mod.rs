@@ -102,7 +102,7 @@ pub fn to_fit<'a>(
 struct Step {
     decimals: u8,
     tolerance: f64,
-    /// Index into [`SHARES`].
+    /// Share of details and secondaries left out, in units of one [`SHARES`]th.
     left_out: usize,
 }
 
