@@ -283,7 +283,7 @@ fn length(path: &usvg::tiny_skia_path::Path, size: impl Fn([f64; 2]) -> f64) -> 
     sum
 }
 
-/// How far from the origin anything lies, in units of the SVG.
+/// Largest distance of any shape from the origin, in units of the SVG.
 fn furthest(tree: &usvg::Tree) -> f32 {
     let reach = |group: &usvg::Group| {
         let (own, all) = (group.stroke_bounding_box(), group.abs_stroke_bounding_box());

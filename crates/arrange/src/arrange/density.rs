@@ -23,11 +23,11 @@ const REMOVAL_CANDIDATES: usize = 12;
 const PATIENCE: u32 = 12;
 /// Overlap allowed more each time, as a share of the texton's area.
 const MORE_OVERLAP: f64 = 0.04;
-/// How much a copy of the same texton nearby lowers a candidate's rank.
+/// Penalty of a candidate's rank for a copy of the same texton nearby.
 const COPY_PENALTY: f64 = 0.5;
-/// How much a cell of overlap outweighs a free cell.
+/// Weight of a cell of overlap relative to a free cell.
 const OVERLAP_COST: f64 = 3.0;
-/// How much a bad fit counts for removal, against being hidden altogether.
+/// Weight of a bad fit for removal, relative to being hidden completely.
 const MISFIT: f64 = 0.5;
 /// Most overlap allowed, as a share of the texton's area.
 const MOST_OVERLAP: f64 = 1.0;
@@ -41,7 +41,7 @@ const STEPS: [i32; 3] = [4, 2, 1];
 /// Name of the stage.
 const STAGE: &str = "density";
 
-/// How many textons were taken away and added.
+/// Numbers of textons removed and added.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     /// Taken away.

@@ -281,7 +281,7 @@ impl Model {
         (variant.0 as usize % self.variations.len()) as u16
     }
 
-    /// How a variant differs from its element.
+    /// The variation of a variant.
     pub(crate) fn variation(&self, variant: VariantId) -> &Variation {
         &self.variations[usize::from(self.variation_of(variant))]
     }

@@ -79,7 +79,7 @@ fn groups(libraries: &[Library]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// Which group has each pixel of the canvas: the one with the largest share there.
+/// The group of each pixel of the canvas: the one with the largest share there.
 fn parts(groups: &[Vec<usize>], params: &SynthParams, controls: &Controls) -> LayerMap {
     let canvas = [params.width, params.height].map(f64::from);
     let rows: Vec<u32> = (0..params.height).collect();

@@ -19,14 +19,14 @@ use vtex_scene::library::Grouping;
 const LARGEST: f64 = 0.6;
 /// Least share of a piece that lies on or under another of the same element.
 const WITHIN: f64 = 0.75;
-/// How many times as far as the parts of an element are from one another elements are.
+/// Least distance between elements, as a multiple of the distance between parts of one element.
 const APART: f64 = 1.8;
 /// Distances below this, in pixels, are not told apart.
 const FINEST: u16 = 2;
 /// Largest distance of the parts of an element, as a share of the page's side.
 pub(super) const NEAREST: f64 = 0.016;
 
-/// What is known of the pieces.
+/// Properties of the pieces.
 pub(super) struct Known<'a> {
     pub(super) page: &'a Page,
     pub(super) pieces: &'a [Piece],

@@ -34,7 +34,7 @@ fn median(picture: &RgbImage) -> [u8; 3] {
     })
 }
 
-/// How far two opposite borders differ, and how far both differ from the background, summed along them.
+/// Difference of two opposite borders, and their difference from the background, summed along them.
 fn border(picture: &RgbImage, across_x: bool, background: [u8; 3]) -> [f64; 2] {
     let (w, h) = picture.dimensions();
     let (last, length) = if across_x { (w - 1, h) } else { (h - 1, w) };

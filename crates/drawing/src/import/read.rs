@@ -164,7 +164,7 @@ struct Reader<'a, 'd> {
     lacks: bool,
 }
 
-/// Where the walk stands.
+/// State of the walk through the tree.
 #[derive(Clone, Copy)]
 struct Place<'t> {
     group: Option<usize>,

@@ -21,12 +21,12 @@ const MOST_DECLARATIONS: u64 = 20_000_000;
 const MOST_CLOSES: usize = 1000;
 /// Elements that the parser accepts.
 pub const MOST_ELEMENTS: u64 = 1_000_000;
-/// How deep the parser follows elements within one another.
+/// Depth to which the parser follows nested elements.
 pub(super) const DEEPEST: usize = 1024;
-/// How deep references to references are counted.
+/// Depth to which nested references are counted.
 const DEPTH: usize = 32;
 
-/// Why a document is not given to the parser.
+/// The reason to refuse a document; `None` if it may be parsed.
 pub(super) fn refused(document: &Document<'_>) -> Option<Fault> {
     let closes = |a: Attribute<'_, '_>| a.name() == "d" && closes(a.value()) > MOST_CLOSES;
     if document.descendants().flat_map(|n| n.attributes()).any(closes) {

@@ -18,7 +18,7 @@ use vtex_scene::reconstruct::{element, reference};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Element, ElementId, Instance, LibraryId, LibraryRef, Scene};
 
-/// How many candidates are laid over a texton.
+/// Candidates whose overlap with a texton is measured.
 const CANDIDATES: usize = 16;
 /// Side of the raster on which overlap is counted.
 const SIDE: usize = 32;
@@ -26,7 +26,7 @@ const SIDE: usize = 32;
 /// times as long as broad stick out and do not count.
 const SPAN: f64 = 0.4;
 
-/// How far polygons may lie from outlines, in pixels of what they are drawn on.
+/// Largest distance of polygons from outlines, in pixels of the raster on which overlap is measured.
 const TOLERANCE: f64 = 0.1;
 
 /// A shape brought to the origin, unit area and the longer axis along x, on a raster of bits.

@@ -23,7 +23,7 @@ const FADE: f64 = 0.15;
 /// Steps of a path along a field.
 const STEPS: usize = 48;
 
-/// How far beyond the borders elements are that come in, along x and y.
+/// Distance beyond the borders from which elements come in, along x and y.
 pub(super) fn margin(flow: &Flow, [width, height]: [f64; 2], params: &FlowParams) -> [f64; 2] {
     match flow {
         // Half the diagonal reaches this far beyond the sides.

@@ -49,7 +49,7 @@ pub fn write_flow(
     Ok(summary)
 }
 
-/// How the elements of a document move.
+/// The motion of a document's elements.
 pub(super) struct Moving<'a> {
     seconds: f64,
     precision: u8,

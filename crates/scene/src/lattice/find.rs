@@ -21,7 +21,7 @@ const SHORTEST: f64 = 5.0;
 const LEAST: [f64; 2] = [0.3, 0.16];
 /// Least correlation at the double of a period, as a share of that at the period.
 const DOUBLE: f64 = 0.6;
-/// How far a peak rises above the lowest place on the way to it, as a share of its height.
+/// Least rise of a peak above the lowest place on the way to it, as a share of its height.
 const RISE: f64 = 0.35;
 /// Shorter periods count in place of longer ones if they are as high as this share of the highest.
 const SHORTER: f64 = 0.55;

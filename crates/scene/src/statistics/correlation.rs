@@ -41,7 +41,7 @@ pub struct Curve {
     pub expected: Vec<f64>,
 }
 
-/// How far two sets of curves are apart.
+/// The distance between two sets of curves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Difference {
     /// Root mean square of the differences of g, weighted by what they are known to.

@@ -15,7 +15,7 @@ use vtex_base::raster::{Mask, Span};
 /// Rows of a band.
 const BAND: i32 = 64;
 
-/// How much primaries hide of one another, counted in pixels of the canvas.
+/// Mutual overlap of primaries, counted in pixels of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Overlap {
     /// Share of the area of all primaries that lies beneath others, 0 to 1.

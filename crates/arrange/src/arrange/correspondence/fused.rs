@@ -27,7 +27,7 @@ const LEAST_DETAIL: u32 = 3;
 const SAME_COLOUR: f32 = 0.045;
 /// Largest distance of the colours of parts that have one paint, in Oklab.
 const ONE_PAINT: f32 = 0.09;
-/// How far a detail reaches beneath those painted later, in pixels.
+/// Distance by which a detail reaches beneath those painted later, in pixels.
 const BENEATH: f64 = 0.6;
 /// Share of an instance from which on a part's paint is that of the whole.
 const DOMINANT: f64 = 0.8;

@@ -30,14 +30,14 @@ const STRATA_APART: f32 = 0.5;
 /// Distance by which offsets may miss a lattice, in strays of the exemplar, and at most in cells.
 const STRAY: f64 = 0.5;
 const MOST_ASTRAY: f64 = 1.5;
-/// How far an exemplar that wraps is continued, as a share of its side.
+/// Distance by which an exemplar that wraps is continued, as a share of its side.
 const CONTINUED: f64 = 0.35;
 
-/// How the pixels of a page are those of an exemplar.
+/// The map from the pixels of a page to those of an exemplar.
 pub(super) struct Sheet {
-    /// Which library.
+    /// Index of the library.
     pub(super) library: usize,
-    /// Which of the model's variations.
+    /// Index of the model's variation.
     pub(super) variation: u16,
     /// Size of the exemplar, in pixels.
     pub(super) size: [i32; 2],
@@ -182,7 +182,7 @@ impl Sheet {
         inside.then_some(at)
     }
 
-    /// Where a place of the exemplar is on the page, nearest to `near` if the exemplar wraps.
+    /// Place of the exemplar → place on the page; the one nearest to `near` if the exemplar wraps.
     pub(super) fn on_page(&self, model: &Model, at: [i32; 2], near: [i32; 2]) -> [i32; 2] {
         let variation = &model.variations[usize::from(self.variation)];
         if variation.is_none() && !self.wrap {

@@ -72,7 +72,7 @@ pub(super) struct Resolver<'a> {
     likeness: Option<Likeness>,
     colours: Vec<Option<Colours<'a>>>,
     field: &'a Correspondence,
-    /// How packed each exemplar is, 0 to 1.
+    /// Packing of each exemplar, 0 to 1.
     packings: Vec<f64>,
     /// The part of the map that the field knows.
     known: [[i32; 2]; 2],
@@ -194,7 +194,8 @@ impl<'a> Resolver<'a> {
         self.colours[sheet.library].as_ref().map(|colours| colours.at(place))
     }
 
-    /// Where the main element fits an instance best: where its largest part says, or middle on middle.
+    /// The place at which the main element fits an instance best: that of its largest part, or middle on
+    /// middle.
     fn best_place(&self, instance: &Instance, mask: &Mask, at: [i32; 2]) -> [i32; 2] {
         if instance.cut || instance.parts.len() == 1 {
             return at;
@@ -240,7 +241,7 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// How packed an exemplar is, 0 to 1: by how much primaries touch, or how much they cover, or how much
+/// The packing of an exemplar, 0 to 1: by how much primaries touch, or how much they cover, or how much
 /// of the background secondaries do.
 fn packing(library: &Library, labels: &LabelMap) -> f64 {
     let (mut all, mut others) = (0u64, 0u64);

@@ -105,7 +105,7 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    /// Where elements stand that change places.
+    /// The places of the elements `all`, each with its own element.
     fn sites(&self, placed: &[Placed], all: &[usize]) -> Sites {
         let places: Vec<Point> = all.iter().map(|&i| self.middle(&placed[i])).collect();
         let reach = COPIES * self.known.spacing;
@@ -193,7 +193,7 @@ impl Canvas<'_> {
         self.write(&old, 0, i as u32 + 1);
         let (middle, zone) = (self.middle(&old), self.zone(&old));
         let reach = share * FARTHEST * self.known.spacing;
-        // How many of the clearances it has where it is.
+        // Number of the clearances that it has at its place.
         let mut has = CLEARANCES.iter().take_while(|c| self.fits(&old, **c)).count();
         for _ in 0..SHIFTS {
             let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));

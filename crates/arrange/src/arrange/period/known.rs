@@ -1,5 +1,5 @@
-//! What is known of a periodic drawing: which elements are equal, which are free to move, and whether
-//! they stand in a regular order.
+//! Properties of a periodic drawing: equal elements, elements that are free to move, and whether elements
+//! stand in a regular order.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -16,7 +16,7 @@ use vtex_scene::scene::pixels;
 const REGULAR: f64 = 0.75;
 /// Fewest elements whose order can be anything but regular.
 const FEW: usize = 5;
-/// How far the sizes and places of elements in a regular order may differ, as a share of the period.
+/// Largest difference of sizes and places in a regular order, as a share of the period.
 const ALIKE: f64 = 0.02;
 /// Largest distance at which elements are seen to have neighbours, in pixels.
 const REACH: u16 = 60;
@@ -41,7 +41,7 @@ pub(super) struct Known {
     pub(super) spacing: f64,
     /// Height of the flattest element, in pixels.
     pub(super) lowest: f64,
-    /// How far beyond the canvas elements are placed, in pixels.
+    /// Distance beyond the canvas up to which elements are placed, in pixels.
     pub(super) margin: f64,
     pub(super) regular: bool,
 }
