@@ -65,8 +65,8 @@ pub struct TransferReport {
 /// scaled, stays as it is.
 ///
 /// # Errors
-/// [`Error::Format`] for a scene that breaks its invariants; [`Error::Parameter`] for a parameter out of
-/// range, no appearance, or not as many maps as appearances (one appearance needs none).
+/// [`vtex_base::Error::Format`] for a scene that breaks its invariants; [`vtex_base::Error::Parameter`] for a
+/// parameter out of range, no appearance, or not as many maps as appearances (one appearance needs none).
 pub fn transfer(
     structure: &Scene,
     appearances: &[Scene],

@@ -49,7 +49,7 @@ pub struct Animation {
 /// same bytes.
 ///
 /// # Errors
-/// A parameter out of range; a failing writer, as [`Error::Write`] with the path `-`.
+/// A parameter out of range; a failing writer, as [`vtex_base::Error::Write`] with the path `-`.
 pub fn write_animation(way: &Interpolation, options: &Animation, out: impl Write) -> Result<SvgSummary> {
     check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
     check((0.01..=1e5).contains(&options.seconds), "seconds", options.seconds, "0.01 to 100000")?;
