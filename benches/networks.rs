@@ -1,4 +1,4 @@
-//! Time and memory of Segment Anything's networks with each engine; results are in `networks.md`.
+//! Time and memory of Segment Anything's networks with each engine; results are in `docs/measurements/networks.md`.
 //!
 //! `cargo bench --bench networks -- ENCODER.onnx [DECODER.onnx]`, once for each engine named by
 //! `VTEX_ENGINE` (`rten` or `onnxruntime`, else automatic), since peak memory is that of the process.

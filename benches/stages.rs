@@ -1,5 +1,5 @@
 //! CPU seconds, peak memory and file sizes of each stage, on the exemplars of the repository and on
-//! photographs. See `benches/README.md`.
+//! photographs. See `docs/measurements/stages.md`.
 //!
 //! Every measurement runs in a child process of this program, so that memory peaks are separate.
 

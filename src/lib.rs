@@ -15,7 +15,7 @@
 //! ```
 //! use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 //! use vtex::output::svg::{self, SvgOptions};
-//! use vtex::procedural::{Kind, SceneParams, generate};
+//! use vtex_testing::{Kind, SceneParams, generate};
 //! use vtex::scene::SynthParams;
 //! use vtex::segment::Regions;
 //! use vtex::synth::synthesize;
@@ -295,7 +295,7 @@ pub mod segment {
             Cost, Embedded, Found, Generator, GeneratorParams, Logits, PromptMask, Prompter,
         };
         #[cfg(feature = "onnx")]
-        /// Segment Anything in ONNX, in all common exports ([`export`]): an image encoder and a prompt
+        /// Segment Anything in ONNX, in all common exports: an image encoder and a prompt
         /// decoder, in two files or one.
         pub mod sam {
             #[doc(inline)]
@@ -329,7 +329,7 @@ pub mod statistics {
 }
 
 /// Library → scene, in this order: correspondence field, arrangement and density
-/// ([`arrange`](crate::arrange)), background, secondaries, composition.
+/// (`arrange`), background, secondaries, composition.
 pub mod synth {
     #[doc(inline)]
     pub use vtex_arrange::synth::{

@@ -2,7 +2,7 @@
 //!
 //! SVG and PDF are compared by their hashes, PNG pixel by pixel within a tolerance. A PNG that differs
 //! is left, with the picture of the difference, in the target folder's folder for temporary files.
-//! `VTEX_BLESS=1 cargo test --test golden` stores what is made now.
+//! `VTEX_BLESS=1 cargo test --test all golden::` stores what is made now.
 
 use image::RgbImage;
 use sha2::{Digest, Sha256};

@@ -9,6 +9,7 @@ mod formats;
 mod golden;
 mod hostile;
 mod odd_drawings;
+mod pages;
 mod pipeline;
 mod programs;
 mod readme;

@@ -3,7 +3,7 @@
 //! Each program that is installed draws each kind of file, and its picture is compared with that of
 //! vtex. What is not installed is skipped, and said so. It is run by hand, because it starts other
 //! programs: `cargo test --test all programs:: -- --ignored --nocapture` prints the table of
-//! `benches/vectors.md`.
+//! `docs/measurements/vectors.md`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

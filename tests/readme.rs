@@ -16,7 +16,9 @@ fn readme() -> String {
 /// The pages for users and their places: the README, the tour, then those that go on from it.
 fn pages() -> Vec<(PathBuf, String)> {
     let mut pages = vec![root().join("README.md"), root().join("docs/tour.md")];
-    let docs = std::fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let folders = ["docs", "docs/measurements"].map(|folder| root().join(folder));
+    let docs = folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap());
+    let docs = docs.map(|entry| entry.unwrap().path());
     let mut others: Vec<PathBuf> = docs.filter(|p| p.extension().is_some_and(|e| e == "md")).collect();
     others.retain(|page| !pages.contains(page));
     others.sort();
@@ -113,7 +115,8 @@ fn links_lead_somewhere_and_pictures_are_small() {
             continue;
         }
         links += 1;
-        let file = page.parent().unwrap().join(target);
+        let (file, _) = target.split_once('#').unwrap_or((target, ""));
+        let file = page.parent().unwrap().join(file);
         let size =
             std::fs::metadata(&file).unwrap_or_else(|e| panic!("{}: {target}: {e}", page.display())).len();
         assert!(!target.ends_with(".png") || size < 200_000, "{target} has {size} bytes");

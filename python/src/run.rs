@@ -1,5 +1,8 @@
-//! Work away from the interpreter: detached from its lock, on threads of its own, with progress,
-//! warnings and signals carried between the two.
+//! Work away from the interpreter: detached from its lock, on threads of its own, with progress, warnings
+//! and signals carried between the two.
+//!
+//! The calling thread waits for news of the work: it calls the progress function, and looks for signals
+//! every 20 ms. So exceptions and Ctrl-C arrive where they belong.
 //!
 //! Every call has its own threads, which end with it. So a process may fork between calls, calls from
 //! several threads do not wait for one another, and nothing runs at exit.

@@ -1,4 +1,6 @@
 //! The folder of models: a folder for each, with copies of its files and a description.
+//!
+//! A model is copied as a whole or not at all, with the SHA-256 of each file. Nothing is downloaded.
 
 use super::failure::Failure;
 use super::interrupt;

@@ -83,7 +83,7 @@ impl Drawing<'_> {
 /// A written file.
 #[derive(Debug, Default)]
 pub(crate) struct Written {
-    /// Of the first file.
+    /// Bytes of the first file.
     pub(crate) bytes: u64,
     /// The other files and their bytes.
     pub(crate) others: Vec<(PathBuf, u64)>,
@@ -94,7 +94,7 @@ pub(crate) struct Written {
 }
 
 impl Written {
-    /// So many bytes, and nothing to say of them.
+    /// `bytes` written, no warnings.
     pub(crate) fn of(bytes: u64) -> Self {
         Self { bytes, ..Self::default() }
     }
@@ -315,7 +315,7 @@ impl Target {
         Ok(Written { bytes, warnings: summary.warnings, ..Written::default() })
     }
 
-    /// Writes a scene in a flow; a loop takes so many seconds.
+    /// Writes a scene in a flow; a loop takes `seconds`.
     ///
     /// # Errors
     /// As [`Place::write`], and those of [`svg::write_flow`].

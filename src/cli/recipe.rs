@@ -1,5 +1,5 @@
-//! How a texture was made from its photograph, as an SVG says it: all parameters, and the names and sums
-//! of the files that they were used with.
+//! The recipe of a texture, as written into its SVG and read by `--again`: all parameters, and the names and
+//! SHA-256 of the files that were used.
 
 use super::config::{Layer, Parameters};
 use super::failure::Failure;

@@ -1,5 +1,6 @@
-//! From the command line to a job and what all jobs share, checked as far as it can be without reading
-//! anything but the configuration.
+//! From the command line to a job. Defaults, `--config` and options are laid over one another, and all
+//! options are checked before anything is read except the configuration, weights, palettes and a file of
+//! jobs.
 
 use super::arguments::{Cli, command};
 use super::command::{Job, Resolved};

@@ -76,8 +76,8 @@ pub(crate) struct Summary {
 }
 
 impl Summary {
-    /// Of a command that is done, with what the writer warns of; what not every command has is left
-    /// out. Nothing can be reported after it.
+    /// Summary of a finished command, with the warnings of the writer. Fields that only some commands have
+    /// are left out. Nothing can be reported afterwards.
     pub(crate) fn new(
         command: &'static str,
         inputs: Vec<String>,
@@ -136,7 +136,7 @@ pub(crate) struct Reduced {
 }
 
 impl Reduced {
-    /// Of the exemplar of a library; none if it was analysed as it is.
+    /// How far the exemplar of a library was reduced; `None` if it was analysed at full size.
     pub(crate) fn of_library(library: &Library) -> Option<Self> {
         let from = [library.source.width, library.source.height];
         let to = [library.arrangement.width, library.arrangement.height];
@@ -144,7 +144,7 @@ impl Reduced {
     }
 }
 
-/// How many of what.
+/// Number of elements by kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Counts {
     /// Of a library: primaries known. Of a scene: primaries placed.
@@ -162,7 +162,7 @@ pub(crate) struct Counts {
 }
 
 impl Counts {
-    /// Of a library.
+    /// Counts of a library.
     pub(crate) fn of_library(library: &Library) -> Self {
         Self {
             primaries: library.primaries().len(),
@@ -174,7 +174,7 @@ impl Counts {
         }
     }
 
-    /// Of a scene, which must have been validated.
+    /// Counts of a validated scene.
     pub(crate) fn of_scene(scene: &Scene) -> Self {
         let textons = || scene.individuals().map(|i| scene.element(i));
         let categories: std::collections::BTreeSet<_> =
@@ -213,16 +213,16 @@ pub(crate) struct LayersReport {
     pub(crate) wanted: Vec<f64>,
     /// The same in the result.
     pub(crate) got: Vec<f64>,
-    /// Of a texture: share of each that primaries cover in the exemplar, and in the result, 0 to 1.
+    /// For a texture: share of each layer that primaries cover, in the exemplar and in the result, 0 to 1.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) coverage: Vec<[f64; 2]>,
-    /// Why there are so many, where they were found.
+    /// Reason for the number of layers, if they were found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) why: Option<String>,
 }
 
 impl LayersReport {
-    /// Those of a library: of its exemplar, if it has several or it was decided that it has one.
+    /// Layers of a library's exemplar; `None` if it has one and nothing had to be decided.
     pub(crate) fn of_library(library: &Library) -> Option<Self> {
         let map = layer_map(library);
         let why = library.source.layers.clone();

@@ -63,7 +63,7 @@ impl Synthesis {
     /// Fails now if a file could not be written later.
     ///
     /// # Errors
-    /// As [`Place::probe`].
+    /// As [`super::output::Place::probe`].
     pub(crate) fn probe(&self) -> vtex::Result<()> {
         (0..self.variants).try_for_each(|variant| {
             let (_, targets, pattern) = self.variant(variant);

@@ -23,7 +23,7 @@ pub(crate) struct Size {
 const UNITS: [(&str, f64); 4] = [("mm", 1.0), ("cm", 10.0), ("in", 25.4), ("m", 1000.0)];
 
 impl Size {
-    /// Lengths at so many pixels to the inch. Sizes out of range are refused where parameters are checked.
+    /// Lengths in millimetres, at `dpi` pixels to the inch. Ranges are checked with the parameters.
     pub(crate) fn physical(millimetres: [f64; 2], dpi: u32) -> Self {
         let [width, height] = millimetres.map(|v| (v / 25.4 * f64::from(dpi)).round() as u32);
         Self { width, height, millimetres: Some(millimetres) }
@@ -97,7 +97,7 @@ pub(crate) enum Wrap {
 impl Wrap {
     pub(crate) const NAMES: [&'static str; 3] = ["auto", "on", "off"];
 
-    /// What was said; `None` if it is to be found out.
+    /// The choice; `None` for `auto`.
     pub(crate) fn given(self) -> Option<bool> {
         match self {
             Self::Auto => None,

@@ -3,7 +3,7 @@ as their users do: for shapes, memory and speed, not for masks. Nothing is downl
 
     python tools/sam/random_networks.py FOLDER [NAME...]
 
-Needs the packages torch, transformers 4.56, timm and onnx. The figures are in benches/networks.md, measured by
+Needs the packages torch, transformers 4.56, timm and onnx. The figures are in docs/measurements/networks.md, measured by
 
     cargo bench --bench networks -- FOLDER/NAME_encoder.onnx FOLDER/NAME_decoder.onnx
 """

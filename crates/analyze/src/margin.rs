@@ -18,9 +18,9 @@ use vtex_scene::library::Element;
 
 /// Least width of a margin, in pixels.
 const LEAST: u32 = 24;
-/// What is beyond the elements that reach into it, in pixels.
+/// Room in the margin beyond the elements that reach into it, in pixels.
 const ROOM: u32 = 8;
-/// Most of it, as a share of the shorter side.
+/// Largest width of a margin, as a share of the shorter side.
 const MOST: f64 = 0.4;
 /// Share of the longer of two contacts with a border that has to meet the other for two masks to be one
 /// element.
@@ -169,8 +169,9 @@ impl Margin {
         Cow::Owned(LabelMap { width, height, labels: rows.copied().collect() })
     }
 
-    /// As [`Margin::inner`], with the numbers of elements of which some are kept: their new labels by the old
-    /// ones, 0 for those that are not. Where another copy of one that is kept stands, it is that one.
+    /// Like [`Margin::inner`], with the labels of the elements that are kept. `new` gives the new label for
+    /// each old one, 0 for elements that are dropped. A dropped copy takes the label of the copy that is
+    /// kept.
     fn kept_labels(&self, map: &LabelMap, new: &[u32]) -> LabelMap {
         let sides = self.size.map(i64::from);
         let of = |x: i64, y: i64| map.at(x, y).map_or(0, |label| new[label as usize]);
@@ -211,7 +212,7 @@ impl Margin {
         let size = self.size.map(f64::from);
         let mut kept = Vec::new();
         let mut indices = Vec::new();
-        // Those that stand on a border, of which the copy at the other one may lie on either side of it.
+        // Elements on a border. Their copy at the opposite border may lie on either side of it.
         let mut seam = Vec::new();
         for (i, element) in elements.into_iter().enumerate() {
             if !self.holds(element.centroid) {
@@ -253,7 +254,7 @@ impl Margin {
         far && off(0) < SAME && off(1) < SAME && f64::from(one.max(other)) < ALIKE * f64::from(one.min(other))
     }
 
-    /// Where in the photograph a place of the whole is.
+    /// Place in the photograph with its margin → place in the photograph.
     pub(super) fn place(&self, at: [f64; 2]) -> [f64; 2] {
         if self.is_none() {
             return at;
@@ -261,7 +262,7 @@ impl Margin {
         [0, 1].map(|k| (at[k] - f64::from(self.width)).rem_euclid(f64::from(self.size[k])))
     }
 
-    /// Whether what has its centroid at a place of the whole may be kept.
+    /// Whether an element with this centroid, in the photograph with its margin, may be kept.
     pub(super) fn holds(&self, at: [f64; 2]) -> bool {
         let margin = f64::from(self.width);
         self.is_none()

@@ -6,7 +6,7 @@
 //! [`LARGE`] pixels across, but not so far that a quarter of it belongs to elements of less than [`SMALL`].
 //! How large elements are is seen in a first pass of the region tree at a small size.
 //!
-//! The library that comes of it has the photograph's own pixels as its units (`library/units.rs`), so sizes
+//! The library that comes of it has the photograph's own pixels as its units (`crates/scene/src/library/units.rs`), so sizes
 //! of results mean what they mean without reduction.
 
 use super::{AnalyzeParams, Exemplar};
@@ -82,7 +82,7 @@ fn factor(mut areas: Vec<f64>, shown: f64) -> Option<f64> {
     (all >= COVERED * shown).then(|| (LARGE / half).max(SMALL / quarter).max(1.0))
 }
 
-/// A picture of at most so many pixels, but for rounding.
+/// The image reduced to at most `pixels` pixels, up to rounding.
 fn at_most(image: &RgbImage, pixels: f64, filter: Filter) -> RgbImage {
     let (width, height) = image.dimensions();
     let by = libm::sqrt(pixels / f64::from(width) / f64::from(height)).min(1.0);

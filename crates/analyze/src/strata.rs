@@ -1,4 +1,7 @@
 //! The nested layers of a weathered photograph: the layer of each element, and the background of each layer.
+//!
+//! The map of layers is found with the primaries known, or painted. Borders go around large elements; small
+//! ones belong where their centre lies. Each stratum has a palette from its own pixels.
 
 use super::{Exemplar, background};
 use vtex_base::error::Result;

@@ -1,4 +1,4 @@
-//! Disjoint sets: what belongs together after pairs were joined.
+//! Disjoint sets of numbers (union–find).
 
 /// Sets of the numbers `0..count`, each alone at first.
 pub struct DisjointSets {

@@ -50,7 +50,7 @@ pub fn for_chunks<T>(data: &mut [T], size: usize, f: impl Fn(usize, &mut [T])) {
     data.chunks_mut(size).enumerate().for_each(|(i, row)| f(i, row));
 }
 
-/// `f(index, part)` of the parts of `data`, of which the lengths are given in order.
+/// Calls `f(index, part)` for consecutive parts of `data` with the given lengths.
 #[cfg(feature = "parallel")]
 pub fn for_parts<T: Send>(
     data: &mut [T],
@@ -61,7 +61,7 @@ pub fn for_parts<T: Send>(
     parts(data, lengths).into_par_iter().enumerate().for_each(|(i, part)| f(i, part));
 }
 
-/// `f(index, part)` of the parts of `data`, of which the lengths are given in order.
+/// Calls `f(index, part)` for consecutive parts of `data` with the given lengths.
 #[cfg(not(feature = "parallel"))]
 pub fn for_parts<T>(data: &mut [T], lengths: impl Iterator<Item = usize>, f: impl Fn(usize, &mut [T])) {
     parts(data, lengths).into_iter().enumerate().for_each(|(i, part)| f(i, part));

@@ -1,4 +1,4 @@
-//! Symmetric matrices: eigenvectors and roots.
+//! Eigenvectors and roots of symmetric matrices.
 
 /// A small square matrix, mostly symmetric.
 #[derive(Clone, Debug)]

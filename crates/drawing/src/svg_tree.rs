@@ -69,7 +69,7 @@ pub(crate) fn parse(bytes: &[u8], name: &str, fail: impl Fn(Fault) -> Error) -> 
 /// The text of an SVG or SVGZ.
 ///
 /// # Errors
-/// What `fail` makes of the reason, if it is damaged or not UTF-8; [`Error::TooLarge`] beyond 1 GiB.
+/// The error that `fail` makes of the reason if it is damaged or not UTF-8; [`Error::TooLarge`] beyond 1 GiB.
 pub fn text(bytes: &[u8], name: &str, fail: impl Fn(Fault) -> Error) -> Result<String> {
     let bytes = gzip::unpack(bytes, LARGEST_TEXT as u64 + 1).map_err(|reason| fail(reason.into()))?;
     if bytes.len() > LARGEST_TEXT {
@@ -134,7 +134,7 @@ fn tree_of(
     parsed.map_err(|said| panicked("read", &said))?.map_err(|e| fault(document, e))
 }
 
-/// What an error of the parser means.
+/// The fault that an error of the parser stands for.
 fn fault(document: &roxmltree::Document<'_>, error: usvg::Error) -> Fault {
     use roxmltree::Error::{NoRootNode, NodesLimitReached};
     use usvg::Error::{ElementsLimitReached, InvalidSize, ParsingFailed};
@@ -283,7 +283,7 @@ fn length(path: &usvg::tiny_skia_path::Path, size: impl Fn([f64; 2]) -> f64) -> 
     sum
 }
 
-/// How far from the origin anything lies, in units of the SVG.
+/// Largest distance of any shape from the origin, in units of the SVG.
 fn furthest(tree: &usvg::Tree) -> f32 {
     let reach = |group: &usvg::Group| {
         let (own, all) = (group.stroke_bounding_box(), group.abs_stroke_bounding_box());

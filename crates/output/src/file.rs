@@ -1,4 +1,8 @@
-//! Files by kind, and writing them so that nothing is ever lost or left half done.
+//! Files by kind, and safe replacement: a file is written as a whole or not at all.
+//!
+//! An existing file is replaced unasked only if vtex wrote it and nobody has changed it since
+//! ([`seal`](super::seal)). While a file is written it has a temporary name and is locked. A temporary file
+//! that nobody has locked was left by a killed process; the next write to the folder removes it.
 
 use super::seal::{self, PAGE_BEGINNING, Sealed};
 use flate2::write::GzEncoder;

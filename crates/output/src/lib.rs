@@ -2,8 +2,8 @@
 //!
 //! All writers see one finished type, [`vtex_scene::scene::Scene`], and know nothing of how it came to
 //! be. [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale,
-//! [`raster_animation`] writes GIFs and PNGs that play, [`raster_svg`] draws any SVG, [`reduce`] reduces a scene to a number of bytes, [`file`] replaces
-//! files safely.
+//! [`raster_animation`] writes GIFs and PNGs that play, [`raster_svg`] draws any SVG, [`reduce`] reduces a
+//! scene to a number of bytes, [`file`] replaces files safely.
 
 mod background;
 mod categories;

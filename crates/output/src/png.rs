@@ -1,8 +1,8 @@
 //! Scene → pixels and PNG, drawn directly.
 //!
-//! Outside a domain the picture is transparent. It agrees with what a renderer makes of the SVG: the same grid of background colours,
-//! the same paths in the same order. It is drawn in bands of fixed height, which are independent of
-//! each other and of the number of threads.
+//! Outside a domain the picture is transparent. It agrees with what a renderer makes of the SVG: the same
+//! grid of background colours, the same paths in the same order. It is drawn in bands of fixed height, which
+//! are independent of each other and of the number of threads.
 
 use super::background::Background;
 use super::picture_size;
@@ -117,7 +117,7 @@ impl Region {
     }
 }
 
-/// As tiny-skia knows a map to the picture, in a band that begins at row `top`.
+/// A map to the picture as a transform of tiny-skia, in a band that begins at row `top`.
 fn band_transform(affine: Affine, top: f64) -> Transform {
     let [a, b, c, d, e, f] = affine.as_coeffs();
     let [a, b, c, d, e, f] = [a, b, c, d, e, f - top].map(|v| v as f32);

@@ -25,11 +25,11 @@ const DEVIATION: f64 = 0.25;
 /// How far outlines may lie from the lines, in pixels of the raster.
 const TOLERANCE: f64 = 0.35;
 
-/// One of the outlines.
+/// One of a shadow's nested outlines.
 pub(super) struct Layer {
     /// In the element's coordinates.
     pub(super) outline: Outline,
-    /// Of this outline alone.
+    /// Opacity of this outline alone.
     pub(super) opacity: f64,
 }
 

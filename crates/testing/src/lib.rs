@@ -193,13 +193,13 @@ pub struct Exemplar {
 ///
 /// # Example
 /// ```
-/// use vtex::procedural::{Kind, SceneParams, generate};
+/// use vtex_testing::{Kind, SceneParams, generate};
 ///
 /// let params = SceneParams { kind: Kind::Pebbles, width: 64, height: 48, size: 16.0, ..Default::default() };
 /// let scene = generate(&params)?;
 /// assert_eq!(scene.image.dimensions(), (64, 48));
 /// assert!(scene.instances.labels.iter().any(|&label| label > 0));
-/// # Ok::<(), vtex::Error>(())
+/// # Ok::<(), vtex_base::Error>(())
 /// ```
 pub fn generate(params: &SceneParams) -> Result<Exemplar> {
     params.validate()?;

@@ -1,5 +1,5 @@
-//! The text of an operation on a scene, such as `tint #ff0000 --amount 0.5 --layer primary`, and the
-//! operation that it means.
+//! The grammar of `--op`: the text of an operation, such as `tint #ff0000 --amount 0.5 --layer primary`,
+//! becomes an operation on a scene.
 
 mod fault;
 mod line;

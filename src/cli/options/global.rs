@@ -50,7 +50,7 @@ pub(crate) enum When {
 }
 
 impl When {
-    /// As the printing macros know it.
+    /// The choice as a type of anstream.
     pub(crate) fn as_choice(self) -> anstream::ColorChoice {
         match self {
             Self::Auto => anstream::ColorChoice::Auto,
@@ -59,7 +59,7 @@ impl When {
         }
     }
 
-    /// As the argument parser knows it.
+    /// The choice as a type of clap.
     pub(crate) fn as_clap(self) -> ColorChoice {
         match self {
             Self::Auto => ColorChoice::Auto,

@@ -1,10 +1,9 @@
-//! Coverage as wanted, in both directions: textons are taken away from categories that cover too
-//! much and added, where there is room, to those that cover too little. Both zone by zone, where
-//! density differs from place to place.
+//! Corrects the coverage of each category in both directions, zone by zone where the density varies.
 //!
-//! Taken away is, of a few drawn at random, the texton that is hidden most and that fitted worst.
-//! Added is where the way to what stands is longest, in proportion to what each category lacks, the
-//! texton that overlaps least; more overlap is allowed only when nothing else has worked.
+//! Where a category covers too much, a few of its textons are drawn at random and the one that is hidden
+//! most and fitted worst is removed. Where categories cover too little, a texton is added at the place
+//! furthest from what stands, of a category drawn in proportion to its lack, with the least overlap. More
+//! overlap is allowed only when nothing else has worked.
 
 use super::choice::Choice;
 use super::clearance::Clearance;
@@ -24,11 +23,11 @@ const REMOVAL_CANDIDATES: usize = 12;
 const PATIENCE: u32 = 12;
 /// Overlap allowed more each time, as a share of the texton's area.
 const MORE_OVERLAP: f64 = 0.04;
-/// How much a copy of the same texton nearby lowers a candidate's rank.
+/// Penalty of a candidate's rank for a copy of the same texton nearby.
 const COPY_PENALTY: f64 = 0.5;
-/// How much a cell of overlap outweighs a free cell.
+/// Weight of a cell of overlap relative to a free cell.
 const OVERLAP_COST: f64 = 3.0;
-/// How much a bad fit counts for removal, against being hidden altogether.
+/// Weight of a bad fit for removal, relative to being hidden completely.
 const MISFIT: f64 = 0.5;
 /// Most overlap allowed, as a share of the texton's area.
 const MOST_OVERLAP: f64 = 1.0;
@@ -42,7 +41,7 @@ const STEPS: [i32; 3] = [4, 2, 1];
 /// Name of the stage.
 const STAGE: &str = "density";
 
-/// How many textons were taken away and added.
+/// Numbers of textons removed and added.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     /// Taken away.

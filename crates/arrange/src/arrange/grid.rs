@@ -1,4 +1,7 @@
 //! The cells that placement works on: a canvas, margins where it ends, and seams where it repeats.
+//!
+//! A span at a place gives runs of cells, two where it crosses a seam. Whatever visits cells asks the grid
+//! for them, so it is the same on a plane and on a torus.
 
 use super::WIDEST_MARGIN;
 use super::model::Model;

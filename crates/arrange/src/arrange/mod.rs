@@ -1,10 +1,12 @@
 //! Placement: libraries and control in, placed elements out.
 //!
-//! Elements are carried from the exemplar along a correspondence field ([`correspondence`]), or placed
-//! by their descriptors until nothing is asked for any more ([`descriptor`]); where both are needed,
-//! descriptors begin with what was carried. Then coverage is corrected in both directions
-//! ([`density`]). Whatever follows needs only this, and the field where there is one: it sees [`Placed`] elements
-//! and the cells that they leave free.
+//! Elements are carried from the exemplar along a correspondence field ([`correspondence`]), or placed by
+//! their descriptors until nothing is requested any more ([`descriptor`]). Where both are needed,
+//! descriptors begin with the carried elements. Then coverage is corrected in both directions ([`density`]),
+//! whichever method placed the elements. [`period`] is a method of its own: it needs no field and no model.
+//!
+//! Synthesis, warp and the search of weights call [`arrange`]. They use the [`Placed`] elements, the cells
+//! that these leave free, and the field if there is one.
 
 mod bins;
 mod choice;

@@ -1,9 +1,10 @@
 //! Data that placement derives from libraries once: the elements that may be placed, their shapes, and the
 //! exemplars' runs.
 //!
-//! A *variant* is an element in one of its variations (turned, mirrored, scaled). Variants are numbered
-//! element by element; without variation there is one for each. Elements and categories count through
-//! all libraries.
+//! A *variant* is an element in one of its variations (rotated, mirrored, scaled). Variants are numbered
+//! element by element; without variation there is one for each. The shape of a variant is made when it is
+//! first needed; its descriptor is the exemplar's arrangement seen through the same map. Elements and
+//! categories are numbered through all libraries, so categories of different libraries never meet.
 
 use super::variation::Variation;
 use std::ops::{Index, Range};
@@ -90,7 +91,7 @@ pub(crate) struct Model {
     pub(crate) reach: i32,
     /// Wanted share of the library's area, each category; zero where nothing can be placed.
     pub(crate) wanted: Vec<f64>,
-    /// The variations; the first is none.
+    /// The variations; the first leaves elements as they are.
     pub(crate) variations: Vec<Variation>,
     /// What is painted for each fused element.
     pub(crate) fused: Vec<Element>,
@@ -280,7 +281,7 @@ impl Model {
         (variant.0 as usize % self.variations.len()) as u16
     }
 
-    /// How a variant differs from its element.
+    /// The variation of a variant.
     pub(crate) fn variation(&self, variant: VariantId) -> &Variation {
         &self.variations[usize::from(self.variation_of(variant))]
     }

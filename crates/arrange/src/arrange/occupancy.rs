@@ -1,7 +1,8 @@
 //! The canvas and a margin around it, cell by cell.
 //!
-//! Cells are canvas pixels. Besides its state every cell knows its owner, so elements can be taken
-//! away again. What it costs to place or remove one depends on its size, never on the canvas.
+//! Cells are canvas pixels. Besides its state every cell knows its owner, a placed element or a request, so
+//! elements can be removed again. The cost of placing or removing one depends on its size, never on the
+//! canvas.
 
 use super::bins::Bins;
 use super::grid::{Grid, Part};
@@ -288,7 +289,7 @@ impl<'a> Occupancy<'a> {
         self.placed[id.0 as usize].removed = true;
     }
 
-    /// How near the nearest copy of an element is: 1 at the same place, 0 out of reach of descriptors.
+    /// Proximity of the nearest copy of an element: 1 at the same place, 0 out of reach of descriptors.
     pub(super) fn copy_nearness(&self, element: PlaceableId, at: [i32; 2]) -> f64 {
         let reach = self.model.half.clamp(1, 512);
         self.nearest_copy(element, at, reach).map_or(0.0, |d| 1.0 - d / f64::from(reach))
@@ -339,7 +340,7 @@ impl<'a> Occupancy<'a> {
         self.owner[i].as_placed().is_some()
     }
 
-    /// How many cells of a variant at a place are to be filled.
+    /// Number of cells under a variant at a place that are to be filled.
     pub(super) fn cells_inside(&self, variant: VariantId, at: [i32; 2]) -> u32 {
         let parts = self.model.shape(variant).mask.spans().iter().flat_map(|&s| self.grid.parts(s, at));
         parts

@@ -1,7 +1,10 @@
-//! Where elements are wanted: the shape to fill, local density, and the part of each library.
+//! Where elements are wanted: the shape to fill, local density, and the part of each library. Without maps
+//! nothing is stored.
 //!
-//! Density is corrected by *zones*: the cells whose density lies in the same of a few steps. That
-//! makes a map of densities as many small tasks of the kind that a plain canvas is one of.
+//! Density is corrected by *zones*: the cells whose density lies in the same of a few steps. A map of
+//! densities thus becomes many small tasks of the kind that a plain canvas is. Zones of half to 1.25 times
+//! the exemplar's density are filled along the correspondence field and then thinned or filled up. Others
+//! are placed by descriptors.
 
 use super::controls::Controls;
 use super::grid::Grid;

@@ -13,7 +13,7 @@ pub(crate) struct Variation {
     /// Coefficients a b c d: x' = ax + cy, y' = bx + dy.
     pub(crate) matrix: [f64; 4],
     inverse: [f64; 4],
-    /// How much longer all becomes.
+    /// Factor of all lengths.
     pub(crate) scale: f64,
 }
 
@@ -61,17 +61,17 @@ impl Variation {
         self.matrix == NONE.matrix
     }
 
-    /// How much longer anything becomes, at most, along an axis: a box turned needs more room.
+    /// Largest factor of a length along an axis, including the room that a rotated box needs.
     pub(crate) fn growth(&self) -> f64 {
         if self.is_none() { 1.0 } else { self.scale * std::f64::consts::SQRT_2 }
     }
 
-    /// Where a place goes, both relative to the origin, rounded to whole pixels.
+    /// Maps a place, relative to the origin, to whole pixels.
     pub(crate) fn there(&self, place: [i32; 2]) -> [i32; 2] {
         apply(&self.matrix, place.map(f64::from)).map(|v| libm::round(v) as i32)
     }
 
-    /// Where a point goes, both relative to the origin.
+    /// Maps a point, relative to the origin.
     pub(crate) fn of_point(&self, point: [f64; 2]) -> [f64; 2] {
         apply(&self.matrix, point)
     }

@@ -1,9 +1,9 @@
-//! Drawings beside other libraries on one canvas: each library has its part of the canvas to itself.
+//! Drawings beside other libraries on one canvas: each library has a part of the canvas to itself.
 //!
-//! Photographs run into each other where they meet; flat colours do not, and a drawing's elements cannot be
-//! placed by what stands around a photograph's. So each drawing makes a texture of its own, as it would
-//! alone, and all photographs one together; of each the part that its map gives it is kept. Drawings lie
-//! below, because what lies on paper may reach beyond its part.
+//! Photographs run into each other where they meet. Flat colours do not, and a drawing's elements cannot be
+//! placed by the surroundings of a photograph's. So each drawing makes a texture of its own, as it would
+//! alone, and all photographs make one together; of each, the part that its map gives it is kept. Drawings
+//! lie below, because elements on paper may reach beyond their part.
 
 use super::report::{CategoryReport, Report};
 use super::{Controls, is_drawing};
@@ -78,7 +78,7 @@ fn groups(libraries: &[Library]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// Which group has each pixel of the canvas: the one with the largest share there.
+/// The group of each pixel of the canvas: the one with the largest share there.
 fn parts(groups: &[Vec<usize>], params: &SynthParams, controls: &Controls) -> LayerMap {
     let canvas = [params.width, params.height].map(f64::from);
     let rows: Vec<u32> = (0..params.height).collect();

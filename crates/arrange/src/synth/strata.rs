@@ -2,9 +2,15 @@
 //! elements.
 //!
 //! The correspondence field gives the stratum of each cell. Regions follow by rank, nested and with the
-//! exemplar's areas, or are taken from a given map. Large elements stay whole: borders go around them.
-//! Small ones belong to the stratum at their centre. A border is thus crisp where backgrounds meet, and
-//! follows the elements where there are some.
+//! exemplar's areas, or are taken from a given map, with thin strips where strata would touch that do not in
+//! the exemplar. Elements larger than a 10,000th of the squared shorter side stay whole: borders go around
+//! them. Smaller ones belong to the stratum at their centre. A border is thus crisp where backgrounds meet,
+//! and follows the elements where there are some.
+//!
+//! Control points of a background take the colour of the nearest place of the exemplar in the same stratum.
+//! Where the exemplar's border is soft they take that of the whole, so the region's edge is not seen.
+//! Placement by descriptors, several libraries on one canvas and warps know a single background, joined from
+//! those of the strata.
 
 mod near;
 

@@ -70,7 +70,7 @@ fn is_shape_of(library: &Library, known: &library::Element, element: &Element) -
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| apart.allows(*a, *b))
 }
 
-/// How much points of two outlines may differ, one of which is shifted.
+/// Equality of two outlines, one of them shifted, up to a distance.
 struct Rounding {
     shift: Vec2,
     most: f64,

@@ -149,7 +149,7 @@ pub fn oklab(rgb: [u8; 3]) -> [f32; 3] {
     ]
 }
 
-/// What `f` makes of each pixel of an image, row by row.
+/// Maps each pixel of an image with `f`, row by row.
 pub fn of_pixels<T: Copy + Default + Send>(
     image: &RgbImage,
     f: impl Fn([u8; 3]) -> T + Sync + Send,

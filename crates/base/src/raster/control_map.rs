@@ -29,8 +29,8 @@ impl ControlMap {
         value
     }
 
-    /// As [`ControlMap::at`], of a map whose values are shares of a whole turn: between two pixels it goes the
-    /// shorter way round. 0 to 1.
+    /// Like [`ControlMap::at`], for values that are shares of a whole turn, 0 to 1. Interpolation takes the
+    /// shorter way round.
     pub fn turn_at(&self, point: [f64; 2], canvas: [f64; 2]) -> f64 {
         use std::f64::consts::TAU;
         let direction = |v: f64| {
@@ -41,7 +41,7 @@ impl ControlMap {
         (libm::atan2(sine, cosine) / TAU).rem_euclid(1.0)
     }
 
-    /// What is made of the values of the four nearest pixels, mixed.
+    /// Maps the four nearest values with `of` and interpolates the results.
     fn mixed<const N: usize>(
         &self,
         point: [f64; 2],

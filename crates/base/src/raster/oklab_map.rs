@@ -1,4 +1,4 @@
-//! Changes of colours: affine maps of Oklab.
+//! Affine maps of Oklab, by which colours are changed.
 
 use super::colour::Colour;
 

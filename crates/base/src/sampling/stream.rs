@@ -1,4 +1,8 @@
 //! Independent random streams for every stage and item.
+//!
+//! The generator is ChaCha8, keyed by a hash of seed, name and item. Ranges, shuffles and weighted draws are
+//! written here, because `rand` may change the values that it draws with every minor version, and a seed has
+//! to give the same bytes.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

@@ -18,8 +18,8 @@ pub(super) fn grey(image: &DynamicImage) -> Grey {
 /// Decodes a picture and applies its EXIF rotation.
 ///
 /// # Errors
-/// [`Error::Decode`] if the bytes are no image or damaged, [`Error::TooLarge`] beyond the default
-/// [`Limits`].
+/// [`vtex_base::Error::Decode`] if the bytes are no image or damaged, [`vtex_base::Error::TooLarge`] beyond
+/// the default [`Limits`].
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<DynamicImage> {
     // 8 bytes per pixel at most: grey and opacity of 16 bits, or colour and opacity of 8.
     let (mut image, orientation) = raster::decode(bytes, name, &Limits::default(), 4)?;

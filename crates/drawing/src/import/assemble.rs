@@ -1,4 +1,7 @@
 //! Pieces → library: elements, their layers, the map of them, the guide.
+//!
+//! A library has one element for each place in the drawing, so that labels of the arrangement tell them
+//! apart. Scenes list equal ones once.
 
 use super::ImportParams;
 use super::categories::categorise;
@@ -35,7 +38,7 @@ const MOST_SIDE: f64 = 4096.0;
 const ENLARGED: f64 = 1600.0;
 /// Cells of the guide across the median piece.
 const CELLS: f64 = 8.0;
-/// How far what is cut at a border reaches beyond it, in pixels, so that copies leave no gap.
+/// Distance by which shapes cut at a border reach beyond it, in pixels, so that copies leave no gap.
 const UNDERLAP: f64 = 0.4;
 /// Least share of the page that a background covers.
 const COVERS: f64 = 0.995;
@@ -44,7 +47,7 @@ const COVERS: f64 = 0.995;
 const SHORTEST: f64 = 10.0;
 const LONGEST: f64 = 16_000.0;
 
-/// What else the library is made from.
+/// Further inputs of the library.
 pub(super) struct Origin<'a> {
     pub(super) bytes: &'a [u8],
     pub(super) name: &'a str,

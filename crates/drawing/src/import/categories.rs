@@ -3,13 +3,13 @@
 use vtex_base::geometry::{Outline, SecondMoments};
 use vtex_scene::library::{Category, CategoryId, Element};
 
-/// What is compared of an element, so scaled that a distance of 1 is a clear difference: Oklab of the
+/// Features of an element, scaled so that a distance of 1 is a clear difference: Oklab of the
 /// whole, logarithm of the area, compactness, elongation.
 type Features = [f64; 6];
 
 /// Distance within which elements are of one category at first.
 const ALIKE: f64 = 0.7;
-/// How much further that is each time there are too many categories.
+/// Factor by which that distance grows while there are too many categories.
 const WIDER: f64 = 1.3;
 
 /// Gives each element its category; at most `most` of them, the largest first. `shares` are the shares of

@@ -1,9 +1,9 @@
 //! Which pieces are one element.
 //!
-//! Groups of the drawing come first. Without them pieces belong together that lie within one another,
-//! that touch, or that are much nearer to each other than to all else; unless what comes of it would
-//! run on without end or span most of the page, as where a drawing is packed. There those belong together
-//! that always touch at the same relative place.
+//! Groups of the drawing come first. Without groups, pieces belong together if they lie within one another,
+//! touch, or are much nearer to each other than to all else. If the result would run on without end or span
+//! most of the page, as in a packed drawing, only contacts count that recur at the same relative place
+//! ([`recurring`](super::recurring)).
 
 use super::offsets::Offsets;
 use super::pieces::Piece;
@@ -19,14 +19,14 @@ use vtex_scene::library::Grouping;
 const LARGEST: f64 = 0.6;
 /// Least share of a piece that lies on or under another of the same element.
 const WITHIN: f64 = 0.75;
-/// How many times as far as the parts of an element are from one another elements are.
+/// Least distance between elements, as a multiple of the distance between parts of one element.
 const APART: f64 = 1.8;
 /// Distances below this, in pixels, are not told apart.
 const FINEST: u16 = 2;
 /// Largest distance of the parts of an element, as a share of the page's side.
 pub(super) const NEAREST: f64 = 0.016;
 
-/// What is known of the pieces.
+/// Properties of the pieces.
 pub(super) struct Known<'a> {
     pub(super) page: &'a Page,
     pub(super) pieces: &'a [Piece],

@@ -12,7 +12,7 @@ use vtex_base::geometry::{BezPath, PathEl, Point, wrapped};
 const CELLS: f64 = 128.0;
 /// Cells beyond the page that are looked at.
 const BEYOND: i64 = 2;
-/// How near a line has to come back to one that is drawn, in widths of its stroke.
+/// Largest distance of a line from a drawn one that it repeats, in widths of its stroke.
 const NEAR: f64 = 0.2;
 /// Finest steps along lines, as a share of the page's larger side.
 const FINEST: f64 = 3e-4;

@@ -2,7 +2,7 @@
 //!
 //! The stages, in order: shapes of the page ([`read`]), connected pieces of compound paths ([`pieces`]),
 //! pieces made whole across the borders of a periodic page ([`torus`]), what touches what
-//! (`raster/contact.rs`), which pieces are one element ([`elements`]), and the library of it ([`assemble`]).
+//! (`vtex_base::raster::contact`), which pieces are one element ([`elements`]), and the library of it ([`assemble`]).
 //!
 //! A library has the units of the drawing's page. Its maps have a whole number of pixels for each of them, so
 //! that the shorter side of the page has at least 200 px and the median piece at least eight cells of the

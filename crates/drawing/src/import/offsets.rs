@@ -1,4 +1,7 @@
-//! Things that belong together on a torus, each a number of periods away from the others.
+//! Disjoint sets on a torus: things that belong together, each a number of periods away from the others.
+//!
+//! A set that meets itself a period away runs on without end. In a library it is `clipped`, though the
+//! arrangement is periodic, and never moved.
 
 pub(super) use vtex_base::raster::contact::{Shift, minus};
 

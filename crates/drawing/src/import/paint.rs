@@ -6,7 +6,7 @@ use vtex_base::geometry::{Affine, Point, Vec2};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::element::{Gradient, GradientKind, Stop};
 
-/// What a shape is painted with.
+/// The paint of a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Paint {
     /// Its colour, or the mean colour of its gradient.

@@ -6,11 +6,10 @@ use image::RgbImage;
 const LOOSE: f64 = 0.5;
 /// Pixels by which a line that crosses a border may be moved along it: it may be slanted.
 const SLANT: i64 = 3;
-/// What is seen at borders on which nothing is, in 8-bit steps.
+/// Least contrast assumed at an empty border, in 8-bit steps.
 const LEAST: f64 = 0.5;
 
-/// Whether what is seen at the borders goes on at the opposite ones. What has nothing at its borders
-/// joins too.
+/// Whether opposite borders continue each other. Pictures with nothing at their borders are periodic too.
 pub(super) fn is_periodic(picture: &RgbImage) -> bool {
     let median = median(picture);
     let [across_x, across_y] = [true, false].map(|axis| border(picture, axis, median));
@@ -35,7 +34,7 @@ fn median(picture: &RgbImage) -> [u8; 3] {
     })
 }
 
-/// How far two opposite borders differ, and how far both differ from the background, summed along them.
+/// Difference of two opposite borders, and their difference from the background, summed along them.
 fn border(picture: &RgbImage, across_x: bool, background: [u8; 3]) -> [f64; 2] {
     let (w, h) = picture.dimensions();
     let (last, length) = if across_x { (w - 1, h) } else { (h - 1, w) };

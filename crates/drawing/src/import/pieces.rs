@@ -1,4 +1,7 @@
 //! Items → pieces: the connected parts of compound paths.
+//!
+//! A piece is an outer ring with what lies inside, turned so that the non-zero rule fills it as the path's
+//! own rule does.
 
 use super::clip::rings;
 use super::paint::Paint;

@@ -1,4 +1,6 @@
 //! SVG → items: every visible shape of the page, with its paint, group and layer.
+//!
+//! What has no place in the model is an error that names the element, or is left out and counted.
 
 use super::clip::{self, Clip};
 use super::paint::{self, Paint};
@@ -128,7 +130,7 @@ fn too_many(name: &str, found: usize, most: usize) -> Error {
     Error::TooLarge { name: name.into(), found, limit }
 }
 
-/// What is said of texts, which the tree of shapes does not show.
+/// The message about texts, which the tree of shapes leaves out; `None` if there are no texts.
 fn texts(document: &roxmltree::Document<'_>) -> Option<String> {
     let mut texts = document.descendants().filter(|n| n.has_tag_name((SVG, "text")));
     let first = texts.next()?;
@@ -162,7 +164,7 @@ struct Reader<'a, 'd> {
     lacks: bool,
 }
 
-/// Where the walk stands.
+/// State of the walk through the tree.
 #[derive(Clone, Copy)]
 struct Place<'t> {
     group: Option<usize>,

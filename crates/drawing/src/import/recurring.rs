@@ -7,15 +7,15 @@ use vtex_base::geometry::{Affine, Point, Rect};
 use vtex_base::raster::contact::{Contact, Pair};
 use vtex_scene::element::{Shape, classes};
 
-/// How far equal shapes, and the places of their partners, may differ, in pixels.
+/// Largest difference between equal shapes, and between the places of their partners, in pixels.
 const EQUAL: f64 = 0.25;
-/// How often shapes have to come together.
+/// Least number of contacts that recur.
 const LEAST: usize = 2;
 
 /// Two pieces that touch.
 struct Touch {
     pair: Pair,
-    /// Where the second lies, seen from the first as both lie in their classes.
+    /// Place of the second relative to the first, both in the frames of their classes.
     relative: Affine,
 }
 

@@ -1,5 +1,7 @@
-//! Pieces of a periodic page made whole: what is drawn on both sides of a border is one piece, and what is
-//! cut by a border is joined to its other half.
+//! Makes the pieces of a periodic page whole across its borders.
+//!
+//! Copies of a piece at opposite borders are one piece. Rings are cut at the stretches that run along
+//! borders, and their ends are linked to the ends at the same place of the opposite border.
 
 use super::clip::{Clip, page};
 use super::lines::Lines;

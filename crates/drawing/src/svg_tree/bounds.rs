@@ -1,4 +1,4 @@
-//! What parsing an SVG costs, estimated beforehand.
+//! Estimates the cost of parsing an SVG beforehand.
 //!
 //! The parser cannot be interrupted, and a few bytes can ask for hours: it tries each rule of the style sheets
 //! at each element, follows references within references, and reads path data by recursion.
@@ -21,12 +21,12 @@ const MOST_DECLARATIONS: u64 = 20_000_000;
 const MOST_CLOSES: usize = 1000;
 /// Elements that the parser accepts.
 pub const MOST_ELEMENTS: u64 = 1_000_000;
-/// How deep the parser follows elements within one another.
+/// Depth to which the parser follows nested elements.
 pub(super) const DEEPEST: usize = 1024;
-/// How deep references to references are counted.
+/// Depth to which nested references are counted.
 const DEPTH: usize = 32;
 
-/// Why a document is not given to the parser.
+/// The reason to refuse a document; `None` if it may be parsed.
 pub(super) fn refused(document: &Document<'_>) -> Option<Fault> {
     let closes = |a: Attribute<'_, '_>| a.name() == "d" && closes(a.value()) > MOST_CLOSES;
     if document.descendants().flat_map(|n| n.attributes()).any(closes) {
@@ -190,7 +190,7 @@ pub fn ids<'a, 'd>(document: &'a Document<'d>) -> HashMap<&'a str, Node<'a, 'd>>
     ids
 }
 
-/// What each `<use>` shows, by the numbers of the nodes, in the order of the nodes.
+/// Each `<use>` and the node that it shows, by number, in document order.
 pub fn uses(document: &Document<'_>, ids: &HashMap<&str, Node<'_, '_>>) -> Vec<(usize, usize)> {
     let uses = document.descendants().filter(|n| n.tag_name().name() == "use");
     let link = |node: Node<'_, '_>| {

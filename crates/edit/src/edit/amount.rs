@@ -23,7 +23,7 @@ impl<'a> Amount<'a> {
         })
     }
 
-    /// Its value where an instance stands; white is `white`.
+    /// The value at an instance's place; white in a map is `white`.
     pub(super) fn of(&self, scene: &Scene, instance: &Instance, white: f64) -> f64 {
         match self {
             Self::Number(number) => *number,
@@ -34,7 +34,7 @@ impl<'a> Amount<'a> {
         }
     }
 
-    /// As a factor: middle grey changes nothing, and white doubles.
+    /// The value as a factor: middle grey is 1, white is 2.
     pub(super) fn factor(&self, scene: &Scene, instance: &Instance) -> f64 {
         let factor = self.of(scene, instance, 2.0);
         // Neither of the two middle greys of eight bits is exactly 1.

@@ -89,7 +89,7 @@ fn shapes_become_alike_or_more_varied_about_their_mean() {
     assert!(spread(&wide) > 1.5 * spread(&own));
 }
 
-/// What each instance shows but its outline: colours, in order.
+/// The colours of each instance, in order.
 fn shown(scene: &Scene) -> Vec<Vec<Colour>> {
     let of = |i: &Instance| {
         let element = scene.element(i);

@@ -1,9 +1,10 @@
-//! Scene → scene: what can be done to a texture after it was made (paper §4.5).
+//! Scene → scene: operations on a finished texture (paper §4.5).
 //!
-//! An [`Operation`] is plain data, as scenes record it: an action, and which textons it is for. Files
-//! that it names are in [`Files`]. [`apply`] does operations one after the other.
+//! An [`Operation`] is plain data, as scenes record it: an action, and the elements that it applies to.
+//! Files that it names are in [`Files`]. [`apply`] does operations one after the other.
 //!
-//! A texton that several instances share is copied when only some of them change.
+//! Operations keep ids. An element that several instances share is copied if only some of them change, and
+//! dropped once no instance shows it. An operation that changes nothing is not recorded.
 
 mod amount;
 mod colours;

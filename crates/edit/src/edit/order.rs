@@ -115,7 +115,7 @@ fn crowding(points: &[Point], periods: [Option<f64>; 2], reach: f64) -> (Vec<usi
     (starts, near)
 }
 
-/// How much points crowd one another at a share of the distance at which they begin to.
+/// The weight of a neighbour by its distance, as a share of the distance at which points begin to crowd.
 fn weight(distance: f64) -> f64 {
     let near = 1.0 - distance;
     let square = near * near;

@@ -123,7 +123,7 @@ fn largest(shapes: &[Shape]) -> Option<&Shape> {
     shapes.iter().max_by(|a, b| a.outline.area().total_cmp(&b.outline.area()))
 }
 
-/// The map from the canvas to the canonical frame of an element of which the copy so far away is drawn on.
+/// Canvas → canonical frame of the edited element, whose copy shifted by `period` is drawn on.
 fn drawn_over(scene: &Scene, edited: usize, period: Vec2) -> Option<Affine> {
     let source = scene.instances().nth(edited)?;
     let own = scene.element(source).gaussian()?;

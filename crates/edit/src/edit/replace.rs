@@ -1,9 +1,9 @@
-//! Textons replaced by those of another library whose shapes fit best.
+//! Replaces textons by those of another library whose shapes fit best.
 //!
-//! Shapes are compared brought to the same place, size and direction of the longer axis. Candidates
-//! are sorted by elongation; those nearest in it, in area and in compactness are sought outwards from
-//! the texton's own, until what is left must be further away. Of these few the one that overlaps most
-//! is taken, turned by half where that fits better.
+//! Shapes are compared at the same place, size and direction of the longer axis. Candidates are sorted by
+//! elongation. Those nearest in elongation, area and compactness are sought outwards from the texton's own
+//! elongation, until all others must be further away. Of these few the one that overlaps most is taken,
+//! turned by half if that fits better.
 
 use super::selection::Chosen;
 use super::textons::{measured, size};
@@ -18,7 +18,7 @@ use vtex_scene::reconstruct::{element, reference};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Element, ElementId, Instance, LibraryId, LibraryRef, Scene};
 
-/// How many candidates are laid over a texton.
+/// Candidates whose overlap with a texton is measured.
 const CANDIDATES: usize = 16;
 /// Side of the raster on which overlap is counted.
 const SIDE: usize = 32;
@@ -26,7 +26,7 @@ const SIDE: usize = 32;
 /// times as long as broad stick out and do not count.
 const SPAN: f64 = 0.4;
 
-/// How far polygons may lie from outlines, in pixels of what they are drawn on.
+/// Largest distance of polygons from outlines, in pixels of the raster on which overlap is measured.
 const TOLERANCE: f64 = 0.1;
 
 /// A shape brought to the origin, unit area and the longer axis along x, on a raster of bits.

@@ -67,8 +67,8 @@ impl Chosen {
         self.layers.iter().flat_map(|layer| &layer.instances).copied()
     }
 
-    /// Those of them for which the instance, or the number of the layer and of the point in its field,
-    /// fulfils something.
+    /// Restricts the selection to instances that satisfy `instance`, and to points of fields that satisfy
+    /// `point`, given by the index of the layer and of the point.
     pub(super) fn only(
         &self,
         scene: &Scene,

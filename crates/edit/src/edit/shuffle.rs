@@ -13,7 +13,7 @@ use vtex_scene::scene::{Element, ElementId, Instance, Scene, Shape, Within};
 const LIKE: f64 = 2.0;
 /// With how many others an exchange is tried for one that would look as before.
 const TRIES: usize = 32;
-/// How far details may lie from where they belong, and the distance of points on those that are bent, in
+/// Largest deviation of details that are moved, and distance of points along outlines that are bent, in
 /// pixels.
 const TOLERANCE: f64 = 0.15;
 const STEP: f64 = 1.0;

@@ -11,7 +11,7 @@ pub(super) fn measured(scene: &Scene) -> Vec<SecondMoments> {
     parallel::map(&scene.elements, |element| SecondMoments::new(element.outline()))
 }
 
-/// How much larger an instance is than its element: the square root of the ratio of areas.
+/// The scale of an instance relative to its element: the square root of the ratio of areas.
 pub(super) fn size(instance: &Instance) -> f64 {
     libm::sqrt(instance.affine().determinant().abs())
 }

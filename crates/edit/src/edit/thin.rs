@@ -81,7 +81,7 @@ pub(super) fn thin(
     keep_marked(scene, &marks);
 }
 
-/// Which instances of a layer are kept when a share of those selected is.
+/// The instances of a layer that remain when a share of the selected ones is kept.
 fn kept(
     scene: &Scene,
     instances: &[Instance],

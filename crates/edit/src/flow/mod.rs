@@ -66,8 +66,8 @@ impl Flowing {
     /// Prepares a scene.
     ///
     /// # Errors
-    /// [`Error::Format`] for a scene that breaks its invariants; [`Error::Parameter`] for a parameter out of
-    /// range.
+    /// [`vtex_base::Error::Format`] for a scene that breaks its invariants; [`vtex_base::Error::Parameter`]
+    /// for a parameter out of range.
     pub fn new(scene: &Scene, flow: &Flow, params: &FlowParams) -> Result<Self> {
         scene.check()?;
         check((1..=100).contains(&params.rounds), "rounds", params.rounds, "1 to 100")?;

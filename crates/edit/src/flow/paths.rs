@@ -23,7 +23,7 @@ const FADE: f64 = 0.15;
 /// Steps of a path along a field.
 const STEPS: usize = 48;
 
-/// How far beyond the borders elements are that come in, along x and y.
+/// Distance beyond the borders from which elements come in, along x and y.
 pub(super) fn margin(flow: &Flow, [width, height]: [f64; 2], params: &FlowParams) -> [f64; 2] {
     match flow {
         // Half the diagonal reaches this far beyond the sides.
@@ -42,9 +42,9 @@ pub(super) fn margin(flow: &Flow, [width, height]: [f64; 2], params: &FlowParams
 pub(super) enum Path {
     /// It stays.
     Still,
-    /// Along x, by so many pixels in a loop, and a wobble about that. It wraps at `period` about `from`.
+    /// Along x, by `distance` pixels in a loop, with a wobble. Wraps at `period`, starting at `from`.
     Band { distance: f64, from: f64, period: f64, wobble: [f64; KNOTS] },
-    /// About the middle, by so many rounds.
+    /// About the middle, `rounds` times in a loop.
     Round { arm: Vec2, rounds: f64 },
     /// To and fro.
     Sway { rounds: f64, phase: f64, way: Vec2, bend: f64 },

@@ -1,16 +1,16 @@
-//! The way of an element through a loop as few values between which it goes evenly, as animations of
-//! documents are written.
+//! The path of an element through a loop as a few keys with linear motion between them, for animated
+//! documents.
 
 use super::Now;
 use super::paths::Path;
 use vtex_base::geometry::Vec2;
 
-/// How far an element may be from where it belongs: in pixels, radians, and shares of its size.
+/// Largest deviation of the keys from the path: in pixels, radians, and shares of the element's size.
 const TOLERANCE: [f64; 3] = [0.25, 0.01, 0.02];
 /// Just before and after what happens at once, as a share of the loop.
 const INSTANT: f64 = 1e-6;
 
-/// Where an element is at a time, relative to where it stands in the scene.
+/// A position of an element on its path, relative to its place in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// Share of the loop, 0 to 1.
@@ -32,7 +32,7 @@ impl Key {
         Self { time, way, angle: mix(a.angle, b.angle), size: mix(a.size, b.size) }
     }
 
-    /// How far another one is off, in tolerances.
+    /// Deviation of another key, in tolerances.
     fn off(&self, other: &Self) -> f64 {
         let way = libm::sqrt((self.way - other.way).hypot2()) / TOLERANCE[0];
         let angle = (self.angle - other.angle).abs() / TOLERANCE[1];
@@ -90,7 +90,7 @@ mod tests {
     use crate::flow::{Flow, FlowParams, Flowing};
     use vtex_base::raster::ControlMap;
 
-    /// Where keys lead at a time.
+    /// The interpolated key at a time.
     fn at(keys: &[Key], time: f64) -> Key {
         let after = keys.iter().position(|key| key.time >= time).unwrap().max(1);
         Key::between(&keys[after - 1], &keys[after], time)

@@ -1,4 +1,5 @@
-//! Morphing of one ring into another.
+//! Morphs one ring into another, point by point at even distances, with a rotation where that moves less. A
+//! ring that would cross itself on the way is rounded there.
 
 use super::ring::{Ring, alignment, count, disc, even, moments, sine_cosine, turned};
 use vtex_base::geometry::{BezPath, Cage, Point, is_simple};

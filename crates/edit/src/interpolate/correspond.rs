@@ -5,7 +5,7 @@
 //! more than leaving both unmatched is never made. So only nearby textons need be considered, and
 //! the assignment among them is optimal. Above [`EXACT`] textons, only the [`NEAREST`] cheapest
 //! partners of each are considered, which bounds memory. For evenly spread textons this
-//! approximation costs nothing (`benches/editing.md`).
+//! approximation costs nothing (`docs/measurements/editing.md`).
 
 use vtex_base::geometry::{NearPoints, Point, Table, assign, shortest_offset};
 use vtex_base::parallel;

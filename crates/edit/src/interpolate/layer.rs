@@ -1,4 +1,5 @@
-//! Interpolation of layers: which becomes which, and what is in them.
+//! Interpolation of layers. Layers are paired by role and name; one without a partner grows from nothing,
+//! its region included.
 
 use super::background::BlendedField;
 use super::correspond::{Correspondence, Plane, Properties, correspond};

@@ -1,13 +1,13 @@
 //! Two scenes → a scene between them: textons move and change into those of the other scene (paper
 //! §4.5, figures 1 and 9).
 //!
-//! Textons are paired by an assignment over position, size, colour and category (`correspond`,
-//! `assign`): primaries with primaries, including their details, and secondaries with secondaries.
+//! Textons are paired by an assignment over position, size, colour and category (`correspond`): primaries
+//! with primaries, including their details, and secondaries with secondaries.
 //! The outlines of a pair are morphed point by point around the moving centre (`blend`). Details
 //! are deformed with the outline that contains them while they change into their partners
 //! (`patch`). Unmatched textons shrink or grow in place, one after another (`tween`). Shadows and
 //! strokes are interpolated (`effects`), and so are background fields (`background`), domains
-//! (`domain`) and positions in the painting order.
+//! (`domain`) and positions in the painting order. A scene between two records this in its `edits`.
 //!
 //! Works badly for strongly branched outlines: those that would cross themselves at half-time become
 //! rounder. Where two overlapping textons swap their painting order, one pops in front of the other.

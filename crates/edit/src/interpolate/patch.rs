@@ -1,4 +1,5 @@
-//! Interpolation of a texton's details and holes, inside its outline.
+//! Interpolation of a texton's details and holes. They are carried along by mean value coordinates in the
+//! outline that holds them; what would stick out is moved to its rim.
 
 use super::correspond::{Plane, Properties, correspond};
 use super::envelope;

@@ -1,4 +1,5 @@
-//! The progress of an interpolation: uniform over the canvas, or varying across it.
+//! The progress of an interpolation: uniform over the canvas, or varying across it. A moving item has the
+//! progress of the point where it then is.
 
 use vtex_base::geometry::{Point, Vec2};
 use vtex_base::raster::ControlMap;

@@ -4,7 +4,7 @@ use vtex_base::raster::colour::Colour;
 use vtex_base::raster::oklab_map::OklabMap;
 use vtex_scene::scene::{Role, Scene};
 
-/// How often a difference is corrected for colours that cannot be shown.
+/// Corrections of a difference for colours beyond the border of sRGB.
 const ROUNDS: usize = 6;
 
 /// How far the colours of a structure are from those of appearances: of elements by role, and of fields.

@@ -48,7 +48,7 @@ impl Default for TransferParams {
     }
 }
 
-/// What has become of the elements.
+/// Counts of what happened to the elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct TransferReport {
     /// Elements that have the appearance of another texture now.
@@ -60,13 +60,13 @@ pub struct TransferReport {
 }
 
 /// Gives the elements of a scene the appearance of other scenes: the reconstruction of a library
-/// ([`vtex_arrange::synth::reconstruct`]) or any other. With several, `shares` has a map of each one's share; every
+/// (`vtex::synth::reconstruct`) or any other. With several, `shares` has a map of each one's share; every
 /// element is of the one with the largest share where its centre lies. A scene with its own appearance, not
 /// scaled, stays as it is.
 ///
 /// # Errors
-/// [`Error::Format`] for a scene that breaks its invariants; [`Error::Parameter`] for a parameter out of
-/// range, no appearance, or not as many maps as appearances (one appearance needs none).
+/// [`vtex_base::Error::Format`] for a scene that breaks its invariants; [`vtex_base::Error::Parameter`] for a
+/// parameter out of range, no appearance, or not as many maps as appearances (one appearance needs none).
 pub fn transfer(
     structure: &Scene,
     appearances: &[Scene],
@@ -98,7 +98,7 @@ pub fn transfer(
     Ok((scene, report))
 }
 
-/// What is given.
+/// The arguments of a transfer.
 struct Work<'a> {
     structure: &'a Scene,
     appearances: &'a [Scene],

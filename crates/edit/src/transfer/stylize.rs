@@ -246,7 +246,7 @@ impl Tensor {
     }
 }
 
-/// What a picture is painted with.
+/// The elements that a picture is painted with.
 struct Painting<'a> {
     texture: &'a Scene,
     donors: Donors<'a>,

@@ -1,4 +1,4 @@
-//! A canvas on one level: the source of each cell, and its features.
+//! The canvas on one level: the source of each cell, and its features.
 
 use super::atlas::Atlas;
 use super::{CHANNELS, LANES, REACH};

@@ -1,4 +1,5 @@
-//! Where on the canvas each part of an exemplar stands already.
+//! Copies: places on the canvas that show the same part of an exemplar. A source with a copy nearby costs
+//! more.
 
 use super::atlas::Atlas;
 use super::canvas::Canvas;

@@ -1,4 +1,4 @@
-//! Periods that offsets from the canvas to a page keep to.
+//! Periods of a page. An offset from the canvas to the page that misses them costs more, on every level.
 
 /// Cost of a source whose offset misses the periods by a cell more than it may, as a share of the squared
 /// standard deviation. It grows with the square.

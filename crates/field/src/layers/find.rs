@@ -1,4 +1,9 @@
 //! Finds the layers of a photograph: their number, their regions and their order.
+//!
+//! Regions come from k-means of blurred Oklab colours. Their borders are smoothed twice, and specks are
+//! joined to their surroundings. The measures in `extent` decide whether there are layers at all. Three
+//! layers are kept if each of them is thick. The order is the one in which non-consecutive layers touch
+//! least.
 
 use super::clean::{enlarged, smoothed, without_specks};
 use super::cluster::{centres, nearest};

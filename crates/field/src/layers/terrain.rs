@@ -1,4 +1,8 @@
 //! Heights: new terrain from a height map.
+//!
+//! Heights are copied along a correspondence field whose features are the height, its slopes along both axes
+//! and a layer by rank. Coarse and fine parts are blended separately, and the result is matched to the
+//! histogram of the original.
 
 use super::carried::{CELLS, Carrier, deviation};
 use crate::correspondence::{CHANNELS, Page, Request, find};

@@ -155,7 +155,7 @@ mod tests {
     /// Row V7 of the method: how much faster the tree is than a search of all neighbourhoods, and how much
     /// farther what it finds, on neighbourhoods of a photograph that it does not hold.
     #[test]
-    #[ignore = "prints figures for benches/layers.md"]
+    #[ignore = "prints figures for docs/measurements/layers.md"]
     fn tree_beside_full_search() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/exemplars/gravel.png");
         let Ok(photo) = image::open(path) else { return eprintln!("skipped: there is no {path}") };

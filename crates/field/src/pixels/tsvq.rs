@@ -81,8 +81,8 @@ impl Codebook {
         book
     }
 
-    /// Of vectors that are equal the first, and an even sample of more than [`MOST_COMPARED`]. A picture of
-    /// one colour with few exceptions has a leaf of nearly all its vectors.
+    /// The different vectors among `members`, sampled evenly if there are more than [`MOST_COMPARED`]. In a
+    /// picture of almost one colour, one leaf holds nearly all vectors.
     fn differing(&self, vectors: &[f32], members: &[u32]) -> Vec<u32> {
         let mut seen: HashSet<Vec<u32>> = HashSet::new();
         let bits = |m: u32| vectors[m as usize * self.length..][..self.length].iter().map(|v| v.to_bits());

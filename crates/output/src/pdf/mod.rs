@@ -45,7 +45,7 @@ pub fn write(scene: &Scene, out: impl Write) -> Result<u64> {
     write_at(scene, CSS_DPI, out)
 }
 
-/// As [`write()`], of so many pixels to the inch.
+/// Like [`write()`], at `dpi` pixels to the inch.
 ///
 /// # Errors
 /// Those of [`write()`], and [`Error::Parameter`] for no pixels.

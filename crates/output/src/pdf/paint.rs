@@ -13,7 +13,7 @@ const PLACE: u32 = 3;
 const OFFSET: u32 = 5;
 const SHARE: u32 = 3;
 
-/// What is filled next has this opacity.
+/// Sets the opacity of later fills.
 pub(super) fn set_opacity(content: &mut Content, file: &mut File, opacity: f64) {
     let mut object = String::from("<</Type /ExtGState/ca ");
     numbers(&mut object, [opacity], SHARE);
@@ -21,13 +21,13 @@ pub(super) fn set_opacity(content: &mut Content, file: &mut File, opacity: f64) 
     content.set(file.add(object + ">>"), false);
 }
 
-/// What is painted next is as opaque as a form, a group, is light.
+/// Masks later painting by the luminosity of a form, which is a group.
 pub(super) fn set_mask(content: &mut Content, file: &mut File, mask: Ref) {
     let object = format!("<</Type /ExtGState/SMask <</Type /Mask/S /Luminosity/G {mask}>>>>");
     content.set(file.add(object), true);
 }
 
-/// What is filled next, within `bounds`, has this gradient.
+/// Sets the gradient of later fills within `bounds`.
 ///
 /// # Errors
 /// Those of packing.
@@ -49,7 +49,7 @@ pub(super) fn set_gradient(
     Ok(())
 }
 
-/// What a gradient is along its line or its radius, as a dictionary.
+/// The shading dictionary of a gradient; `of` gives the components of a stop.
 fn shading<const N: usize>(gradient: &Gradient, space: &str, of: impl Fn(&Stop) -> [f64; N]) -> String {
     let [[x1, y1], [x2, y2]] = [gradient.from, gradient.to];
     let mut coordinates = String::new();

@@ -127,7 +127,7 @@ impl<'a> Textons<'a> {
     }
 }
 
-/// What outlines fill together, and a little more.
+/// The bounds of all outlines, slightly enlarged.
 fn union<'a>(outlines: impl Iterator<Item = &'a Outline>) -> Rect {
     let bounds = outlines.filter(|o| !is_empty(o)).map(Outline::bounds).reduce(|a, b| a.union(b));
     bounds.map_or(Rect::ZERO, |b| b.inset(0.01))

@@ -1,9 +1,9 @@
 //! Scene → scene whose SVG stays within a number of bytes.
 //!
-//! Reductions stand on a ladder, the least visible first: decimals of numbers;
-//! outlines drawn with fewer pieces, a little off what they were; the least visible details and
-//! secondaries, a share of all at a time; and, the more of these, outlines further off. A bisection finds the first step of
-//! the ladder whose file fits. Primaries and the background always stay as they are.
+//! Reductions stand on a ladder, the least visible first: fewer decimals; outlines with fewer segments, at a
+//! small tolerance; the least visible details and secondaries, a share of all at a time, with larger and
+//! larger tolerances. A bisection finds the first step of the ladder whose file fits. Primaries and the
+//! background always stay as they are.
 
 mod visibility;
 
@@ -102,7 +102,7 @@ pub fn to_fit<'a>(
 struct Step {
     decimals: u8,
     tolerance: f64,
-    /// Of [`SHARES`].
+    /// Share of details and secondaries left out, in units of one [`SHARES`]th.
     left_out: usize,
 }
 

@@ -16,9 +16,9 @@ const REFERENCE: f64 = 50.0;
 
 /// The order in which details and secondaries can be left out.
 pub(super) struct Ranks {
-    /// Of each element's details.
+    /// Ranks of each element's details.
     details: Vec<Vec<usize>>,
-    /// Of each layer's instances; empty for layers of individual elements, which stay.
+    /// Ranks of each layer's instances; empty for layers of individual elements, which stay.
     instances: Vec<Vec<usize>>,
     /// How often each element is shown.
     uses: Vec<usize>,

@@ -26,10 +26,10 @@ use vtex_scene::scene::{Edge, InstanceId, Scene};
 
 /// Windows of time are rounded to this share of the way, so that many share a rule.
 const WINDOW: f64 = 0.05;
-/// How much is done in a window at even times.
+/// Progress within a window at even times.
 const SMOOTH: [f64; 5] = [0.0, 0.156, 0.5, 0.844, 1.0];
-/// What is further than this from half-way between its ends when half-way there, in pixels, is told
-/// where it is then.
+/// A shape gets a keyframe at half-time if it is then further than this from the middle between its ends, in
+/// pixels.
 const STRAIGHT: f64 = 0.6;
 /// From this many moving shapes on viewers no longer play smoothly.
 pub(super) const MANY_SHAPES: usize = 5000;
@@ -49,7 +49,7 @@ pub struct Animation {
 /// same bytes.
 ///
 /// # Errors
-/// A parameter out of range; a failing writer, as [`Error::Write`] with the path `-`.
+/// A parameter out of range; a failing writer, as [`vtex_base::Error::Write`] with the path `-`.
 pub fn write_animation(way: &Interpolation, options: &Animation, out: impl Write) -> Result<SvgSummary> {
     check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
     check((0.01..=1e5).contains(&options.seconds), "seconds", options.seconds, "0.01 to 100000")?;

@@ -3,7 +3,7 @@
 //! The document is that of the scene at rest. Each element that moves stands in a group that is carried along
 //! its way, by keys between which viewers go evenly; where all turn together, each layer is one such group.
 //! Programs that know nothing of animations show the scene at rest. Shadows go with their elements, and turn
-//! with them.
+//! with them. Style rules are not used, because browsers make a layer of everything that one moves.
 
 use super::animation::MANY_SHAPES;
 use super::number::{Number, list};
@@ -49,7 +49,7 @@ pub fn write_flow(
     Ok(summary)
 }
 
-/// How the elements of a document move.
+/// The motion of a document's elements.
 pub(super) struct Moving<'a> {
     seconds: f64,
     precision: u8,

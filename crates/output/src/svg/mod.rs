@@ -132,8 +132,8 @@ pub fn write_with_recipe(
     write_at(scene, options, recipe, CSS_DPI, out)
 }
 
-/// As [`write_with_recipe`], of so many pixels to the inch: width and height are in millimetres unless that
-/// is what CSS has.
+/// Like [`write_with_recipe`], at `dpi` pixels to the inch. Width and height are in millimetres unless `dpi`
+/// is [`CSS_DPI`].
 ///
 /// # Errors
 /// Those of [`write()`], and [`Error::Parameter`] for no pixels.

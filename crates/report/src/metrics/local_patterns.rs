@@ -98,7 +98,7 @@ impl Steps {
 /// Points on a circle.
 struct Circle {
     points: Vec<Point>,
-    /// How far their pixels lie from the centre at most.
+    /// Largest distance of their pixels from the centre.
     reach: usize,
 }
 

@@ -1,11 +1,15 @@
 //! Measures of the similarity of two pictures of textures; none of them needs a network.
 //!
 //! No single value decides. Each covers one aspect (colours, frequencies, grain, small structures,
-//! repetition), and two photographs of the same texture are never at distance 0. Reference values
-//! are in `benches/metrics.md`.
+//! repetition), and two photographs of the same texture are never at distance 0. Reference values are in
+//! `docs/measurements/metrics.md`.
 //!
-//! Works badly for pictures at different scales (see [`scaled`]), and for pictures with so few
-//! elements that the values are dominated by chance.
+//! Definitions agree with those of the usual Python packages (numpy, scipy, scikit-image, POT, PyIQA); tests
+//! hold values of these. The last digits of spectra depend on the processor, so they are reported and
+//! nothing is made from them.
+//!
+//! Works badly for pictures at different scales (see [`scaled`]), and for pictures with so few elements that
+//! the values are dominated by chance.
 
 mod colour;
 mod filter_bank;

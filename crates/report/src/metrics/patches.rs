@@ -2,7 +2,7 @@
 //! 2018), and nearest neighbours of each picture's patches in the other (Simakov and others 2008).
 //!
 //! Patches and directions come from random streams with a fixed seed. Other draws would give
-//! slightly different values; `benches/metrics.md` says by how much.
+//! slightly different values; `docs/measurements/metrics.md` says by how much.
 
 use super::plane::{Plane, dot};
 use vtex_base::parallel;

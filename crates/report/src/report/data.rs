@@ -66,7 +66,7 @@ struct LibraryData<'a> {
     details: usize,
     secondaries: usize,
     secondary_spacing: f64,
-    /// Of a pixel for each unit, as the elements beside it.
+    /// With one pixel for each unit, like the elements.
     arrangement: Cow<'a, Arrangement>,
     descriptor_half: u32,
     background: BackgroundData,

@@ -16,8 +16,8 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// Of the shapes of an element whose outline encloses `whole` pixels²; `own` is the colour that
-    /// replaces the paint of the first shape, if any.
+    /// The appearance of an element's shapes. Its outline encloses `whole` pixels²; `own` replaces the paint
+    /// of the first shape, if given.
     pub fn new(shapes: &[Shape], whole: f64, own: Option<Colour>) -> Self {
         let mut parts: Vec<([[f32; 3]; 2], f64)> = Vec::with_capacity(shapes.len());
         let mut covered = 0.0;

@@ -1,9 +1,13 @@
-//! Elements as Gaussians: where one stands, how large it is, and where it points.
+//! Elements as Gaussians: position, size and direction.
 //!
 //! Composable textons (Tu, dissertation, chapter 4) describe an element by the mean and the covariance of
-//! its pixels (equations 4.3 and 4.4) and a direction. Of an outline both are exact. The canonical frame of
-//! an element has its mean at the origin, its covariance the identity and its direction along x; what is
-//! drawn in it can be drawn in the frame of any other Gaussian.
+//! its pixels (equations 4.3 and 4.4) and a direction. For an outline both are exact. The canonical frame of
+//! an element is U^½ · R: its mean at the origin, its covariance the identity and its direction along x.
+//! What is drawn in it can be drawn in the frame of any other Gaussian. Instances carry the direction of
+//! their element along, so an element has the same frame wherever it stands, even if its shape is symmetric.
+//!
+//! Degenerate Gaussians, not wider than a pixel or hundreds of times longer than wide, have no frame.
+//! Operations leave these elements as they are and count them.
 
 use vtex_base::geometry::{Affine, Moments, Outline, Point, SecondMoments, Vec2};
 

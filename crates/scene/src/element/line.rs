@@ -74,7 +74,7 @@ fn is_miter_limit(limit: &f64) -> bool {
 impl Line {
     /// Largest permitted width, in pixels.
     pub const WIDEST: f64 = 1e4;
-    /// How far the outline may lie from the stroke, in pixels.
+    /// Largest distance of the outline from the stroke, in pixels.
     const TOLERANCE: f64 = 0.02;
 
     /// A stroke without dashes, with butt ends and mitred corners.

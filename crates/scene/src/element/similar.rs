@@ -71,8 +71,8 @@ pub fn classes<'a, K: Ord>(
     found
 }
 
-/// What is the same of similar shapes, whatever their size: root mean square of the distances of their control
-/// points from the middle over the mean distance; and the size that it is told by.
+/// A measure that similar shapes share whatever their size (root mean square over mean of the distances of
+/// their control points from the middle), and their size.
 fn sketch(shapes: &[Shape]) -> [f64; 2] {
     let all: Vec<Point> = points(shapes).unwrap_or_default().concat();
     let count = all.len().max(1) as f64;

@@ -22,7 +22,7 @@ pub(super) struct Correlation {
 }
 
 impl Correlation {
-    /// Of a picture in Oklab, its lightness and the main axis of its chroma.
+    /// Correlates a picture's lightness and the main axis of its chroma, in Oklab.
     pub(super) fn new(image: &RgbImage) -> Self {
         let [l, a, b] = oklab_planes(image, 1);
         let size = l.size;

@@ -1,8 +1,10 @@
-//! Finds the lattice of a picture.
+//! Finds the lattice of a picture from its autocorrelation.
 //!
-//! A peak of the autocorrelation is a period if its double is a peak too. Two periods in different
-//! directions make a lattice. One makes rows: the other direction is free, or has no period. Vectors are
-//! fitted to all peaks at their multiples.
+//! The lightness and the main axis of chroma are correlated, without what is larger than an eighth of the
+//! side. A peak is a period if its double is a peak too, or if its sum and its difference with another peak
+//! are. Two periods in different directions make a lattice. One makes rows: the other direction is free, or
+//! has no period. Vectors are fitted to all peaks at their multiples. A drawing that is one period is
+//! repeated first.
 
 use super::correlation::Correlation;
 use super::{LEAST_SINE, Lattice, cross, dot};
@@ -19,7 +21,7 @@ const SHORTEST: f64 = 5.0;
 const LEAST: [f64; 2] = [0.3, 0.16];
 /// Least correlation at the double of a period, as a share of that at the period.
 const DOUBLE: f64 = 0.6;
-/// How far a peak rises above the lowest place on the way to it, as a share of its height.
+/// Least rise of a peak above the lowest place on the way to it, as a share of its height.
 const RISE: f64 = 0.35;
 /// Shorter periods count in place of longer ones if they are as high as this share of the highest.
 const SHORTER: f64 = 0.55;
@@ -159,7 +161,7 @@ fn peaks(correlation: &Correlation) -> Vec<Peak> {
     peaks
 }
 
-/// Of the peaks for which `counts` holds, the shortest that is nearly as high as the highest.
+/// The shortest peak that satisfies `counts` and is nearly as high as the highest of these.
 fn shortest(peaks: &[Peak], counts: impl Fn(&Peak) -> bool) -> Option<Peak> {
     let counting: Vec<&Peak> = peaks.iter().filter(|p| counts(p)).collect();
     let highest = counting.iter().map(|p| p.height).fold(0.0, f64::max);

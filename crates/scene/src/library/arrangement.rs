@@ -1,4 +1,10 @@
 //! The arrangement: a run-length coded map of the primaries in the exemplar.
+//!
+//! Descriptors (paper §3.1.3) are windows of this one map, so it is stored instead of a category map for
+//! each primary, with the half side of the windows. That takes kilobytes instead of megabytes. Labels are
+//! identities, not categories: synthesis can tell two touching stones of one category apart, and the map
+//! draws the exemplar back. Outside the exemplar a window is undefined, so primaries near its border keep
+//! their descriptors; only those cut by it are never placed.
 
 use super::LARGEST_SIDE;
 #[cfg(feature = "schema")]

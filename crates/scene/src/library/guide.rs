@@ -1,5 +1,8 @@
-//! The guide: the exemplar's colours on a coarse grid. Synthesis follows it to preserve structure larger
-//! than a few elements.
+//! The guide: the exemplar's mean colours on a coarse grid. Synthesis follows it to preserve structure
+//! larger than a few elements.
+//!
+//! The guide takes 3 to 9 % of the bytes of a library. It does not say which element stands in a cell: the
+//! arrangement does.
 
 use crate::lattice::{self, Lattice};
 use base64::Engine as _;

@@ -110,8 +110,7 @@ pub struct Source {
     pub parameters: AnalyzeParams,
     /// Name and version of the program that made the library.
     pub program: String,
-    /// Why the exemplar has as many strata as it has: a clause without a full stop. `None` if nothing
-    /// was decided.
+    /// Reason for the number of strata: a clause without a full stop. `None` if nothing was decided.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layers: Option<String>,
     /// Warnings of the analysis, one sentence each.

@@ -1,4 +1,8 @@
 //! Strata: the nested layers of a weathered surface.
+//!
+//! A stratum is stored as three layers named after its colour, such as *moss green* (with region, field and
+//! colour), *moss green secondary* and *moss green primary*. Labels are drawn from the regions again. An
+//! operation for the layer *moss green* applies to all three.
 
 use super::{Layer, Library, Role};
 use crate::element::ElementId;

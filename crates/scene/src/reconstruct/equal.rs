@@ -6,7 +6,7 @@ use crate::scene::{ElementId, Instance, Scene};
 use std::collections::BTreeMap;
 use vtex_base::geometry::{Affine, rounded};
 
-/// How far equal elements may differ, in pixels.
+/// Largest difference between equal elements, in pixels.
 const EQUAL: f64 = 0.12;
 
 /// For each element the first that is equal to it up to a similarity.

@@ -1,4 +1,4 @@
-//! The exemplar's own arrangement as a scene, and its elements as those of any scene.
+//! Library → scene: the exemplar drawn back from its library.
 
 mod equal;
 mod few_colours;

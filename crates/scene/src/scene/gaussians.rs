@@ -1,4 +1,7 @@
 //! The elements of a scene as Gaussians, and their appearance.
+//!
+//! The decoder is an affine map: an instance drawn in the frame of another Gaussian is the same element with
+//! one map in front of its own. Outlines are never fitted again.
 
 use super::{Element, Instance, Scene};
 use crate::element::{Appearance, Gaussian};

@@ -1,4 +1,4 @@
-//! The fields of layers with regions as one.
+//! Joins the fields of layers with regions into one field.
 
 use super::{ControlPoint, Field};
 use std::borrow::Cow;

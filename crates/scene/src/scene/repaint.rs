@@ -1,4 +1,4 @@
-//! Instances given other colours, each its own.
+//! Recolours instances, each by an affine map of Oklab.
 
 use super::{Element, ElementId, Instance};
 use std::collections::BTreeMap;

@@ -1,11 +1,11 @@
 //! Tiling scenes, and the copies of their contents.
 //!
 //! Opposite edges of a tiling scene are joined: left and right for [`Tile::x`], top and bottom for
-//! [`Tile::y`]. An instance is listed once, with its origin on or near the canvas, and stands for
-//! all its copies, shifted by whole widths and heights of the canvas. The same holds for control
-//! points of the background and for the outline of a domain. Code that draws a scene asks
-//! [`Scene::copies`] which copies reach the canvas and draws them directly after the original, so
-//! two overlapping textons overlap alike at every edge.
+//! [`Tile::y`]. An instance is listed once, with its origin on or near the canvas, and stands for all its
+//! copies, shifted by whole widths and heights of the canvas. The same holds for control points of the
+//! background and for the outline of a domain. Code that draws a scene asks [`Scene::copies`] which copies
+//! reach the canvas and draws them directly after the original, so two overlapping textons overlap alike at
+//! every edge.
 
 use super::{Instance, Scene};
 #[cfg(feature = "schema")]

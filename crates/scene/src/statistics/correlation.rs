@@ -41,7 +41,7 @@ pub struct Curve {
     pub expected: Vec<f64>,
 }
 
-/// How far two sets of curves are apart.
+/// The distance between two sets of curves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Difference {
     /// Root mean square of the differences of g, weighted by what they are known to.
@@ -65,7 +65,7 @@ impl Correlation {
     /// Radius at which curves end, in mean neighbour distances.
     pub const REACH: f64 = REACH;
 
-    /// Of the centres within a layout that belong to `categories` of a library; `unit` is the mean
+    /// Correlates the centres within a layout that belong to `categories` of a library; `unit` is the mean
     /// neighbour distance, in pixels. All counts are 0 if it is not positive.
     pub fn new(layout: &Layout, library: LibraryId, categories: &[CategoryId], unit: f64) -> Self {
         let period = layout.period();

@@ -62,7 +62,7 @@ impl Cycle {
             });
             row
         });
-        // As one column more cannot be dearer than none on both sides, what stays alone costs the most.
+        // An element without a partner costs as much as the dearest pair.
         let partners = assign(&Table::new(rows.collect()), found.len(), (MOST * UNIT) as i64);
         let mut sums = Self { elements: items.len(), ..Self::default() };
         let mut pairs = 0.0;

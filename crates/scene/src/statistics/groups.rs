@@ -46,7 +46,7 @@ struct Placed {
 }
 
 impl Groups {
-    /// Of a scene's layout, whose primaries are those of `exemplars` by library.
+    /// Finds the groups in a scene's layout; `exemplars` are the layouts of its libraries.
     pub fn new(layout: &Layout, exemplars: &[Layout]) -> Self {
         let known: Vec<BTreeMap<ElementId, (Point, Vec<ElementId>)>> =
             exemplars.iter().map(surroundings).collect();

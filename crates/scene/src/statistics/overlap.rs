@@ -15,7 +15,7 @@ use vtex_base::raster::{Mask, Span};
 /// Rows of a band.
 const BAND: i32 = 64;
 
-/// How much primaries hide of one another, counted in pixels of the canvas.
+/// Mutual overlap of primaries, counted in pixels of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Overlap {
     /// Share of the area of all primaries that lies beneath others, 0 to 1.
@@ -32,8 +32,8 @@ pub(super) struct Stamp<'a> {
 }
 
 impl Overlap {
-    /// Of the primaries of a scene made from `libraries`. Textons that are not in them, as after a
-    /// mix-up of files, count for nothing.
+    /// Measures the primaries of a scene made from `libraries`. Textons that no library holds, as after a
+    /// mix-up of files, are ignored.
     pub fn of_scene(scene: &Scene, libraries: &[Library]) -> Self {
         let masks: Vec<Vec<Mask>> = libraries.iter().map(silhouettes).collect();
         let fused: Vec<Option<Mask>> =
@@ -50,7 +50,7 @@ impl Overlap {
         Self::of_stamps(&stamps, [scene.width, scene.height], scene.tile)
     }
 
-    /// Of shapes in painting order.
+    /// Measures shapes in painting order.
     pub(super) fn of_stamps(stamps: &[Stamp<'_>], size: [u32; 2], tile: Tile) -> Self {
         let canvas = Canvas { size: size.map(|s| s as i32), tile };
         let shapes = parallel::map(stamps, |s| canvas.rows(s));

@@ -39,14 +39,14 @@ pub struct Copies {
 }
 
 impl Repetition {
-    /// Of the primaries of a scene made from `libraries`.
+    /// Measures the primaries of a scene made from `libraries`.
     pub fn of_scene(scene: &Scene, libraries: &[Library]) -> Self {
         let units: Vec<f64> = libraries.iter().map(neighbour_distance).collect();
         let placeable = |l: &Library| l.primaries().iter().filter(|p| !p.clipped).count();
         Self::new(&Layout::of_scene(scene), libraries.iter().map(placeable).sum(), &units)
     }
 
-    /// Of an arrangement; `units` are the mean neighbour distances of the libraries, in pixels.
+    /// Measures an arrangement; `units` are the mean neighbour distances of the libraries, in pixels.
     pub fn new(layout: &Layout, placeable: usize, units: &[f64]) -> Self {
         let period = layout.period();
         let mut placed: Vec<((LibraryId, ElementId), [f64; 2])> = layout

@@ -3,6 +3,10 @@
 //! Two engines run ONNX networks: [ONNX Runtime](https://onnxruntime.ai), a shared library that is used
 //! if one is found ([`locate`]), and [rten](https://github.com/robertknight/rten), which is part of
 //! this crate. Their results agree to about five digits, not bitwise.
+//!
+//! What can go wrong becomes an error. ONNX Runtime is located here and loaded by its path, because `ort`
+//! panics if it searches itself. Files are checked before rten reads them, because it does not return from
+//! some damaged ones. A panic within an engine is caught.
 
 mod locate;
 mod onnxruntime;

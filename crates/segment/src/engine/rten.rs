@@ -1,4 +1,4 @@
-//! Networks run by rten, which is part of this crate.
+//! Networks run by rten, which is part of this crate. Results are the same on any number of threads.
 //!
 //! rten has its own thread pool: by default one thread per physical core, or as many as the variable
 //! `RTEN_NUM_THREADS` or [`EngineOptions::threads`](super::EngineOptions::threads) requests. Loading always

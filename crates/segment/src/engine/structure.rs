@@ -1,8 +1,8 @@
 //! Checks the structure of ONNX files before rten reads them.
 //!
-//! rten 0.27 hangs on varints of ten bytes or more, as they occur in damaged files. It also adds up lengths of
-//! axes in 32 bits, and allocates what a network asks for: the process ends where that is more than there is.
-//! The check walks through the whole file but skips weights, so it is fast.
+//! rten 0.27 hangs on varints of ten bytes or more, which occur in damaged files. It also adds up lengths of
+//! axes in 32 bits, and allocates whatever a network asks for, so the process ends if there is not enough
+//! memory. The check walks through the whole file but skips weights, so it is fast.
 
 use std::io::{BufRead, Seek};
 

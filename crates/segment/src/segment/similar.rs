@@ -13,7 +13,7 @@ pub(super) struct SimilarMasks {
     squares: ByNumber<Vec<Entry>>,
 }
 
-/// What an index knows of a mask.
+/// A mask in the index.
 #[derive(Clone, Copy)]
 struct Entry {
     index: usize,

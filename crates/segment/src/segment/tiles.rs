@@ -1,5 +1,5 @@
-//! Images too large to be segmented at once: small elements from overlapping tiles, large ones from the
-//! image at half its size, so that memory is bounded.
+//! Segments images of more than 4.8 megapixels: small elements from overlapping tiles, large ones from the
+//! image at half its size, which may be tiled again. Memory is bounded.
 
 use super::ScoredMask;
 use super::disjoint::disjoint;

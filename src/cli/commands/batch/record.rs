@@ -1,4 +1,8 @@
-//! The record of a batch, a line of JSON for each job, so that it can go on where it ended.
+//! The record of a batch: a line of JSON for each job, so that it can go on where it ended.
+//!
+//! A job is known by a sum over all that its results depend on, the content of networks included. Its line
+//! is added once the results are in place. It is skipped if a line has its sum and the results are, byte for
+//! byte, those that were written. Shards write records of their own and read all.
 
 use super::values::Shard;
 use crate::cli::interrupt::Passing;

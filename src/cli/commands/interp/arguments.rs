@@ -100,7 +100,7 @@ fn where_it_turns(text: OsString) -> MorphFrom {
     }
 }
 
-/// Which scenes, and what of them is wanted.
+/// The two scenes, and the outputs asked for.
 pub(super) struct Interpolating {
     pub(super) from: Input,
     pub(super) to: Input,

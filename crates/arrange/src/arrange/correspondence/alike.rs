@@ -43,8 +43,8 @@ impl Alike {
         Self { of }
     }
 
-    /// Those like an element with an area in a range, in pixels: at most `most`, evenly chosen, beginning
-    /// at a share of them.
+    /// Elements like `element` with an area in a range, in pixels: at most `most`, evenly chosen, beginning
+    /// at a given share of the list.
     pub(super) fn of(
         &self,
         element: PlaceableId,

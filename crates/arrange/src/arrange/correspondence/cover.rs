@@ -1,4 +1,4 @@
-//! What is wanted on a map and what covers it, pixel by pixel.
+//! Pixels of a map that want a primary, and pixels that a primary covers.
 
 use super::instances::Instance;
 use crate::arrange::grid::Grid;
@@ -9,7 +9,7 @@ const WANTED: u8 = 1;
 /// A primary covers a pixel.
 const TAKEN: u8 = 2;
 
-/// What is wanted on a map and what covers it.
+/// Wanted and covered pixels of a map.
 pub(super) struct Cover<'g> {
     grid: &'g Grid,
     pixels: Vec<u8>,

@@ -1,8 +1,10 @@
 //! Fused elements: what an instance shows where no whole element does.
 //!
-//! An instance that comes from several primaries, or from a piece of one, is traced along its own pixels.
-//! Its rim follows the outlines of its parts where these end there; one paint runs across its seams; its
-//! details are those of its parts, each clipped to its part.
+//! An instance that comes from several primaries, or from a piece of one, is traced along its own pixels, on
+//! half pixels. Its rim follows the outlines of its parts where these end there. One paint runs across the
+//! seams of parts of like colour. Its details are those of its parts, each clipped to its part; details of
+//! like colour are joined across a seam. Scenes mark these elements as `fused` and paint them beneath whole
+//! ones.
 
 use super::instances::{Instance, Part};
 use crate::arrange::model::Model;
@@ -25,7 +27,7 @@ const LEAST_DETAIL: u32 = 3;
 const SAME_COLOUR: f32 = 0.045;
 /// Largest distance of the colours of parts that have one paint, in Oklab.
 const ONE_PAINT: f32 = 0.09;
-/// How far a detail reaches beneath those painted later, in pixels.
+/// Distance by which a detail reaches beneath those painted later, in pixels.
 const BENEATH: f64 = 0.6;
 /// Share of an instance from which on a part's paint is that of the whole.
 const DOMINANT: f64 = 0.8;

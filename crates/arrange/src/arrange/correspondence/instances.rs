@@ -1,9 +1,10 @@
 //! Instances: the pixels of a canvas that together show one element.
 //!
-//! Each pixel that comes from a primary votes for the place where that primary would then stand. Pixels side
-//! by side whose votes nearly agree are one instance, whichever primaries they come from: a field that
+//! Each pixel that comes from a primary votes for the place where that primary would then stand. Adjacent
+//! pixels whose votes nearly agree are one instance, whichever primaries they come from: a field that
 //! continues the left half of one stone with the right half of another shows one stone. In a packed exemplar
-//! neighbours stay apart, though nothing lies between them, for their votes differ by a stone's width.
+//! neighbours stay apart although nothing lies between them, because their votes differ by the width of a
+//! stone. Small instances join a neighbour of their colour or vanish.
 
 use super::Correspondence;
 use crate::arrange::grid::Grid;
@@ -19,17 +20,18 @@ const AGREE: f64 = 0.45;
 const LEAST_AGREE: f64 = 2.0;
 /// Votes for one primary that differ by no more are one part, in cells along each axis.
 const SAME_PLACE: i32 = 2;
-/// An instance smaller than this share of its main element, or of the median element if that is smaller, joins a
-/// neighbour,
+/// Small instances: those below this share of their main element, or of the median element if that is
+/// smaller.
 const SMALL: f64 = 0.35;
-/// if more than this share of its rim lies on neighbours
+/// A small instance joins a neighbour if more than this share of its rim lies on neighbours
 const ENCLOSED: f64 = 0.25;
-/// of nearly its colour (distance in Oklab), or if it has no more than so many pixels;
+/// and the neighbour's colour is no further away than this (in Oklab), or if it has at most
+/// [`ANY_COLOUR`] pixels.
 const SAME_COLOUR: f32 = 0.12;
 const ANY_COLOUR: u32 = 40;
-/// else it vanishes if it is smaller than this share,
+/// Otherwise it vanishes if it is below this share,
 const SPECK: f64 = 0.12;
-/// or than so many pixels.
+/// or below this number of pixels.
 const LEAST: u32 = 12;
 /// Rounds in which small instances join others.
 const ROUNDS: usize = 3;
@@ -78,7 +80,7 @@ struct Runs<'a> {
     kinds: &'a Kinds,
 }
 
-/// What decides which elements may be one.
+/// Properties that decide which elements may be joined.
 pub(super) struct Kinds {
     /// Stratum of each element of the model.
     pub(super) strata: Vec<u8>,

@@ -1,4 +1,5 @@
 //! Classes that lead the search: a cell of the canvas takes its source from the pixels of its own class.
+//! Classes are the strata of a given map, or six bands of lightness by rank.
 
 use crate::arrange::controls::{self, Controls};
 use vtex_base::raster::blur::Plane;

@@ -1,8 +1,8 @@
 //! Whether something looks like an element of its exemplar.
 //!
-//! A look is a small picture of an element: where it is within a square that is as large as the element
-//! itself, and of what colour there. Two hearts, a torn side, a shape that no element has: all make it unlike
-//! every element of the exemplar, more than these are unlike each other.
+//! A look is a small picture of an element: which points of a square as large as the element it covers, and
+//! their colours. Two hearts, a torn side or a shape that no element has make it unlike every element of the
+//! exemplar, more than these are unlike each other.
 
 use crate::arrange::model::{Model, PlaceableId};
 use vtex_base::parallel;
@@ -14,7 +14,8 @@ use vtex_scene::library::{Guide, Library};
 const SIDE: usize = 11;
 /// Half the side of the square, in radii of a disk of the element's area.
 const HALF: f64 = 1.35;
-/// What a point counts that only one of two looks has, in squared Oklab; colours differ by no more.
+/// Difference of a point that only one of two looks covers, in squared Oklab. Differences of colours are
+/// limited to it.
 const MISSING: f32 = 0.04;
 /// Areas of elements that are compared, as a share of the larger.
 const AREA: f64 = 0.6;
@@ -34,8 +35,8 @@ pub(super) struct Look {
 }
 
 impl Look {
-    /// Of something with a middle and an area, in pixels. `colour` gives that of a pixel of it, `None` beside it;
-    /// `turned` turns a way from the middle as the thing is turned.
+    /// The look of a thing with a middle and an area, in pixels. `colour` gives the colour of a pixel, `None`
+    /// outside the thing; `turned` rotates an offset from the middle as the thing is rotated.
     pub(super) fn new(
         middle: [f64; 2],
         area: f64,

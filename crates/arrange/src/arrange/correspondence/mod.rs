@@ -1,9 +1,20 @@
-//! Placement by correspondences: elements carried along a field that says from where in the exemplar
-//! each place comes.
+//! Placement by correspondences: elements carried along a field that gives the place in the exemplar that
+//! each place of the canvas comes from.
 //!
-//! The descriptors of the paper see a few textons around one. What is larger, clouds of rust, courses
-//! of a wall, is kept by copying whole islands of the exemplar, as synthesis of pixels does; but what is
-//! copied is what stands there: primaries, secondaries, the colours of the region.
+//! The descriptors of the paper see a few textons around one. Larger structure, such as clouds of rust or
+//! courses of a wall, is kept by copying whole islands of the exemplar, as pixel-based synthesis does. What
+//! is copied is what stands there: primaries, secondaries, the colours of the background.
+//!
+//! 1. Exemplars become pages of cells ([`pages`]), and the field is found ([`vtex_field::correspondence`]).
+//! 2. Pixels of the canvas that show one element together are an instance ([`instances`]).
+//! 3. Each instance becomes a whole element, another like it, or a fused one ([`resolve`], [`likeness`],
+//!    [`fused`]).
+//! 4. With a lattice, elements are moved by what their offset misses, unless the exemplar is packed and
+//!    strays by more than a pixel. A lattice whose strength is below .3 is reported and kept to only if it
+//!    is asked for.
+//! 5. Secondaries come along with their islands ([`secondaries`]), with their own colours.
+//!
+//! Coverage follows from the field. It is corrected only where a map asks for another density.
 
 mod alike;
 mod cover;

@@ -1,4 +1,11 @@
 //! Libraries as pages for the search of correspondences, and the way back to their pixels.
+//!
+//! A cell has six features: its colour in Oklab in units of the standard deviation, the signed distance to
+//! the nearest border of a primary, up to three cells, and its place within that primary, from the middle,
+//! in radii. Each variation that the parameters allow has a page of its own, at most eight. An exemplar that
+//! wraps is continued beyond its borders. An exemplar with a lattice has its plain page only, because a
+//! rotated one has other rows. Colours of strata lie half as far again apart as in the exemplar, so islands
+//! keep to their stratum.
 
 use crate::arrange::model::Model;
 use vtex_base::raster::colour::oklab;
@@ -9,11 +16,11 @@ use vtex_scene::library::{Guide, Library};
 
 /// Most pages of a library, of those that variations make.
 const MOST_VARIED: usize = 8;
-/// Distance to the border of a primary that tells no more, in cells.
+/// Distances to the border of a primary are clamped to this, in cells.
 const FARTHEST: f32 = 3.0;
-/// What a distance of [`FARTHEST`] weighs against a deviation of colour.
+/// Weight of a distance of [`FARTHEST`], relative to a standard deviation of colour.
 const BORDER_WEIGHT: f32 = 0.6;
-/// What a place within a primary weighs, at a distance of its radius from its middle.
+/// Weight of a place at one radius from the middle of a primary.
 const PLACE_WEIGHT: f32 = 0.8;
 /// Farthest place within a primary that is told apart, in radii.
 const MOST_RADII: f64 = 1.5;
@@ -23,14 +30,14 @@ const STRATA_APART: f32 = 0.5;
 /// Distance by which offsets may miss a lattice, in strays of the exemplar, and at most in cells.
 const STRAY: f64 = 0.5;
 const MOST_ASTRAY: f64 = 1.5;
-/// How far an exemplar that wraps is continued, as a share of its side.
+/// Distance by which an exemplar that wraps is continued, as a share of its side.
 const CONTINUED: f64 = 0.35;
 
-/// How the pixels of a page are those of an exemplar.
+/// The map from the pixels of a page to those of an exemplar.
 pub(super) struct Sheet {
-    /// Which library.
+    /// Index of the library.
     pub(super) library: usize,
-    /// Which of the model's variations.
+    /// Index of the model's variation.
     pub(super) variation: u16,
     /// Size of the exemplar, in pixels.
     pub(super) size: [i32; 2],
@@ -51,12 +58,12 @@ pub(super) struct Pages {
     pub(super) labels: Vec<LabelMap>,
 }
 
-/// What an exemplar shows, pixel by pixel.
+/// The pixels of an exemplar as features are computed from them.
 struct Surface<'a> {
     guide: &'a Guide,
     /// Colours of the guide's cells.
     colours: &'a [[f32; 3]],
-    /// What a unit of Oklab weighs.
+    /// Weight of a unit of Oklab.
     unit: f32,
     /// Signed distance of each pixel to the nearest border, as [`border_distances`] gives it.
     borders: Vec<f32>,
@@ -175,7 +182,7 @@ impl Sheet {
         inside.then_some(at)
     }
 
-    /// Where a place of the exemplar is on the page, nearest to `near` if the exemplar wraps.
+    /// Place of the exemplar → place on the page; the one nearest to `near` if the exemplar wraps.
     pub(super) fn on_page(&self, model: &Model, at: [i32; 2], near: [i32; 2]) -> [i32; 2] {
         let variation = &model.variations[usize::from(self.variation)];
         if variation.is_none() && !self.wrap {

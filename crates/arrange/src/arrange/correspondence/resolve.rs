@@ -1,4 +1,11 @@
-//! What each instance becomes: an element whole, another like it, or a fused one.
+//! What each instance becomes: a whole element, another like it, a fused one, or nothing.
+//!
+//! The main element of an instance stands whole if it fits. If another element of like colour and size fits
+//! better, that one stands. Otherwise the instance becomes a fused element. The more packed the exemplar,
+//! the closer an element has to fit, because a gap is seen there at once. Where elements stand apart, a
+//! fused one has to look like an element of the exemplar ([`likeness`](super::likeness)). If it does not,
+//! the elements stand of which enough has arrived, or the element that it looks most like, or none. Elements
+//! cut by the exemplar's border stand only where the canvas cuts them too.
 
 use super::Correspondence;
 use super::alike::Alike;
@@ -34,11 +41,11 @@ const TILED: [f64; 2] = [0.4, 0.6];
 const PACKED: f64 = 0.65;
 /// Fewest pixels of an instance that has to look like an element.
 const LOOKED_AT: u32 = 60;
-/// Where several elements stand in place of one instance: least share of each that lies on the instance,
+/// If several elements replace one instance: least share of each that lies on the instance,
 const WITHIN: f64 = 0.5;
-/// least share of it that has come,
+/// least share of each that has arrived,
 const CAME: f64 = 0.4;
-/// and most of it that may lie on those that stand there already.
+/// and largest share of each that may lie on elements placed before.
 const ON_OTHERS: f64 = 0.35;
 /// Least overlap over union of an instance and an element that looks like it.
 const LOOKS_LIKE: f64 = 0.4;
@@ -55,7 +62,7 @@ pub(super) enum Outcome {
     Nothing,
 }
 
-/// What decides.
+/// Decides what instances become.
 pub(super) struct Resolver<'a> {
     libraries: &'a [Library],
     model: &'a Model,
@@ -65,7 +72,7 @@ pub(super) struct Resolver<'a> {
     likeness: Option<Likeness>,
     colours: Vec<Option<Colours<'a>>>,
     field: &'a Correspondence,
-    /// How packed each exemplar is, 0 to 1.
+    /// Packing of each exemplar, 0 to 1.
     packings: Vec<f64>,
     /// The part of the map that the field knows.
     known: [[i32; 2]; 2],
@@ -135,8 +142,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// What stands in place of an instance that looks like no element: those of its parts of which enough has
-    /// come, or the element that it looks like most, or nothing. `None` if it looks like one.
+    /// Replaces an instance that looks like no element: by those of its parts of which enough has arrived, by
+    /// the element that it looks like most, or by nothing. `None` if it looks like an element.
     fn unlike(
         &self,
         instance: &Instance,
@@ -187,7 +194,8 @@ impl<'a> Resolver<'a> {
         self.colours[sheet.library].as_ref().map(|colours| colours.at(place))
     }
 
-    /// Where the main element fits an instance best: where its largest part says, or middle on middle.
+    /// The place at which the main element fits an instance best: that of its largest part, or middle on
+    /// middle.
     fn best_place(&self, instance: &Instance, mask: &Mask, at: [i32; 2]) -> [i32; 2] {
         if instance.cut || instance.parts.len() == 1 {
             return at;
@@ -199,7 +207,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Overlap over union of an instance and a mask at a place, and the share of the instance that it covers.
-    /// What lies beyond the part that the field knows does not count.
+    /// Pixels outside the field are ignored.
     fn fit(&self, instance: &Instance, mask: &Mask, at: [i32; 2]) -> (f64, f64) {
         let there = mask.shifted(at[0], at[1]);
         let there = if instance.cut {
@@ -233,7 +241,7 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// How packed an exemplar is, 0 to 1: by how much primaries touch, or how much they cover, or how much
+/// The packing of an exemplar, 0 to 1: by how much primaries touch, or how much they cover, or how much
 /// of the background secondaries do.
 fn packing(library: &Library, labels: &LabelMap) -> f64 {
     let (mut all, mut others) = (0u64, 0u64);

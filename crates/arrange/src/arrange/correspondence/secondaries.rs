@@ -1,4 +1,8 @@
 //! Secondaries that come along with their islands.
+//!
+//! A secondary stands where the cell of its origin is copied to, so islands bring theirs whole and their
+//! number needs no correction. At the borders of islands those follow of which a good part arrived without
+//! their origin.
 
 use super::Correspondence;
 use crate::arrange::model::Model;

@@ -1,4 +1,5 @@
-//! Which library each cell takes its source from, and which cells need none.
+//! The library that each cell takes its source from, and the cells that need none. Regions of a library are
+//! as large as a descriptor.
 
 use crate::arrange::Context;
 use crate::arrange::model::Model;

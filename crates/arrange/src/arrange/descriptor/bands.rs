@@ -1,9 +1,10 @@
-//! Bands of the target map that are filled apart from each other, and put together again.
+//! Bands of the target map that are filled independently and put together again.
 //!
-//! Rows are divided into bands. Every second band is taken out, with so many rows around it that
-//! nothing placed for a request within the band can matter beyond; these windows have no cell in
-//! common, so they may be filled at the same time. Then the other bands follow, which see what now
-//! stands around them. What comes of it depends on the bands, not on who fills them when.
+//! Rows are divided into bands. Every second band is taken out, together with the rows around it that an
+//! element and its descriptor can reach. These windows have no cell in common, so they are filled at the
+//! same time and put back in a fixed order. Then the other bands follow, which see what now stands around
+//! them. The result depends on the bands, not on which thread fills them when. Canvases of fewer than four
+//! bands are filled in one go.
 
 use super::target::{Request, TargetMap};
 use crate::arrange::choice::Choice;

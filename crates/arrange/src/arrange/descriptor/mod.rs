@@ -39,7 +39,7 @@ use vtex_base::progress::{Progress, advance};
 use vtex_base::sampling::{Stream, stream};
 use vtex_scene::scene::{Ablation, SynthParams};
 
-/// How much a copy of the same texton nearby lowers a candidate's rank, as a share of its area.
+/// Penalty of a candidate's rank for a copy of the same texton nearby, as a share of its area.
 const COPY_PENALTY: f64 = 0.3;
 
 /// Name of the stage.
@@ -61,7 +61,7 @@ impl Counts {
     }
 }
 
-/// Windows filled before what came of them is put together.
+/// Windows filled before their results are put together.
 const BATCH: usize = 4;
 
 /// Whether an element that stands already writes its descriptor.

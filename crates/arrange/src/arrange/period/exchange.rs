@@ -7,20 +7,19 @@ use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, rotation, shortest_offset};
 use vtex_base::sampling::{Stream, stream};
 
-/// Elements with which each may change places: so many where none alike stands near, then so many where none
-/// equal does.
+/// Candidate partners tried for an exchange: first at places without a similar neighbour, then at places
+/// without an equal one.
 const PARTNERS: [usize; 2] = [16, 8];
 /// Largest ratio of the sizes of elements that change places.
 const RATIO: f64 = 1.4;
-/// Distance, in mean distances between elements, within which no two that are alike come to stand, if there
-/// are partners enough.
+/// Least distance of similar elements, in mean distances between elements, as long as there are partners.
 const COPIES: f64 = 1.4;
-/// How often elements wander before they settle, and places tried each time.
+/// Rounds in which elements wander before they settle, and places tried in each.
 const WALKS: usize = 6;
 const STEPS: usize = 3;
-/// Lengths of their ways at once, in units of [`FARTHEST`].
+/// Lengths of a single step, in units of [`FARTHEST`].
 const STRIDES: [f64; 3] = [1.0, 2.0, 4.0];
-/// How often elements settle, and places tried each time.
+/// Rounds in which elements settle, and places tried in each.
 const SETTLES: usize = 4;
 const SHIFTS: usize = 8;
 /// Largest shift at once, as a share of the mean distance between elements.
@@ -32,17 +31,18 @@ const TURNS: usize = 24;
 /// Largest gap between the angles of such elements, in radians.
 const LARGEST_GAP: f64 = 1.75;
 
-/// Places at which elements stand that change them.
+/// The places that elements exchange.
 struct Sites {
     near: NearPoints,
     places: Vec<Point>,
-    /// Who stands at each.
+    /// The element at each place.
     occupants: Vec<usize>,
     reach: f64,
 }
 
 impl Sites {
-    /// Whether one for which something holds stands near a site, but at two.
+    /// Whether an occupant that satisfies `holds` stands within reach of a site, not counting the sites
+    /// `but`.
     fn any_near(
         &self,
         site: usize,
@@ -105,7 +105,7 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    /// Where elements stand that change places.
+    /// The places of the elements `all`, each with its own element.
     fn sites(&self, placed: &[PeriodCopy], all: &[usize]) -> Sites {
         let places: Vec<Point> = all.iter().map(|&i| self.middle(&placed[i])).collect();
         let reach = COPIES * self.known.spacing;
@@ -193,7 +193,7 @@ impl Canvas<'_> {
         self.write(&old, 0, i as u32 + 1);
         let (middle, zone) = (self.middle(&old), self.zone(&old));
         let reach = share * FARTHEST * self.known.spacing;
-        // How many of the clearances it has where it is.
+        // Number of the clearances that it has at its place.
         let mut has = CLEARANCES.iter().take_while(|c| self.fits(&old, **c)).count();
         for _ in 0..SHIFTS {
             let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));

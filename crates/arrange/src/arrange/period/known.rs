@@ -1,5 +1,5 @@
-//! What is known of a periodic drawing: which elements are equal, which are free to move, and whether
-//! they stand in a regular order.
+//! Properties of a periodic drawing: equal elements, elements that are free to move, and whether elements
+//! stand in a regular order.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -16,7 +16,7 @@ use vtex_scene::scene::pixels;
 const REGULAR: f64 = 0.75;
 /// Fewest elements whose order can be anything but regular.
 const FEW: usize = 5;
-/// How far the sizes and places of elements in a regular order may differ, as a share of the period.
+/// Largest difference of sizes and places in a regular order, as a share of the period.
 const ALIKE: f64 = 0.02;
 /// Largest distance at which elements are seen to have neighbours, in pixels.
 const REACH: u16 = 60;
@@ -29,7 +29,7 @@ pub(super) struct Known {
     pub(super) alike: Vec<usize>,
     /// Bounds of each, in the exemplar.
     pub(super) bounds: Vec<Rect>,
-    /// Pixels of each, where they stand in the exemplar; those of one that runs on are none.
+    /// Pixels of each element in the exemplar; empty for elements that run on.
     pub(super) masks: Vec<Arc<Mask>>,
     /// Whether each touches no other and does not run on.
     pub(super) free: Vec<bool>,
@@ -41,7 +41,7 @@ pub(super) struct Known {
     pub(super) spacing: f64,
     /// Height of the flattest element, in pixels.
     pub(super) lowest: f64,
-    /// How far beyond the canvas elements are placed, in pixels.
+    /// Distance beyond the canvas up to which elements are placed, in pixels.
     pub(super) margin: f64,
     pub(super) regular: bool,
 }
@@ -52,7 +52,7 @@ impl Known {
         let size = [library.source.width as i32, library.source.height as i32];
         let bounds: Vec<Rect> = elements.iter().map(|e| bounds(&e.shapes)).collect();
         let masks: Vec<Mask> = vtex_base::parallel::map(elements, of_element);
-        // As far as they lie within a page around the page.
+        // Limited to one page width beyond the page on each side.
         let [w, h] = size;
         let on_page: Vec<Mask> = masks.iter().map(|m| m.within([-w, -h], [2 * w, 2 * h])).collect();
         let (page, mut contacts) = Page::new(size, true, &on_page);

@@ -1,13 +1,15 @@
 //! Placement by the period of a drawing: the exemplar's own period repeated, its elements exchanged, moved
 //! and turned.
 //!
-//! An exact repetition is the best that can be done for a regular or interlocking swatch. In a loose
-//! one, elements that touch no other are free to move: they change places with others of like size, wander,
-//! and shift a little, as long as none comes nearer to another than elements of the swatch do. Number and
-//! area by category stay as they are, because elements only change places.
+//! An exact repetition is the best that can be done for a regular or interlocking swatch. In a loose one,
+//! elements that touch no other are free to move: they change places with others of like size, wander, turn
+//! and shift a little, as long as none comes nearer to another than elements of the swatch do. Elements that
+//! look alike are kept apart. Number and area by category stay as they are, because elements only change
+//! places and those at the border of the canvas hardly move. Equal elements, found up to rotation,
+//! reflection and size, are one element of the scene.
 //!
-//! When this works badly: packed swatches, whose elements have no room to move. They come out as they
-//! are, and the share of places that repeat says so.
+//! When this works badly: packed swatches, whose elements have no room to move. They come out as they are,
+//! and the share of places that repeat says so.
 
 mod canvas;
 mod exchange;

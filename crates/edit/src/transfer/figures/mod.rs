@@ -1,3 +1,3 @@
-//! The figures of benches/composable.md.
+//! The figures of docs/measurements/composable.md.
 
 mod tests;

@@ -1,4 +1,4 @@
-//! The figures of benches/composable.md, measured on libraries and scenes in a folder.
+//! The figures of docs/measurements/composable.md, measured on libraries and scenes in a folder.
 
 use crate::edit::{Action, Files, Operation, Within, apply};
 use crate::transfer::tests::{mean, median_shift};
@@ -67,7 +67,7 @@ fn vary(colour: Option<f64>, shape: Option<f64>) -> Action {
     Action::Vary { colour: colour.map(Into::into), shape: shape.map(Into::into), within: Within::Layer }
 }
 
-/// `VTEX_FIGURES=folder cargo test --release --lib figures -- --ignored --nocapture`, with a NAME.lib.json
+/// `VTEX_FIGURES=folder cargo test --release -p vtex-edit figures -- --ignored --nocapture`, with a NAME.lib.json
 /// and a NAME.scene.json for each exemplar.
 #[test]
 #[ignore = "reads libraries and scenes from a folder"]

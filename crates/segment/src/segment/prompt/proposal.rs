@@ -1,4 +1,7 @@
 //! Converts the logits of a prompt to a mask: threshold, connected piece, stability, pixels.
+//!
+//! The outline is the zero crossing of the interpolated logits. Analysis later moves outlines to where the
+//! image has its edges.
 
 use super::{Logits, PromptMask};
 use crate::segment::similar::Measured;

@@ -1,4 +1,6 @@
 //! The merge tree: the order in which regions are merged, and the measurements of each node.
+//!
+//! Sums are kept only for regions that still grow. A node is measured when it becomes part of another.
 
 use super::oversegmentation::Field;
 use crate::segment::hashing::ByNumber;
@@ -222,7 +224,7 @@ fn key(a: u32, b: u32) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
 
-/// What the weight of a merge takes of a region.
+/// The properties of a region that the weight of a merge depends on.
 #[derive(Clone, Copy)]
 struct Look {
     mean: [f32; 3],

@@ -67,8 +67,8 @@ fn score(features: [f32; FEATURES]) -> f32 {
     weights::NETWORK.score(&features)
 }
 
-/// What `then` makes of the tree of each smoothing and share of the border, which is dropped afterwards. Nodes
-/// have what `f` makes of their features.
+/// Builds one tree for each smoothing and share of the border, and maps it with `then`; trees are dropped
+/// afterwards. `f` maps the features of a node to its value.
 fn layers<T: Send, R: Send>(
     image: &RgbImage,
     layers: &[(f64, f32)],

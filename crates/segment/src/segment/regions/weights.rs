@@ -1,4 +1,4 @@
-//! The network's weights, fitted by `examples/fit_regions.rs` to 1000 procedural scenes in
+//! The network's weights, fitted by `tools/fit_regions.rs` to 1000 procedural scenes in
 //! 12 passes. Not written by hand.
 
 use super::select::Network;

@@ -1,5 +1,8 @@
 //! The encoder of the texton network: image → embedding. `tools/texton/network.py` is its definition, and
 //! `encoder.onnx` holds its weights, with normalisation folded in.
+//!
+//! It needs no engine, so masks do not depend on what is installed. Tests compare it with the exported
+//! graph.
 
 use super::convolution::Convolution;
 use super::maps::{Maps, WIDE};

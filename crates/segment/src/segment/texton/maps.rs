@@ -20,7 +20,7 @@ impl Maps {
         Self::of(channels, width, height, vec![0.0; channels * width * height])
     }
 
-    /// Of the channels of each cell, cells in rows.
+    /// Maps from the channels of each cell, cell by cell in rows.
     pub(super) fn of(channels: usize, width: usize, height: usize, values: Vec<f32>) -> Self {
         assert!(channels.is_multiple_of(WIDE) && values.len() == channels * width * height);
         Self { channels, width, height, values }

@@ -79,13 +79,13 @@ pub(super) fn multiply<I: Isa, const V: usize>(
     }
 }
 
-/// What becomes of the sums of a convolution.
+/// How the sums of a convolution are stored.
 #[derive(Clone, Copy)]
 pub(super) struct Store<'a> {
     pub(super) bias: &'a [f32],
-    /// Whether they are added to what is there.
+    /// Whether they are added to the stored values.
     pub(super) add: bool,
-    /// Smaller values become this.
+    /// Lower bound of the stored values.
     pub(super) least: f32,
 }
 

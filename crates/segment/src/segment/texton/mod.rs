@@ -1,13 +1,13 @@
-//! The texton segmenter: candidates from a promptable network and from the region tree, scored
-//! together.
+//! The texton segmenter: candidates from a promptable network and from the region tree, scored together.
 //!
-//! The network (`tools/texton`) is shown the image at several scales and prompted on a grid of
-//! points. Its masks and the texton-like nodes of the region tree are the candidates. Each is measured
-//! in the image and in the network's maps. A small perceptron fitted to procedural scenes scores it,
-//! and disjoint candidates of the highest worth are selected greedily.
+//! The network (`tools/texton`) is shown the image at three scales and prompted on a grid of points. Its
+//! masks and the texton-like nodes of the region tree are the candidates. Each is measured in the image and
+//! in the network's maps. A small perceptron fitted to procedural scenes scores it (`tools/fit_texton.rs`,
+//! to be fitted again with every new network), and disjoint candidates of the highest worth are selected
+//! greedily.
 //!
-//! Both networks were trained only on generated scenes. Works less well on subjects that these do not
-//! cover: crumpled litter, fur, grass.
+//! Both networks were trained only on generated scenes. Works less well on subjects that these do not cover:
+//! crumpled litter, fur, grass.
 
 mod convolution;
 mod encoder;

@@ -1,4 +1,4 @@
-//! The network's weights, fitted by `examples/fit_texton.rs` to 200 procedural scenes in
+//! The network's weights, fitted by `tools/fit_texton.rs` to 200 procedural scenes in
 //! 10 passes. Not written by hand.
 
 use super::Judge;

@@ -1,5 +1,9 @@
-//! Segment Anything in ONNX, in all common exports ([`export`]): an image encoder and a prompt
-//! decoder, in two files or one.
+//! Segment Anything in ONNX, in all common exports ([`export`]): an image encoder and a prompt decoder, in
+//! two files or one.
+//!
+//! [`export`] recognises an export by names and shapes, as data; [`frame`] brings the image into the
+//! network's square and logits back into its pixels; [`decode`] makes the prompts. A further export is a
+//! case in [`export`] and a graph in `tools/sam/make_test_networks.py`.
 
 mod decode;
 mod export;

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 use vtex_testing::{self, Exemplar, Kind, SceneParams};
 
-#[path = "exemplars/scenes.rs"]
+#[path = "../examples/exemplars/scenes.rs"]
 mod scenes;
 
 const USAGE: &str = "\

@@ -1,6 +1,6 @@
 //! Fits the judge of `--segmenter texton` to procedural scenes and writes it as Rust source.
 //!
-//! `cargo run --release --example fit_texton -- src/segment/texton/weights.rs [scenes] [passes]`
+//! `cargo run --release --example fit_texton -- crates/segment/src/segment/texton/weights.rs [scenes] [passes]`
 //!
 //! To be run again whenever the network in `tools/texton` changes. Candidates are the network's
 //! masks and the nodes of the region tree. Seeds start at 5 000 000: neither the network's training
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     });
     let judge: Judge = fitting::fit(&mut samples, passes);
     let made_by =
-        format!("fitted by `examples/fit_texton.rs` to {scenes} procedural scenes in\n//! {passes} passes");
+        format!("fitted by `tools/fit_texton.rs` to {scenes} procedural scenes in\n//! {passes} passes");
     std::fs::write(path, fitting::source(&judge, &made_by, "super::Judge"))?;
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Fits the network of `--segmenter regions` to procedural scenes and writes it as Rust source.
 //!
-//! `cargo run --release --example fit_regions -- src/segment/regions/weights.rs [scenes] [passes]`
+//! `cargo run --release --example fit_regions -- crates/segment/src/segment/regions/weights.rs [scenes] [passes]`
 //!
 //! Candidates are the nodes of the trees. Seeds start at 1 000 000: no test and no evaluation uses
 //! them.
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     });
     let network: Network = fitting::fit(&mut samples, passes);
     let made_by =
-        format!("fitted by `examples/fit_regions.rs` to {scenes} procedural scenes in\n//! {passes} passes");
+        format!("fitted by `tools/fit_regions.rs` to {scenes} procedural scenes in\n//! {passes} passes");
     std::fs::write(path, fitting::source(&network, &made_by, "super::select::Network"))?;
     Ok(())
 }
