@@ -13,8 +13,8 @@ use crate::library::Library;
 use crate::parallel;
 use crate::raster::colour::Colour;
 use crate::scene::field::Interpolant;
-use crate::scene::{Element, ElementId, Instance, LibraryId, LibraryRef, Scene};
-use crate::synth::{element, reference};
+use crate::scene::{Element, ElementId, Instance, LibraryId, Scene};
+use crate::synth::element;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -222,7 +222,7 @@ fn standing_in(instance: &Instance, new: &Candidate, own: &SecondMoments, turned
 
 /// The number of a library among those of the scene, which then lists it.
 fn number_of(scene: &mut Scene, library: &Library) -> LibraryId {
-    let wanted: LibraryRef = reference(library);
+    let wanted = library.reference();
     let known = scene.libraries.iter().position(|l| *l == wanted);
     let index = known.unwrap_or_else(|| {
         scene.libraries.push(wanted);

@@ -28,7 +28,8 @@ use crate::error::Result;
 use crate::geometry::Outline;
 pub use crate::lattice::Lattice;
 use crate::raster::colour::Colour;
-use crate::scene::Field;
+use crate::raster::colour_names;
+use crate::scene::{Field, LibraryRef};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -230,7 +231,31 @@ pub struct Category {
     pub coverage: f64,
 }
 
+impl Category {
+    /// Mean colour of its members.
+    pub fn colour(&self) -> Colour {
+        let [r, g, b, ..] = self.centre;
+        Colour::from_f64([r, g, b])
+    }
+}
+
 impl Library {
+    /// Plain names of the categories, in their order, all different: the words for their mean colours. They
+    /// are the same wherever the library's elements go.
+    pub fn category_names(&self) -> Vec<String> {
+        let colours: Vec<Colour> = self.categories.iter().map(Category::colour).collect();
+        colour_names::distinct(&colours)
+    }
+
+    /// What a scene says of the library.
+    pub fn reference(&self) -> LibraryRef {
+        LibraryRef {
+            exemplar: self.source.file.clone(),
+            sha256: self.source.sha256.clone(),
+            categories: self.category_names(),
+        }
+    }
+
     /// Value of [`Library::format`].
     pub const FORMAT: &'static str = "vtex-library";
     /// Value of [`Library::version`].

@@ -11,8 +11,7 @@ use crate::geometry::{Affine, Outline};
 use crate::library::{Library, SourceKind};
 use crate::raster::colour::Colour;
 use crate::scene::{
-    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, LibraryRef, Scene,
-    SynthParams, Tile,
+    Domain, Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, Scene, SynthParams, Tile,
 };
 use std::collections::BTreeMap;
 
@@ -29,7 +28,7 @@ pub(crate) fn scene(
     secondaries: &[secondaries::Placed],
     (background, strata): (Field, Option<Strata>),
 ) -> Scene {
-    let references = libraries.iter().map(reference).collect();
+    let references = libraries.iter().map(Library::reference).collect();
     let layers = match &strata {
         Some(strata) => strata.layers(),
         None => Scene::three_layers(background),
@@ -70,7 +69,7 @@ pub(crate) fn scene(
 /// [`reconstruct`](super::reconstruct) on a canvas of the size of the exemplar.
 pub(super) fn reconstruct(library: &Library) -> Scene {
     let (width, height) = (library.source.width, library.source.height);
-    let mut scene = Scene::new([width, height], vec![reference(library)], Vec::new());
+    let mut scene = Scene::new([width, height], vec![library.reference()], Vec::new());
     let mut known = Known::new(LibraryId(0), library);
     let mut next = 0;
     for layer in &library.layers {
@@ -99,10 +98,6 @@ pub(super) fn reconstruct(library: &Library) -> Scene {
         limit_colours(&mut scene, most);
     }
     scene
-}
-
-pub(crate) fn reference(library: &Library) -> LibraryRef {
-    LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
 }
 
 /// Removes strata without a place on the canvas: a given map may lack some, and small canvases have no room

@@ -21,7 +21,7 @@ mod units;
 
 pub use crate::arrange::controls::{Controls, Lead};
 pub use crate::arrange::correspondence::Structure;
-pub(crate) use compose::{element, reference};
+pub(crate) use compose::element;
 pub use report::{CategoryReport, Report};
 pub use strata::{StratumReport, layer_map};
 pub use units::{reconstruct, synthesize_with};

@@ -43,7 +43,7 @@ pub(super) fn synthesize(
     let map = parts(&groups, params, controls);
     let outlines = map.outlines([params.tile.x, params.tile.y]);
     let shares = map.shares();
-    let references = libraries.iter().map(super::reference).collect();
+    let references = libraries.iter().map(Library::reference).collect();
     let mut whole = Whole { scene: Scene::new([params.width, params.height], references, Vec::new()), map };
     let mut reports = Vec::new();
     let is_seen = |g: usize| shares[g] > 0.0 && (g == 0 || !outlines[g - 1].is_empty());

@@ -1,6 +1,6 @@
 //! Periodic drawings: textures placed by the drawing's period ([`crate::arrange::period`]).
 
-use super::compose::{element, reference};
+use super::compose::element;
 use super::report::{CategoryReport, Report};
 use crate::arrange::controls::Controls;
 use crate::arrange::period::{Placed, Repeated, place};
@@ -46,7 +46,7 @@ pub(super) fn synthesize(
 
 /// The scene of placed elements, in the layers of the library. Equal elements are shared.
 fn scene(library: &Library, params: &SynthParams, controls: &Controls, repeated: &Repeated) -> Scene {
-    let mut scene = Scene::new([params.width, params.height], vec![reference(library)], Vec::new());
+    let mut scene = Scene::new([params.width, params.height], vec![library.reference()], Vec::new());
     scene.parameters = Some(params.clone());
     scene.tile = params.tile;
     scene.domain = controls.domain.clone().map(|outline| Domain { outline, edge: params.edge });

@@ -33,7 +33,7 @@ use crate::parallel;
 use crate::progress::{Progress, advance};
 use crate::sampling::stream;
 use crate::scene::LibraryId;
-use crate::scene::{LibraryRef, SynthParams, Weights};
+use crate::scene::{SynthParams, Weights};
 use crate::statistics::{Correlation, Layout, Overlap, Repetition, largest_categories, neighbour_distance};
 use crate::synth::primaries_alone;
 #[cfg(feature = "schema")]
@@ -215,7 +215,7 @@ pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> 
         format: TunedWeights::FORMAT.into(),
         version: TunedWeights::VERSION,
         program: crate::PROGRAM.into(),
-        library: LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() },
+        library: library.reference().exemplar(),
         weights,
         before: judged[0],
         after,
