@@ -155,7 +155,7 @@ pub mod library {
 /// Measures of the similarity of two pictures of textures; none of them needs a network.
 pub mod metrics {
     #[doc(inline)]
-    pub use vtex_report::metrics::{Metrics, Spread, compare, scaled};
+    pub use vtex_report::metrics::{Metrics, Spread, compare, reduced, scaled};
 }
 
 /// Scene → files: SVG, SVGZ, PDF, PNG; and SVG → pixels.

@@ -175,7 +175,7 @@ fn check_references(document: &Document<'_>) {
     }
 }
 
-/// Source and library of the texton drawn by an element, as itself or the id that it refers to says.
+/// Source and index of the library of the texton drawn by an element, as itself or the id that it refers to says.
 fn origin(node: Node<'_, '_>) -> (u32, u32) {
     let number = |text: &str| text.parse().unwrap();
     let said = |name| node.descendants().find_map(|n| n.attribute(name)).map(number);
@@ -183,12 +183,12 @@ fn origin(node: Node<'_, '_>) -> (u32, u32) {
     let path = node.descendants().find(|n| n.tag_name().name() == "path");
     let name = link.map(|l| l.strip_prefix('#').unwrap()).or(path.and_then(|n| n.attribute("id")));
     match (said("data-source"), name) {
-        (Some(source), _) => (source, said("data-library").unwrap_or(0)),
+        (Some(source), _) => (source, said("data-library").unwrap_or(1) - 1),
         (None, Some(name)) => {
             // Of several parts of one texton the later ones have their number after a point.
             let name = name.split('.').next().unwrap();
-            let (source, library) = name[1..].split_once('-').unwrap_or((&name[1..], "0"));
-            (number(source), number(library))
+            let (source, library) = name[1..].split_once('-').unwrap_or((&name[1..], "1"));
+            (number(source), number(library) - 1)
         }
         (None, None) => panic!("nothing says where it comes from: {node:?}"),
     }

@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release --example readme_pictures [FOLDER]`, by default `docs/images`
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::png::PngEncoder;
 use image::imageops::{self, FilterType as Scaling};
 use image::{ImageBuffer, Luma, RgbImage};
 use std::error::Error;
@@ -26,10 +27,10 @@ use vtex_testing::{self, Kind, SceneParams};
 
 /// White between the parts of a picture, in pixels.
 const GAP: u32 = 8;
-/// Height of the pictures that show a whole texture, in pixels.
-const HEIGHT: u32 = 200;
-/// Side of the pictures of the gallery, in pixels.
-const CELL: u32 = 100;
+/// Side of a picture of a whole texture, in pixels: large enough to judge it.
+const SIDE: u32 = 300;
+/// Quality of the files, of 100.
+const QUALITY: u8 = 88;
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
@@ -38,17 +39,17 @@ fn main() -> Outcome {
     std::fs::create_dir_all(&folder)?;
     let photo = open("terrazzo")?;
     let scene = scene(&library(&photo, &())?, 1024, 512, &())?;
-    let small = imageops::resize(&photo.image, HEIGHT, HEIGHT, Scaling::Lanczos3);
-    let result = draw(&scene, f64::from(HEIGHT) / 512.0)?;
-    save(&row(&[small, result]), &folder.join("terrazzo.png"))?;
+    let small = imageops::resize(&photo.image, SIDE, SIDE, Scaling::Lanczos3);
+    let result = draw(&scene, f64::from(SIDE) / 512.0)?;
+    save(&grid(&[small, result], 2), &folder.join("terrazzo.jpg"))?;
     for (k, kinds) in Kind::ALL[..12].chunks(4).enumerate() {
-        gallery(kinds, &folder.join(format!("gallery-{}.png", k + 1)))?;
+        gallery(kinds, &folder.join(format!("gallery-{}.jpg", k + 1)))?;
     }
-    zoom(&folder.join("zoom.png"))?;
-    stages(&folder.join("stages.png"))?;
-    composing(&folder.join("composing.png"))?;
-    portrait(&folder.join("portrait.png"))?;
-    fails(&folder.join("fails.png"))
+    zoom(&folder.join("zoom.jpg"))?;
+    stages(&folder.join("stages.jpg"))?;
+    composing(&folder.join("composing.jpg"))?;
+    portrait(&folder.join("portrait.jpg"))?;
+    fails(&folder.join("fails.jpg"))
 }
 
 /// A generated scene, and its exemplar with a name.
@@ -68,10 +69,10 @@ fn gallery(kinds: &[Kind], path: &Path) -> Outcome {
         let (_, exemplar) = generated(&params)?;
         let texture = draw(&scene(&library(&exemplar, &())?, 512, 512, &())?, 1.0)?;
         for picture in [&exemplar.image, &texture] {
-            parts.push(imageops::resize(picture, CELL, CELL, Scaling::CatmullRom));
+            parts.push(side(picture));
         }
     }
-    save(&row(&parts), path)
+    save(&grid(&parts, 4), path)
 }
 
 /// A crowded exemplar, the texture that is made of it, and the one made with the true masks.
@@ -89,9 +90,7 @@ fn fails(path: &Path) -> Outcome {
     for library in [library(&exemplar, &())?, corrected] {
         parts.push(draw(&scene(&library, 512, 512, &())?, 1.0)?);
     }
-    let parts: Vec<RgbImage> =
-        parts.iter().map(|part| imageops::resize(part, HEIGHT, HEIGHT, Scaling::CatmullRom)).collect();
-    save(&row(&parts), path)
+    save(&grid(&parts.iter().map(side).collect::<Vec<_>>(), 3), path)
 }
 
 /// Two textures, the arrangement of the first with the appearance of the second, and the second that turns into
@@ -103,8 +102,8 @@ fn composing(path: &Path) -> Outcome {
     let (transferred, _) = transfer(&pebbles, &[reconstruct(&leaves)], &[], &params)?;
     let leaves = scene(&leaves, 500, 500, &())?;
     let island = morph(pebbles.clone(), leaves.clone(), &Morph::Radial, &())?;
-    let parts = [&pebbles, &leaves, &transferred, &island].map(|scene| draw(scene, 0.34));
-    save(&row(&parts.into_iter().collect::<Outcome<Vec<_>>>()?), path)
+    let parts = [&pebbles, &leaves, &transferred, &island].map(|scene| draw(scene, f64::from(SIDE) / 500.0));
+    save(&grid(&parts.into_iter().collect::<Outcome<Vec<_>>>()?, 4), path)
 }
 
 /// A portrait of our own, and the same redrawn in leaves and in pebbles.
@@ -117,8 +116,8 @@ fn portrait(path: &Path) -> Outcome {
         let params = StylizeParams { size: 900, seed: 7, ..StylizeParams::default() };
         parts.push(draw(&stylize(&picture, &elements, &params)?, 1.0)?);
     }
-    let small = |part: &RgbImage| imageops::resize(part, 240, 300, Scaling::CatmullRom);
-    save(&row(&parts.iter().map(small).collect::<Vec<_>>()), path)
+    let small = |part: &RgbImage| imageops::resize(part, SIDE, SIDE * 5 / 4, Scaling::CatmullRom);
+    save(&grid(&parts.iter().map(small).collect::<Vec<_>>(), 3), path)
 }
 
 fn open(name: &str) -> Outcome<Exemplar> {
@@ -151,7 +150,7 @@ fn zoom(path: &Path) -> Outcome {
     let pixels = imageops::resize(&pixels, width * scale, height * scale, Scaling::Nearest);
     let vectors = draw(&reconstruct(&library(&photo, &())?), f64::from(scale))?;
     let vectors = imageops::crop_imm(&vectors, x * scale, y * scale, width * scale, height * scale);
-    save(&row(&[pixels, vectors.to_image()]), path)
+    save(&grid(&[pixels, vectors.to_image()], 2), path)
 }
 
 /// Collects the pictures of the stages.
@@ -175,34 +174,38 @@ fn stages(path: &Path) -> Outcome {
         parts.push(found.1.clone());
     }
     parts.push(draw(&scene, 1.0)?);
-    let parts: Vec<RgbImage> =
-        parts.iter().map(|part| imageops::resize(part, 160, 160, Scaling::CatmullRom)).collect();
-    save(&row(&parts), path)
+    save(&grid(&parts.iter().map(side).collect::<Vec<_>>(), 3), path)
 }
 
-/// Pictures side by side.
-fn row(parts: &[RgbImage]) -> RgbImage {
-    let width = parts.iter().map(|p| p.width() + GAP).sum::<u32>() - GAP;
-    let height = parts.iter().map(RgbImage::height).max().unwrap_or(0);
-    let mut row = RgbImage::from_pixel(width, height, image::Rgb([255; 3]));
-    let mut x = 0;
-    for part in parts {
-        imageops::replace(&mut row, part, x, 0);
-        x += i64::from(part.width() + GAP);
+/// A picture of a whole texture at the size of all.
+fn side(picture: &RgbImage) -> RgbImage {
+    imageops::resize(picture, SIDE, SIDE, Scaling::CatmullRom)
+}
+
+/// Pictures in rows of so many.
+fn grid(parts: &[RgbImage], columns: usize) -> RgbImage {
+    let rows = || parts.chunks(columns);
+    let width_of = |row: &[RgbImage]| row.iter().map(|p| p.width() + GAP).sum::<u32>() - GAP;
+    let height_of = |row: &[RgbImage]| row.iter().map(RgbImage::height).max().unwrap_or(0);
+    let width = rows().map(width_of).max().unwrap_or(0);
+    let height = rows().map(|row| height_of(row) + GAP).sum::<u32>().saturating_sub(GAP);
+    let mut grid = RgbImage::from_pixel(width, height, image::Rgb([255; 3]));
+    let mut y = 0;
+    for row in rows() {
+        let mut x = 0;
+        for part in row {
+            imageops::replace(&mut grid, part, x, y);
+            x += i64::from(part.width() + GAP);
+        }
+        y += i64::from(height_of(row) + GAP);
     }
-    row
+    grid
 }
 
-/// Saves with 32 levels per channel, which halves the file.
+/// Saves as JPEG, a third as large as a PNG of these textures.
 fn save(picture: &RgbImage, path: &Path) -> Outcome {
-    let mut picture = picture.clone();
-    picture.iter_mut().for_each(|v| *v = *v / 8 * 8 + *v / 32);
     let out = BufWriter::new(File::create(path)?);
-    picture.write_with_encoder(PngEncoder::new_with_quality(
-        out,
-        CompressionType::Best,
-        FilterType::Adaptive,
-    ))?;
+    picture.write_with_encoder(JpegEncoder::new_with_quality(out, QUALITY))?;
     println!("{}: {} kB", path.display(), std::fs::metadata(path)?.len() / 1000);
     Ok(())
 }

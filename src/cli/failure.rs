@@ -1,7 +1,7 @@
 //! Messages for the user when something goes wrong, and their exit codes.
 
 use super::exit::Exit;
-use super::foreign::{in_lines, line};
+use super::foreign::{escaped_json, in_lines, line};
 use super::hints::hint;
 use super::usage;
 use anstyle::{AnsiColor, Style};
@@ -89,7 +89,7 @@ pub(crate) fn show_json(error: &anyhow::Error) {
         object["hint"] = hint.into();
     }
     // Whoever closed stdout does not want it.
-    let _ = writeln!(std::io::stdout(), "{object:#}");
+    let _ = writeln!(std::io::stdout(), "{}", escaped_json(&format!("{object:#}")));
 }
 
 /// Prints an error and its hint on stderr and says how to exit. Silent if the reader of stdout

@@ -19,6 +19,16 @@ pub(crate) fn escaped(text: &str) -> String {
     plain
 }
 
+/// JSON with every character that would act on the terminal escaped as JSON does it, as in `\u202e`; line breaks
+/// stand between values only, and stay.
+pub(crate) fn escaped_json(json: &str) -> String {
+    let mut plain = String::with_capacity(json.len());
+    for c in json.chars() {
+        if c != '\n' && acts(c) { plain += &format!("\\u{:04x}", u32::from(c)) } else { plain.push(c) }
+    }
+    plain
+}
+
 /// A text on one line of bearable length: [`escaped`], line breaks as blanks, the middle left out.
 pub(crate) fn line(text: &str) -> String {
     let words: Vec<&str> = text.split(['\n', '\r']).map(str::trim).filter(|part| !part.is_empty()).collect();
@@ -89,5 +99,9 @@ mod tests {
             "\u{1b}[1mhead\u{1b}[0m\n\\u{1b}]0;x\\u{7}\\tb"
         );
         assert_eq!(styled("\u{1b}[12"), "\\u{1b}[12");
+        assert_eq!(
+            escaped_json("{\n  \"a\": \"\u{202e}b\u{9b}2J\u{2066}ä\"\n}"),
+            "{\n  \"a\": \"\\u202eb\\u009b2J\\u2066ä\"\n}"
+        );
     }
 }

@@ -26,6 +26,7 @@ pub(crate) mod progress;
 pub(crate) mod raw_arguments;
 mod reading;
 mod recipe;
+mod replacing;
 pub(crate) mod resolve;
 pub(crate) mod short_help;
 mod summary;

@@ -1,11 +1,12 @@
 //! Where results go: files put in place as a whole, or standard output.
 
-use super::foreign::{escaped, styled};
+use super::foreign::{escaped, escaped_json, styled};
 use super::input::was_read;
 use super::interrupt;
 use super::options::render::{Background, RenderParameters};
 use super::options::svg::SvgParameters;
 use super::values::Bytes;
+use serde::Serialize;
 use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -375,6 +376,19 @@ pub(crate) fn print(data: &[u8]) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(data).and_then(|()| out.flush()).map_err(|e| Error::write(Path::new("-"), e))?;
     Ok(())
+}
+
+/// Prints a report in JSON on standard output, or on stderr if that carries data. Nothing in it acts on a terminal.
+///
+/// # Errors
+/// [`Error::Write`] with the path `-`.
+pub(crate) fn print_json(report: &impl Serialize, stdout_is_taken: bool) -> anyhow::Result<()> {
+    let text = escaped_json(&serde_json::to_string_pretty(report)?);
+    if stdout_is_taken {
+        say(&text);
+        return Ok(());
+    }
+    print(format!("{text}\n").as_bytes())
 }
 
 /// Prints text that may hold colours, which go if standard output is not to have them.

@@ -314,6 +314,11 @@ impl Reporter {
         self.talk("hint", AnsiColor::Cyan, message);
     }
 
+    /// Does something while no bar is in its way, such as asking the user.
+    pub(crate) fn aside<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.bar.suspend(work)
+    }
+
     fn talk(&self, kind: &str, colour: AnsiColor, message: &str) {
         if self.talks {
             let style = label(colour);

@@ -12,7 +12,8 @@ use super::options::variants::{VariantsArgs, of_seed, target_of_seed};
 use super::output::{Drawing, Target, Targets, say};
 use super::progress::Reporter;
 use super::recipe::of_variant;
-use super::summary::{Counts, Coverage, LayersReport, Reduced, Summary};
+use super::replacing::{self, Origin};
+use super::summary::{Counts, Coverage, LayersReport, Reduced, Summary, exemplar_of, few_whole};
 use serde_json::Value;
 use vtex::Progress;
 use vtex::library::Library;
@@ -72,6 +73,26 @@ impl Synthesis {
         })
     }
 
+    /// Asks before other pictures are replaced, or returns what to tell of them in the end; `exemplars` are the
+    /// sums of what it is made from.
+    ///
+    /// # Errors
+    /// Those of [`replacing::ask`].
+    pub(crate) fn ask(
+        &self,
+        common: &Common,
+        reporter: &Reporter,
+        exemplars: Option<&[String]>,
+    ) -> anyhow::Result<Option<String>> {
+        let made: Vec<(Targets, Origin)> = (0..self.variants)
+            .map(|variant| {
+                let (seed, targets, _) = self.variant(variant);
+                (targets, Origin { seed, exemplars: exemplars.map(<[String]>::to_vec) })
+            })
+            .collect();
+        replacing::ask(common, reporter, &made)
+    }
+
     /// Seed and files of a variant, counted from 0.
     fn variant(&self, variant: u64) -> (u64, Targets, Option<Target>) {
         let seed = self.parameters.seed.wrapping_add(variant);
@@ -84,7 +105,7 @@ impl Synthesis {
 }
 
 /// The sources of a texture.
-pub(crate) struct Origin<'a> {
+pub(crate) struct Sources<'a> {
     pub(crate) command: &'static str,
     pub(crate) inputs: Vec<String>,
     pub(crate) libraries: &'a [Library],
@@ -105,11 +126,11 @@ pub(crate) fn canvas(parameters: &SynthParams, sized: bool, libraries: &[Library
 pub(crate) fn finish(
     common: &Common,
     reporter: &Reporter,
-    origin: Origin<'_>,
+    sources: Sources<'_>,
     controls: &Controls,
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
-    let Origin { command, inputs, libraries, recipe } = origin;
+    let Sources { command, inputs, libraries, recipe } = sources;
     let Synthesis { parameters, svg, render, targets, sized, .. } = synthesis;
     let parameters = &canvas(parameters, *sized, libraries);
     if let Some(warning) = render.warning(targets.has(Format::Png)) {
@@ -128,7 +149,8 @@ pub(crate) fn finish(
         let library = libraries.first();
         let recipe = recipe.map(|recipe| of_variant(recipe, variant));
         let drawing = Drawing { svg: svg.fit(libraries), render: *render, recipe: recipe.as_ref() };
-        let result = Made { command, inputs: inputs.clone(), library, scene, report };
+        let exemplar = exemplar_of(libraries);
+        let result = Made { command, inputs: inputs.clone(), library, exemplar, scene, report };
         result.write(common, reporter, drawing, &targets, pattern.as_ref())?;
     }
     Ok(())
@@ -140,6 +162,8 @@ pub(crate) struct Made<'a> {
     pub(crate) inputs: Vec<String>,
     /// The library that it was made from, where that may be written too.
     pub(crate) library: Option<&'a Library>,
+    /// What it was made from, for people.
+    pub(crate) exemplar: &'static str,
     pub(crate) scene: Scene,
     pub(crate) report: Report,
 }
@@ -154,7 +178,7 @@ impl Made<'_> {
         targets: &Targets,
         pattern: Option<&Target>,
     ) -> anyhow::Result<()> {
-        let Self { command, inputs, library, scene, report } = self;
+        let Self { command, inputs, library, exemplar, scene, report } = self;
         reporter.picture("gaussians", &|| splat(&scene));
         reporter.stage("writing")?;
         let written = targets.write_scene(&scene, library, drawing)?;
@@ -172,9 +196,11 @@ impl Made<'_> {
                 wanted: Some(report.coverage_wanted),
                 got: Some(report.coverage),
                 categories: report.categories,
+                exemplar,
             }),
             layers,
             method: Some(report.method),
+            few_whole: report.structure.as_ref().zip(library).and_then(|(s, library)| few_whole(s, library)),
             structure: report.structure,
             overlap: Some(report.overlap),
             repetition: Some(report.repetition),

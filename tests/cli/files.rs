@@ -1,5 +1,7 @@
 //! Which files are written, replaced, left alone.
 
+#[cfg(unix)]
+use super::support::on_terminal;
 use super::support::{Folder, is_document, photo, unpack};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -37,6 +39,61 @@ fn the_extension_decides() {
     assert_eq!((folder.read("b.scene.json"), folder.read("b.svg")), (scene, svg));
     folder.run("analyze photo.png --seed 7 -o c.lib.json.gz").succeeds();
     assert_eq!(unpack(&folder.path("c.lib.json.gz")), folder.read("photo.lib.json"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_terminal_is_asked_before_a_picture_of_another_seed_is_replaced() {
+    let folder = Folder::with_library();
+    let synth = |name: &str, seed: u64| format!("synth photo.lib.json --size 40 --seed {seed} -o {name}");
+    for name in ["a.svg", "a.svgz", "a.png"] {
+        folder.run(&synth(name, 1)).succeeds();
+        let first = folder.read(name);
+        let ask = |arguments: &str, answer: &str| {
+            let (code, shown) = on_terminal(folder.command(arguments), answer);
+            (code, shown.contains("replace it? [y/N]"), folder.read(name) == first)
+        };
+        assert_eq!(ask(&synth(name, 2), "n\n"), (Some(1), true, true));
+        assert_eq!(ask(&synth(name, 2), "\n"), (Some(1), true, true));
+        // The same is made again, and another is made where it is forced, without a question.
+        assert_eq!(ask(&synth(name, 1), ""), (Some(0), false, true));
+        assert_eq!(ask(&format!("{} --force", synth(name, 3)), ""), (Some(0), false, false));
+        folder.run(&format!("{} -f", synth(name, 1))).succeeds();
+        assert_eq!(ask(&synth(name, 2), "y\n"), (Some(0), true, false));
+    }
+    // What seeds do not matter to, or say nothing of, is replaced as ever.
+    for name in ["a.pdf", "a.scene.json"] {
+        folder.run(&synth(name, 1)).succeeds();
+        let (code, shown) = on_terminal(folder.command(&synth(name, 2)), "");
+        assert_eq!((code, shown.contains("[y/N]")), (Some(0), false));
+    }
+    // The photograph counts, and several files are one question.
+    let texture = "texture photo.png --segmenter regions --size 40 --seed 1 --variants 3 -o t.svg";
+    folder.run(texture).succeeds();
+    let (code, _) = on_terminal(folder.command(texture), "");
+    assert_eq!(code, Some(0));
+    let mut other = photo();
+    other.push(0);
+    folder.write("photo.png", other);
+    let (code, shown) = on_terminal(folder.command(texture), "n\n");
+    assert_eq!(code, Some(1));
+    assert!(shown.contains("'t-1.svg' holds another texture of photo.png"), "{shown}");
+    assert!(shown.contains("and so do 2 more files; replace it? [y/N]"), "{shown}");
+}
+
+#[test]
+fn scripts_are_told_the_seed_that_they_replace() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json --size 40 --seed 71 -o a.svg").succeeds();
+    let told = folder.run("synth photo.lib.json --size 40 --seed 72 -o a.svg").succeeds().stderr;
+    assert!(
+        told.contains("hint: 'a.svg' held another texture of photo.png: --seed 71 makes it again"),
+        "{told}"
+    );
+    for silent in ["", " --quiet", " --force"] {
+        let told = folder.run(&format!("synth photo.lib.json --size 50 --seed 72 -o a.svg{silent}"));
+        assert!(!told.succeeds().stderr.contains("hint"));
+    }
 }
 
 #[test]

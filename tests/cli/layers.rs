@@ -52,7 +52,7 @@ fn a_photograph_becomes_a_map_of_any_size() {
     folder.run("layers map.png -o again.json --seed 1").succeeds();
     let json: serde_json::Value = serde_json::from_slice(&folder.read("again.json")).unwrap();
     assert_eq!((&json["format"], &json["width"]), (&json!("vtex-layers"), &json!(300)));
-    let told = folder.run("layers rust.png -o map.png --seed 1").succeeds().stderr;
+    let told = folder.run("layers rust.png -o map.png --seed 1 -v").succeeds().stderr;
     assert!(told.contains("layers from bottom to top: ") && told.contains("reach far"), "{told}");
 }
 

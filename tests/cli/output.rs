@@ -328,7 +328,7 @@ fn sizes_may_have_units() {
 fn a_tile_that_holds_no_whole_periods_names_the_size_that_does() {
     let folder = Folder::with_library();
     let told = folder.run("inspect photo.lib.json").succeeds().text().to_owned();
-    assert!(told.contains("lattice of"), "{told}");
+    assert!(told.contains("a lattice that repeats every "), "{told}");
     let run =
         folder.run("synth photo.lib.json --size 50 --tile -o a.svg").fails(1, "whole periods of its lattice");
     let size = run.stderr.split("give --size ").nth(1).and_then(|rest| rest.split(',').next()).unwrap();
@@ -336,4 +336,82 @@ fn a_tile_that_holds_no_whole_periods_names_the_size_that_does() {
     folder.run("synth photo.lib.json --size 50 --tile --lattice off -o b.svg").succeeds();
     folder.run("synth photo.lib.json --size 50 --lattice 12 -o c.svg").fails(2, "one or two vectors");
     folder.run("synth photo.lib.json --size 50 --lattice 9,0,18,0 -o c.svg").fails(2, "different directions");
+}
+
+#[test]
+fn categories_have_one_name_and_number_everywhere() {
+    let folder = Folder::with_library();
+    let names = |run: &str| {
+        let found = folder.run(run).succeeds().json();
+        let all = found["categories"].as_array().unwrap().iter();
+        all.map(|c| (c["category"].as_u64().unwrap(), c["name"].as_str().unwrap().to_owned()))
+            .collect::<Vec<_>>()
+    };
+    let known = names("inspect photo.lib.json --json");
+    assert!(known.len() > 1 && known.iter().zip(1..).all(|((number, _), k)| *number == k), "{known:?}");
+    folder.run("synth photo.lib.json --size 90 --seed 3 -o a.scene.json -o a.svg --css").succeeds();
+    // Colours that change later change no name.
+    folder.run("edit a.scene.json -o b.scene.json").fails(2, "nothing says what to do");
+    let tint =
+        ["edit", "a.scene.json", "-o", "b.scene.json", "-o", "b.svg", "--op", "tint #00ff00 --amount 0.9"];
+    let run: super::support::Run = folder.command("").args(tint).output().unwrap().into();
+    run.succeeds();
+    for file in ["a.scene.json", "b.scene.json", "a.svg", "b.svg"] {
+        let found = names(&format!("inspect {file} --json"));
+        assert!(
+            !found.is_empty() && found.iter().all(|one| known.contains(one)),
+            "{file}: {found:?} {known:?}"
+        );
+    }
+    let svg = String::from_utf8(folder.read("a.svg")).unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let mut counts = std::collections::BTreeMap::new();
+    for group in document.descendants() {
+        let Some(number) = group.attribute("class").and_then(|c| c.strip_prefix("category-")) else {
+            continue;
+        };
+        let number: u64 = number.parse().unwrap();
+        let name = &known[number as usize - 1].1;
+        let label = group.attributes().find(|a| a.name() == "label").unwrap().value();
+        assert!(label.starts_with(&format!("{name} ")), "{label}: {name}");
+        assert!(svg.contains(&format!("--hue-{number})")) && svg.contains(&format!("/* {name} #")));
+        *counts.entry(number).or_insert(0) += 1;
+    }
+    for (number, count) in counts {
+        let operation = format!("delete --where category={number}");
+        let mut edit = folder.command("edit a.scene.json -o c.svg -f --json");
+        let run: super::support::Run = edit.args(["--op", &operation]).output().unwrap().into();
+        assert_eq!(run.succeeds().json()["operations"][0]["matched"], count);
+    }
+    folder.run("inspect photo.lib.json a.scene.json -o page.html").succeeds();
+    let page = String::from_utf8(folder.read("page.html")).unwrap();
+    for (number, name) in &known {
+        assert!(page.contains(&format!("\"id\":{number},\"name\":\"{name}\"")), "{number} {name}");
+    }
+    for wrong in ["category=0", "library=0"] {
+        let mut edit = folder.command("edit a.scene.json -o c.svg -f");
+        let run: super::support::Run =
+            edit.args(["--op", &format!("delete --where {wrong}")]).output().unwrap().into();
+        run.fails(2, "is numbered from 1");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn json_holds_nothing_that_acts_on_a_terminal() {
+    let folder = Folder::with_library();
+    let name = "a\u{202e}gnp\u{2066}\u{9b}2J.lib.json";
+    folder.write(name, folder.read("photo.lib.json"));
+    let missing = "b\u{202e}gnp\u{2066}\u{9b}2J.lib.json";
+    for (arguments, name, piped) in
+        [("inspect", name, false), ("synth --size 40 -o -", name, true), ("inspect", missing, false)]
+    {
+        let run: super::support::Run =
+            folder.command(arguments).args([name, "--json"]).output().unwrap().into();
+        let told = if piped { run.stderr } else { String::from_utf8(run.stdout).unwrap() };
+        assert!(told.contains("\\u202e") && told.contains("\\u009b"), "{told}");
+        assert!(!told.contains(['\u{202e}', '\u{2066}', '\u{9b}']), "{told}");
+        let value: serde_json::Value = serde_json::from_str(&told).unwrap();
+        assert!(value.to_string().contains('\u{202e}'), "{told}");
+    }
 }

@@ -81,6 +81,34 @@ impl Folder {
     }
 }
 
+/// Runs a command with a terminal for standard input and stderr, on which an answer is typed: its code, and
+/// what the terminal shows.
+#[cfg(unix)]
+pub(crate) fn on_terminal(mut command: Command, answer: &str) -> (Option<i32>, String) {
+    use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+    use std::io::Read;
+    let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+    grantpt(&master).unwrap();
+    unlockpt(&master).unwrap();
+    let name = ptsname(&master, Vec::new()).unwrap();
+    let terminal = std::fs::File::options().read(true).write(true).open(name.to_str().unwrap()).unwrap();
+    command.stdin(terminal.try_clone().unwrap()).stdout(Stdio::null()).stderr(terminal);
+    let mut child = command.spawn().unwrap();
+    // It holds the terminal open, which then would never end.
+    drop(command);
+    let mut keys = std::fs::File::from(master);
+    let mut screen = keys.try_clone().unwrap();
+    let reader = std::thread::spawn(move || {
+        let mut shown = Vec::new();
+        // The end of a terminal is an error.
+        let _ = screen.read_to_end(&mut shown);
+        String::from_utf8_lossy(&shown).into_owned()
+    });
+    keys.write_all(answer.as_bytes()).unwrap();
+    let code = child.wait().unwrap().code();
+    (code, reader.join().unwrap())
+}
+
 impl From<Output> for Run {
     fn from(output: Output) -> Self {
         let stderr = String::from_utf8(output.stderr).unwrap();

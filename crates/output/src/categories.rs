@@ -1,24 +1,30 @@
 //! Scene → its categories: number, plain name and mean colour.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use vtex_base::raster::colour::Colour;
 use vtex_base::raster::colour_names;
 use vtex_scene::scene::{CategoryId, Element, LibraryId, Scene};
 
-/// A category of which a scene shows elements.
+/// A category of which a scene shows elements. Serialised, library and category are numbers from 1.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct SceneCategory {
     /// Its library.
+    #[serde(serialize_with = "library_number")]
     pub library: LibraryId,
-    /// Its number in the library.
+    /// Its index in the library.
+    #[serde(serialize_with = "CategoryId::serialize_number")]
     pub category: CategoryId,
-    /// A plain name for its colour; no other category of the scene has it.
+    /// Its name in the library; of scenes that know none, a plain name for its colour.
     pub name: String,
     /// Mean colour of its elements where they stand: of the first shape of each, in sRGB.
     pub colour: Colour,
     /// Number of its elements on the canvas.
     pub elements: usize,
+}
+
+fn library_number<S: Serializer>(library: &LibraryId, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_u64(library.number())
 }
 
 /// The categories of a scene's elements, by library and number. Those that no element of the canvas
@@ -40,15 +46,15 @@ pub fn categories(scene: &Scene) -> Vec<SceneCategory> {
         .map(|((((library, category), (_, elements)), name), colour)| SceneCategory {
             library,
             category,
-            name,
+            name: scene.libraries[library.index()].categories.get(category.index()).cloned().unwrap_or(name),
             colour,
             elements,
         })
         .collect()
 }
 
-/// The class that elements of a category have in an SVG: `category-2`, or `category-2-1` for category 2
-/// of library 1 where a scene is made from several.
+/// The class that elements of a category have in an SVG: `category-2`, or `category-2-1` for the second
+/// category of the first library where a scene is made from several.
 pub(super) fn class(scene: &Scene, element: &Element) -> Option<String> {
     Some(class_of(scene, element.library, element.category?))
 }

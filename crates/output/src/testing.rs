@@ -125,7 +125,11 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
     Scene {
         parameters: Some(SynthParams { width, height, seed, ..SynthParams::default() }),
         program: "vtex test".into(),
-        libraries: vec![LibraryRef { exemplar: "stones & <chips>.jpg".into(), sha256: "0".repeat(64) }],
+        libraries: vec![LibraryRef {
+            exemplar: "stones & <chips>.jpg".into(),
+            sha256: "0".repeat(64),
+            categories: Vec::new(),
+        }],
         ..scene
     }
 }

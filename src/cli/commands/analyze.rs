@@ -83,7 +83,12 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
         size: [library.source.width, library.source.height],
         reduced: Reduced::of_library(&library),
         counts: Some(Counts::of_library(&library)),
-        coverage: Some(Coverage { wanted: Some(library.coverage), got: None, categories: Vec::new() }),
+        coverage: Some(Coverage {
+            wanted: Some(library.coverage),
+            got: None,
+            categories: Vec::new(),
+            exemplar: "photograph",
+        }),
         layers: LayersReport::of_library(&library),
         lattice: library.lattice.clone(),
         ..Summary::new("analyze", vec![analysis.photo.name()], targets.path(), written, reporter)

@@ -7,7 +7,7 @@ use crate::cli::failure::Failure;
 use crate::cli::input::{Input, Kind};
 use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::{check_files, required};
-use crate::cli::output::{print, print_styled};
+use crate::cli::output::{print_json, print_styled};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::table::table;
@@ -102,7 +102,7 @@ fn run(common: &Common, reporter: &Reporter, checking: Checking) -> anyhow::Resu
     let again = analyze(&exemplar, &*segmenter, &analysis.parameters, reporter)?;
     let cycle = Cycle::between(&scene, &reconstruct(&again));
     if common.json {
-        return print(format!("{}\n", serde_json::to_string_pretty(&cycle)?).as_bytes());
+        return print_json(&cycle, false);
     }
     print_styled(&told(&cycle))
 }

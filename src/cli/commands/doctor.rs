@@ -6,7 +6,7 @@ use crate::cli::common::Common;
 use crate::cli::foreign::escaped;
 use crate::cli::models::{Model, Store};
 use crate::cli::options::engine::{EngineArgs, engine};
-use crate::cli::output::{print, print_styled};
+use crate::cli::output::{print_json, print_styled};
 use anstyle::Style;
 use clap::Args;
 use serde::Serialize;
@@ -60,9 +60,7 @@ struct Candidate {
 fn run(common: &Common, options: &EngineOptions) -> anyhow::Result<()> {
     let report = examine(options);
     if common.json {
-        let mut text = serde_json::to_string_pretty(&report)?;
-        text.push('\n');
-        return print(text.as_bytes());
+        return print_json(&report, false);
     }
     print_styled(&report.show())
 }

@@ -10,7 +10,7 @@ use crate::cli::operations::{self, Asked};
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Drawing, Targets, print, say};
+use crate::cli::output::{Drawing, Targets, print, print_json, say};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::{Counts, Summary};
@@ -151,12 +151,7 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
     };
     let piped = targets.piped();
     if common.json {
-        let text = serde_json::to_string_pretty(&Told { summary: &summary, operations: done })?;
-        if piped {
-            say(&text);
-            return Ok(());
-        }
-        return print(format!("{text}\n").as_bytes());
+        return print_json(&Told { summary: &summary, operations: done }, piped);
     }
     if !common.quiet {
         done.iter().for_each(|done| say(&line(done)));
@@ -173,5 +168,5 @@ fn line(done: &Done<'_>) -> String {
         count => format!(", {count} too thin to be drawn anew and left as they are"),
     };
     let removed = if *removed > 0 { format!(", {removed} removed") } else { String::new() };
-    format!("  {operation}: {matched} matched{removed}{thin}")
+    format!("  {operation}: {matched} selected{removed}{thin}")
 }

@@ -6,7 +6,7 @@ use crate::cli::failure::Failure;
 use crate::cli::foreign::escaped;
 use crate::cli::models::{DESCRIPTION, Model, State, Store};
 use crate::cli::options::engine::{EngineArgs, engine};
-use crate::cli::output::{print, print_styled, say};
+use crate::cli::output::{print_json, print_styled, say};
 use crate::cli::summary::bytes;
 use crate::cli::values::Name;
 use anstyle::Style;
@@ -173,7 +173,5 @@ pub(super) fn show(model: &Model) -> String {
 /// Prints what a command found, under a name.
 fn json(command: &str, name: &str, value: &impl Serialize) -> anyhow::Result<()> {
     let report = serde_json::json!({ "program": vtex::PROGRAM, "command": command, name: value });
-    let mut text = serde_json::to_string_pretty(&report)?;
-    text.push('\n');
-    print(text.as_bytes())
+    print_json(&report, false)
 }

@@ -16,7 +16,7 @@ use crate::cli::options::synth::{SynthBackgroundFlags, SynthFlags};
 use crate::cli::options::variants::VariantsArgs;
 use crate::cli::progress::{Plan, Reporter};
 use crate::cli::reading;
-use crate::cli::synthesis::{Origin, Synthesis, finish};
+use crate::cli::synthesis::{Sources, Synthesis, finish};
 use crate::cli::weights::read_weights;
 use clap::Args;
 use std::path::PathBuf;
@@ -106,8 +106,12 @@ fn run(common: &Common, reporter: &Reporter, inputs: &[Input], synthesis: &Synth
     reporter.stage("reading")?;
     let mut controls = reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
     let libraries = reading::libraries(inputs)?;
+    let exemplars: Vec<String> = libraries.iter().map(|l| l.source.sha256.clone()).collect();
+    let replaced = synthesis.ask(common, reporter, Some(&exemplars))?;
     controls.lead = reading::lead(&synthesis.steering, &libraries[0])?;
     let names = inputs.iter().map(Input::name).collect();
-    let origin = Origin { command: "synth", inputs: names, libraries: &libraries, recipe: None };
-    finish(common, reporter, origin, &controls, synthesis)
+    let sources = Sources { command: "synth", inputs: names, libraries: &libraries, recipe: None };
+    finish(common, reporter, sources, &controls, synthesis)?;
+    replaced.iter().for_each(|hint| reporter.hint(hint));
+    Ok(())
 }

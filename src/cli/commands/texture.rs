@@ -21,7 +21,7 @@ use crate::cli::options::variants::VariantsArgs;
 use crate::cli::progress::{Plan, Reporter};
 use crate::cli::reading;
 use crate::cli::recipe::{self, Recipe, of_variant};
-use crate::cli::synthesis::{Origin, Synthesis, canvas, finish};
+use crate::cli::synthesis::{Sources, Synthesis, canvas, finish};
 use crate::cli::weights::read_weights;
 use clap::Args;
 use std::path::PathBuf;
@@ -202,6 +202,11 @@ impl Texture {
         let Self { analysis, synthesis, recipe, .. } = self;
         synthesis.probe()?;
         analysis.probe()?;
+        let photo = match &analysis.photo {
+            Input::Stdin => None,
+            photo @ Input::File(_) => Some([recipe::sum(&photo.read()?)]),
+        };
+        let replaced = synthesis.ask(common, reporter, photo.as_ref().map(<[String; 1]>::as_slice))?;
         // Faults in them show before the long work.
         if let Some(recipe) = recipe {
             recipe.check("photo", "the photograph", &analysis.photo)?;
@@ -231,7 +236,9 @@ impl Texture {
         )?;
         let made = of_variant(&made, self.variant);
         let libraries = std::slice::from_ref(&library);
-        let origin = Origin { command: "texture", inputs, libraries, recipe: Some(&made) };
-        finish(common, reporter, origin, &controls, synthesis)
+        let sources = Sources { command: "texture", inputs, libraries, recipe: Some(&made) };
+        finish(common, reporter, sources, &controls, synthesis)?;
+        replaced.iter().for_each(|hint| reporter.hint(hint));
+        Ok(())
     }
 }

@@ -11,7 +11,7 @@ use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Drawing, Targets, say};
+use crate::cli::output::{Drawing, Targets, print_json, say};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{Counts, Summary};
 use crate::cli::values::{between, named, one_of};
@@ -168,7 +168,7 @@ fn run(common: &Common, reporter: &Reporter, job: &Transferring) -> anyhow::Resu
     let (scene, report) = transfer(&scene, &others, &shares, params)?;
     if report.removed > 0 {
         let gone = report.removed;
-        reporter.warn(&format!("{gone} elements are gone: the appearance has none of their role"));
+        reporter.warn(&format!("{gone} elements are gone: the appearance has no large elements, or no small ones, to take their place"));
     }
     reporter.stage("writing")?;
     let drawing = Drawing { svg: *svg, render: *render, recipe: None };
@@ -183,12 +183,7 @@ fn run(common: &Common, reporter: &Reporter, job: &Transferring) -> anyhow::Resu
     };
     let piped = targets.piped();
     if common.json {
-        let text = serde_json::to_string_pretty(&Told { summary: &summary, report })?;
-        if piped {
-            say(&text);
-            return Ok(());
-        }
-        return crate::cli::output::print(format!("{text}\n").as_bytes());
+        return print_json(&Told { summary: &summary, report }, piped);
     }
     if !common.quiet && report.thin > 0 {
         say(&format!("  {} elements are too thin to be drawn anew and keep their shape", report.thin));

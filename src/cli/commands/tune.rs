@@ -6,7 +6,7 @@ use crate::cli::failure::Failure;
 use crate::cli::format::weights_path;
 use crate::cli::input::{Input, Kind};
 use crate::cli::options::files::{ForceArgs, required};
-use crate::cli::output::{Place, print, say};
+use crate::cli::output::{Place, print_json, say};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{Seconds, bytes, peak_memory};
 use crate::cli::values::{Name, Size};
@@ -144,7 +144,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
             peak_memory: peak_memory(),
             warnings,
         };
-        return print(format!("{}\n", serde_json::to_string_pretty(&summary)?).as_bytes());
+        return print_json(&summary, false);
     }
     if common.quiet {
         return Ok(());

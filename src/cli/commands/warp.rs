@@ -12,6 +12,7 @@ use crate::cli::options::svg::{SvgFlags, SvgParameters};
 use crate::cli::output::{Drawing, Targets};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
+use crate::cli::summary::exemplar_of;
 use crate::cli::synthesis::Made;
 use crate::cli::values::{Factors, named, one_of};
 use clap::Args;
@@ -133,9 +134,10 @@ fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Resul
     if let How::Cage(cages) = how {
         inputs.extend(cages.iter().map(Input::name));
     }
+    let exemplar = exemplar_of(&known);
     let (result, report) = warp(&before, known, &bend, *parameters, reporter)?;
     let drawing = Drawing { svg: *svg, render: RenderParameters::default(), recipe: None };
-    let made = Made { command: "warp", inputs, library: None, scene: result, report };
+    let made = Made { command: "warp", inputs, library: None, exemplar, scene: result, report };
     made.write(common, reporter, drawing, targets, None)
 }
 

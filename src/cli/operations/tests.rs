@@ -144,7 +144,7 @@ fn texts_mean_operations() {
     assert_eq!(
         all.conditions,
         [
-            Condition::Among { identity: Identity::Category, numbers: vec![3, 5], wanted: false },
+            Condition::Among { identity: Identity::Category, numbers: vec![2, 4], wanted: false },
             compare(Quantity::Area, Comparison::AtLeast, 20.0),
             compare(Quantity::X, Comparison::Less, 9.0),
             Condition::Place { shape: "a.svg".into(), inside: false },

@@ -13,7 +13,8 @@ use vtex::output::file::{Format, Kind};
 #[derive(Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct ForceArgs {
-    /// Replace an existing file even if vtex did not write it
+    /// Replace existing files even if vtex did not write them, without asking. On a terminal, texture and synth
+    /// ask before they replace a picture of another seed or exemplar; in scripts they replace it and tell its seed
     #[arg(short, long)]
     pub(crate) force: bool,
 }

@@ -5,7 +5,7 @@ use crate::arrange::controls::Controls;
 use crate::arrange::variation::Variation;
 use vtex_base::raster::colour::Colour;
 use vtex_scene::library::Library;
-use vtex_scene::reconstruct::{Listing, reference};
+use vtex_scene::reconstruct::Listing;
 use vtex_scene::scene::{
     Domain, Element, ElementId, Instance, InstanceId, Layer, LibraryId, Scene, SynthParams,
 };
@@ -36,7 +36,7 @@ pub(crate) fn blank(
     controls: &Controls,
     layers: Vec<Layer>,
 ) -> Scene {
-    let references = libraries.iter().map(reference).collect();
+    let references = libraries.iter().map(Library::reference).collect();
     Scene {
         parameters: Some(params.clone()),
         tile: params.tile,

@@ -14,7 +14,6 @@ use vtex_base::raster::LabelMap;
 use vtex_base::raster::colour::Colour;
 use vtex_field::layers::{Layer as Part, LayerMap};
 use vtex_scene::library::{Library, SourceKind};
-use vtex_scene::reconstruct::reference;
 use vtex_scene::scene::{
     Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, Role, Scene, SynthParams, joined,
 };
@@ -43,7 +42,7 @@ pub(super) fn synthesize(
     let map = parts(&groups, params, controls);
     let outlines = map.outlines([params.tile.x, params.tile.y]);
     let shares = map.shares();
-    let references = libraries.iter().map(reference).collect();
+    let references = libraries.iter().map(Library::reference).collect();
     let mut whole = Whole { scene: Scene::new([params.width, params.height], references, Vec::new()), map };
     let mut reports = Vec::new();
     let is_seen = |g: usize| shares[g] > 0.0 && (g == 0 || !outlines[g - 1].is_empty());

@@ -37,7 +37,7 @@ use vtex_base::sampling::stream;
 use vtex_scene::element::CategoryId;
 use vtex_scene::library::Library;
 use vtex_scene::scene::LibraryId;
-use vtex_scene::scene::{LibraryRef, SynthParams, Weights};
+use vtex_scene::scene::{SynthParams, Weights};
 use vtex_scene::statistics::{
     Correlation, Layout, Overlap, Repetition, largest_categories, neighbour_distance,
 };
@@ -217,7 +217,7 @@ pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> 
         format: TunedWeights::FORMAT.into(),
         version: TunedWeights::VERSION,
         program: vtex_base::PROGRAM.into(),
-        library: LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() },
+        library: library.reference().exemplar(),
         weights,
         before: judged[0],
         after,

@@ -14,9 +14,9 @@ use vtex_base::geometry::{Affine, Outline, SecondMoments, edges};
 use vtex_base::parallel;
 use vtex_base::raster::colour::Colour;
 use vtex_scene::library::Library;
-use vtex_scene::reconstruct::{element, reference};
+use vtex_scene::reconstruct::element;
 use vtex_scene::scene::field::Interpolant;
-use vtex_scene::scene::{Element, ElementId, Instance, LibraryId, LibraryRef, Scene};
+use vtex_scene::scene::{Element, ElementId, Instance, LibraryId, Scene};
 
 /// Candidates whose overlap with a texton is measured.
 const CANDIDATES: usize = 16;
@@ -222,7 +222,7 @@ fn standing_in(instance: &Instance, new: &Candidate, own: &SecondMoments, turned
 
 /// The number of a library among those of the scene, which then lists it.
 fn number_of(scene: &mut Scene, library: &Library) -> LibraryId {
-    let wanted: LibraryRef = reference(library);
+    let wanted = library.reference();
     let known = scene.libraries.iter().position(|l| *l == wanted);
     let index = known.unwrap_or_else(|| {
         scene.libraries.push(wanted);

@@ -78,7 +78,11 @@ fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
     let field = Field { points: points.collect(), ..testing::flat(Colour([9; 3])) };
     Scene {
         tile: Tile { x: tile, y: tile },
-        libraries: vec![LibraryRef { exemplar: format!("{seed}.png"), sha256: seed.to_string() }],
+        libraries: vec![LibraryRef {
+            exemplar: format!("{seed}.png"),
+            sha256: seed.to_string(),
+            categories: Vec::new(),
+        }],
         ..testing::scene([SIZE; 2], elements, secondary, primary, field)
     }
 }

@@ -227,4 +227,9 @@ fn more_places_than_can_be_seen_are_refused_or_left_out() {
     let count = |levels| of(120, Some(3.0), levels).unwrap().count();
     assert_eq!(count(6), count(1));
     assert!(of(32, None, 1).is_ok());
+    assert!(of(120, Some(2.0), 1).is_ok() && of(120, Some(1000.0), 1).is_ok());
+    for element in [1.99, 1000.1, 0.0, -5.0, f64::NAN, f64::INFINITY] {
+        let fault = of(120, Some(element), 1).unwrap_err();
+        assert!(matches!(fault, vtex_base::Error::Parameter { name: "element-size", .. }), "{fault}");
+    }
 }

@@ -222,6 +222,27 @@ mod tests {
     }
 
     #[test]
+    fn a_leaf_of_nearly_all_vectors_costs_no_more_than_others() {
+        // A picture near white: nearly all vectors are alike, few of them equal, and a few are far off.
+        let mut random: Stream = stream(1, "tsvq test", 1);
+        let mut near: Vec<f32> = (0..20_000 * LENGTH).map(|_| 1.0 - random.unit() as f32 * 1e-3).collect();
+        near.extend((0..7 * LENGTH).map(|k| -((k / LENGTH) as f32)));
+        let white = vec![1.0; 20_000 * LENGTH];
+        for (vectors, most) in [(&near, MOST_COMPARED), (&white, 1)] {
+            let book = Codebook::new(vectors, LENGTH, 8);
+            let largest = book.compared.iter().map(Vec::len).max().unwrap();
+            assert!(largest <= most, "{largest}");
+            let leaf = book.encode(&vectors[..LENGTH]).0;
+            assert!(
+                distance(
+                    &vectors[book.nearest(vectors, leaf, &vectors[..LENGTH]) as usize * LENGTH..][..LENGTH],
+                    &vectors[..LENGTH]
+                ) < 1e-4
+            );
+        }
+    }
+
+    #[test]
     fn more_leaves_are_nearer_and_cost_a_logarithm() {
         let (known, held) = (vectors(4000, 1), vectors(500, 2));
         let mut last = f64::INFINITY;

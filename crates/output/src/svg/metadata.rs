@@ -9,6 +9,7 @@ use vtex_scene::scene::{EditRecord, LibraryRef, Scene, SynthParams, Tile};
 #[derive(Serialize)]
 struct Metadata<'a> {
     format: &'static str,
+    /// 2; in 1 libraries and categories were numbered from 0.
     version: u32,
     program: &'a str,
     /// Not there for the reconstruction of an exemplar.
@@ -19,7 +20,7 @@ struct Metadata<'a> {
     tile: Tile,
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<&'a SynthParams>,
-    libraries: &'a [LibraryRef],
+    libraries: Vec<LibraryRef>,
     /// Those of the elements in the file.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     categories: &'a [SceneCategory],
@@ -39,14 +40,14 @@ pub(super) fn json(
 ) -> String {
     let metadata = Metadata {
         format: "vtex-svg",
-        version: 1,
+        version: 2,
         program: &scene.program,
         seed: scene.parameters.as_ref().map(|p| p.seed),
         width: scene.width,
         height: scene.height,
         tile: scene.tile,
         parameters: scene.parameters.as_ref(),
-        libraries: &scene.libraries,
+        libraries: scene.libraries.iter().map(LibraryRef::exemplar).collect(),
         categories,
         recipe,
         edits: &scene.edits,

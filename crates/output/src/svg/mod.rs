@@ -11,10 +11,10 @@
 //!
 //! Layers become groups with the layer's name; a region becomes a clip path. A reader finds of every
 //! element of a layer of individuals its *category* in the class of its group (`category-2`, or
-//! `category-2-1` for category 2 of library 1 where there are several); its *source*, the
+//! `category-2-1` for category 2 of library 1 where there are several, both numbered from 1); its *source*, the
 //! index among the elements of its library, in the id of its definition, or of its first path where it
-//! stands once (`t12` is element 12 with a category, `s340` element 340 without one, `t12-1` that of
-//! library 1, counted from 0 as in the metadata, where there are several); in an expanded file in
+//! stands once (`t12` is element 12 with a category, `s340` element 340 without one, `t12-2` that of
+//! library 2 where there are several); in an expanded file in
 //! `data-source` and `data-library` of its first path; its *place in the painting order* in the order of
 //! the document. What stands in such a layer without an id is a copy of what its `xlink:href` or
 //! `data-copy-of` names. The layers are layers in Inkscape too, and the symbols have titles.

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use vtex_base::geometry::Rect;
 use vtex_base::raster::colour::Colour;
-use vtex_output::{coverage, inside};
+use vtex_output::{SceneCategory, coverage, inside};
 use vtex_scene::element::{self, Gaussian};
 use vtex_scene::library::{AnalyzeParams, Arrangement, Library};
 use vtex_scene::scene::{
@@ -44,7 +44,7 @@ pub(super) struct GroupData<'a> {
     categories: Vec<CategoryData>,
     textons: Vec<TextonData>,
     /// Ids of the instances in each category, where the category's number alone is ambiguous.
-    instances: BTreeMap<CategoryId, Vec<InstanceId>>,
+    instances: BTreeMap<u32, Vec<InstanceId>>,
     distributions: Vec<Distribution>,
 }
 
@@ -119,7 +119,10 @@ struct EditData {
 /// A category in the exemplar and in the result. Shares are of the picture's area, 0 to 1.
 #[derive(Default, Serialize)]
 struct CategoryData {
+    /// On the page its number, from 1, as in the classes of pictures.
+    #[serde(serialize_with = "CategoryId::serialize_number")]
     id: CategoryId,
+    name: String,
     /// Mean colour of its members.
     colour: Colour,
     /// Mean area of its members, in pixels.
@@ -139,6 +142,7 @@ struct TextonData {
     source: ElementId,
     /// Its id in the picture that shows it.
     id: u32,
+    #[serde(serialize_with = "CategoryId::serialize_number")]
     category: CategoryId,
     area: f64,
     clipped: bool,
@@ -164,11 +168,11 @@ impl<'a> GroupData<'a> {
             (None, Some(scene)) => of_scene(group, scene, count),
             (None, None) => Vec::new(),
         };
-        let mut instances: BTreeMap<CategoryId, Vec<InstanceId>> = BTreeMap::new();
+        let mut instances: BTreeMap<u32, Vec<InstanceId>> = BTreeMap::new();
         if let Some(scene) = scene.filter(|s| s.libraries.len() > 1) {
             for instance in scene.individuals() {
                 if let Some((_, category)) = own(group, Some(scene), instance) {
-                    instances.entry(category).or_default().push(instance.id);
+                    instances.entry(category.number()).or_default().push(instance.id);
                 }
             }
         }
@@ -245,15 +249,16 @@ fn sides(r: Rect) -> [f64; 4] {
 }
 
 /// All categories of the library and of the scene, in order.
-fn categories(group: &Group<'_>, scene: Option<&Scene>, textons: &[TextonData]) -> Vec<CategoryData> {
+fn categories<'a>(group: &Group<'a>, scene: Option<&Scene>, textons: &[TextonData]) -> Vec<CategoryData> {
     let mut found: BTreeMap<CategoryId, CategoryData> = BTreeMap::new();
-    for (i, category) in group.library.iter().flat_map(|l| l.content.categories.iter().enumerate()) {
-        let [r, g, b, area, _] = category.centre;
+    let of_library = |l: &'a Library| l.categories.iter().zip(l.category_names()).enumerate();
+    for (i, (category, name)) in group.library.iter().flat_map(|l| of_library(&l.content)) {
         let members = || textons.iter().filter(|t| t.category.index() == i);
         let about = CategoryData {
             id: CategoryId(i as u16),
-            colour: Colour::from_f64([r, g, b]),
-            area: libm::round(area),
+            name,
+            colour: category.colour(),
+            area: libm::round(category.centre[3]),
             members: Some(members().count()),
             whole: Some(members().filter(|t| !t.clipped).count()),
             wanted: Some(category.coverage),
@@ -269,8 +274,11 @@ fn categories(group: &Group<'_>, scene: Option<&Scene>, textons: &[TextonData]) 
             *covered.entry(category).or_default() += pixels;
         }
     }
+    let shown = vtex_output::categories(scene);
     for category in covered.keys() {
-        let of_scene = || look(group, scene, *category);
+        let name = |c: &&SceneCategory| group.references.contains(&c.library) && c.category == *category;
+        let name = shown.iter().find(name).map(|c| c.name.clone()).unwrap_or_default();
+        let of_scene = || CategoryData { name, ..look(group, scene, *category) };
         found.entry(*category).or_insert_with(of_scene);
     }
     for about in found.values_mut() {

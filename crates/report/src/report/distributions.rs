@@ -19,9 +19,9 @@ const CATEGORIES: usize = 5;
 pub(super) struct Distribution {
     /// Title of the diagram.
     title: String,
-    /// The two categories of a pair correlation; `None` for other distributions.
+    /// Numbers of the two categories of a pair correlation; `None` for other distributions.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) categories: Option<[CategoryId; 2]>,
+    pub(super) categories: Option<[u32; 2]>,
     /// Label of the x axis, with its unit.
     x: &'static str,
     /// Label of the y axis, with its unit.
@@ -208,7 +208,7 @@ fn curves(layouts: &[Option<Layout>; 2], categories: &[CategoryId], unit: f64) -
         let width = Correlation::REACH * unit / bins as f64;
         found.push(Distribution {
             title: pair.map_or(String::new(), |[a, b]| format!("Category {a} around {b}")),
-            categories: pair,
+            categories: pair.map(|pair| pair.map(CategoryId::number)),
             x: "distance, px",
             y: "g, 1 is by chance",
             logarithmic: false,

@@ -17,9 +17,9 @@ pub(super) struct Group<'a> {
 
 /// The exemplars that libraries and scene refer to, without duplicates.
 pub fn exemplars(libraries: &[Named<Library>], scene: Option<&Named<Scene>>) -> Vec<LibraryRef> {
-    let of_scene = scene.iter().flat_map(|s| s.content.libraries.iter().cloned());
+    let of_scene = scene.iter().flat_map(|s| s.content.libraries.iter().map(LibraryRef::exemplar));
     let mut found: Vec<LibraryRef> = Vec::new();
-    for exemplar in libraries.iter().map(|l| reference(&l.content)).chain(of_scene) {
+    for exemplar in libraries.iter().map(|l| l.content.reference().exemplar()).chain(of_scene) {
         if !found.contains(&exemplar) {
             found.push(exemplar);
         }
@@ -27,15 +27,11 @@ pub fn exemplars(libraries: &[Named<Library>], scene: Option<&Named<Scene>>) -> 
     found
 }
 
-fn reference(library: &Library) -> LibraryRef {
-    LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
-}
-
 impl<'a> Group<'a> {
     /// One group for each library, then one for each exemplar of the scene without a library.
     pub(super) fn all(subject: &Subject<'a>) -> Vec<Self> {
         let of_library = |l: &'a Named<Library>| Self {
-            exemplar: reference(&l.content),
+            exemplar: l.content.reference(),
             library: Some(l),
             references: Vec::new(),
         };

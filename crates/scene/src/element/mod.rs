@@ -57,11 +57,22 @@ impl CategoryId {
     pub fn index(self) -> usize {
         self.0.into()
     }
+
+    /// The number that people know it by, counted from 1.
+    pub fn number(self) -> u32 {
+        u32::from(self.0) + 1
+    }
+
+    /// Writes its number instead of the index, for what people read.
+    pub fn serialize_number<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u32(self.number())
+    }
 }
 
+/// Its number.
 impl std::fmt::Display for CategoryId {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.fmt(f)
+        self.number().fmt(f)
     }
 }
 

@@ -24,7 +24,7 @@ pub use strata::Stratum;
 use crate::element;
 pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
 pub use crate::lattice::Lattice;
-use crate::scene::Field;
+use crate::scene::{Field, LibraryRef};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -239,6 +239,22 @@ impl Category {
 }
 
 impl Library {
+    /// Plain names of the categories, in their order, all different: the words for their mean colours. They
+    /// are the same wherever the library's elements go.
+    pub fn category_names(&self) -> Vec<String> {
+        let colours: Vec<Colour> = self.categories.iter().map(Category::colour).collect();
+        colour_names::distinct(&colours)
+    }
+
+    /// What a scene says of the library.
+    pub fn reference(&self) -> LibraryRef {
+        LibraryRef {
+            exemplar: self.source.file.clone(),
+            sha256: self.source.sha256.clone(),
+            categories: self.category_names(),
+        }
+    }
+
     /// Value of [`Library::format`].
     pub const FORMAT: &'static str = "vtex-library";
     /// Value of [`Library::version`].
@@ -248,12 +264,6 @@ impl Library {
     /// of the arrangement.
     pub fn primaries(&self) -> &[Element] {
         &self.elements[..self.primary_count()]
-    }
-
-    /// A plain name for the colour of each category; all are different.
-    pub fn category_names(&self) -> Vec<String> {
-        let colours: Vec<Colour> = self.categories.iter().map(Category::colour).collect();
-        colour_names::distinct(&colours)
     }
 
     /// The secondaries: small elements between the primaries.

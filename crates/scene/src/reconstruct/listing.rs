@@ -1,14 +1,9 @@
 //! Elements of a library as elements of a scene, each listed once.
 
 use crate::library::Library;
-use crate::scene::{Element, ElementId, LibraryId, LibraryRef, Scene};
+use crate::scene::{Element, ElementId, LibraryId, Scene};
 use std::collections::BTreeMap;
 use vtex_base::geometry::{Affine, Outline};
-
-/// The library as scenes name it.
-pub fn reference(library: &Library) -> LibraryRef {
-    LibraryRef { exemplar: library.source.file.clone(), sha256: library.source.sha256.clone() }
-}
 
 /// The elements of a library that a scene already holds, by their indices in the scene.
 pub struct Listing<'a> {

@@ -5,7 +5,7 @@ mod few_colours;
 mod listing;
 
 pub use equal::equal;
-pub use listing::{Listing, element, reference, translated};
+pub use listing::{Listing, element, translated};
 
 use crate::library::{Library, SourceKind};
 use crate::scene::{Instance, InstanceId, Layer, LibraryId, Scene, Tile};
@@ -30,7 +30,7 @@ pub fn reconstruct(library: &Library) -> Scene {
 /// [`reconstruct`] on a canvas of the size of the exemplar.
 fn as_it_stands(library: &Library) -> Scene {
     let (width, height) = (library.source.width, library.source.height);
-    let mut scene = Scene::new([width, height], vec![reference(library)], Vec::new());
+    let mut scene = Scene::new([width, height], vec![library.reference()], Vec::new());
     let mut listing = Listing::new(LibraryId(0), library);
     let mut next = 0;
     for layer in &library.layers {

@@ -9,7 +9,7 @@ pub const NAMES: [&str; 9] =
     ["category", "library", "id", "area", "elongation", "x", "y", "inside", "outside"];
 
 /// How conditions are written.
-pub const EXPECTED: &str = "category=3, category!=3, category=3|5, library=0, id=17, area>200, elongation>1.5, \
+pub const EXPECTED: &str = "category=3, category!=3, category=3|5, library=1, id=17, area>200, elongation>1.5, \
                             x<500, y>=20, inside=FILE, outside=FILE";
 
 /// A fault in the text of a condition.
@@ -36,14 +36,20 @@ impl FromStr for Condition {
         let (sign, value) = found.ok_or_else(none)?;
         let name = name.trim();
         let unfit = || wrong(format!("'{name}' is not compared by '{sign}'"));
-        let among = |identity| {
+        let among = |identity: Identity| {
             let wanted = match sign {
                 "=" => true,
                 "!=" => false,
                 _ => return Err(unfit()),
             };
             let numbers: Result<Vec<u32>, _> = value.split('|').map(|v| v.trim().parse()).collect();
-            let numbers = numbers.map_err(|_| wrong(format!("'{}' is no whole number", clip(value))))?;
+            let mut numbers = numbers.map_err(|_| wrong(format!("'{}' is no whole number", clip(value))))?;
+            // Data have indices.
+            let first = identity.first_number();
+            for number in &mut numbers {
+                let index = number.checked_sub(first);
+                *number = index.ok_or_else(|| wrong(format!("'{name}' is numbered from {first}")))?;
+            }
             Ok(Self::Among { identity, numbers, wanted })
         };
         let compare = |quantity| {

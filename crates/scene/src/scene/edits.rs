@@ -151,7 +151,9 @@ impl Display for Condition {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             Self::Among { identity, numbers, wanted } => {
-                let numbers: Vec<String> = numbers.iter().map(u32::to_string).collect();
+                let first = u64::from(identity.first_number());
+                let numbers: Vec<String> =
+                    numbers.iter().map(|n| (u64::from(*n) + first).to_string()).collect();
                 let sign = if *wanted { "=" } else { "!=" };
                 write!(f, "{}{sign}{}", word::<Identity>(*identity), numbers.join("|"))
             }
@@ -197,7 +199,7 @@ mod tests {
     fn records_come_back_and_read_plainly() {
         let tint = Action::Tint { colour: Colour([255, 0, 0]).into(), amount: 0.5, share: 1.0 };
         let conditions = vec![
-            Condition::Among { identity: Identity::Category, numbers: vec![3, 5], wanted: false },
+            Condition::Among { identity: Identity::Category, numbers: vec![2, 4], wanted: false },
             Condition::Compare { quantity: Quantity::Area, comparison: Comparison::AtLeast, limit: 20.0 },
             Condition::Place { shape: "a.svg".into(), inside: true },
         ];

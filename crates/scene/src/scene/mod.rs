@@ -153,6 +153,16 @@ pub struct LibraryRef {
     pub exemplar: String,
     /// SHA-256 of the exemplar's file.
     pub sha256: String,
+    /// Names of the library's categories, in its order; none in files of older programs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub categories: Vec<String>,
+}
+
+impl LibraryRef {
+    /// The exemplar alone, without what the library made of it.
+    pub fn exemplar(&self) -> Self {
+        Self { categories: Vec::new(), ..self.clone() }
+    }
 }
 
 /// An element that instances show, in its own coordinates. For elements of photographs these are the
@@ -229,11 +239,17 @@ impl LibraryId {
     pub fn index(self) -> usize {
         self.0 as usize
     }
+
+    /// The number that people know it by, counted from 1.
+    pub fn number(self) -> u64 {
+        u64::from(self.0) + 1
+    }
 }
 
+/// Its number.
 impl std::fmt::Display for LibraryId {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.fmt(f)
+        self.number().fmt(f)
     }
 }
 

@@ -412,7 +412,7 @@ pub enum Condition {
     Among {
         /// The property that is compared.
         identity: Identity,
-        /// The numbers.
+        /// The numbers: indices of categories and libraries, which people number from 1, or ids.
         numbers: Vec<u32>,
         /// Whether one of them is wanted.
         wanted: bool,
@@ -446,6 +446,16 @@ pub enum Identity {
     Library,
     /// Id of the instance.
     Id,
+}
+
+impl Identity {
+    /// The number by which people know index 0.
+    pub fn first_number(self) -> u32 {
+        match self {
+            Self::Category | Self::Library => 1,
+            Self::Id => 0,
+        }
+    }
 }
 
 /// Properties of an element that are measured where it stands.

@@ -14,7 +14,7 @@ pub fn scene(
 ) -> Scene {
     let mut layers = Scene::three_layers(field);
     (layers[1].instances, layers[2].instances) = (secondary, primary);
-    let library = LibraryRef { exemplar: "test.jpg".into(), sha256: "0".repeat(64) };
+    let library = LibraryRef { exemplar: "test.jpg".into(), sha256: "0".repeat(64), categories: Vec::new() };
     Scene { elements, ..Scene::new(size, vec![library], layers) }
 }
 

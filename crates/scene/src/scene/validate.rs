@@ -19,9 +19,20 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
     if let Some(p) = &s.parameters {
         p.validate().map_err(|e| format!("parameters: {e}"))?;
     }
+    for (k, library) in s.libraries.iter().enumerate() {
+        if let Some(i) = library.categories.iter().position(|name| !is_plain_name(name)) {
+            return Err(format!(
+                "libraries[{k}].categories[{i}] is not made of letters, digits, blanks and hyphens"
+            ));
+        }
+    }
     for (i, e) in s.elements.iter().enumerate() {
-        if e.library.index() >= s.libraries.len() {
-            return Err(format!("elements[{i}].library is {}, there are {}", e.library, s.libraries.len()));
+        let Some(library) = s.libraries.get(e.library.index()) else {
+            return Err(format!("elements[{i}].library is {}, there are {}", e.library.0, s.libraries.len()));
+        };
+        let named = library.categories.len();
+        if let Some(category) = e.category.filter(|c| named > 0 && c.index() >= named) {
+            return Err(format!("elements[{i}].category is {}, its library has {named}", category.0));
         }
         if let Some(fault) = crate::element::fault(&e.shapes) {
             return Err(format!("elements[{i}] {fault}"));
@@ -61,6 +72,12 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
         return Err("domain.outline is empty".into());
     }
     Ok(())
+}
+
+/// Whether a name can stand in any file: not empty, of bearable length, and without signs.
+fn is_plain_name(name: &str) -> bool {
+    (1..=100).contains(&name.chars().count())
+        && name.chars().all(|c| c.is_alphanumeric() || c == ' ' || c == '-')
 }
 
 /// Checks what layers of libraries and of scenes have in common: a name of its own among `names`, and a

@@ -6,12 +6,12 @@ use crate::cli::failure::label;
 use crate::cli::foreign::escaped;
 use crate::cli::input::{Input, Kind};
 use crate::cli::output;
-use crate::cli::summary::{Counts, bytes as show_bytes, regular};
+use crate::cli::summary::{Counts, bytes as show_bytes, measured, regular};
 use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Lattice, Library};
 use vtex::raster::colour::Colour;
-use vtex::scene::{CategoryId, EditRecord, Field, LibraryId, Role, Scene, SynthParams, Tile};
+use vtex::scene::{CategoryId, EditRecord, Field, Role, Scene, SynthParams, Tile};
 
 /// The report on a file.
 #[derive(Debug, Serialize)]
@@ -100,10 +100,11 @@ struct Quantiles {
 
 #[derive(Debug, Serialize)]
 struct CategoryLine {
+    /// Number of its library, from 1, where there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
-    library: Option<LibraryId>,
-    category: CategoryId,
-    /// A plain name for its colour.
+    library: Option<u64>,
+    /// Its number, from 1.
+    category: u32,
     name: String,
     colour: Colour,
     primaries: usize,
@@ -123,9 +124,7 @@ pub(super) fn run(common: &Common, input: &Input) -> anyhow::Result<()> {
         _ => of_scene(&Scene::from_bytes(bytes, &name)?, name, size),
     };
     if common.json {
-        let mut text = serde_json::to_string_pretty(&inspection)?;
-        text.push('\n');
-        return output::print(text.as_bytes());
+        return output::print_json(&inspection, false);
     }
     output::print_styled(&inspection.show())
 }
@@ -140,7 +139,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
                 || library.primaries().iter().filter(|p| p.category.is_some_and(|c| c.index() == i));
             CategoryLine {
                 library: None,
-                category: CategoryId(i as u16),
+                category: CategoryId(i as u16).number(),
                 name,
                 colour: category.colour(),
                 primaries: members().count(),
@@ -194,8 +193,8 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         let members = scene.individuals().filter(|i| same(scene.element(i)));
         let pixels = covered.get(&(c.library, c.category)).copied().unwrap_or(0);
         CategoryLine {
-            library: (scene.libraries.len() > 1).then_some(c.library),
-            category: c.category,
+            library: (scene.libraries.len() > 1).then(|| c.library.number()),
+            category: c.category.number(),
             name: c.name,
             colour: c.colour,
             primaries: c.elements,
@@ -293,6 +292,7 @@ impl Inspection {
         }
         if let Some(lattice) = &self.lattice {
             line("regular", regular(lattice));
+            line("", measured(lattice));
         }
         let layers: Vec<&str> = self.layers.iter().map(|layer| layer.name.as_str()).collect();
         line("layers", layers.join(", "));

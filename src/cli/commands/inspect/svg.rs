@@ -25,9 +25,7 @@ pub(super) fn run(common: &Common, name: &str, bytes: &[u8]) -> anyhow::Result<(
         found["command"] = "inspect".into();
         found["file"] = name.into();
         found["bytes"] = json!(bytes.len());
-        let mut text = serde_json::to_string_pretty(&found)?;
-        text.push('\n');
-        return output::print(text.as_bytes());
+        return output::print_json(&found, false);
     }
     output::print_styled(&show(name, bytes.len() as u64, &found))
 }

@@ -41,7 +41,9 @@ struct Shares {
 
 #[derive(Serialize)]
 struct CategoryShares {
-    category: CategoryId,
+    /// Its number, from 1.
+    category: u32,
+    name: String,
     #[serde(flatten)]
     coverage: Shares,
 }
@@ -60,7 +62,8 @@ struct PairCorrelation {
 /// How many more pairs there are at each distance than if all were scattered at random.
 #[derive(Serialize)]
 struct CurvePair {
-    categories: [CategoryId; 2],
+    /// Their numbers, from 1.
+    categories: [u32; 2],
     exemplar: Vec<Option<f64>>,
     result: Vec<Option<f64>>,
 }
@@ -108,9 +111,10 @@ fn coverage(library: &Library, scene: &Scene, number: LibraryId) -> (Shares, Vec
     let categories: Vec<CategoryShares> = (0..)
         .map(CategoryId)
         .zip(&library.categories)
-        .map(|(category, known)| {
+        .zip(library.category_names())
+        .map(|((category, known), name)| {
             let coverage = Shares { exemplar: known.coverage, result: share(category) };
-            CategoryShares { category, coverage }
+            CategoryShares { category: category.number(), name, coverage }
         })
         .collect();
     let result = categories.iter().map(|c| c.coverage.result).sum();
@@ -125,7 +129,7 @@ impl PairCorrelation {
         let bins = wanted.curves.first().map_or(0, |c| c.pairs.len());
         let end = |k: usize| (k + 1) as f64 * Correlation::REACH * unit / bins as f64;
         let pairs = wanted.curves.iter().zip(&got.curves).map(|(a, b)| CurvePair {
-            categories: a.categories,
+            categories: a.categories.map(CategoryId::number),
             exemplar: a.values(),
             result: b.values(),
         });
@@ -145,7 +149,7 @@ impl Found {
         let mut rows = vec![["coverage", "exemplar", "result", ""].map(str::to_owned).to_vec()];
         rows.push(shares("all".into(), &self.coverage));
         let categories = self.categories.iter();
-        rows.extend(categories.map(|c| shares(format!("category {}", c.category), &c.coverage)));
+        rows.extend(categories.map(|c| shares(format!("category {} {}", c.category, c.name), &c.coverage)));
         text += &table(&rows);
         text.push('\n');
         let line = |name: &str, value: String, meaning: &str| vec![name.into(), value, meaning.into()];

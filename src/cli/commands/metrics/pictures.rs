@@ -41,7 +41,18 @@ pub(super) fn run(
     let pictures = [draw(first, &exemplar, reporter)?, draw(second, &result, reporter)?];
     let [picture, other] = pictures;
     let other = metrics::scaled(other, scale)?;
-    let metrics = metrics::compare(&picture, &other, reporter)?;
+    let pictures = match metrics::reduced(&picture, &other) {
+        Some(reduced) => {
+            let [width, height] = [reduced[0].width(), reduced[0].height()];
+            reporter.warn(&format!(
+                "both pictures were reduced by the same factor before they were compared, '{exemplar}' to \
+                 {width} x {height} px: fine grain counts for less"
+            ));
+            reduced
+        }
+        None => [picture, other],
+    };
+    let metrics = metrics::compare(&pictures[0], &pictures[1], reporter)?;
     let (seconds, warnings) = reporter.finish();
     let seconds = seconds.iter().map(|s| s.1.as_secs_f64()).sum::<f64>();
     let seconds = (seconds * 1e3).round() / 1e3;

@@ -1,7 +1,7 @@
 //! Printing of metrics.
 
 use crate::cli::common::Common;
-use crate::cli::output::{print, print_styled};
+use crate::cli::output::{print_json, print_styled};
 use serde::Serialize;
 
 /// Prints JSON, or a text for people.
@@ -11,9 +11,7 @@ pub(super) fn tell(
     text: impl FnOnce() -> String,
 ) -> anyhow::Result<()> {
     if common.json {
-        let mut json = serde_json::to_string_pretty(found)?;
-        json.push('\n');
-        return print(json.as_bytes());
+        return print_json(found, false);
     }
     print_styled(&text())
 }

@@ -64,6 +64,9 @@ const categoryColour = (id) => {
   return `oklch(${lightness} 0.14 ${((id * 137.508 + 25) % 360).toFixed(1)})`;
 };
 
+// Number and name of a category.
+const categoryName = (id) => `${id} ${group().categories.find((c) => c.id === id)?.name ?? ""}`;
+
 // What goes wrong is said on the page, not only to the console.
 function fail(error) {
   const box = byId("failure");

@@ -8,7 +8,7 @@ let thumbs = { pictures: new Map(), addresses: [] };
 async function cutOut(picture) {
   const text = await textOf(picture);
   const pieces = new Map();
-  for (const match of text.matchAll(/<g id="p(\d+)" class="category-\d+"[^>]*>([^]*?)<\/g>/g)) {
+  for (const match of text.matchAll(/<g id="p(\d+)" class="category-[\d-]+"[^>]*>([^]*?)<\/g>/g)) {
     pieces.set(Number(match[1]), match[2]);
   }
   return pieces;
@@ -87,7 +87,7 @@ function makeCard(category, usual, most) {
   return el("article", { class: "card", "data-category": category.id },
     el("h3", null,
       el("i", { class: "dot large", style: { background: category.colour }, title: category.colour }),
-      `Category ${category.id}`,
+      `${category.id} ${category.name}`,
       el("i", {
         class: "dot",
         style: { background: categoryColour(category.id) },

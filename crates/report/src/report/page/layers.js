@@ -104,7 +104,7 @@ function makeLayers() {
       class: "switch",
       "data-category": category.id,
       "aria-pressed": "true",
-      title: `Category ${category.id}, ${category.colour}`,
+      title: `Category ${category.id}, ${category.name}, ${category.colour}`,
       onclick: (event) => toggle(hidden.categories, category.id, event.currentTarget),
     }, el("i", { class: "dot", style: { background: category.colour } }), String(category.id)));
   const all = (on) => () => {

@@ -162,7 +162,7 @@ async function showSurroundings() {
     el("td", { class: "number" }, number ? integer(entry.textons) : ""),
     el("td", { class: "number" }, percent(entry.cells / all)));
   const rows = [...counts].filter(([key]) => key !== "ground").sort((a, b) => b[1].cells - a[1].cells)
-    .map(([key, entry]) => line(categoryColour(key), `Category ${key}`, entry, true));
+    .map(([key, entry]) => line(categoryColour(key), categoryName(key), entry, true));
   if (counts.has("ground")) rows.push(line("var(--empty)", "Empty", counts.get("ground"), false));
   if (known < all) rows.push(line("var(--unknown)", "Undefined", { cells: all - known }, false));
   const pane = panes.find((each) => each.photo) ?? panes.find((each) => each.title === "Reconstruction");
@@ -180,7 +180,7 @@ async function showSurroundings() {
   const placed = about.in_scene ? `, placed ${texton.placed}×` : "";
   box.replaceChildren(
     el("h3", { id: "surroundings-head" }, `Around primary ${texton.source}`),
-    el("p", { class: "faint" }, `Category ${texton.category}, ${area(texton.area)}${placed}`
+    el("p", { class: "faint" }, `Category ${categoryName(texton.category)}, ${area(texton.area)}${placed}`
       + `${texton.clipped ? ", cut by the border, so never placed" : ""}. Window ${2 * found.half} × ${2 * found.half} px; `
       + "textons that stick out of it belong to the descriptor."),
     views,
