@@ -1,12 +1,13 @@
 //! Drawings as exemplars: what is read of them, what is refused, and textures made of them.
 
 use std::collections::BTreeSet;
+use vtex::geometry::{Outline, parse_path};
 use vtex::import::{Grouping, ImportParams, import};
 use vtex::library::{AnalyzeParams, Library, SourceKind};
 use vtex::output::png;
 use vtex::output::raster_svg::render_svg;
 use vtex::raster::ControlMap;
-use vtex::scene::{Scene, SynthParams, Tile};
+use vtex::scene::{Edge, Method, Scene, SynthParams, Tile};
 use vtex::synth::{Controls, reconstruct, synthesize, synthesize_with};
 use vtex::{Error, Result};
 
@@ -339,5 +340,30 @@ fn the_import_of_a_drawing_stops_within_a_few_shapes() {
     assert!(all > 4 * 300, "{all}");
     for reports in (0..all).step_by(97) {
         assert!(matches!(import(reports).0, Err(vtex::Error::Interrupted)), "{reports} of {all}");
+    }
+}
+
+#[test]
+fn whole_motifs_keep_to_a_domain_along_a_field() {
+    let library = read(GARDEN).unwrap();
+    let path = parse_path("M40 40H560V460H40Z").unwrap();
+    let controls = Controls { domain: Some(Outline::new(&path).unwrap()), ..Controls::default() };
+    let [width, height] = [600, 500];
+    for seed in 0..4 {
+        let params = SynthParams {
+            width,
+            height,
+            seed,
+            method: Method::Correspondence,
+            edge: Edge::Avoid,
+            ..SynthParams::default()
+        };
+        let (scene, _) = synthesize_with(std::slice::from_ref(&library), &params, &controls, &()).unwrap();
+        assert!(scene.count() > 5);
+        for instance in scene.instances() {
+            let b = scene.element(instance).outline().bounds_after(instance.affine());
+            let inside = b.x0 > 38.0 && b.y0 > 38.0 && b.x1 < 562.0 && b.y1 < 462.0;
+            assert!(inside, "{b:?}");
+        }
     }
 }

@@ -91,9 +91,9 @@ impl Library {
     #[getter]
     fn categories(&self) -> Vec<Category> {
         let named = self.inner.categories.iter().zip(self.inner.category_names()).enumerate();
-        let listed = named.map(|(number, (category, name))| {
+        let listed = named.map(|(index, (category, name))| {
             let colour = category.colour().to_string();
-            (name, colour, category.members as usize, category.coverage, number, 0)
+            (name, colour, category.members as usize, category.coverage, index + 1, 0)
         });
         listed.collect()
     }

@@ -258,14 +258,15 @@ def test_notebooks_show_pixels_of_what_is_long(library):
 
 def test_categories_have_names_and_colours(library, scene):
     listed = library.categories
-    assert [category.number for category in listed] == list(range(len(listed)))
+    assert [category.number for category in listed] == list(range(1, len(listed) + 1))
     assert len({category.name for category in listed}) == len(listed)
     assert sum(category.count for category in listed) == library.primaries
     assert sum(category.coverage for category in listed) == pytest.approx(library.coverage, abs=0.01)
     for category in listed + scene.categories:
         assert re.fullmatch("#[0-9a-f]{6}", category.colour) and category.color == category.colour
         assert category.name and category.library == 0
-    assert {category.number for category in scene.categories} <= {category.number for category in listed}
+    for made in (scene, vtex.reconstruct(library), scene.edit(vtex.Tint("red", amount=1.0))):
+        assert all(category.name == listed[category.number - 1].name for category in made.categories)
     assert sum(category.count for category in scene.categories) == scene.layers[2].instances
     assert 0 < sum(category.coverage for category in scene.categories) < 1
     red = scene.edit(vtex.Tint("red", amount=1.0, layer="primary")).categories

@@ -22,10 +22,34 @@ Examples:
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
 
+/// The commands stand before the options, in groups.
+const TEMPLATE: &str = "{about}\n\n{usage-heading} {usage}\n\n{before-help}Options:\n{options}{after-help}";
+
+/// Commands that belong together. Others are hidden.
+const GROUPS: [(&str, &[&str]); 4] = [
+    ("Make", &["texture", "vectorize", "batch", "raster"]),
+    ("Take apart", &["analyze", "synth", "render", "layers", "inspect"]),
+    ("Change", &["edit", "transfer", "stylize", "warp", "interp", "animate"]),
+    ("Judge", &["metrics", "check", "tune", "doctor", "models"]),
+];
+
+/// The commands of each group, with what they do.
+fn groups(command: &clap::Command) -> String {
+    let width = GROUPS.iter().flat_map(|(_, names)| *names).map(|name| name.len()).max().unwrap_or(0);
+    let line = |name: &&str| {
+        let about = command.find_subcommand(name).and_then(clap::Command::get_about);
+        format!("  {name:width$}  {}\n", about.map(ToString::to_string).unwrap_or_default())
+    };
+    let group = |(title, names): &(&str, &[&str])| {
+        format!("{title}:\n{}", names.iter().map(line).collect::<String>())
+    };
+    GROUPS.iter().map(group).collect::<Vec<_>>().join("\n").trim_end().to_owned()
+}
+
 /// Turn a photograph of a texture into an editable vector texture of any size
 #[derive(Parser)]
 #[command(name = "vtex", version, styles = STYLES, max_term_width = 100, after_help = EXAMPLES)]
-#[command(subcommand_required = true, arg_required_else_help = true)]
+#[command(subcommand_required = true, arg_required_else_help = true, help_template = TEMPLATE)]
 pub(crate) struct Cli {
     #[command(flatten)]
     pub(crate) global: Global,
@@ -65,7 +89,9 @@ pub(crate) fn command() -> clap::Command {
     let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
     let command = hide(command, "models", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
     let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();
-    hide(hide(command, "completions", &all), "man", &all)
+    let command = hide(hide(command, "completions", &all), "man", &all);
+    let text = groups(&command);
+    command.before_help(text)
 }
 
 /// [`command`], in which nothing else is needed beside `--dump-config`.
@@ -79,31 +105,31 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
     }
     if arguments.iter().any(|a| a == "--dump-config") {
         command = command.subcommand_required(false);
-        for (name, argument) in [
-            ("texture", "photo"),
-            ("vectorize", "photo"),
-            ("analyze", "photo"),
-            ("synth", "library"),
-            ("batch", "input"),
-            ("batch", "out_dir"),
-            ("warp", "scene"),
-            ("warp", "library"),
-            ("transfer", "structure"),
-            ("transfer", "appearance"),
-            ("tune", "library"),
-            ("check", "scene"),
-            ("check", "library"),
-            ("stylize", "picture"),
-            ("stylize", "with"),
-            ("animate", "scene"),
-            ("render", "file"),
-            ("raster", "photo"),
-            ("interp", "from"),
-            ("interp", "to"),
-            ("inspect", "file"),
-        ] {
-            command = command.mut_subcommand(name, |c| c.mut_arg(argument, |a| a.required(false)));
-        }
+        // What a command works on is not needed for its parameters.
+        command = command.mut_subcommands(|sub| {
+            let has_none = sub.get_arguments().any(|a| a.get_id() == "dump_config" && a.is_hide_set());
+            if has_none {
+                sub
+            } else {
+                sub.mut_args(|a| if a.is_positional() { a.required(false) } else { a })
+            }
+        });
     }
     command
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_is_in_one_group_or_hidden() {
+        let command = command();
+        let shown = command.get_subcommands().filter(|sub| !sub.is_hide_set()).map(clap::Command::get_name);
+        let mut shown: Vec<&str> = shown.collect();
+        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| *names).copied().collect();
+        shown.sort_unstable();
+        grouped.sort_unstable();
+        assert_eq!(shown, grouped);
+    }
 }

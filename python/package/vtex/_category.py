@@ -20,9 +20,9 @@ class Category:
     coverage : float
         Share of the exemplar or the canvas that they cover, 0 to 1.
     number : int
-        Its number in its library, which ``where="category=..."`` and the classes of an SVG say.
+        Its number in its library, from 1, which ``where="category=..."`` and the classes of an SVG say.
     library : int, default 0
-        Its library, as a place in ``exemplars`` of a scene.
+        Its library, as a place in ``exemplars`` of a scene, from 0; ``where="library=..."`` counts from 1.
     """
 
     name: str

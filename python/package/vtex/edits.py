@@ -9,7 +9,7 @@ layer : str, optional
     for colours). Default: the elements of all layers.
 where : str or sequence of str, default ()
     Only the elements that fulfil all of these conditions: ``"category=3"`` (or ``3|5``, or ``!=3``),
-    ``"library=0"``, ``"id=17"``, ``"area>200"``, ``"elongation>1.5"``, ``"x<500"``, ``"y>=20"`` (with
+    ``"library=1"``, ``"id=17"``, ``"area>200"``, ``"elongation>1.5"``, ``"x<500"``, ``"y>=20"`` (with
     ``>``, ``<``, ``>=`` or ``<=``), ``"inside=shape.svg"``, ``"outside=mask.png"``.
 
 Pictures are stretched over the canvas. They are paths, bytes, open files, images of Pillow, or arrays

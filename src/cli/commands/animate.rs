@@ -24,7 +24,7 @@ use vtex::output::file::{Format, Kind as FileKind};
 use vtex::output::raster_animation::RasterAnimation;
 use vtex::{Progress, control};
 
-/// A scene in motion: its elements carried by a flow, in a loop without a jump
+/// A scene in motion: carried by a flow, in a loop without a jump
 #[derive(Args)]
 #[command(
     override_usage = "vtex animate [OPTIONS] <SCENE> --output <FILE>",

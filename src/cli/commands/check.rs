@@ -23,7 +23,7 @@ use vtex::scene::{Layer, Role, Scene};
 use vtex::statistics::Cycle;
 use vtex::synth::reconstruct;
 
-/// Draw a scene, analyse the picture, and count the elements that are found again
+/// Draw a scene, analyse the picture, count what is found again
 #[derive(Args)]
 #[command(
     override_usage = "vtex check [OPTIONS] <SCENE> --library <LIBRARY>",

@@ -7,11 +7,14 @@ use clap_complete::Shell;
 
 /// Print completions for a shell
 #[derive(Args)]
-#[command(after_help = "\
+#[command(
+    hide = true,
+    after_help = "\
 Examples:
   vtex completions bash > ~/.local/share/bash-completion/completions/vtex
   vtex completions zsh > ~/.zfunc/_vtex
-  vtex completions fish > ~/.config/fish/completions/vtex.fish")]
+  vtex completions fish > ~/.config/fish/completions/vtex.fish"
+)]
 pub(crate) struct CompletionsArgs {
     /// The shell
     #[arg(value_enum, value_name = "SHELL")]

@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use vtex::engine::{Choice, EngineOptions, GIVEN, MINIMUM_MINOR, choose, locate};
 
-/// Say what networks run on, which models there are, and what is missing
+/// Say what networks run on, and what is missing
 #[derive(Args)]
 #[command(after_help = "\
 Examples:

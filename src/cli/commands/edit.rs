@@ -23,7 +23,7 @@ use vtex::output::file::Format;
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "edited" };
 
-/// Change a scene: thin, tint, turn, replace its elements, put shadows under them, and more
+/// Change a scene: thin, tint, turn, replace, shadow, and more
 #[derive(Args)]
 #[command(
     override_usage = "vtex edit [OPTIONS] <SCENE> --op <OPERATION>...",

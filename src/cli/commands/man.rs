@@ -8,9 +8,12 @@ use vtex::Error;
 
 /// Write the man pages into a folder
 #[derive(Args)]
-#[command(after_help = "\
+#[command(
+    hide = true,
+    after_help = "\
 Examples:
-  vtex man ~/.local/share/man/man1")]
+  vtex man ~/.local/share/man/man1"
+)]
 pub(crate) struct ManArgs {
     /// The folder, made if need be
     #[arg(value_name = "DIR")]

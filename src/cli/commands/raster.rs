@@ -20,7 +20,7 @@ use vtex::output::file::Format;
 use vtex::output::png::encode_rgb;
 use vtex::pixels::{Leaf, by_numbers, carried, scanned};
 
-/// Photograph to pixels of any size: a baseline, and a background for other work
+/// Photograph to pixels of any size: a baseline
 #[derive(Args)]
 #[command(
     override_usage = "vtex raster [OPTIONS] <PHOTO>",

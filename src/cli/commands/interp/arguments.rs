@@ -19,7 +19,7 @@ use vtex::scene::Axis;
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "between" };
 
-/// One scene into another: frames, an animation, or one scene between them
+/// One scene into another: frames, an animation, or one between
 #[derive(Args)]
 #[command(
     override_usage = "vtex interp [OPTIONS] <FROM> <TO>",

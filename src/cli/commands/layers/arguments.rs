@@ -12,7 +12,7 @@ use serde::Deserialize;
 use std::path::PathBuf;
 use vtex::layers::{Count, FindParams};
 
-/// Layers of a photograph, and new maps of them: rust on paint, moss on rock
+/// Nested layers of a photograph, found and made anew
 #[derive(Args)]
 #[command(
     override_usage = "vtex layers [OPTIONS] <INPUT>\n       vtex layers [OPTIONS] --heights <FILE>",
