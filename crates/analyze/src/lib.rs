@@ -65,6 +65,7 @@ use vtex_segment::segment::{Segmenter, details, gaussian};
 ///
 /// # Example
 /// ```
+/// # mod vtex { pub use {vtex_analyze as analyze, vtex_base::Error, vtex_segment::segment}; }
 /// use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 /// use vtex::segment::Felzenszwalb;
 /// # use image::{Rgb, RgbImage};

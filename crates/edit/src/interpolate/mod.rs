@@ -85,6 +85,7 @@ impl Interpolation {
     ///
     /// # Example
     /// ```no_run
+    /// # mod vtex { pub use {vtex_base::Error, vtex_edit::interpolate, vtex_scene::scene}; }
     /// use std::path::Path;
     /// use vtex::{interpolate::Interpolation, scene::Scene};
     ///

@@ -72,6 +72,9 @@ const MOST_COMPARED: usize = 4096;
 const MOST_LEVELS: usize = 8;
 /// Random initialisations, of which the best is kept.
 const STARTS: u64 = 6;
+/// Most pairs of a cell and a source that are compared on the coarsest level. Where the canvas is so much larger
+/// than the exemplar that there are more, there are fewer initialisations, and then fewer exhaustive searches.
+const MOST_PAIRS: u64 = 200_000_000;
 /// Initialisations that are refined on the second level before the best is chosen.
 const CARRIED_ON: usize = 2;
 /// Iterations on the coarsest level, on the levels between, and on the finest.
@@ -157,16 +160,20 @@ pub fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Field> {
     watch.check()?;
 
     // The best initialisation keeps most of the exemplar's large-scale contrast.
+    let sources = atlases[coarsest].inside.iter().filter(|inside| **inside).count() as u64;
+    let searches = MOST_PAIRS / (cells(coarsest) * sources).max(1);
+    let starts = (searches / ITERATIONS[0] as u64).clamp(1, STARTS);
+    let exhaustive = (searches as usize).clamp(1, ITERATIONS[0]);
     let mut similar = Similar::coarsest(&atlases[coarsest], &watch);
     let begin = |start: u64| {
         let mut random = stream(request.seed, "correspondence/start", start);
         let block = 1 + 2 * (start as usize % 2);
         let empty = Canvas::new(sizes[coarsest], request.wrap, constraints(coarsest));
         let mut canvas = empty.random(&atlases[coarsest], block, &mut random);
-        canvas.optimise(&atlases[coarsest], &similar, ITERATIONS[0], ITERATIONS[0], &watch);
+        canvas.optimise(&atlases[coarsest], &similar, exhaustive, ITERATIONS[0], &watch);
         canvas
     };
-    let mut canvases: Vec<Canvas> = (0..STARTS).map(begin).collect();
+    let mut canvases: Vec<Canvas> = (0..starts).map(begin).collect();
     keep_best(&mut canvases, &atlases[coarsest], CARRIED_ON);
     for level in (0..coarsest).rev() {
         watch.check()?;

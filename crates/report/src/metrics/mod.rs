@@ -100,6 +100,7 @@ pub struct Metrics {
 ///
 /// # Example
 /// ```
+/// # mod vtex { pub use {vtex_base::Error, vtex_report::metrics}; }
 /// # use image::{Rgb, RgbImage};
 /// let stripes = |period: u32| RgbImage::from_fn(64, 64, |x, _| Rgb([(x % period * 20) as u8; 3]));
 /// let same = vtex::metrics::compare(&stripes(8), &stripes(8), &())?;
