@@ -1,6 +1,7 @@
 //! Properties of the whole, in one program: every test program would link all of vtex anew. Run a part of
 //! them by the name of its file, as in `cargo test --test all golden::`.
 
+mod circles;
 mod cli;
 mod drawings;
 mod exemplar;
