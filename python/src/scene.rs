@@ -146,7 +146,14 @@ impl Scene {
             let listed = output::categories(&self.inner).into_iter().map(|c| {
                 let own = covered.get(&(c.library, c.category)).copied().unwrap_or(0);
                 let share = own as f64 / pixels;
-                (c.name, c.colour.to_string(), c.elements, share, c.category.index() + 1, c.library.index())
+                (
+                    c.name,
+                    c.colour.to_string(),
+                    c.elements,
+                    share,
+                    c.category.number() as usize,
+                    c.library.index(),
+                )
             });
             Ok(listed.collect())
         })
