@@ -65,7 +65,7 @@ use vtex_segment::segment::{Segmenter, details, gaussian};
 ///
 /// # Example
 /// ```
-/// # mod vtex { pub use {vtex_analyze as analyze, vtex_base::Error, vtex_segment::segment}; }
+/// # mod vtex { pub use {vtex_base::Error, vtex_segment::segment}; pub mod analyze { pub use vtex_analyze::*; } }
 /// use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 /// use vtex::segment::Felzenszwalb;
 /// # use image::{Rgb, RgbImage};
