@@ -6,13 +6,16 @@
 use image::{Rgb, RgbImage};
 use std::path::PathBuf;
 use std::time::Instant;
-use vtex::engine::{EngineOptions, Runtime, Source};
+use vtex::engine::{EngineOptions, NetworkSource, Runtime};
 use vtex::segment::prompt::{Prompter, Sam};
 
 fn main() -> vtex::Result<()> {
     let files: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
-    let files: Vec<Source<'_>> =
-        files.iter().filter(|f| !f.to_string_lossy().starts_with('-')).map(|f| Source::File(f)).collect();
+    let files: Vec<NetworkSource<'_>> = files
+        .iter()
+        .filter(|f| !f.to_string_lossy().starts_with('-'))
+        .map(|f| NetworkSource::File(f))
+        .collect();
     if files.is_empty() {
         println!("networks: no files given, nothing measured");
         return Ok(());

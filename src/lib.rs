@@ -15,13 +15,13 @@
 //! ```
 //! use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
 //! use vtex::output::svg::{self, SvgOptions};
-//! use vtex_testing::{Kind, SceneParams, generate};
+//! use vtex_testing::{SceneKind, SceneParams, generate};
 //! use vtex::scene::SynthParams;
 //! use vtex::segment::Regions;
 //! use vtex::synth::synthesize;
 //!
 //! // A generated picture stands for a photograph.
-//! let params = SceneParams { width: 96, height: 96, kind: Kind::Pebbles, size: 20.0, ..Default::default() };
+//! let params = SceneParams { width: 96, height: 96, kind: SceneKind::Pebbles, size: 20.0, ..Default::default() };
 //! let mut png = std::io::Cursor::new(Vec::new());
 //! generate(&params)?.image.write_to(&mut png, image::ImageFormat::Png)?;
 //!
@@ -91,8 +91,8 @@ pub mod element {
 pub mod engine {
     #[doc(inline)]
     pub use vtex_segment::engine::{
-        Choice, Engine, EngineOptions, Found, GIVEN, MINIMUM_MINOR, Port, Runtime, Source, Tensor, Values,
-        choose, load, locate, version,
+        Engine, EngineChoice, EngineOptions, GIVEN, MINIMUM_MINOR, NetworkSource, Port, Runtime,
+        RuntimeCandidate, Tensor, Values, choose, load, locate, version,
     };
 }
 
@@ -124,7 +124,7 @@ pub mod import {
 pub mod interpolate {
     #[doc(inline)]
     pub use vtex_edit::interpolate::{
-        Axis, Brush, Interpolation, LayerMotion, Matched, Morph, Motion, Moving, across, morph,
+        Axis, Brush, Interpolation, LayerMotion, Matched, Morph, Motion, MovingShape, across, morph,
     };
 }
 
@@ -138,8 +138,8 @@ pub mod lattice {
 pub mod layers {
     #[doc(inline)]
     pub use vtex_field::layers::{
-        Contacts, Count, Decision, Exemplar, FindParams, Found, Layer, LayerMap, LayerPicture, MOST_LAYERS,
-        Region, Terrain, continuous, discrete, find, hole, shape_distance,
+        Contacts, Count, Decision, FindParams, FoundLayers, LayerExemplar, LayerMap, LayerPicture,
+        LayerRegion, MOST_LAYERS, MapLayer, Terrain, continuous, discrete, find, hole, shape_distance,
     };
 }
 
@@ -147,8 +147,9 @@ pub mod layers {
 pub mod library {
     #[doc(inline)]
     pub use vtex_scene::library::{
-        AnalyzeParams, Arrangement, Categories, Category, CategoryId, Element, ElementId, Gradient, Grouping,
-        Guide, Instance, Lattice, Layer, Library, Picture, Role, Shading, Shape, Source, SourceKind, Stratum,
+        AnalyzeParams, Arrangement, Categories, Category, CategoryId, ElementId, ExemplarElement,
+        ExemplarInstance, ExemplarLayer, Gradient, Grouping, Guide, Lattice, Library, Picture, Role, Shading,
+        Shape, Source, SourceKind, Stratum,
     };
 }
 
@@ -165,7 +166,9 @@ pub mod output {
     /// Files by kind, and writing them so that nothing is ever lost or left half done.
     pub mod file {
         #[doc(inline)]
-        pub use vtex_output::file::{Format, Kind, gzip, remove_abandoned, remove_unfinished, write_file};
+        pub use vtex_output::file::{
+            FileKind, Format, gzip, remove_abandoned, remove_unfinished, write_file,
+        };
     }
     /// Layer maps → PNG, SVG and JSON; values → PNG of 16 bits.
     pub mod layer_map {
@@ -195,7 +198,7 @@ pub mod output {
     /// Scene → scene whose SVG stays within a number of bytes.
     pub mod reduce {
         #[doc(inline)]
-        pub use vtex_output::reduce::{GivenUp, Reduced, to_fit};
+        pub use vtex_output::reduce::{GivenUp, ReducedScene, to_fit};
     }
     /// The seal of a file: a SHA-256 of its own bytes, by which a file that nobody has changed since it was
     /// written is distinguished from one that somebody has worked on.
@@ -292,21 +295,21 @@ pub mod segment {
         pub use vtex_segment::segment::prompt::Sam;
         #[doc(inline)]
         pub use vtex_segment::segment::prompt::{
-            Cost, Embedded, Found, Generator, GeneratorParams, Logits, PromptMask, Prompter,
+            Cost, Embedded, FoundMask, Generator, GeneratorParams, Logits, PromptMask, Prompter,
         };
         #[cfg(feature = "onnx")]
         /// Segment Anything in ONNX, in all common exports: an image encoder and a prompt
         /// decoder, in two files or one.
         pub mod sam {
             #[doc(inline)]
-            pub use vtex_segment::segment::prompt::sam::{Role, Sam, recognise};
+            pub use vtex_segment::segment::prompt::sam::{Sam, SamRole, recognise};
         }
     }
     /// The built-in segmenter: a tree of merged regions, whose texton-like nodes are selected.
     pub mod regions {
         #[doc(inline)]
         pub use vtex_segment::segment::regions::{
-            Candidate, FEATURES, HIDDEN, Network, OneTree, Regions, candidates,
+            FEATURES, HIDDEN, Network, NodeCandidate, OneTree, Regions, candidates,
         };
     }
     #[cfg(feature = "onnx")]
@@ -314,7 +317,9 @@ pub mod segment {
     /// together.
     pub mod texton {
         #[doc(inline)]
-        pub use vtex_segment::segment::texton::{Candidate, FEATURES, HIDDEN, Judge, Texton, TextonNetwork};
+        pub use vtex_segment::segment::texton::{
+            FEATURES, HIDDEN, Judge, MaskCandidate, Texton, TextonNetwork,
+        };
     }
 }
 
@@ -323,8 +328,8 @@ pub mod segment {
 pub mod statistics {
     #[doc(inline)]
     pub use vtex_scene::statistics::{
-        Centre, Copies, Correlation, Curve, Cycle, Difference, Groups, Layout, Overlap, Repetition,
-        largest_categories, neighbour_distance,
+        Centre, CopyDistances, CorrelationCurve, Cycle, Difference, Groups, Layout, Overlap,
+        PairCorrelations, Repetition, largest_categories, neighbour_distance,
     };
 }
 
@@ -333,8 +338,8 @@ pub mod statistics {
 pub mod synth {
     #[doc(inline)]
     pub use vtex_arrange::synth::{
-        CategoryReport, Controls, Lead, Report, StratumReport, Structure, default_size, layer_map,
-        reconstruct, synthesize, synthesize_with,
+        CategoryReport, Controls, StratumReport, Structure, StructureGuide, SynthReport, default_size,
+        layer_map, reconstruct, synthesize, synthesize_with,
     };
 }
 

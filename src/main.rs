@@ -8,7 +8,7 @@ use clap::FromArgMatches;
 use cli::arguments::{self, Cli};
 use cli::exit::Exit;
 use cli::progress::Reporter;
-use cli::resolve::Options;
+use cli::resolve::Task;
 use cli::{failure, interrupt, panics, raw_arguments};
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -33,9 +33,9 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: Cli) -> anyhow::Result<()> {
-    match Options::resolve(cli)? {
-        Options::DumpConfig(text) => cli::output::print(text.as_bytes()),
-        Options::Job(common, job) => {
+    match Task::resolve(cli)? {
+        Task::DumpConfig(text) => cli::output::print(text.as_bytes()),
+        Task::Job(common, job) => {
             interrupt::watch();
             let reporter = Reporter::new(&common)?;
             let outcome = cli::on_threads(common.threads, || job(&common, &reporter));

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
-use vtex_testing::{self, Exemplar, Kind, SceneParams};
+use vtex_testing::{self, GeneratedExemplar, SceneKind, SceneParams};
 
 #[path = "../examples/exemplars/scenes.rs"]
 mod scenes;
@@ -27,7 +27,7 @@ struct Arguments {
     packed: bool,
     size: u32,
     seed: u64,
-    kind: Option<Kind>,
+    kind: Option<SceneKind>,
     bench: bool,
 }
 
@@ -91,8 +91,8 @@ fn parse(words: impl Iterator<Item = String>) -> Result<Arguments, String> {
             "--bench" => arguments.bench = true,
             "--kind" => {
                 let name = words.next().unwrap_or_default();
-                let kind = Kind::ALL.into_iter().find(|k| format!("{k:?}").eq_ignore_ascii_case(&name));
-                arguments.kind = Some(kind.ok_or(format!("--kind {name}: one of {:?}", Kind::ALL))?);
+                let kind = SceneKind::ALL.into_iter().find(|k| format!("{k:?}").eq_ignore_ascii_case(&name));
+                arguments.kind = Some(kind.ok_or(format!("--kind {name}: one of {:?}", SceneKind::ALL))?);
             }
             flag if flag.starts_with('-') => return Err(format!("unknown flag {flag}")),
             _ => arguments.folder = Some(word.into()),
@@ -127,7 +127,7 @@ fn pack(arguments: &Arguments, count: u64, folder: &Path) -> Result<(), Box<dyn 
     Ok(())
 }
 
-fn save_labels(scene: &Exemplar, path: &Path) -> Result<(), Box<dyn Error>> {
+fn save_labels(scene: &GeneratedExemplar, path: &Path) -> Result<(), Box<dyn Error>> {
     let map = &scene.instances;
     let labels: Vec<u16> = map.labels.iter().map(|&l| l.try_into()).collect::<Result<_, _>>()?;
     let picture = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(map.width, map.height, labels);

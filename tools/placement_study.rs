@@ -21,8 +21,8 @@ use vtex::library::Library;
 use vtex::output::{png, svg};
 use vtex::sampling::{Stream, stream};
 use vtex::scene::{Ablation, Method, Scene, SynthParams};
-use vtex::statistics::{Correlation, Difference, Layout, largest_categories, neighbour_distance};
-use vtex::synth::{self, Controls, Report};
+use vtex::statistics::{Difference, Layout, PairCorrelations, largest_categories, neighbour_distance};
+use vtex::synth::{self, Controls, SynthReport};
 use vtex::tune::TunedWeights;
 
 const USAGE: &str = "\
@@ -62,7 +62,7 @@ struct Exemplar {
     categories: Vec<vtex::element::CategoryId>,
     unit: f64,
     /// Pair correlation of its own arrangement.
-    correlation: Correlation,
+    correlation: PairCorrelations,
 }
 
 /// Options of a study.
@@ -282,7 +282,7 @@ impl Exemplar {
     fn read(path: &Path) -> Outcome<Self> {
         let library = Library::read(path)?;
         let (categories, unit) = (largest_categories(&library), neighbour_distance(&library));
-        let correlation = Correlation::new(
+        let correlation = PairCorrelations::new(
             &Layout::of_library(&library),
             vtex::scene::LibraryId::default(),
             &categories,
@@ -301,8 +301,8 @@ impl Exemplar {
         Ok(Some(SynthParams { weights: TunedWeights::read(&path)?.weights, ..params(&[]) }))
     }
 
-    fn correlation_of(&self, layout: &Layout) -> Correlation {
-        Correlation::new(layout, vtex::scene::LibraryId::default(), &self.categories, self.unit)
+    fn correlation_of(&self, layout: &Layout) -> PairCorrelations {
+        PairCorrelations::new(layout, vtex::scene::LibraryId::default(), &self.categories, self.unit)
     }
 
     /// Differences between the left and the right half, and between the upper and the lower half.
@@ -344,7 +344,7 @@ impl Exemplar {
     /// Figures of several scenes.
     fn figures_of(&self, params: &SynthParams, seeds: u64) -> Outcome<Figures> {
         let mut f = Figures::default();
-        let mut curves: Option<Correlation> = None;
+        let mut curves: Option<PairCorrelations> = None;
         for seed in 1..=seeds {
             let params = SynthParams { seed, ..params.clone() };
             let watch = Watch::start("preparation");
@@ -394,7 +394,7 @@ struct Figures {
 }
 
 impl Figures {
-    fn add(&mut self, report: &Report, scenes: f64) {
+    fn add(&mut self, report: &SynthReport, scenes: f64) {
         let off: f64 = report.categories.iter().map(|c| (c.got - c.wanted).abs()).sum();
         let copies = report.repetition.copies;
         for (sum, value) in [

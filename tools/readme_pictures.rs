@@ -23,7 +23,7 @@ use vtex::segment::MasksFile;
 use vtex::segment::texton::Texton;
 use vtex::synth::{reconstruct, synthesize};
 use vtex::transfer::{StylizeParams, TransferParams, stylize, transfer};
-use vtex_testing::{self, Kind, SceneParams};
+use vtex_testing::{self, SceneKind, SceneParams};
 
 /// White between the parts of a picture, in pixels.
 const GAP: u32 = 8;
@@ -42,7 +42,7 @@ fn main() -> Outcome {
     let small = imageops::resize(&photo.image, SIDE, SIDE, Scaling::Lanczos3);
     let result = draw(&scene, f64::from(SIDE) / 512.0)?;
     save(&grid(&[small, result], 2), &folder.join("terrazzo.jpg"))?;
-    for (k, kinds) in Kind::ALL[..12].chunks(4).enumerate() {
+    for (k, kinds) in SceneKind::ALL[..12].chunks(4).enumerate() {
         gallery(kinds, &folder.join(format!("gallery-{}.jpg", k + 1)))?;
     }
     zoom(&folder.join("zoom.jpg"))?;
@@ -53,7 +53,7 @@ fn main() -> Outcome {
 }
 
 /// A generated scene, and its exemplar with a name.
-fn generated(params: &SceneParams) -> Outcome<(vtex_testing::Exemplar, Exemplar)> {
+fn generated(params: &SceneParams) -> Outcome<(vtex_testing::GeneratedExemplar, Exemplar)> {
     let scene = vtex_testing::generate(params)?;
     let mut png = Vec::new();
     scene.image.write_with_encoder(PngEncoder::new(&mut png))?;
@@ -62,7 +62,7 @@ fn generated(params: &SceneParams) -> Outcome<(vtex_testing::Exemplar, Exemplar)
 }
 
 /// A generated exemplar of each kind, beside a texture made from it.
-fn gallery(kinds: &[Kind], path: &Path) -> Outcome {
+fn gallery(kinds: &[SceneKind], path: &Path) -> Outcome {
     let mut parts = Vec::new();
     for &kind in kinds {
         let params = SceneParams { kind, ..SceneParams::random(3, 512, 512) };
@@ -77,7 +77,7 @@ fn gallery(kinds: &[Kind], path: &Path) -> Outcome {
 
 /// A crowded exemplar, the texture that is made of it, and the one made with the true masks.
 fn fails(path: &Path) -> Outcome {
-    let params = SceneParams { kind: Kind::Litter, ..SceneParams::random(3, 512, 512) };
+    let params = SceneParams { kind: SceneKind::Litter, ..SceneParams::random(3, 512, 512) };
     let (truth, exemplar) = generated(&params)?;
     let labels = ImageBuffer::<Luma<u16>, Vec<u16>>::from_fn(512, 512, |x, y| {
         Luma([truth.instances.labels[(y * 512 + x) as usize] as u16])

@@ -18,7 +18,7 @@ use vtex::raster::{LabelMap, Mask, Span, picture};
 use vtex::segment::prompt::{Generator, GeneratorParams};
 use vtex::segment::texton::{Texton, TextonNetwork};
 use vtex::segment::{Felzenszwalb, Regions, ScoredMask, Segmenter};
-use vtex_testing::{Exemplar, Kind, SceneParams, generate};
+use vtex_testing::{GeneratedExemplar, SceneKind, SceneParams, generate};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -127,18 +127,18 @@ fn line(name: &str, tallies: &[Tally]) {
 }
 
 fn compare_scenes(scenes: u64, first: u64, side: u32, methods: &Methods) -> Result<(), Failure> {
-    let mut totals = vec![vec![Tally::default(); methods.len()]; Kind::ALL.len()];
+    let mut totals = vec![vec![Tally::default(); methods.len()]; SceneKind::ALL.len()];
     for seed in first..first + scenes {
         let parameters = SceneParams::random(seed, side, side);
-        let Exemplar { image, instances } = generate(&parameters)?;
-        let kind = Kind::ALL.iter().position(|&k| k == parameters.kind).unwrap_or(0);
+        let GeneratedExemplar { image, instances } = generate(&parameters)?;
+        let kind = SceneKind::ALL.iter().position(|&k| k == parameters.kind).unwrap_or(0);
         for (total, (_, method)) in totals[kind].iter_mut().zip(methods) {
             total.add(tally(&instances, &method.segment(&image, &())?));
         }
     }
     header(methods);
     let mut sums = vec![Tally::default(); methods.len()];
-    for (kind, row) in Kind::ALL.iter().zip(&totals) {
+    for (kind, row) in SceneKind::ALL.iter().zip(&totals) {
         line(&format!("{kind:?}"), row);
         sums.iter_mut().zip(row).for_each(|(sum, t)| sum.add(t.clone()));
     }
@@ -361,7 +361,7 @@ fn tally(truth: &LabelMap, masks: &[ScoredMask]) -> Tally {
 
 /// The parameters of plain Felzenszwalb with the best F-score on separate scenes.
 fn search(side: u32) -> Result<Felzenszwalb, Failure> {
-    let scenes: Vec<Exemplar> = (SEARCH_SEED..SEARCH_SEED + SEARCH_SCENES)
+    let scenes: Vec<GeneratedExemplar> = (SEARCH_SEED..SEARCH_SEED + SEARCH_SCENES)
         .map(|seed| generate(&SceneParams::random(seed, side, side)))
         .collect::<Result<_, _>>()?;
     let mut best = (0.0, Felzenszwalb::default());

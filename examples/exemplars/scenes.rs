@@ -2,7 +2,7 @@
 // compares them.
 
 use image::RgbImage;
-use vtex_testing::{Kind, SceneParams, generate};
+use vtex_testing::{SceneKind, SceneParams, generate};
 
 /// File name and parameters of every scene.
 pub(crate) fn finished() -> Vec<(&'static str, SceneParams)> {
@@ -16,11 +16,11 @@ pub(crate) fn finished() -> Vec<(&'static str, SceneParams)> {
         ..SceneParams::default()
     };
     vec![
-        ("terrazzo", scene(Kind::Terrazzo, 1, 56.0, 0.5)),
-        ("pebbles", scene(Kind::Pebbles, 5, 60.0, 0.72)),
-        ("leaves", scene(Kind::Leaves, 3, 84.0, 0.5)),
-        ("flowers", scene(Kind::Flowers, 5, 60.0, 0.22)),
-        ("concrete", scene(Kind::Concrete, 2, 56.0, 0.25)),
+        ("terrazzo", scene(SceneKind::Terrazzo, 1, 56.0, 0.5)),
+        ("pebbles", scene(SceneKind::Pebbles, 5, 60.0, 0.72)),
+        ("leaves", scene(SceneKind::Leaves, 3, 84.0, 0.5)),
+        ("flowers", scene(SceneKind::Flowers, 5, 60.0, 0.22)),
+        ("concrete", scene(SceneKind::Concrete, 2, 56.0, 0.25)),
     ]
 }
 

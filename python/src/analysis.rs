@@ -1,14 +1,14 @@
 //! Photograph or drawing → library.
 
 use crate::library::Library;
-use crate::pictures::{Named, Picture};
+use crate::pictures::{Named, PictureInput};
 use crate::run::run;
 use crate::writing::from_json;
 use pyo3::prelude::*;
 use serde::Deserialize;
 use std::path::PathBuf;
 use vtex::analyze::{Limits, borders_join};
-use vtex::engine::{EngineOptions, Runtime, Source};
+use vtex::engine::{EngineOptions, NetworkSource, Runtime};
 use vtex::import::{ImportParams, import, is_drawing};
 use vtex::layers::LayerPicture;
 use vtex::library::AnalyzeParams;
@@ -20,8 +20,8 @@ use vtex::{Error, Result};
 /// How an exemplar is analysed.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Options {
-    segmenter: Name,
+struct AnalysisOptions {
+    segmenter: SegmenterOption,
     /// Files of a network of Segment Anything.
     networks: Vec<PathBuf>,
     engine: Engine,
@@ -34,7 +34,7 @@ struct Options {
 /// What finds masks.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Name {
+enum SegmenterOption {
     Auto,
     Texton,
     Regions,
@@ -54,7 +54,7 @@ enum Engine {
     Rten,
 }
 
-impl Options {
+impl AnalysisOptions {
     /// What finds masks.
     ///
     /// # Errors
@@ -69,17 +69,18 @@ impl Options {
         let threads = Some(crate::run::threads());
         let engine = EngineOptions { runtime, library: self.onnxruntime.clone(), threads };
         let sam = || -> Result<Box<dyn Segmenter>> {
-            let files: Vec<Source<'_>> = self.networks.iter().map(|path| Source::File(path)).collect();
+            let files: Vec<NetworkSource<'_>> =
+                self.networks.iter().map(|path| NetworkSource::File(path)).collect();
             let sam = Sam::open(&files, &engine)?;
             Ok(Box::new(Generator::new(Box::new(sam), GeneratorParams::default())?))
         };
         match self.segmenter {
-            Name::Auto if !self.networks.is_empty() => sam(),
-            Name::Sam => sam(),
-            Name::Auto | Name::Texton => Ok(Box::new(Texton::new()?)),
-            Name::OneTree => Ok(Box::new(OneTree)),
-            Name::Regions => Ok(Box::new(Regions)),
-            Name::Felzenszwalb => Ok(Box::new(Felzenszwalb::default())),
+            SegmenterOption::Auto if !self.networks.is_empty() => sam(),
+            SegmenterOption::Sam => sam(),
+            SegmenterOption::Auto | SegmenterOption::Texton => Ok(Box::new(Texton::new()?)),
+            SegmenterOption::OneTree => Ok(Box::new(OneTree)),
+            SegmenterOption::Regions => Ok(Box::new(Regions)),
+            SegmenterOption::Felzenszwalb => Ok(Box::new(Felzenszwalb::default())),
         }
     }
 }
@@ -89,16 +90,16 @@ impl Options {
 pub(crate) fn analyze(
     py: Python<'_>,
     name: String,
-    exemplar: Picture,
+    exemplar: PictureInput,
     options: &str,
     masks: Option<Named>,
     layer_map: Option<Named>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Library> {
-    let options: Options = from_json(py, options, "analyze")?;
+    let options: AnalysisOptions = from_json(py, options, "analyze")?;
     let found = run(py, progress, move |progress| {
         let drawing = match &exemplar {
-            Picture::Bytes(bytes) if is_drawing(bytes) => Some(&bytes[..]),
+            PictureInput::Bytes(bytes) if is_drawing(bytes) => Some(&bytes[..]),
             _ => None,
         };
         // Errors name the file as it was given.

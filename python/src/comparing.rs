@@ -1,7 +1,7 @@
 //! How alike two pictures are.
 
 use crate::library::Library;
-use crate::pictures::Picture;
+use crate::pictures::PictureInput;
 use crate::run::run;
 use crate::scene::Scene;
 use crate::writing::json;
@@ -15,7 +15,7 @@ use vtex::{Progress, Result, library, metrics, scene};
 
 /// Something that can be looked at.
 pub(crate) enum Viewed {
-    Picture(Picture),
+    Picture(PictureInput),
     Scene(Arc<scene::Scene>),
     Library(Arc<library::Library>),
 }
@@ -41,7 +41,7 @@ impl Viewed {
     /// Those of decoding and drawing.
     fn picture(self, name: &str, progress: &dyn Progress) -> Result<RgbImage> {
         let pixmap = match self {
-            Self::Picture(Picture::Bytes(ref bytes)) if is_drawing(bytes) => {
+            Self::Picture(PictureInput::Bytes(ref bytes)) if is_drawing(bytes) => {
                 raster_svg::render_svg(bytes, 1.0, name, progress)?
             }
             Self::Picture(picture) => return Ok(picture.exemplar(name)?.image),

@@ -1,7 +1,7 @@
 //! Scenes → scene: bent to another shape, between two, with the appearance of others; and pictures redrawn.
 
 use crate::library::Library;
-use crate::pictures::{Named, Picture};
+use crate::pictures::{Named, PictureInput};
 use crate::run::{run, warn};
 use crate::scene::Scene;
 use crate::writing::from_json;
@@ -145,7 +145,7 @@ struct StylizeOptions {
 pub(crate) fn stylize(
     py: Python<'_>,
     name: String,
-    picture: Picture,
+    picture: PictureInput,
     texture: PyRef<'_, Scene>,
     options: &str,
 ) -> PyResult<Scene> {

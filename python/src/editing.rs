@@ -11,13 +11,13 @@ use vtex::raster::css;
 /// An operation with its conditions as text.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Asked {
+pub(crate) struct TextOperation {
     action: Action,
     layer: Option<String>,
     conditions: Vec<String>,
 }
 
-impl Asked {
+impl TextOperation {
     /// The operation.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vtex::library::{self, SourceKind};
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::{FileKind, Format};
 
 /// What analysis knows of an exemplar.
 #[pyclass(frozen, module = "vtex._vtex")]
@@ -41,7 +41,7 @@ impl Library {
 
     /// Writes a file; the number of bytes.
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<u64> {
-        let Some(Kind { format: Format::Library, gzip }) = Kind::from_path(&path) else {
+        let Some(FileKind { format: Format::Library, gzip }) = FileKind::from_path(&path) else {
             let message = format!("the name of '{}' is not that of a library", path.display());
             return Err(errors::input(py, &message, Some("names end in .lib.json or .lib.json.gz")));
         };

@@ -13,12 +13,12 @@ use vtex::Error;
 use vtex::analyze::{Exemplar, Limits};
 
 /// A picture: a file's bytes, or pixels.
-pub(crate) enum Picture {
+pub(crate) enum PictureInput {
     Bytes(PyBackedBytes),
     Pixels(DynamicImage),
 }
 
-impl Picture {
+impl PictureInput {
     /// The photograph that it is.
     ///
     /// # Errors
@@ -34,7 +34,7 @@ impl Picture {
 /// A picture with the name that errors call it by.
 pub(crate) type Named = (String, PyBackedBytes);
 
-impl<'a, 'py> FromPyObject<'a, 'py> for Picture {
+impl<'a, 'py> FromPyObject<'a, 'py> for PictureInput {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {

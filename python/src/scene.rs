@@ -1,11 +1,11 @@
 //! Scenes.
 
 use crate::document::{self, Category};
-use crate::editing::Asked;
+use crate::editing::TextOperation;
 use crate::errors;
 use crate::pictures::Named;
 use crate::run::{run, warn};
-use crate::writing::{Options, from_json, json};
+use crate::writing::{WritingOptions, from_json, json};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use vtex::edit::{self, Files};
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::{FileKind, Format};
 use vtex::output::{self, png};
 use vtex::{Error, scene};
 
@@ -47,7 +47,7 @@ impl Scene {
 
     /// The bytes of a file whose name has this ending, with its dot.
     fn encode(&self, py: Python<'_>, ending: &str, options: &str) -> PyResult<Py<PyBytes>> {
-        let options: Options = from_json(py, options, "scene")?;
+        let options: WritingOptions = from_json(py, options, "scene")?;
         let kind = kind(py, Path::new(&format!("scene{ending}")))?;
         let (bytes, warnings) = run(py, None, |_| options.bytes(&self.inner, kind))?;
         warnings.iter().try_for_each(|warning| warn(py, warning))?;
@@ -56,7 +56,7 @@ impl Scene {
 
     /// Writes a file of the format that its name asks for; the number of bytes.
     fn save(&self, py: Python<'_>, path: PathBuf, options: &str, force: bool) -> PyResult<u64> {
-        let options: Options = from_json(py, options, "scene")?;
+        let options: WritingOptions = from_json(py, options, "scene")?;
         let kind = kind(py, &path)?;
         let (bytes, warnings) = run(py, None, |_| options.save(&self.inner, &path, kind, force))?;
         warnings.iter().try_for_each(|warning| warn(py, warning))?;
@@ -65,7 +65,7 @@ impl Scene {
 
     /// Pixels: height × width × 3 over white, or × 4 with opacity.
     fn render<'py>(&self, py: Python<'py>, options: &str, alpha: bool) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        let options: Options = from_json(py, options, "render")?;
+        let options: WritingOptions = from_json(py, options, "render")?;
         let (values, width, height) = run(py, None, |_| {
             let pixmap = png::render(&*options.scene(&self.inner)?, options.scale)?;
             let (width, height) = (pixmap.width() as usize, pixmap.height() as usize);
@@ -84,7 +84,7 @@ impl Scene {
         files: BTreeMap<String, PyBackedBytes>,
         seed: Option<u64>,
     ) -> PyResult<(Self, Vec<usize>)> {
-        let asked: Vec<Asked> = from_json(py, operations, "edit")?;
+        let asked: Vec<TextOperation> = from_json(py, operations, "edit")?;
         let operations = asked.into_iter().map(|a| a.operation(py)).collect::<PyResult<Vec<_>>>()?;
         let (scene, outcomes) = run(py, None, |_| {
             let canvas = [self.inner.width, self.inner.height];
@@ -176,8 +176,8 @@ impl Scene {
 }
 
 /// What a file's name asks for.
-fn kind(py: Python<'_>, path: &Path) -> PyResult<Kind> {
-    let kind = Kind::from_path(path).filter(|kind| kind.format != Format::Library);
+fn kind(py: Python<'_>, path: &Path) -> PyResult<FileKind> {
+    let kind = FileKind::from_path(path).filter(|kind| kind.format != Format::Library);
     kind.ok_or_else(|| {
         let message = format!("the name of '{}' says no format that a scene is written in", path.display());
         let hint = "names end in .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz";

@@ -11,11 +11,11 @@ use vtex::analyze::Limits;
 use vtex::import::is_drawing;
 use vtex::layers::LayerPicture;
 use vtex::scene::SynthParams;
-use vtex::synth::{self, Controls, Lead, default_size, layer_map, synthesize_with};
+use vtex::synth::{self, Controls, StructureGuide, default_size, layer_map, synthesize_with};
 use vtex::{Result, control, library};
 
 /// Files that steer.
-struct Steering {
+struct SteeringFiles {
     domain: Option<Named>,
     density: Option<Named>,
     maps: Vec<Named>,
@@ -23,7 +23,7 @@ struct Steering {
     guide: Option<Named>,
 }
 
-impl Steering {
+impl SteeringFiles {
     /// The content of the files.
     ///
     /// # Errors
@@ -37,15 +37,15 @@ impl Steering {
         let maps: Vec<(&str, &[u8])> =
             self.maps.iter().map(|(name, bytes)| (&name[..], &bytes[..])).collect();
         let shares = if maps.is_empty() { Vec::new() } else { control::shares(&maps, libraries.len())? };
-        let lead = match (&self.control, &self.guide, libraries) {
+        let structure = match (&self.control, &self.guide, libraries) {
             (Some((name, bytes)), _, [library]) => {
                 let picture = LayerPicture::from_bytes(bytes, name, &Limits::default())?;
-                Some(Lead::Strata(picture.in_colours_of(&layer_map(library))?))
+                Some(StructureGuide::Strata(picture.in_colours_of(&layer_map(library))?))
             }
-            (_, Some((name, bytes)), _) => Some(Lead::Lightness(control::level(bytes, name)?)),
+            (_, Some((name, bytes)), _) => Some(StructureGuide::Lightness(control::level(bytes, name)?)),
             _ => None,
         };
-        Ok(Controls { domain: domain.transpose()?, density: density.transpose()?, shares, lead })
+        Ok(Controls { domain: domain.transpose()?, density: density.transpose()?, shares, structure })
     }
 }
 
@@ -66,7 +66,7 @@ pub(crate) fn synthesize(
 ) -> PyResult<Scene> {
     let mut params: SynthParams = from_json(py, parameters, "synthesize")?;
     let libraries: Vec<_> = libraries.iter().map(|library| library.inner.clone()).collect();
-    let steering = Steering { domain, density, maps, control, guide };
+    let steering = SteeringFiles { domain, density, maps, control, guide };
     let made = run(py, progress, move |progress| {
         // A single library, the usual case, is not copied.
         let libraries: Cow<'_, [library::Library]> = match &libraries[..] {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
-use vtex::output::file::{Format, Kind, gzip, write_file};
+use vtex::output::file::{FileKind, Format, gzip, write_file};
 use vtex::output::seal::Sealed;
 use vtex::output::svg::{self, SvgOptions};
 use vtex::output::{pdf, png, reduce};
@@ -17,7 +17,7 @@ use vtex::{Error, Result};
 /// How a scene is written.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Options {
+pub(crate) struct WritingOptions {
     precision: u8,
     expand: bool,
     css: bool,
@@ -32,7 +32,7 @@ fn failed(error: io::Error) -> Error {
     Error::write(Path::new("-"), error)
 }
 
-impl Options {
+impl WritingOptions {
     /// The scene with the background asked for.
     ///
     /// # Errors
@@ -54,8 +54,8 @@ impl Options {
     ///
     /// # Errors
     /// Those of the writers and of [`reduce::to_fit`].
-    fn write(&self, scene: &Scene, kind: Kind, out: &mut dyn Write) -> Result<Vec<String>> {
-        let Kind { format, gzip } = kind;
+    fn write(&self, scene: &Scene, kind: FileKind, out: &mut dyn Write) -> Result<Vec<String>> {
+        let FileKind { format, gzip } = kind;
         match format {
             Format::Svg => return self.write_svg(scene, gzip, out),
             Format::Pdf => drop(pdf::write(scene, out)?),
@@ -74,7 +74,7 @@ impl Options {
             return Ok(packed(gzip, out, |out| svg::write(scene, &options, out))?.warnings);
         };
         let measure = |scene: &Scene, options: &SvgOptions| {
-            let mut out = Sealed::new(Counting(0));
+            let mut out = Sealed::new(PythonByteCounter(0));
             packed(gzip, &mut out, |out| svg::write(scene, options, out))?;
             Ok(out.finish().map_err(failed)?.0)
         };
@@ -85,8 +85,8 @@ impl Options {
     /// The bytes of a file, sealed as a file is.
     ///
     /// # Errors
-    /// As [`Options::save`].
-    pub(crate) fn bytes(&self, scene: &Scene, kind: Kind) -> Result<(Vec<u8>, Vec<String>)> {
+    /// As [`WritingOptions::save`].
+    pub(crate) fn bytes(&self, scene: &Scene, kind: FileKind) -> Result<(Vec<u8>, Vec<String>)> {
         let mut out = Sealed::new(Vec::new());
         let warnings = self.write(&*self.scene(scene)?, kind, &mut out)?;
         Ok((out.finish().map_err(failed)?, warnings))
@@ -100,7 +100,7 @@ impl Options {
         &self,
         scene: &Scene,
         path: &Path,
-        kind: Kind,
+        kind: FileKind,
         force: bool,
     ) -> Result<(u64, Vec<String>)> {
         let scene = self.scene(scene)?;
@@ -110,9 +110,9 @@ impl Options {
 }
 
 /// Counts bytes.
-struct Counting(u64);
+struct PythonByteCounter(u64);
 
-impl Write for Counting {
+impl Write for PythonByteCounter {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0 += bytes.len() as u64;
         Ok(bytes.len())

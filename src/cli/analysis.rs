@@ -7,23 +7,23 @@ use super::format;
 use super::hints;
 use super::input::{self, Input, note_read};
 use super::layer_maps;
-use super::models::{Store, sums_of_network};
+use super::models::{ModelFolder, sums_of_network};
 use super::options::engine::{EngineArgs, engine};
 use super::options::files::{ForceArgs, apart, outputs};
 use super::options::layers::{LayerFiles, LayerFilesArgs};
 use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
-use super::output::{Place, Target, say};
-use super::progress::{Finder, Reporter};
+use super::output::{Destination, Target, say};
+use super::progress::{ElementFinder, Reporter};
 use super::reading;
 use super::values::Name;
 use image::RgbImage;
 use std::path::PathBuf;
 use vtex::Progress;
 use vtex::analyze::{Exemplar, Limits, borders_join};
-use vtex::engine::{Choice, EngineOptions, Source, choose};
+use vtex::engine::{EngineChoice, EngineOptions, NetworkSource, choose};
 use vtex::import::{ImportParams, import};
 use vtex::library::{AnalyzeParams, Library};
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::{FileKind, Format};
 use vtex::scene::{Scene, splat};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
@@ -32,10 +32,11 @@ use vtex::synth::{layer_map, reconstruct};
 
 /// How a photograph is analyzed.
 pub(crate) struct Analysis {
-    pub(crate) photo: Input,
+    /// A photograph, a drawing, a library or a scene.
+    pub(crate) input: Input,
     pub(crate) masks: MasksFrom,
     pub(crate) engine: EngineOptions,
-    pub(crate) save_masks: Option<Place>,
+    pub(crate) save_masks: Option<Destination>,
     pub(crate) layers: LayerFiles,
     pub(crate) parameters: AnalyzeParams,
     /// Whether the exemplar tiles; `None` to find out.
@@ -48,15 +49,15 @@ impl Analysis {
     /// Fails now if masks or layers could not be saved later.
     ///
     /// # Errors
-    /// As [`Place::probe`].
+    /// As [`Destination::probe`].
     pub(crate) fn probe(&self) -> vtex::Result<()> {
-        self.save_masks.as_ref().map_or(Ok(()), Place::probe)?;
+        self.save_masks.as_ref().map_or(Ok(()), Destination::probe)?;
         self.layers.save.as_ref().map_or(Ok(()), |target| target.place.probe())
     }
 
     /// Checks what was asked for; `outputs` are where results go.
     pub(crate) fn new(
-        photo: Input,
+        input: Input,
         (masks, layers): (MasksArgs, LayerFilesArgs),
         force: &ForceArgs,
         outputs: &[PathBuf],
@@ -65,32 +66,32 @@ impl Analysis {
         if let Some(path) = &masks.save_masks {
             format::check_masks_name(path)?;
         }
-        let photo_path = match &photo {
+        let input_path = match &input {
             Input::File(path) => Some(path.as_path()),
             _ => None,
         };
         let mut written = self::outputs(outputs);
         written.push(("--save-masks", masks.save_masks.as_deref()));
         written.push(layers.written());
-        for read in [("the photograph", photo_path), ("--masks", masks.masks.as_deref()), layers.read()] {
+        for read in [("the photograph", input_path), ("--masks", masks.masks.as_deref()), layers.read()] {
             apart(&[&[read], &written[..]].concat())?;
         }
-        let save_masks = masks.save_masks.map(|path| Place::File { path, force: force.force });
+        let save_masks = masks.save_masks.map(|path| Destination::File { path, force: force.force });
         let sam = SamFrom::new(masks.sam);
         let from = masks_from(masks.masks, parameters.segmenter, sam)?;
         let engine = engine(masks.engine, parameters.threads);
         let layers = layers.files(force.force)?;
         let (wrap, parameters) = (parameters.wrap.given(), parameters.analyze.clone());
         let looks_at_borders = true;
-        Ok(Self { photo, masks: from, engine, save_masks, layers, parameters, wrap, looks_at_borders })
+        Ok(Self { input, masks: from, engine, save_masks, layers, parameters, wrap, looks_at_borders })
     }
 }
 
 impl Analysis {
     /// As `vtex analyze` does it without options of its own.
-    pub(crate) fn plain(photo: Input, args: EngineArgs, parameters: &Parameters) -> Result<Self, Failure> {
+    pub(crate) fn plain(input: Input, args: EngineArgs, parameters: &Parameters) -> Result<Self, Failure> {
         Ok(Self {
-            photo,
+            input,
             masks: masks_from(None, parameters.segmenter, None)?,
             engine: engine(args, parameters.threads),
             save_masks: None,
@@ -102,11 +103,11 @@ impl Analysis {
     }
 
     /// What finds elements, for the bar.
-    pub(crate) fn finder(&self) -> Finder {
+    pub(crate) fn finder(&self) -> ElementFinder {
         match self.masks {
-            MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_) => Finder::Texton,
+            MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_) => ElementFinder::Texton,
             MasksFrom::File(_) | MasksFrom::Regions | MasksFrom::OneTree | MasksFrom::Felzenszwalb => {
-                Finder::Regions
+                ElementFinder::Regions
             }
         }
     }
@@ -120,17 +121,17 @@ impl Analysis {
 /// Photograph or drawing → library; saves the masks if asked.
 pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
     reporter.stage("reading")?;
-    library_of(common, analysis, analysis.photo.read()?, reporter)
+    library_of(common, analysis, analysis.input.read()?, reporter)
 }
 
 /// Any texture as a scene: a scene as it is, a library as its exemplar is, and a photograph or a drawing
 /// analysed before.
 pub(crate) fn texture(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Scene> {
-    let bytes = analysis.photo.read()?;
-    if matches!(input::Kind::of(&bytes), input::Kind::Image | input::Kind::Svg) {
+    let bytes = analysis.input.read()?;
+    if matches!(input::InputKind::of(&bytes), input::InputKind::Image | input::InputKind::Svg) {
         return Ok(reconstruct(&library_of(common, analysis, bytes, reporter)?));
     }
-    reading::texture_of(bytes, &analysis.photo)
+    reading::texture_of(bytes, &analysis.input)
 }
 
 /// The library of the bytes of a photograph or a drawing.
@@ -140,21 +141,21 @@ fn library_of(
     bytes: Vec<u8>,
     reporter: &Reporter,
 ) -> anyhow::Result<Library> {
-    let wanted = [input::Kind::Image, input::Kind::Svg, input::Kind::Unknown];
-    let kind = input::Kind::expect(&bytes, &analysis.photo, &wanted)?;
-    let name = match &analysis.photo {
+    let wanted = [input::InputKind::Image, input::InputKind::Svg, input::InputKind::Unknown];
+    let kind = input::InputKind::expect(&bytes, &analysis.input, &wanted)?;
+    let name = match &analysis.input {
         Input::Stdin => "-".into(),
         Input::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy(),
     };
-    if kind == input::Kind::Svg {
+    if kind == input::InputKind::Svg {
         check_drawing(analysis)?;
         let params = ImportParams { wrap: analysis.wrap, analyze: analysis.parameters.clone() };
-        let mut library = import(&bytes, &analysis.photo.name(), &params, reporter)?;
+        let mut library = import(&bytes, &analysis.input.name(), &params, reporter)?;
         library.source.file = name.into_owned();
         return Ok(library);
     }
     // Errors name the file as it was given.
-    let mut exemplar = Exemplar::from_bytes(&bytes, &analysis.photo.name(), &Limits::default())?;
+    let mut exemplar = Exemplar::from_bytes(&bytes, &analysis.input.name(), &Limits::default())?;
     exemplar.file = name.into_owned();
     drop(bytes);
     let megapixels = f64::from(exemplar.image.width()) * f64::from(exemplar.image.height()) / 1e6;
@@ -231,7 +232,7 @@ fn sam_from(masks: &MasksFrom) -> Option<SamFrom> {
         MasksFrom::Sam(from) => Some(from.clone()),
         // Without a folder for models there are none.
         MasksFrom::Auto => {
-            let any = Store::open().is_ok_and(|s| s.names().is_ok_and(|names| !names.is_empty()));
+            let any = ModelFolder::open().is_ok_and(|s| s.names().is_ok_and(|names| !names.is_empty()));
             any.then_some(SamFrom::Model(None))
         }
         _ => None,
@@ -250,13 +251,13 @@ pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow:
                     sums.concat()
                 }
                 SamFrom::Model(name) => {
-                    let store = Store::open()?;
+                    let store = ModelFolder::open()?;
                     store.sums(&model_name(&store, name.as_ref())?)?
                 }
             };
             let engine = match choose(options)? {
-                Choice::OnnxRuntime { version, .. } => format!("ONNX Runtime {version}"),
-                Choice::Rten { .. } => "rten".to_owned(),
+                EngineChoice::OnnxRuntime { version, .. } => format!("ONNX Runtime {version}"),
+                EngineChoice::Rten { .. } => "rten".to_owned(),
             };
             format!("sam {} {engine}", sums.join(" "))
         }
@@ -273,16 +274,16 @@ fn sam(from: &SamFrom, engine: &EngineOptions) -> anyhow::Result<Sam> {
     let files = match from {
         SamFrom::Files(files) => files.clone(),
         SamFrom::Model(name) => {
-            let store = Store::open()?;
+            let store = ModelFolder::open()?;
             store.networks(&model_name(&store, name.as_ref())?)?
         }
     };
-    let files: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
+    let files: Vec<NetworkSource<'_>> = files.iter().map(|path| NetworkSource::File(path)).collect();
     Ok(Sam::open(&files, engine)?)
 }
 
 /// The model that is named, or the only one.
-fn model_name(store: &Store, name: Option<&Name>) -> anyhow::Result<String> {
+fn model_name(store: &ModelFolder, name: Option<&Name>) -> anyhow::Result<String> {
     let names = store.names()?;
     match (name, &names[..]) {
         (Some(name), _) => Ok(name.as_str().to_owned()),
@@ -302,7 +303,7 @@ fn model_name(store: &Store, name: Option<&Name>) -> anyhow::Result<String> {
 /// Why ONNX Runtime does not run networks though it may, for people.
 fn why_not(engine: &EngineOptions) -> String {
     match choose(engine) {
-        Ok(Choice::Rten { because: Some(reason) }) => format!(" ({reason})"),
+        Ok(EngineChoice::Rten { because: Some(reason) }) => format!(" ({reason})"),
         _ => String::new(),
     }
 }
@@ -310,7 +311,7 @@ fn why_not(engine: &EngineOptions) -> String {
 /// A segmenter that also saves what it finds.
 struct Saving<'a> {
     segmenter: Box<dyn Segmenter>,
-    place: Option<&'a Place>,
+    place: Option<&'a Destination>,
 }
 
 impl Segmenter for Saving<'_> {
@@ -339,7 +340,7 @@ impl Segmenter for Saving<'_> {
             let stretched = |m: &ScoredMask| ScoredMask { mask: m.mask.stretched(reduced, whole), ..*m };
             let saved = if reduced == whole { masks.clone() } else { masks.iter().map(stretched).collect() };
             let bytes = masks_to_bytes(&plain, &self.name(), whole[0], whole[1], &saved)?;
-            let kind = Kind { format: Format::Library, gzip };
+            let kind = FileKind { format: Format::Library, gzip };
             Target { place: place.clone(), kind }.write_bytes(&bytes)?;
         }
         Ok(masks)

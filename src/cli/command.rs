@@ -1,7 +1,7 @@
 //! Commands: arguments that become a job.
 
 use super::common::Common;
-use super::config::{Given, Layer, Parameters};
+use super::config::{CommandLineValues, ConfigLayer, Parameters};
 use super::failure::Failure;
 use super::progress::Reporter;
 use super::values::Seed;
@@ -12,15 +12,15 @@ pub(crate) type Job = Box<dyn FnOnce(&Common, &Reporter) -> anyhow::Result<()> +
 /// The arguments of a command.
 pub(crate) trait Arguments {
     /// Adds the options that are parameters, by section.
-    fn give(&self, given: &mut Given) {
-        let _ = given;
+    fn collect(&self, values: &mut CommandLineValues) {
+        let _ = values;
     }
 
     /// Reads the parameters that an input holds; those of the command line win.
     ///
     /// # Errors
     /// An input that cannot be read.
-    fn layer(&mut self) -> anyhow::Result<Option<&Layer>> {
+    fn layer(&mut self) -> anyhow::Result<Option<&ConfigLayer>> {
         Ok(None)
     }
 
@@ -28,7 +28,7 @@ pub(crate) trait Arguments {
     ///
     /// # Errors
     /// None of its own.
-    fn preset(&self) -> Result<Option<Layer>, Failure> {
+    fn preset(&self) -> Result<Option<ConfigLayer>, Failure> {
         Ok(None)
     }
 
@@ -46,9 +46,9 @@ pub(crate) struct Resolved {
     /// As given, else chosen.
     pub(crate) seed: Seed,
     /// The file of `--config`.
-    pub(crate) config: Option<Layer>,
+    pub(crate) config: Option<ConfigLayer>,
     /// The parameters of the command line.
-    pub(crate) given: Given,
+    pub(crate) values: CommandLineValues,
     /// The whole command line, from which completions and man pages are made.
     pub(crate) program: fn() -> clap::Command,
 }

@@ -47,9 +47,9 @@ pub(crate) struct Parameters {
 
 /// The parameters on the command line, a table for each section.
 #[derive(Debug, Default)]
-pub(crate) struct Given(Table);
+pub(crate) struct CommandLineValues(Table);
 
-impl Given {
+impl CommandLineValues {
     /// Whether a seed is among them.
     pub(crate) fn has_seed(&self) -> bool {
         self.0.contains_key("seed")
@@ -96,13 +96,13 @@ fn keys(section: &str) -> Vec<(String, String)> {
 }
 
 /// Values for some of the parameters, in sections.
-pub(crate) struct Layer {
+pub(crate) struct ConfigLayer {
     /// Where they stand, for messages: the file's name in quotes, or more.
     place: String,
     table: Table,
 }
 
-impl Layer {
+impl ConfigLayer {
     /// Reads a configuration file.
     pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
         let text = read_text(path)?;
@@ -174,19 +174,20 @@ impl Default for Parameters {
 }
 
 impl Parameters {
-    /// Defaults, layers in their order and command line laid over one another, every range checked.
+    /// Merges the defaults, the layers in their order and the values of the command line; a later value replaces
+    /// an earlier one. Checks every range.
     pub(crate) fn resolve<'a>(
-        layers: impl IntoIterator<Item = &'a Layer>,
-        given: &Given,
+        layers: impl IntoIterator<Item = &'a ConfigLayer>,
+        values: &CommandLineValues,
     ) -> anyhow::Result<Self> {
         let mut parameters = Self::default();
-        for Layer { place, table } in layers {
+        for ConfigLayer { place, table } in layers {
             // One key at a time, so that an error can name it.
             for section in SECTIONS {
                 let inner = if section.is_empty() { Some(table) } else { section_of(table, section) };
                 for (key, value) in inner.into_iter().flatten().filter(|(_, v)| !v.is_table()) {
                     let one: Table = [(key.clone(), value.clone())].into_iter().collect();
-                    parameters.lay(section, &one).map_err(|reason| {
+                    parameters.merge(section, &one).map_err(|reason| {
                         let value = cut(&value.to_string(), 60);
                         let reason = expected(section, key, reason);
                         Failure::usage(format!("{place}: {key} = {value}: {reason}"))
@@ -195,9 +196,9 @@ impl Parameters {
             }
         }
         for section in SECTIONS {
-            let inner = if section.is_empty() { Some(&given.0) } else { section_of(&given.0, section) };
+            let inner = if section.is_empty() { Some(&values.0) } else { section_of(&values.0, section) };
             if let Some(table) = inner {
-                parameters.lay(section, table).map_err(Failure::usage)?;
+                parameters.merge(section, table).map_err(Failure::usage)?;
             }
         }
         if let Some(millimetres) = parameters.millimetres {
@@ -224,8 +225,8 @@ impl Parameters {
         check((0.01..=100.0).contains(&scale), "scale", scale.to_string(), "0.01 to 100")
     }
 
-    /// Lays values over those of a section.
-    fn lay(&mut self, section: &str, values: &Table) -> Result<(), String> {
+    /// Replaces parameters of a section by values.
+    fn merge(&mut self, section: &str, values: &Table) -> Result<(), String> {
         let mut values = values.clone();
         values.retain(|_, v| !v.is_table());
         match section {
@@ -237,7 +238,7 @@ impl Parameters {
                 take(&mut values, "segmenter", |v| self.segmenter = v)?;
                 take(&mut values, "wrap", |v| self.wrap = v)?;
                 self.analyze.wrap = self.wrap.given() == Some(true);
-                self.analyze = over(&self.analyze, values)?;
+                self.analyze = merged(&self.analyze, values)?;
             }
             "synth" => {
                 take(&mut values, "size", |Size { width, height, millimetres }| {
@@ -249,10 +250,10 @@ impl Parameters {
                     WeightsFrom::Numbers(n) => (self.synth.weights, self.weights) = (n.into(), None),
                     WeightsFrom::Name(name) => self.weights = Some(name),
                 })?;
-                self.synth = over(&self.synth, values)?;
+                self.synth = merged(&self.synth, values)?;
             }
-            "svg" => self.svg = over(&self.svg, values)?,
-            "render" => self.render = over(&self.render, values)?,
+            "svg" => self.svg = merged(&self.svg, values)?,
+            "render" => self.render = merged(&self.render, values)?,
             _ => {}
         }
         Ok(())
@@ -354,7 +355,7 @@ fn take<T: DeserializeOwned>(values: &mut Table, key: &str, set: impl FnOnce(T))
 }
 
 /// A parameter struct with some of its fields replaced; keys with hyphens or underscores.
-fn over<T: Serialize + DeserializeOwned>(base: &T, values: Table) -> Result<T, String> {
+fn merged<T: Serialize + DeserializeOwned>(base: &T, values: Table) -> Result<T, String> {
     let mut table = Table::try_from(base).map_err(|e| e.to_string())?;
     table.extend(values.into_iter().map(|(k, v)| (k.replace('-', "_"), v)));
     Value::Table(table).try_into().map_err(|e: toml::de::Error| e.message().to_owned())
@@ -436,7 +437,7 @@ mod tests {
             let test = |value: &str| {
                 let mut p = Parameters::default();
                 let table: Table = format!("{key} = {value}").parse().unwrap();
-                p.lay(section, &table).is_ok() && p.validate().is_ok()
+                p.merge(section, &table).is_ok() && p.validate().is_ok()
             };
             assert!(test(low) && test(high), "{key}");
             assert!(!test(&format!("{high}1")), "{key}");
@@ -449,19 +450,21 @@ mod tests {
     fn a_dump_reads_back_as_itself() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("vtex.toml");
-        let mut given = Given::default();
+        let mut values = CommandLineValues::default();
         let table: Table = "seed = '18446744073709551615'\n[synth]\nsize = 70\nbackground-spacing = 9\n\
             weights = [1, 0, -1.5, 2.5, 0.1]\n[analyze]\nwrap = true\ndetail-sigma = 1.5"
             .parse()
             .unwrap();
-        given.0 = table;
-        let parameters = Parameters::resolve(None, &given).unwrap();
+        values.0 = table;
+        let parameters = Parameters::resolve(None, &values).unwrap();
         assert_eq!(parameters.seed, Some(Seed(u64::MAX)));
         assert_eq!((parameters.synth.height, parameters.synth.weights.mismatched), (70, 2.5));
         let weights = "tuned".parse().ok();
         for p in [parameters, Parameters { weights, ..Parameters::default() }, Parameters::default()] {
             std::fs::write(&path, p.dump()).unwrap();
-            let again = Parameters::resolve(&[Layer::read(&path).unwrap()], &Given::default()).unwrap();
+            let again =
+                Parameters::resolve(&[ConfigLayer::read(&path).unwrap()], &CommandLineValues::default())
+                    .unwrap();
             // A size that is written down counts as given.
             assert!(again.sized);
             assert_eq!(Parameters { sized: p.sized, ..again.clone() }, p);

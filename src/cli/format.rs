@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::{FileKind, Format};
 
 /// Formats of `texture`.
 pub(crate) const OF_PHOTO: &[Format] =
@@ -26,8 +26,8 @@ fn extensions(format: Format) -> &'static [&'static str] {
 }
 
 /// The kind of file that the name `path`, given for `flag`, asks for, among those allowed.
-pub(crate) fn kind_of(flag: &str, path: &Path, allowed: &[Format]) -> Result<Kind, Failure> {
-    let kind = Kind::from_path(path).filter(|k| allowed.contains(&k.format));
+pub(crate) fn kind_of(flag: &str, path: &Path, allowed: &[Format]) -> Result<FileKind, Failure> {
+    let kind = FileKind::from_path(path).filter(|k| allowed.contains(&k.format));
     kind.ok_or_else(|| {
         let known: Vec<&str> = allowed.iter().flat_map(|f| extensions(*f)).copied().collect();
         unknown_name(flag, path, &known)

@@ -1,11 +1,11 @@
 //! Scenes one after another, written as files in a folder or as one file that plays.
 
 use super::options::frames::digits;
-use super::output::{Drawing, Place, Target, Written};
+use super::output::{Destination, DrawingOptions, Target, WrittenFile};
 use super::progress::Reporter;
 use std::cmp::Reverse;
 use std::path::Path;
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::{FileKind, Format};
 use vtex::output::raster_animation::RasterAnimation;
 use vtex::output::reduce::GivenUp;
 use vtex::scene::Scene;
@@ -14,7 +14,7 @@ use vtex::{Error, Progress};
 /// Scenes to be written in turn.
 pub(crate) struct Frames<'a> {
     pub(crate) reporter: &'a Reporter,
-    pub(crate) drawing: Drawing<'static>,
+    pub(crate) drawing: DrawingOptions<'static>,
     pub(crate) animation: RasterAnimation,
     /// The scene of each frame, from 0.
     pub(crate) scene: &'a dyn Fn(u32) -> Scene,
@@ -28,14 +28,18 @@ impl Frames<'_> {
     }
 
     /// Files of their own, named by their number; replaced where vtex did not write them if `force`.
-    pub(crate) fn write_files(&self, folder: &Path, (kind, force): (Kind, bool)) -> anyhow::Result<Written> {
+    pub(crate) fn write_files(
+        &self,
+        folder: &Path,
+        (kind, force): (FileKind, bool),
+    ) -> anyhow::Result<WrittenFile> {
         std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
         let ending = if kind.format == Format::Png { "png" } else { "svg" };
         let count = self.animation.frames;
         let name = |k: u32| folder.join(format!("frame_{k:0digits$}.{ending}", digits = digits(count)));
-        let mut written = Written::default();
+        let mut written = WrittenFile::default();
         for k in 0..count {
-            let target = Target { place: Place::File { path: name(k + 1), force }, kind };
+            let target = Target { place: Destination::File { path: name(k + 1), force }, kind };
             let one = target.write_scene(&self.frame(k)?, self.drawing)?;
             written.bytes += one.bytes;
             one.warnings.iter().for_each(|warning| self.reporter.warn(warning));
@@ -53,14 +57,14 @@ impl Frames<'_> {
     }
 
     /// One GIF.
-    pub(crate) fn write_gif(&self, place: &Place) -> anyhow::Result<Written> {
+    pub(crate) fn write_gif(&self, place: &Destination) -> anyhow::Result<WrittenFile> {
         let picture = |k: u32| self.drawing.picture(&self.frame(k)?);
-        Ok(Written::of(place.write(|out| self.animation.write_gif(picture, out))?.1))
+        Ok(WrittenFile::of(place.write(|out| self.animation.write_gif(picture, out))?.1))
     }
 
     /// One animated PNG, without transparency if `opaque`.
-    pub(crate) fn write_png(&self, place: &Place, opaque: bool) -> anyhow::Result<Written> {
+    pub(crate) fn write_png(&self, place: &Destination, opaque: bool) -> anyhow::Result<WrittenFile> {
         let picture = |k: u32| self.drawing.picture(&self.frame(k)?);
-        Ok(Written::of(place.write(|out| self.animation.write_png(opaque, picture, out))?.1))
+        Ok(WrittenFile::of(place.write(|out| self.animation.write_png(opaque, picture, out))?.1))
     }
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use vtex::output::file::{Format, Kind as FileKind};
+use vtex::output::file::{FileKind, Format};
 use vtex::{Error, Result};
 
 /// Most bytes read from a file or from standard input.
@@ -99,7 +99,7 @@ fn read_known(mut from: impl Read, bytes: &mut Vec<u8>) -> std::io::Result<()> {
     let begins = |beginnings: &[&[u8]]| beginnings.iter().any(|b| start.starts_with(b));
     // Text may be masks or a table, and holds no zeros; packed data have no name yet.
     let text = !bytes.contains(&0) && begins(&[b"{", b"<", b"\xef\xbb\xbf"]);
-    let known = Kind::of(bytes) != Kind::Unknown || text || begins(&[b"\x1f\x8b"]);
+    let known = InputKind::of(bytes) != InputKind::Unknown || text || begins(&[b"\x1f\x8b"]);
     let most = if known { LARGEST + 1 } else { UNKNOWN };
     from.take(most - HEAD as u64).read_to_end(bytes)?;
     Ok(())
@@ -107,7 +107,7 @@ fn read_known(mut from: impl Read, bytes: &mut Vec<u8>) -> std::io::Result<()> {
 
 /// The kind of a file, by its content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum InputKind {
     Library,
     Scene,
     Svg,
@@ -115,7 +115,7 @@ pub(crate) enum Kind {
     Unknown,
 }
 
-impl Kind {
+impl InputKind {
     /// Recognises content, plain or gzip, by its first bytes.
     pub(crate) fn of(bytes: &[u8]) -> Self {
         let head = vtex::gzip::beginning(bytes, HEAD);
@@ -195,13 +195,13 @@ mod tests {
 
     #[test]
     fn content_tells_the_kind() {
-        assert_eq!(Kind::of(b" \n{\"format\":\"vtex-library\"}"), Kind::Library);
-        assert_eq!(Kind::of(b"{\"version\":1,\"format\":\"vtex-scene\"}"), Kind::Scene);
-        assert_eq!(Kind::of(b"\xef\xbb\xbf<?xml version='1.0'?><!-- c --><svg/>"), Kind::Svg);
-        assert_eq!(Kind::of(b"\x89PNG\r\n\x1a\n...."), Kind::Image);
+        assert_eq!(InputKind::of(b" \n{\"format\":\"vtex-library\"}"), InputKind::Library);
+        assert_eq!(InputKind::of(b"{\"version\":1,\"format\":\"vtex-scene\"}"), InputKind::Scene);
+        assert_eq!(InputKind::of(b"\xef\xbb\xbf<?xml version='1.0'?><!-- c --><svg/>"), InputKind::Svg);
+        assert_eq!(InputKind::of(b"\x89PNG\r\n\x1a\n...."), InputKind::Image);
         let wide: Vec<u8> = "\u{feff}<svg/>".encode_utf16().flat_map(u16::to_be_bytes).collect();
-        assert_eq!(Kind::of(&wide), Kind::Svg);
-        assert_eq!(Kind::of(b""), Kind::Unknown);
-        assert_eq!(Kind::of(b"\x1f\x8b damaged"), Kind::Unknown);
+        assert_eq!(InputKind::of(&wide), InputKind::Svg);
+        assert_eq!(InputKind::of(b""), InputKind::Unknown);
+        assert_eq!(InputKind::of(b"\x1f\x8b damaged"), InputKind::Unknown);
     }
 }

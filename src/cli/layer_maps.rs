@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::format;
-use super::input::{Input, Kind};
-use super::output::Place;
+use super::input::{Input, InputKind};
+use super::output::Destination;
 use std::path::{Path, PathBuf};
 use vtex::analyze::Limits;
 use vtex::layers::{LayerMap, LayerPicture};
@@ -19,7 +19,7 @@ pub(crate) enum MapFormat {
 
 /// A file and what is written there.
 pub(crate) struct MapTarget {
-    pub(crate) place: Place,
+    pub(crate) place: Destination,
     pub(crate) format: MapFormat,
 }
 
@@ -27,7 +27,7 @@ impl MapTarget {
     /// A file in the format of its name; `flag` names it in errors.
     pub(crate) fn file(flag: &str, path: PathBuf, force: bool) -> Result<Self, Failure> {
         let format = format_of(flag, &path)?;
-        Ok(Self { place: Place::File { path, force }, format })
+        Ok(Self { place: Destination::File { path, force }, format })
     }
 
     /// Writes a map; the number of bytes.
@@ -57,7 +57,7 @@ pub(crate) fn format_of(flag: &str, path: &Path) -> Result<MapFormat, Failure> {
 /// Reads a picture that may be a layer map.
 pub(crate) fn read(input: &Input) -> anyhow::Result<LayerPicture> {
     let bytes = input.read()?;
-    Kind::expect(&bytes, input, &[Kind::Image, Kind::Unknown])
+    InputKind::expect(&bytes, input, &[InputKind::Image, InputKind::Unknown])
         .map_err(|failure| failure.hint("a layer map is a picture, such as a PNG"))?;
     Ok(LayerPicture::from_bytes(&bytes, &input.name(), &Limits::default())?)
 }

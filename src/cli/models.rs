@@ -10,9 +10,9 @@ use sha2::{Digest, Sha256};
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
-use vtex::engine::{EngineOptions, Source, load};
+use vtex::engine::{EngineOptions, NetworkSource, load};
 use vtex::segment::prompt::Sam;
-use vtex::segment::prompt::sam::{Role, recognise};
+use vtex::segment::prompt::sam::{SamRole, recognise};
 use vtex::{Error, Result};
 
 /// Name of the description within a model's folder.
@@ -66,18 +66,18 @@ impl FileRole {
 /// How a file is beside what it was when it was added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum State {
+pub(crate) enum FileState {
     Good,
     Changed,
     Missing,
 }
 
 /// The folder of models.
-pub(crate) struct Store {
+pub(crate) struct ModelFolder {
     folder: PathBuf,
 }
 
-impl Store {
+impl ModelFolder {
     /// The folder that `VTEX_MODELS` names, else `vtex/models` in the user's folder for data. It need not
     /// exist.
     ///
@@ -207,11 +207,11 @@ impl Store {
         let mut roles = Vec::new();
         for path in files {
             let role = if is_network(path) {
-                let network = load(Source::File(path), engine)?;
+                let network = load(NetworkSource::File(path), engine)?;
                 match recognise(network.as_ref(), &path.display().to_string())?.0 {
-                    Role::Encoder => FileRole::Encoder,
-                    Role::Decoder => FileRole::Decoder,
-                    Role::Both => FileRole::Both,
+                    SamRole::Encoder => FileRole::Encoder,
+                    SamRole::Decoder => FileRole::Decoder,
+                    SamRole::Both => FileRole::Both,
                 }
             } else {
                 FileRole::Weights
@@ -235,7 +235,7 @@ impl Store {
         // That they go together, and that the copies are complete.
         let networks = described.iter().filter(|d| d.role != FileRole::Weights);
         let copies: Vec<PathBuf> = networks.map(|d| new.path().join(&d.file)).collect();
-        let sources: Vec<Source<'_>> = copies.iter().map(|path| Source::File(path)).collect();
+        let sources: Vec<NetworkSource<'_>> = copies.iter().map(|path| NetworkSource::File(path)).collect();
         let named = |text: String| text.replace(&format!("{}/", new.path().display()), "");
         let sam = Sam::open(&sources, engine).map_err(|e| match e {
             // The user knows the files by their own names.
@@ -274,15 +274,15 @@ impl Store {
     }
 
     /// Each file of a model, and how it is.
-    pub(crate) fn verify(&self, model: &Model) -> Result<Vec<(String, State)>> {
+    pub(crate) fn verify(&self, model: &Model) -> Result<Vec<(String, FileState)>> {
         let state = |file: &ModelFile| {
             let path = self.folder.join(&model.name).join(&file.file);
             if !path.is_file() {
-                return Ok((file.file.clone(), State::Missing));
+                return Ok((file.file.clone(), FileState::Missing));
             }
             let (bytes, sha256) = copy(&path, None)?;
             let same = bytes == file.bytes && sha256 == file.sha256;
-            Ok((file.file.clone(), if same { State::Good } else { State::Changed }))
+            Ok((file.file.clone(), if same { FileState::Good } else { FileState::Changed }))
         };
         model.files.iter().map(state).collect()
     }

@@ -3,7 +3,7 @@
 use super::foreign::{escaped, escaped_json, styled};
 use super::input::was_read;
 use super::interrupt;
-use super::options::render::{Background, RenderParameters};
+use super::options::render::{BackgroundChoice, RenderParameters};
 use super::options::svg::SvgParameters;
 use super::values::Bytes;
 use serde::Serialize;
@@ -18,7 +18,7 @@ use tiny_skia::Pixmap;
 use vtex::flow::Flowing;
 use vtex::interpolate::Interpolation;
 use vtex::library::Library;
-use vtex::output::file::{Format, Kind, gzip, remove_abandoned, write_file};
+use vtex::output::file::{FileKind, Format, gzip, remove_abandoned, write_file};
 use vtex::output::reduce::{self, GivenUp};
 use vtex::output::seal::Sealed;
 use vtex::output::{pdf, png, svg};
@@ -27,7 +27,7 @@ use vtex::{Error, Result};
 
 /// A file or standard output.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Place {
+pub(crate) enum Destination {
     Stdout,
     File { path: PathBuf, force: bool },
 }
@@ -35,8 +35,8 @@ pub(crate) enum Place {
 /// A place and what is written there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Target {
-    pub(crate) place: Place,
-    pub(crate) kind: Kind,
+    pub(crate) place: Destination,
+    pub(crate) kind: FileKind,
 }
 
 /// One place or several for one result, at most one of them standard output. The first names it.
@@ -48,14 +48,14 @@ pub(crate) struct Targets {
 
 /// How a scene is drawn and written, beyond what the names ask for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Drawing<'a> {
+pub(crate) struct DrawingOptions<'a> {
     pub(crate) svg: SvgParameters,
     pub(crate) render: RenderParameters,
     /// The recipe that an SVG states.
     pub(crate) recipe: Option<&'a Value>,
 }
 
-impl Drawing<'_> {
+impl DrawingOptions<'_> {
     /// A picture of a scene.
     ///
     /// # Errors
@@ -68,8 +68,8 @@ impl Drawing<'_> {
     fn scene<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
         let Some(background) = self.render.background else { return Cow::Borrowed(scene) };
         Cow::Owned(scene.clone().with_background(match background {
-            Background::Colour(colour) => Some(colour),
-            Background::None => None,
+            BackgroundChoice::Colour(colour) => Some(colour),
+            BackgroundChoice::None => None,
         }))
     }
 
@@ -83,7 +83,7 @@ impl Drawing<'_> {
 
 /// A written file.
 #[derive(Debug, Default)]
-pub(crate) struct Written {
+pub(crate) struct WrittenFile {
     /// Bytes of the first file.
     pub(crate) bytes: u64,
     /// The other files and their bytes.
@@ -94,7 +94,7 @@ pub(crate) struct Written {
     pub(crate) given_up: Option<GivenUp>,
 }
 
-impl Written {
+impl WrittenFile {
     /// `bytes` written, no warnings.
     pub(crate) fn of(bytes: u64) -> Self {
         Self { bytes, ..Self::default() }
@@ -104,7 +104,7 @@ impl Written {
 /// The folders that were looked through for what killed processes left there.
 static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-impl Place {
+impl Destination {
     /// The path, `-` for standard output.
     pub(crate) fn path(&self) -> &Path {
         match self {
@@ -149,7 +149,7 @@ impl Place {
             Self::Stdout => interrupt::waiting(|| {
                 let fail = |e| Error::write(self.path(), e);
                 check_open().map_err(fail)?;
-                let out = Counting::new(io::BufWriter::new(io::stdout().lock()));
+                let out = StoppableByteCounter::new(io::BufWriter::new(io::stdout().lock()));
                 let mut out = Sealed::new(out);
                 let value = content(&mut out)?;
                 let mut out = out.finish().map_err(fail)?;
@@ -157,7 +157,7 @@ impl Place {
                 Ok((value, out.count))
             }),
             Self::File { path, force } => write_file(path, *force, |out| {
-                let mut out = Counting::new(out);
+                let mut out = StoppableByteCounter::new(out);
                 let value = content(&mut out)?;
                 interrupt::check()?;
                 Ok(value)
@@ -201,7 +201,7 @@ impl Targets {
     /// Fails now if a file could not be written later.
     ///
     /// # Errors
-    /// As [`Place::probe`].
+    /// As [`Destination::probe`].
     pub(crate) fn probe(&self) -> Result<()> {
         self.all().try_for_each(|target| target.place.probe())
     }
@@ -213,7 +213,7 @@ impl Targets {
 
     /// Whether standard output is among them.
     pub(crate) fn piped(&self) -> bool {
-        self.all().any(|target| target.place == Place::Stdout)
+        self.all().any(|target| target.place == Destination::Stdout)
     }
 
     /// Whether a file of a format is among them.
@@ -229,8 +229,8 @@ impl Targets {
         &self,
         scene: &Scene,
         library: Option<&Library>,
-        drawing: Drawing<'_>,
-    ) -> Result<Written> {
+        drawing: DrawingOptions<'_>,
+    ) -> Result<WrittenFile> {
         let mut written = self.each(|target| match (target.kind.format, library) {
             (Format::Library, Some(library)) => target.write_bytes(&library.to_json()),
             _ => target.write_scene(scene, drawing),
@@ -245,7 +245,7 @@ impl Targets {
     ///
     /// # Errors
     /// Those of `write`.
-    pub(crate) fn each(&self, write: impl Fn(&Target) -> Result<Written>) -> Result<Written> {
+    pub(crate) fn each(&self, write: impl Fn(&Target) -> Result<WrittenFile>) -> Result<WrittenFile> {
         let mut all = write(&self.first)?;
         for target in &self.others {
             let one = write(target)?;
@@ -261,20 +261,20 @@ impl Target {
     /// Writes bytes, packed if the name asks for it.
     ///
     /// # Errors
-    /// As [`Place::write`].
-    pub(crate) fn write_bytes(&self, bytes: &[u8]) -> Result<Written> {
+    /// As [`Destination::write`].
+    pub(crate) fn write_bytes(&self, bytes: &[u8]) -> Result<WrittenFile> {
         let fail = |e| Error::write(Path::new("-"), e);
         let (_, count) = self.place.write(|out| self.pack(out, |out| out.write_all(bytes).map_err(fail)))?;
-        Ok(Written::of(count))
+        Ok(WrittenFile::of(count))
     }
 
     /// Writes a scene as what the name asks for; the scale counts for PNG only, the recipe for SVG only, the
     /// limit of bytes for SVG and PDF.
     ///
     /// # Errors
-    /// As [`Place::write`], and those of the writers and of [`reduce::to_fit`].
-    pub(crate) fn write_scene(&self, scene: &Scene, drawing: Drawing<'_>) -> Result<Written> {
-        let Drawing { svg, recipe, render } = drawing;
+    /// As [`Destination::write`], and those of the writers and of [`reduce::to_fit`].
+    pub(crate) fn write_scene(&self, scene: &Scene, drawing: DrawingOptions<'_>) -> Result<WrittenFile> {
+        let DrawingOptions { svg, recipe, render } = drawing;
         let dpi = render.dpi;
         let scene = &*drawing.scene(scene);
         Ok(match self.kind.format {
@@ -291,7 +291,7 @@ impl Target {
             Format::Png => {
                 let picture = drawing.picture(scene)?;
                 let seed = scene.parameters.as_ref().map(|p| p.seed);
-                Written::of(self.place.write(|out| png::encode(&picture, seed, out))?.1)
+                WrittenFile::of(self.place.write(|out| png::encode(&picture, seed, out))?.1)
             }
         })
     }
@@ -299,8 +299,8 @@ impl Target {
     /// Writes a scene as a pattern; a background may be of one colour there, but not missing.
     ///
     /// # Errors
-    /// As [`Place::write`], and those of [`svg::write_pattern`] and of [`reduce::to_fit`].
-    pub(crate) fn write_pattern(&self, scene: &Scene, drawing: Drawing<'_>) -> Result<Written> {
+    /// As [`Destination::write`], and those of [`svg::write_pattern`] and of [`reduce::to_fit`].
+    pub(crate) fn write_pattern(&self, scene: &Scene, drawing: DrawingOptions<'_>) -> Result<WrittenFile> {
         self.write_within(&drawing.scene(scene), drawing.svg, |s, o, out| {
             svg::write_pattern(s, o, out).map(|summary| summary.warnings)
         })
@@ -309,26 +309,30 @@ impl Target {
     /// Writes the way between two scenes as an SVG that plays.
     ///
     /// # Errors
-    /// As [`Place::write`], and those of [`svg::write_animation`].
-    pub(crate) fn write_animation(&self, way: &Interpolation, animation: &svg::Animation) -> Result<Written> {
+    /// As [`Destination::write`], and those of [`svg::write_animation`].
+    pub(crate) fn write_animation(
+        &self,
+        way: &Interpolation,
+        animation: &svg::Animation,
+    ) -> Result<WrittenFile> {
         let (summary, bytes) =
             self.place.write(|out| self.pack(out, |w| svg::write_animation(way, animation, w)))?;
-        Ok(Written { bytes, warnings: summary.warnings, ..Written::default() })
+        Ok(WrittenFile { bytes, warnings: summary.warnings, ..WrittenFile::default() })
     }
 
     /// Writes a scene in a flow; a loop takes `seconds`.
     ///
     /// # Errors
-    /// As [`Place::write`], and those of [`svg::write_flow`].
+    /// As [`Destination::write`], and those of [`svg::write_flow`].
     pub(crate) fn write_flow(
         &self,
         flowing: &Flowing,
         seconds: f64,
         options: &svg::SvgOptions,
-    ) -> Result<Written> {
+    ) -> Result<WrittenFile> {
         let write = |out: &mut dyn Write| svg::write_flow(flowing, seconds, options, out);
         let (summary, bytes) = self.place.write(|out| self.pack(out, |w| write(w)))?;
-        Ok(Written { bytes, warnings: summary.warnings, ..Written::default() })
+        Ok(WrittenFile { bytes, warnings: summary.warnings, ..WrittenFile::default() })
     }
 
     /// Writes a scene by `writer`, which gives its warnings, as much of it as is allowed.
@@ -337,14 +341,14 @@ impl Target {
         scene: &Scene,
         svg: SvgParameters,
         writer: impl Fn(&Scene, &svg::SvgOptions, &mut dyn Write) -> Result<Vec<String>>,
-    ) -> Result<Written> {
+    ) -> Result<WrittenFile> {
         let options = svg.into();
         let Some(Bytes(most)) = svg.max_bytes else {
             let (warnings, bytes) = self.place.write(|out| self.pack(out, |w| writer(scene, &options, w)))?;
-            return Ok(Written { bytes, warnings, ..Written::default() });
+            return Ok(WrittenFile { bytes, warnings, ..WrittenFile::default() });
         };
         let measure = |scene: &Scene, options: &svg::SvgOptions| {
-            let mut out = Sealed::new(Counting::new(io::sink()));
+            let mut out = Sealed::new(StoppableByteCounter::new(io::sink()));
             self.pack(&mut out, |w| writer(scene, options, w))?;
             Ok(out.finish().map_err(|e| Error::write(Path::new("-"), e))?.count)
         };
@@ -352,7 +356,7 @@ impl Target {
         let (warnings, bytes) =
             self.place.write(|out| self.pack(out, |w| writer(&reduced.scene, &reduced.options, w)))?;
         let given_up = reduced.given_up;
-        Ok(Written { bytes, warnings, given_up, others: Vec::new() })
+        Ok(WrittenFile { bytes, warnings, given_up, others: Vec::new() })
     }
 
     /// Hands a writer to `content` that packs if the name asks for it; then the content is sealed here.
@@ -413,18 +417,18 @@ pub(crate) fn say_styled(text: &str) {
 }
 
 /// Counts bytes, and stops when the user asks to.
-struct Counting<W> {
+struct StoppableByteCounter<W> {
     out: W,
     count: u64,
 }
 
-impl<W: Write> Counting<W> {
+impl<W: Write> StoppableByteCounter<W> {
     fn new(out: W) -> Self {
         Self { out, count: 0 }
     }
 }
 
-impl<W: Write> Write for Counting<W> {
+impl<W: Write> Write for StoppableByteCounter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         // Not `ErrorKind::Interrupted`, after which writers try again.
         interrupt::check().map_err(io::Error::other)?;

@@ -4,7 +4,7 @@ use super::common::Common;
 use super::failure::label;
 use super::foreign::line;
 use super::interrupt;
-use super::output::{Place, say_styled};
+use super::output::{Destination, say_styled};
 use anstyle::AnsiColor;
 use image::RgbImage;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
@@ -20,13 +20,13 @@ pub(crate) struct Reporter {
     /// Whether warnings are printed as they come.
     talks: bool,
     debug_folder: Option<PathBuf>,
-    state: Mutex<State>,
+    state: Mutex<ReportedState>,
     /// Shared with the bar, which asks it at every tick.
-    whole: Arc<Mutex<Whole>>,
+    whole: Arc<Mutex<TotalProgress>>,
     start: Instant,
 }
 
-struct State {
+struct ReportedState {
     plan: Option<Plan>,
     stage: &'static str,
     since: Instant,
@@ -44,7 +44,7 @@ const WIDE: usize = 32;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Plan {
     /// What finds the elements of a photograph, if one is analysed.
-    pub(crate) finder: Option<Finder>,
+    pub(crate) finder: Option<ElementFinder>,
     /// Megapixels of the photograph as it is analysed.
     pub(crate) megapixels: f64,
     /// Megapixels of the canvas of a texture, if one is made.
@@ -53,7 +53,7 @@ pub(crate) struct Plan {
 
 /// What finds the elements of a photograph, as far as its time depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Finder {
+pub(crate) enum ElementFinder {
     Texton,
     Regions,
 }
@@ -136,8 +136,8 @@ impl Plan {
             stages.iter().map(|&(name, own, each)| (name, own + each * size)).collect()
         };
         let mut all = match self.finder {
-            Some(Finder::Texton) => of(&TEXTON, megapixels),
-            Some(Finder::Regions) => of(&REGIONS, megapixels),
+            Some(ElementFinder::Texton) => of(&TEXTON, megapixels),
+            Some(ElementFinder::Regions) => of(&REGIONS, megapixels),
             None => Vec::new(),
         };
         if self.finder.is_some() {
@@ -153,7 +153,7 @@ impl Plan {
 
 /// How far all the work is: the share of the time gone by in all the time that is expected. It never goes back.
 #[derive(Debug)]
-struct Whole {
+struct TotalProgress {
     stages: Vec<(&'static str, f64)>,
     /// Place of the stage among these, and the seconds expected of it.
     at: usize,
@@ -168,7 +168,7 @@ struct Whole {
     shown: f64,
 }
 
-impl Default for Whole {
+impl Default for TotalProgress {
     fn default() -> Self {
         let stages = ANY.iter().map(|&(name, seconds)| (name, seconds / 2.0)).collect();
         Self { stages, at: 0, expected: 0.0, since: 0.0, steps: (0, 0), spent: [0.0; 2], shown: 0.0 }
@@ -180,7 +180,7 @@ const PRIOR: f64 = 0.1;
 /// Seconds expected of a stage that is in no plan.
 const UNKNOWN: f64 = 0.3;
 
-impl Whole {
+impl TotalProgress {
     /// What comes is known better. The stage goes on.
     fn plan(&mut self, plan: &Plan) {
         let name = self.stages.get(self.at).map(|stage| stage.0);
@@ -241,7 +241,7 @@ impl Reporter {
         if let Some(folder) = &common.debug_folder {
             std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
         }
-        let state = State {
+        let state = ReportedState {
             plan: None,
             stage: "",
             since: Instant::now(),
@@ -274,7 +274,7 @@ impl Reporter {
         self.whole().plan(&Plan { megapixels: analysed, canvas, ..plan });
     }
 
-    fn whole(&self) -> MutexGuard<'_, Whole> {
+    fn whole(&self) -> MutexGuard<'_, TotalProgress> {
         self.whole.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -331,7 +331,7 @@ impl Reporter {
         self.state().failure.take()
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, ReportedState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -343,7 +343,7 @@ impl Drop for Reporter {
     }
 }
 
-impl State {
+impl ReportedState {
     /// Books the time gone by on the stage that ends, and starts another.
     fn enter(&mut self, stage: &'static str) {
         let now = Instant::now();
@@ -390,7 +390,7 @@ impl Progress for Reporter {
             state.pictures += 1;
             state.pictures
         };
-        let place = Place::File { path: folder.join(format!("{number:02}-{name}.png")), force: false };
+        let place = Destination::File { path: folder.join(format!("{number:02}-{name}.png")), force: false };
         let written = place.write(|out| vtex::output::png::encode_rgb(&draw(), out));
         if let Err(e) = written {
             self.state().failure.get_or_insert(e);
@@ -404,7 +404,7 @@ mod tests {
 
     #[test]
     fn the_bar_never_goes_back_and_never_restarts() {
-        let mut whole = Whole::default();
+        let mut whole = TotalProgress::default();
         let (mut last, mut now) = (0.0, 0.0);
         let stages =
             ["reading", "merging regions", "primaries", "outlines", "structure", "unheard of", "writing"];
@@ -421,7 +421,7 @@ mod tests {
         assert!(last > 0.7, "{last}");
     }
 
-    fn plan(finder: Finder, megapixels: f64, canvas: Option<f64>) -> Plan {
+    fn plan(finder: ElementFinder, megapixels: f64, canvas: Option<f64>) -> Plan {
         Plan { finder: Some(finder), megapixels, canvas }
     }
 
@@ -432,7 +432,7 @@ mod tests {
         vec![
             (
                 "concrete, texture",
-                plan(Finder::Texton, 0.25, Some(1.0)),
+                plan(ElementFinder::Texton, 0.25, Some(1.0)),
                 &[
                     0.021, 0.149, 1.373, 0.01, 0.042, 0.155, 0.247, 0.343, 0.227, 0.009, 0.712, 0.078, 0.897,
                     0.047, 0.277, 0.384,
@@ -440,12 +440,12 @@ mod tests {
             ),
             (
                 "concrete, vectorize",
-                plan(Finder::Regions, 0.25, None),
+                plan(ElementFinder::Regions, 0.25, None),
                 &[0.019, 0.091, 0.254, 0.217, 0.008, 0.583, 0.086, 0.104],
             ),
             (
                 "flowers, texture",
-                plan(Finder::Texton, 0.25, Some(1.0)),
+                plan(ElementFinder::Texton, 0.25, Some(1.0)),
                 &[
                     0.008, 0.054, 1.218, 0.018, 0.051, 0.112, 0.219, 0.298, 0.282, 0.014, 0.546, 0.05, 0.753,
                     0.046, 0.234, 0.408,
@@ -453,12 +453,12 @@ mod tests {
             ),
             (
                 "flowers, vectorize",
-                plan(Finder::Regions, 0.25, None),
+                plan(ElementFinder::Regions, 0.25, None),
                 &[0.025, 0.094, 0.31, 0.29, 0.016, 0.578, 0.079, 0.086],
             ),
             (
                 "leaves, texture",
-                plan(Finder::Texton, 0.3, Some(1.0)),
+                plan(ElementFinder::Texton, 0.3, Some(1.0)),
                 &[
                     0.004, 0.066, 1.705, 0.031, 0.097, 0.186, 0.288, 0.358, 0.368, 0.017, 0.926, 0.068,
                     0.748, 0.061, 0.354, 0.452,
@@ -466,12 +466,12 @@ mod tests {
             ),
             (
                 "leaves, vectorize",
-                plan(Finder::Regions, 0.3, None),
+                plan(ElementFinder::Regions, 0.3, None),
                 &[0.019, 0.125, 0.37, 0.355, 0.02, 0.913, 0.123, 0.206],
             ),
             (
                 "floor, texture",
-                plan(Finder::Texton, 1.049, Some(1.0)),
+                plan(ElementFinder::Texton, 1.049, Some(1.0)),
                 &[
                     0.022, 0.101, 2.735, 0.831, 1.056, 1.294, 0.739, 1.562, 1.144, 0.345, 2.414, 0.199,
                     0.551, 0.465, 0.127, 0.392,
@@ -479,12 +479,12 @@ mod tests {
             ),
             (
                 "floor, vectorize",
-                plan(Finder::Regions, 1.049, None),
+                plan(ElementFinder::Regions, 1.049, None),
                 &[0.073, 0.405, 1.14, 0.737, 0.045, 1.611, 0.21, 0.323],
             ),
             (
                 "mud, texture",
-                plan(Finder::Texton, 1.171, Some(1.0)),
+                plan(ElementFinder::Texton, 1.171, Some(1.0)),
                 &[
                     0.015, 0.07, 3.268, 0.062, 0.212, 0.817, 1.031, 1.466, 0.813, 0.073, 3.344, 0.211, 0.351,
                     0.084, 0.543, 0.508,
@@ -492,12 +492,12 @@ mod tests {
             ),
             (
                 "mud, vectorize",
-                plan(Finder::Regions, 1.171, None),
+                plan(ElementFinder::Regions, 1.171, None),
                 &[0.081, 0.589, 1.591, 1.223, 0.09, 3.514, 0.477, 0.546],
             ),
             (
                 "tile, texture",
-                plan(Finder::Texton, 0.25, Some(1.0)),
+                plan(ElementFinder::Texton, 0.25, Some(1.0)),
                 &[
                     0.008, 0.101, 1.256, 0.035, 0.085, 0.172, 0.324, 0.357, 0.334, 0.031, 0.301, 0.071,
                     1.019, 0.192, 0.084, 0.311,
@@ -505,7 +505,7 @@ mod tests {
             ),
             (
                 "concrete, texture of 9 megapixels",
-                plan(Finder::Texton, 0.25, Some(9.0)),
+                plan(ElementFinder::Texton, 0.25, Some(9.0)),
                 &[
                     0.011, 0.058, 1.239, 0.015, 0.062, 0.127, 0.22, 0.261, 0.206, 0.006, 0.596, 0.046, 6.457,
                     0.597, 1.184, 3.266,
@@ -521,7 +521,7 @@ mod tests {
             assert_eq!(stages.len(), seconds.len(), "{name}");
             // Machines differ in speed.
             for slower in [0.8, 1.0, 1.25] {
-                let mut whole = Whole::default();
+                let mut whole = TotalProgress::default();
                 whole.enter("reading", 0.0);
                 whole.plan(&plan);
                 let total: f64 = seconds.iter().sum::<f64>() * slower;

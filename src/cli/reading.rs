@@ -1,14 +1,14 @@
 //! Files read as what they are to be: scenes, libraries, controls.
 
 use super::failure::Failure;
-use super::input::{Input, Kind};
+use super::input::{Input, InputKind};
 use super::layer_maps;
-use super::options::control::{DomainFrom, LeadFrom, Steering};
+use super::options::control::{DomainFrom, Steering, StructureFrom};
 use super::recipe::metadata;
 use vtex::control;
 use vtex::library::Library;
 use vtex::scene::{Method, Scene, SynthParams};
-use vtex::synth::{Controls, Lead, layer_map, reconstruct};
+use vtex::synth::{Controls, StructureGuide, layer_map, reconstruct};
 
 /// Reads the files that steer the synthesis of a number of libraries.
 pub(crate) fn controls(
@@ -19,7 +19,8 @@ pub(crate) fn controls(
     let canvas = [parameters.width, parameters.height];
     let read = |file: &Input, wanted, hint: &str| -> anyhow::Result<(String, Vec<u8>)> {
         let bytes = file.read()?;
-        Kind::expect(&bytes, file, &[wanted, Kind::Unknown]).map_err(|failure| failure.hint(hint))?;
+        InputKind::expect(&bytes, file, &[wanted, InputKind::Unknown])
+            .map_err(|failure| failure.hint(hint))?;
         Ok((file.name(), bytes))
     };
     let a_picture = "a map is a picture, such as a PNG";
@@ -27,54 +28,57 @@ pub(crate) fn controls(
         None => None,
         Some(DomainFrom::Shape(file)) => {
             let (name, bytes) =
-                read(file, Kind::Svg, "a shape is an SVG; a picture is given with --domain-mask")?;
+                read(file, InputKind::Svg, "a shape is an SVG; a picture is given with --domain-mask")?;
             Some(control::shape(&bytes, &name, canvas)?)
         }
         Some(DomainFrom::Mask(file)) => {
             let (name, bytes) =
-                read(file, Kind::Image, "a mask is a picture; an SVG is given with --domain")?;
+                read(file, InputKind::Image, "a mask is a picture; an SVG is given with --domain")?;
             Some(control::mask(&bytes, &name, canvas)?)
         }
     };
     let density = match &steering.density {
         None => None,
         Some(file) => {
-            let (name, bytes) = read(file, Kind::Image, a_picture)?;
+            let (name, bytes) = read(file, InputKind::Image, a_picture)?;
             Some(control::density(&bytes, &name)?)
         }
     };
-    let maps = steering.maps.iter().map(|file| read(file, Kind::Image, a_picture));
+    let maps = steering.maps.iter().map(|file| read(file, InputKind::Image, a_picture));
     let maps = maps.collect::<anyhow::Result<Vec<_>>>()?;
     let maps: Vec<(&str, &[u8])> = maps.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
     let shares = if maps.is_empty() { Vec::new() } else { control::shares(&maps, libraries)? };
     // What is wrong with it shows before the long work.
-    match &steering.lead {
+    match &steering.structure {
         Some(_) if parameters.method == Method::Descriptor => {
             let failure = Failure::usage("--control and --guide lead placement by correspondences");
             return Err(failure.hint("leave out --method descriptor").into());
         }
-        Some(LeadFrom::Layers(file @ Input::File(_))) => drop(layer_maps::read(file)?),
+        Some(StructureFrom::Layers(file @ Input::File(_))) => drop(layer_maps::read(file)?),
         _ => {}
     }
-    Ok(Controls { domain, density, shares, lead: None })
+    Ok(Controls { domain, density, shares, structure: None })
 }
 
-/// Reads what leads the large structure of a library, if anything does.
-pub(crate) fn lead(steering: &Steering, library: &Library) -> anyhow::Result<Option<Lead>> {
-    Ok(match &steering.lead {
+/// Reads the guide of the large structure, if there is one.
+pub(crate) fn structure_guide(
+    steering: &Steering,
+    library: &Library,
+) -> anyhow::Result<Option<StructureGuide>> {
+    Ok(match &steering.structure {
         None => None,
-        Some(LeadFrom::Layers(_)) if !library.is_layered() => {
+        Some(StructureFrom::Layers(_)) if !library.is_layered() => {
             let failure = Failure::failed("the library has a single layer, so --control has nothing to lead");
             return Err(failure.hint("give --layers 2 or a painted --layer-map to 'vtex analyze'").into());
         }
-        Some(LeadFrom::Layers(file)) => {
-            Some(Lead::Strata(layer_maps::read(file)?.in_colours_of(&layer_map(library))?))
+        Some(StructureFrom::Layers(file)) => {
+            Some(StructureGuide::Strata(layer_maps::read(file)?.in_colours_of(&layer_map(library))?))
         }
-        Some(LeadFrom::Lightness(file)) => {
+        Some(StructureFrom::Lightness(file)) => {
             let bytes = file.read()?;
-            Kind::expect(&bytes, file, &[Kind::Image, Kind::Unknown])
+            InputKind::expect(&bytes, file, &[InputKind::Image, InputKind::Unknown])
                 .map_err(|failure| failure.hint("a guide is a picture, such as a photograph"))?;
-            Some(Lead::Lightness(control::level(&bytes, &file.name())?))
+            Some(StructureGuide::Lightness(control::level(&bytes, &file.name())?))
         }
     })
 }
@@ -82,7 +86,7 @@ pub(crate) fn lead(steering: &Steering, library: &Library) -> anyhow::Result<Opt
 /// Reads a scene.
 pub(crate) fn scene(input: &Input) -> anyhow::Result<Scene> {
     let bytes = input.read()?;
-    Kind::expect(&bytes, input, &[Kind::Scene, Kind::Unknown])
+    InputKind::expect(&bytes, input, &[InputKind::Scene, InputKind::Unknown])
         .map_err(|failure| failure.hint(scene_hint(&bytes, input)))?;
     Ok(Scene::from_bytes(bytes, &input.name())?)
 }
@@ -99,9 +103,9 @@ fn scene_hint(bytes: &[u8], input: &Input) -> String {
 
 /// A scene out of its bytes, or out of those of a library, as its exemplar is.
 pub(crate) fn texture_of(bytes: Vec<u8>, input: &Input) -> anyhow::Result<Scene> {
-    let kind = Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Unknown])?;
+    let kind = InputKind::expect(&bytes, input, &[InputKind::Library, InputKind::Scene, InputKind::Unknown])?;
     Ok(match kind {
-        Kind::Library => reconstruct(&Library::from_bytes(&bytes, &input.name())?),
+        InputKind::Library => reconstruct(&Library::from_bytes(&bytes, &input.name())?),
         _ => Scene::from_bytes(&bytes, &input.name())?,
     })
 }
@@ -111,7 +115,7 @@ pub(crate) fn libraries(inputs: &[Input]) -> anyhow::Result<Vec<Library>> {
     let read = |input: &Input| {
         let bytes = input.read()?;
         // An unknown file may still be a damaged library, and reading it says where.
-        Kind::expect(&bytes, input, &[Kind::Library, Kind::Unknown])?;
+        InputKind::expect(&bytes, input, &[InputKind::Library, InputKind::Unknown])?;
         Ok(Library::from_bytes(bytes, &input.name())?)
     };
     inputs.iter().map(read).collect()

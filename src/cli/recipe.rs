@@ -1,7 +1,7 @@
 //! The recipe of a texture, as written into its SVG and read by `--again`: all parameters, and the names and
 //! SHA-256 of the files that were used.
 
-use super::config::{Layer, Parameters};
+use super::config::{ConfigLayer, Parameters};
 use super::failure::Failure;
 use super::input::Input;
 use super::options::analyze::SegmenterName;
@@ -18,14 +18,14 @@ const HEAD: usize = 1 << 20;
 
 /// A file that had a part in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Part {
+pub(crate) struct RecipeFile {
     /// `photo`, or the option that named it.
     pub(crate) role: String,
     pub(crate) file: PathBuf,
     pub(crate) sha256: String,
 }
 
-impl Part {
+impl RecipeFile {
     /// A file as it is now.
     pub(crate) fn of(role: &str, file: &Path, content: &[u8]) -> Self {
         Self { role: role.into(), file: file.into(), sha256: sum(content) }
@@ -50,9 +50,9 @@ pub(crate) fn of(
     photo: &Input,
 ) -> anyhow::Result<Value> {
     let sha256 = library.source.sha256.clone();
-    let mut parts = vec![Part { role: "photo".into(), file: photo.path().to_owned(), sha256 }];
+    let mut parts = vec![RecipeFile { role: "photo".into(), file: photo.path().to_owned(), sha256 }];
     let mut add = |role: &str, file: &Path| {
-        parts.push(Part::of(role, file, &Input::new(file.to_owned()).read()?));
+        parts.push(RecipeFile::of(role, file, &Input::new(file.to_owned()).read()?));
         anyhow::Ok(())
     };
     for (role, file) in steering.files().chain(painted.map(|file| ("--layer-map", file))) {
@@ -99,8 +99,8 @@ pub(crate) struct Recipe {
     /// The SVG that holds it, in quotes.
     pub(crate) place: String,
     pub(crate) program: String,
-    pub(crate) parameters: Layer,
-    pub(crate) parts: Vec<Part>,
+    pub(crate) parameters: ConfigLayer,
+    pub(crate) parts: Vec<RecipeFile>,
     /// The model of Segment Anything, if one was named.
     pub(crate) model: Option<String>,
     /// How many seeds after that of the analysis the texture has its own.
@@ -108,7 +108,12 @@ pub(crate) struct Recipe {
 }
 
 /// Writes down parameters and parts; `segmenter` is what finds masks if none are given.
-fn write(parameters: &Parameters, segmenter: SegmenterName, parts: &[Part], model: Option<&str>) -> Value {
+fn write(
+    parameters: &Parameters,
+    segmenter: SegmenterName,
+    parts: &[RecipeFile],
+    model: Option<&str>,
+) -> Value {
     // With numbers for weights that have a name, because the name may mean others tomorrow.
     let parameters = Parameters { segmenter, weights: None, threads: None, ..parameters.clone() };
     let mut recipe = serde_json::to_value(parameters.table()).unwrap_or_default();
@@ -142,7 +147,7 @@ impl Recipe {
         let text = |value: &Value, key: &str| value[key].as_str().map(str::to_owned);
         let part = |value: &Value| {
             let file = text(value, "file")?.into();
-            Some(Part { role: text(value, "role")?, file, sha256: text(value, "sha256")? })
+            Some(RecipeFile { role: text(value, "role")?, file, sha256: text(value, "sha256")? })
         };
         let parts = recipe.get("files").and_then(Value::as_array).into_iter().flatten();
         let parts = parts.map(part).collect::<Option<Vec<_>>>().ok_or_else(missing)?;
@@ -154,13 +159,13 @@ impl Recipe {
                 table.insert(key.clone(), value);
             }
         }
-        let parameters = Layer::new(place.clone(), table)?;
+        let parameters = ConfigLayer::new(place.clone(), table)?;
         let variant = recipe.get("variant").and_then(Value::as_u64).unwrap_or(0);
         Ok(Self { place, program, parameters, parts, model, variant })
     }
 
     /// The file that had a role.
-    pub(crate) fn part(&self, role: &str) -> Option<&Part> {
+    pub(crate) fn part(&self, role: &str) -> Option<&RecipeFile> {
         self.parts.iter().find(|part| part.role == role)
     }
 
@@ -196,18 +201,18 @@ pub(crate) fn metadata(bytes: &[u8]) -> Option<Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::config::Given;
+    use crate::cli::config::CommandLineValues;
 
     #[test]
     fn what_is_written_down_is_read_back() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.svg");
-        let mut parameters = Parameters::resolve(None, &Given::default()).unwrap();
+        let mut parameters = Parameters::resolve(None, &CommandLineValues::default()).unwrap();
         parameters.seed = "18446744073709551615".parse().ok();
         parameters.analyze.detail_scale = 12.5;
         (parameters.synth.width, parameters.sized) = (70, true);
         parameters.svg.precision = 3;
-        let parts = [Part::of("photo", Path::new("a<b>&c.png"), b"x")];
+        let parts = [RecipeFile::of("photo", Path::new("a<b>&c.png"), b"x")];
         let recipe = write(&parameters, SegmenterName::Texton, &parts, None);
         let metadata = serde_json::json!({ "program": "vtex 7", "recipe": recipe }).to_string();
         let escaped = metadata.replace('&', "&amp;").replace('<', "&lt;");
@@ -215,7 +220,10 @@ mod tests {
         let read = Recipe::read(&path).unwrap();
         assert_eq!((read.program.as_str(), &read.parts[..]), ("vtex 7", &parts[..]));
         parameters.segmenter = SegmenterName::Texton;
-        assert_eq!(Parameters::resolve([&read.parameters], &Given::default()).unwrap(), parameters);
+        assert_eq!(
+            Parameters::resolve([&read.parameters], &CommandLineValues::default()).unwrap(),
+            parameters
+        );
         std::fs::write(&path, "<svg/>").unwrap();
         assert!(Recipe::read(&path).is_err());
     }

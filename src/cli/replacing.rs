@@ -8,7 +8,7 @@ use super::common::Common;
 use super::failure::Failure;
 use super::foreign::line;
 use super::interrupt;
-use super::output::{Place, Target, Targets};
+use super::output::{Destination, Target, Targets};
 use super::progress::Reporter;
 use super::recipe::metadata;
 use std::fs::File;
@@ -21,7 +21,7 @@ const HEAD: u64 = 1 << 20;
 
 /// What a texture is made from.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Origin {
+pub(crate) struct TextureOrigin {
     pub(crate) seed: u64,
     /// SHA-256 of its exemplars; `None` if they are not known.
     pub(crate) exemplars: Option<Vec<String>>,
@@ -36,9 +36,9 @@ struct Loss<'a> {
 }
 
 /// What a picture says of its origin, and the names of its exemplars.
-type Found = (Origin, Vec<String>);
+type Found = (TextureOrigin, Vec<String>);
 
-impl Origin {
+impl TextureOrigin {
     /// Whether the other is made from something else, as far as both are known.
     fn differs(&self, other: &Self) -> bool {
         let exemplars = self.exemplars.as_ref().zip(other.exemplars.as_ref());
@@ -55,7 +55,7 @@ impl Origin {
 pub(crate) fn ask(
     common: &Common,
     reporter: &Reporter,
-    made: &[(Targets, Origin)],
+    made: &[(Targets, TextureOrigin)],
 ) -> anyhow::Result<Option<String>> {
     let lost: Vec<Loss<'_>> =
         made.iter().flat_map(|(targets, origin)| targets.all().filter_map(|t| loss(t, origin))).collect();
@@ -87,8 +87,8 @@ pub(crate) fn ask(
 }
 
 /// The picture that a target replaces, if it was made from something else.
-fn loss<'a>(target: &'a Target, origin: &Origin) -> Option<Loss<'a>> {
-    let Place::File { path, force: false } = &target.place else { return None };
+fn loss<'a>(target: &'a Target, origin: &TextureOrigin) -> Option<Loss<'a>> {
+    let Destination::File { path, force: false } = &target.place else { return None };
     let (old, names) = match target.kind.format {
         Format::Svg => of_svg(path),
         Format::Png => of_png(path),
@@ -110,7 +110,7 @@ fn of_svg(path: &Path) -> Option<Found> {
     let found = metadata(&head(path)?)?;
     let libraries = found["libraries"].as_array()?;
     let each = |key: &str| libraries.iter().map(|l| Some(l[key].as_str()?.to_owned())).collect::<Option<_>>();
-    Some((Origin { seed: found["seed"].as_u64()?, exemplars: each("sha256") }, each("exemplar")?))
+    Some((TextureOrigin { seed: found["seed"].as_u64()?, exemplars: each("sha256") }, each("exemplar")?))
 }
 
 /// The seed of a PNG, which names no exemplars.
@@ -121,7 +121,7 @@ fn of_png(path: &Path) -> Option<Found> {
     let length = u32::from_be_bytes(bytes.get(at.checked_sub(4)?..at)?.try_into().ok()?);
     let text = bytes.get(at + BEGINNING.len()..at.checked_add(4)?.checked_add(length as usize)?)?;
     let seed = std::str::from_utf8(text).ok()?.parse().ok()?;
-    Some((Origin { seed, exemplars: None }, Vec::new()))
+    Some((TextureOrigin { seed, exemplars: None }, Vec::new()))
 }
 
 #[cfg(test)]
@@ -137,16 +137,16 @@ mod tests {
             read(&path)
         };
         let svg = br#"<svg><metadata>{"seed":18446744073709551615,"libraries":[{"exemplar":"a.jpg","sha256":"x"}]}</metadata>"#;
-        let origin = Origin { seed: u64::MAX, exemplars: Some(vec!["x".into()]) };
+        let origin = TextureOrigin { seed: u64::MAX, exemplars: Some(vec!["x".into()]) };
         assert_eq!(of(svg, of_svg), Some((origin.clone(), vec!["a.jpg".into()])));
         assert_eq!(of(b"<svg/>", of_svg), None);
         let png = of(b"\x89PNG\0\0\0\x07tEXtSeed\x0077crc", of_png);
-        assert_eq!(png, Some((Origin { seed: 77, exemplars: None }, Vec::new())));
+        assert_eq!(png, Some((TextureOrigin { seed: 77, exemplars: None }, Vec::new())));
         for damaged in [&b"\xff\xff\xff\xfftEXtSeed\x0077crc"[..], b"tEXtSeed\0", b"\0\0\0\0tEXtSeed\x007"] {
             assert_eq!(of(damaged, of_png), None);
         }
-        assert!(!origin.differs(&Origin { exemplars: None, ..origin.clone() }));
-        assert!(origin.differs(&Origin { exemplars: Some(Vec::new()), ..origin.clone() }));
-        assert!(origin.differs(&Origin { seed: 1, ..origin.clone() }));
+        assert!(!origin.differs(&TextureOrigin { exemplars: None, ..origin.clone() }));
+        assert!(origin.differs(&TextureOrigin { exemplars: Some(Vec::new()), ..origin.clone() }));
+        assert!(origin.differs(&TextureOrigin { seed: 1, ..origin.clone() }));
     }
 }

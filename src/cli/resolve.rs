@@ -5,21 +5,21 @@
 use super::arguments::{Cli, command};
 use super::command::{Job, Resolved};
 use super::common::Common;
-use super::config::{Given, Layer, Parameters, Top};
+use super::config::{CommandLineValues, ConfigLayer, Parameters, Top};
 use super::failure::Failure;
 use super::values::Seed;
 use vtex::library::AnalyzeParams;
 use vtex::scene::SynthParams;
 
-/// The job to be done.
-pub(crate) enum Options {
+/// What a command line asks for.
+pub(crate) enum Task {
     /// Print the parameters.
     DumpConfig(String),
     /// Run a command.
     Job(Common, Job),
 }
 
-impl Options {
+impl Task {
     /// Checks a command line.
     ///
     /// # Errors
@@ -27,15 +27,15 @@ impl Options {
     pub(crate) fn resolve(cli: Cli) -> anyhow::Result<Self> {
         let Cli { global, command: asked } = cli;
         let mut asked = asked.map(super::commands::Command::arguments);
-        let mut given = Given::default();
-        given.add("", &Top { seed: global.seed, threads: global.threads });
+        let mut values = CommandLineValues::default();
+        values.add("", &Top { seed: global.seed, threads: global.threads });
         if let Some(arguments) = &asked {
-            arguments.give(&mut given);
+            arguments.collect(&mut values);
         }
-        let config = global.config.as_deref().map(Layer::read).transpose()?;
+        let config = global.config.as_deref().map(ConfigLayer::read).transpose()?;
         let preset = asked.as_ref().map(|arguments| arguments.preset()).transpose()?.flatten();
         let layer = asked.as_mut().map(|arguments| arguments.layer()).transpose()?.flatten();
-        let parameters = Parameters::resolve(config.iter().chain(layer).chain(&preset), &given)?;
+        let parameters = Parameters::resolve(config.iter().chain(layer).chain(&preset), &values)?;
         let threads = parameters.threads.or(threads_of_environment()?);
         if global.dump_config {
             return Ok(Self::DumpConfig(parameters.dump()));
@@ -56,7 +56,7 @@ impl Options {
             threads,
             ..parameters
         };
-        let resolved = Resolved { parameters, seed, config, given, program: command };
+        let resolved = Resolved { parameters, seed, config, values, program: command };
         Ok(Self::Job(common, asked.job(resolved)?))
     }
 }

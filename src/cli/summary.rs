@@ -1,7 +1,7 @@
 //! Summaries, in JSON for programs and in a line or two for people.
 
 use super::common::Common;
-use super::output::{Written, print_json, say};
+use super::output::{WrittenFile, print_json, say};
 use super::progress::Reporter;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -13,7 +13,7 @@ use vtex::output::reduce::GivenUp;
 use vtex::raster::colour::Colour;
 use vtex::scene::{Method, Role, Scene};
 use vtex::statistics::{Overlap, Repetition};
-use vtex::synth::{CategoryReport, Report, Structure, layer_map};
+use vtex::synth::{CategoryReport, Structure, SynthReport, layer_map};
 
 /// The summary of a command.
 #[derive(Debug, Serialize)]
@@ -41,9 +41,9 @@ pub(crate) struct Summary {
     pub(crate) size: [u32; 2],
     /// The photograph that was reduced before it was analysed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) reduced: Option<Reduced>,
+    pub(crate) reduced: Option<PhotographReduction>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) counts: Option<Counts>,
+    pub(crate) counts: Option<ElementCounts>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) coverage: Option<Coverage>,
     /// The layers of a map.
@@ -85,7 +85,7 @@ impl Summary {
         command: &'static str,
         inputs: Vec<String>,
         output: &Path,
-        written: Written,
+        written: WrittenFile,
         reporter: &Reporter,
     ) -> Self {
         written.warnings.iter().for_each(|warning| reporter.warn(warning));
@@ -134,12 +134,12 @@ impl From<(PathBuf, u64)> for Other {
 
 /// Sizes of a photograph that was reduced before it was analysed, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Reduced {
+pub(crate) struct PhotographReduction {
     pub(crate) from: [u32; 2],
     pub(crate) to: [u32; 2],
 }
 
-impl Reduced {
+impl PhotographReduction {
     /// How far the exemplar of a library was reduced; `None` if it was analysed at full size.
     pub(crate) fn of_library(library: &Library) -> Option<Self> {
         let from = [library.source.width, library.source.height];
@@ -150,7 +150,7 @@ impl Reduced {
 
 /// Number of elements by kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Counts {
+pub(crate) struct ElementCounts {
     /// Of a library: primaries known. Of a scene: primaries placed.
     pub(crate) primaries: usize,
     /// Primaries that the border cuts.
@@ -165,7 +165,7 @@ pub(crate) struct Counts {
     pub(crate) background: usize,
 }
 
-impl Counts {
+impl ElementCounts {
     /// Counts of a library.
     pub(crate) fn of_library(library: &Library) -> Self {
         Self {
@@ -241,7 +241,7 @@ impl LayersReport {
     /// Layers of a library's exemplar; `None` if it has one and nothing had to be decided.
     pub(crate) fn of_library(library: &Library) -> Option<Self> {
         let map = layer_map(library);
-        let why = library.source.layers.clone();
+        let why = library.source.strata_reason.clone();
         (map.layers.len() > 1 || why.is_some()).then(|| Self {
             names: map.layers.iter().map(|l| l.name.clone()).collect(),
             colours: map.layers.iter().map(|l| l.colour).collect(),
@@ -253,7 +253,7 @@ impl LayersReport {
     }
 
     /// Those of a texture; none if it has none.
-    pub(crate) fn of_texture(report: &Report) -> Option<Self> {
+    pub(crate) fn of_texture(report: &SynthReport) -> Option<Self> {
         let strata = &report.strata;
         (!strata.is_empty()).then(|| Self {
             names: strata.iter().map(|s| s.name.clone()).collect(),
@@ -347,7 +347,7 @@ impl Summary {
         for Other { output, bytes: size } in &self.others {
             say(&format!("{output}: {}", bytes(*size)));
         }
-        if let Some(Reduced { from: [w, h], to: [x, y] }) = self.reduced {
+        if let Some(PhotographReduction { from: [w, h], to: [x, y] }) = self.reduced {
             say(&format!(
                 "the photograph of {w} x {h} px was reduced to {x} x {y} px first (--max-pixels says how far)"
             ));
@@ -552,7 +552,7 @@ mod tests {
             "elements hide 1.2 % of one another; 40 different ones are used (44 are whole), none for more than 3.1 % of \
              the places"
         );
-        repetition.copies = Some(vtex::statistics::Copies {
+        repetition.copies = Some(vtex::statistics::CopyDistances {
             shortest: 20.4,
             shortest_neighbours: 1.0,
             median: 60.5,

@@ -9,17 +9,19 @@ use super::options::pattern::{PatternArgs, pattern};
 use super::options::render::RenderParameters;
 use super::options::svg::SvgParameters;
 use super::options::variants::{VariantsArgs, of_seed, target_of_seed};
-use super::output::{Drawing, Target, Targets, say};
+use super::output::{DrawingOptions, Target, Targets, say};
 use super::progress::Reporter;
 use super::recipe::of_variant;
-use super::replacing::{self, Origin};
-use super::summary::{Counts, Coverage, LayersReport, Reduced, Summary, exemplar_of, few_whole};
+use super::replacing::{self, TextureOrigin};
+use super::summary::{
+    Coverage, ElementCounts, LayersReport, PhotographReduction, Summary, exemplar_of, few_whole,
+};
 use serde_json::Value;
 use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::file::Format;
 use vtex::scene::{Scene, SynthParams, splat};
-use vtex::synth::{Controls, Report, default_size, synthesize_with};
+use vtex::synth::{Controls, SynthReport, default_size, synthesize_with};
 
 /// How a texture is made and written.
 pub(crate) struct Synthesis {
@@ -64,7 +66,7 @@ impl Synthesis {
     /// Fails now if a file could not be written later.
     ///
     /// # Errors
-    /// As [`super::output::Place::probe`].
+    /// As [`super::output::Destination::probe`].
     pub(crate) fn probe(&self) -> vtex::Result<()> {
         (0..self.variants).try_for_each(|variant| {
             let (_, targets, pattern) = self.variant(variant);
@@ -84,10 +86,10 @@ impl Synthesis {
         reporter: &Reporter,
         exemplars: Option<&[String]>,
     ) -> anyhow::Result<Option<String>> {
-        let made: Vec<(Targets, Origin)> = (0..self.variants)
+        let made: Vec<(Targets, TextureOrigin)> = (0..self.variants)
             .map(|variant| {
                 let (seed, targets, _) = self.variant(variant);
-                (targets, Origin { seed, exemplars: exemplars.map(<[String]>::to_vec) })
+                (targets, TextureOrigin { seed, exemplars: exemplars.map(<[String]>::to_vec) })
             })
             .collect();
         replacing::ask(common, reporter, &made)
@@ -148,16 +150,16 @@ pub(crate) fn finish(
         let (scene, report) = synthesize_with(libraries, &parameters, controls, reporter)?;
         let library = libraries.first();
         let recipe = recipe.map(|recipe| of_variant(recipe, variant));
-        let drawing = Drawing { svg: svg.fit(libraries), render: *render, recipe: recipe.as_ref() };
+        let drawing = DrawingOptions { svg: svg.fit(libraries), render: *render, recipe: recipe.as_ref() };
         let exemplar = exemplar_of(libraries);
-        let result = Made { command, inputs: inputs.clone(), library, exemplar, scene, report };
+        let result = FinishedTexture { command, inputs: inputs.clone(), library, exemplar, scene, report };
         result.write(common, reporter, drawing, &targets, pattern.as_ref())?;
     }
     Ok(())
 }
 
 /// A texture that is done.
-pub(crate) struct Made<'a> {
+pub(crate) struct FinishedTexture<'a> {
     pub(crate) command: &'static str,
     pub(crate) inputs: Vec<String>,
     /// The library that it was made from, where that may be written too.
@@ -165,16 +167,16 @@ pub(crate) struct Made<'a> {
     /// What it was made from, for people.
     pub(crate) exemplar: &'static str,
     pub(crate) scene: Scene,
-    pub(crate) report: Report,
+    pub(crate) report: SynthReport,
 }
 
-impl Made<'_> {
+impl FinishedTexture<'_> {
     /// Writes it and sums up.
     pub(crate) fn write(
         self,
         common: &Common,
         reporter: &Reporter,
-        drawing: Drawing<'_>,
+        drawing: DrawingOptions<'_>,
         targets: &Targets,
         pattern: Option<&Target>,
     ) -> anyhow::Result<()> {
@@ -190,8 +192,8 @@ impl Made<'_> {
             pattern: pattern.map(|p| p.place.path().display().to_string()),
             seed: scene.parameters.as_ref().map(|p| p.seed),
             size: drawing.size_of(&scene, targets.first.kind.format),
-            reduced: library.filter(|_| command == "texture").and_then(Reduced::of_library),
-            counts: Some(Counts::of_scene(&scene)),
+            reduced: library.filter(|_| command == "texture").and_then(PhotographReduction::of_library),
+            counts: Some(ElementCounts::of_scene(&scene)),
             coverage: Some(Coverage {
                 wanted: Some(report.coverage_wanted),
                 got: Some(report.coverage),

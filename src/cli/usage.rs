@@ -6,7 +6,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::error::Error as _;
 use std::ffi::OsString;
 use std::path::Path;
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::{FileKind, Format};
 
 /// An error of the parser as text. Where a value cannot be read it says what is allowed: of numbers the
 /// parser knows their type alone, not their range.
@@ -89,7 +89,7 @@ const PICTURES: [&str; 10] = ["png", "jpg", "jpeg", "tif", "tiff", "webp", "bmp"
 /// The command that reads a file of such a name; `None` for what is no file.
 fn command_of(file: &str) -> Option<&'static str> {
     let path = Path::new(file);
-    match Kind::from_path(path).map(|kind| kind.format) {
+    match FileKind::from_path(path).map(|kind| kind.format) {
         Some(Format::Library) => return Some("synth"),
         Some(Format::Scene) => return Some("render"),
         _ => {}

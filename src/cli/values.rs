@@ -10,6 +10,14 @@ use std::str::FromStr;
 use vtex::output::CSS_DPI;
 use vtex::scene::{Tile, Weights};
 
+/// A value that a configuration file writes as itself or as text.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum ValueOrText<T> {
+    Value(T),
+    Text(String),
+}
+
 /// `1000` or `1000x600`, in pixels, or lengths such as `300mm` or `3m x 1m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Size {
@@ -71,15 +79,11 @@ impl Serialize for Size {
 
 impl<'de> Deserialize<'de> for Size {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Either {
-            Number(u32),
-            Text(String),
-        }
-        let text = match Either::deserialize(deserializer).map_err(|_| D::Error::custom(SIZE_EXPECTED))? {
-            Either::Number(side) => side.to_string(),
-            Either::Text(text) => text,
+        let text = match ValueOrText::<u32>::deserialize(deserializer)
+            .map_err(|_| D::Error::custom(SIZE_EXPECTED))?
+        {
+            ValueOrText::Value(side) => side.to_string(),
+            ValueOrText::Text(text) => text,
         };
         text.parse().map_err(D::Error::custom)
     }
@@ -115,7 +119,7 @@ impl FromStr for Wrap {
             "auto" => Ok(Self::Auto),
             "on" | "true" => Ok(Self::On),
             "off" | "false" => Ok(Self::Off),
-            _ => Err("expected auto, on or off".into()),
+            _ => Err(WRAP_EXPECTED.into()),
         }
     }
 }
@@ -131,18 +135,14 @@ impl Serialize for Wrap {
 
 impl<'de> Deserialize<'de> for Wrap {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Either {
-            Bool(bool),
-            Text(String),
-        }
-        match Either::deserialize(deserializer)? {
-            Either::Bool(wrap) => Ok(if wrap { Self::On } else { Self::Off }),
-            Either::Text(text) => text.parse().map_err(D::Error::custom),
+        match ValueOrText::<bool>::deserialize(deserializer).map_err(|_| D::Error::custom(WRAP_EXPECTED))? {
+            ValueOrText::Value(wrap) => Ok(if wrap { Self::On } else { Self::Off }),
+            ValueOrText::Text(text) => text.parse().map_err(D::Error::custom),
         }
     }
 }
+
+const WRAP_EXPECTED: &str = "expected auto, on or off";
 
 /// `1.5` or `1.5x2`: factors along x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -188,15 +188,11 @@ impl Serialize for Bytes {
 
 impl<'de> Deserialize<'de> for Bytes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Either {
-            Number(u64),
-            Text(String),
-        }
-        let text = match Either::deserialize(deserializer).map_err(|_| D::Error::custom(BYTES_EXPECTED))? {
-            Either::Number(number) => number.to_string(),
-            Either::Text(text) => text,
+        let text = match ValueOrText::<u64>::deserialize(deserializer)
+            .map_err(|_| D::Error::custom(BYTES_EXPECTED))?
+        {
+            ValueOrText::Value(number) => number.to_string(),
+            ValueOrText::Text(text) => text,
         };
         text.parse().map_err(D::Error::custom)
     }
@@ -235,15 +231,9 @@ impl Serialize for Seed {
 
 impl<'de> Deserialize<'de> for Seed {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Either {
-            Number(u64),
-            Text(String),
-        }
-        match Either::deserialize(deserializer).map_err(|_| D::Error::custom(SEED_EXPECTED))? {
-            Either::Number(number) => Ok(Self(number)),
-            Either::Text(text) => text.parse().map_err(D::Error::custom),
+        match ValueOrText::<u64>::deserialize(deserializer).map_err(|_| D::Error::custom(SEED_EXPECTED))? {
+            ValueOrText::Value(number) => Ok(Self(number)),
+            ValueOrText::Text(text) => text.parse().map_err(D::Error::custom),
         }
     }
 }
@@ -287,16 +277,10 @@ impl FromStr for WeightsFrom {
 
 impl<'de> Deserialize<'de> for WeightsFrom {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Either {
-            Numbers(FiveWeights),
-            Text(String),
-        }
         let expected = |_| D::Error::custom("expected five numbers or a name");
-        match Either::deserialize(deserializer).map_err(expected)? {
-            Either::Numbers(numbers) => Ok(Self::Numbers(numbers)),
-            Either::Text(text) => text.parse().map_err(D::Error::custom),
+        match ValueOrText::<FiveWeights>::deserialize(deserializer).map_err(expected)? {
+            ValueOrText::Value(numbers) => Ok(Self::Numbers(numbers)),
+            ValueOrText::Text(text) => text.parse().map_err(D::Error::custom),
         }
     }
 }

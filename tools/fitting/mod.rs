@@ -7,7 +7,7 @@ use std::fmt::Write;
 use vtex::raster::Mask;
 use vtex::sampling::{Stream, stream};
 use vtex::segment::Perceptron;
-use vtex_testing::{Exemplar, SceneParams, generate};
+use vtex_testing::{GeneratedExemplar, SceneParams, generate};
 
 /// Sides of the scenes in turn: the larger ones hold larger elements.
 const SIDES: [u32; 3] = [256, 256, 400];
@@ -83,7 +83,7 @@ fn disturb(picture: &mut image::RgbImage, seed: u64) {
 /// The samples of one scene, the number of elements that a candidate matches, and that of all elements.
 fn of_scene<const F: usize>(
     seed: u64,
-    scene: &Exemplar,
+    scene: &GeneratedExemplar,
     candidates: &[(Mask, [f32; F])],
 ) -> (Vec<Sample<F>>, usize, usize) {
     let areas = scene.instances.areas();

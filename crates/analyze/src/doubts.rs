@@ -1,6 +1,6 @@
 //! Warnings where a result will differ visibly from its photograph.
 
-use vtex_scene::library::Element;
+use vtex_scene::library::ExemplarElement;
 use vtex_segment::segment::ScoredMask;
 
 /// Masks are doubtful if their mean score, weighted by area, is below this. Photographs with elements that
@@ -10,7 +10,7 @@ const DOUBTFUL: f64 = 0.36;
 const FEW: usize = 30;
 
 /// Adds warnings about the masks of a photograph and the primaries made of them.
-pub(super) fn about(masks: &[ScoredMask], primaries: &[Element], warnings: &mut Vec<String>) {
+pub(super) fn about(masks: &[ScoredMask], primaries: &[ExemplarElement], warnings: &mut Vec<String>) {
     let placed = primaries.iter().filter(|p| !p.clipped).count();
     if primaries.is_empty() {
         warnings.push(
@@ -56,7 +56,7 @@ mod tests {
             score,
         };
         let primaries = library(&mosaic(150, 14.0, 0.8, 1)).primaries().to_vec();
-        let warned = |masks: &[ScoredMask], primaries: &[Element]| {
+        let warned = |masks: &[ScoredMask], primaries: &[ExemplarElement]| {
             let mut warnings = Vec::new();
             about(masks, primaries, &mut warnings);
             warnings.join("\n")
@@ -65,7 +65,7 @@ mod tests {
         // Large masks count for more.
         let doubtful = warned(&[mask(10, 0.2), mask(3, 0.8)], &primaries);
         assert!(doubtful.contains("mean score 0.34 of 1") && doubtful.contains("segmenter"), "{doubtful}");
-        let few: Vec<Element> = primaries.iter().filter(|p| !p.clipped).take(12).cloned().collect();
+        let few: Vec<ExemplarElement> = primaries.iter().filter(|p| !p.clipped).take(12).cloned().collect();
         assert!(warned(&[mask(5, 0.9)], &few).contains("only 12 primary elements"));
         assert!(warned(&[], &[]).contains("no primary element"));
     }

@@ -37,11 +37,11 @@ impl<T> Deref for Cells<T> {
 
 /// Number of cells along each side of a pixel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Grid {
+pub(super) struct SubpixelGrid {
     pub(super) cells: u32,
 }
 
-impl Grid {
+impl SubpixelGrid {
     /// The grid that `params.cells` asks for, or the default for the photograph's size.
     pub(super) fn new(image: &RgbImage, params: &AnalyzeParams) -> Self {
         let pixels = u64::from(image.width()) * u64::from(image.height());
@@ -307,7 +307,7 @@ mod tests {
     /// Number of cells with a wrong label: after upsampling, and with each pixel repeated as a block.
     fn wrong(side: u32, cells: u32, inside: impl Fn(f64, f64) -> bool) -> [usize; 2] {
         let (image, labels) = drawn(side, &inside);
-        let grid = Grid { cells };
+        let grid = SubpixelGrid { cells };
         let map = grid.labels(&image, &grid.image(&image), &labels);
         assert_eq!((map.width, map.height), (side * cells, side * cells));
         let mut wrong = [0; 2];
@@ -339,7 +339,7 @@ mod tests {
         let [fine, blocks] = wrong(40, 2, blade);
         assert!(fine <= blocks, "{fine} of {blocks}");
         // Holds even if its colour equals that of its surroundings.
-        let grid = Grid { cells: 2 };
+        let grid = SubpixelGrid { cells: 2 };
         let flat = RgbImage::from_pixel(12, 12, Rgb([90; 3]));
         let mut labels = LabelMap::filled(12, 12, 0);
         (2..10).for_each(|y| labels.set(5, y, 1));
@@ -355,7 +355,7 @@ mod tests {
         (0..30).for_each(|y| (0..30).for_each(|x| raw.set(x, y, noise(x, y) / 40)));
         let (labels, _) = components(&raw, Connectivity::Four);
         for cells in 2..=4 {
-            let grid = Grid { cells };
+            let grid = SubpixelGrid { cells };
             let map = grid.labels(&image, &grid.image(&image), &labels);
             let (_, of) = components(&map, Connectivity::Four);
             let count = labels.areas().len();
@@ -380,7 +380,7 @@ mod tests {
 
     #[test]
     fn pixels_hold_what_half_of_their_cells_do() {
-        let grid = Grid { cells: 2 };
+        let grid = SubpixelGrid { cells: 2 };
         let mut map = LabelMap::filled(6, 4, 0);
         [(0, 0), (2, 1), (3, 0), (4, 2), (5, 2), (5, 3)].into_iter().for_each(|(x, y)| map.set(x, y, 3));
         assert_eq!(grid.pixels(&Cells(map)).labels, [0, 3, 0, 0, 0, 3]);
@@ -389,7 +389,11 @@ mod tests {
     #[test]
     fn large_photographs_have_a_cell_a_pixel_unless_asked() {
         let cells = |side, cells| {
-            Grid::new(&RgbImage::new(side, side), &AnalyzeParams { cells, ..AnalyzeParams::default() }).cells
+            SubpixelGrid::new(
+                &RgbImage::new(side, side),
+                &AnalyzeParams { cells, ..AnalyzeParams::default() },
+            )
+            .cells
         };
         assert_eq!(
             [cells(500, 0), cells(1581, 0), cells(1582, 0), cells(1582, 3), cells(500, 1)],

@@ -6,8 +6,8 @@
 //! first, until no union reduces it. This is region merging after Mumford and Shah (Koepfler, Lopez
 //! and Morel 1994), with bytes in place of border lengths and with flat or linear-gradient fills.
 
-use super::grid::{Cells, Grid};
-use super::moments::Moments;
+use super::grid::{Cells, SubpixelGrid};
+use super::moments::PixelMoments;
 use super::rate_distortion::{RateDistortion, SECONDARY_BYTES};
 use image::RgbImage;
 use std::cmp::Reverse;
@@ -26,10 +26,10 @@ pub(super) fn gradient(
     image: &Cells<RgbImage>,
     mask: &Cells<Mask>,
     cost: RateDistortion,
-    grid: Grid,
+    grid: SubpixelGrid,
 ) -> Option<Gradient> {
     let origin = mask.centroid()?.into();
-    let sums = Moments::new(image, mask, origin);
+    let sums = PixelMoments::new(image, mask, origin);
     if cost.of_region(&sums).1 { sums.gradient(mask, origin, grid) } else { None }
 }
 
@@ -72,11 +72,11 @@ fn unite(
     }
     let origin = masks[0].centroid().map_or([0.0; 2], Into::into);
     let mut areas: Vec<u32> = masks.iter().map(|m| m.area()).collect();
-    let mut regions: Vec<Option<Moments>> =
-        masks.iter().map(|m| Some(Moments::new(image, m, origin))).collect();
+    let mut regions: Vec<Option<PixelMoments>> =
+        masks.iter().map(|m| Some(PixelMoments::new(image, m, origin))).collect();
     let mut borders = borders(masks);
     let mut version = vec![0u32; masks.len()];
-    let saved = |regions: &[Option<Moments>], a: usize, b: usize, border: u32| {
+    let saved = |regions: &[Option<PixelMoments>], a: usize, b: usize, border: u32| {
         let (x, y) = (regions[a].as_ref()?, regions[b].as_ref()?);
         let bytes = shape + cost.border_bytes * f64::from(border);
         let saved = cost.of_region(x).0 + cost.of_region(y).0 + bytes * cost.error_per_byte
@@ -211,7 +211,7 @@ mod tests {
         let image = Cells(RgbImage::from_fn(40, 30, |x, _| Rgb([(x * 5) as u8, (200 - x * 3) as u8, 90])));
         let joined = join(&image, &columns(5), COST);
         assert_eq!(joined, [column(0, 40)]);
-        let g = gradient(&image, &joined[0], COST, Grid { cells: 1 }).unwrap();
+        let g = gradient(&image, &joined[0], COST, SubpixelGrid { cells: 1 }).unwrap();
         assert!((g.from[0] - g.to[0]).abs() > 38.0 && g.from[1] == g.to[1], "{g:?}");
         let flat = join(&image, &columns(5), RateDistortion { gradient_area: f64::INFINITY, ..COST });
         assert!(flat.len() > 3, "{}", flat.len());
@@ -220,7 +220,7 @@ mod tests {
                 &image,
                 &joined[0],
                 RateDistortion { gradient_area: f64::INFINITY, ..COST },
-                Grid { cells: 1 }
+                SubpixelGrid { cells: 1 }
             )
             .is_none()
         );

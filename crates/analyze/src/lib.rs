@@ -36,15 +36,17 @@ use grid::Cells;
 use image::RgbImage;
 use partition::{Elements, Partition};
 use rate_distortion::RateDistortion;
-use shapes::Pieces;
-use strata::Strata;
+use shapes::ExemplarPieces;
+use strata::PhotographStrata;
 use vtex_base::document::Document as _;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, SideBySide, advance};
 use vtex_base::raster::picture::outlines;
 use vtex_base::raster::{LabelMap, Mask};
-use vtex_scene::library::{Arrangement, Category, CategoryId, Element, Guide, Library, Source, SourceKind};
+use vtex_scene::library::{
+    Arrangement, Category, CategoryId, ExemplarElement, Guide, Library, Source, SourceKind,
+};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Field, Tile};
 use vtex_segment::segment::{Segmenter, details, gaussian};
@@ -136,20 +138,20 @@ fn analyze_whole(
 /// What lies behind all elements.
 struct Ground {
     palette: Field,
-    strata: Strata,
+    strata: PhotographStrata,
     /// A map of the photograph with a label above 0 wherever there is an element.
     textons: LabelMap,
 }
 
 /// What elements are made of, piece by piece.
-struct Parts {
+struct ElementPieces {
     /// The details of each primary.
     details: Vec<Vec<Cells<Mask>>>,
     secondaries: Vec<Cells<Mask>>,
 }
 
 /// Second stage: the details of primaries, joined secondaries, and the ground behind them.
-fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(Ground, Parts)> {
+fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(Ground, ElementPieces)> {
     let Partition { exemplar, params, in_cells, clean, .. } = partition;
     let primaries = partition.margin.inner(&partition.labels);
     let textons = partition.textons();
@@ -159,17 +161,22 @@ fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(Ground, 
         joining::join_secondaries(clean, &partition.patches, cost, in_cells.secondary_maximum)
     };
     let tasks = SideBySide::new(progress, "details");
-    let strata = || Strata::new(exemplar, &primaries, params, &tasks.silent());
+    let strata = || PhotographStrata::new(exemplar, &primaries, params, &tasks.silent());
     let details = || all_details(clean, &partition.primaries, in_cells);
     let ((details, strata), (palette, secondaries)) =
         parallel::join(|| parallel::join(details, strata), || parallel::join(palette, secondaries));
     let strata = strata?;
     progress.picture("background", &|| pictures::background(&exemplar.image, &textons, &palette));
-    Ok((Ground { palette, strata, textons }, Parts { details, secondaries }))
+    Ok((Ground { palette, strata, textons }, ElementPieces { details, secondaries }))
 }
 
 /// Third stage: the pieces that are worth their bytes.
-fn pieces(partition: &Partition<'_>, palette: &Field, parts: Parts, warnings: &mut Vec<String>) -> Pieces {
+fn pieces(
+    partition: &Partition<'_>,
+    palette: &Field,
+    parts: ElementPieces,
+    warnings: &mut Vec<String>,
+) -> ExemplarPieces {
     let Partition { exemplar, params, margin, .. } = partition;
     let (width, height) = exemplar.image.dimensions();
     let tile = Tile { x: params.wrap, y: params.wrap };
@@ -199,14 +206,14 @@ fn library(
     let descriptor_half = descriptor_half(&centroids, width, height, params.descriptor_reach);
     progress.picture("descriptors", &|| pictures::descriptors(&labels, &ids, &centroids, descriptor_half));
     let spacing = secondaries::spacing(&centres(&secondaries), &labels);
-    let elements: Vec<Element> = primaries.into_iter().chain(secondaries).collect();
+    let elements: Vec<ExemplarElement> = primaries.into_iter().chain(secondaries).collect();
     let Ground { palette, strata, textons } = ground;
     let layers = strata.layers(exemplar, [&labels, &textons], &elements, (palette, spacing), &params);
     let guide = Guide::of(&exemplar.image);
     Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
-        source: Source { layers: strata.why, ..source },
+        source: Source { strata_reason: strata.why, ..source },
         // An empty sum of floats is -0; folding from 0 avoids it.
         coverage: categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0),
         layers,
@@ -221,11 +228,11 @@ fn library(
 
 /// Divides primaries into categories: the category of each, and all of them. `image_area` is in pixels.
 fn categorise(
-    primaries: &mut [Element],
+    primaries: &mut [ExemplarElement],
     image_area: f64,
     params: &AnalyzeParams,
 ) -> (Vec<CategoryId>, Vec<Category>) {
-    let features = |p: &Element| {
+    let features = |p: &ExemplarElement| {
         let [r, g, b] = p.colour.to_f64();
         [r, g, b, f64::from(p.area), p.compactness.unwrap_or(0.0)]
     };
@@ -248,7 +255,7 @@ fn source(exemplar: &Exemplar, segmenter: &dyn Segmenter, params: &AnalyzeParams
         segmenter: segmenter.name(),
         parameters: params.clone(),
         program: vtex_base::PROGRAM.into(),
-        layers: None,
+        strata_reason: None,
         warnings: Vec::new(),
     }
 }
@@ -266,7 +273,7 @@ fn all_details(
     })
 }
 
-fn centres(secondaries: &[Element]) -> Vec<[f64; 2]> {
+fn centres(secondaries: &[ExemplarElement]) -> Vec<[f64; 2]> {
     secondaries.iter().map(|s| s.centroid).collect()
 }
 

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::geometry::{Affine, Outline};
 use vtex_base::raster::LabelMap;
-use vtex_scene::library::Element;
+use vtex_scene::library::ExemplarElement;
 
 /// Least width of a margin, in pixels.
 const LEAST: u32 = 24;
@@ -187,12 +187,16 @@ impl Margin {
     }
 
     /// The elements whose centroid lies in the photograph, where they stand in it.
-    pub(super) fn kept(&self, elements: Vec<Element>) -> Vec<Element> {
+    pub(super) fn kept(&self, elements: Vec<ExemplarElement>) -> Vec<ExemplarElement> {
         self.kept_of(elements).0
     }
 
     /// The primaries that stand in the photograph, and the map of them there. `map` has a label for each.
-    pub(super) fn kept_primaries(&self, primaries: Vec<Element>, map: LabelMap) -> (Vec<Element>, LabelMap) {
+    pub(super) fn kept_primaries(
+        &self,
+        primaries: Vec<ExemplarElement>,
+        map: LabelMap,
+    ) -> (Vec<ExemplarElement>, LabelMap) {
         if self.is_none() {
             return (primaries, map);
         }
@@ -203,7 +207,7 @@ impl Margin {
     }
 
     /// [`Margin::kept`], with the former indices of those that are kept.
-    fn kept_of(&self, elements: Vec<Element>) -> (Vec<Element>, Vec<usize>) {
+    fn kept_of(&self, elements: Vec<ExemplarElement>) -> (Vec<ExemplarElement>, Vec<usize>) {
         if self.is_none() {
             let indices = (0..elements.len()).collect();
             return (elements, indices);
@@ -233,7 +237,7 @@ impl Margin {
             });
             let shift = Affine::translate((home[0] - margin, home[1] - margin));
             let moved = |outline: Outline| Outline::new(&(shift * outline.path())).unwrap_or_default();
-            kept.push(Element {
+            kept.push(ExemplarElement {
                 centroid: [0, 1].map(|k| libm::floor((centroid[k] + home[k]) * 1e4) / 1e4),
                 silhouette: element.silhouette.map(moved),
                 shapes: element.shapes.iter().map(|shape| shape.moved(shift)).collect(),

@@ -2,7 +2,7 @@
 //!
 //! The sums of two disjoint regions add up to those of their union, so a union is cheap to evaluate.
 
-use super::grid::{Cells, Grid};
+use super::grid::{Cells, SubpixelGrid};
 use image::RgbImage;
 use vtex_base::geometry::STEP;
 use vtex_base::raster::Mask;
@@ -15,7 +15,7 @@ const LEAST_CHANGE: f64 = 6.0;
 /// Sums over pixels: count, positions, colours, and their products. Positions are relative to a
 /// nearby origin, which limits rounding errors.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Moments {
+pub(super) struct PixelMoments {
     count: f64,
     place: [f64; 2],
     /// Sums of xx, xy, yy.
@@ -37,7 +37,7 @@ struct Trend {
     explained: f64,
 }
 
-impl Moments {
+impl PixelMoments {
     /// Sums over those pixels of a mask that lie inside the image.
     pub(super) fn new(image: &Cells<RgbImage>, mask: &Cells<Mask>, origin: [f64; 2]) -> Self {
         let mut sums = Self::default();
@@ -128,7 +128,12 @@ impl Moments {
 
     /// The best linear gradient over `mask`, whose sums about `origin` these are. `None` if its colours
     /// hardly change.
-    pub(super) fn gradient(&self, mask: &Cells<Mask>, origin: [f64; 2], cells: Grid) -> Option<Gradient> {
+    pub(super) fn gradient(
+        &self,
+        mask: &Cells<Mask>,
+        origin: [f64; 2],
+        cells: SubpixelGrid,
+    ) -> Option<Gradient> {
         let Trend { along, slope, .. } = self.trend()?;
         let mean = self.place.map(|v| v / self.count);
         let reach = |x: i32, y: i32| {
@@ -174,9 +179,9 @@ mod tests {
                 Rgb(at(f64::from(x) + 0.5, f64::from(y) + 0.5).map(|v| libm::round(v) as u8))
             }));
             let (mask, origin) = (square(40), [20.0, 20.0]);
-            let sums = Moments::new(&image, &mask, origin);
+            let sums = PixelMoments::new(&image, &mask, origin);
             assert!(sums.gradient_error() < 0.001 * sums.flat_error());
-            let g = sums.gradient(&mask, origin, Grid { cells: 1 }).unwrap();
+            let g = sums.gradient(&mask, origin, SubpixelGrid { cells: 1 }).unwrap();
             for (place, colour) in [(g.from, g.start), (g.to, g.end)] {
                 let wanted = at(place[0], place[1]);
                 assert!((0..3).all(|c| (wanted[c] - colour.to_f64()[c]).abs() < 1.5), "{turn}: {g:?}");
@@ -189,9 +194,12 @@ mod tests {
         let image = Cells(RgbImage::from_fn(12, 12, |x, y| Rgb([(x * 20) as u8, (y * 13 + x) as u8, 77])));
         let part = |a, b| rows((a..b).map(|y| Span { y, x0: 0, x1: 12 }).collect());
         let origin = [6.0, 6.0];
-        let both =
-            Moments::new(&image, &part(0, 5), origin).with(&Moments::new(&image, &part(5, 12), origin));
-        let whole = Moments::new(&image, &square(12), origin);
+        let both = PixelMoments::new(&image, &part(0, 5), origin).with(&PixelMoments::new(
+            &image,
+            &part(5, 12),
+            origin,
+        ));
+        let whole = PixelMoments::new(&image, &square(12), origin);
         assert!((both.gradient_error() - whole.gradient_error()).abs() < 1e-6);
         assert!((both.flat_error() - whole.flat_error()).abs() < 1e-6);
     }
@@ -200,14 +208,17 @@ mod tests {
     fn what_is_flat_or_a_line_has_no_gradient() {
         let image = Cells(RgbImage::from_pixel(9, 9, Rgb([40, 50, 60])));
         assert!(
-            Moments::new(&image, &square(9), [4.0; 2])
-                .gradient(&square(9), [4.0; 2], Grid { cells: 1 })
+            PixelMoments::new(&image, &square(9), [4.0; 2])
+                .gradient(&square(9), [4.0; 2], SubpixelGrid { cells: 1 })
                 .is_none()
         );
         let line = rows(vec![Span { y: 3, x0: 0, x1: 9 }]);
-        let sums = Moments::new(&image, &line, [4.0; 2]);
-        assert!(sums.gradient(&line, [4.0; 2], Grid { cells: 1 }).is_none() && sums.gradient_error() < 1e-6);
-        let empty = Moments::new(&image, &rows(Vec::new()), [0.0; 2]);
+        let sums = PixelMoments::new(&image, &line, [4.0; 2]);
+        assert!(
+            sums.gradient(&line, [4.0; 2], SubpixelGrid { cells: 1 }).is_none()
+                && sums.gradient_error() < 1e-6
+        );
+        let empty = PixelMoments::new(&image, &rows(Vec::new()), [0.0; 2]);
         assert_eq!((empty.flat_error(), empty.gradient_error()), (0.0, 0.0));
     }
 }

@@ -1,14 +1,14 @@
 //! First stage: which pixels belong to which element.
 
-use super::grid::{Cells, Grid};
+use super::grid::{Cells, SubpixelGrid};
 use super::margin::Margin;
-use super::shapes::Shapes;
+use super::shapes::ElementShapes;
 use super::unmix::unmixed;
 use super::{Exemplar, candidates, secondaries};
 use image::RgbImage;
 use std::borrow::Cow;
 use vtex_base::raster::{LabelMap, Mask};
-use vtex_scene::library::{AnalyzeParams, Element};
+use vtex_scene::library::{AnalyzeParams, ExemplarElement};
 use vtex_segment::segment::ScoredMask;
 
 /// Fit tolerance (`fidelity`, in pixels) below which mixed pixels along rims keep their colours.
@@ -22,7 +22,7 @@ pub(super) struct Partition<'a> {
     /// The same in units of cells.
     pub(super) in_cells: Cells<AnalyzeParams>,
     pub(super) margin: Margin,
-    pub(super) grid: Grid,
+    pub(super) grid: SubpixelGrid,
     /// The photograph with its margin. Only edges are located in it.
     pub(super) image: Cow<'a, RgbImage>,
     /// Its cells, those along the borders of primaries in the colour of their side. Shapes take their colours
@@ -40,8 +40,8 @@ pub(super) struct Partition<'a> {
 
 /// The elements of a photograph.
 pub(super) struct Elements {
-    pub(super) primaries: Vec<Element>,
-    pub(super) secondaries: Vec<Element>,
+    pub(super) primaries: Vec<ExemplarElement>,
+    pub(super) secondaries: Vec<ExemplarElement>,
     /// The label of a primary on each pixel, 0 between them.
     pub(super) labels: LabelMap,
 }
@@ -53,7 +53,7 @@ impl<'a> Partition<'a> {
         let margin = if params.wrap { Margin::new(&primaries) } else { Margin::none(size) };
         let (mut labels, cut) = margin.primaries(primaries);
         let image = margin.image(&exemplar.image);
-        let grid = Grid::new(&exemplar.image, params);
+        let grid = SubpixelGrid::new(&exemplar.image, params);
         let (fine, in_cells) = (grid.image(&image), grid.params(params));
         let mut cells = grid.labels(&image, &fine, &labels);
         let mut clean = own_colours(&fine, &cells, grid, params);
@@ -84,8 +84,8 @@ impl<'a> Partition<'a> {
     }
 
     /// The elements that stand in the photograph, of the shapes of all.
-    pub(super) fn elements(self, shapes: Shapes) -> Elements {
-        let Shapes { mut primaries, secondaries } = shapes;
+    pub(super) fn elements(self, shapes: ElementShapes) -> Elements {
+        let ElementShapes { mut primaries, secondaries } = shapes;
         for (label, (primary, mask)) in (1..).zip(primaries.iter_mut().zip(&self.primaries)) {
             let cut = touches_border(mask, self.clean.width(), self.clean.height());
             primary.clipped = cut || self.cut.contains(&label);
@@ -99,14 +99,19 @@ impl<'a> Partition<'a> {
 fn own_colours(
     fine: &Cells<RgbImage>,
     cells: &Cells<LabelMap>,
-    grid: Grid,
+    grid: SubpixelGrid,
     params: &AnalyzeParams,
 ) -> Cells<RgbImage> {
     if params.fidelity < FINEST_UNMIXED { fine.clone() } else { unmixed(fine, cells, grid) }
 }
 
 /// Adds promoted patches to the primaries, on both the pixel and the cell map.
-fn promote(primaries: &mut LabelMap, cells: &mut Cells<LabelMap>, promoted: &[Cells<Mask>], grid: Grid) {
+fn promote(
+    primaries: &mut LabelMap,
+    cells: &mut Cells<LabelMap>,
+    promoted: &[Cells<Mask>],
+    grid: SubpixelGrid,
+) {
     let first = cells.labels.iter().max().map_or(0, |m| *m) + 1;
     for (k, mask) in promoted.iter().enumerate() {
         cells.0.fill(mask, first + k as u32);

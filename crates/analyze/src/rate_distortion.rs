@@ -1,7 +1,7 @@
 //! The rate–distortion cost: the squared error that a byte must save to be worth writing.
 
-use super::grid::Grid;
-use super::moments::Moments;
+use super::grid::SubpixelGrid;
+use super::moments::PixelMoments;
 use vtex_scene::library::{AnalyzeParams, Shading};
 
 /// Squared error over all components (8-bit steps) that equals one byte at a fit tolerance of 1 px.
@@ -32,7 +32,7 @@ pub(super) struct RateDistortion {
 impl RateDistortion {
     /// The cost for a fit tolerance: twice the tolerance allows twice the error per byte. Gradients are
     /// off if `params` limits the number of colours.
-    pub(super) fn new(params: &AnalyzeParams, grid: Grid) -> Self {
+    pub(super) fn new(params: &AnalyzeParams, grid: SubpixelGrid) -> Self {
         let gradients = params.shading == Shading::Gradient && params.colors == 0;
         let gradient_area =
             if gradients { GRADIENT_AREA * params.fidelity * grid.area() } else { f64::INFINITY };
@@ -60,7 +60,7 @@ impl RateDistortion {
     }
 
     /// Cost of a region without its border, and whether its cheaper fill is a gradient.
-    pub(super) fn of_region(self, sums: &Moments) -> (f64, bool) {
+    pub(super) fn of_region(self, sums: &PixelMoments) -> (f64, bool) {
         let flat = sums.flat_error();
         if sums.count() < self.gradient_area {
             return (flat, false);
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn the_lowest_price_that_is_high_enough() {
-        let start = RateDistortion::new(&AnalyzeParams::default(), Grid { cells: 2 });
+        let start = RateDistortion::new(&AnalyzeParams::default(), SubpixelGrid { cells: 2 });
         // The number of shapes falls with the square root of the cost.
         let count =
             |p: RateDistortion| (1000.0 / libm::sqrt(p.error_per_byte / start.error_per_byte)) as usize;

@@ -1,6 +1,6 @@
 //! Secondaries: small patches of uniform colour between the primaries.
 
-use super::candidates::{Lab, spans_image};
+use super::candidates::{OklabImage, spans_image};
 use super::grid::Cells;
 use super::neighbours::{edge_lengths, quantile};
 use image::RgbImage;
@@ -11,7 +11,7 @@ use vtex_scene::library::AnalyzeParams;
 use vtex_segment::segment::flood;
 
 /// Result of the flood fill between the primaries.
-pub(super) struct Patches {
+pub(super) struct FloodedPatches {
     /// Small patches, in the order of their first pixel.
     pub(super) secondaries: Vec<Cells<Mask>>,
     /// Patches as large and as distinct as the primaries, which become primaries.
@@ -25,9 +25,9 @@ pub(super) fn find(
     image: &Cells<RgbImage>,
     primaries: &Cells<LabelMap>,
     params: &Cells<AnalyzeParams>,
-) -> Patches {
+) -> FloodedPatches {
     let (w, h) = (image.width() as i32, image.height() as i32);
-    let lab = Lab::new(image);
+    let lab = OklabImage::new(image);
     let between = || {
         let mut regions = flood(image, &|i| primaries.labels[i] != 0, params.secondary_tolerance);
         join_fragments(image, &mut regions, params.secondary_minimum);
@@ -44,7 +44,7 @@ pub(super) fn find(
     let (masks, (areas, rims)) = parallel::join(between, standing);
     let median_area = quantile(areas, 0.5).unwrap_or(f64::INFINITY);
     let typical_rim = quantile(rims, 0.5).unwrap_or(f64::INFINITY);
-    let mut patches = Patches { secondaries: Vec::new(), promoted: Vec::new() };
+    let mut patches = FloodedPatches { secondaries: Vec::new(), promoted: Vec::new() };
     for mask in masks.into_iter().skip(1) {
         let area = mask.area();
         if f64::from(area) >= median_area && !spans_image(&mask, w, h) {

@@ -5,7 +5,7 @@
 //! painted after it. The largest is the base, painted with the primary's whole outline.
 
 use super::edges::Edges;
-use super::grid::{Cells, Grid, to_four_digits};
+use super::grid::{Cells, SubpixelGrid, to_four_digits};
 use super::joining;
 use super::palette::Palette;
 use super::partition::Partition;
@@ -16,7 +16,7 @@ use vtex_base::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
 use vtex_base::parallel;
 use vtex_base::raster::colour::{self, Colour};
 use vtex_base::raster::{LabelMap, Mask, Span};
-use vtex_scene::library::{CategoryId, Element, Shape};
+use vtex_scene::library::{CategoryId, ExemplarElement, Shape};
 
 /// Largest secondary that is traced on its own, in cells. Such specks have only the shape of their
 /// cells, so equal ones have identical outlines and are stored once. Larger ones are often parts of
@@ -31,7 +31,7 @@ const SIDE_UNDERLAP: f64 = 0.15;
 
 /// A flat patch between the primaries.
 #[derive(Clone)]
-pub(super) struct Patch {
+pub(super) struct FlatPatch {
     pub(super) mask: Cells<Mask>,
     /// Median colour of its pixels.
     pub(super) colour: Colour,
@@ -40,11 +40,11 @@ pub(super) struct Patch {
 }
 
 /// All pieces of an exemplar, disjoint.
-pub(super) struct Pieces {
+pub(super) struct ExemplarPieces {
     /// The details of each primary, which tile it.
     pub(super) details: Vec<Vec<Cells<Mask>>>,
     /// The secondaries.
-    pub(super) secondaries: Vec<Patch>,
+    pub(super) secondaries: Vec<FlatPatch>,
     /// What a piece has to be worth.
     pub(super) cost: RateDistortion,
     /// The colours of all pieces, if these are limited.
@@ -52,19 +52,19 @@ pub(super) struct Pieces {
 }
 
 /// The elements made from the pieces.
-pub(super) struct Shapes {
+pub(super) struct ElementShapes {
     /// Primaries; their categories are not assigned yet.
-    pub(super) primaries: Vec<Element>,
-    pub(super) secondaries: Vec<Element>,
+    pub(super) primaries: Vec<ExemplarElement>,
+    pub(super) secondaries: Vec<ExemplarElement>,
 }
 
 /// Patches with their median colours, and these relative to the background's at their centroids, `behind`.
 pub(super) fn patches(
     image: &Cells<RgbImage>,
     masks: Vec<Cells<Mask>>,
-    grid: Grid,
+    grid: SubpixelGrid,
     behind: &(dyn Fn([f64; 2]) -> [f64; 3] + Sync),
-) -> Vec<Patch> {
+) -> Vec<FlatPatch> {
     let found = parallel::map(&masks, |mask| {
         let colour = median(image, mask);
         let (own, behind) = (colour.to_f64(), behind(grid.centroid(mask)));
@@ -73,7 +73,7 @@ pub(super) fn patches(
     masks
         .into_iter()
         .zip(found)
-        .map(|(mask, (colour, difference))| Patch { mask, colour, difference })
+        .map(|(mask, (colour, difference))| FlatPatch { mask, colour, difference })
         .collect()
 }
 
@@ -83,7 +83,7 @@ pub(super) fn median(image: &Cells<RgbImage>, mask: &Cells<Mask>) -> Colour {
 }
 
 /// Traces and fits all outlines. Colours are taken from the cells of the partition, edges from its photograph.
-pub(super) fn outlines(partition: &Partition<'_>, pieces: &Pieces) -> Shapes {
+pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> ElementShapes {
     let (grid, image) = (partition.grid, &partition.clean);
     let (width, height) = image.dimensions();
     let mut map = LabelMap::filled(width, height, 0);
@@ -152,7 +152,7 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &Pieces) -> Shapes {
                 painted.push(Shape { gradient: gradients[i].clone(), ..Shape::new(outline, colour) });
             }
         }
-        Element {
+        ExemplarElement {
             category: Some(CategoryId(0)),
             colour: median(image, &mask),
             difference: None,
@@ -165,11 +165,11 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &Pieces) -> Shapes {
         }
     });
     let specks = Specks::new(&pieces.secondaries, grid);
-    let labelled: Vec<(usize, &Patch)> = (first_secondary..).zip(&pieces.secondaries).collect();
-    let secondaries = parallel::map(&labelled, |&(label, Patch { mask, colour, difference })| {
+    let labelled: Vec<(usize, &FlatPatch)> = (first_secondary..).zip(&pieces.secondaries).collect();
+    let secondaries = parallel::map(&labelled, |&(label, FlatPatch { mask, colour, difference })| {
         let outline = specks.outline(mask).unwrap_or_else(|| stacked(label as u32));
         let colour = pieces.palette.nearest(*colour);
-        Element {
+        ExemplarElement {
             category: None,
             colour,
             difference: Some(*difference),
@@ -181,17 +181,20 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &Pieces) -> Shapes {
             shapes: vec![Shape::new(outline, colour)],
         }
     });
-    Shapes { secondaries: secondaries.into_iter().filter(|s| !s.outline().is_empty()).collect(), primaries }
+    ElementShapes {
+        secondaries: secondaries.into_iter().filter(|s| !s.outline().is_empty()).collect(),
+        primaries,
+    }
 }
 
 /// The outlines of specks. Those of the same cells differ by whole pixels only and are traced once.
 struct Specks {
-    grid: Grid,
+    grid: SubpixelGrid,
     outlines: BTreeMap<Vec<Span>, Outline>,
 }
 
 impl Specks {
-    fn new(patches: &[Patch], grid: Grid) -> Self {
+    fn new(patches: &[FlatPatch], grid: SubpixelGrid) -> Self {
         let specks = patches.iter().filter_map(|patch| Some(Self::at_origin(&patch.mask, grid)?.0));
         let distinct: BTreeSet<Vec<Span>> = specks.map(|mask| mask.spans().to_vec()).collect();
         let distinct: Vec<Vec<Span>> = distinct.into_iter().collect();
@@ -200,7 +203,7 @@ impl Specks {
     }
 
     /// A speck moved to the first pixel, and by how many pixels; `None` for larger masks.
-    fn at_origin(mask: &Mask, grid: Grid) -> Option<(Mask, [i32; 2])> {
+    fn at_origin(mask: &Mask, grid: SubpixelGrid) -> Option<(Mask, [i32; 2])> {
         let (x0, y0, ..) = mask.bounds().filter(|_| mask.area() <= SPECK)?;
         let cells = grid.along() as i32;
         let pixels = [x0, y0].map(|v| v.div_euclid(cells));
@@ -216,7 +219,7 @@ impl Specks {
 }
 
 /// The outline of a mask traced on its own, scaled to the mask's area.
-fn alone(mask: &Cells<Mask>, grid: Grid) -> Outline {
+fn alone(mask: &Cells<Mask>, grid: SubpixelGrid) -> Outline {
     let Some((x0, y0, x1, y1)) = mask.bounds() else { return Outline::default() };
     let mut map = LabelMap::filled((x1 - x0 + 2) as u32, (y1 - y0 + 2) as u32, 0);
     let corner = (1 - x0, 1 - y0);

@@ -5,7 +5,7 @@ use super::joining;
 use super::palette::Palette;
 use super::partition::Partition;
 use super::rate_distortion::RateDistortion;
-use super::shapes::{self, Patch, Pieces};
+use super::shapes::{self, ExemplarPieces, FlatPatch};
 use image::RgbImage;
 use vtex_base::parallel;
 use vtex_base::raster::Mask;
@@ -18,12 +18,12 @@ use vtex_scene::library::AnalyzeParams;
 pub(super) fn simplify(
     partition: &Partition<'_>,
     details: &[Vec<Cells<Mask>>],
-    patches: Vec<Patch>,
+    patches: Vec<FlatPatch>,
     warnings: &mut Vec<String>,
-) -> Pieces {
+) -> ExemplarPieces {
     let Partition { params, clean, grid, .. } = partition;
     let join = |cost: RateDistortion| parallel::map(details, |masks| joining::join(clean, masks, cost));
-    let worthwhile = |cost: RateDistortion, p: &Patch| cost.is_worth(p.mask.area(), p.difference);
+    let worthwhile = |cost: RateDistortion, p: &FlatPatch| cost.is_worth(p.mask.area(), p.difference);
     let mut cost = RateDistortion::new(params, *grid);
     if params.max_paths > 0 {
         let most = params.max_paths as usize;
@@ -43,13 +43,17 @@ pub(super) fn simplify(
     }
     let secondaries = patches.into_iter().filter(|p| worthwhile(cost, p)).collect();
     let palette = Palette::new(&[], 0, params.seed);
-    let pieces = Pieces { details: join(cost), secondaries, cost, palette };
+    let pieces = ExemplarPieces { details: join(cost), secondaries, cost, palette };
     if params.colors == 0 { pieces } else { reduce_colours(clean, pieces, params) }
 }
 
 /// Clusters the colours of all pieces into a palette of `colors` entries, and joins neighbouring
 /// details that share an entry.
-fn reduce_colours(image: &Cells<RgbImage>, mut pieces: Pieces, params: &AnalyzeParams) -> Pieces {
+fn reduce_colours(
+    image: &Cells<RgbImage>,
+    mut pieces: ExemplarPieces,
+    params: &AnalyzeParams,
+) -> ExemplarPieces {
     let masks: Vec<&Cells<Mask>> = pieces.details.iter().flatten().collect();
     let mut colours = parallel::map(&masks, |m| (shapes::median(image, m), m.area()));
     colours.extend(pieces.secondaries.iter().map(|p| (p.colour, p.mask.area())));
@@ -57,5 +61,5 @@ fn reduce_colours(image: &Cells<RgbImage>, mut pieces: Pieces, params: &AnalyzeP
     pieces.details = parallel::map(&pieces.details, |masks| {
         joining::join_alike(masks, |m| palette.nearest(shapes::median(image, m)))
     });
-    Pieces { palette, ..pieces }
+    ExemplarPieces { palette, ..pieces }
 }

@@ -9,18 +9,18 @@ use vtex_base::progress::Progress;
 use vtex_base::raster::LabelMap;
 use vtex_field::layers::{Count, FindParams, LayerMap, find};
 use vtex_scene::element::ElementId;
-use vtex_scene::library::{AnalyzeParams, Element, Instance, Layer, Role};
+use vtex_scene::library::{AnalyzeParams, ExemplarElement, ExemplarInstance, ExemplarLayer, Role};
 use vtex_scene::scene::Field;
 
 /// The layers of a photograph.
-pub(super) struct Strata {
+pub(super) struct PhotographStrata {
     /// Their map; each large element lies in one of them. `None` if there is a single layer.
     map: Option<LayerMap>,
     /// The reason for their number, if it was decided.
     pub(super) why: Option<String>,
 }
 
-impl Strata {
+impl PhotographStrata {
     /// Finds the layers of an exemplar, or takes painted ones. `primaries` has a label above 0 for each
     /// known element.
     pub(super) fn new(
@@ -52,7 +52,7 @@ impl Strata {
         let areas = primaries.areas();
         let least = LayerMap::least_element([primaries.width, primaries.height]);
         let of = map.layers_of(primaries, areas.len().saturating_sub(1));
-        let map = map.settled(|i| {
+        let map = map.with_whole_elements(|i| {
             let element = primaries.labels[i] as usize;
             (element > 0 && areas[element] >= least).then(|| of[element - 1])
         });
@@ -66,10 +66,10 @@ impl Strata {
         &self,
         exemplar: &Exemplar,
         [primaries, textons]: [&LabelMap; 2],
-        elements: &[Element],
+        elements: &[ExemplarElement],
         (background, spacing): (Field, f64),
         params: &AnalyzeParams,
-    ) -> Vec<Layer> {
+    ) -> Vec<ExemplarLayer> {
         let Some(map) = &self.map else {
             return vtex_scene::library::Library::three_layers(elements, background, spacing);
         };
@@ -88,21 +88,24 @@ impl Strata {
                     usize::from(of_elements[*i]) == k
                         && elements[*i].category.is_some() == (role == Role::Primary)
                 };
-                (0..elements.len()).filter(is_own).map(|i| Instance::of(ElementId::after(i))).collect()
+                (0..elements.len())
+                    .filter(is_own)
+                    .map(|i| ExemplarInstance::of(ElementId::after(i)))
+                    .collect()
             };
-            layers.push(Layer {
+            layers.push(ExemplarLayer {
                 name: layer.name.clone(),
                 region: k.checked_sub(1).map(|above| regions[above].clone()),
                 colour: Some(layer.colour),
                 field: Some(field),
-                ..Layer::new(Role::Background)
+                ..ExemplarLayer::new(Role::Background)
             });
             for role in [Role::Secondary, Role::Primary] {
-                layers.push(Layer {
+                layers.push(ExemplarLayer {
                     name: format!("{} {}", layer.name, role.name()),
                     spacing: (role == Role::Secondary).then_some(spacing),
                     instances: own(role),
-                    ..Layer::new(role)
+                    ..ExemplarLayer::new(role)
                 });
             }
         }
@@ -110,7 +113,7 @@ impl Strata {
     }
 
     /// The layer of each element: the one of most of its pixels, or the one at its centre if it is small.
-    fn of_elements(&self, map: &LayerMap, primaries: &LabelMap, elements: &[Element]) -> Vec<u8> {
+    fn of_elements(&self, map: &LayerMap, primaries: &LabelMap, elements: &[ExemplarElement]) -> Vec<u8> {
         let count = elements.partition_point(|e| e.category.is_some());
         let mut of = map.layers_of(primaries, count);
         of.extend(elements[count..].iter().map(|e| {

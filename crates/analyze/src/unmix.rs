@@ -4,7 +4,7 @@
 //! the rim of an element, as a detail or a secondary. Drawing a smooth outline mixes the colours again, so
 //! nothing is lost. Edges are still located in the photograph.
 
-use super::grid::{Cells, Grid};
+use super::grid::{Cells, SubpixelGrid};
 use image::{Rgb, RgbImage};
 use vtex_base::parallel::{for_chunks, map};
 use vtex_base::raster::LabelMap;
@@ -23,7 +23,11 @@ const LEAST_OWN_SHARE: [f32; 2] = [0.2, 0.3];
 const LINE_TOLERANCE: [f32; 2] = [8.0, 0.2];
 
 /// The enlarged image with the mixed cells along label borders replaced.
-pub(super) fn unmixed(image: &Cells<RgbImage>, labels: &Cells<LabelMap>, grid: Grid) -> Cells<RgbImage> {
+pub(super) fn unmixed(
+    image: &Cells<RgbImage>,
+    labels: &Cells<LabelMap>,
+    grid: SubpixelGrid,
+) -> Cells<RgbImage> {
     let depth = (DEPTH * grid.cells) as u8;
     let rings = rings(labels, depth);
     let around = around(labels.width, grid);
@@ -83,7 +87,7 @@ fn rings(labels: &LabelMap, depth: u8) -> Vec<u8> {
 type Near = ([i32; 2], i32, f32);
 
 /// The pixels up to [`REACH`] away. Nearer ones weigh more.
-fn around(width: u32, grid: Grid) -> Vec<Near> {
+fn around(width: u32, grid: SubpixelGrid) -> Vec<Near> {
     let steps = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| [dx, dy]));
     let near = steps.filter_map(|[dx, dy]| {
         let distance2 = dx * dx + dy * dy;
@@ -101,7 +105,7 @@ fn mixture(
     rings: &[u8],
     [x, y]: [i32; 2],
     around: &[Near],
-    grid: Grid,
+    grid: SubpixelGrid,
 ) -> Option<Rgb<u8>> {
     let (width, height) = (labels.width as i32, labels.height as i32);
     let at = y * width + x;
@@ -184,7 +188,7 @@ mod tests {
     fn both_sides_get_their_own_colour() {
         // Enlarged pictures overshoot a little, so a few cells are assigned to the wrong side.
         for (cells, tolerance, few) in [(1, 2.0, 0), (2, 10.0, 10), (3, 10.0, 20)] {
-            let grid = Grid { cells };
+            let grid = SubpixelGrid { cells };
             for blur in [0.5, 1.0, 1.5] {
                 let (image, labels) = disc(blur);
                 let fine = grid.image(&image);
@@ -213,7 +217,7 @@ mod tests {
                 *pixel = dark;
             }
         }
-        let clean = unmixed(&Cells(image), &Cells(labels.clone()), Grid { cells: 1 });
+        let clean = unmixed(&Cells(image), &Cells(labels.clone()), SubpixelGrid { cells: 1 });
         let kept = (0..1600).filter(|&i| rings[i] == 1 && labels.labels[i] == 1);
         assert!(kept.clone().count() > 40);
         for i in kept {

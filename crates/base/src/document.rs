@@ -105,7 +105,7 @@ impl Header {
     /// document.
     fn of(json: &[u8]) -> serde_json::Result<Self> {
         let mut header = Self::default();
-        let read = Fields(&mut header).deserialize(&mut serde_json::Deserializer::from_slice(json));
+        let read = HeaderVisitor(&mut header).deserialize(&mut serde_json::Deserializer::from_slice(json));
         if header.format.is_some() && header.version.is_some() {
             return Ok(header);
         }
@@ -113,9 +113,9 @@ impl Header {
     }
 }
 
-struct Fields<'a>(&'a mut Header);
+struct HeaderVisitor<'a>(&'a mut Header);
 
-impl<'de> DeserializeSeed<'de> for Fields<'_> {
+impl<'de> DeserializeSeed<'de> for HeaderVisitor<'_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> std::result::Result<(), D::Error> {
@@ -123,7 +123,7 @@ impl<'de> DeserializeSeed<'de> for Fields<'_> {
     }
 }
 
-impl<'de> Visitor<'de> for Fields<'_> {
+impl<'de> Visitor<'de> for HeaderVisitor<'_> {
     type Value = ();
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

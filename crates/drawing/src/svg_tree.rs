@@ -29,7 +29,7 @@ const MOST_CROSSINGS: f64 = 1e9;
 
 /// Why an SVG is not read or drawn.
 #[derive(Debug)]
-pub struct Fault {
+pub struct SvgFault {
     /// In one sentence without a full stop.
     pub reason: String,
     /// What to try, in one sentence without a full stop.
@@ -41,7 +41,7 @@ pub const COMPLETE: &str = "it must be an SVG or SVGZ; is the file complete?";
 /// Advice where a part is beyond what is read.
 const SHAPES: &str = "turn it into plain shapes in the program that made it";
 
-impl From<String> for Fault {
+impl From<String> for SvgFault {
     fn from(reason: String) -> Self {
         Self { reason, advice: COMPLETE }
     }
@@ -61,7 +61,7 @@ pub(crate) fn is_svg(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// As [`text`], [`document`] and [`tree`].
-pub(crate) fn parse(bytes: &[u8], name: &str, fail: impl Fn(Fault) -> Error) -> Result<usvg::Tree> {
+pub(crate) fn parse(bytes: &[u8], name: &str, fail: impl Fn(SvgFault) -> Error) -> Result<usvg::Tree> {
     let text = text(bytes, name, &fail)?;
     document(&text).and_then(|document| tree(&document)).map_err(fail)
 }
@@ -70,7 +70,7 @@ pub(crate) fn parse(bytes: &[u8], name: &str, fail: impl Fn(Fault) -> Error) -> 
 ///
 /// # Errors
 /// The error that `fail` makes of the reason if it is damaged or not UTF-8; [`Error::TooLarge`] beyond 1 GiB.
-pub fn text(bytes: &[u8], name: &str, fail: impl Fn(Fault) -> Error) -> Result<String> {
+pub fn text(bytes: &[u8], name: &str, fail: impl Fn(SvgFault) -> Error) -> Result<String> {
     let bytes = gzip::unpack(bytes, LARGEST_TEXT as u64 + 1).map_err(|reason| fail(reason.into()))?;
     if bytes.len() > LARGEST_TEXT {
         let (found, limit) = ("more than 1 GiB of SVG text".into(), "1 GiB".into());
@@ -79,7 +79,7 @@ pub fn text(bytes: &[u8], name: &str, fail: impl Fn(Fault) -> Error) -> Result<S
     let text = String::from_utf8(bytes.into_owned()).map_err(|e| {
         let wide = [b"\xff\xfe", b"\xfe\xff"].iter().any(|mark| e.as_bytes().starts_with(*mark));
         let reason = if wide { "it is UTF-16 text, not UTF-8" } else { "it is not UTF-8 text" };
-        fail(Fault { reason: reason.into(), advice: "save it as UTF-8 in the program that made it" })
+        fail(SvgFault { reason: reason.into(), advice: "save it as UTF-8 in the program that made it" })
     })?;
     Ok(text.strip_prefix('\u{feff}').map(Into::into).unwrap_or(text))
 }
@@ -88,7 +88,7 @@ pub fn text(bytes: &[u8], name: &str, fail: impl Fn(Fault) -> Error) -> Result<S
 ///
 /// # Errors
 /// Where it is not well formed.
-pub fn document(text: &str) -> Result<roxmltree::Document<'_>, Fault> {
+pub fn document(text: &str) -> Result<roxmltree::Document<'_>, SvgFault> {
     if text.trim().is_empty() {
         return Err(String::from("it is empty").into());
     }
@@ -101,7 +101,7 @@ pub fn document(text: &str) -> Result<roxmltree::Document<'_>, Fault> {
 ///
 /// # Errors
 /// Why it is not an SVG, or not one that can be parsed in reasonable time.
-pub fn tree(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, Fault> {
+pub fn tree(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, SvgFault> {
     tree_of(document, || None)
 }
 
@@ -109,7 +109,7 @@ pub fn tree(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, Fault> {
 ///
 /// # Errors
 /// As [`tree`].
-pub(crate) fn tree_with_images(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, Fault> {
+pub(crate) fn tree_with_images(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, SvgFault> {
     let empty = r#"<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>"#;
     tree_of(document, || {
         usvg::Tree::from_str(empty, &usvg::Options::default()).ok().map(usvg::ImageKind::SVG)
@@ -119,7 +119,7 @@ pub(crate) fn tree_with_images(document: &roxmltree::Document<'_>) -> Result<usv
 fn tree_of(
     document: &roxmltree::Document<'_>,
     image: impl Fn() -> Option<usvg::ImageKind> + Copy + Send + Sync,
-) -> Result<usvg::Tree, Fault> {
+) -> Result<usvg::Tree, SvgFault> {
     if let Some(fault) = bounds::refused(document) {
         return Err(fault);
     }
@@ -135,7 +135,7 @@ fn tree_of(
 }
 
 /// The fault that an error of the parser stands for.
-fn fault(document: &roxmltree::Document<'_>, error: usvg::Error) -> Fault {
+fn fault(document: &roxmltree::Document<'_>, error: usvg::Error) -> SvgFault {
     use roxmltree::Error::{NoRootNode, NodesLimitReached};
     use usvg::Error::{ElementsLimitReached, InvalidSize, ParsingFailed};
     let (reason, advice) = match error {
@@ -165,7 +165,7 @@ fn fault(document: &roxmltree::Document<'_>, error: usvg::Error) -> Fault {
         }
         other => return other.to_string().into(),
     };
-    Fault { reason, advice }
+    SvgFault { reason, advice }
 }
 
 /// The most elements within one another.
@@ -183,27 +183,27 @@ fn depth(document: &roxmltree::Document<'_>) -> usize {
 /// # Errors
 /// Why it cannot be drawn: a shape reaches 10⁸ pixels away, strokes have more than a million dashes, a path
 /// crosses itself too often, or the library that draws gave up.
-pub fn draw(tree: &usvg::Tree, transform: Transform, picture: &mut Pixmap) -> Result<(), Fault> {
+pub fn draw(tree: &usvg::Tree, transform: Transform, picture: &mut Pixmap) -> Result<(), SvgFault> {
     let scale = transform.sx.abs().max(transform.sy.abs());
     if furthest(tree) * scale > FURTHEST {
         let reason = "it has a shape that reaches further than can be drawn".into();
-        return Err(Fault { reason, advice: "delete what lies far outside the page" });
+        return Err(SvgFault { reason, advice: "delete what lies far outside the page" });
     }
-    let Cost { dashes, crossings } = Cost::of(tree);
+    let DrawingCost { dashes, crossings } = DrawingCost::of(tree);
     if dashes > MOST_DASHES {
         let reason = "its strokes have more than a million dashes".into();
-        return Err(Fault { reason, advice: "make the dashes longer, or the strokes solid" });
+        return Err(SvgFault { reason, advice: "make the dashes longer, or the strokes solid" });
     }
     if crossings > MOST_CROSSINGS {
         let reason = "a path of it crosses itself too often to be drawn".into();
-        return Err(Fault { reason, advice: "take it apart into several paths, or simplify it" });
+        return Err(SvgFault { reason, advice: "take it apart into several paths, or simplify it" });
     }
     caught(|| resvg::render(tree, transform, &mut picture.as_mut())).map_err(|said| panicked("drawn", &said))
 }
 
-fn panicked(done: &str, said: &str) -> Fault {
+fn panicked(done: &str, said: &str) -> SvgFault {
     let reason = format!("it cannot be {done}: {said}");
-    Fault { reason, advice: "simplify it in the program that made it, and please report it" }
+    SvgFault { reason, advice: "simplify it in the program that made it, and please report it" }
 }
 
 /// All groups that no other holds: that of the page, and those of clip paths, masks and patterns.
@@ -216,7 +216,7 @@ fn roots(tree: &usvg::Tree) -> impl Iterator<Item = &usvg::Group> {
 
 /// What drawing takes, beyond the number of shapes and pixels.
 #[derive(Default)]
-struct Cost {
+struct DrawingCost {
     /// Dashes of all strokes, at most.
     dashes: f64,
     /// Pairs of lines of one path that may cross, in all paths. Their order is found row by row of the picture,
@@ -224,7 +224,7 @@ struct Cost {
     crossings: f64,
 }
 
-impl Cost {
+impl DrawingCost {
     fn of(tree: &usvg::Tree) -> Self {
         let mut cost = Self::default();
         let mut open: Vec<&usvg::Group> = roots(tree).collect();
@@ -298,7 +298,7 @@ fn furthest(tree: &usvg::Tree) -> f32 {
 mod tests {
     use super::*;
 
-    fn read(inner: &str) -> Result<usvg::Tree, Fault> {
+    fn read(inner: &str) -> Result<usvg::Tree, SvgFault> {
         let text = format!(
             r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="90" height="90">{inner}</svg>"#
         );
@@ -407,7 +407,7 @@ mod tests {
         }
         let wide: Vec<u8> = "<svg/>".encode_utf16().flat_map(u16::to_le_bytes).collect();
         let wide = [&[0xff, 0xfe], &wide[..]].concat();
-        let fail = |fault: Fault| Error::Render { name: "a".into(), reason: fault.reason };
+        let fail = |fault: SvgFault| Error::Render { name: "a".into(), reason: fault.reason };
         assert!(text(&wide, "a", fail).unwrap_err().to_string().contains("UTF-16"));
     }
 

@@ -1,6 +1,6 @@
 //! Scene → how much of the canvas the elements of each category cover.
 
-use super::png::{Region, path_of};
+use super::png::{ClipRegion, path_of};
 use std::collections::BTreeMap;
 use tiny_skia::{Color, FillRule, Paint, Path, PixmapMut, Transform};
 use vtex_base::geometry::{Affine, Rect};
@@ -24,7 +24,7 @@ pub fn coverage(scene: &Scene) -> BTreeMap<(LibraryId, CategoryId), u64> {
         let number = keys.binary_search(&key).ok()? as u32 + 1;
         Some((path_of(element.outline())?, element.outline().bounds(), number))
     });
-    let region = scene.domain.is_some().then(|| Region::of_domain(scene, [1.0; 2]));
+    let region = scene.domain.is_some().then(|| ClipRegion::of_domain(scene, [1.0; 2]));
     let counts = parallel::map(&bands(scene), |&(top, rows)| {
         count_band(scene, &shapes, region.as_ref(), keys.len(), top, rows)
     });
@@ -41,7 +41,7 @@ pub fn inside(scene: &Scene) -> u64 {
     if scene.domain.is_none() {
         return u64::from(scene.width) * u64::from(scene.height);
     }
-    let region = Region::of_domain(scene, [1.0; 2]);
+    let region = ClipRegion::of_domain(scene, [1.0; 2]);
     let counts = parallel::map(&bands(scene), |&(top, rows)| {
         let mask = region.mask(scene.width, rows, f64::from(top), false);
         mask.map_or(0, |m| m.data().iter().filter(|v| **v > 0).count() as u64)
@@ -58,7 +58,7 @@ fn bands(scene: &Scene) -> Vec<(u32, u32)> {
 fn count_band(
     scene: &Scene,
     shapes: &[Option<(Path, Rect, u32)>],
-    region: Option<&Region>,
+    region: Option<&ClipRegion>,
     categories: usize,
     top: u32,
     rows: u32,

@@ -33,14 +33,14 @@ pub enum Format {
 
 /// The content of a file, and whether it is packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Kind {
+pub struct FileKind {
     /// Its content.
     pub format: Format,
     /// Whether that is packed as gzip.
     pub gzip: bool,
 }
 
-impl Kind {
+impl FileKind {
     /// The kind that a file name stands for, whatever its case; none for any other name.
     pub fn from_path(path: &Path) -> Option<Self> {
         const ENDINGS: [(&str, Format, bool); 8] = [
@@ -94,9 +94,9 @@ pub fn write_file<T>(
         }
         if !force {
             match found(path)? {
-                Found::Ours => {}
+                ExistingFile::Ours => {}
                 other => {
-                    let changed = other == Found::Changed;
+                    let changed = other == ExistingFile::Changed;
                     return Err(Error::Exists { path: path.to_owned(), changed });
                 }
             }
@@ -126,7 +126,7 @@ fn sealed<T>(
     content: impl FnOnce(&mut dyn Write) -> Result<T>,
 ) -> Result<(T, u64)> {
     let fail = |e: io::Error| Error::write(path, e);
-    let mut out = Sealed::new(BufWriter::new(Counting { out: file, count: 0 }));
+    let mut out = Sealed::new(BufWriter::new(ByteCounter { out: file, count: 0 }));
     let value = content(&mut out).map_err(|e| match e {
         // Writers do not know the path they write to.
         Error::Write { path, source } if path == Path::new("-") => fail(source),
@@ -137,12 +137,12 @@ fn sealed<T>(
 }
 
 /// Counts bytes.
-struct Counting<W> {
+struct ByteCounter<W> {
     out: W,
     count: u64,
 }
 
-impl<W: Write> Write for Counting<W> {
+impl<W: Write> Write for ByteCounter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let n = self.out.write(bytes)?;
         self.count += n as u64;
@@ -226,7 +226,7 @@ pub fn remove_abandoned(path: &Path) {
 
 /// A file that stands at a place already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Found {
+enum ExistingFile {
     /// Byte for byte what vtex wrote.
     Ours,
     /// Begun by vtex, and changed since.
@@ -235,14 +235,14 @@ enum Found {
 }
 
 /// The kind of a file: by its seal, else by its beginning.
-fn found(path: &Path) -> Result<Found> {
+fn found(path: &Path) -> Result<ExistingFile> {
     let file = File::open(path).map_err(|e| Error::read(path, e))?;
     if seal::is_whole(file).map_err(|e| Error::read(path, e))? {
-        Ok(Found::Ours)
+        Ok(ExistingFile::Ours)
     } else if is_begun(path)? {
-        Ok(Found::Changed)
+        Ok(ExistingFile::Changed)
     } else {
-        Ok(Found::Foreign)
+        Ok(ExistingFile::Foreign)
     }
 }
 
@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn kinds_by_name() {
-        let kind = |name: &str| Kind::from_path(Path::new(name)).map(|k| (k.format, k.gzip));
+        let kind = |name: &str| FileKind::from_path(Path::new(name)).map(|k| (k.format, k.gzip));
         assert_eq!(kind("a/b.svg"), Some((Format::Svg, false)));
         assert_eq!(kind("b.SVGZ"), Some((Format::Svg, true)));
         assert_eq!(kind("b.png"), Some((Format::Png, false)));

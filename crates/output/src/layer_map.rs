@@ -96,7 +96,7 @@ struct Described<'a> {
     width: usize,
     height: usize,
     /// Axes along which it repeats.
-    tile: Axes,
+    tile: RepeatingAxes,
     /// Share of the borders that lie between layers that are not next to each other.
     distant_contact: f64,
     /// From bottom to top.
@@ -104,7 +104,7 @@ struct Described<'a> {
 }
 
 #[derive(Serialize)]
-struct Axes {
+struct RepeatingAxes {
     x: bool,
     y: bool,
 }
@@ -127,7 +127,7 @@ struct DescribedLayer<'a> {
 pub fn write_json(map: &LayerMap, wrap: [bool; 2], seed: Option<u64>, mut out: impl Write) -> Result<()> {
     let paths = map.outlines(wrap);
     let shares = map.shares();
-    let layer = |(k, layer): (usize, &'_ vtex_field::layers::Layer)| (k, layer.name.clone(), layer.colour);
+    let layer = |(k, layer): (usize, &'_ vtex_field::layers::MapLayer)| (k, layer.name.clone(), layer.colour);
     let named: Vec<_> = map.layers.iter().enumerate().map(layer).collect();
     let layers = named.iter().map(|(k, name, colour)| DescribedLayer {
         name,
@@ -143,7 +143,7 @@ pub fn write_json(map: &LayerMap, wrap: [bool; 2], seed: Option<u64>, mut out: i
         seed,
         width,
         height,
-        tile: Axes { x: wrap[0], y: wrap[1] },
+        tile: RepeatingAxes { x: wrap[0], y: wrap[1] },
         distant_contact: vtex_field::layers::Contacts::new(&map.labels, map.layers.len(), wrap).distant(),
         layers: layers.collect(),
     };
@@ -159,7 +159,7 @@ mod tests {
     use vtex_base::raster::Limits;
     use vtex_base::raster::colour::Colour;
     use vtex_field::layers::{LayerPicture, MOST_LAYERS};
-    use vtex_testing::{Kind, SceneParams, generate};
+    use vtex_testing::{SceneKind, SceneParams, generate};
 
     /// A map of rings and blobs.
     fn map(size: [usize; 2], count: u32) -> LayerMap {
@@ -173,7 +173,7 @@ mod tests {
             height: size[1] as u32,
             labels: (0..size[0] * size[1]).map(at).collect(),
         };
-        let layer = |k: u32| vtex_field::layers::Layer {
+        let layer = |k: u32| vtex_field::layers::MapLayer {
             name: format!("layer {k}"),
             colour: Colour([40 * k as u8, 100, 200 - 30 * k as u8]),
         };
@@ -217,7 +217,7 @@ mod tests {
             let wrong = (0..200 * 160).filter(|&i| inner(i)).filter(|&i| {
                 let p = drawn.pixels()[i];
                 let got = [p.red(), p.green(), p.blue()];
-                let near = |l: &vtex_field::layers::Layer| {
+                let near = |l: &vtex_field::layers::MapLayer| {
                     (0..3).map(|c| u32::from(l.colour.0[c].abs_diff(got[c]))).sum::<u32>()
                 };
                 (0..map.layers.len()).min_by_key(|&k| near(&map.layers[k]))
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn photographs_are_no_maps() {
         let params =
-            SceneParams { width: 96, height: 96, kind: Kind::Pebbles, size: 20.0, ..Default::default() };
+            SceneParams { width: 96, height: 96, kind: SceneKind::Pebbles, size: 20.0, ..Default::default() };
         let mut bytes = std::io::Cursor::new(Vec::new());
         generate(&params).unwrap().image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
         let picture = LayerPicture::from_bytes(&bytes.into_inner(), "photo", &Limits::default()).unwrap();

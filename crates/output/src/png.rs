@@ -4,7 +4,7 @@
 //! grid of background colours, the same paths in the same order. It is drawn in bands of fixed height, which
 //! are independent of each other and of the number of threads.
 
-use super::background::Background;
+use super::background::PreparedBackground;
 use super::picture_size;
 use super::shadow::{self, Shadows};
 use image::RgbImage;
@@ -40,7 +40,7 @@ pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
         limit: "what one picture in memory can hold".into(),
     })?;
     let scale = [f64::from(width) / canvas_width, f64::from(height) / canvas_height];
-    let picture = Picture::new(scene, scale);
+    let picture = PreparedScene::new(scene, scale);
     let row = width as usize * 4;
     parallel::for_chunks(pixmap.data_mut(), row * BAND, |i, data| {
         let rows = data.len() / row;
@@ -62,7 +62,7 @@ pub fn over_white(pixmap: &Pixmap) -> RgbImage {
 }
 
 /// Bilinear interpolation of the background's rows.
-fn paint_background(background: &Background, scale: [f64; 2], top: usize, band: &mut PixmapMut<'_>) {
+fn paint_background(background: &PreparedBackground, scale: [f64; 2], top: usize, band: &mut PixmapMut<'_>) {
     let (width, data) = (band.width() as usize, band.data_mut());
     let xs: Vec<f64> = (0..width).map(|x| (x as f64 + 0.5) / scale[0]).collect();
     let mut current = None;
@@ -86,9 +86,9 @@ fn paint_background(background: &Background, scale: [f64; 2], top: usize, band: 
 }
 
 /// A shape to which something is clipped, on the picture.
-pub(super) struct Region(Vec<(tiny_skia::Path, Affine)>);
+pub(super) struct ClipRegion(Vec<(tiny_skia::Path, Affine)>);
 
-impl Region {
+impl ClipRegion {
     /// The domain of a scene, with its copies; empty if there is none.
     pub(super) fn of_domain(scene: &Scene, scale: [f64; 2]) -> Self {
         scene.domain.as_ref().map_or(Self(Vec::new()), |d| Self::new(scene, &d.outline, scale))
@@ -125,7 +125,7 @@ fn band_transform(affine: Affine, top: f64) -> Transform {
 }
 
 /// The paths of an element with their paint; that of the base may come from the instance.
-struct Drawing {
+struct ElementPaths {
     base: Option<tiny_skia::Path>,
     details: Vec<(tiny_skia::Path, Paint<'static>)>,
     /// The outline of the whole, if that is not the base's.
@@ -134,26 +134,26 @@ struct Drawing {
 }
 
 /// A scene made ready to be drawn.
-struct Picture<'a> {
+struct PreparedScene<'a> {
     scene: &'a Scene,
     scale: [f64; 2],
-    drawings: Vec<Drawing>,
+    drawings: Vec<ElementPaths>,
     layers: Vec<DrawnLayer<'a>>,
-    domain: Region,
+    domain: ClipRegion,
     shadows: BTreeMap<shadow::Key, Vec<(tiny_skia::Path, Paint<'static>)>>,
 }
 
 struct DrawnLayer<'a> {
-    background: Option<Background>,
-    region: Option<Region>,
+    background: Option<PreparedBackground>,
+    region: Option<ClipRegion>,
     /// Whether the domain clips it.
     clipped: bool,
     /// Instances in painting order, copies right after their originals.
-    instances: Vec<Placed<'a>>,
+    instances: Vec<DrawnInstance<'a>>,
 }
 
 /// An instance or a copy of it.
-struct Placed<'a> {
+struct DrawnInstance<'a> {
     instance: &'a Instance,
     /// The map to the picture.
     affine: Affine,
@@ -163,9 +163,9 @@ struct Placed<'a> {
     rows: [f64; 2],
 }
 
-impl<'a> Picture<'a> {
+impl<'a> PreparedScene<'a> {
     fn new(scene: &'a Scene, scale: [f64; 2]) -> Self {
-        let drawings = parallel::map(&scene.elements, |element| Drawing {
+        let drawings = parallel::map(&scene.elements, |element| ElementPaths {
             base: path_of(&element.base().outline),
             details: element
                 .details()
@@ -182,7 +182,7 @@ impl<'a> Picture<'a> {
             scene.copies(bounds).map(move |shift| {
                 let reach = to_picture.transform_rect_bbox(bounds + shift);
                 let away = shift + instance.shadow.map_or(Vec2::ZERO, |s| s.shift());
-                Placed {
+                DrawnInstance {
                     instance,
                     affine: to_picture * affine.then_translate(shift),
                     shadow: to_picture * affine.then_translate(away),
@@ -191,20 +191,20 @@ impl<'a> Picture<'a> {
             })
         };
         let layers = scene.layers.iter().map(|layer| DrawnLayer {
-            background: layer.field.as_ref().map(|field| Background::new(scene, field)),
-            region: layer.region.as_ref().map(|outline| Region::new(scene, outline, scale)),
+            background: layer.field.as_ref().map(|field| PreparedBackground::new(scene, field)),
+            region: layer.region.as_ref().map(|outline| ClipRegion::new(scene, outline, scale)),
             clipped: scene.is_clipped(layer),
             instances: layer.instances.iter().flat_map(&place).collect(),
         });
         let layers = layers.collect();
-        let black = |l: &shadow::Layer| {
+        let black = |l: &shadow::ShadowOutline| {
             let mut paint = Paint::default();
             paint.set_color(Color::from_rgba(0.0, 0.0, 0.0, l.opacity as f32).unwrap_or(Color::TRANSPARENT));
             path_of(&l.outline).map(|path| (path, paint))
         };
         let shadows = Shadows::new(scene);
         let shadows = shadows.all().map(|(key, layers)| (key, layers.iter().filter_map(black).collect()));
-        let (shadows, domain) = (shadows.collect(), Region::of_domain(scene, scale));
+        let (shadows, domain) = (shadows.collect(), ClipRegion::of_domain(scene, scale));
         Self { scene, scale, drawings, layers, domain, shadows }
     }
 
@@ -239,7 +239,7 @@ impl<'a> Picture<'a> {
         });
     }
 
-    fn draw_instance(&self, placed: &Placed<'_>, band: &mut PixmapMut<'_>, top: f64) {
+    fn draw_instance(&self, placed: &DrawnInstance<'_>, band: &mut PixmapMut<'_>, top: f64) {
         let instance = placed.instance;
         let drawing = &self.drawings[instance.element.index()];
         if let Some(layers) = instance.shadow.and_then(|s| self.shadows.get(&shadow::key(instance, &s))) {
@@ -277,7 +277,7 @@ impl<'a> Picture<'a> {
 /// Draws onto a band, clipped to a region if there is one.
 fn apart(
     band: &mut PixmapMut<'_>,
-    region: Option<&Region>,
+    region: Option<&ClipRegion>,
     top: usize,
     draw: impl FnOnce(&mut PixmapMut<'_>),
 ) {

@@ -22,7 +22,7 @@ const PNG_END: &[u8] = b"\0\0\0\0IEND\xaeB`\x82";
 
 /// Where a format has room for a seal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
+enum SealPlace {
     /// SVG and HTML.
     Markup,
     Pdf,
@@ -32,7 +32,7 @@ enum Format {
     Document,
 }
 
-impl Format {
+impl SealPlace {
     /// Told by the first [`HEAD`] bytes, or all if there are fewer.
     fn of(head: &[u8]) -> Option<Self> {
         let begins = |how: &[u8]| head.starts_with(how);
@@ -117,7 +117,7 @@ pub struct Sealed<W> {
     out: W,
     head: Vec<u8>,
     /// Known once enough has come.
-    format: Option<Option<Format>>,
+    format: Option<Option<SealPlace>>,
     content: AllBut,
 }
 
@@ -148,7 +148,7 @@ impl<W: Write> Sealed<W> {
         if self.format.is_some() {
             return Ok(());
         }
-        let format = Format::of(&self.head);
+        let format = SealPlace::of(&self.head);
         self.format = Some(format);
         self.content = AllBut::new(format.map_or(0, |f| f.end().len()));
         let head = std::mem::take(&mut self.head);
@@ -197,7 +197,7 @@ pub(super) fn is_whole(mut file: impl Read) -> io::Result<bool> {
 fn whole(mut file: impl Read) -> io::Result<bool> {
     let mut head = Vec::new();
     file.by_ref().take(HEAD as u64).read_to_end(&mut head)?;
-    let Some(format) = Format::of(&head) else { return Ok(false) };
+    let Some(format) = SealPlace::of(&head) else { return Ok(false) };
     let empty = "0".repeat(2 * Sha256::output_size());
     let mut content = AllBut::new(format.tail(&empty).len());
     content.push(&head, |_| Ok(()))?;

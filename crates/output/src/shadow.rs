@@ -26,7 +26,7 @@ const DEVIATION: f64 = 0.25;
 const TOLERANCE: f64 = 0.35;
 
 /// One of a shadow's nested outlines.
-pub(super) struct Layer {
+pub(super) struct ShadowOutline {
     /// In the element's coordinates.
     pub(super) outline: Outline,
     /// Opacity of this outline alone.
@@ -42,7 +42,7 @@ pub(super) fn key(instance: &Instance, shadow: &Shadow) -> Key {
 }
 
 /// All different shadows of a scene, with the layers of each from the widest to the narrowest.
-pub(super) struct Shadows(BTreeMap<Key, Vec<Layer>>);
+pub(super) struct Shadows(BTreeMap<Key, Vec<ShadowOutline>>);
 
 impl Shadows {
     pub(super) fn new(scene: &Scene) -> Self {
@@ -60,18 +60,18 @@ impl Shadows {
     }
 
     /// The layers of each different shadow.
-    pub(super) fn all(&self) -> impl Iterator<Item = (Key, &[Layer])> {
+    pub(super) fn all(&self) -> impl Iterator<Item = (Key, &[ShadowOutline])> {
         self.0.iter().map(|(key, layers)| (*key, &layers[..]))
     }
 
     /// The layers of an instance's shadow.
-    pub(super) fn of(&self, instance: &Instance, shadow: &Shadow) -> &[Layer] {
+    pub(super) fn of(&self, instance: &Instance, shadow: &Shadow) -> &[ShadowOutline] {
         self.0.get(&key(instance, shadow)).map_or(&[], Vec::as_slice)
     }
 }
 
-fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<Layer> {
-    let sharp = || vec![Layer { outline: outline.clone(), opacity }];
+fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<ShadowOutline> {
+    let sharp = || vec![ShadowOutline { outline: outline.clone(), opacity }];
     let bounds = outline.bounds().inflate(blur, blur);
     let longest = bounds.width().max(bounds.height());
     let count = (libm::round(blur / 2.0) + 2.0).min(libm::ceil(opacity / STEP).max(1.0));
@@ -115,7 +115,7 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<Layer> {
         let alone = 1.0 - (1.0 - together) / (1.0 - before);
         before = together;
         if let Some(outline) = Outline::new(&(back * traced.path())).filter(|o| !o.is_empty()) {
-            layers.push(Layer { outline, opacity: alone.clamp(0.0, 1.0) });
+            layers.push(ShadowOutline { outline, opacity: alone.clamp(0.0, 1.0) });
         }
     }
     layers
@@ -191,12 +191,12 @@ mod tests {
     use kurbo::Shape;
     use vtex_base::geometry::parse_path;
 
-    fn of(text: &str, blur: f64) -> Vec<Layer> {
+    fn of(text: &str, blur: f64) -> Vec<ShadowOutline> {
         layers(&Outline::new(&parse_path(text).unwrap()).unwrap(), blur, 0.5)
     }
 
     /// How dark it is at a point, all layers together.
-    fn darkness(layers: &[Layer], p: (f64, f64)) -> f64 {
+    fn darkness(layers: &[ShadowOutline], p: (f64, f64)) -> f64 {
         let over = layers.iter().filter(|l| l.outline.path().winding(p.into()) != 0);
         1.0 - over.fold(1.0, |light, l| light * (1.0 - l.opacity))
     }

@@ -5,7 +5,7 @@ use super::noise::{fractal, hash, smoothstep, split, unit};
 
 /// Parameters of the background.
 #[derive(Clone, Debug)]
-pub(super) struct Background {
+pub(super) struct BackgroundParams {
     pub(super) base: Light,
     pub(super) second: Light,
     /// Strength (0..1) of large blotches of the second colour, then their wavelength in pixels.
@@ -37,7 +37,7 @@ pub(super) struct Grains {
     pub(super) relief: f32,
 }
 
-impl Background {
+impl BackgroundParams {
     /// The colour at a pixel. `light` is the unit vector to the light.
     #[inline]
     pub(super) fn at(&self, x: f32, y: f32, light: [f32; 3]) -> Light {

@@ -1,14 +1,14 @@
 //! Kinds of elements: form, colours and fill.
 
-use super::fills::{Fill, Light, Style};
-use super::render::Element;
-use super::shapes::Shape;
+use super::fills::{ElementFill, Light, Style};
+use super::render::PlacedShape;
+use super::shapes::LocalOutline;
 use std::f64::consts::TAU;
 use vtex_base::sampling::Stream;
 
 /// The form of an element.
 #[derive(Clone, Debug)]
-pub(super) enum Form {
+pub(super) enum ElementForm {
     /// Straight-sided broken stone.
     Chip { corners: [u32; 2], stretch: f32, rounding: f32 },
     /// Rounded stone, or a blot if `wobble` is large.
@@ -26,7 +26,7 @@ pub(super) enum Form {
 /// A kind of element.
 #[derive(Clone, Debug)]
 pub(super) struct ElementKind {
-    pub(super) form: Form,
+    pub(super) form: ElementForm,
     pub(super) palette: Vec<Light>,
     pub(super) style: Style,
     /// Amplitude of the noise on the outline, as a share of the radius.
@@ -36,39 +36,45 @@ pub(super) struct ElementKind {
 impl ElementKind {
     /// The parts of a random element around the origin, randomly rotated. `radius` is that of a circle of
     /// the same area, in pixels.
-    pub(super) fn make(&self, radius: f32, label: u32, random: &mut Stream) -> Vec<Element> {
+    pub(super) fn make(&self, radius: f32, label: u32, random: &mut Stream) -> Vec<PlacedShape> {
         let colour = self.colour(random);
-        if let Form::Head { petals } = self.form {
+        if let ElementForm::Head { petals } = self.form {
             return self.head(radius, petals, colour, label, random);
         }
         let mut vary = |v: f32| v * random.range(0.8, 1.25) as f32;
         let shape = match self.form {
-            Form::Chip { corners, stretch, rounding } => {
+            ElementForm::Chip { corners, stretch, rounding } => {
                 let stretch = 1.0 + (stretch - 1.0) * vary(1.0);
-                Shape::chip(radius, corners, stretch, rounding, random)
+                LocalOutline::chip(radius, corners, stretch, rounding, random)
             }
-            Form::Pebble { wobble, stretch } => {
+            ElementForm::Pebble { wobble, stretch } => {
                 let stretch = 1.0 + (stretch - 1.0) * vary(1.0);
-                Shape::pebble(radius, wobble, stretch, random)
+                LocalOutline::pebble(radius, wobble, stretch, random)
             }
-            Form::Leaf { ratio, fullness, bend, serration } => {
+            ElementForm::Leaf { ratio, fullness, bend, serration } => {
                 let (ratio, bend) = (vary(ratio), vary(bend) * random.range(-1.0, 1.0) as f32);
-                Shape::leaf(radius, ratio, fullness, bend, serration, 18)
+                LocalOutline::leaf(radius, ratio, fullness, bend, serration, 18)
             }
-            Form::Lobed { lobes, depth, serration } => {
-                Shape::lobed(radius, lobes, vary(depth).min(0.8), serration, random)
+            ElementForm::Lobed { lobes, depth, serration } => {
+                LocalOutline::lobed(radius, lobes, vary(depth).min(0.8), serration, random)
             }
-            Form::Star { petals, pointed, gap } => {
+            ElementForm::Star { petals, pointed, gap } => {
                 let n = petals[0] + random.below(u64::from(petals[1] - petals[0] + 1)) as u32;
-                Shape::star(radius, n, pointed, gap, random)
+                LocalOutline::star(radius, n, pointed, gap, random)
             }
-            Form::Head { .. } => return Vec::new(),
+            ElementForm::Head { .. } => return Vec::new(),
         };
         vec![self.element(shape, radius, colour, random.range(0.0, TAU), label, random)]
     }
 
     /// An element with an outline given by the layout.
-    pub(super) fn fill(&self, shape: Shape, radius: f32, label: u32, random: &mut Stream) -> Element {
+    pub(super) fn fill(
+        &self,
+        shape: LocalOutline,
+        radius: f32,
+        label: u32,
+        random: &mut Stream,
+    ) -> PlacedShape {
         let colour = self.colour(random);
         self.element(shape, radius, colour, 0.0, label, random)
     }
@@ -80,14 +86,14 @@ impl ElementKind {
     /// An element around the origin.
     fn element(
         &self,
-        shape: Shape,
+        shape: LocalOutline,
         radius: f32,
         colour: Light,
         turn: f64,
         label: u32,
         random: &mut Stream,
-    ) -> Element {
-        let fill = Fill::new(&self.style, colour, radius, random);
+    ) -> PlacedShape {
+        let fill = ElementFill::new(&self.style, colour, radius, random);
         let shape = if self.roughness > 0.0 {
             let wavelength = (radius * 0.45).max(2.5);
             shape.roughened(self.roughness * radius, wavelength, random.bits() as u32)
@@ -95,7 +101,7 @@ impl ElementKind {
             shape
         };
         let centre = [0.0, 0.0];
-        Element { shape, fill, centre, turn: [libm::cos(turn) as f32, libm::sin(turn) as f32], label }
+        PlacedShape { shape, fill, centre, turn: [libm::cos(turn) as f32, libm::sin(turn) as f32], label }
     }
 
     /// A flower head: petals in two or three rings, inner ones on top, with a common label.
@@ -106,7 +112,7 @@ impl ElementKind {
         colour: Light,
         label: u32,
         random: &mut Stream,
-    ) -> Vec<Element> {
+    ) -> Vec<PlacedShape> {
         let n = petals[0] + random.below(u64::from(petals[1] - petals[0] + 1)) as u32;
         let lean = [random.range(-0.2, 0.2) as f32 * radius, random.range(-0.2, 0.2) as f32 * radius];
         let mut parts = Vec::new();
@@ -119,12 +125,12 @@ impl ElementKind {
                 let length = radius * random.range(0.42, 0.6) as f32;
                 // Radius of a circle with the area of a petal of that half length.
                 let size = length * 0.48;
-                let shape = Shape::leaf(size, random.range(2.6, 3.8) as f32, 0.62, 0.1, 0.0, 1);
+                let shape = LocalOutline::leaf(size, random.range(2.6, 3.8) as f32, 0.62, 0.1, 0.0, 1);
                 let (c, s) = (libm::cos(turn) as f32, libm::sin(turn) as f32);
                 let centre =
                     [lean[0] * (1.0 - ring as f32) + c * reach, s * reach + lean[1] * (1.0 - ring as f32)];
                 let tone = colour.map(|v| v * (1.15 - 0.45 * (1.0 - ring as f32)));
-                parts.push(Element { centre, ..self.element(shape, size, tone, turn, label, random) });
+                parts.push(PlacedShape { centre, ..self.element(shape, size, tone, turn, label, random) });
             }
         }
         parts

@@ -83,7 +83,7 @@ impl Default for Style {
 
 /// The fill of one element.
 #[derive(Clone, Debug)]
-pub(super) struct Fill {
+pub(super) struct ElementFill {
     style: Style,
     base: Light,
     second: Light,
@@ -94,7 +94,7 @@ pub(super) struct Fill {
     seed: u32,
 }
 
-impl Fill {
+impl ElementFill {
     /// A random fill around `colour` for an element of the given radius in pixels.
     pub(super) fn new(style: &Style, colour: Light, radius: f32, random: &mut Stream) -> Self {
         let bright = (1.0 + style.spread * random.normal() as f32).clamp(0.3, 1.8);

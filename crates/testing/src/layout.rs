@@ -1,9 +1,9 @@
 //! Layouts of elements: scattered with occlusion, packed without overlap, or as cells with gaps.
 
 use super::noise::fractal;
-use super::render::{Canvas, Element};
+use super::render::{Canvas, PlacedShape};
 use super::scenes::Composition;
-use super::shapes::{Shape, centroid, clip, polygon_area};
+use super::shapes::{LocalOutline, centroid, clip, polygon_area};
 use vtex_base::sampling::Stream;
 
 /// Radius of the smallest cell kept: about 30 square pixels.
@@ -11,7 +11,7 @@ const SMALLEST: f32 = 3.1;
 
 /// How elements are arranged.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Layout {
+pub(super) enum ElementLayout {
     /// Random positions, later elements below earlier ones (dead leaves). `cluster` 0 is even, 1 clustered.
     Scatter { cluster: f32 },
     /// No overlap, at least `gap` pixels apart: large elements first, small ones in the remaining gaps.
@@ -26,9 +26,9 @@ pub(super) fn place(scene: &Composition, coverage: f64, canvas: &mut Canvas, ran
         return;
     }
     match scene.layout {
-        Layout::Scatter { cluster } => scatter(scene, coverage, cluster, 1, canvas, random),
-        Layout::Packed { gap } => packed(scene, coverage, gap, canvas, random),
-        Layout::Cells { gap } => cells(scene, coverage, gap, canvas, random),
+        ElementLayout::Scatter { cluster } => scatter(scene, coverage, cluster, 1, canvas, random),
+        ElementLayout::Packed { gap } => packed(scene, coverage, gap, canvas, random),
+        ElementLayout::Cells { gap } => cells(scene, coverage, gap, canvas, random),
     }
 }
 
@@ -142,7 +142,7 @@ fn settle(
 }
 
 fn cells(scene: &Composition, coverage: f64, gap: f32, canvas: &mut Canvas, random: &mut Stream) {
-    let sites = Sites::throw(scene, canvas, random);
+    let sites = SpacedPoints::throw(scene, canvas, random);
     let mut order: Vec<usize> = (0..sites.points.len()).collect();
     random.shuffle(&mut order);
     for (k, &i) in order.iter().enumerate() {
@@ -167,7 +167,7 @@ fn cells(scene: &Composition, coverage: f64, gap: f32, canvas: &mut Canvas, rand
             continue;
         }
         let rounding = radius * random.range(0.05, 0.35) as f32;
-        if let Some(shape) = Shape::polygon(&local, rounding) {
+        if let Some(shape) = LocalOutline::polygon(&local, rounding) {
             let element = scene.draw_kind(random).fill(shape, radius, k as u32 + 1, random);
             let at = sites.points[i];
             draw(scene, canvas, vec![element], [at[0] + middle[0], at[1] + middle[1]]);
@@ -183,7 +183,7 @@ fn cells(scene: &Composition, coverage: f64, gap: f32, canvas: &mut Canvas, rand
 }
 
 /// Points with radii, and a grid for neighbour queries.
-struct Sites {
+struct SpacedPoints {
     points: Vec<[f32; 3]>,
     grid: Vec<Vec<usize>>,
     cell: f32,
@@ -192,7 +192,7 @@ struct Sites {
     reach: f32,
 }
 
-impl Sites {
+impl SpacedPoints {
     /// Random points, none within the sum of the radii (slightly reduced) of another.
     fn throw(scene: &Composition, canvas: &Canvas, random: &mut Stream) -> Self {
         let reach = 1.05 * scene.radius[1];
@@ -276,7 +276,7 @@ fn anywhere(canvas: &Canvas, margin: f32, random: &mut Stream) -> [f32; 2] {
     [along(canvas.width), along(canvas.height)]
 }
 
-fn draw(scene: &Composition, canvas: &mut Canvas, parts: Vec<Element>, centre: [f32; 2]) {
+fn draw(scene: &Composition, canvas: &mut Canvas, parts: Vec<PlacedShape>, centre: [f32; 2]) {
     for mut part in parts {
         part.centre = [part.centre[0] + centre[0], part.centre[1] + centre[1]];
         canvas.draw(&part, scene.shadow.as_ref());

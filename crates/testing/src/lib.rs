@@ -21,7 +21,7 @@ mod scenes;
 mod shapes;
 mod stopping;
 
-pub use stopping::{Stop, StopAfter};
+pub use stopping::{StopAfter, StopAtOnce};
 
 use image::RgbImage;
 use vtex_base::error::{Result, check};
@@ -30,7 +30,7 @@ use vtex_base::sampling::stream;
 
 /// The kind of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SceneKind {
     /// Coloured stone chips, cut flat, in a smooth binder with small crumbs.
     Terrazzo,
     /// A few flakes and stones on a granular, sandy background.
@@ -59,7 +59,7 @@ pub enum Kind {
     Mixed,
 }
 
-impl Kind {
+impl SceneKind {
     /// All kinds.
     pub const ALL: [Self; 13] = [
         Self::Terrazzo,
@@ -106,8 +106,8 @@ pub struct SceneParams {
     pub height: u32,
     /// Seed of all random choices. Default 0.
     pub seed: u64,
-    /// Kind of the scene. Default [`Kind::Terrazzo`].
-    pub kind: Kind,
+    /// Kind of the scene. Default [`SceneKind::Terrazzo`].
+    pub kind: SceneKind,
     /// Share of the image that elements cover, 0 to 0.95. Layouts without overlap may not reach a high
     /// value. Default 0.5.
     pub coverage: f64,
@@ -129,7 +129,7 @@ impl Default for SceneParams {
             width: 512,
             height: 512,
             seed: 0,
-            kind: Kind::Terrazzo,
+            kind: SceneKind::Terrazzo,
             coverage: 0.5,
             contrast: 1.0,
             size: 48.0,
@@ -145,8 +145,11 @@ impl SceneParams {
     pub fn random(seed: u64, width: u32, height: u32) -> Self {
         let random = &mut stream(seed, "procedural/params", 0);
         // Mixed scenes are the most varied, so one in four is mixed.
-        let kind =
-            if random.chance(0.25) { Kind::Mixed } else { Kind::ALL[random.index(Kind::ALL.len() - 1)] };
+        let kind = if random.chance(0.25) {
+            SceneKind::Mixed
+        } else {
+            SceneKind::ALL[random.index(SceneKind::ALL.len() - 1)]
+        };
         let [low, high] = kind.usual_coverage();
         let contrast = if random.chance(0.3) { random.range(0.15, 0.6) } else { random.range(0.6, 1.0) };
         let largest = f64::from(width.min(height)).clamp(24.0, 260.0) * 0.45;
@@ -178,7 +181,7 @@ impl SceneParams {
 
 /// A generated scene: the image and its background truth.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Exemplar {
+pub struct GeneratedExemplar {
     /// The image.
     pub image: RgbImage,
     /// Label of the element visible at each pixel, numbered from 1 without gaps; 0 is background. An element
@@ -193,15 +196,15 @@ pub struct Exemplar {
 ///
 /// # Example
 /// ```
-/// use vtex_testing::{Kind, SceneParams, generate};
+/// use vtex_testing::{SceneKind, SceneParams, generate};
 ///
-/// let params = SceneParams { kind: Kind::Pebbles, width: 64, height: 48, size: 16.0, ..Default::default() };
+/// let params = SceneParams { kind: SceneKind::Pebbles, width: 64, height: 48, size: 16.0, ..Default::default() };
 /// let scene = generate(&params)?;
 /// assert_eq!(scene.image.dimensions(), (64, 48));
 /// assert!(scene.instances.labels.iter().any(|&label| label > 0));
 /// # Ok::<(), vtex_base::Error>(())
 /// ```
-pub fn generate(params: &SceneParams) -> Result<Exemplar> {
+pub fn generate(params: &SceneParams) -> Result<GeneratedExemplar> {
     params.validate()?;
     let scene = scenes::Composition::of(params);
     let (width, height) = (params.width as usize, params.height as usize);
@@ -223,7 +226,7 @@ pub fn generate(params: &SceneParams) -> Result<Exemplar> {
     };
     let instances = canvas.instances();
     let image = camera.take(canvas.colours, width, height);
-    Ok(Exemplar { image, instances })
+    Ok(GeneratedExemplar { image, instances })
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Rendering of elements from front to back, so that only visible pixels are shaded.
 
-use super::background::Background;
-use super::fills::{Fill, Light};
+use super::background::BackgroundParams;
+use super::fills::{ElementFill, Light};
 use super::noise::smoothstep;
-use super::shapes::Shape;
+use super::shapes::LocalOutline;
 use vtex_base::raster::LabelMap;
 
 /// Label of a pixel that nothing covers yet.
@@ -13,9 +13,9 @@ const OPAQUE: f32 = 1.0 / 256.0;
 
 /// A placed shape. The parts of one element share their label; label 0 is background.
 #[derive(Clone, Debug)]
-pub(super) struct Element {
-    pub(super) shape: Shape,
-    pub(super) fill: Fill,
+pub(super) struct PlacedShape {
+    pub(super) shape: LocalOutline,
+    pub(super) fill: ElementFill,
     pub(super) centre: [f32; 2],
     /// Cosine and sine of its rotation.
     pub(super) turn: [f32; 2],
@@ -24,7 +24,7 @@ pub(super) struct Element {
 
 /// Parameters of the soft shadow that elements cast on lower ones.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shadow {
+pub(super) struct SoftShadow {
     pub(super) strength: f32,
     pub(super) offset: [f32; 2],
     /// Width of the penumbra in pixels.
@@ -80,7 +80,7 @@ impl Canvas {
     }
 
     /// Whether an element, widened by `gap`, touches nothing drawn so far (tested on a grid).
-    pub(super) fn fits(&self, element: &Element, gap: f32) -> bool {
+    pub(super) fn fits(&self, element: &PlacedShape, gap: f32) -> bool {
         let stride = ((element.shape.extent[1] / 5.0) as usize).clamp(1, 6);
         let mut free = true;
         for_pixels(self.width, self.height, element, element.centre, gap, stride, |i, p| {
@@ -93,7 +93,7 @@ impl Canvas {
     }
 
     /// Draws an element below everything drawn so far.
-    pub(super) fn draw(&mut self, element: &Element, shadow: Option<&Shadow>) {
+    pub(super) fn draw(&mut self, element: &PlacedShape, shadow: Option<&SoftShadow>) {
         let light = into_frame(element, self.light);
         let (width, height) = (self.width, self.height);
         for_pixels(width, height, element, element.centre, 1.0, 1, |i, p| {
@@ -119,7 +119,7 @@ impl Canvas {
         }
     }
 
-    fn shade(&mut self, element: &Element, shadow: &Shadow) {
+    fn shade(&mut self, element: &PlacedShape, shadow: &SoftShadow) {
         let centre = [element.centre[0] + shadow.offset[0], element.centre[1] + shadow.offset[1]];
         let soft = shadow.softness.max(0.5);
         for_pixels(self.width, self.height, element, centre, soft, 1, |i, p| {
@@ -139,7 +139,7 @@ impl Canvas {
     }
 
     /// Fills the remaining transparency with the background.
-    pub(super) fn fill(&mut self, background: &Background) {
+    pub(super) fn fill(&mut self, background: &BackgroundParams) {
         for i in 0..self.clear.len() {
             if self.clear[i] >= OPAQUE {
                 let (x, y) = ((i % self.width) as f32 + 0.5, (i / self.width) as f32 + 0.5);
@@ -169,7 +169,7 @@ impl Canvas {
 }
 
 /// The light vector in the frame of a rotated element.
-fn into_frame(element: &Element, light: [f32; 3]) -> [f32; 3] {
+fn into_frame(element: &PlacedShape, light: [f32; 3]) -> [f32; 3] {
     let [c, s] = element.turn;
     [c * light[0] + s * light[1], c * light[1] - s * light[0], light[2]]
 }
@@ -180,7 +180,7 @@ fn into_frame(element: &Element, light: [f32; 3]) -> [f32; 3] {
 fn for_pixels(
     width: usize,
     height: usize,
-    element: &Element,
+    element: &PlacedShape,
     centre: [f32; 2],
     margin: f32,
     stride: usize,

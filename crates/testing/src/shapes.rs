@@ -12,8 +12,8 @@ const PROFILE: usize = 40;
 
 /// An outline in its own frame: pixels, centre at the origin, long axis along x.
 #[derive(Clone, Debug)]
-pub(super) struct Shape {
-    outline: Outline,
+pub(super) struct LocalOutline {
+    outline: OutlineForm,
     /// Half extents of a box around it.
     pub(super) extent: [f32; 2],
     /// Amplitude in pixels of the noise that displaces the outline, and its wavelength.
@@ -23,7 +23,7 @@ pub(super) struct Shape {
 }
 
 #[derive(Clone, Debug)]
-enum Outline {
+enum OutlineForm {
     /// Intersection of half planes `x n₀ + y n₁ <= n₂`, corners rounded.
     Convex { sides: Vec<[f32; 3]>, rounding: f32 },
     /// Tabulated in equal steps of the diamond angle: the radius, and the angular distance from the axis of
@@ -47,7 +47,7 @@ pub(super) struct Hit {
     pub(super) off_axis: f32,
 }
 
-impl Shape {
+impl LocalOutline {
     /// A convex polygon from its corners, counter-clockwise; `None` if it has no area.
     pub(super) fn polygon(corners: &[[f32; 2]], rounding: f32) -> Option<Self> {
         let mut sides = Vec::with_capacity(corners.len());
@@ -63,7 +63,7 @@ impl Shape {
             }
         }
         (sides.len() >= 3 && polygon_area(corners) > 1.0).then(|| Self {
-            outline: Outline::Convex { sides, rounding: rounding.max(0.01) },
+            outline: OutlineForm::Convex { sides, rounding: rounding.max(0.01) },
             extent,
             roughness: 0.0,
             wavelength: 1.0,
@@ -189,7 +189,7 @@ impl Shape {
         }
         let bend = bend * half_length;
         Self {
-            outline: Outline::Leaf { half_length, widths, bend },
+            outline: OutlineForm::Leaf { half_length, widths, bend },
             extent: [half_length, half_width + 0.5 * bend.abs()],
             roughness: 0.0,
             wavelength: 1.0,
@@ -213,7 +213,13 @@ impl Shape {
             *r *= scale;
             extent = [extent[0].max((*r * c).abs()), extent[1].max((*r * s).abs())];
         }
-        Self { outline: Outline::Radial { radii, spread }, extent, roughness: 0.0, wavelength: 1.0, seed: 0 }
+        Self {
+            outline: OutlineForm::Radial { radii, spread },
+            extent,
+            roughness: 0.0,
+            wavelength: 1.0,
+            seed: 0,
+        }
     }
 
     /// The outline displaced by noise of `amount` pixels with the given wavelength.
@@ -238,9 +244,9 @@ impl Shape {
     #[inline]
     pub(super) fn smooth(&self, p: [f32; 2]) -> Hit {
         match &self.outline {
-            Outline::Convex { sides, rounding } => convex(sides, *rounding, p),
-            Outline::Radial { radii, spread } => radial(radii, *spread, p),
-            Outline::Leaf { half_length, widths, bend } => leaf(*half_length, widths, *bend, p),
+            OutlineForm::Convex { sides, rounding } => convex(sides, *rounding, p),
+            OutlineForm::Radial { radii, spread } => radial(radii, *spread, p),
+            OutlineForm::Leaf { half_length, widths, bend } => leaf(*half_length, widths, *bend, p),
         }
     }
 }
@@ -398,7 +404,7 @@ mod tests {
     use super::*;
     use vtex_base::sampling::stream;
 
-    fn area(shape: &Shape) -> f32 {
+    fn area(shape: &LocalOutline) -> f32 {
         let [w, h] = shape.extent.map(|e| e as i32 + 2);
         let mut sum = 0.0;
         for y in -h..=h {
@@ -415,11 +421,11 @@ mod tests {
         for _ in 0..20 {
             let r = random.range(8.0, 40.0) as f32;
             for (name, shape) in [
-                ("chip", Shape::chip(r, [4, 8], 1.3, 0.02, random)),
-                ("pebble", Shape::pebble(r, 0.15, 1.2, random)),
-                ("lobed", Shape::lobed(r, 5, 0.6, 0.1, random)),
-                ("star", Shape::star(r, 8, 0.4, 0.6, random)),
-                ("leaf", Shape::leaf(r, 2.0, 0.5, 0.1, 0.1, 12)),
+                ("chip", LocalOutline::chip(r, [4, 8], 1.3, 0.02, random)),
+                ("pebble", LocalOutline::pebble(r, 0.15, 1.2, random)),
+                ("lobed", LocalOutline::lobed(r, 5, 0.6, 0.1, random)),
+                ("star", LocalOutline::star(r, 8, 0.4, 0.6, random)),
+                ("leaf", LocalOutline::leaf(r, 2.0, 0.5, 0.1, 0.1, 12)),
             ] {
                 let ratio = area(&shape) / (PI * r * r);
                 assert!((0.85..1.12).contains(&ratio), "{name} {r}: {ratio}");
@@ -431,11 +437,11 @@ mod tests {
     fn nothing_lies_outside_the_extent() {
         let random = &mut stream(4, "test/shapes", 0);
         for shape in [
-            Shape::chip(20.0, [4, 8], 1.3, 0.1, random),
-            Shape::pebble(20.0, 0.3, 1.4, random).roughened(2.0, 5.0, 1),
-            Shape::lobed(20.0, 5, 0.6, 0.1, random),
-            Shape::star(20.0, 8, 0.4, 0.6, random),
-            Shape::leaf(20.0, 6.0, 0.5, 0.3, 0.1, 12),
+            LocalOutline::chip(20.0, [4, 8], 1.3, 0.1, random),
+            LocalOutline::pebble(20.0, 0.3, 1.4, random).roughened(2.0, 5.0, 1),
+            LocalOutline::lobed(20.0, 5, 0.6, 0.1, random),
+            LocalOutline::star(20.0, 8, 0.4, 0.6, random),
+            LocalOutline::leaf(20.0, 6.0, 0.5, 0.3, 0.1, 12),
         ] {
             for y in -90..90 {
                 for x in -90..90 {

@@ -5,9 +5,9 @@ use vtex_base::error::{Error, Result};
 use vtex_base::progress::Progress;
 
 /// Asks at once to stop.
-pub struct Stop;
+pub struct StopAtOnce;
 
-impl Progress for Stop {
+impl Progress for StopAtOnce {
     fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
         false
     }

@@ -3,12 +3,12 @@
 use super::*;
 use proptest::prelude::*;
 
-fn scene(kind: Kind, seed: u64) -> SceneParams {
+fn scene(kind: SceneKind, seed: u64) -> SceneParams {
     SceneParams { kind, ..SceneParams::random(seed, 160, 120) }
 }
 
 /// Brightness values of the pixels of each instance, index 0 the background.
-fn values(scene: &Exemplar) -> Vec<Vec<f64>> {
+fn values(scene: &GeneratedExemplar) -> Vec<Vec<f64>> {
     let count = scene.instances.areas().len();
     let mut values = vec![Vec::new(); count];
     for (pixel, &label) in scene.image.pixels().zip(&scene.instances.labels) {
@@ -25,7 +25,7 @@ fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
 
 #[test]
 fn labels_are_dense_for_every_kind() {
-    for kind in Kind::ALL {
+    for kind in SceneKind::ALL {
         for seed in 0..3 {
             let scene = generate(&scene(kind, seed)).unwrap();
             let areas = scene.instances.areas();
@@ -38,7 +38,7 @@ fn labels_are_dense_for_every_kind() {
 
 #[test]
 fn coverage_is_about_what_was_asked_for() {
-    for kind in Kind::ALL {
+    for kind in SceneKind::ALL {
         for coverage in [0.0, 0.1, 0.4] {
             let params = SceneParams { coverage, size: 24.0, ..scene(kind, 5) };
             let got = 1.0 - f64::from(generate(&params).unwrap().instances.areas()[0]) / (160.0 * 120.0);
@@ -49,7 +49,7 @@ fn coverage_is_about_what_was_asked_for() {
 
 #[test]
 fn dense_scenes_are_dense() {
-    for (kind, least) in [(Kind::Gravel, 0.85), (Kind::Leaves, 0.85), (Kind::Worktop, 0.55)] {
+    for (kind, least) in [(SceneKind::Gravel, 0.85), (SceneKind::Leaves, 0.85), (SceneKind::Worktop, 0.55)] {
         for seed in 0..4 {
             let params = SceneParams { coverage: 0.9, contrast: 1.0, ..scene(kind, seed) };
             let got = 1.0 - f64::from(generate(&params).unwrap().instances.areas()[0]) / (160.0 * 120.0);
@@ -60,7 +60,7 @@ fn dense_scenes_are_dense() {
 
 #[test]
 fn elements_vary_inside_beyond_the_sensor_noise() {
-    for kind in Kind::ALL {
+    for kind in SceneKind::ALL {
         let params = SceneParams { noise: 0.0, size: 40.0, coverage: 0.3, ..scene(kind, 8) };
         let scene = generate(&params).unwrap();
         let large: Vec<f64> =
@@ -81,7 +81,7 @@ fn distance_from_background(params: &SceneParams) -> f64 {
 
 #[test]
 fn contrast_brings_elements_off_the_background() {
-    for kind in [Kind::Terrazzo, Kind::Concrete, Kind::Flakes] {
+    for kind in [SceneKind::Terrazzo, SceneKind::Concrete, SceneKind::Flakes] {
         let params = SceneParams { coverage: 0.3, contrast: 1.0, ..scene(kind, 2) };
         let strong = distance_from_background(&params);
         let weak = distance_from_background(&SceneParams { contrast: 0.15, ..params });
@@ -92,7 +92,7 @@ fn contrast_brings_elements_off_the_background() {
 #[test]
 fn random_scenes_span_sizes_coverages_and_contrasts() {
     let all: Vec<SceneParams> = (0..200).map(|seed| SceneParams::random(seed, 256, 256)).collect();
-    assert!(Kind::ALL.iter().all(|k| all.iter().any(|p| p.kind == *k)));
+    assert!(SceneKind::ALL.iter().all(|k| all.iter().any(|p| p.kind == *k)));
     let count = |f: &dyn Fn(&SceneParams) -> bool| all.iter().filter(|p| f(p)).count();
     assert!(count(&|p| p.contrast < 0.4) > 10 && count(&|p| p.contrast > 0.8) > 40);
     assert!(count(&|p| p.coverage < 0.2) > 15 && count(&|p| p.coverage > 0.7) > 15);
@@ -134,7 +134,7 @@ proptest! {
         width in 1..90u32,
         height in 1..90u32,
         seed: u64,
-        kind in prop::sample::select(Kind::ALL.to_vec()),
+        kind in prop::sample::select(SceneKind::ALL.to_vec()),
         coverage in 0.0..0.95f64,
         contrast in 0.0..1.0f64,
         size in 8.0..400.0f64,

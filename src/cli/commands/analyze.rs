@@ -3,7 +3,7 @@
 use crate::cli::analysis::{Analysis, analyze};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::{Given, Layer};
+use crate::cli::config::{CommandLineValues, ConfigLayer};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
@@ -13,7 +13,7 @@ use crate::cli::options::masks::MasksArgs;
 use crate::cli::options::preset::PresetArgs;
 use crate::cli::output::{Targets, say};
 use crate::cli::progress::{Plan, Reporter};
-use crate::cli::summary::{Counts, Coverage, LayersReport, Reduced, Summary};
+use crate::cli::summary::{Coverage, ElementCounts, LayersReport, PhotographReduction, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::output::file::Format;
@@ -50,11 +50,11 @@ pub(crate) struct AnalyzeArgs {
 }
 
 impl Arguments for AnalyzeArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("analyze", &self.analyze);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("analyze", &self.analyze);
     }
 
-    fn preset(&self) -> Result<Option<Layer>, Failure> {
+    fn preset(&self) -> Result<Option<ConfigLayer>, Failure> {
         self.preset.layer()
     }
 
@@ -81,8 +81,8 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
     let summary = Summary {
         seed: Some(library.source.parameters.seed),
         size: [library.source.width, library.source.height],
-        reduced: Reduced::of_library(&library),
-        counts: Some(Counts::of_library(&library)),
+        reduced: PhotographReduction::of_library(&library),
+        counts: Some(ElementCounts::of_library(&library)),
         coverage: Some(Coverage {
             wanted: Some(library.coverage),
             got: None,
@@ -91,7 +91,7 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
         }),
         layers: LayersReport::of_library(&library),
         lattice: library.lattice.clone(),
-        ..Summary::new("analyze", vec![analysis.photo.name()], targets.path(), written, reporter)
+        ..Summary::new("analyze", vec![analysis.input.name()], targets.path(), written, reporter)
     };
     summary.tell(common, targets.piped())
 }

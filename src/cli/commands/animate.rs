@@ -2,15 +2,15 @@
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::CommandLineValues;
 use crate::cli::failure::Failure;
 use crate::cli::frames::Frames;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::options::files::{ForceArgs, apart, check_files, outputs, required};
 use crate::cli::options::frames::{AnimationKind, FrameFormat, Played, formats, played, rate};
-use crate::cli::options::render::{Background, RenderFlags, RenderParameters};
+use crate::cli::options::render::{BackgroundChoice, RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Drawing, Target};
+use crate::cli::output::{DrawingOptions, Target};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::Summary;
@@ -20,7 +20,7 @@ use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use vtex::flow::{Flow, FlowParams, Flowing};
-use vtex::output::file::{Format, Kind as FileKind};
+use vtex::output::file::{FileKind, Format};
 use vtex::output::raster_animation::RasterAnimation;
 use vtex::{Progress, control};
 
@@ -99,13 +99,13 @@ struct Animating {
     params: FlowParams,
     animation: RasterAnimation,
     wanted: Vec<Played>,
-    drawing: Drawing<'static>,
+    drawing: DrawingOptions<'static>,
 }
 
 impl Arguments for AnimateArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("render", &self.render);
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("render", &self.render);
+        values.add("svg", &self.svg);
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
@@ -133,7 +133,7 @@ impl Animating {
         let wanted: Vec<Played> = a.output.into_iter().map(one).collect::<Result<_, _>>()?;
         let params = FlowParams { rounds: a.rounds.unwrap_or(1), strength: a.strength.unwrap_or(1.0), seed };
         let animation = RasterAnimation { frames: a.frames.unwrap_or(60), rate: a.fps.unwrap_or(15.0) };
-        let drawing = Drawing { svg, render, recipe: None };
+        let drawing = DrawingOptions { svg, render, recipe: None };
         Ok(Self { scene, flow, params, animation, wanted, drawing })
     }
 }
@@ -148,7 +148,7 @@ fn run(common: &Common, reporter: &Reporter, job: &Animating) -> anyhow::Result<
         FlowFrom::Known(flow) => flow.clone(),
         FlowFrom::File(file) => {
             let bytes = file.read()?;
-            Kind::expect(&bytes, file, &[Kind::Image, Kind::Unknown])
+            InputKind::expect(&bytes, file, &[InputKind::Image, InputKind::Unknown])
                 .map_err(|failure| failure.hint("--flow takes shear, vortex, wind or a grey picture"))?;
             Flow::Field(control::level(&bytes, &file.name())?)
         }
@@ -165,7 +165,7 @@ fn run(common: &Common, reporter: &Reporter, job: &Animating) -> anyhow::Result<
     let share = |k: u32| f64::from(k) / f64::from(job.animation.frames);
     let frames =
         Frames { reporter, drawing: job.drawing, animation: job.animation, scene: &|k| flowing.at(share(k)) };
-    let opaque = job.drawing.render.background != Some(Background::None) && scene.domain.is_none();
+    let opaque = job.drawing.render.background != Some(BackgroundChoice::None) && scene.domain.is_none();
     let mut made = Vec::new();
     for wanted in &job.wanted {
         made.push(match wanted {

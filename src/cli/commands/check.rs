@@ -4,7 +4,7 @@ use crate::cli::analysis::{Analysis, segmenter};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::{check_files, required};
 use crate::cli::output::{print_json, print_styled};
@@ -79,12 +79,12 @@ fn run(common: &Common, reporter: &Reporter, checking: Checking) -> anyhow::Resu
     reporter.stage("reading")?;
     let known = reading::libraries(&[library])?.remove(0);
     analysis.parameters = known.source.parameters.clone();
-    let bytes = analysis.photo.read()?;
-    let wanted = [Kind::Scene, Kind::Library, Kind::Svg, Kind::Unknown];
-    let (scene, picture) = match Kind::expect(&bytes, &analysis.photo, &wanted)? {
-        Kind::Svg => of_svg(&bytes, &analysis, reporter)?,
+    let bytes = analysis.input.read()?;
+    let wanted = [InputKind::Scene, InputKind::Library, InputKind::Svg, InputKind::Unknown];
+    let (scene, picture) = match InputKind::expect(&bytes, &analysis.input, &wanted)? {
+        InputKind::Svg => of_svg(&bytes, &analysis, reporter)?,
         _ => {
-            let scene = reading::texture_of(bytes, &analysis.photo)?;
+            let scene = reading::texture_of(bytes, &analysis.input)?;
             reporter.stage("drawing")?;
             let picture = png::render(&scene, 1.0)?;
             (scene, picture)
@@ -93,7 +93,7 @@ fn run(common: &Common, reporter: &Reporter, checking: Checking) -> anyhow::Resu
     analysis.parameters.wrap = scene.tile.both();
     let exemplar = Exemplar {
         image: png::over_white(&picture),
-        file: analysis.photo.name(),
+        file: analysis.input.name(),
         sha256: known.source.sha256.clone(),
         layers: None,
         warnings: Vec::new(),
@@ -110,7 +110,7 @@ fn run(common: &Common, reporter: &Reporter, checking: Checking) -> anyhow::Resu
 /// The elements of an SVG at its own size, and its picture. Where layers are named as vtex names them, the large
 /// elements alone count.
 fn of_svg(bytes: &[u8], analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<(Scene, Pixmap)> {
-    let name = analysis.photo.name();
+    let name = analysis.input.name();
     // What is left out is drawn all the same.
     let lenient = AnalyzeParams { lenient: true, ..AnalyzeParams::default() };
     let params = ImportParams { analyze: lenient, ..ImportParams::default() };

@@ -4,14 +4,14 @@ use super::models::show;
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::foreign::escaped;
-use crate::cli::models::{Model, Store};
+use crate::cli::models::{Model, ModelFolder};
 use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::output::{print_json, print_styled};
 use anstyle::Style;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
-use vtex::engine::{Choice, EngineOptions, GIVEN, MINIMUM_MINOR, choose, locate};
+use vtex::engine::{EngineChoice, EngineOptions, GIVEN, MINIMUM_MINOR, choose, locate};
 
 /// Say what networks run on, and what is missing
 #[derive(Args)]
@@ -32,7 +32,7 @@ impl Arguments for DoctorArgs {
 }
 
 #[derive(Serialize)]
-struct Report {
+struct DoctorReport {
     program: &'static str,
     command: &'static str,
     /// `ONNX Runtime` or `rten`; none if that asked for cannot be had.
@@ -44,7 +44,7 @@ struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     library: Option<PathBuf>,
     /// Where the library was found, or looked for and found wanting.
-    libraries: Vec<Candidate>,
+    libraries: Vec<CandidateReport>,
     threads: usize,
     models_folder: Option<PathBuf>,
     models: Vec<Model>,
@@ -52,7 +52,7 @@ struct Report {
 }
 
 #[derive(Serialize)]
-struct Candidate {
+struct CandidateReport {
     path: PathBuf,
     by: &'static str,
 }
@@ -65,19 +65,21 @@ fn run(common: &Common, options: &EngineOptions) -> anyhow::Result<()> {
     print_styled(&report.show())
 }
 
-fn examine(options: &EngineOptions) -> Report {
+fn examine(options: &EngineOptions) -> DoctorReport {
     let found = locate(options.library.as_deref());
     let libraries = found
         .into_iter()
-        .map(|f| Candidate { path: f.path, by: if f.by == GIVEN { "--onnxruntime" } else { f.by } })
+        .map(|f| CandidateReport { path: f.path, by: if f.by == GIVEN { "--onnxruntime" } else { f.by } })
         .collect();
     let mut missing = Vec::new();
     let how = format!(
         "only networks of Segment Anything gain by it; 'pip install onnxruntime' brings it; version 1.{MINIMUM_MINOR} or newer serves; name its library with --onnxruntime if it is not found"
     );
     let (engine, version, library) = match choose(options) {
-        Ok(Choice::OnnxRuntime { library, version }) => (Some("ONNX Runtime"), Some(version), Some(library)),
-        Ok(Choice::Rten { because }) => {
+        Ok(EngineChoice::OnnxRuntime { library, version }) => {
+            (Some("ONNX Runtime"), Some(version), Some(library))
+        }
+        Ok(EngineChoice::Rten { because }) => {
             missing.extend(because.map(|reason| format!("{reason}: {how}")));
             (Some("rten"), None, None)
         }
@@ -88,7 +90,7 @@ fn examine(options: &EngineOptions) -> Report {
     };
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
     let (mut models_folder, mut models) = (None, Vec::new());
-    match Store::open() {
+    match ModelFolder::open() {
         Ok(store) => {
             match store.models() {
                 Ok(found) => models = found,
@@ -104,7 +106,7 @@ fn examine(options: &EngineOptions) -> Report {
                 .into(),
         );
     }
-    Report {
+    DoctorReport {
         program: vtex::PROGRAM,
         command: "doctor",
         engine,
@@ -118,7 +120,7 @@ fn examine(options: &EngineOptions) -> Report {
     }
 }
 
-impl Report {
+impl DoctorReport {
     /// For people.
     fn show(&self) -> String {
         let head = Style::new().bold();

@@ -2,7 +2,7 @@
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::{Given, Parameters};
+use crate::cli::config::{CommandLineValues, Parameters};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
@@ -10,10 +10,10 @@ use crate::cli::operations::{self, Asked};
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Drawing, Targets, print, print_json, say};
+use crate::cli::output::{DrawingOptions, Targets, print, print_json, say};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
-use crate::cli::summary::{Counts, Summary};
+use crate::cli::summary::{ElementCounts, Summary};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -69,9 +69,9 @@ struct Editing {
 }
 
 impl Arguments for EditArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("render", &self.render);
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("render", &self.render);
+        values.add("svg", &self.svg);
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
@@ -107,15 +107,15 @@ fn asked(texts: &[String]) -> anyhow::Result<Vec<Asked>> {
 
 /// The summary in JSON.
 #[derive(Serialize)]
-struct Told<'a> {
+struct EditSummary<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
-    operations: Vec<Done<'a>>,
+    operations: Vec<OperationReport<'a>>,
 }
 
 /// An operation as it was written, and what it came to.
 #[derive(Serialize)]
-struct Done<'a> {
+struct OperationReport<'a> {
     operation: &'a str,
     #[serde(flatten)]
     outcome: Outcome,
@@ -136,22 +136,23 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
     reporter.stage("editing")?;
     let (scene, outcomes) = edit::apply(scene, &operations, &files, *seed)?;
     let done = asked.iter().zip(outcomes);
-    let done: Vec<Done<'_>> = done.map(|(a, outcome)| Done { operation: &a.text, outcome }).collect();
-    for Done { operation, .. } in done.iter().filter(|d| d.outcome.matched == 0) {
+    let done: Vec<OperationReport<'_>> =
+        done.map(|(a, outcome)| OperationReport { operation: &a.text, outcome }).collect();
+    for OperationReport { operation, .. } in done.iter().filter(|d| d.outcome.matched == 0) {
         reporter.warn(&format!("'{operation}' matches nothing: the scene stays as it was"));
     }
     reporter.stage("writing")?;
-    let drawing = Drawing { svg: *svg, render: *render, recipe: None };
+    let drawing = DrawingOptions { svg: *svg, render: *render, recipe: None };
     let written = targets.write_scene(&scene, None, drawing)?;
     let summary = Summary {
         seed: scene.edits.last().map(|e| e.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),
-        counts: Some(Counts::of_scene(&scene)),
+        counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("edit", vec![input.name()], targets.path(), written, reporter)
     };
     let piped = targets.piped();
     if common.json {
-        return print_json(&Told { summary: &summary, operations: done }, piped);
+        return print_json(&EditSummary { summary: &summary, operations: done }, piped);
     }
     if !common.quiet {
         done.iter().for_each(|done| say(&line(done)));
@@ -161,8 +162,8 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
 }
 
 /// The outcome of an operation.
-fn line(done: &Done<'_>) -> String {
-    let Done { operation, outcome: Outcome { matched, removed, thin } } = done;
+fn line(done: &OperationReport<'_>) -> String {
+    let OperationReport { operation, outcome: Outcome { matched, removed, thin } } = done;
     let thin = match thin {
         0 => String::new(),
         count => format!(", {count} too thin to be drawn anew and left as they are"),

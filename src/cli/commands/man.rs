@@ -1,7 +1,7 @@
 //! `vtex man`: manual pages from the same definitions as the help.
 
 use crate::cli::command::{Arguments, Job, Resolved};
-use crate::cli::output::Place;
+use crate::cli::output::Destination;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use vtex::Error;
@@ -34,7 +34,7 @@ fn run(folder: &Path, mut command: clap::Command) -> anyhow::Result<()> {
         let name = command.get_display_name().unwrap_or_else(|| command.get_name());
         let path = folder.join(format!("{name}.1"));
         // These pages are vtex's whoever wrote what stands there now.
-        let place = Place::File { path: path.clone(), force: true };
+        let place = Destination::File { path: path.clone(), force: true };
         let page = clap_mangen::Man::new(command.clone()).source(vtex::PROGRAM);
         place.write(|out| page.render(&mut *out).map_err(|e| Error::write(&path, e)))?;
     }

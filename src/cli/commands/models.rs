@@ -4,7 +4,7 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::foreign::escaped;
-use crate::cli::models::{DESCRIPTION, Model, State, Store};
+use crate::cli::models::{DESCRIPTION, FileState, Model, ModelFolder};
 use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::output::{print_json, print_styled, say};
 use crate::cli::summary::bytes;
@@ -76,7 +76,7 @@ impl Arguments for ModelsArgs {
 }
 
 fn run(common: &Common, action: ModelsAction, threads: Option<u16>) -> anyhow::Result<()> {
-    let store = Store::open()?;
+    let store = ModelFolder::open()?;
     match action {
         ModelsAction::Add(a) => {
             let model = store.add(&a.files, a.name.as_str(), a.force, &engine(a.engine, threads))?;
@@ -115,10 +115,10 @@ fn run(common: &Common, action: ModelsAction, threads: Option<u16>) -> anyhow::R
 struct Verified {
     model: String,
     file: String,
-    state: State,
+    state: FileState,
 }
 
-fn verify(common: &Common, store: &Store) -> anyhow::Result<()> {
+fn verify(common: &Common, store: &ModelFolder) -> anyhow::Result<()> {
     let mut all = Vec::new();
     for model in store.models()? {
         let files = store.verify(&model)?;
@@ -131,17 +131,17 @@ fn verify(common: &Common, store: &Store) -> anyhow::Result<()> {
     all.extend(store.undescribed()?.into_iter().map(|model| Verified {
         model,
         file: DESCRIPTION.into(),
-        state: State::Missing,
+        state: FileState::Missing,
     }));
-    let bad = all.iter().filter(|v| v.state != State::Good).count();
+    let bad = all.iter().filter(|v| v.state != FileState::Good).count();
     if common.json {
         json("models verify", "files", &all)?;
     } else {
         let line = |v: &Verified| {
             let state = match v.state {
-                State::Good => "as it was added",
-                State::Changed => "CHANGED",
-                State::Missing => "MISSING",
+                FileState::Good => "as it was added",
+                FileState::Changed => "CHANGED",
+                FileState::Missing => "MISSING",
             };
             format!("{}/{}: {state}", v.model, v.file)
         };

@@ -4,9 +4,9 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::format;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::options::files::{ForceArgs, check_files, required};
-use crate::cli::output::{Place, Written};
+use crate::cli::output::{Destination, WrittenFile};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::Summary;
 use crate::cli::values::{Axes, Size, named};
@@ -48,8 +48,8 @@ pub(crate) struct RasterArgs {
     pub(crate) tile: Option<Axes>,
     /// Pixels carried along a field of correspondences, or made one by one with a codebook of
     /// neighbourhoods, exact or soft [correspondence, tsvq or tsvq-soft, default: correspondence]
-    #[arg(long, value_name = "METHOD", value_parser = named::<Method>)]
-    pub(crate) method: Option<Method>,
+    #[arg(long, value_name = "METHOD", value_parser = named::<PixelMethod>)]
+    pub(crate) method: Option<PixelMethod>,
     /// Two layer maps: where in the photograph what is, and where it is to be in the result; the
     /// second sets the size
     #[arg(long, num_args = 2, value_names = ["KNOWN", "WANTED"], conflicts_with_all = ["size", "method"])]
@@ -59,7 +59,7 @@ pub(crate) struct RasterArgs {
 /// How pixels are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Method {
+pub(crate) enum PixelMethod {
     #[default]
     Correspondence,
     Tsvq,
@@ -72,9 +72,9 @@ struct Making {
     control: Option<[Input; 2]>,
     size: Option<[usize; 2]>,
     wrap: [bool; 2],
-    method: Method,
+    method: PixelMethod,
     seed: u64,
-    place: Place,
+    place: Destination,
 }
 
 impl Arguments for RasterArgs {
@@ -98,14 +98,14 @@ impl Making {
         let place = match (a.output, &photo) {
             (Some(path), _) if path.as_os_str() != "-" => {
                 format::kind_of("--output", &path, &[Format::Png])?;
-                Place::File { path, force: a.force.force }
+                Destination::File { path, force: a.force.force }
             }
             (None, Input::File(path)) => {
                 let mut name = format::stem(path);
                 name.push(".raster.png");
-                Place::File { path: name.into(), force: a.force.force }
+                Destination::File { path: name.into(), force: a.force.force }
             }
-            _ => Place::Stdout,
+            _ => Destination::Stdout,
         };
         let size = a.size.map(|s| [s.width as usize, s.height as usize]);
         let wrap = a.tile.map_or([false; 2], |t| [t.0.x, t.0.y]);
@@ -118,7 +118,7 @@ fn run(common: &Common, reporter: &Reporter, job: &Making) -> anyhow::Result<()>
     reporter.stage("reading")?;
     let read = |input: &Input| -> anyhow::Result<(String, Vec<u8>)> {
         let bytes = input.read()?;
-        Kind::expect(&bytes, input, &[Kind::Image, Kind::Unknown])
+        InputKind::expect(&bytes, input, &[InputKind::Image, InputKind::Unknown])
             .map_err(|failure| failure.hint("draw scenes and SVGs with 'vtex render' first"))?;
         Ok((input.name(), bytes))
     };
@@ -139,9 +139,9 @@ fn run(common: &Common, reporter: &Reporter, job: &Making) -> anyhow::Result<()>
     } else {
         let size = job.size.unwrap_or([image.width() as usize, image.height() as usize]);
         match job.method {
-            Method::Correspondence => carried(&image, size, job.wrap, job.seed, reporter)?,
-            Method::Tsvq => scanned(&image, size, Leaf::Exact, job.seed, reporter)?,
-            Method::TsvqSoft => scanned(&image, size, Leaf::Mean, job.seed, reporter)?,
+            PixelMethod::Correspondence => carried(&image, size, job.wrap, job.seed, reporter)?,
+            PixelMethod::Tsvq => scanned(&image, size, Leaf::Exact, job.seed, reporter)?,
+            PixelMethod::TsvqSoft => scanned(&image, size, Leaf::Mean, job.seed, reporter)?,
         }
     };
     reporter.stage("writing")?;
@@ -149,7 +149,7 @@ fn run(common: &Common, reporter: &Reporter, job: &Making) -> anyhow::Result<()>
     let summary = Summary {
         seed: Some(job.seed),
         size: [made.width(), made.height()],
-        ..Summary::new("raster", inputs, job.place.path(), Written::of(bytes), reporter)
+        ..Summary::new("raster", inputs, job.place.path(), WrittenFile::of(bytes), reporter)
     };
-    summary.tell(common, job.place == Place::Stdout)
+    summary.tell(common, job.place == Destination::Stdout)
 }

@@ -2,17 +2,17 @@
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::CommandLineValues;
 use crate::cli::failure::Failure;
 use crate::cli::format;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::pattern::{PatternArgs, pattern};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Drawing, Target, Targets, Written};
+use crate::cli::output::{DrawingOptions, Target, Targets, WrittenFile};
 use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Summary};
+use crate::cli::summary::{ElementCounts, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::Progress;
@@ -66,9 +66,9 @@ struct RenderOptions {
 }
 
 impl Arguments for RenderArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("render", &self.render);
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("render", &self.render);
+        values.add("svg", &self.svg);
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
@@ -98,15 +98,16 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
     reporter.stage("reading")?;
     let bytes = input.read()?;
     let name = input.name();
-    let scene = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Svg])? {
-        Kind::Library => {
-            let library = Library::from_bytes(&bytes, &name)?;
-            svg = svg.fit(std::slice::from_ref(&library));
-            Some(reconstruct(&library))
-        }
-        Kind::Scene => Some(Scene::from_bytes(&bytes, &name)?),
-        _ => None,
-    };
+    let scene =
+        match InputKind::expect(&bytes, input, &[InputKind::Library, InputKind::Scene, InputKind::Svg])? {
+            InputKind::Library => {
+                let library = Library::from_bytes(&bytes, &name)?;
+                svg = svg.fit(std::slice::from_ref(&library));
+                Some(reconstruct(&library))
+            }
+            InputKind::Scene => Some(Scene::from_bytes(&bytes, &name)?),
+            _ => None,
+        };
     if pattern.is_some() {
         match &scene {
             None => {
@@ -126,7 +127,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
         parameters.scale = f64::from(*width) / f64::from(own);
     }
     let scale = parameters.scale;
-    let drawing = Drawing { svg, render: parameters, recipe: None };
+    let drawing = DrawingOptions { svg, render: parameters, recipe: None };
     let (written, size) = match &scene {
         Some(scene) => {
             let written = targets.write_scene(scene, None, drawing)?;
@@ -135,7 +136,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
         None if targets.all().all(|t| t.kind.format == Format::Png) => {
             let picture = raster_svg::render_svg(&bytes, scale, &name, reporter)?;
             let write = |target: &Target| target.place.write(|out| png::encode(&picture, None, out));
-            let written = targets.each(|target| Ok(Written::of(write(target)?.1)))?;
+            let written = targets.each(|target| Ok(WrittenFile::of(write(target)?.1)))?;
             (written, [picture.width(), picture.height()])
         }
         None => {
@@ -149,7 +150,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
     let summary = Summary {
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
         size,
-        counts: scene.as_ref().map(Counts::of_scene),
+        counts: scene.as_ref().map(ElementCounts::of_scene),
         ..Summary::new("render", vec![name], targets.path(), written, reporter)
     };
     summary.tell(common, targets.piped())

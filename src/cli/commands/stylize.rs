@@ -3,17 +3,17 @@
 use crate::cli::analysis::{Analysis, texture};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::CommandLineValues;
 use crate::cli::failure::Failure;
 use crate::cli::format;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Drawing, Targets};
+use crate::cli::output::{DrawingOptions, Targets};
 use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Summary};
+use crate::cli::summary::{ElementCounts, Summary};
 use crate::cli::values::{between, named, one_of};
 use clap::Args;
 use image::{Rgb, RgbImage};
@@ -85,9 +85,9 @@ struct Stylizing {
 }
 
 impl Arguments for StylizeArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("render", &self.render);
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("render", &self.render);
+        values.add("svg", &self.svg);
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
@@ -124,23 +124,23 @@ fn run(common: &Common, reporter: &Reporter, job: &Stylizing) -> anyhow::Result<
     }
     reporter.stage("reading")?;
     let bytes = picture.read()?;
-    let kind = Kind::expect(&bytes, picture, &[Kind::Image, Kind::Svg, Kind::Unknown])
+    let kind = InputKind::expect(&bytes, picture, &[InputKind::Image, InputKind::Svg, InputKind::Unknown])
         .map_err(|failure| failure.hint("give a picture, such as a photograph"))?;
     let image = match kind {
-        Kind::Svg => drawn(&bytes, &picture.name(), params.size, reporter)?,
+        InputKind::Svg => drawn(&bytes, &picture.name(), params.size, reporter)?,
         _ => Exemplar::from_bytes(&bytes, &picture.name(), &Limits::default())?.image,
     };
     let elements = texture(common, with, reporter)?;
     reporter.stage("redrawing")?;
     let scene = stylize(&image, &elements, params)?;
     reporter.stage("writing")?;
-    let drawing = Drawing { svg: *svg, render: *render, recipe: None };
+    let drawing = DrawingOptions { svg: *svg, render: *render, recipe: None };
     let written = targets.write_scene(&scene, None, drawing)?;
-    let inputs = vec![picture.name(), with.photo.name()];
+    let inputs = vec![picture.name(), with.input.name()];
     let summary = Summary {
         seed: Some(params.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),
-        counts: Some(Counts::of_scene(&scene)),
+        counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("stylize", inputs, targets.path(), written, reporter)
     };
     summary.tell(common, targets.piped())

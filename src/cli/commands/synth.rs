@@ -2,7 +2,7 @@
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::{Given, Layer};
+use crate::cli::config::{CommandLineValues, ConfigLayer};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
@@ -71,14 +71,14 @@ pub(crate) struct SynthArgs {
 }
 
 impl Arguments for SynthArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("synth", &self.synth);
-        given.add("synth", &self.background);
-        given.add("render", &self.render);
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("synth", &self.synth);
+        values.add("synth", &self.background);
+        values.add("render", &self.render);
+        values.add("svg", &self.svg);
     }
 
-    fn preset(&self) -> Result<Option<Layer>, Failure> {
+    fn preset(&self) -> Result<Option<ConfigLayer>, Failure> {
         self.preset.layer()
     }
 
@@ -108,7 +108,7 @@ fn run(common: &Common, reporter: &Reporter, inputs: &[Input], synthesis: &Synth
     let libraries = reading::libraries(inputs)?;
     let exemplars: Vec<String> = libraries.iter().map(|l| l.source.sha256.clone()).collect();
     let replaced = synthesis.ask(common, reporter, Some(&exemplars))?;
-    controls.lead = reading::lead(&synthesis.steering, &libraries[0])?;
+    controls.structure = reading::structure_guide(&synthesis.steering, &libraries[0])?;
     let names = inputs.iter().map(Input::name).collect();
     let sources = Sources { command: "synth", inputs: names, libraries: &libraries, recipe: None };
     finish(common, reporter, sources, &controls, synthesis)?;

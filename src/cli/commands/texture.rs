@@ -3,7 +3,7 @@
 use crate::cli::analysis::{Analysis, analyze};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::{Given, Layer, Parameters};
+use crate::cli::config::{CommandLineValues, ConfigLayer, Parameters};
 use crate::cli::failure::Failure;
 use crate::cli::format::{self, beside, default_name};
 use crate::cli::input::Input;
@@ -26,7 +26,7 @@ use crate::cli::weights::read_weights;
 use clap::Args;
 use std::path::PathBuf;
 use vtex::Progress;
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::{FileKind, Format};
 
 const MAKES: Makes = Makes { allowed: format::OF_PHOTO, usual: Format::Svg, word: "texture" };
 
@@ -85,19 +85,19 @@ pub(crate) struct TextureArgs {
 }
 
 impl Arguments for TextureArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("analyze", &self.analyze);
-        given.add("synth", &self.synth);
-        given.add("render", &self.render);
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("analyze", &self.analyze);
+        values.add("synth", &self.synth);
+        values.add("render", &self.render);
+        values.add("svg", &self.svg);
     }
 
-    fn layer(&mut self) -> anyhow::Result<Option<&Layer>> {
+    fn layer(&mut self) -> anyhow::Result<Option<&ConfigLayer>> {
         self.recipe = self.again.as_deref().map(Recipe::read).transpose()?;
         Ok(self.recipe.as_ref().map(|recipe| &recipe.parameters))
     }
 
-    fn preset(&self) -> Result<Option<Layer>, Failure> {
+    fn preset(&self) -> Result<Option<ConfigLayer>, Failure> {
         self.preset.layer()
     }
 
@@ -116,7 +116,7 @@ impl Arguments for TextureArgs {
             variants,
             ..
         } = *self;
-        let Resolved { mut parameters, seed, given, .. } = resolved;
+        let Resolved { mut parameters, seed, values, .. } = resolved;
         parameters.seed = Some(seed);
         if let Some(recipe) = &recipe {
             restore(recipe, &mut control, &mut masks)?;
@@ -126,7 +126,7 @@ impl Arguments for TextureArgs {
         }
         let photo = required(photo)?;
         // A seed given here is that of both halves.
-        let variant = recipe.as_ref().filter(|_| !given.has_seed()).map_or(0, |recipe| recipe.variant);
+        let variant = recipe.as_ref().filter(|_| !values.has_seed()).map_or(0, |recipe| recipe.variant);
         parameters.synth.seed = seed.0.wrapping_add(variant);
         read_weights(parameters.weights.clone(), &photo, &mut parameters.synth)?;
         if keep {
@@ -179,7 +179,7 @@ fn keep_beside(outputs: &mut Vec<PathBuf>, photo: &Input) -> Result<(), Failure>
         outputs.push(first.clone());
     }
     for format in [Format::Library, Format::Scene] {
-        let asked = |path: &PathBuf| Kind::from_path(path).is_some_and(|kind| kind.format == format);
+        let asked = |path: &PathBuf| FileKind::from_path(path).is_some_and(|kind| kind.format == format);
         if !outputs.iter().any(asked) {
             outputs.push(beside(&first, format));
         }
@@ -202,14 +202,14 @@ impl Texture {
         let Self { analysis, synthesis, recipe, .. } = self;
         synthesis.probe()?;
         analysis.probe()?;
-        let photo = match &analysis.photo {
+        let photo = match &analysis.input {
             Input::Stdin => None,
             photo @ Input::File(_) => Some([recipe::sum(&photo.read()?)]),
         };
         let replaced = synthesis.ask(common, reporter, photo.as_ref().map(<[String; 1]>::as_slice))?;
         // Faults in them show before the long work.
         if let Some(recipe) = recipe {
-            recipe.check("photo", "the photograph", &analysis.photo)?;
+            recipe.check("photo", "the photograph", &analysis.input)?;
             let painted = analysis.layers.painted.iter().map(|file| ("--layer-map", file));
             for (role, file) in synthesis.steering.files().chain(painted) {
                 recipe.check(role, &format!("the file of {role}"), file)?;
@@ -223,8 +223,8 @@ impl Texture {
         let (finder, megapixels) = (Some(analysis.finder()), synthesis.megapixels());
         reporter.plan(Plan { finder, canvas: Some(megapixels), ..Plan::default() });
         let library = analyze(common, analysis, reporter)?;
-        controls.lead = reading::lead(&synthesis.steering, &library)?;
-        let inputs = vec![analysis.photo.name()];
+        controls.structure = reading::structure_guide(&synthesis.steering, &library)?;
+        let inputs = vec![analysis.input.name()];
         let synth = canvas(&synthesis.parameters, synthesis.sized, std::slice::from_ref(&library));
         let parameters = Parameters { synth, ..self.parameters.clone() };
         let made = recipe::of(
@@ -232,7 +232,7 @@ impl Texture {
             analysis.masks(),
             (&synthesis.steering, analysis.layers.painted.as_ref()),
             &library,
-            &analysis.photo,
+            &analysis.input,
         )?;
         let made = of_variant(&made, self.variant);
         let libraries = std::slice::from_ref(&library);

@@ -3,17 +3,17 @@
 use crate::cli::analysis::{Analysis, texture};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::CommandLineValues;
 use crate::cli::failure::Failure;
 use crate::cli::format;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Drawing, Targets, print_json, say};
+use crate::cli::output::{DrawingOptions, Targets, print_json, say};
 use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Summary};
+use crate::cli::summary::{ElementCounts, Summary};
 use crate::cli::values::{between, named, one_of};
 use clap::Args;
 use serde::Serialize;
@@ -87,9 +87,9 @@ struct Transferring {
 }
 
 impl Arguments for TransferArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("render", &self.render);
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("render", &self.render);
+        values.add("svg", &self.svg);
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
@@ -138,7 +138,7 @@ impl Transferring {
 
 /// The summary in JSON.
 #[derive(Serialize)]
-struct Told<'a> {
+struct TransferSummary<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
     #[serde(flatten)]
@@ -158,7 +158,7 @@ fn run(common: &Common, reporter: &Reporter, job: &Transferring) -> anyhow::Resu
     let shares = match map {
         Some(file) => {
             let bytes = file.read()?;
-            Kind::expect(&bytes, file, &[Kind::Image, Kind::Unknown])
+            InputKind::expect(&bytes, file, &[InputKind::Image, InputKind::Unknown])
                 .map_err(|failure| failure.hint("a map is a picture, such as a PNG"))?;
             control::shares(&[(&file.name(), &bytes)], others.len())?
         }
@@ -171,19 +171,19 @@ fn run(common: &Common, reporter: &Reporter, job: &Transferring) -> anyhow::Resu
         reporter.warn(&format!("{gone} elements are gone: the appearance has no large elements, or no small ones, to take their place"));
     }
     reporter.stage("writing")?;
-    let drawing = Drawing { svg: *svg, render: *render, recipe: None };
+    let drawing = DrawingOptions { svg: *svg, render: *render, recipe: None };
     let written = targets.write_scene(&scene, None, drawing)?;
-    let textures = std::iter::once(structure).chain(appearances).map(|from| &from.photo);
+    let textures = std::iter::once(structure).chain(appearances).map(|from| &from.input);
     let inputs = textures.chain(map).map(Input::name).collect();
     let summary = Summary {
         seed: Some(params.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),
-        counts: Some(Counts::of_scene(&scene)),
+        counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("transfer", inputs, targets.path(), written, reporter)
     };
     let piped = targets.piped();
     if common.json {
-        return print_json(&Told { summary: &summary, report }, piped);
+        return print_json(&TransferSummary { summary: &summary, report }, piped);
     }
     if !common.quiet && report.thin > 0 {
         say(&format!("  {} elements are too thin to be drawn anew and keep their shape", report.thin));

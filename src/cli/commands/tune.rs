@@ -4,9 +4,9 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::format::weights_path;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::options::files::{ForceArgs, required};
-use crate::cli::output::{Place, print_json, say};
+use crate::cli::output::{Destination, print_json, say};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{Seconds, bytes, peak_memory};
 use crate::cli::values::{Name, Size};
@@ -64,7 +64,7 @@ pub(crate) struct TuneFlags {
 struct Tuning {
     name: String,
     parameters: TuneParams,
-    place: Place,
+    place: Destination,
 }
 
 impl Arguments for TuneArgs {
@@ -94,13 +94,13 @@ impl Tuning {
         parameters.validate()?;
         let name = a.name.map_or("tuned".into(), |n| n.as_str().to_owned());
         let path = weights_path(beside, &name);
-        Ok(Self { name, parameters, place: Place::File { path, force: a.force.force } })
+        Ok(Self { name, parameters, place: Destination::File { path, force: a.force.force } })
     }
 }
 
 /// The summary in JSON.
 #[derive(Serialize)]
-struct Summary<'a> {
+struct TuneSummary<'a> {
     program: &'static str,
     command: &'static str,
     input: String,
@@ -120,7 +120,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
     place.probe()?;
     reporter.stage("reading")?;
     let content = input.read()?;
-    Kind::expect(&content, input, &[Kind::Library, Kind::Unknown])?;
+    InputKind::expect(&content, input, &[InputKind::Library, InputKind::Unknown])?;
     let library = Library::from_bytes(content, &input.name())?;
     if common.verbosity > 1 {
         say(&format!("{parameters:#?}"));
@@ -133,7 +133,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
     let seconds = Seconds(seconds);
     let output = place.path().display().to_string();
     if common.json {
-        let summary = Summary {
+        let summary = TuneSummary {
             program: vtex::PROGRAM,
             command: "tune",
             input: input.name(),

@@ -3,7 +3,7 @@
 use crate::cli::analysis::{Analysis, analyze};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::{Given, Layer};
+use crate::cli::config::{CommandLineValues, ConfigLayer};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
@@ -13,9 +13,9 @@ use crate::cli::options::masks::{MasksArgs, MasksFrom};
 use crate::cli::options::preset::PresetArgs;
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
-use crate::cli::output::{Drawing, Targets, say};
+use crate::cli::output::{DrawingOptions, Targets, say};
 use crate::cli::progress::{Plan, Reporter};
-use crate::cli::summary::{Counts, Reduced, Summary};
+use crate::cli::summary::{ElementCounts, PhotographReduction, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::Progress;
@@ -70,13 +70,13 @@ fn without_network(masks: MasksFrom) -> MasksFrom {
 }
 
 impl Arguments for VectorizeArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("analyze", &self.analyze);
-        given.add("render", &self.render);
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("analyze", &self.analyze);
+        values.add("render", &self.render);
+        values.add("svg", &self.svg);
     }
 
-    fn preset(&self) -> Result<Option<Layer>, Failure> {
+    fn preset(&self) -> Result<Option<ConfigLayer>, Failure> {
         self.preset.layer()
     }
 
@@ -89,7 +89,7 @@ impl Arguments for VectorizeArgs {
         let masks = without_network(analysis.masks);
         let analysis = Analysis { looks_at_borders: false, masks, ..analysis };
         let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
-        let drawing = Drawing { svg, render, recipe: None };
+        let drawing = DrawingOptions { svg, render, recipe: None };
         Ok(Box::new(move |common, reporter| {
             if let Some(warning) = render.warning(targets.has(Format::Png)) {
                 reporter.warn(warning);
@@ -103,7 +103,7 @@ fn run(
     common: &Common,
     reporter: &Reporter,
     analysis: &Analysis,
-    drawing: Drawing<'_>,
+    drawing: DrawingOptions<'_>,
     targets: &Targets,
 ) -> anyhow::Result<()> {
     targets.probe()?;
@@ -114,15 +114,15 @@ fn run(
     reporter.plan(Plan { finder: Some(analysis.finder()), ..Plan::default() });
     let library = analyze(common, analysis, reporter)?;
     let scene = reconstruct(&library);
-    let drawing = Drawing { svg: drawing.svg.fit(std::slice::from_ref(&library)), ..drawing };
+    let drawing = DrawingOptions { svg: drawing.svg.fit(std::slice::from_ref(&library)), ..drawing };
     reporter.stage("writing")?;
     let written = targets.write_scene(&scene, None, drawing)?;
     let summary = Summary {
         seed: Some(library.source.parameters.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),
-        reduced: Reduced::of_library(&library),
-        counts: Some(Counts::of_scene(&scene)),
-        ..Summary::new("vectorize", vec![analysis.photo.name()], targets.path(), written, reporter)
+        reduced: PhotographReduction::of_library(&library),
+        counts: Some(ElementCounts::of_scene(&scene)),
+        ..Summary::new("vectorize", vec![analysis.input.name()], targets.path(), written, reporter)
     };
     summary.tell(common, targets.piped())
 }

@@ -2,18 +2,18 @@
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::Given;
+use crate::cli::config::CommandLineValues;
 use crate::cli::failure::Failure;
 use crate::cli::format;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::RenderParameters;
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
-use crate::cli::output::{Drawing, Targets};
+use crate::cli::output::{DrawingOptions, Targets};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::exemplar_of;
-use crate::cli::synthesis::Made;
+use crate::cli::synthesis::FinishedTexture;
 use crate::cli::values::{Factors, named, one_of};
 use clap::Args;
 use std::path::PathBuf;
@@ -71,14 +71,14 @@ pub(crate) struct WarpArgs {
 struct Warping {
     scene: Input,
     libraries: Vec<Input>,
-    how: How,
+    how: BendInput,
     parameters: WarpParams,
     svg: SvgParameters,
     targets: Targets,
 }
 
 /// The means that bend a scene.
-enum How {
+enum BendInput {
     /// Factors along x and y.
     Scale([f64; 2]),
     /// A cage, before and after.
@@ -86,8 +86,8 @@ enum How {
 }
 
 impl Arguments for WarpArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("svg", &self.svg);
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
@@ -105,8 +105,8 @@ impl Warping {
         let output = a.output.clone();
         let targets = targets(a.output, &a.force, &scene, MAKES)?;
         let how = match (a.scale, a.cage, a.to) {
-            (Some(Factors(factors)), ..) => How::Scale(factors),
-            (None, Some(cage), Some(to)) => How::Cage([cage, to].map(Input::new)),
+            (Some(Factors(factors)), ..) => BendInput::Scale(factors),
+            (None, Some(cage), Some(to)) => BendInput::Cage([cage, to].map(Input::new)),
             _ => {
                 return Err(Failure::usage("nothing says how to bend the scene")
                     .hint("give --stretch, or two cages with --cage and --to"));
@@ -114,7 +114,7 @@ impl Warping {
         };
         let mut read = vec![("the scene", &scene)];
         read.extend(libraries.iter().map(|file| ("the library", file)));
-        if let How::Cage([cage, to]) = &how {
+        if let BendInput::Cage([cage, to]) = &how {
             read.extend([("--cage", cage), ("--to", to)]);
         }
         check_files(&read, &outputs(&output))?;
@@ -131,27 +131,27 @@ fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Resul
     let known = reading::libraries(libraries)?;
     let mut inputs = vec![scene.name()];
     inputs.extend(libraries.iter().map(Input::name));
-    if let How::Cage(cages) = how {
+    if let BendInput::Cage(cages) = how {
         inputs.extend(cages.iter().map(Input::name));
     }
     let exemplar = exemplar_of(&known);
     let (result, report) = warp(&before, known, &bend, *parameters, reporter)?;
-    let drawing = Drawing { svg: *svg, render: RenderParameters::default(), recipe: None };
-    let made = Made { command: "warp", inputs, library: None, exemplar, scene: result, report };
+    let drawing = DrawingOptions { svg: *svg, render: RenderParameters::default(), recipe: None };
+    let made = FinishedTexture { command: "warp", inputs, library: None, exemplar, scene: result, report };
     made.write(common, reporter, drawing, targets, None)
 }
 
 /// Scene → the way that it is bent.
-fn bend(scene: &Scene, how: &How) -> anyhow::Result<Bend> {
+fn bend(scene: &Scene, how: &BendInput) -> anyhow::Result<Bend> {
     let read = |file: &Input| {
         let bytes = file.read()?;
-        Kind::expect(&bytes, file, &[Kind::Svg, Kind::Unknown])
+        InputKind::expect(&bytes, file, &[InputKind::Svg, InputKind::Unknown])
             .map_err(|failure| failure.hint("a cage is drawn as an SVG with one closed path"))?;
         anyhow::Ok(control::cage(&bytes, &file.name())?)
     };
     Ok(match how {
-        How::Scale(factors) => Bend::scale(scene, *factors)?,
-        How::Cage([before, after]) => {
+        BendInput::Scale(factors) => Bend::scale(scene, *factors)?,
+        BendInput::Cage([before, after]) => {
             let (before, _) = read(before)?;
             let (after, canvas) = read(after)?;
             Bend::cage(before, after, canvas)?

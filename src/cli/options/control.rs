@@ -33,7 +33,7 @@ pub(crate) struct ControlArgs {
 pub(crate) struct Steering {
     pub(crate) domain: Option<DomainFrom>,
     pub(crate) density: Option<Input>,
-    pub(crate) lead: Option<LeadFrom>,
+    pub(crate) structure: Option<StructureFrom>,
     pub(crate) maps: Vec<Input>,
 }
 
@@ -44,21 +44,21 @@ pub(crate) enum DomainFrom {
     Mask(Input),
 }
 
-/// What leads large structure.
+/// The file that the large structure follows.
 #[derive(Debug)]
-pub(crate) enum LeadFrom {
+pub(crate) enum StructureFrom {
     Layers(Input),
     Lightness(Input),
 }
 
 impl Steering {
     pub(crate) fn new(control: ControlArgs, maps: Vec<PathBuf>) -> Self {
-        let layers = control.control.map(|path| LeadFrom::Layers(Input::new(path)));
+        let layers = control.control.map(|path| StructureFrom::Layers(Input::new(path)));
         let shape = control.domain.map(|path| DomainFrom::Shape(Input::new(path)));
         Self {
             domain: shape.or(control.mask.map(|path| DomainFrom::Mask(Input::new(path)))),
             density: control.density.map(Input::new),
-            lead: layers.or(control.guide.map(|path| LeadFrom::Lightness(Input::new(path)))),
+            structure: layers.or(control.guide.map(|path| StructureFrom::Lightness(Input::new(path)))),
             maps: maps.into_iter().map(Input::new).collect(),
         }
     }
@@ -70,11 +70,11 @@ impl Steering {
             DomainFrom::Mask(file) => ("--domain-mask", file),
         });
         let density = self.density.iter().map(|file| ("--density", file));
-        let lead = self.lead.iter().map(|lead| match lead {
-            LeadFrom::Layers(file) => ("--control", file),
-            LeadFrom::Lightness(file) => ("--guide", file),
+        let structure = self.structure.iter().map(|guide| match guide {
+            StructureFrom::Layers(file) => ("--control", file),
+            StructureFrom::Lightness(file) => ("--guide", file),
         });
-        domain.chain(density).chain(lead).chain(self.maps.iter().map(|file| ("--map", file)))
+        domain.chain(density).chain(structure).chain(self.maps.iter().map(|file| ("--map", file)))
     }
 
     /// Refuses that a file is read and written, or standard input read twice.
@@ -88,8 +88,8 @@ impl Steering {
 
     /// Refuses a number of maps that does not fit the libraries.
     pub(crate) fn check_counts(&self, libraries: usize) -> Result<(), Failure> {
-        if let (Some(lead), 2..) = (&self.lead, libraries) {
-            let flag = if matches!(lead, LeadFrom::Layers(_)) { "--control" } else { "--guide" };
+        if let (Some(guide), 2..) = (&self.structure, libraries) {
+            let flag = if matches!(guide, StructureFrom::Layers(_)) { "--control" } else { "--guide" };
             return Err(Failure::usage(format!("{flag} is for a single library, {libraries} are given"))
                 .hint("make a texture of each library, or say by --map which is where"));
         }

@@ -3,11 +3,11 @@
 use crate::cli::failure::Failure;
 use crate::cli::format::{self, default_name};
 use crate::cli::input::Input;
-use crate::cli::output::{Place, Target, Targets};
+use crate::cli::output::{Destination, Target, Targets};
 use clap::Args;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::{FileKind, Format};
 
 /// Where results go.
 #[derive(Args)]
@@ -61,10 +61,10 @@ fn target(path: PathBuf, force: &ForceArgs, Makes { allowed, usual, .. }: Makes)
         if matches!(usual, Format::Png | Format::Svg) && std::io::stdout().is_terminal() {
             return Err(Failure::usage("a terminal cannot show a picture").hint("name a file with --output"));
         }
-        return Ok(Target { place: Place::Stdout, kind: Kind { format: usual, gzip: false } });
+        return Ok(Target { place: Destination::Stdout, kind: FileKind { format: usual, gzip: false } });
     }
     let kind = format::kind_of("--output", &path, allowed)?;
-    Ok(Target { place: Place::File { path, force: force.force }, kind })
+    Ok(Target { place: Destination::File { path, force: force.force }, kind })
 }
 
 /// The files of `-o`, with their flag.

@@ -1,12 +1,12 @@
 //! Pictures one after another: what an animation is written as, by the name of the output.
 
 use crate::cli::failure::Failure;
-use crate::cli::output::Place;
+use crate::cli::output::Destination;
 use crate::cli::values::{between, named, one_of};
 use clap::builder::TypedValueParser;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::{FileKind, Format};
 
 /// Formats of frames in a folder.
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -37,9 +37,9 @@ pub(crate) enum AnimationKind {
 /// What is played.
 pub(crate) enum Played {
     /// Files of their own, named by their number.
-    Frames { folder: PathBuf, kind: Kind, force: bool },
+    Frames { folder: PathBuf, kind: FileKind, force: bool },
     /// One file that plays.
-    Animation { place: Place, kind: AnimationKind },
+    Animation { place: Destination, kind: AnimationKind },
 }
 
 impl Played {
@@ -80,13 +80,13 @@ pub(crate) fn played(
         Some(_) if format.is_some() => {
             Err(Failure::usage("--format is for frames in a folder").hint("give -o the name of a folder"))
         }
-        Some(&(_, kind)) => Ok(Played::Animation { place: Place::File { path, force }, kind }),
+        Some(&(_, kind)) => Ok(Played::Animation { place: Destination::File { path, force }, kind }),
         None if is_folder(&path) => {
             let format = match format.unwrap_or(FrameFormat::Svg) {
                 FrameFormat::Svg => Format::Svg,
                 FrameFormat::Png => Format::Png,
             };
-            Ok(Played::Frames { folder: path, kind: Kind { format, gzip: false }, force })
+            Ok(Played::Frames { folder: path, kind: FileKind { format, gzip: false }, force })
         }
         None => Err(Failure::usage(format!("cannot tell the kind of animation from '{}'", path.display()))
             .hint(format!(

@@ -3,7 +3,7 @@
 use super::files::{ForceArgs, apart};
 use crate::cli::failure::Failure;
 use crate::cli::format;
-use crate::cli::output::{Place, Target, Targets};
+use crate::cli::output::{Destination, Target, Targets};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -28,5 +28,5 @@ pub(crate) fn pattern(
     for output in outputs.all() {
         apart(&[("the output", Some(output.place.path())), ("--pattern", Some(&path))])?;
     }
-    Ok(Some(Target { place: Place::File { path, force: force.force }, kind }))
+    Ok(Some(Target { place: Destination::File { path, force: force.force }, kind }))
 }

@@ -1,6 +1,6 @@
 //! Values for several options at once.
 
-use crate::cli::config::Layer;
+use crate::cli::config::ConfigLayer;
 use crate::cli::failure::Failure;
 use crate::cli::values::{OneOf, one_of};
 use clap::Args;
@@ -41,18 +41,18 @@ fn preset() -> OneOf<String> {
 
 impl PresetArgs {
     /// The preset asked for.
-    pub(crate) fn layer(&self) -> Result<Option<Layer>, Failure> {
+    pub(crate) fn layer(&self) -> Result<Option<ConfigLayer>, Failure> {
         let found = self.preset.as_ref().and_then(|name| PRESETS.iter().find(|(known, _)| known == name));
         let Some((name, values)) = found else { return Ok(None) };
         let table = values.parse().map_err(|_| Failure::failed("a preset is damaged"))?;
-        Layer::new(format!("--preset {name}"), table).map(Some)
+        ConfigLayer::new(format!("--preset {name}"), table).map(Some)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::config::{Given, Parameters};
+    use crate::cli::config::{CommandLineValues, Parameters};
     use clap::CommandFactory;
 
     #[derive(clap::Parser)]
@@ -68,7 +68,7 @@ mod tests {
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
         for (name, values) in PRESETS {
             let layer = PresetArgs { preset: Some(name.into()) }.layer().unwrap();
-            assert!(Parameters::resolve(&layer, &Given::default()).is_ok());
+            assert!(Parameters::resolve(&layer, &CommandLineValues::default()).is_ok());
             for line in values.lines().filter(|line| !line.starts_with('[')) {
                 let (key, value) = line.split_once(" = ").unwrap();
                 let value = value.trim_matches('"').trim_end_matches(".0");

@@ -21,7 +21,7 @@ pub(crate) struct RenderFlags {
     /// Background of one colour in place of the exemplar's, or none, so that what is between the elements is
     /// transparent [#rrggbb, #rgb, a name of CSS or none, default: the exemplar's]
     #[arg(long, value_name = "COLOUR")]
-    pub(crate) background: Option<Background>,
+    pub(crate) background: Option<BackgroundChoice>,
 }
 
 /// How a picture is drawn.
@@ -35,7 +35,7 @@ pub(crate) struct RenderParameters {
     pub(crate) dpi: u32,
     /// Background between the elements, if not the exemplar's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) background: Option<Background>,
+    pub(crate) background: Option<BackgroundChoice>,
 }
 
 fn css_dpi() -> u32 {
@@ -50,12 +50,12 @@ impl Default for RenderParameters {
 
 /// The background between the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Background {
+pub(crate) enum BackgroundChoice {
     Colour(Colour),
     None,
 }
 
-impl FromStr for Background {
+impl FromStr for BackgroundChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -68,7 +68,7 @@ impl FromStr for Background {
     }
 }
 
-impl Serialize for Background {
+impl Serialize for BackgroundChoice {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Colour(colour) => colour.serialize(serializer),
@@ -77,7 +77,7 @@ impl Serialize for Background {
     }
 }
 
-impl<'de> Deserialize<'de> for Background {
+impl<'de> Deserialize<'de> for BackgroundChoice {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
     }

@@ -2,7 +2,7 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::format::numbered;
-use crate::cli::output::{Place, Target, Targets};
+use crate::cli::output::{Destination, Target, Targets};
 use clap::Args;
 use vtex::output::file::Format;
 
@@ -41,8 +41,8 @@ pub(crate) fn of_seed(targets: &Targets, seed: u64) -> Targets {
 /// The file of the variant of a seed.
 pub(crate) fn target_of_seed(target: &Target, seed: u64) -> Target {
     let place = match &target.place {
-        Place::File { path, force } if target.kind.format != Format::Library => {
-            Place::File { path: numbered(path, seed), force: *force }
+        Destination::File { path, force } if target.kind.format != Format::Library => {
+            Destination::File { path: numbered(path, seed), force: *force }
         }
         place => place.clone(),
     };

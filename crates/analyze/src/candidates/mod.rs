@@ -24,7 +24,7 @@ const WEAK_RIM: f64 = 0.6;
 const CUTS_OF_BACKGROUND: usize = 3;
 
 /// A connected mask with the measures by which candidates are compared.
-struct Candidate {
+struct MeasuredMask {
     mask: Mask,
     area: u32,
     bounds: (i32, i32, i32, i32),
@@ -39,10 +39,10 @@ struct Candidate {
 /// pixels.
 pub(super) fn select(image: &RgbImage, masks: &[ScoredMask], minimum_area: u32) -> LabelMap {
     let (w, h) = (image.width() as i32, image.height() as i32);
-    let lab = Lab::new(image);
+    let lab = OklabImage::new(image);
     let pieces: Vec<(Mask, f32)> = masks.iter().flat_map(|m| pieces(m, minimum_area, w, h)).collect();
-    let mut candidates: Vec<Candidate> =
-        vtex_base::parallel::map(&pieces, |(m, s)| Candidate::new(m, *s, &lab));
+    let mut candidates: Vec<MeasuredMask> =
+        vtex_base::parallel::map(&pieces, |(m, s)| MeasuredMask::new(m, *s, &lab));
     candidates.sort_by(|a, b| b.area.cmp(&a.area).then(b.quality.total_cmp(&a.quality)));
     drop_duplicates(&mut candidates);
     drop_nets(&mut candidates);
@@ -97,13 +97,13 @@ fn complement(mask: &Mask, (x0, y0, x1, y1): (i32, i32, i32, i32)) -> Mask {
 }
 
 /// An image in Oklab.
-pub(super) struct Lab {
+pub(super) struct OklabImage {
     width: i32,
     height: i32,
     pixels: Vec<[f32; 3]>,
 }
 
-impl Lab {
+impl OklabImage {
     pub(super) fn new(image: &RgbImage) -> Self {
         let pixels = of_pixels(image, oklab);
         Self { width: image.width() as i32, height: image.height() as i32, pixels }
@@ -137,8 +137,8 @@ impl Lab {
     }
 }
 
-impl Candidate {
-    fn new(mask: &Mask, score: f32, lab: &Lab) -> Self {
+impl MeasuredMask {
+    fn new(mask: &Mask, score: f32, lab: &OklabImage) -> Self {
         let (rim, cracks) = lab.rim(mask);
         let area = mask.area();
         // The crack length of a disc is 4/π times its true perimeter; the factor makes its compactness 1.
@@ -160,7 +160,7 @@ impl Candidate {
 }
 
 /// Of candidates whose IoU exceeds 0.8, keeps only the one with the highest score.
-fn drop_duplicates(candidates: &mut Vec<Candidate>) {
+fn drop_duplicates(candidates: &mut Vec<MeasuredMask>) {
     let n = candidates.len();
     let mut dropped = vec![false; n];
     for i in 0..n {
@@ -185,8 +185,8 @@ fn drop_duplicates(candidates: &mut Vec<Candidate>) {
 
 /// Drops candidates whose rim cuts through several smaller ones. Such a mask is a patch of
 /// background with parts of the objects on it.
-fn drop_cutters(candidates: &mut Vec<Candidate>) {
-    let cuts = |big: &Candidate, small: &Candidate| {
+fn drop_cutters(candidates: &mut Vec<MeasuredMask>) {
+    let cuts = |big: &MeasuredMask, small: &MeasuredMask| {
         let inside = f64::from(big.overlap(small)) / f64::from(small.area);
         2 * small.area < big.area && inside > 0.15 && inside < 0.85
     };
@@ -200,7 +200,7 @@ fn drop_cutters(candidates: &mut Vec<Candidate>) {
 }
 
 /// Drops candidates with two or more others in their holes: background around objects.
-fn drop_nets(candidates: &mut Vec<Candidate>) {
+fn drop_nets(candidates: &mut Vec<MeasuredMask>) {
     let nets: Vec<bool> = candidates
         .iter()
         .map(|net| {
@@ -224,7 +224,7 @@ fn drop_nets(candidates: &mut Vec<Candidate>) {
 }
 
 /// The disjoint set of largest total worth from every nest, as indices, largest area first.
-fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
+fn best_of_nests(candidates: &[MeasuredMask]) -> Vec<usize> {
     let n = candidates.len();
     // The parent is the smallest larger candidate that contains nine tenths of this one.
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); n];
@@ -239,7 +239,7 @@ fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
             None => roots.push(i),
         }
     }
-    let worth = |c: &Candidate| f64::from(c.area) * f64::from(c.quality) * f64::from(c.quality);
+    let worth = |c: &MeasuredMask| f64::from(c.area) * f64::from(c.quality) * f64::from(c.quality);
     let mut best = vec![0.0; n];
     let mut whole = vec![false; n];
     for i in (0..n).rev() {
@@ -270,7 +270,13 @@ fn best_of_nests(candidates: &[Candidate]) -> Vec<usize> {
 }
 
 /// Paints the kept candidates in ascending quality. The largest visible piece of each remains.
-fn paint(candidates: &[Candidate], kept: &[usize], width: u32, height: u32, minimum_area: u32) -> LabelMap {
+fn paint(
+    candidates: &[MeasuredMask],
+    kept: &[usize],
+    width: u32,
+    height: u32,
+    minimum_area: u32,
+) -> LabelMap {
     let mut order = kept.to_vec();
     order.sort_by(|&a, &b| candidates[a].quality.total_cmp(&candidates[b].quality).then(b.cmp(&a)));
     let mut owner = LabelMap::filled(width, height, 0);

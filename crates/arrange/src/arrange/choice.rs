@@ -1,7 +1,7 @@
 //! Which element of a category comes next: each use halves the chance.
 
-use super::model::{Model, PlaceableId, VariantId};
-use vtex_base::sampling::{Stream, Sums};
+use super::model::{PlaceableId, PlacementModel, VariantId};
+use vtex_base::sampling::{Stream, WeightTree};
 
 /// Halvings told apart. More would keep the sizes of a category truer on large canvases, but then
 /// only those that fit nowhere, never used, would be drawn.
@@ -9,8 +9,8 @@ const HALVINGS: u32 = 5;
 
 /// Selection weights of the members of every category (paper §3.3, duplication reduction).
 #[derive(Clone)]
-pub(super) struct Choice {
-    categories: Vec<Weights>,
+pub(super) struct MemberWeights {
+    categories: Vec<UseWeights>,
     /// Place of each element among the members of its category.
     slot: Vec<u32>,
     decay: bool,
@@ -18,37 +18,42 @@ pub(super) struct Choice {
 
 /// Weights 2^-uses, renormalised: the least used member has the largest.
 #[derive(Clone)]
-struct Weights {
+struct UseWeights {
     uses: Vec<u32>,
     /// Uses of the least used member, and how many members have no more.
     least: u32,
     at_least: u32,
-    sums: Sums,
+    sums: WeightTree,
 }
 
-impl Choice {
+impl MemberWeights {
     /// All members of a category alike; for good unless use makes a difference.
-    pub(super) fn new(model: &Model, decay: bool) -> Self {
+    pub(super) fn new(model: &PlacementModel, decay: bool) -> Self {
         let mut slot = vec![0; model.elements.len()];
         let categories = model.members.iter().map(|members| {
             for (i, &m) in members.iter().enumerate() {
                 slot[m.0 as usize] = i as u32;
             }
-            let mut sums = Sums::zeros(members.len());
+            let mut sums = WeightTree::zeros(members.len());
             (0..members.len()).for_each(|i| sums.set(i, 1 << HALVINGS));
-            Weights { uses: vec![0; members.len()], least: 0, at_least: members.len() as u32, sums }
+            UseWeights { uses: vec![0; members.len()], least: 0, at_least: members.len() as u32, sums }
         });
         Self { categories: categories.collect(), slot, decay }
     }
 
     /// A member of a category, drawn by weight; `None` if it has none.
-    pub(super) fn draw(&self, model: &Model, category: usize, random: &mut Stream) -> Option<PlaceableId> {
+    pub(super) fn draw(
+        &self,
+        model: &PlacementModel,
+        category: usize,
+        random: &mut Stream,
+    ) -> Option<PlaceableId> {
         let slot = self.categories[category].sums.draw(random)?;
         Some(model.members[category][slot])
     }
 
     /// Halves the weight of the element of a variant.
-    pub(super) fn used(&mut self, model: &Model, variant: VariantId) {
+    pub(super) fn used(&mut self, model: &PlacementModel, variant: VariantId) {
         if !self.decay {
             return;
         }

@@ -2,7 +2,7 @@
 
 use super::occupancy::{Occupancy, PlacedId};
 use vtex_base::raster::Span;
-use vtex_base::sampling::{Stream, Sums};
+use vtex_base::sampling::{Stream, WeightTree};
 
 /// Steps of the 3-4 chamfer distance (Borgefors 1986), which is in thirds of a pixel.
 const STRAIGHT: u8 = 3;
@@ -18,7 +18,7 @@ pub(super) struct Clearance {
     pub(super) limit: u8,
     /// Cells within `frame` of the border of the map are not drawn, along each axis.
     frame: [i32; 2],
-    blocks: Sums,
+    blocks: WeightTree,
     columns: i32,
     scratch: Vec<u8>,
 }
@@ -36,7 +36,7 @@ impl Clearance {
             distance,
             limit,
             frame: grid.margin.map(|m| (m - outside).max(0)),
-            blocks: Sums::zeros((columns * rows) as usize),
+            blocks: WeightTree::zeros((columns * rows) as usize),
             columns,
             scratch: Vec::new(),
         };
@@ -203,8 +203,8 @@ mod tests {
     use super::*;
     use crate::arrange::controls::Controls;
     use crate::arrange::grid::Grid;
-    use crate::arrange::model::{Model, PlaceableId};
-    use crate::arrange::region::Region;
+    use crate::arrange::model::{PlaceableId, PlacementModel};
+    use crate::arrange::region::PlacementRegion;
     use vtex_base::sampling::stream;
     use vtex_scene::library::testing::{library, mosaic};
     use vtex_scene::scene::{SynthParams, Tile};
@@ -220,9 +220,9 @@ mod tests {
             (Tile { x: false, y: true }, 90, 25),
         ] {
             let params = SynthParams { width, height, tile, ..SynthParams::default() };
-            let model = Model::new(std::slice::from_ref(&library), &params);
+            let model = PlacementModel::new(std::slice::from_ref(&library), &params);
             let grid = Grid::around(&model, &params);
-            let region = Region::new(&grid, &controls, params.edge, false);
+            let region = PlacementRegion::new(&grid, &controls, params.edge, false);
             let placeable: Vec<PlaceableId> = model.members.iter().flatten().copied().collect();
             let mut random = stream(1, "clearance test", 0);
             let mut map = Occupancy::new(&model, region, grid);

@@ -17,13 +17,13 @@ pub struct Controls {
     /// How much of each library there is, 0 to 1: one map for each of several libraries. What they
     /// say counts relative to their sum. None for a single library.
     pub shares: Vec<ControlMap>,
-    /// What leads the large structure of a single library; by default chance.
-    pub lead: Option<Lead>,
+    /// The guide of the large structure, for a single library. `None`: chance decides.
+    pub structure: Option<StructureGuide>,
 }
 
-/// What leads the large structure. Placement by correspondences follows it.
+/// The large structure that placement by correspondences follows.
 #[derive(Clone, Debug)]
-pub enum Lead {
+pub enum StructureGuide {
     /// The stratum of each pixel, by its number in the library.
     Strata(LabelMap),
     /// Lightness, 0 to 1. Its distribution is matched to that of the exemplar.
@@ -35,14 +35,14 @@ impl Controls {
     ///
     /// # Errors
     /// [`Error::Parameter`](vtex_base::Error::Parameter) unless there is a map of shares for each library, or one library and
-    /// none; and for a lead of several libraries, or one with strata that the library does not have.
+    /// none; and for a guide of the structure with several libraries, or with strata that the library does not have.
     pub(crate) fn validate(&self, libraries: &[Library]) -> Result<()> {
         let count = libraries.len();
         check((1..=Self::MOST_LIBRARIES).contains(&count), "libraries", count, "1 to 16 libraries")?;
         let maps = self.shares.len();
         check(maps == count || (maps == 0 && count == 1), "map", maps, "a map of shares for each library")?;
-        check(self.lead.is_none() || count == 1, "libraries", count, "one library where a map leads")?;
-        let Some(Lead::Strata(map)) = &self.lead else { return Ok(()) };
+        check(self.structure.is_none() || count == 1, "libraries", count, "one library where a map leads")?;
+        let Some(StructureGuide::Strata(map)) = &self.structure else { return Ok(()) };
         let most = map.labels.iter().max().map_or(0, |&label| label as usize);
         check(most < libraries[0].strata().len(), "control", most, "numbers of layers of the library, from 0")
     }

@@ -5,9 +5,9 @@
 //! furthest from what stands, of a category drawn in proportion to its lack, with the least overlap. More
 //! overlap is allowed only when nothing else has worked.
 
-use super::choice::Choice;
+use super::choice::MemberWeights;
 use super::clearance::Clearance;
-use super::grid::Part;
+use super::grid::CellRun;
 use super::model::{PlaceableId, VariantId};
 use super::occupancy::{Occupancy, PlacedId};
 use vtex_base::error::Result;
@@ -43,7 +43,7 @@ const STAGE: &str = "density";
 
 /// Numbers of textons removed and added.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Counts {
+pub(crate) struct DensityCounts {
     /// Taken away.
     pub(crate) removed: u64,
     /// Added.
@@ -53,11 +53,11 @@ pub(crate) struct Counts {
 /// Brings the coverage of every category to what is wanted.
 pub(super) fn correct(
     map: &mut Occupancy<'_>,
-    choice: &mut Choice,
+    choice: &mut MemberWeights,
     params: &SynthParams,
     progress: &dyn Progress,
-) -> Result<Counts> {
-    let mut counts = Counts::default();
+) -> Result<DensityCounts> {
+    let mut counts = DensityCounts::default();
     if params.without(Ablation::Density) {
         return Ok(counts);
     }
@@ -153,7 +153,7 @@ impl Deficit<'_> {
 /// Adds textons in free space until every category covers what it should.
 fn grow(
     map: &mut Occupancy<'_>,
-    choice: &mut Choice,
+    choice: &mut MemberWeights,
     wanted: &[Vec<f64>],
     params: &SynthParams,
     progress: &dyn Progress,
@@ -230,7 +230,7 @@ fn free_place(
 /// it overlaps least, and the share of it that overlaps. `most` bounds what it may add, in pixels.
 fn candidate(
     map: &Occupancy<'_>,
-    choice: &Choice,
+    choice: &MemberWeights,
     clearance: &Clearance,
     [zone, category]: [usize; 2],
     most: f64,
@@ -289,7 +289,7 @@ fn fit(map: &Occupancy<'_>, clearance: &Clearance, variant: VariantId, at: [i32;
     let shape = map.model().shape(variant);
     let library = map.model().element(variant).library;
     let plain = map.region.is_plain() && !map.region.is_shared();
-    for Part { canvas, .. } in shape.mask.spans().iter().flat_map(|&s| map.grid.parts(s, at)) {
+    for CellRun { canvas, .. } in shape.mask.spans().iter().flat_map(|&s| map.grid.parts(s, at)) {
         if plain {
             let row = &clearance.distance[canvas];
             cells += row.len() as u32;

@@ -4,7 +4,7 @@
 //! for them, so it is the same on a plane and on a torus.
 
 use super::WIDEST_MARGIN;
-use super::model::Model;
+use super::model::PlacementModel;
 use std::ops::Range;
 use vtex_base::raster::Span;
 use vtex_scene::scene::{SynthParams, Tile};
@@ -28,7 +28,7 @@ pub(crate) struct Grid {
 
 /// A run of cells of one row of a shape.
 #[derive(Clone, Debug)]
-pub(crate) struct Part {
+pub(crate) struct CellRun {
     /// Place of its first cell, counted on from the shape's own place: not wrapped.
     pub(crate) at: [i32; 2],
     /// Indices of the cells.
@@ -46,7 +46,7 @@ impl Grid {
     }
 
     /// For the canvas of a synthesis: margins are wide enough for elements that reach in from outside.
-    pub(crate) fn around(model: &Model, params: &SynthParams) -> Self {
+    pub(crate) fn around(model: &PlacementModel, params: &SynthParams) -> Self {
         let margin = (model.reach + 2).min(WIDEST_MARGIN);
         Self::new([params.width, params.height], params.tile, margin)
     }
@@ -117,7 +117,7 @@ impl Grid {
     /// The cells of a span moved to a place, as far as they are on the map: two runs where it
     /// crosses a seam, never a cell twice.
     #[inline]
-    pub(crate) fn parts(&self, span: Span, at: [i32; 2]) -> impl Iterator<Item = Part> + use<> {
+    pub(crate) fn parts(&self, span: Span, at: [i32; 2]) -> impl Iterator<Item = CellRun> + use<> {
         let (x0, x1, y) = (span.x0 + at[0], span.x1 + at[0], span.y + at[1]);
         let row = if self.tile.y { y.rem_euclid(self.height) } else { y };
         let mut parts = [None, None];
@@ -142,14 +142,14 @@ impl Grid {
 
     /// The run from column `x0` to `x1` of a row of the map.
     #[inline]
-    fn part(&self, at: [i32; 2], row: i32, x0: i32, x1: i32) -> Part {
+    fn part(&self, at: [i32; 2], row: i32, x0: i32, x1: i32) -> CellRun {
         let start = row as usize * self.width as usize;
         let run = |x0: i32, x1: i32| start + x0 as usize..start + x1.max(x0) as usize;
         let [mx, my] = self.margin;
         // Where the map repeats there is no margin, and every row is one of the canvas.
         let on_canvas = my == 0 || (my..self.whole - my).contains(&(row + self.first));
         let canvas = if on_canvas { run(x0.max(mx), x1.min(self.width - mx)) } else { start..start };
-        Part { at, cells: run(x0, x1), canvas }
+        CellRun { at, cells: run(x0, x1), canvas }
     }
 
     /// [`Grid::parts`] without their places.

@@ -5,7 +5,7 @@
 //! descriptors begin with the carried elements. Then coverage is corrected in both directions ([`density`]),
 //! whichever method placed the elements. [`period`] is a method of its own: it needs no field and no model.
 //!
-//! Synthesis, warp and the search of weights call [`arrange`]. They use the [`Placed`] elements, the cells
+//! Synthesis, warp and the search of weights call [`arrange`]. They use the [`PlacedElement`] elements, the cells
 //! that these leave free, and the field if there is one.
 
 mod bins;
@@ -26,14 +26,14 @@ pub(crate) mod sites;
 mod tests;
 pub(crate) mod variation;
 
-use choice::Choice;
+use choice::MemberWeights;
 use controls::Controls;
 use correspondence::{Correspondence, Structure};
-use descriptor::Asks;
+use descriptor::InitialRequests;
 use grid::Grid;
-use model::{EMPTY, Model, PlaceableId, UNDEFINED, VariantId};
+use model::{EMPTY, PlaceableId, PlacementModel, UNDEFINED, VariantId};
 use occupancy::Occupancy;
-use region::Region;
+use region::PlacementRegion;
 use vtex_base::error::Result;
 use vtex_base::progress::Progress;
 use vtex_scene::library::Library;
@@ -46,7 +46,7 @@ const WIDEST_MARGIN: i32 = 256;
 const FIXED_SCORE: f32 = 1.0;
 
 /// A placement to be made.
-pub(crate) struct Task<'a> {
+pub(crate) struct PlacementTask<'a> {
     /// Libraries that elements are taken from; the model is made of these.
     pub(crate) libraries: &'a [Library],
     pub(crate) controls: &'a Controls,
@@ -59,12 +59,12 @@ pub(crate) struct Task<'a> {
 
 /// What every method knows.
 #[derive(Clone, Copy)]
-pub(crate) struct Context<'a> {
+pub(crate) struct PlacementContext<'a> {
     pub(crate) libraries: &'a [Library],
     pub(crate) controls: &'a Controls,
     pub(crate) params: &'a SynthParams,
     pub(crate) grid: &'a Grid,
-    pub(crate) region: &'a Region<'a>,
+    pub(crate) region: &'a PlacementRegion<'a>,
     pub(crate) progress: &'a dyn Progress,
 }
 
@@ -75,27 +75,27 @@ pub(crate) struct Fixed {
     pub(crate) variant: VariantId,
     /// Place of its origin, in pixels of the canvas.
     pub(crate) at: [i32; 2],
-    /// Whether its descriptor asks for what stands around it.
-    pub(crate) asks: Asks,
+    /// The requests of its descriptor.
+    pub(crate) requests: InitialRequests,
 }
 
 /// A placed element.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
+pub(crate) struct PlacedElement {
     /// Which element: a primary, or a part of one.
     pub(crate) element: PlaceableId,
     /// Index of its variation in the model.
     pub(crate) variation: u16,
     /// Place of its origin, in pixels of the canvas.
     pub(crate) at: [i32; 2],
-    /// Its index in [`Task::fixed`], if it stood beforehand.
+    /// Its index in [`PlacementTask::fixed`], if it stood beforehand.
     pub(crate) fixed: Option<usize>,
 }
 
 /// The result of placement.
-pub(crate) struct Arrangement<'a> {
+pub(crate) struct PlacementResult<'a> {
     /// The elements that can be seen, in painting order.
-    pub(crate) placed: Vec<Placed>,
+    pub(crate) placed: Vec<PlacedElement>,
     /// The element on each cell.
     pub(crate) cells: Occupancy<'a>,
     /// The field that elements were carried along, if any.
@@ -103,9 +103,9 @@ pub(crate) struct Arrangement<'a> {
     /// The islands and elements that came along it.
     pub(crate) structure: Option<Structure>,
     /// Counts of placement by descriptors.
-    pub(crate) descriptors: descriptor::Counts,
+    pub(crate) descriptors: descriptor::DescriptorCounts,
     /// Counts of the correction of density.
-    pub(crate) correction: density::Counts,
+    pub(crate) correction: density::DensityCounts,
     /// Cells covered by each category before density was corrected.
     pub(crate) covered_before: Vec<u64>,
 }
@@ -115,41 +115,42 @@ pub(crate) struct Arrangement<'a> {
 /// # Errors
 /// [`vtex_base::Error::Interrupted`].
 pub(crate) fn arrange<'a>(
-    model: &'a mut Model,
-    task: &Task<'a>,
+    model: &'a mut PlacementModel,
+    task: &PlacementTask<'a>,
     progress: &dyn Progress,
-) -> Result<Arrangement<'a>> {
-    let Task { libraries, controls, params, method, .. } = *task;
+) -> Result<PlacementResult<'a>> {
+    let PlacementTask { libraries, controls, params, method, .. } = *task;
     let grid = Grid::around(model, params);
-    let region = Region::new(&grid, controls, params.edge, method == Method::Correspondence);
+    let region = PlacementRegion::new(&grid, controls, params.edge, method == Method::Correspondence);
     let on_grid = |at: [i32; 2]| [0, 1].map(|k| at[k] + grid.margin[k]);
-    let (mut standing, mut asks, mut fixed) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut standing, mut initial, mut fixed) = (Vec::new(), Vec::new(), Vec::new());
     for (i, f) in task.fixed.iter().enumerate() {
         let at = on_grid(f.at);
         if grid.cell(at).is_some() {
             standing.push((f.variant, at));
-            asks.push(f.asks);
+            initial.push(f.requests);
             fixed.push(i);
         }
     }
     let (mut correspondence, mut structure) = (None, None);
     if method == Method::Correspondence {
-        let context = Context { libraries, controls, params, grid: &grid, region: &region, progress };
+        let context =
+            PlacementContext { libraries, controls, params, grid: &grid, region: &region, progress };
         let found = Correspondence::new(&context, model)?;
         let carried = found.carry(&context, model)?;
         // Where descriptors go on, they begin with what stands beside.
         let begin = |variant: VariantId| match model.element(variant).fused {
-            None if !region.all_carried() => Asks::Always,
-            _ => Asks::Never,
+            None if !region.all_carried() => InitialRequests::Open,
+            _ => InitialRequests::None,
         };
-        asks.extend(carried.elements.iter().map(|&(variant, _)| begin(variant)));
+        initial.extend(carried.elements.iter().map(|&(variant, _)| begin(variant)));
         standing.extend(carried.elements);
         (correspondence, structure) = (Some(found), Some(carried.structure));
     }
 
-    let model: &'a Model = model;
+    let model: &'a PlacementModel = model;
     let mut cells = Occupancy::new(model, region, grid);
-    let mut choice = Choice::new(model, !params.without(Ablation::Decay));
+    let mut choice = MemberWeights::new(model, !params.without(Ablation::Decay));
     for &(variant, at) in &standing {
         cells.stand(variant, at, FIXED_SCORE, |_| {});
         if model.element(variant).placeable {
@@ -157,12 +158,12 @@ pub(crate) fn arrange<'a>(
         }
     }
     empty_where_carried(&mut cells);
-    let (mut cells, descriptors) = descriptor::place(cells, &asks, &mut choice, params, progress)?;
+    let (mut cells, descriptors) = descriptor::place(cells, &initial, &mut choice, params, progress)?;
     let covered_before = (0..model.members.len()).map(|c| cells.covered_by(c)).collect();
     let correction = density::correct(&mut cells, &mut choice, params, progress)?;
     progress.picture("placed", &|| picture::placed(&cells));
     let placed = placed(&cells, &fixed);
-    Ok(Arrangement { placed, cells, correspondence, structure, descriptors, correction, covered_before })
+    Ok(PlacementResult { placed, cells, correspondence, structure, descriptors, correction, covered_before })
 }
 
 /// Makes what nothing was carried to empty, in the zones that a field serves.
@@ -177,12 +178,12 @@ fn empty_where_carried(cells: &mut Occupancy<'_>) {
 }
 
 /// The elements that can be seen, in painting order. The first of those ever placed are the fixed ones.
-fn placed(cells: &Occupancy<'_>, fixed: &[usize]) -> Vec<Placed> {
+fn placed(cells: &Occupancy<'_>, fixed: &[usize]) -> Vec<PlacedElement> {
     let order = cells.painting_order().into_iter().filter(|&id| cells.is_seen(id));
     order
         .map(|id| {
             let standing = cells.get(id);
-            Placed {
+            PlacedElement {
                 element: cells.model().element_of(standing.variant),
                 variation: cells.model().variation_of(standing.variant),
                 at: [0, 1].map(|k| standing.at[k] - cells.grid.margin[k]),

@@ -27,7 +27,7 @@ pub(crate) const UNDEFINED: u16 = u16::MAX;
 pub(crate) const EMPTY: u16 = 0;
 
 /// The shape of a variant.
-pub(crate) struct Shape {
+pub(crate) struct VariantShape {
     /// Its pixels, relative to the origin.
     pub(crate) mask: Mask,
     /// Box around its pixels relative to the origin: x0, y0, x1, y1, ends exclusive.
@@ -36,7 +36,7 @@ pub(crate) struct Shape {
     pub(crate) area: u32,
 }
 
-impl Shape {
+impl VariantShape {
     fn new(mask: Mask) -> Self {
         let bounds = mask.bounds().map_or([0; 4], |b| [b.0, b.1, b.2, b.3]);
         Self { area: mask.area(), bounds, mask }
@@ -65,7 +65,7 @@ pub(crate) struct Placeable {
 }
 
 /// One library.
-pub(crate) struct Source {
+pub(crate) struct LibraryModel {
     /// Indices of its elements.
     pub(crate) elements: Range<u32>,
     /// Its categories.
@@ -74,13 +74,13 @@ pub(crate) struct Source {
     pub(crate) half: i32,
     /// Placeable textons per pixel of the exemplar.
     pub(crate) density: f64,
-    exemplar: Runs,
+    exemplar: ArrangementRuns,
 }
 
 /// Libraries made ready for placement.
-pub(crate) struct Model {
+pub(crate) struct PlacementModel {
     /// The libraries.
-    pub(crate) sources: Vec<Source>,
+    pub(crate) sources: Vec<LibraryModel>,
     /// All elements.
     pub(crate) elements: Vec<Placeable>,
     /// Elements of each category that may be placed.
@@ -95,11 +95,11 @@ pub(crate) struct Model {
     pub(crate) variations: Vec<Variation>,
     /// What is painted for each fused element.
     pub(crate) fused: Vec<Element>,
-    shapes: Vec<OnceLock<Shape>>,
+    shapes: Vec<OnceLock<VariantShape>>,
 }
 
 /// The exemplar's arrangement as runs by row.
-struct Runs {
+struct ArrangementRuns {
     width: i32,
     height: i32,
     wrap: bool,
@@ -109,7 +109,7 @@ struct Runs {
     runs: Vec<(i32, u32)>,
 }
 
-impl Runs {
+impl ArrangementRuns {
     fn new(map: &LabelMap, wrap: bool) -> Self {
         let mut rows = vec![0];
         let mut runs = Vec::new();
@@ -166,7 +166,7 @@ impl Runs {
     }
 }
 
-impl Model {
+impl PlacementModel {
     /// From libraries, for the canvas and the variations that the parameters ask for.
     pub(crate) fn new(libraries: &[Library], params: &SynthParams) -> Self {
         let variations = Variation::all(params);
@@ -200,7 +200,7 @@ impl Model {
         let growth = self.variations.iter().map(Variation::growth).fold(1.0, f64::max);
         for (p, mask) in library.primaries().iter().zip(&masks[1..]) {
             let origin = p.origin();
-            let shape = Shape::new(mask.around(origin, torus));
+            let shape = VariantShape::new(mask.around(origin, torus));
             let b = shape.bounds;
             let reach = b.map(i32::abs).into_iter().max().unwrap_or(0);
             let [w, h] = if self.variations.len() > 1 { [2 * reach; 2] } else { [b[2] - b[0], b[3] - b[1]] };
@@ -236,12 +236,12 @@ impl Model {
         let count = self.members[base..].iter().map(Vec::len).sum::<usize>();
         self.wanted.extend(wanted(library, &self.members[base..]));
         self.half = self.half.max(library.descriptor_half as i32);
-        self.sources.push(Source {
+        self.sources.push(LibraryModel {
             elements: first..self.elements.len() as u32,
             categories: base..self.members.len(),
             half: library.descriptor_half as i32,
             density: count as f64 / (f64::from(map.width) * f64::from(map.height)),
-            exemplar: Runs::new(&map, wrap),
+            exemplar: ArrangementRuns::new(&map, wrap),
         });
     }
 
@@ -251,7 +251,7 @@ impl Model {
         let fused = Some(self.fused.len() as u32);
         self.elements.push(Placeable { placeable: false, fused, ..*self.element(variant) });
         self.fused.push(painted);
-        let shape = OnceLock::from(Shape::new(mask));
+        let shape = OnceLock::from(VariantShape::new(mask));
         // Only one of its variations is ever asked for.
         self.shapes.extend((0..self.variations.len()).map(|_| OnceLock::new()));
         let part = self.varied(element, variant);
@@ -307,14 +307,14 @@ impl Model {
     }
 
     /// The shape of a variant, made when first needed.
-    pub(crate) fn shape(&self, variant: VariantId) -> &Shape {
+    pub(crate) fn shape(&self, variant: VariantId) -> &VariantShape {
         self.shapes[variant.0 as usize].get_or_init(|| {
             let plain = self.in_variation(self.element_of(variant), 0);
             let plain = &self.shapes[plain.0 as usize]
                 .get()
                 .expect("the first variant of each element is made at once")
                 .mask;
-            Shape::new(self.variation(variant).of_mask(plain))
+            VariantShape::new(self.variation(variant).of_mask(plain))
         })
     }
 
@@ -322,7 +322,7 @@ impl Model {
     /// origin; label k is primary k - 1 of its library. Outside the exemplar there are none.
     pub(crate) fn window(&self, variant: VariantId, mut visit: impl FnMut(i32, i32, i32, u32)) {
         let element = self.element(variant);
-        let Source { half, exemplar, .. } = &self.sources[element.library];
+        let LibraryModel { half, exemplar, .. } = &self.sources[element.library];
         let [ox, oy] = element.origin;
         let variation = self.variation(variant);
         for y in -half..=*half {
@@ -366,12 +366,12 @@ impl Model {
     }
 
     /// The shape of an element without variation.
-    pub(crate) fn plain(&self, element: PlaceableId) -> &Shape {
+    pub(crate) fn plain(&self, element: PlaceableId) -> &VariantShape {
         self.shape(self.in_variation(element, 0))
     }
 }
 
-impl Index<PlaceableId> for Model {
+impl Index<PlaceableId> for PlacementModel {
     type Output = Placeable;
 
     fn index(&self, element: PlaceableId) -> &Placeable {

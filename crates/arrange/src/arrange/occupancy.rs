@@ -5,9 +5,9 @@
 //! canvas.
 
 use super::bins::Bins;
-use super::grid::{Grid, Part};
-use super::model::{EMPTY, Model, PlaceableId, UNDEFINED, VariantId};
-use super::region::Region;
+use super::grid::{CellRun, Grid};
+use super::model::{EMPTY, PlaceableId, PlacementModel, UNDEFINED, VariantId};
+use super::region::PlacementRegion;
 use std::ops::Range;
 use vtex_scene::scene::Edge;
 
@@ -69,9 +69,9 @@ pub(crate) struct Standing {
 
 /// A canvas and the elements that stand on it.
 pub(crate) struct Occupancy<'a> {
-    model: &'a Model,
+    model: &'a PlacementModel,
     /// Where elements are wanted.
-    pub(crate) region: Region<'a>,
+    pub(crate) region: PlacementRegion<'a>,
     /// The cells.
     pub(crate) grid: Grid,
     /// [`UNDEFINED`], [`EMPTY`], or category + 1, of requests and placed elements alike.
@@ -89,7 +89,7 @@ pub(crate) struct Occupancy<'a> {
 
 impl<'a> Occupancy<'a> {
     /// A canvas of undefined cells.
-    pub(super) fn new(model: &'a Model, region: Region<'a>, grid: Grid) -> Self {
+    pub(super) fn new(model: &'a PlacementModel, region: PlacementRegion<'a>, grid: Grid) -> Self {
         Self {
             model,
             state: vec![UNDEFINED; grid.len()],
@@ -129,7 +129,7 @@ impl<'a> Occupancy<'a> {
     }
 
     /// The model that elements are taken from.
-    pub(crate) fn model(&self) -> &'a Model {
+    pub(crate) fn model(&self) -> &'a PlacementModel {
         self.model
     }
 
@@ -203,7 +203,7 @@ impl<'a> Occupancy<'a> {
         let id = PlacedId(self.placed.len() as u32);
         self.placed.push(Standing { variant, at, score, visible: 0, cells: 0, removed: false });
         for &span in shape.mask.spans() {
-            for Part { cells, canvas, .. } in self.grid.parts(span, at) {
+            for CellRun { cells, canvas, .. } in self.grid.parts(span, at) {
                 self.placed[id.0 as usize].cells += cells.len() as u32;
                 for i in cells {
                     match self.owner[i].as_placed() {
@@ -255,7 +255,7 @@ impl<'a> Occupancy<'a> {
         let shape = model.shape(variant);
         let own = Owner::placed(id);
         for &span in shape.mask.spans() {
-            for Part { cells, canvas, .. } in self.grid.parts(span, at) {
+            for CellRun { cells, canvas, .. } in self.grid.parts(span, at) {
                 for i in cells.filter(|&i| self.owner[i] == own).collect::<Vec<_>>() {
                     self.release(i, id, &canvas);
                     (self.owner[i], self.state[i]) = (Owner::NONE, EMPTY);
@@ -277,7 +277,7 @@ impl<'a> Occupancy<'a> {
                 continue;
             }
             for &span in other_shape.mask.spans() {
-                for Part { cells, canvas, .. } in self.grid.parts(span, place) {
+                for CellRun { cells, canvas, .. } in self.grid.parts(span, place) {
                     for i in cells {
                         if self.owner[i] == Owner::NONE {
                             self.own(i, other, &canvas);
@@ -344,7 +344,7 @@ impl<'a> Occupancy<'a> {
     pub(super) fn cells_inside(&self, variant: VariantId, at: [i32; 2]) -> u32 {
         let parts = self.model.shape(variant).mask.spans().iter().flat_map(|&s| self.grid.parts(s, at));
         parts
-            .map(|Part { canvas, .. }| {
+            .map(|CellRun { canvas, .. }| {
                 if self.region.is_plain() {
                     canvas.len() as u32
                 } else {

@@ -8,7 +8,7 @@
 
 use super::controls::Controls;
 use super::grid::Grid;
-use super::model::Model;
+use super::model::PlacementModel;
 use vtex_base::geometry;
 use vtex_base::parallel;
 use vtex_base::sampling::Stream;
@@ -28,7 +28,7 @@ const FULLEST: f64 = 0.95;
 const LEAST_SHARE: f64 = 0.04;
 
 /// The shape to fill, the density and the share of each library at each place.
-pub(crate) struct Region<'a> {
+pub(crate) struct PlacementRegion<'a> {
     controls: &'a Controls,
     canvas: [f64; 2],
     /// Treatment of elements at the edge.
@@ -43,7 +43,7 @@ pub(crate) struct Region<'a> {
     carried: bool,
 }
 
-impl<'a> Region<'a> {
+impl<'a> PlacementRegion<'a> {
     /// For the cells of a grid. `carried` if a correspondence field says what stands.
     pub(crate) fn new(grid: &Grid, controls: &'a Controls, edge: Edge, carried: bool) -> Self {
         let canvas = grid.canvas();
@@ -89,7 +89,7 @@ impl<'a> Region<'a> {
     /// The zone of every cell.
     fn zones(&self, grid: &Grid) -> Vec<u8> {
         let mut zones = vec![0u8; grid.len()];
-        let domain = self.controls.domain.as_ref().map(geometry::Region::new);
+        let domain = self.controls.domain.as_ref().map(geometry::Interior::new);
         parallel::for_chunks(&mut zones, grid.width as usize, |y, row| {
             let [_, py] = grid.point([0, y as i32]);
             let inside = domain.as_ref().map(|d| d.intervals(py));
@@ -163,7 +163,7 @@ impl<'a> Region<'a> {
     }
 
     /// Pixels wanted of each category, zone by zone.
-    pub(crate) fn wanted(&self, model: &Model) -> Vec<Vec<f64>> {
+    pub(crate) fn wanted(&self, model: &PlacementModel) -> Vec<Vec<f64>> {
         let zone = |(zone, areas): (usize, &Vec<f64>)| {
             let density = self.level(zone);
             let category = |source: usize, categories: std::ops::Range<usize>| {
@@ -184,12 +184,12 @@ impl<'a> Region<'a> {
         self.carried && CARRIED.contains(&self.level(zone))
     }
 
-    /// [`Region::is_carried`] of all zones.
+    /// [`PlacementRegion::is_carried`] of all zones.
     pub(crate) fn all_carried(&self) -> bool {
         (0..self.zone_count()).all(|zone| self.is_carried(zone))
     }
 
-    /// [`Region::is_carried`] of a cell of the canvas.
+    /// [`PlacementRegion::is_carried`] of a cell of the canvas.
     pub(crate) fn cell_is_carried(&self, i: usize) -> bool {
         self.zone(i).is_some_and(|zone| self.is_carried(zone))
     }
@@ -252,7 +252,7 @@ mod tests {
         let outline = Outline::new(&parse_path("M10 10H90V90H10ZM40 40V60H60V40Z").unwrap()).unwrap();
         let controls = Controls { domain: Some(outline), ..Controls::default() };
         let grid = Grid::new([100, 100], Tile::default(), 5);
-        let region = Region::new(&grid, &controls, Edge::Clip, false);
+        let region = PlacementRegion::new(&grid, &controls, Edge::Clip, false);
         let filled = (0..grid.len()).filter(|&i| region.zone(i).is_some()).count();
         assert_eq!((filled, region.areas[0][0]), (6000, 6000.0));
         let at = |x: i32, y: i32| region.zone(grid.index(x + 5, y + 5));
@@ -263,8 +263,8 @@ mod tests {
     fn margins_are_outside_where_textons_keep_off_the_border() {
         let grid = Grid::new([40, 30], Tile { x: true, y: false }, 6);
         let plain = Controls::default();
-        assert!(Region::new(&grid, &plain, Edge::Clip, false).is_plain());
-        let region = Region::new(&grid, &plain, Edge::Avoid, false);
+        assert!(PlacementRegion::new(&grid, &plain, Edge::Clip, false).is_plain());
+        let region = PlacementRegion::new(&grid, &plain, Edge::Avoid, false);
         assert_eq!((0..grid.len()).filter(|&i| region.zone(i).is_some()).count(), 40 * 30);
     }
 
@@ -272,13 +272,13 @@ mod tests {
     fn areas_add_up_by_zone_and_library() {
         let map = |values: Vec<f32>| ControlMap::new(2, 1, values).unwrap();
         let controls = Controls {
-            lead: None,
+            structure: None,
             domain: None,
             density: Some(map(vec![0.0, 2.0])),
             shares: vec![map(vec![1.0, 0.0]), map(vec![0.0, 3.0])],
         };
         let grid = Grid::new([200, 50], Tile::default(), 10);
-        let region = Region::new(&grid, &controls, Edge::Clip, false);
+        let region = PlacementRegion::new(&grid, &controls, Edge::Clip, false);
         let by_library = |k: usize| region.areas.iter().map(|a| a[k]).sum::<f64>();
         assert!((by_library(0) + by_library(1) - 10_000.0).abs() < 1e-6);
         assert_eq!(region.zone_count(), 17);

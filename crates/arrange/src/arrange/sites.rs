@@ -124,7 +124,7 @@ impl Sites {
 
     /// The cell of a site: what lies nearer to it than to any other site or copy within twice the
     /// radius; of equals the first owns.
-    pub(crate) fn cell(&self, site: usize) -> Cell {
+    pub(crate) fn cell(&self, site: usize) -> VoronoiCell {
         let centre = self.centres[site];
         let mut others = Vec::new();
         self.buckets.near(centre, 4, |i| {
@@ -134,7 +134,7 @@ impl Sites {
             }
         });
         others.sort_unstable();
-        Cell { site, centre, others }
+        VoronoiCell { site, centre, others }
     }
 
     /// Index of the site or copy nearest to a point, of those within two buckets; the first of
@@ -158,14 +158,14 @@ impl Sites {
 }
 
 /// The cells nearest to one site.
-pub(crate) struct Cell {
+pub(crate) struct VoronoiCell {
     site: usize,
     centre: [i32; 2],
     /// Other sites: squared distance, index, place; the nearest first.
     others: Vec<(i64, usize, [i32; 2])>,
 }
 
-impl Cell {
+impl VoronoiCell {
     /// Whether a point belongs to the site.
     pub(crate) fn owns(&self, p: [i32; 2]) -> bool {
         let own = distance2(self.centre, p);

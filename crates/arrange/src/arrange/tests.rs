@@ -17,9 +17,9 @@ fn a_texton_taken_away_leaves_no_trace() {
     let controls = Controls::default();
     for tile in [Tile::default(), Tile { x: true, y: true }] {
         let p = SynthParams { tile, ..params(90, 90, 15) };
-        let model = Model::new(std::slice::from_ref(&library), &p);
+        let model = PlacementModel::new(std::slice::from_ref(&library), &p);
         let grid = Grid::around(&model, &p);
-        let make = || Region::new(&grid, &controls, p.edge, false);
+        let make = || PlacementRegion::new(&grid, &controls, p.edge, false);
         let placeable: Vec<PlaceableId> = model.members.iter().flatten().copied().collect();
         let mut random = vtex_base::sampling::stream(15, "removal test", 0);
         let mut map = Occupancy::new(&model, make(), grid.clone());
@@ -57,11 +57,11 @@ fn bands_put_together_make_one_sound_map() {
     let controls = Controls::default();
     for tile in [Tile::default(), Tile { x: false, y: true }] {
         let p = SynthParams { tile, ..params(160, 900, 16) };
-        let model = Model::new(std::slice::from_ref(&library), &p);
+        let model = PlacementModel::new(std::slice::from_ref(&library), &p);
         let grid = Grid::around(&model, &p);
         assert!(Bands::new(&model, &grid).is_some(), "the map is large enough for bands");
-        let make = || Region::new(&grid, &controls, p.edge, false);
-        let mut choice = Choice::new(&model, true);
+        let make = || PlacementRegion::new(&grid, &controls, p.edge, false);
+        let mut choice = MemberWeights::new(&model, true);
         let map = Occupancy::new(&model, make(), grid.clone());
         let (map, _) = descriptor::place(map, &[], &mut choice, &p, &()).unwrap();
         // As if all had been placed one after the other.
@@ -102,9 +102,9 @@ fn cells_over_the_border_of_nothing_count_to_their_element() {
     let density = vtex_base::raster::ControlMap::new(600, 1, (0..600).map(|x| x as f32 / 300.0).collect());
     let controls = Controls { density, ..Controls::default() };
     let p = params(600, 60, 17);
-    let model = Model::new(std::slice::from_ref(&library), &p);
+    let model = PlacementModel::new(std::slice::from_ref(&library), &p);
     let grid = Grid::around(&model, &p);
-    let region = Region::new(&grid, &controls, p.edge, false);
+    let region = PlacementRegion::new(&grid, &controls, p.edge, false);
     let [mx, my] = grid.margin;
     let mut map = Occupancy::new(&model, region, grid);
     let largest = model.members.iter().flatten().max_by_key(|&&p| model.plain(p).area).unwrap();

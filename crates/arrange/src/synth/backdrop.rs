@@ -5,7 +5,7 @@
 //! and stains keep their contrast.
 
 use vtex_base::geometry::wrapped;
-use vtex_scene::library::{Element, Library};
+use vtex_scene::library::{ExemplarElement, Library};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Field, Tile};
 
@@ -29,18 +29,18 @@ pub(super) struct Backdrop {
 }
 
 /// The part of a background to model: all of it, or one stratum.
-pub(super) struct Part<'a> {
+pub(super) struct BackgroundPart<'a> {
     /// Colours sampled there.
     pub(super) field: &'a Field,
     /// Whether a pixel belongs to it.
     pub(super) holds: &'a dyn Fn(u32, u32) -> bool,
     /// The secondaries on it.
-    pub(super) secondaries: Vec<&'a Element>,
+    pub(super) secondaries: Vec<&'a ExemplarElement>,
 }
 
 impl Backdrop {
     /// Models a part of the background of a library's exemplar.
-    pub(super) fn new(library: &Library, part: &Part<'_>) -> Self {
+    pub(super) fn new(library: &Library, part: &BackgroundPart<'_>) -> Self {
         let (width, height) = (library.source.width, library.source.height);
         let sites = Interpolant::new(part.field, width, height, Tile::default());
         let side = part.field.spacing.max(8.0);
@@ -91,7 +91,7 @@ impl Backdrop {
 
     /// For each block the mean of the photograph's background minus that of secondaries and samples,
     /// limited by the bare background; smoothed, because secondaries lie across blocks.
-    fn unexplained(&self, library: &Library, part: &Part<'_>) -> Vec<[f64; 3]> {
+    fn unexplained(&self, library: &Library, part: &BackgroundPart<'_>) -> Vec<[f64; 3]> {
         let Some(guide) = &library.guide else { return self.added.clone() };
         let mut photo = vec![[0.0; 4]; self.added.len()];
         let cell = f64::from(guide.cell);
@@ -153,8 +153,11 @@ mod tests {
         // The palette of the library knows two grey values; the guide's background is darker on the left.
         let map = mosaic(200, 15.0, 0.6, 1);
         let library = guided(&map).without_secondaries();
-        let part =
-            Part { field: &library.background(), holds: &|x, y| map.get(x, y) == 0, secondaries: Vec::new() };
+        let part = BackgroundPart {
+            field: &library.background(),
+            holds: &|x, y| map.get(x, y) == 0,
+            secondaries: Vec::new(),
+        };
         let backdrop = Backdrop::new(&library, &part);
         let (left, right) = (backdrop.at([20.0, 100.0])[0], backdrop.at([180.0, 100.0])[0]);
         let known = |x: f64| 40.0 + x * 60.0 / 200.0;

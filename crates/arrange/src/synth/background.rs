@@ -1,9 +1,9 @@
 //! The background field's control points (paper §3.2.3).
 
-use super::backdrop::{Backdrop, Part};
+use super::backdrop::{Backdrop, BackgroundPart};
 use crate::arrange::correspondence::Correspondence;
 use crate::arrange::occupancy::Occupancy;
-use crate::arrange::region::Region;
+use crate::arrange::region::PlacementRegion;
 use std::borrow::Cow;
 use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::{Area, Stream, poisson_disk, stream};
@@ -37,7 +37,7 @@ pub(crate) fn field(
         let of = libraries.iter().zip(&palettes).zip(c.labels()).map(|((library, palette), labels)| {
             let holds = |x: u32, y: u32| labels.get(x, y) == 0;
             let secondaries = library.secondaries().iter().collect();
-            Backdrop::new(library, &Part { field: palette, holds: &holds, secondaries })
+            Backdrop::new(library, &BackgroundPart { field: palette, holds: &holds, secondaries })
         });
         (c, of.collect::<Vec<_>>())
     });
@@ -73,7 +73,7 @@ pub(crate) fn palettes(libraries: &[Library]) -> Vec<Cow<'_, Field>> {
 /// A random colour of the palette, or of several, mixed by the shares of their libraries at a point.
 pub(crate) fn colour(
     palettes: &[Cow<'_, Field>],
-    region: &Region<'_>,
+    region: &PlacementRegion<'_>,
     point: [f64; 2],
     random: &mut Stream,
 ) -> Colour {

@@ -1,6 +1,6 @@
 //! Scenes from what was placed, whichever method placed it.
 
-use crate::arrange::Arrangement;
+use crate::arrange::PlacementResult;
 use crate::arrange::controls::Controls;
 use crate::arrange::variation::Variation;
 use vtex_base::raster::colour::Colour;
@@ -76,8 +76,8 @@ pub(crate) fn compose<'a>(
 
 /// What a placed primary shows, and its transform.
 pub(crate) fn primary<'a>(
-    arrangement: &'a Arrangement<'_>,
-    placed: &crate::arrange::Placed,
+    arrangement: &'a PlacementResult<'_>,
+    placed: &crate::arrange::PlacedElement,
 ) -> (What<'a>, [f64; 6]) {
     let model = arrangement.cells.model();
     let element = &model[placed.element];

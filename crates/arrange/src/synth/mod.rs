@@ -6,9 +6,9 @@
 
 mod backdrop;
 pub(crate) mod background;
+mod canvas_parts;
 pub(crate) mod compose;
 mod neighbourhoods;
-mod parted;
 mod period;
 pub(crate) mod report;
 pub(crate) mod secondaries;
@@ -17,19 +17,19 @@ mod strata;
 mod tests;
 mod units;
 
-pub use crate::arrange::controls::{Controls, Lead};
+pub use crate::arrange::controls::{Controls, StructureGuide};
 pub use crate::arrange::correspondence::Structure;
-pub use report::{CategoryReport, Report};
+pub use report::{CategoryReport, SynthReport};
 pub use strata::{StratumReport, layer_map};
 pub use units::synthesize_with;
 pub use vtex_scene::reconstruct::reconstruct;
 
 use crate::arrange::correspondence::no_guide;
-use crate::arrange::model::Model;
-use crate::arrange::{Arrangement, Task, arrange};
+use crate::arrange::model::PlacementModel;
+use crate::arrange::{PlacementResult, PlacementTask, arrange};
 use compose::{Placement, What, compose};
 use secondaries::PlacedSecondary;
-use strata::Strata;
+use strata::CanvasStrata;
 use vtex_base::error::{Error, Result};
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::library::{Library, SourceKind};
@@ -59,13 +59,13 @@ fn in_pixels(
     params: &SynthParams,
     controls: &Controls,
     progress: &dyn Progress,
-) -> Result<(Scene, Report)> {
+) -> Result<(Scene, SynthReport)> {
     params.validate()?;
     controls.validate(libraries)?;
     check_canvas(params)?;
 
-    if parted::applies(libraries, controls) {
-        return parted::synthesize(libraries, params, controls, progress);
+    if canvas_parts::applies(libraries, controls) {
+        return canvas_parts::synthesize(libraries, params, controls, progress);
     }
     let method = method(libraries, params, controls)?;
     let params = &SynthParams { method, ..params.clone() };
@@ -73,8 +73,8 @@ fn in_pixels(
         return period::synthesize(&libraries[0], params, controls, progress);
     }
     let params = &keeping_apart(libraries, params);
-    let mut model = Model::new(libraries, params);
-    let task = Task { libraries, controls, params, method, fixed: Vec::new() };
+    let mut model = PlacementModel::new(libraries, params);
+    let task = PlacementTask { libraries, controls, params, method, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;
 
     advance(progress, "background field", 0, 2)?;
@@ -85,7 +85,7 @@ fn in_pixels(
     let secondaries = secondaries::place(libraries, &arrangement.cells, &interpolant, correspondence, params);
     advance(progress, "background field", 2, 2)?;
 
-    let strata = Strata::new(libraries, controls, &arrangement, &field, params)?;
+    let strata = CanvasStrata::new(libraries, controls, &arrangement, &field, params)?;
     let layers = match &strata {
         Some(strata) => strata.layers(),
         None => Scene::three_layers(field),
@@ -94,19 +94,19 @@ fn in_pixels(
     let blank = compose::blank(libraries, params, controls, layers);
     let mut scene = compose(blank, InstanceId(0), libraries, placements);
     let strata = strata.map_or_else(Vec::new, |strata| {
-        scene.layers = Strata::drop_empty(std::mem::take(&mut scene.layers));
+        scene.layers = CanvasStrata::drop_empty(std::mem::take(&mut scene.layers));
         strata.report
     });
-    let report = Report { strata, ..Report::of_arrangement(libraries, &arrangement, &scene) };
+    let report = SynthReport { strata, ..SynthReport::of_arrangement(libraries, &arrangement, &scene) };
     Ok((scene, report))
 }
 
 /// Secondaries, then primaries, each in the layer of its stratum.
 fn placements<'a>(
     libraries: &'a [Library],
-    arrangement: &'a Arrangement<'_>,
+    arrangement: &'a PlacementResult<'_>,
     secondaries: &'a [PlacedSecondary],
-    strata: Option<&'a Strata>,
+    strata: Option<&'a CanvasStrata>,
 ) -> impl Iterator<Item = Placement<'a>> {
     let below = secondaries.iter().map(move |p| Placement {
         what: What::Known(
@@ -115,12 +115,12 @@ fn placements<'a>(
             Some(p.colour),
         ),
         transform: compose::at(&arrangement.cells.model().variations[usize::from(p.variation)], p.at),
-        layer: Strata::layer(strata.map_or(0, |strata| strata.of_secondary(p)), Role::Secondary),
+        layer: CanvasStrata::layer(strata.map_or(0, |strata| strata.of_secondary(p)), Role::Secondary),
     });
     let above = arrangement.placed.iter().map(move |p| {
         let (what, transform) = compose::primary(arrangement, p);
-        let of = |strata: &Strata| strata.of_primary(&libraries[0], arrangement, p.element, p.at);
-        Placement { what, transform, layer: Strata::layer(strata.map_or(0, of), Role::Primary) }
+        let of = |strata: &CanvasStrata| strata.of_primary(&libraries[0], arrangement, p.element, p.at);
+        Placement { what, transform, layer: CanvasStrata::layer(strata.map_or(0, of), Role::Primary) }
     });
     below.chain(above)
 }
@@ -165,7 +165,7 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
     // Ablations that correspondences support.
     let of_both = |part: &Ablation| *part == Ablation::Secondary;
     let plain = params.weights == Weights::default() && params.ablate.iter().all(of_both);
-    let led = controls.lead.is_some();
+    let led = controls.structure.is_some();
     match params.method {
         Method::Auto if led && guided && plain => Ok(Method::Correspondence),
         Method::Correspondence if guided => Ok(Method::Correspondence),
@@ -198,9 +198,9 @@ pub(crate) fn primaries_alone(
     progress: &dyn Progress,
 ) -> Result<(Scene, Vec<f64>)> {
     let controls = Controls::default();
-    let mut model = Model::new(libraries, params);
+    let mut model = PlacementModel::new(libraries, params);
     let method = Method::Descriptor;
-    let task = Task { libraries, controls: &controls, params, method, fixed: Vec::new() };
+    let task = PlacementTask { libraries, controls: &controls, params, method, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;
     let canvas = f64::from(params.width) * f64::from(params.height);
     let covered = arrangement.covered_before.iter().map(|&cells| cells as f64 / canvas).collect();

@@ -4,10 +4,10 @@ use crate::arrange::sites::Buckets;
 use crate::arrange::variation::Variation;
 use vtex_base::raster::LabelMap;
 use vtex_base::sampling::Stream;
-use vtex_scene::library::{Element, Library};
+use vtex_scene::library::{ExemplarElement, Library};
 
 /// The exemplar's secondaries and its map of primaries.
-pub(super) struct Exemplar {
+pub(super) struct ExemplarSecondaries {
     primaries: LabelMap,
     origins: Vec<[i32; 2]>,
     buckets: Buckets,
@@ -16,10 +16,10 @@ pub(super) struct Exemplar {
     reach: f64,
 }
 
-impl Exemplar {
+impl ExemplarSecondaries {
     /// Prepares neighbourhoods of radius `reach`, in pixels.
     pub(super) fn new(library: &Library, reach: f64) -> Self {
-        let origins: Vec<[i32; 2]> = library.secondaries().iter().map(Element::origin).collect();
+        let origins: Vec<[i32; 2]> = library.secondaries().iter().map(ExemplarElement::origin).collect();
         let (w, h) = (f64::from(library.source.width), f64::from(library.source.height));
         let inside = |v: i32, size: f64| f64::from(v) >= reach && f64::from(v) <= size - reach;
         let mut sources: Vec<u32> = (0..origins.len() as u32)

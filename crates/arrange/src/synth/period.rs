@@ -1,7 +1,7 @@
 //! Periodic drawings: textures placed by the drawing's period ([`crate::arrange::period`]).
 
 use super::compose::{self, Placement, What, compose};
-use super::report::{CategoryReport, Report};
+use super::report::{CategoryReport, SynthReport};
 use crate::arrange::controls::Controls;
 use crate::arrange::period::{PeriodCopy, Repeated, place};
 use vtex_base::error::Result;
@@ -20,7 +20,7 @@ pub(super) fn applies(libraries: &[Library], params: &SynthParams, controls: &Co
         && !library.is_layered();
     let clips = controls.domain.is_none() || params.edge == Edge::Clip;
     let varied = params.rotate > 0.0 || params.mirror || params.scale_jitter > 0.0;
-    drawn && clips && !varied && controls.density.is_none() && controls.lead.is_none()
+    drawn && clips && !varied && controls.density.is_none() && controls.structure.is_none()
 }
 
 /// A texture of the exemplar's period, and how close it came.
@@ -32,7 +32,7 @@ pub(super) fn synthesize(
     params: &SynthParams,
     controls: &Controls,
     progress: &dyn Progress,
-) -> Result<(Scene, Report)> {
+) -> Result<(Scene, SynthReport)> {
     let repeated = place(library, params, progress)?;
     let params = SynthParams { variation: Some(repeated.variation), ..params.clone() };
     let libraries = std::slice::from_ref(library);
@@ -45,10 +45,10 @@ pub(super) fn synthesize(
     let scene = compose(blank, InstanceId(0), libraries, placements(library, &params, &repeated));
     let covered = library.categories.iter().zip(&repeated.covered);
     let categories = covered.map(|(c, &got)| CategoryReport { wanted: c.coverage, got }).collect();
-    let report = Report {
+    let report = SynthReport {
         coverage_wanted: library.coverage,
         period: repeated.repeating,
-        ..Report::of_scene(libraries, &scene, categories)
+        ..SynthReport::of_scene(libraries, &scene, categories)
     };
     Ok((scene, report))
 }

@@ -1,7 +1,7 @@
 //! Figures that say how close a synthesised scene is to its exemplar.
 
 use super::strata::StratumReport;
-use crate::arrange::Arrangement;
+use crate::arrange::PlacementResult;
 use crate::arrange::correspondence::Structure;
 use serde::Serialize;
 use vtex_scene::library::{Category, Library};
@@ -10,7 +10,7 @@ use vtex_scene::statistics::{Overlap, Repetition};
 
 /// Coverage wanted and reached, and the steps taken. Shares are of the canvas, 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub struct SynthReport {
     /// Share of the canvas that primaries should cover. For one library without maps and domain it is the
     /// exemplar's.
     pub coverage_wanted: f64,
@@ -58,7 +58,7 @@ pub struct CategoryReport {
     pub got: f64,
 }
 
-impl Report {
+impl SynthReport {
     /// What can be told of any scene, given how much its categories cover. Nothing is known of how it was placed.
     pub(super) fn of_scene(libraries: &[Library], scene: &Scene, categories: Vec<CategoryReport>) -> Self {
         let sum = |of: fn(&CategoryReport) -> f64| categories.iter().map(of).sum::<f64>();
@@ -86,10 +86,10 @@ impl Report {
     /// The report of a scene that was composed of an arrangement.
     pub(crate) fn of_arrangement(
         libraries: &[Library],
-        arrangement: &Arrangement<'_>,
+        arrangement: &PlacementResult<'_>,
         scene: &Scene,
     ) -> Self {
-        let Arrangement { cells: map, descriptors, correction, .. } = arrangement;
+        let PlacementResult { cells: map, descriptors, correction, .. } = arrangement;
         let canvas = f64::from(scene.width) * f64::from(scene.height);
         let wanted = map.region.wanted(map.model());
         let wanted = |c: usize| wanted.iter().map(|zone| zone[c]).sum::<f64>() / canvas;

@@ -9,7 +9,7 @@
 //!
 //! Works badly where secondaries form structures larger than a cell, because these are cut.
 
-use super::neighbourhoods::Exemplar;
+use super::neighbourhoods::ExemplarSecondaries;
 use crate::arrange::correspondence::{Arrived, Correspondence};
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::{Sites, scattered};
@@ -18,7 +18,7 @@ use vtex_base::geometry::Point;
 use vtex_base::parallel;
 use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::{Stream, stream};
-use vtex_scene::library::{Element, Library};
+use vtex_scene::library::{ExemplarElement, Library};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Ablation, SynthParams};
 
@@ -50,7 +50,7 @@ pub(crate) struct PlacedSecondary {
 
 /// A secondary of one library and its position, before it has a colour.
 #[derive(Clone, Copy)]
-struct Place {
+struct SecondaryPlace {
     secondary: u32,
     at: [i32; 2],
     variation: u16,
@@ -73,11 +73,11 @@ pub(crate) fn place(
     if map.region.all_carried() {
         return came;
     }
-    let parts = Parts::new(libraries, map, params.seed);
+    let parts = SecondaryRegions::new(libraries, map, params.seed);
     let mut placed = Vec::new();
     for (number, library) in libraries.iter().enumerate() {
         let Some(radius) = radius(library) else { continue };
-        let task = Task { number, library, map, radius, params };
+        let task = SecondaryTask { number, library, map, radius, params };
         placed.extend(task.places(&parts).into_iter().map(|place| task.placed(place)));
     }
     let mut placed = painted(libraries, placed, field);
@@ -112,7 +112,7 @@ fn arrived(
             });
         }
         let seen = |p: &PlacedSecondary| {
-            let place = Place { secondary: p.secondary, at: p.at, variation: p.variation };
+            let place = SecondaryPlace { secondary: p.secondary, at: p.at, variation: p.variation };
             visible(map, &samples[p.secondary as usize], &place) >= LEAST_VISIBLE
         };
         let seen = parallel::map(&came, seen).into_iter();
@@ -173,12 +173,12 @@ impl PlacedSecondary {
 }
 
 /// The parts of the canvas that each library's secondaries fill.
-struct Parts {
+struct SecondaryRegions {
     /// Sites and the library of each; `None` for a single library.
     sites: Option<(Sites, Vec<usize>)>,
 }
 
-impl Parts {
+impl SecondaryRegions {
     /// Divides the canvas into cells the size of a neighbourhood, and draws the library of each by its share.
     fn new(libraries: &[Library], map: &Occupancy<'_>, seed: u64) -> Self {
         let reach = libraries.iter().filter_map(radius).fold(f64::INFINITY, f64::min) * CELL;
@@ -198,7 +198,7 @@ impl Parts {
 }
 
 /// The secondaries of one library.
-struct Task<'t, 'a> {
+struct SecondaryTask<'t, 'a> {
     number: usize,
     library: &'t Library,
     map: &'t Occupancy<'a>,
@@ -207,15 +207,15 @@ struct Task<'t, 'a> {
     params: &'t SynthParams,
 }
 
-impl Task<'_, '_> {
+impl SecondaryTask<'_, '_> {
     /// A placed secondary without a colour yet.
-    fn placed(&self, Place { secondary, at, variation }: Place) -> PlacedSecondary {
+    fn placed(&self, SecondaryPlace { secondary, at, variation }: SecondaryPlace) -> PlacedSecondary {
         PlacedSecondary { library: self.number, secondary, at, variation, colour: Colour([0; 3]) }
     }
 
-    fn places(&self, parts: &Parts) -> Vec<Place> {
+    fn places(&self, parts: &SecondaryRegions) -> Vec<SecondaryPlace> {
         let samples: Vec<Vec<[f64; 2]>> = self.library.secondaries().iter().map(samples).collect();
-        let fits = |p: &Place| {
+        let fits = |p: &SecondaryPlace| {
             !is_served(self.map, p.at)
                 && parts.belongs(p.at, self.number)
                 && visible(self.map, &samples[p.secondary as usize], p) >= LEAST_VISIBLE
@@ -230,14 +230,14 @@ impl Task<'_, '_> {
     }
 
     /// All secondaries of the chosen neighbourhoods.
-    fn neighbourhoods(&self) -> Vec<Place> {
+    fn neighbourhoods(&self) -> Vec<SecondaryPlace> {
         let (map, seed) = (self.map, self.params.seed);
         let reach = CELL * self.radius;
         // Each library has its own stream, so its draws do not depend on the others.
         let item = |i: usize| (self.number as u64) << 40 | i as u64;
         // Cells just outside the canvas reach into it.
         let sites = scattered(&map.grid, reach, reach, &mut stream(seed, "synth/secondaries", item(0)));
-        let exemplar = Exemplar::new(self.library, reach);
+        let exemplar = ExemplarSecondaries::new(self.library, reach);
         let indices: Vec<usize> = (0..sites.centres().len()).collect();
         let cells = parallel::map(&indices, |&i| {
             let mut random = stream(seed, "synth/neighbourhood", item(i));
@@ -250,11 +250,11 @@ impl Task<'_, '_> {
     /// The secondaries of an exemplar neighbourhood that matches a place, where they fall into its cell.
     fn neighbourhood(
         &self,
-        exemplar: &Exemplar,
+        exemplar: &ExemplarSecondaries,
         here: [i32; 2],
         in_cell: impl Fn([i32; 2]) -> bool,
         random: &mut Stream,
-    ) -> Vec<Place> {
+    ) -> Vec<SecondaryPlace> {
         let map = self.map;
         let [mx, my] = map.grid.margin;
         let free = |x: i32, y: i32| {
@@ -272,7 +272,7 @@ impl Task<'_, '_> {
             if in_cell(at) {
                 let density = map.region.density(at.map(f64::from));
                 if density >= 1.0 || random.chance(density) {
-                    found.push(Place { secondary, at: self.canonical(at), variation });
+                    found.push(SecondaryPlace { secondary, at: self.canonical(at), variation });
                 }
             }
         });
@@ -287,7 +287,7 @@ impl Task<'_, '_> {
     }
 
     /// Adds single secondaries in the gaps until the wanted number per area of free background is reached.
-    fn fill_gaps(&self, places: &mut Vec<Place>, fits: impl Fn(&Place) -> bool) {
+    fn fill_gaps(&self, places: &mut Vec<SecondaryPlace>, fits: impl Fn(&SecondaryPlace) -> bool) {
         let (map, radius) = (self.map, self.radius);
         let categories = map.model().sources[self.number].categories.clone();
         let background = |zone: usize| {
@@ -318,7 +318,7 @@ impl Task<'_, '_> {
         let variations = &map.model().variations;
         let single = |at| {
             let secondary = random.index(count) as u32;
-            Place { secondary, at, variation: drawn(variations, &mut random) }
+            SecondaryPlace { secondary, at, variation: drawn(variations, &mut random) }
         };
         let singles = gaps.into_iter().map(single).filter(fits);
         places.extend(singles.take(missing as usize));
@@ -326,13 +326,13 @@ impl Task<'_, '_> {
 }
 
 /// Secondaries of one library for the gaps of an existing arrangement.
-pub(crate) struct Finder<'t, 'a> {
-    task: Task<'t, 'a>,
-    exemplar: Exemplar,
+pub(crate) struct SecondaryFinder<'t, 'a> {
+    task: SecondaryTask<'t, 'a>,
+    exemplar: ExemplarSecondaries,
     samples: Vec<Vec<[f64; 2]>>,
 }
 
-impl<'t, 'a> Finder<'t, 'a> {
+impl<'t, 'a> SecondaryFinder<'t, 'a> {
     /// For a library by its number; `None` if it has no secondaries.
     pub(crate) fn new(
         number: usize,
@@ -342,8 +342,8 @@ impl<'t, 'a> Finder<'t, 'a> {
     ) -> Option<Self> {
         let radius = radius(library)?;
         let samples = library.secondaries().iter().map(samples).collect();
-        let exemplar = Exemplar::new(library, CELL * radius);
-        Some(Self { task: Task { number, library, map, radius, params }, exemplar, samples })
+        let exemplar = ExemplarSecondaries::new(library, CELL * radius);
+        Some(Self { task: SecondaryTask { number, library, map, radius, params }, exemplar, samples })
     }
 
     /// Radius of a Poisson-disk set of the exemplar's density of secondaries, in pixels.
@@ -353,10 +353,10 @@ impl<'t, 'a> Finder<'t, 'a> {
 
     /// Whether enough of a secondary is visible.
     pub(crate) fn fits(&self, p: &PlacedSecondary) -> bool {
-        self.sees(&Place { secondary: p.secondary, at: p.at, variation: p.variation })
+        self.sees(&SecondaryPlace { secondary: p.secondary, at: p.at, variation: p.variation })
     }
 
-    fn sees(&self, place: &Place) -> bool {
+    fn sees(&self, place: &SecondaryPlace) -> bool {
         visible(self.task.map, &self.samples[place.secondary as usize], place) >= LEAST_VISIBLE
     }
 
@@ -374,8 +374,8 @@ impl<'t, 'a> Finder<'t, 'a> {
 
     /// Single secondaries in the gaps between existing ones, where the library has more than half the share.
     pub(crate) fn singles(&self, standing: Vec<[i32; 2]>) -> Vec<PlacedSecondary> {
-        let mut places: Vec<Place> =
-            standing.into_iter().map(|at| Place { secondary: 0, at, variation: 0 }).collect();
+        let mut places: Vec<SecondaryPlace> =
+            standing.into_iter().map(|at| SecondaryPlace { secondary: 0, at, variation: 0 }).collect();
         let count = places.len();
         let region = &self.task.map.region;
         let own =
@@ -409,7 +409,7 @@ fn radius(library: &Library) -> Option<f64> {
 
 /// Sample points of a secondary, relative to its origin: its centre and the points of its outline, moved a
 /// little towards the centre.
-fn samples(secondary: &Element) -> Vec<[f64; 2]> {
+fn samples(secondary: &ExemplarElement) -> Vec<[f64; 2]> {
     let origin = secondary.origin().map(f64::from);
     let [cx, cy] = secondary.centroid;
     let inner = |p: Point| [cx + (p.x - cx) * 0.7 - origin[0], cy + (p.y - cy) * 0.7 - origin[1]];
@@ -418,7 +418,7 @@ fn samples(secondary: &Element) -> Vec<[f64; 2]> {
 }
 
 /// Share of the sample points that lie in the domain and are not covered by primaries.
-fn visible(map: &Occupancy<'_>, samples: &[[f64; 2]], place: &Place) -> f64 {
+fn visible(map: &Occupancy<'_>, samples: &[[f64; 2]], place: &SecondaryPlace) -> f64 {
     let variation = &map.model().variations[usize::from(place.variation)];
     let free = |p: &&[f64; 2]| {
         let p = variation.of_point(**p);
@@ -446,8 +446,10 @@ mod tests {
     fn no_secondary_is_darker_or_lighter_than_those_of_the_exemplar() {
         let library = vtex_scene::library::testing::library(&vtex_base::raster::LabelMap::filled(40, 40, 0));
         let own = library.secondaries()[0].clone();
-        let secondary =
-            |r: u8| Element { colour: vtex_base::raster::colour::Colour([r, 90, 200]), ..own.clone() };
+        let secondary = |r: u8| ExemplarElement {
+            colour: vtex_base::raster::colour::Colour([r, 90, 200]),
+            ..own.clone()
+        };
         let library = library.without_secondaries();
         assert_eq!(tones(&library), [[0.0, 255.0]; 3]);
         let library = library.with_secondaries((0..=200).map(secondary).collect());

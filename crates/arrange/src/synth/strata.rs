@@ -14,20 +14,20 @@
 
 mod near;
 
-use super::backdrop::{Backdrop, Part};
+use super::backdrop::{Backdrop, BackgroundPart};
 use super::secondaries::PlacedSecondary;
-use crate::arrange::Arrangement;
-use crate::arrange::controls::{Controls, Lead};
+use crate::arrange::PlacementResult;
+use crate::arrange::controls::{Controls, StructureGuide};
 use crate::arrange::correspondence::Correspondence;
 use crate::arrange::model::PlaceableId;
-use near::Near;
+use near::NearbyPlaces;
 use serde::Serialize;
 use vtex_base::error::Result;
 use vtex_base::geometry::Outline;
 use vtex_base::parallel;
 use vtex_base::raster::LabelMap;
 use vtex_base::raster::colour::Colour;
-use vtex_field::layers::{Exemplar, Layer as Nested, LayerMap};
+use vtex_field::layers::{LayerExemplar, LayerMap, MapLayer};
 use vtex_scene::library::{Library, Stratum};
 use vtex_scene::scene::{ControlPoint, Field, Layer, Role, SynthParams};
 
@@ -43,7 +43,7 @@ const BEYOND: f64 = 1.5;
 /// The strata of a library's exemplar as a layer map of the exemplar's size; one layer if the exemplar is
 /// homogeneous.
 pub fn layer_map(library: &Library) -> LayerMap {
-    let layer = |s: Stratum<'_>| Nested { name: s.name().into(), colour: s.colour() };
+    let layer = |s: Stratum<'_>| MapLayer { name: s.name().into(), colour: s.colour() };
     LayerMap { labels: library.strata_labels(), layers: library.strata().into_iter().map(layer).collect() }
 }
 
@@ -65,7 +65,7 @@ pub struct StratumReport {
 }
 
 /// The strata of a canvas.
-pub(crate) struct Strata {
+pub(crate) struct CanvasStrata {
     map: LayerMap,
     /// The background layer of each, with its region and field.
     backgrounds: Vec<Layer>,
@@ -77,13 +77,13 @@ pub(crate) struct Strata {
     pub(super) report: Vec<StratumReport>,
 }
 
-impl Strata {
+impl CanvasStrata {
     /// The strata of an arrangement; `None` for a homogeneous library, several libraries, or an arrangement
     /// without a correspondence field. `field` is the background of the whole canvas.
     pub(super) fn new(
         libraries: &[Library],
         controls: &Controls,
-        arrangement: &Arrangement<'_>,
+        arrangement: &PlacementResult<'_>,
         field: &Field,
         params: &SynthParams,
     ) -> Result<Option<Self>> {
@@ -101,7 +101,7 @@ impl Strata {
         let of_elements = library.strata_of_elements();
         let least = LayerMap::least_element([library.source.width, library.source.height]);
         let wanted = map.shares();
-        let map = map.settled(|i| {
+        let map = map.with_whole_elements(|i| {
             let at = [i % params.width as usize, i / params.width as usize].map(|v| v as i32);
             let top = arrangement.cells.top(at)?;
             own_stratum(library, arrangement, top, &of_elements, least)
@@ -129,7 +129,7 @@ impl Strata {
     pub(super) fn of_primary(
         &self,
         library: &Library,
-        arrangement: &Arrangement<'_>,
+        arrangement: &PlacementResult<'_>,
         element: PlaceableId,
         at: [i32; 2],
     ) -> usize {
@@ -175,7 +175,7 @@ impl Strata {
         &self,
         library: &Library,
         exemplar: &LayerMap,
-        (correspondence, arrangement): (&Correspondence, &Arrangement<'_>),
+        (correspondence, arrangement): (&Correspondence, &PlacementResult<'_>),
         field: &Field,
         params: &SynthParams,
     ) -> Vec<Layer> {
@@ -190,9 +190,10 @@ impl Strata {
             let holds = |x: u32, y: u32| primaries.get(x, y) == 0 && exemplar.labels.get(x, y) as usize == k;
             let secondaries = own[k].iter().map(|&i| &library.elements[i]);
             let secondaries = secondaries.filter(|e| e.category.is_none()).collect();
-            let backdrop = Backdrop::new(library, &Part { field: stratum.field, holds: &holds, secondaries });
+            let backdrop =
+                Backdrop::new(library, &BackgroundPart { field: stratum.field, holds: &holds, secondaries });
             let crisp = crispness(library, &exemplar.labels, k as u32);
-            let near = Near::new(&self.map.labels, k as u32, BEYOND * field.spacing);
+            let near = NearbyPlaces::new(&self.map.labels, k as u32, BEYOND * field.spacing);
             let point = |p: &ControlPoint| {
                 if !near.holds([p.x, p.y]) {
                     return None;
@@ -223,7 +224,7 @@ impl Strata {
 /// `got` is the map after that.
 fn report(
     library: &Library,
-    arrangement: &Arrangement<'_>,
+    arrangement: &PlacementResult<'_>,
     exemplar: &LayerMap,
     (wanted, got): (&[f64], &LayerMap),
 ) -> Vec<StratumReport> {
@@ -242,7 +243,7 @@ fn report(
     let coverage =
         covered(got, &|i| arrangement.cells.top([i % width, i / width].map(|v| v as i32)).is_some());
     let area = got.shares();
-    let of = |(k, layer): (usize, &Nested)| StratumReport {
+    let of = |(k, layer): (usize, &MapLayer)| StratumReport {
         name: layer.name.clone(),
         colour: layer.colour,
         area_wanted: wanted[k],
@@ -257,15 +258,15 @@ fn report(
 fn map(
     exemplar: &LayerMap,
     correspondence: &Correspondence,
-    arrangement: &Arrangement<'_>,
+    arrangement: &PlacementResult<'_>,
     controls: &Controls,
     params: &SynthParams,
 ) -> Result<LayerMap> {
     let size = [params.width, params.height];
     let wrap = [params.tile.x, params.tile.y];
-    let nested = Exemplar { map: exemplar, photograph: None };
-    if let Some(Lead::Strata(given)) = &controls.lead {
-        return nested.parted(&stretched(given, size), wrap);
+    let nested = LayerExemplar { map: exemplar, photograph: None };
+    if let Some(StructureGuide::Strata(given)) = &controls.structure {
+        return nested.separated(&stretched(given, size), wrap);
     }
     let cells = correspondence.labels_of_cells(arrangement.cells.model(), &exemplar.labels, size);
     nested.smoothed_cells(&cells, size.map(|v| v as usize), wrap)
@@ -280,7 +281,7 @@ fn stretched(map: &LabelMap, [width, height]: [u32; 2]) -> LabelMap {
 /// The stratum of an element if it is large enough to keep its own.
 fn own_stratum(
     library: &Library,
-    arrangement: &Arrangement<'_>,
+    arrangement: &PlacementResult<'_>,
     element: PlaceableId,
     of_elements: &[u8],
     least: u32,

@@ -1,7 +1,7 @@
 //! Properties of whole synthesised scenes.
 
-use super::{Controls, Report, reconstruct, synthesize, synthesize_with};
-use crate::arrange::model::{Model, PlaceableId};
+use super::{Controls, SynthReport, reconstruct, synthesize, synthesize_with};
+use crate::arrange::model::{PlaceableId, PlacementModel};
 use vtex_base::document::Document;
 use vtex_base::error::Error;
 use vtex_base::raster::LabelMap;
@@ -13,13 +13,13 @@ fn params(width: u32, height: u32, seed: u64) -> SynthParams {
     SynthParams { width, height, seed, ..SynthParams::default() }
 }
 
-fn run(library: &Library, params: &SynthParams) -> (Scene, Report) {
+fn run(library: &Library, params: &SynthParams) -> (Scene, SynthReport) {
     synthesize_with(std::slice::from_ref(library), params, &Controls::default(), &()).unwrap()
 }
 
 /// The instances of a scene painted on a map of instance indices, from 1.
 fn painted(library: &Library, scene: &Scene) -> LabelMap {
-    let model = Model::new(std::slice::from_ref(library), &SynthParams::default());
+    let model = PlacementModel::new(std::slice::from_ref(library), &SynthParams::default());
     let mut map = LabelMap::filled(scene.width, scene.height, 0);
     for (i, instance) in scene.primary().iter().enumerate() {
         let shape = model.plain(PlaceableId(scene.element(instance).source.unwrap().0));
@@ -123,7 +123,7 @@ fn little_is_hidden() {
         let (scene, _) = run(&library, &params(400, 400, 7));
         let map = painted(&library, &scene);
         let areas = map.areas();
-        let model = Model::new(std::slice::from_ref(&library), &SynthParams::default());
+        let model = PlacementModel::new(std::slice::from_ref(&library), &SynthParams::default());
         let (mut visible, mut whole) = (0u32, 0u32);
         for (i, instance) in scene.primary().iter().enumerate() {
             let shape = model.plain(PlaceableId(scene.element(instance).source.unwrap().0));
@@ -248,7 +248,7 @@ fn refused_are_bad_parameters_and_other_numbers_of_maps() {
 #[test]
 fn asked_to_stop_it_stops() {
     let library = library(&mosaic(60, 16.0, 0.9, 13));
-    let result = synthesize(&library, &params(90, 90, 0), &vtex_testing::Stop);
+    let result = synthesize(&library, &params(90, 90, 0), &vtex_testing::StopAtOnce);
     assert!(matches!(result, Err(Error::Interrupted)));
 }
 

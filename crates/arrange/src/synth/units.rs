@@ -4,7 +4,7 @@
 //! Of photographs the canvas has as many pixels for a unit as the finest of them; of drawings alone as many
 //! as their arrangements, unless the canvas is too large for that.
 
-use super::{Controls, Report, check_canvas, in_pixels, method};
+use super::{Controls, SynthReport, check_canvas, in_pixels, method};
 use crate::arrange::period::check_periods;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::Affine;
@@ -26,7 +26,7 @@ pub fn synthesize_with(
     params: &SynthParams,
     controls: &Controls,
     progress: &dyn Progress,
-) -> Result<(Scene, Report)> {
+) -> Result<(Scene, SynthReport)> {
     if libraries.iter().all(Library::is_in_pixels) {
         return in_pixels(libraries, params, controls, progress);
     }

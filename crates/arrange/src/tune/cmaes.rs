@@ -8,8 +8,8 @@
 use vtex_base::sampling::Stream;
 use vtex_base::symmetric::Symmetric;
 
-/// A search; [`Search::ask`] and [`Search::tell`] take turns.
-pub(super) struct Search<const N: usize> {
+/// A search; [`CmaEs::ask`] and [`CmaEs::tell`] take turns.
+pub(super) struct CmaEs<const N: usize> {
     /// Where the distribution is centred: under noise a better answer than the best point drawn.
     pub(super) mean: [f64; N],
     step: f64,
@@ -35,7 +35,7 @@ struct Rates {
     many: f64,
 }
 
-impl<const N: usize> Search<N> {
+impl<const N: usize> CmaEs<N> {
     /// Around a point, with a first step size.
     pub(super) fn new(mean: [f64; N], step: f64) -> Self {
         let n = N as f64;
@@ -83,7 +83,7 @@ impl<const N: usize> Search<N> {
         (0..self.population).map(point).collect()
     }
 
-    /// Takes the values of the points that [`Search::ask`] gave, of which less is better. Ties go
+    /// Takes the values of the points that [`CmaEs::ask`] gave, of which less is better. Ties go
     /// to the first, and what is no number is the worst.
     pub(super) fn tell(&mut self, points: &[[f64; N]], values: &[f64]) {
         let mut order: Vec<usize> = (0..points.len().min(values.len())).collect();
@@ -154,13 +154,9 @@ mod tests {
     use super::*;
     use vtex_base::sampling::stream;
 
-    fn minimum<const N: usize>(
-        start: [f64; N],
-        generations: usize,
-        f: impl Fn([f64; N]) -> f64,
-    ) -> Search<N> {
+    fn minimum<const N: usize>(start: [f64; N], generations: usize, f: impl Fn([f64; N]) -> f64) -> CmaEs<N> {
         let mut random = stream(1, "cmaes test", 0);
-        let mut search = Search::new(start, 0.5);
+        let mut search = CmaEs::new(start, 0.5);
         for _ in 0..generations {
             let points = search.ask(&mut random);
             let values: Vec<f64> = points.iter().map(|p| f(*p)).collect();

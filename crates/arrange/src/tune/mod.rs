@@ -39,7 +39,7 @@ use vtex_scene::library::Library;
 use vtex_scene::scene::LibraryId;
 use vtex_scene::scene::{SynthParams, Weights};
 use vtex_scene::statistics::{
-    Correlation, Layout, Overlap, Repetition, largest_categories, neighbour_distance,
+    Layout, Overlap, PairCorrelations, Repetition, largest_categories, neighbour_distance,
 };
 
 /// Name of the stage.
@@ -110,13 +110,13 @@ struct Judge<'a> {
     params: &'a TuneParams,
     categories: Vec<CategoryId>,
     unit: f64,
-    exemplar: Correlation,
+    exemplar: PairCorrelations,
 }
 
 /// The part of one canvas in the terms.
 struct Sample {
     terms: Terms,
-    correlation: Correlation,
+    correlation: PairCorrelations,
 }
 
 impl<'a> Judge<'a> {
@@ -124,7 +124,7 @@ impl<'a> Judge<'a> {
         let categories = largest_categories(library);
         let unit = neighbour_distance(library);
         let exemplar =
-            Correlation::new(&Layout::of_library(library), LibraryId::default(), &categories, unit);
+            PairCorrelations::new(&Layout::of_library(library), LibraryId::default(), &categories, unit);
         Self { library, params, categories, unit, exemplar }
     }
 
@@ -152,7 +152,7 @@ impl<'a> Judge<'a> {
         };
         Ok(Sample {
             terms,
-            correlation: Correlation::new(&layout, LibraryId::default(), &self.categories, self.unit),
+            correlation: PairCorrelations::new(&layout, LibraryId::default(), &self.categories, self.unit),
         })
     }
 
@@ -161,7 +161,7 @@ impl<'a> Judge<'a> {
         let mean = |f: fn(&Terms) -> f64| {
             samples.iter().map(|s| f(&s.terms)).sum::<f64>() / samples.len().max(1) as f64
         };
-        let mut curves: Option<Correlation> = None;
+        let mut curves: Option<PairCorrelations> = None;
         for s in samples {
             match &mut curves {
                 Some(sum) => sum.add(&s.correlation),
@@ -189,7 +189,7 @@ pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> 
     let judge = Judge::new(&library, params);
     let begin = &params.synth.weights;
     let mut random = stream(params.synth.seed, "tune/search", 0);
-    let mut search = cmaes::Search::new(coordinates(begin), STEP);
+    let mut search = cmaes::CmaEs::new(coordinates(begin), STEP);
     let mut canvases = stream(params.synth.seed, "tune/canvases", 0);
     let mut seeds = |count: u32| -> Vec<u64> { (0..count).map(|_| canvases.bits()).collect() };
     let total = u64::from(params.evaluations);
@@ -198,7 +198,7 @@ pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> 
     while tried < params.evaluations {
         let points = search.ask(&mut random);
         let weights: Vec<Weights> = points.iter().map(|p| at(begin, *p)).collect();
-        let watch = Watch { progress, done: u64::from(tried), total };
+        let watch = TuneProgress { progress, done: u64::from(tried), total };
         let terms = judge.terms(&weights, &seeds(params.seeds), &watch)?;
         let values: Vec<f64> = terms.iter().map(Terms::objective).collect();
         search.tell(&points, &values);
@@ -206,7 +206,7 @@ pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> 
         advance(progress, STAGE, u64::from(tried).min(total), total)?;
     }
     let found = at(begin, search.mean);
-    let watch = Watch { progress, done: total, total };
+    let watch = TuneProgress { progress, done: total, total };
     let judged = judge.terms(&[begin.clone(), found.clone()], &seeds(params.seeds * UNSEEN), &watch)?;
     let better = judged[1].objective() < judged[0].objective();
     let (weights, after) = if better { (found, judged[1]) } else { (begin.clone(), judged[0]) };
@@ -257,13 +257,13 @@ fn at(begin: &Weights, point: [f64; 4]) -> Weights {
 
 /// Shows how far the search is, whatever the placements within it report, and stops them when
 /// asked to.
-struct Watch<'a> {
+struct TuneProgress<'a> {
     progress: &'a dyn Progress,
     done: u64,
     total: u64,
 }
 
-impl Progress for Watch<'_> {
+impl Progress for TuneProgress<'_> {
     fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
         self.progress.advance(STAGE, self.done, self.total)
     }

@@ -50,15 +50,15 @@ fn bad_parameters_are_refused_and_without_textons_nothing_changes() {
 
 #[test]
 fn asked_to_stop_it_stops() {
-    struct Stop;
-    impl Progress for Stop {
+    struct StopEarly;
+    impl Progress for StopEarly {
         fn advance(&self, stage: &'static str, done: u64, _: u64) -> bool {
             assert_eq!(stage, STAGE);
             done < 8
         }
     }
     let library = library(&mosaic(100, 14.0, 0.8, 2));
-    assert!(matches!(tune(&library, &params(1, 100), &Stop), Err(Error::Interrupted)));
+    assert!(matches!(tune(&library, &params(1, 100), &StopEarly), Err(Error::Interrupted)));
 }
 
 #[test]

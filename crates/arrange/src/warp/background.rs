@@ -5,7 +5,7 @@ use super::{Bend, NO_STRETCH};
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::Sites;
 use crate::synth::background;
-use crate::synth::secondaries::{self, CELL, Finder, PlacedSecondary};
+use crate::synth::secondaries::{self, CELL, PlacedSecondary, SecondaryFinder};
 use std::collections::BTreeMap;
 use vtex_base::sampling::{Area, Stream, poisson_disk, stream};
 use vtex_scene::library::Library;
@@ -22,7 +22,7 @@ const CROWDED_POINTS: f64 = 0.8;
 const MARGIN: f64 = 2.0;
 
 /// A secondary of the result.
-pub(super) enum Secondary<'s> {
+pub(super) enum WarpedSecondary<'s> {
     /// An instance of the scene at its new place.
     Carried { instance: &'s Instance, place: [f64; 2] },
     /// A new one that fills a gap.
@@ -76,9 +76,12 @@ pub(super) fn secondaries<'s>(
     interpolant: &Interpolant,
     bend: &Bend,
     params: &SynthParams,
-) -> Vec<Secondary<'s>> {
-    let finders: Vec<Option<Finder<'_, '_>>> =
-        libraries.iter().enumerate().map(|(k, library)| Finder::new(k, library, map, params)).collect();
+) -> Vec<WarpedSecondary<'s>> {
+    let finders: Vec<Option<SecondaryFinder<'_, '_>>> = libraries
+        .iter()
+        .enumerate()
+        .map(|(k, library)| SecondaryFinder::new(k, library, map, params))
+        .collect();
     let reaches = finders.iter().flatten().map(|f| CELL * f.radius());
     let reach = reaches.fold(f64::INFINITY, f64::min);
     if !reach.is_finite() {
@@ -100,7 +103,7 @@ pub(super) fn secondaries<'s>(
     let from = Sites::new(before.clone(), reach, old_canvas, Tile::default());
     let to = Sites::new(after.clone(), reach, canvas, Tile::default());
 
-    let mut found: Vec<(Secondary<'s>, PlacedSecondary)> = Vec::new();
+    let mut found: Vec<(WarpedSecondary<'s>, PlacedSecondary)> = Vec::new();
     let mut standing: Vec<Vec<[i32; 2]>> = vec![Vec::new(); libraries.len()];
     for instance in scene.of_role(Role::Secondary) {
         let element = scene.element(instance);
@@ -122,7 +125,7 @@ pub(super) fn secondaries<'s>(
         let seen = finders[library].as_ref().is_some_and(|f| f.fits(&placed));
         if bend.holds([x, y]) && to.owner(placed.at) == Some(cell) && seen {
             standing[library].push(placed.at);
-            found.push((Secondary::Carried { instance, place }, placed));
+            found.push((WarpedSecondary::Carried { instance, place }, placed));
         }
     }
     let mut fresh = Vec::new();
@@ -141,7 +144,7 @@ pub(super) fn secondaries<'s>(
         }
     }
     let painted = secondaries::painted(libraries, fresh, interpolant);
-    found.extend(painted.into_iter().map(|p| (Secondary::New(p), p)));
+    found.extend(painted.into_iter().map(|p| (WarpedSecondary::New(p), p)));
     found.sort_by_key(|(_, placed)| placed.painting_key());
     found.into_iter().map(|f| f.0).collect()
 }

@@ -12,11 +12,11 @@ const PIECES: usize = 16;
 #[derive(Clone, Debug)]
 pub struct Bend {
     canvas: [u32; 2],
-    how: How,
+    how: BendKind,
 }
 
 #[derive(Clone, Debug)]
-enum How {
+enum BendKind {
     Scaled([f64; 2]),
     Caged { cage: Cage, before: Outline, after: Outline },
 }
@@ -32,7 +32,7 @@ impl Bend {
         }
         let side = |size: u32, factor: f64| libm::round(f64::from(size) * factor).max(1.0) as u32;
         let canvas = [side(scene.width, factors[0]), side(scene.height, factors[1])];
-        Ok(Self { canvas, how: How::Scaled(factors) })
+        Ok(Self { canvas, how: BendKind::Scaled(factors) })
     }
 
     /// Deforms the content of the cage `before` with it into the cage `after`, on a canvas of a given size
@@ -43,7 +43,7 @@ impl Bend {
     /// [`vtex_base::Error::Cages`] if they do not correspond; see [`Cage::new`].
     pub fn cage(before: Outline, after: Outline, canvas: [u32; 2]) -> Result<Self> {
         let cage = Cage::new(&before, &after)?;
-        Ok(Self { canvas, how: How::Caged { cage, before, after } })
+        Ok(Self { canvas, how: BendKind::Caged { cage, before, after } })
     }
 
     /// Size of the resulting canvas, in pixels.
@@ -54,8 +54,8 @@ impl Bend {
     /// The image of a point.
     pub(super) fn point(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         match &self.how {
-            How::Scaled([sx, sy]) => [x * sx, y * sy],
-            How::Caged { cage, .. } => {
+            BendKind::Scaled([sx, sy]) => [x * sx, y * sy],
+            BendKind::Caged { cage, .. } => {
                 let p = cage.map(Point::new(x, y));
                 // The map is unbounded far outside the cage.
                 [p.x, p.y].map(|v| if v.is_finite() { v.clamp(-1e6, 1e6) } else { 1e6 })
@@ -81,8 +81,8 @@ impl Bend {
     /// Whether a point is in the part of the scene that is kept.
     pub(super) fn holds(&self, [x, y]: [f64; 2]) -> bool {
         match &self.how {
-            How::Scaled(_) => true,
-            How::Caged { before, .. } => before.path().contains(Point::new(x, y)),
+            BendKind::Scaled(_) => true,
+            BendKind::Caged { before, .. } => before.path().contains(Point::new(x, y)),
         }
     }
 
@@ -129,8 +129,8 @@ impl Bend {
                 }
                 Outline::new(&path)
             }
-            (None, How::Caged { after, .. }) => Some(after.clone()),
-            (None, How::Scaled(_)) => None,
+            (None, BendKind::Caged { after, .. }) => Some(after.clone()),
+            (None, BendKind::Scaled(_)) => None,
         }
     }
 }

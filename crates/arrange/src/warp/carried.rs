@@ -1,7 +1,7 @@
 //! Links between a scene and the libraries that it was made from.
 
 use super::Bend;
-use crate::arrange::model::{Model, PlaceableId, VariantId};
+use crate::arrange::model::{PlaceableId, PlacementModel, VariantId};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 use vtex_base::error::{Error, Result};
@@ -56,7 +56,7 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
 
 /// Whether an element of a scene has the outline of an element of its library. Where a unit is no pixel of the
 /// arrangement, both are compared in these pixels, in which the scene was made.
-fn is_shape_of(library: &Library, known: &library::Element, element: &Element) -> bool {
+fn is_shape_of(library: &Library, known: &library::ExemplarElement, element: &Element) -> bool {
     if library.is_in_pixels() {
         return translated(known.outline(), known.origin()) == *element.outline();
     }
@@ -95,7 +95,7 @@ fn with_sources<'a>(scene: &'a Scene, libraries: &[Library]) -> Cow<'a, Scene> {
         return Cow::Borrowed(scene);
     }
     let shapes = libraries.iter().map(|library| {
-        let number = |(i, e): (usize, &library::Element)| {
+        let number = |(i, e): (usize, &library::ExemplarElement)| {
             (translated(e.outline(), e.origin()).to_string(), library.secondary_id(i as u32))
         };
         library.secondaries().iter().enumerate().map(number).collect()
@@ -110,18 +110,18 @@ fn with_sources<'a>(scene: &'a Scene, libraries: &[Library]) -> Cow<'a, Scene> {
 }
 
 /// The variant of a primary of the scene, in the nearest variation of the model.
-pub(super) fn variant(model: &Model, instance: &Instance, element: &Element) -> VariantId {
+pub(super) fn variant(model: &PlacementModel, instance: &Instance, element: &Element) -> VariantId {
     model.in_variation(placeable(model, element), variation(model, instance))
 }
 
 /// The placeable element of the model for an element of the scene.
-fn placeable(model: &Model, element: &Element) -> PlaceableId {
+fn placeable(model: &PlacementModel, element: &Element) -> PlaceableId {
     let number = element.source.map_or(0, |source| source.0);
     PlaceableId(model.sources[element.library.index()].elements.start + number)
 }
 
 /// Adds the scene's fused elements to the model. Returns the variant of each element that is one.
-pub(super) fn fused(model: &mut Model, scene: &Scene) -> Vec<Option<VariantId>> {
+pub(super) fn fused(model: &mut PlacementModel, scene: &Scene) -> Vec<Option<VariantId>> {
     let known = |element: &Element| {
         element.fused.then(|| {
             let whole = model.in_variation(placeable(model, element), 0);
@@ -132,7 +132,7 @@ pub(super) fn fused(model: &mut Model, scene: &Scene) -> Vec<Option<VariantId>> 
 }
 
 /// The variation nearest to that of an instance; ties go to the first.
-pub(super) fn variation(model: &Model, instance: &Instance) -> u16 {
+pub(super) fn variation(model: &PlacementModel, instance: &Instance) -> u16 {
     let far = |k: usize| {
         let matrix = &model.variations[k].matrix;
         (0..4).map(|i| (matrix[i] - instance.transform[i]).abs()).sum::<f64>()

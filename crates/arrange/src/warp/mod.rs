@@ -17,11 +17,11 @@ mod tests;
 pub use bend::Bend;
 
 use crate::arrange::controls::Controls;
-use crate::arrange::descriptor::Asks;
-use crate::arrange::model::Model;
-use crate::arrange::{Fixed, Task, arrange};
+use crate::arrange::descriptor::InitialRequests;
+use crate::arrange::model::PlacementModel;
+use crate::arrange::{Fixed, PlacementTask, arrange};
 use crate::synth::compose::{self, Placement, What, compose};
-use crate::synth::{Report, check_canvas};
+use crate::synth::{SynthReport, check_canvas};
 use vtex_base::error::Result;
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::library::Library;
@@ -54,7 +54,7 @@ pub fn warp(
     bend: &Bend,
     warp: WarpParams,
     progress: &dyn Progress,
-) -> Result<(Scene, Report)> {
+) -> Result<(Scene, SynthReport)> {
     let before = scene.parameters.clone().unwrap_or_default();
     let [width, height] = bend.canvas();
     let edge = warp.edge.or(scene.domain.as_ref().map(|d| d.edge)).unwrap_or(before.edge);
@@ -67,14 +67,14 @@ pub fn warp(
     // A scene is bent pixel by pixel.
     let libraries: Vec<Library> = libraries.iter().map(|l| l.at_scale([1.0; 2]).into_owned()).collect();
     let shares = if libraries.len() > 1 { carried::parts(scene, bend, libraries.len()) } else { Vec::new() };
-    let controls = Controls { domain: bend.domain(scene), density: None, shares, lead: None };
+    let controls = Controls { domain: bend.domain(scene), density: None, shares, structure: None };
 
     // Variations are drawn with the scene's own seed.
-    let mut model = Model::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });
+    let mut model = PlacementModel::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });
     let (fixed, standing) = carry(scene, bend, &mut model, progress)?;
     let carried: Vec<&Instance> = scene.individuals().collect();
     let method = Method::Descriptor;
-    let task = Task { libraries: &libraries, controls: &controls, params: &params, method, fixed };
+    let task = PlacementTask { libraries: &libraries, controls: &controls, params: &params, method, fixed };
     let arrangement = arrange(&mut model, &task, progress)?;
     let (cells, model) = (&arrangement.cells, arrangement.cells.model());
 
@@ -99,8 +99,8 @@ pub fn warp(
     let layer = |role: Role| layers.iter().position(|l| l.role == role).unwrap_or(0);
     let below = secondaries.iter().map(|secondary| {
         let (what, transform) = match secondary {
-            background::Secondary::Carried { instance, place } => moved(instance, *place),
-            background::Secondary::New(p) => {
+            background::WarpedSecondary::Carried { instance, place } => moved(instance, *place),
+            background::WarpedSecondary::New(p) => {
                 let source = libraries[p.library].secondary_id(p.secondary);
                 let what = What::Known(LibraryId(p.library as u32), source, Some(p.colour));
                 (what, compose::at(&model.variations[usize::from(p.variation)], p.at))
@@ -119,7 +119,7 @@ pub fn warp(
     let first = InstanceId(last.map_or(0, |id| id.wrapping_add(1)));
     let mut result = compose(blank, first, &libraries, below.chain(above));
     result.drop_unused();
-    let report = Report::of_arrangement(&libraries, &arrangement, &result);
+    let report = SynthReport::of_arrangement(&libraries, &arrangement, &result);
     Ok((result, report))
 }
 
@@ -130,7 +130,7 @@ type Standing = (usize, [f64; 2]);
 fn carry(
     scene: &Scene,
     bend: &Bend,
-    model: &mut Model,
+    model: &mut PlacementModel,
     progress: &dyn Progress,
 ) -> Result<(Vec<Fixed>, Vec<Standing>)> {
     let fused = carried::fused(model, scene);
@@ -146,13 +146,13 @@ fn carry(
         let [.., x, y] = instance.transform;
         // Without stretch no gaps open: room that a descriptor requests between moved elements was empty in
         // the scene.
-        let asks = match known {
-            Some(_) => Asks::Never,
-            None if bend.stretch([x, y]) > NO_STRETCH => Asks::Always,
-            None => Asks::InVain,
+        let requests = match known {
+            Some(_) => InitialRequests::None,
+            None if bend.stretch([x, y]) > NO_STRETCH => InitialRequests::Open,
+            None => InitialRequests::Dropped,
         };
         let variant = known.unwrap_or_else(|| carried::variant(model, instance, element));
-        fixed.push(Fixed { variant, at: there.map(|v| libm::round(v) as i32), asks });
+        fixed.push(Fixed { variant, at: there.map(|v| libm::round(v) as i32), requests });
         standing.push((i, there));
     }
     Ok((fixed, standing))

@@ -21,7 +21,7 @@ fn plain() -> SynthParams {
     SynthParams { width: 260, height: 200, seed: 4, ..SynthParams::default() }
 }
 
-fn bent(scene: &Scene, bend: &Bend) -> (Scene, Report) {
+fn bent(scene: &Scene, bend: &Bend) -> (Scene, SynthReport) {
     let (result, report) = warp(scene, vec![source()], bend, WarpParams::default(), &()).unwrap();
     let again = Scene::from_bytes(result.to_json(), "warped").unwrap();
     assert_eq!(again, result);

@@ -24,7 +24,7 @@ const EVEN: usize = 4;
 
 /// The points of every arc of a map, in two versions. In both, open arcs begin and end at their junctions'
 /// smoothed positions.
-pub(super) struct Samples {
+pub(super) struct ArcSamples {
     /// The points of each arc, in both versions.
     arcs: Vec<Range<usize>>,
     smoothed: Vec<Point>,
@@ -52,7 +52,7 @@ impl<'a> Points<'a> {
     }
 }
 
-impl Samples {
+impl ArcSamples {
     /// Samples the arcs of a map with `cells` cells along a pixel of the image. Corners of arcs for which
     /// `soft` holds are rounded like the rest. `edge(point, normal, left, right)` gives the distance from
     /// a point to the image's edge along `normal`, a unit vector from left to right.
@@ -79,7 +79,7 @@ impl Samples {
                 corners(&midpoints[arcs[i].clone()], map.arcs[i].closed(), cells, fixed);
             }
         });
-        let filter = Filter::new(map, &midpoints, fixed, &arcs, junctions);
+        let filter = ArcFilter::new(map, &midpoints, fixed, &arcs, junctions);
         let relaxed = |mut points: Vec<Point>, reach: f64| {
             filter.relax(&mut points, reach, 2 * ROUNDS * cells as usize);
             let inner = |arc: &Arc| arc.closed() && !borders_outside(arc);
@@ -218,7 +218,7 @@ fn corners(points: &[Point], closed: bool, cells: f64, found: &mut [bool]) {
 }
 
 /// The filter over all arcs and junctions, whose points lie one after the other.
-struct Filter {
+struct ArcFilter {
     /// Multiples of one half, which single precision holds exactly.
     midpoints: Vec<[f32; 2]>,
     /// Points that stay.
@@ -244,7 +244,7 @@ struct Joint {
     around: Vec<usize>,
 }
 
-impl Filter {
+impl ArcFilter {
     fn new(
         map: &PlanarMap,
         midpoints: &[Point],

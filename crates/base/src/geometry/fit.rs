@@ -6,14 +6,14 @@ use kurbo::{CubicBez, ParamCurve, ParamCurveDeriv, Point, Vec2};
 
 /// A segment of a fitted curve; it starts at the previous segment's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Piece {
+pub(super) enum CurveSegment {
     /// A straight line to a point.
     Line(Point),
     /// A cubic Bézier: two control points and the end.
     Cubic(Point, Point, Point),
 }
 
-impl Piece {
+impl CurveSegment {
     /// The segment's end.
     pub(super) fn end(&self) -> Point {
         match *self {
@@ -31,7 +31,7 @@ pub(super) fn fit_open(
     corners: Option<usize>,
     [start, end]: [Option<Vec2>; 2],
     tolerance: f64,
-) -> Vec<Piece> {
+) -> Vec<CurveSegment> {
     let mut out = Vec::new();
     let mut from = 0;
     let corners = corners.map_or(Vec::new(), |reach| self::corners(points, false, reach));
@@ -48,7 +48,11 @@ pub(super) fn fit_open(
 
 /// Fits a closed curve through `points` (at least three, the first not repeated at the end). Returns
 /// the starting point and the segments, the last of which ends there.
-pub(super) fn fit_closed(points: &[Point], corners: Option<usize>, tolerance: f64) -> (Point, Vec<Piece>) {
+pub(super) fn fit_closed(
+    points: &[Point],
+    corners: Option<usize>,
+    tolerance: f64,
+) -> (Point, Vec<CurveSegment>) {
     let n = points.len();
     let corners = corners.map_or(Vec::new(), |reach| self::corners(points, true, reach));
     let first = corners.first().copied().unwrap_or(0);
@@ -135,11 +139,17 @@ fn end_tangent(points: &[Point]) -> Option<Vec2> {
     unit(sum).or_else(|| unit(points[points.len() - 1] - points[0]))
 }
 
-fn fit_span(points: &[Point], start: Option<Vec2>, end: Option<Vec2>, tolerance: f64, out: &mut Vec<Piece>) {
+fn fit_span(
+    points: &[Point],
+    start: Option<Vec2>,
+    end: Option<Vec2>,
+    tolerance: f64,
+    out: &mut Vec<CurveSegment>,
+) {
     let n = points.len();
     let (first, last) = (points[0], points[n - 1]);
     if n == 2 || straight(points, tolerance * 0.7) {
-        out.push(Piece::Line(last));
+        out.push(CurveSegment::Line(last));
         return;
     }
     let reversed: Vec<Point>;
@@ -157,7 +167,7 @@ fn fit_span(points: &[Point], start: Option<Vec2>, end: Option<Vec2>, tolerance:
         let curve = least_squares(points, &t, first, last, forward, backward);
         worst = largest_error(points, &t, &curve);
         if worst.0 <= tolerance * tolerance {
-            out.push(Piece::Cubic(curve.p1, curve.p2, last));
+            out.push(CurveSegment::Cubic(curve.p1, curve.p2, last));
             return;
         }
         // The error is too large to be fixed by reparametrisation.

@@ -4,8 +4,8 @@
 //! without a gap. If the outline of a face crosses itself, the arcs involved are fitted more tightly,
 //! and finally replaced by polylines through the midpoints of pixel edges, which cannot cross.
 
-use super::arc_samples::{Junctions, Samples};
-use super::fit::{Piece, fit_closed, fit_open};
+use super::arc_samples::{ArcSamples, Junctions};
+use super::fit::{CurveSegment, fit_closed, fit_open};
 use super::simple::{crossing_elements, is_simple};
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap, Ring};
 use super::{Outline, STEP};
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 /// A planar map whose arcs are smooth curves.
 pub struct FittedMap {
     map: PlanarMap,
-    arcs: Vec<Curve>,
+    arcs: Vec<FittedArc>,
     /// The rings of each label.
     labels: Vec<Vec<Ring>>,
 }
@@ -32,9 +32,9 @@ pub struct Scale {
 
 /// A fitted arc.
 #[derive(Clone, Debug)]
-struct Curve {
+struct FittedArc {
     start: Point,
-    pieces: Vec<Piece>,
+    pieces: Vec<CurveSegment>,
 }
 
 /// Successively tighter fits: the share of the tolerance, and whether samples moved to the image's
@@ -85,7 +85,7 @@ impl FittedMap {
         // Groups of one label have its rings.
         let several = |l: u32| Some(group(l)).filter(|&g| parts.get(g as usize).is_some_and(|&n| n > 1));
         let (samples, [labels, unions]) = parallel::join(
-            || Samples::new(&map, &junctions, cells, soft, edge),
+            || ArcSamples::new(&map, &junctions, cells, soft, edge),
             || [map.rings(count, |l| l), map.rings(groups, |l| several(l).unwrap_or(0))],
         );
         let indices: Vec<usize> = (0..map.arcs.len()).collect();
@@ -144,7 +144,7 @@ impl FittedMap {
     /// which hides hairlines of background along the joint.
     pub fn stacked_outline(&self, label: u32, underlap: impl Fn(u32) -> f64) -> Outline {
         let face = &self.labels[label as usize];
-        let mut widened: BTreeMap<u32, Curve> = BTreeMap::new();
+        let mut widened: BTreeMap<u32, FittedArc> = BTreeMap::new();
         for h in face.iter().flatten() {
             let arc = &self.map.arcs[h.arc as usize];
             let other = if h.reversed { arc.right } else { arc.left };
@@ -170,7 +170,7 @@ fn outline(path: BezPath) -> Outline {
 }
 
 /// Indices of the arcs of a face that cross one another.
-fn crossing_arcs(face: &[Ring], arcs: &[Curve]) -> Vec<usize> {
+fn crossing_arcs(face: &[Ring], arcs: &[FittedArc]) -> Vec<usize> {
     let path = path_of(face, |h| (&arcs[h.arc as usize], h.reversed));
     let crossing = crossing_elements(&path);
     if crossing.is_empty() {
@@ -189,13 +189,17 @@ fn crossing_arcs(face: &[Ring], arcs: &[Curve]) -> Vec<usize> {
 }
 
 /// The closed path around a face.
-fn path_of<'a>(face: &[Ring], curve: impl Fn(&HalfArc) -> (&'a Curve, bool)) -> BezPath {
+fn path_of<'a>(face: &[Ring], curve: impl Fn(&HalfArc) -> (&'a FittedArc, bool)) -> BezPath {
     let mut path = BezPath::new();
     for ring in face {
         for (i, h) in ring.iter().enumerate() {
             let (c, reversed) = curve(h);
             if i == 0 {
-                path.move_to(if reversed { c.pieces.last().map_or(c.start, Piece::end) } else { c.start });
+                path.move_to(if reversed {
+                    c.pieces.last().map_or(c.start, CurveSegment::end)
+                } else {
+                    c.start
+                });
             }
             if reversed { append_reversed(&mut path, c) } else { append(&mut path, c) }
         }
@@ -204,21 +208,21 @@ fn path_of<'a>(face: &[Ring], curve: impl Fn(&HalfArc) -> (&'a Curve, bool)) -> 
     path
 }
 
-fn append(path: &mut BezPath, c: &Curve) {
+fn append(path: &mut BezPath, c: &FittedArc) {
     for piece in &c.pieces {
         match *piece {
-            Piece::Line(p) => path.line_to(p),
-            Piece::Cubic(a, b, p) => path.curve_to(a, b, p),
+            CurveSegment::Line(p) => path.line_to(p),
+            CurveSegment::Cubic(a, b, p) => path.curve_to(a, b, p),
         }
     }
 }
 
-fn append_reversed(path: &mut BezPath, c: &Curve) {
+fn append_reversed(path: &mut BezPath, c: &FittedArc) {
     for (i, piece) in c.pieces.iter().enumerate().rev() {
         let to = if i == 0 { c.start } else { c.pieces[i - 1].end() };
         match *piece {
-            Piece::Line(_) => path.line_to(to),
-            Piece::Cubic(a, b, _) => path.curve_to(b, a, to),
+            CurveSegment::Line(_) => path.line_to(to),
+            CurveSegment::Cubic(a, b, _) => path.curve_to(b, a, to),
         }
     }
 }
@@ -229,7 +233,7 @@ fn grid(p: Point, cells: f64) -> Point {
     Point::new(libm::round(p.x / cells / STEP) * STEP, libm::round(p.y / cells / STEP) * STEP)
 }
 
-fn fit_arc(points: &[Point], closed: bool, sharp: bool, ends: [Option<Vec2>; 2], scale: Scale) -> Curve {
+fn fit_arc(points: &[Point], closed: bool, sharp: bool, ends: [Option<Vec2>; 2], scale: Scale) -> FittedArc {
     let tolerance = scale.tolerance * scale.cells;
     let corners = sharp.then_some((CORNER * scale.cells) as usize);
     let (start, pieces) = if closed {
@@ -238,37 +242,40 @@ fn fit_arc(points: &[Point], closed: bool, sharp: bool, ends: [Option<Vec2>; 2],
         (points[0], fit_open(points, corners, ends, tolerance))
     };
     let pieces = pieces.into_iter().map(|piece| match piece {
-        Piece::Line(p) => Piece::Line(grid(p, scale.cells)),
-        Piece::Cubic(a, b, p) => {
-            Piece::Cubic(grid(a, scale.cells), grid(b, scale.cells), grid(p, scale.cells))
+        CurveSegment::Line(p) => CurveSegment::Line(grid(p, scale.cells)),
+        CurveSegment::Cubic(a, b, p) => {
+            CurveSegment::Cubic(grid(a, scale.cells), grid(b, scale.cells), grid(p, scale.cells))
         }
     });
-    Curve { start: grid(start, scale.cells), pieces: pieces.collect() }
+    FittedArc { start: grid(start, scale.cells), pieces: pieces.collect() }
 }
 
 /// The exact curve along the image border: straight lines with corners.
-fn along_border(lattice: &[[i32; 2]], cells: f64) -> Curve {
+fn along_border(lattice: &[[i32; 2]], cells: f64) -> FittedArc {
     let point = |p: [i32; 2]| grid(Point::new(f64::from(p[0]), f64::from(p[1])), cells);
     let turns = lattice.windows(3).filter(|w| w[0][0] != w[2][0] && w[0][1] != w[2][1]).map(|w| w[1]);
-    let pieces = turns.chain(lattice.last().copied()).map(|p| Piece::Line(point(p))).collect();
-    Curve { start: point(lattice[0]), pieces }
+    let pieces = turns.chain(lattice.last().copied()).map(|p| CurveSegment::Line(point(p))).collect();
+    FittedArc { start: point(lattice[0]), pieces }
 }
 
-fn polyline(points: &[Point], closed: bool, cells: f64) -> Curve {
+fn polyline(points: &[Point], closed: bool, cells: f64) -> FittedArc {
     let rest = points[1..].iter().chain(closed.then_some(&points[0]));
-    Curve { start: grid(points[0], cells), pieces: rest.map(|&p| Piece::Line(grid(p, cells))).collect() }
+    FittedArc {
+        start: grid(points[0], cells),
+        pieces: rest.map(|&p| CurveSegment::Line(grid(p, cells))).collect(),
+    }
 }
 
 /// Offsets a curve by a small `distance` (positive to the right). The ends of an open curve stay. Each
 /// joint moves along its normal, handles move with their joints. A line between fixed ends bows.
-fn beside(curve: &Curve, closed: bool, distance: f64) -> Curve {
+fn beside(curve: &FittedArc, closed: bool, distance: f64) -> FittedArc {
     let joint = |i: usize| if i == 0 { curve.start } else { curve.pieces[i - 1].end() };
     let count = curve.pieces.len();
     let unit = |v: Vec2| v / libm::sqrt(v.hypot2()).max(1e-9);
     // Directions at both ends of a segment; a handle may coincide with its joint.
     let way = |i: usize| match curve.pieces[i] {
-        Piece::Cubic(a, b, p) => [joint(i), a, b, p],
-        Piece::Line(p) => [joint(i), p, joint(i), p],
+        CurveSegment::Cubic(a, b, p) => [joint(i), a, b, p],
+        CurveSegment::Line(p) => [joint(i), p, joint(i), p],
     };
     let begins = |i: usize| {
         let [from, rest @ ..] = way(i);
@@ -295,21 +302,21 @@ fn beside(curve: &Curve, closed: bool, distance: f64) -> Curve {
     let moved = |i: usize| grid(if fixed(i) { joint(i) } else { joint(i) + moves[i] }, 1.0);
     let pieces = (0..count).flat_map(|i| {
         let bow = match curve.pieces[i] {
-            Piece::Line(to) if fixed(i) && fixed(i + 1) => {
+            CurveSegment::Line(to) if fixed(i) && fixed(i + 1) => {
                 let middle = joint(i).midpoint(to) + moves[i] * 0.75;
-                Some(Piece::Line(grid(middle, 1.0)))
+                Some(CurveSegment::Line(grid(middle, 1.0)))
             }
             _ => None,
         };
         let piece = match curve.pieces[i] {
-            Piece::Line(_) => Piece::Line(moved(i + 1)),
-            Piece::Cubic(a, b, _) => {
-                Piece::Cubic(grid(a + moves[i], 1.0), grid(b + moves[i + 1], 1.0), moved(i + 1))
+            CurveSegment::Line(_) => CurveSegment::Line(moved(i + 1)),
+            CurveSegment::Cubic(a, b, _) => {
+                CurveSegment::Cubic(grid(a + moves[i], 1.0), grid(b + moves[i + 1], 1.0), moved(i + 1))
             }
         };
         bow.into_iter().chain([piece])
     });
-    Curve { start: moved(0), pieces: pieces.collect() }
+    FittedArc { start: moved(0), pieces: pieces.collect() }
 }
 
 #[cfg(test)]

@@ -129,9 +129,9 @@ impl Serialize for Outline {
 impl<'de> Deserialize<'de> for Outline {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
-        struct Data<'a>(#[serde(borrow)] Cow<'a, str>);
+        struct PathData<'a>(#[serde(borrow)] Cow<'a, str>);
 
-        let path = parse_path(&Data::deserialize(deserializer)?.0).map_err(serde::de::Error::custom)?;
+        let path = parse_path(&PathData::deserialize(deserializer)?.0).map_err(serde::de::Error::custom)?;
         Self::new(&path).ok_or_else(|| serde::de::Error::custom("an outline coordinate is out of range"))
     }
 }

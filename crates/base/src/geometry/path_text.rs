@@ -17,7 +17,7 @@ pub(super) const STORED: PathText = PathText { precision: 2 };
 pub fn write_path(path: &BezPath, style: PathText) -> String {
     let scale = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6][usize::from(style.precision.min(6))];
     let grid = |p: Point| (libm::round(p.x * scale) as i64, libm::round(p.y * scale) as i64);
-    let mut w = Writer {
+    let mut w = PathWriter {
         out: String::new(),
         precision: style.precision.min(6),
         command: 0,
@@ -75,7 +75,7 @@ pub fn write_path(path: &BezPath, style: PathText) -> String {
     w.out
 }
 
-struct Writer {
+struct PathWriter {
     out: String,
     precision: u8,
     /// The current command; repeated commands need no letter.
@@ -86,7 +86,7 @@ struct Writer {
     dotted: bool,
 }
 
-impl Writer {
+impl PathWriter {
     fn command(&mut self, c: u8) {
         if self.command != c {
             self.out.push(char::from(c));
@@ -134,7 +134,7 @@ const BYTES_PER_ELEMENT: usize = 12;
 /// A message with the byte offset: an unknown command, a missing or non-finite number, or data that
 /// does not start with a moveto.
 pub fn parse_path(text: &str) -> Result<BezPath, String> {
-    let mut r = Reader { text, at: 0 };
+    let mut r = PathReader { text, at: 0 };
     let mut path = BezPath::with_capacity(text.len() / BYTES_PER_ELEMENT + 1);
     let (mut current, mut start) = (Point::ORIGIN, Point::ORIGIN);
     let mut command = 0u8;
@@ -195,12 +195,12 @@ pub fn parse_path(text: &str) -> Result<BezPath, String> {
     Ok(path)
 }
 
-struct Reader<'a> {
+struct PathReader<'a> {
     text: &'a str,
     at: usize,
 }
 
-impl Reader<'_> {
+impl PathReader<'_> {
     fn bytes(&self) -> &[u8] {
         self.text.as_bytes()
     }

@@ -6,7 +6,7 @@
 //! Works badly for outlines that share borders: each is fitted on its own, so the two sides of a
 //! border may deviate by the tolerance in opposite directions.
 
-use super::fit::{Piece, fit_closed, fit_open};
+use super::fit::{CurveSegment, fit_closed, fit_open};
 use super::{Outline, PathText, is_simple, write_path};
 use kurbo::{BezPath, ParamCurve, ParamCurveDeriv, PathEl, PathSeg, Point, Shape, Vec2};
 
@@ -29,7 +29,8 @@ impl Outline {
         let style = PathText { precision: decimals };
         let length = |path: &BezPath| write_path(path, style).len();
         let area = self.area();
-        let rings: Vec<Ring> = rings(self.path()).into_iter().filter_map(|r| Ring::new(&r)).collect();
+        let rings: Vec<SampledRing> =
+            rings(self.path()).into_iter().filter_map(|r| SampledRing::new(&r)).collect();
         let mut tolerance = tolerance.min(SHARE * libm::sqrt(area));
         // Halve the tolerance if no fit is valid: thin blades cross themselves when bent.
         for _ in 0..3 {
@@ -81,14 +82,14 @@ fn rings(path: &BezPath) -> Vec<Vec<PathSeg>> {
 }
 
 /// A sampled ring.
-struct Ring {
+struct SampledRing {
     /// Samples, the first not repeated at the end.
     points: Vec<Point>,
     /// Indices of the samples that are corners, ascending.
     corners: Vec<usize>,
 }
 
-impl Ring {
+impl SampledRing {
     /// `None` if the ring is degenerate.
     fn new(segments: &[PathSeg]) -> Option<Self> {
         let segments: Vec<&PathSeg> = segments.iter().filter(|s| s.start() != s.end()).collect();
@@ -160,15 +161,15 @@ impl Ring {
 }
 
 /// A closed path from fitted pieces.
-pub(super) fn closed(start: Point, pieces: &[Piece]) -> BezPath {
+pub(super) fn closed(start: Point, pieces: &[CurveSegment]) -> BezPath {
     let mut path = BezPath::new();
     path.move_to(start);
     for (i, piece) in pieces.iter().enumerate() {
         match *piece {
             // Closing the path draws it.
-            Piece::Line(_) if i + 1 == pieces.len() => {}
-            Piece::Line(p) => path.line_to(p),
-            Piece::Cubic(a, b, p) => path.curve_to(a, b, p),
+            CurveSegment::Line(_) if i + 1 == pieces.len() => {}
+            CurveSegment::Line(p) => path.line_to(p),
+            CurveSegment::Cubic(a, b, p) => path.curve_to(a, b, p),
         }
     }
     path.close_path();

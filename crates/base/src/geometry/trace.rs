@@ -61,7 +61,7 @@ const STEPS: [[i32; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]]; // right, down,
 impl PlanarMap {
     /// Traces a map of `width` × `height` labels, given row by row.
     pub fn trace(width: u32, height: u32, labels: &[u32]) -> Self {
-        let lattice = Lattice { width: width as usize, height: height as usize, labels };
+        let lattice = LabelLattice { width: width as usize, height: height as usize, labels };
         let columns = lattice.width + 1;
         let count = columns * (lattice.height + 1);
         let mut cracks = vec![0u8; count];
@@ -183,13 +183,13 @@ fn direction(from: [i32; 2], to: [i32; 2]) -> usize {
     }
 }
 
-struct Lattice<'a> {
+struct LabelLattice<'a> {
     width: usize,
     height: usize,
     labels: &'a [u32],
 }
 
-impl Lattice<'_> {
+impl LabelLattice<'_> {
     /// Label of the pixel whose upper left corner is the lattice point, shifted by (dx, dy).
     fn label(&self, x: usize, y: usize, dx: usize, dy: usize) -> u32 {
         let (px, py) = (x + dx, y + dy);
@@ -220,7 +220,7 @@ impl Lattice<'_> {
 }
 
 struct Walker<'a> {
-    lattice: &'a Lattice<'a>,
+    lattice: &'a LabelLattice<'a>,
     /// Directions already walked from each lattice point, one bit each.
     used: Vec<u8>,
     /// The lattice points that are junctions, ascending.

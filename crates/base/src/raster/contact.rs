@@ -17,7 +17,7 @@ const AROUND: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 
 const NONE: u32 = u32::MAX;
 
 /// The page pixel by pixel: which mask is seen where, and which copy of it.
-pub struct Page {
+pub struct ContactPage {
     /// Width and height, in pixels.
     pub size: [i32; 2],
     periodic: bool,
@@ -37,7 +37,7 @@ pub struct Contact {
     pub hidden: u32,
 }
 
-impl Page {
+impl ContactPage {
     /// The page of `size` pixels on which masks are painted in turn. Gives also how much of a mask others
     /// hide directly.
     pub fn new(size: [i32; 2], periodic: bool, masks: &[Mask]) -> (Self, BTreeMap<Pair, Contact>) {
@@ -182,14 +182,14 @@ mod tests {
     #[test]
     fn gaps_and_borders() {
         let masks = [block(2, 2, 4, 4), block(8, 2, 4, 4), block(18, 2, 4, 4), block(3, 3, 2, 2)];
-        let (page, mut contacts) = Page::new([20, 10], true, &masks);
+        let (page, mut contacts) = ContactPage::new([20, 10], true, &masks);
         page.near(4, &mut contacts);
         assert_eq!(contacts[&(0, 1, [0, 0])].gap, 2);
         // The third wraps to columns 0 and 1 and touches the first.
         assert_eq!(contacts[&(0, 2, [-1, 0])].gap, 0);
         assert_eq!((contacts[&(0, 3, [0, 0])].hidden, contacts[&(0, 3, [0, 0])].gap), (4, 0));
         assert_eq!(page.areas(4), [12, 16, 16, 4]);
-        let (page, mut contacts) = Page::new([20, 10], false, &masks);
+        let (page, mut contacts) = ContactPage::new([20, 10], false, &masks);
         page.near(4, &mut contacts);
         assert!(!contacts.contains_key(&(0, 2, [-1, 0])));
     }

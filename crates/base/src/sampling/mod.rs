@@ -6,4 +6,4 @@ mod sums;
 
 pub use poisson::{Area, poisson_disk};
 pub use stream::{Stream, stream};
-pub use sums::Sums;
+pub use sums::WeightTree;

@@ -30,7 +30,7 @@ pub fn poisson_disk(domain: Area, radius: f64, random: &mut Stream) -> Vec<[f64;
     if !(radius > 0.0 && domain.width > 0.0 && domain.height > 0.0) {
         return Vec::new();
     }
-    let mut grid = Grid::new(domain, radius);
+    let mut grid = PointGrid::new(domain, radius);
     let mut active: Vec<u32> = Vec::new();
     let cells = grid.columns * grid.rows;
     for start in 0..cells {
@@ -67,7 +67,7 @@ pub fn poisson_disk(domain: Area, radius: f64, random: &mut Stream) -> Vec<[f64;
 const EMPTY: u32 = u32::MAX;
 
 /// Cells with sides of at most radius / √2, so each holds at most one point.
-struct Grid {
+struct PointGrid {
     domain: Area,
     radius: f64,
     columns: usize,
@@ -76,7 +76,7 @@ struct Grid {
     points: Vec<[f64; 2]>,
 }
 
-impl Grid {
+impl PointGrid {
     fn new(domain: Area, radius: f64) -> Self {
         let side = radius / std::f64::consts::SQRT_2;
         let columns = (libm::ceil(domain.width / side) as usize).max(1);

@@ -4,14 +4,14 @@ use crate::sampling::Stream;
 
 /// Weights in a Fenwick tree (1994). Integers, so the order of changes leaves no trace.
 #[derive(Clone, Debug, Default)]
-pub struct Sums {
+pub struct WeightTree {
     values: Vec<u64>,
     /// Entry i (from 1) sums the last `i & -i` values up to value i - 1.
     tree: Vec<u64>,
     total: u64,
 }
 
-impl Sums {
+impl WeightTree {
     /// `count` weights of zero.
     pub fn zeros(count: usize) -> Self {
         Self { values: vec![0; count], tree: vec![0; count + 1], total: 0 }
@@ -89,7 +89,7 @@ mod tests {
             start in prop::collection::vec(0..9u64, 0..40),
             changes in prop::collection::vec((0..40usize, 0..9u64), 0..40),
         ) {
-            let mut sums = Sums::default();
+            let mut sums = WeightTree::default();
             start.iter().for_each(|&v| sums.push(v));
             let mut plain = start.clone();
             for (i, v) in changes {

@@ -9,7 +9,9 @@ use crate::svg_tree;
 use kurbo::{ParamCurve, Shape};
 use resvg::usvg;
 use vtex_base::error::{Error, Result};
-use vtex_base::geometry::{Affine, BezPath, FittedMap, Outline, PathEl, PlanarMap, Point, Region, is_simple};
+use vtex_base::geometry::{
+    Affine, BezPath, FittedMap, Interior, Outline, PathEl, PlanarMap, Point, is_simple,
+};
 
 /// Largest number of segments of a shape. More take minutes to check for crossings.
 const MOST_SEGMENTS: usize = 20_000;
@@ -29,8 +31,8 @@ const TOLERANCE: f64 = 0.5;
 /// rings are all closed, of which none crosses itself, and which enclose part of the canvas;
 /// [`Error::TooLarge`] beyond 20000 segments.
 pub fn shape(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outline> {
-    let reader = Reader { name, role: "a shape" };
-    let Drawn { paths, size } = reader.read(bytes)?;
+    let reader = ShapeReader { name, role: "a shape" };
+    let FileShapes { paths, size } = reader.read(bytes)?;
     let canvas = [width, height];
     let [width, height] = canvas.map(f64::from);
     let scale = (width / size[0]).min(height / size[1]);
@@ -67,7 +69,7 @@ fn union(mut shapes: Vec<Outline>, [width, height]: [u32; 2]) -> Outline {
     let [across, down] = [width, height].map(|side| (side * fine).min(MOST_SAMPLES));
     let step = [f64::from(width) / f64::from(across), f64::from(height) / f64::from(down)];
     let mut labels = vec![0u32; across as usize * down as usize];
-    for region in shapes.iter().filter(|shape| !shape.is_empty()).map(Region::new) {
+    for region in shapes.iter().filter(|shape| !shape.is_empty()).map(Interior::new) {
         for (y, row) in labels.chunks_exact_mut(across as usize).enumerate() {
             for [a, b] in region.intervals((y as f64 + 0.5) * step[1]) {
                 // The samples whose middles lie inside.
@@ -90,8 +92,8 @@ fn union(mut shapes: Vec<Outline>, [width, height]: [u32; 2]) -> Outline {
 /// # Errors
 /// As [`shape`]; also [`Error::Control`] for more than one ring.
 pub fn cage(bytes: &[u8], name: &str) -> Result<(Outline, [u32; 2])> {
-    let reader = Reader { name, role: "a cage" };
-    let Drawn { paths, size } = reader.read(bytes)?;
+    let reader = ShapeReader { name, role: "a cage" };
+    let FileShapes { paths, size } = reader.read(bytes)?;
     let [(path, _)] = &paths[..] else {
         const JOIN: &str = "join what belongs together into one path and delete the rest";
         return Err(reader.fail(format!("it holds {} shapes, one is needed", paths.len()), JOIN));
@@ -105,7 +107,7 @@ pub fn cage(bytes: &[u8], name: &str) -> Result<(Outline, [u32; 2])> {
 }
 
 /// The shapes in a file.
-struct Drawn {
+struct FileShapes {
     /// Each with its fill rule; at least one.
     paths: Vec<(BezPath, Rule)>,
     /// Width and height of the SVG's page, in its pixels.
@@ -120,17 +122,17 @@ enum Rule {
 }
 
 /// Reads a file; `name` and `role` appear in errors.
-struct Reader<'a> {
+struct ShapeReader<'a> {
     name: &'a str,
     role: &'static str,
 }
 
-impl Reader<'_> {
+impl ShapeReader<'_> {
     fn fail(&self, reason: impl Into<String>, advice: &'static str) -> Error {
         Error::Control { name: self.name.into(), role: self.role, reason: reason.into(), advice }
     }
 
-    fn read(&self, bytes: &[u8]) -> Result<Drawn> {
+    fn read(&self, bytes: &[u8]) -> Result<FileShapes> {
         let tree = svg_tree::parse(bytes, self.name, |fault| self.fail(fault.reason, fault.advice))?;
         let (mut found, mut cut) = (Vec::new(), false);
         let mut open = vec![tree.root()];
@@ -174,7 +176,7 @@ impl Reader<'_> {
         };
         let paths = found.into_iter().map(|path| ruled(path)).collect::<Result<Vec<_>>>()?;
         let size = tree.size();
-        Ok(Drawn { paths, size: [f64::from(size.width()), f64::from(size.height())] })
+        Ok(FileShapes { paths, size: [f64::from(size.width()), f64::from(size.height())] })
     }
 
     /// The path in pixels of the SVG. All its rings must be closed.
@@ -226,16 +228,16 @@ fn rings(path: &BezPath) -> impl Iterator<Item = &[PathEl]> {
 /// The rings that separate inside from outside, the largest first. Holes run against the ring around
 /// them.
 fn filled(path: &BezPath, rule: Rule) -> BezPath {
-    struct Ring {
+    struct FilledRing {
         path: BezPath,
         area: f64,
         place: Point,
     }
-    let all: Vec<Ring> = rings(path)
+    let all: Vec<FilledRing> = rings(path)
         .map(|elements| {
             let path = BezPath::from_vec(elements.to_vec());
             let place = path.segments().next().map_or(Point::ORIGIN, |s| s.eval(0.5));
-            Ring { area: path.area(), path, place }
+            FilledRing { area: path.area(), path, place }
         })
         .filter(|ring| ring.area != 0.0)
         .collect();
@@ -250,7 +252,7 @@ fn filled(path: &BezPath, rule: Rule) -> BezPath {
         let around = larger.filter(|other| {
             other.path.bounding_box().contains(ring.place) && other.path.contains(ring.place)
         });
-        let turn = |ring: &Ring| if ring.area > 0.0 { 1 } else { -1 };
+        let turn = |ring: &FilledRing| if ring.area > 0.0 { 1 } else { -1 };
         let outer: i32 = around.map(turn).sum();
         let (without, within) = (inside(outer), inside(outer + turn(ring)));
         if without != within {

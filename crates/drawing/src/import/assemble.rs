@@ -6,10 +6,10 @@
 use super::ImportParams;
 use super::categories::categorise;
 use super::clip::{Clip, page as page_of};
-use super::elements::{Known, NEAREST, elements};
+use super::elements::{NEAREST, PieceProperties, elements};
 use super::offsets::{Offsets, Shift, minus};
-use super::pieces::Piece;
-use super::read::Page;
+use super::pieces::DrawingPiece;
+use super::read::DrawingPage;
 use super::shapes::shapes;
 use super::torus::Torus;
 use image::RgbImage;
@@ -25,8 +25,8 @@ use vtex_base::raster::contact;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::element;
 use vtex_scene::library::{
-    AnalyzeParams, Arrangement, Element, ElementId, Guide, Instance, Layer, Library, Role, Shape, Source,
-    SourceKind,
+    AnalyzeParams, Arrangement, ElementId, ExemplarElement, ExemplarInstance, ExemplarLayer, Guide, Library,
+    Role, Shape, Source, SourceKind,
 };
 use vtex_scene::scene::{Field, pixels};
 
@@ -48,7 +48,7 @@ const SHORTEST: f64 = 10.0;
 const LONGEST: f64 = 16_000.0;
 
 /// Further inputs of the library.
-pub(super) struct Origin<'a> {
+pub(super) struct DrawingOrigin<'a> {
     pub(super) bytes: &'a [u8],
     pub(super) name: &'a str,
     pub(super) params: &'a ImportParams,
@@ -69,11 +69,11 @@ const AT_ONCE: usize = 1024;
 ///
 /// # Errors
 /// [`Error::TooLarge`] for pieces that cover the page too often.
-pub(super) fn scale(page: &Page, pieces: &[Piece], name: &str) -> Result<[u32; 2]> {
+pub(super) fn scale(page: &DrawingPage, pieces: &[DrawingPiece], name: &str) -> Result<[u32; 2]> {
     let [short, long] = [page.size[0].min(page.size[1]), page.size[0].max(page.size[1])];
     let mut extents: Vec<f64> = pieces
         .iter()
-        .map(Piece::bounds)
+        .map(DrawingPiece::bounds)
         .filter(|b| b.width() < 0.9 * page.size[0] || b.height() < 0.9 * page.size[1])
         .map(|b| libm::sqrt(b.width().max(1e-6) * b.height().max(1e-6)))
         .collect();
@@ -97,10 +97,10 @@ pub(super) fn scale(page: &Page, pieces: &[Piece], name: &str) -> Result<[u32; 2
 }
 
 /// The colour of the page, and the pieces that lie on it. Without one, drawings lie on white.
-pub(super) fn background(page: &Page, pieces: Vec<Piece>) -> (Colour, Vec<Piece>) {
+pub(super) fn background(page: &DrawingPage, pieces: Vec<DrawingPiece>) -> (Colour, Vec<DrawingPiece>) {
     let clip = Clip::rect(page_of(page.size));
     let whole = page.size[0] * page.size[1];
-    let covers = |piece: &Piece| {
+    let covers = |piece: &DrawingPiece| {
         let [part] = &piece.parts[..] else { return false };
         let plain = part.stroke.is_none() && part.paint.gradient.is_none() && part.paint.opacity >= 1.0;
         let b = part.path.bounding_box();
@@ -129,13 +129,13 @@ struct Draft {
 /// # Errors
 /// [`Error::TooLarge`] for pieces of too many runs of pixels; [`Error::Interrupted`].
 pub(super) fn assemble(
-    page: &Page,
-    pieces: &[Piece],
-    origin: Origin<'_>,
+    page: &DrawingPage,
+    pieces: &[DrawingPiece],
+    origin: DrawingOrigin<'_>,
     progress: &dyn Progress,
 ) -> Result<Library> {
     let go_on = || advance(progress, "drawing", 3, 4);
-    let Origin { wrap, scale: [width, height], .. } = origin;
+    let DrawingOrigin { wrap, scale: [width, height], .. } = origin;
     let size = [f64::from(width), f64::from(height)];
     let map = Affine::scale_non_uniform(size[0] / page.size[0], size[1] / page.size[1]);
     let drafts = drafts(page, pieces, &origin, (map, size), &go_on)?;
@@ -147,7 +147,7 @@ pub(super) fn assemble(
     let areas = labels.areas();
     let pixels = size[0] * size[1];
     let seen = |k: usize| areas.get(k + 1).map_or(0.0, |a| f64::from(*a));
-    let mut made: Vec<Element> = Vec::with_capacity(drafts.len());
+    let mut made: Vec<ExemplarElement> = Vec::with_capacity(drafts.len());
     for draft in &drafts {
         go_on()?;
         made.push(element(draft, size, wrap));
@@ -183,7 +183,7 @@ pub(super) fn assemble(
             segmenter: "drawing".into(),
             parameters: analyze,
             program: vtex_base::PROGRAM.into(),
-            layers: None,
+            strata_reason: None,
             warnings,
         },
         layers,
@@ -203,7 +203,7 @@ pub(super) fn assemble(
 
 /// Units of the page for one of the library, a power of ten, and what is said of it. It is 1 but for pages so
 /// small or large that a library cannot hold them.
-fn unit(page: &Page) -> (f64, Option<String>) {
+fn unit(page: &DrawingPage) -> (f64, Option<String>) {
     let [short, long] = [page.size[0].min(page.size[1]), page.size[0].max(page.size[1])];
     let mut unit = 1.0;
     while short / unit < SHORTEST {
@@ -225,9 +225,9 @@ fn unit(page: &Page) -> (f64, Option<String>) {
 /// # Errors
 /// [`Error::TooLarge`] for too many runs of pixels.
 fn drawn(
-    pieces: &[Piece],
+    pieces: &[DrawingPiece],
     name: &str,
-    draw: impl Fn(&Piece) -> (Vec<Shape>, Mask) + Sync,
+    draw: impl Fn(&DrawingPiece) -> (Vec<Shape>, Mask) + Sync,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<(Vec<Vec<Shape>>, Vec<Mask>)> {
     let (mut shapes, mut masks) = (Vec::with_capacity(pieces.len()), Vec::with_capacity(pieces.len()));
@@ -249,9 +249,9 @@ fn drawn(
 
 /// The elements in painting order, layer by layer.
 fn drafts(
-    page: &Page,
-    pieces: &[Piece],
-    origin: &Origin<'_>,
+    page: &DrawingPage,
+    pieces: &[DrawingPiece],
+    origin: &DrawingOrigin<'_>,
     (map, size): (Affine, [f64; 2]),
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Draft>> {
@@ -262,17 +262,17 @@ fn drafts(
         .iter()
         .map(|p| wrap && p.parts.iter().any(|part| part.stroke.is_none() && torus.is_cut(&part.path)))
         .collect();
-    let draw = |piece: &Piece| {
+    let draw = |piece: &DrawingPiece| {
         let shapes = shapes(piece, map);
         let mask = mask(&shapes, size, wrap);
         (shapes, mask)
     };
     let (drawn, masks) = drawn(pieces, origin.name, draw, go_on)?;
     let sides = size.map(|v| v as i32);
-    let (seen, mut contacts) = contact::Page::new(sides, wrap, &masks);
+    let (seen, mut contacts) = contact::ContactPage::new(sides, wrap, &masks);
     let reach = 2.5 * NEAREST * libm::sqrt(size[0] * size[1]);
     seen.near(libm::ceil(reach).min(400.0) as u16, &mut contacts);
-    let known = Known {
+    let known = PieceProperties {
         page,
         pieces,
         cut: cut.clone(),
@@ -315,7 +315,7 @@ fn drafts(
 }
 
 /// Notes which pieces run on: those that meet themselves a period away.
-fn endless(known: &Known<'_>, sets: &mut Offsets) {
+fn endless(known: &PieceProperties<'_>, sets: &mut Offsets) {
     for (&(a, b, shift), contact) in &known.contacts {
         let same = sets.find(a as usize).0 == sets.find(b as usize).0;
         if contact.gap == 0 && same && (known.cut[a as usize] || a == b) {
@@ -327,7 +327,7 @@ fn endless(known: &Known<'_>, sets: &mut Offsets) {
 /// An element of pieces, moved to where its middle lies on the page.
 fn draft(
     members: &[(usize, Shift)],
-    pieces: &[Piece],
+    pieces: &[DrawingPiece],
     drawn: &dyn Fn(usize) -> Vec<Shape>,
     size: [f64; 2],
     wrap: bool,
@@ -372,7 +372,7 @@ fn paint(labels: &mut LabelMap, mask: &Mask, label: u32, wrap: bool) {
     }
 }
 
-fn element(draft: &Draft, size: [f64; 2], wrap: bool) -> Element {
+fn element(draft: &Draft, size: [f64; 2], wrap: bool) -> ExemplarElement {
     let bounds = element::bounds(&draft.shapes);
     let centre = bounds.center();
     let (x, y) = draft.mask.centroid().map_or((centre.x, centre.y), |(x, y)| (x + 0.5, y + 0.5));
@@ -382,7 +382,7 @@ fn element(draft: &Draft, size: [f64; 2], wrap: bool) -> Element {
     let page = Rect::new(0.0, 0.0, size[0], size[1]);
     let leaves = !(page.contains(bounds.origin()) && bounds.x1 < size[0] && bounds.y1 < size[1]);
     let silhouette = silhouette(&draft.shapes);
-    Element {
+    ExemplarElement {
         category: None,
         colour: largest.map_or(Colour([0; 3]), |s| s.colour),
         difference: None,
@@ -408,19 +408,20 @@ fn silhouette(shapes: &[Shape]) -> Option<Outline> {
 }
 
 /// The background, and the layers of the drawing that hold something.
-fn layers(page: &Page, drafts: &[Draft], colour: Colour) -> Vec<Layer> {
+fn layers(page: &DrawingPage, drafts: &[Draft], colour: Colour) -> Vec<ExemplarLayer> {
     let field = Field { spacing: 25.0, fallback: colour, points: Vec::new() };
-    let background = Layer { field: Some(field), ..Layer::new(Role::Background) };
+    let background = ExemplarLayer { field: Some(field), ..ExemplarLayer::new(Role::Background) };
     let mut layers = vec![background];
     let mut first = 0;
     for run in drafts.chunk_by(|a, b| a.layer == b.layer) {
-        let instances = (first..first + run.len()).map(|k| Instance::of(ElementId::after(k))).collect();
+        let instances =
+            (first..first + run.len()).map(|k| ExemplarInstance::of(ElementId::after(k))).collect();
         let name = page.layers[run[0].layer].clone();
-        layers.push(Layer { name, instances, ..Layer::new(Role::Primary) });
+        layers.push(ExemplarLayer { name, instances, ..ExemplarLayer::new(Role::Primary) });
         first += run.len();
     }
     if layers.len() == 1 {
-        layers.push(Layer::new(Role::Primary));
+        layers.push(ExemplarLayer::new(Role::Primary));
     }
     layers
 }

@@ -1,7 +1,7 @@
 //! Categories of a drawing's elements: alike in shape, size and colours.
 
 use vtex_base::geometry::{Outline, SecondMoments};
-use vtex_scene::library::{Category, CategoryId, Element};
+use vtex_scene::library::{Category, CategoryId, ExemplarElement};
 
 /// Features of an element, scaled so that a distance of 1 is a clear difference: Oklab of the
 /// whole, logarithm of the area, compactness, elongation.
@@ -14,7 +14,7 @@ const WIDER: f64 = 1.3;
 
 /// Gives each element its category; at most `most` of them, the largest first. `shares` are the shares of
 /// the page that elements cover.
-pub(super) fn categorise(elements: &mut [Element], shares: &[f64], most: usize) -> Vec<Category> {
+pub(super) fn categorise(elements: &mut [ExemplarElement], shares: &[f64], most: usize) -> Vec<Category> {
     let features: Vec<Features> = elements.iter().map(features).collect();
     let mut reach = ALIKE;
     let of = loop {
@@ -47,7 +47,7 @@ pub(super) fn categorise(elements: &mut [Element], shares: &[f64], most: usize) 
     categories
 }
 
-fn features(element: &Element) -> Features {
+fn features(element: &ExemplarElement) -> Features {
     let [l, a, b] = element.colour.to_oklab().map(f64::from);
     let moments = SecondMoments::new(element.outline());
     let [xx, xy, yy] = moments.covariance;

@@ -6,8 +6,8 @@
 //! ([`recurring`](super::recurring)).
 
 use super::offsets::Offsets;
-use super::pieces::Piece;
-use super::read::Page;
+use super::pieces::DrawingPiece;
+use super::read::DrawingPage;
 use super::recurring::recurring;
 use std::collections::BTreeMap;
 use vtex_base::geometry::Rect;
@@ -27,9 +27,9 @@ const FINEST: u16 = 2;
 pub(super) const NEAREST: f64 = 0.016;
 
 /// Properties of the pieces.
-pub(super) struct Known<'a> {
-    pub(super) page: &'a Page,
-    pub(super) pieces: &'a [Piece],
+pub(super) struct PieceProperties<'a> {
+    pub(super) page: &'a DrawingPage,
+    pub(super) pieces: &'a [DrawingPiece],
     /// Whether each piece was left cut by the border of a page that wraps.
     pub(super) cut: Vec<bool>,
     /// Bounds of each, in pixels.
@@ -42,7 +42,7 @@ pub(super) struct Known<'a> {
 }
 
 /// The pieces that are one element, as sets with the copies that are meant.
-pub(super) fn elements(known: &Known<'_>, shapes: &[Vec<Shape>], how: Grouping) -> Offsets {
+pub(super) fn elements(known: &PieceProperties<'_>, shapes: &[Vec<Shape>], how: Grouping) -> Offsets {
     let mut sets = Offsets::new(known.pieces.len());
     let mut last: BTreeMap<usize, usize> = BTreeMap::new();
     for (k, piece) in known.pieces.iter().enumerate().filter(|_| how == Grouping::Path) {
@@ -69,7 +69,7 @@ pub(super) fn elements(known: &Known<'_>, shapes: &[Vec<Shape>], how: Grouping) 
     sets
 }
 
-impl Known<'_> {
+impl PieceProperties<'_> {
     /// The shift of `b` that brings it nearest to `a`.
     fn nearest_copy(&self, a: usize, b: usize) -> [i32; 2] {
         let apart = self.bounds[a].center() - self.bounds[b].center();

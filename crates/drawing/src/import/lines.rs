@@ -1,9 +1,9 @@
 //! Stroked lines of a periodic page, and which of them come back on others at the opposite border.
 
 use super::clip::page;
-use super::paint::Paint;
-use super::pieces::{Part, Piece};
-use super::read::Stroke;
+use super::paint::DrawnPaint;
+use super::pieces::{DrawingPiece, PieceShape};
+use super::read::DrawnStroke;
 use kurbo::{Line, ParamCurveNearest};
 use std::collections::BTreeMap;
 use vtex_base::geometry::{BezPath, PathEl, Point, wrapped};
@@ -25,7 +25,7 @@ const MOST_COMPARED: usize = 30_000_000;
 pub(super) struct Lines<'a> {
     size: [f64; 2],
     cell: f64,
-    pieces: &'a [Piece],
+    pieces: &'a [DrawingPiece],
     /// The lines and their pieces.
     lines: Vec<(Line, usize)>,
     cells: BTreeMap<[i64; 2], Vec<u32>>,
@@ -35,7 +35,7 @@ pub(super) struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    pub(super) fn new(size: [f64; 2], pieces: &'a [Piece]) -> Self {
+    pub(super) fn new(size: [f64; 2], pieces: &'a [DrawingPiece]) -> Self {
         let cell = size[0].max(size[1]) / CELLS;
         let (steps, left) = (MOST_STEPS, MOST_COMPARED);
         let mut all = Self { size, cell, pieces, lines: Vec::new(), cells: BTreeMap::new(), steps, left };
@@ -51,7 +51,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Length of the steps along a stroke.
-    fn step(&self, stroke: &Stroke) -> f64 {
+    fn step(&self, stroke: &DrawnStroke) -> f64 {
         (stroke.width / 4.0).max(FINEST * self.size[0].max(self.size[1]))
     }
 
@@ -83,7 +83,7 @@ impl<'a> Lines<'a> {
 
     /// Whether a stroked piece that leaves the page comes back at the other side on lines of its own
     /// paint, so that its copies draw what the page shows.
-    pub(super) fn go_on(&mut self, piece: &Piece) -> bool {
+    pub(super) fn go_on(&mut self, piece: &DrawingPiece) -> bool {
         let Some((path, stroke, paint)) = stroked(piece) else { return false };
         let step = self.step(stroke);
         let inside = page(self.size);
@@ -97,7 +97,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Whether a line of a paint is drawn within `reach` of a place, brought back to the page.
-    fn is_drawn(&mut self, p: Point, reach: f64, paint: &Paint) -> bool {
+    fn is_drawn(&mut self, p: Point, reach: f64, paint: &DrawnPaint) -> bool {
         let p = Point::new(wrapped(p.x, Some(self.size[0])), wrapped(p.y, Some(self.size[1])));
         let [x, y] = self.cell_of(p);
         // Steps lie within a quarter of a cell of any place of their line.
@@ -124,9 +124,9 @@ impl<'a> Lines<'a> {
 }
 
 /// The line, stroke and paint of a piece that is nothing else.
-fn stroked(piece: &Piece) -> Option<(&BezPath, &Stroke, &Paint)> {
+fn stroked(piece: &DrawingPiece) -> Option<(&BezPath, &DrawnStroke, &DrawnPaint)> {
     match &piece.parts[..] {
-        [Part { path, paint, stroke: Some(stroke) }] => Some((path, stroke, paint)),
+        [PieceShape { path, paint, stroke: Some(stroke) }] => Some((path, stroke, paint)),
         _ => None,
     }
 }

@@ -31,7 +31,7 @@ pub use read::CONVERT;
 pub use vtex_scene::library::Grouping;
 
 use crate::svg_tree;
-use assemble::{Origin, assemble};
+use assemble::{DrawingOrigin, assemble};
 use torus::Torus;
 use vtex_base::error::Result;
 use vtex_base::geometry::Affine;
@@ -71,7 +71,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     advance(progress, "drawing", 1, 4)?;
     let split = matches!(params.analyze.elements, Grouping::Auto | Grouping::Piece);
     let all = page.items.iter().enumerate();
-    let mut pieces: Vec<pieces::Piece> = Vec::new();
+    let mut pieces: Vec<pieces::DrawingPiece> = Vec::new();
     for (k, item) in all {
         advance(progress, "drawing", 1, 4)?;
         pieces.extend(pieces::pieces(k, item, split));
@@ -96,7 +96,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     advance(progress, "drawing", 2, 4)?;
     let pieces = if wrap { Torus::new(page.size).whole(pieces) } else { pieces };
     advance(progress, "drawing", 3, 4)?;
-    let origin = Origin { bytes, name, params, wrap, scale, picture, background };
+    let origin = DrawingOrigin { bytes, name, params, wrap, scale, picture, background };
     let library = assemble(&page, &pieces, origin, progress)?;
     for warning in &library.source.warnings {
         progress.warn(warning);
@@ -135,7 +135,7 @@ const FEWEST: usize = 8;
 
 /// Whether a page whose borders do not join is repeated all the same, because too little on it is whole;
 /// and what is said of it.
-fn repeated_anyway(page: &read::Page, pieces: &[pieces::Piece]) -> (bool, Option<String>) {
+fn repeated_anyway(page: &read::DrawingPage, pieces: &[pieces::DrawingPiece]) -> (bool, Option<String>) {
     let inside = clip::page(page.size);
     let whole = pieces.iter().filter(|p| inside.contains_rect(p.bounds())).count();
     if whole >= FEWEST {

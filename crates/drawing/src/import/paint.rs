@@ -8,7 +8,7 @@ use vtex_scene::element::{Gradient, GradientKind, Stop};
 
 /// The paint of a shape.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Paint {
+pub(super) struct DrawnPaint {
     /// Its colour, or the mean colour of its gradient.
     pub(super) colour: Colour,
     pub(super) gradient: Option<Gradient>,
@@ -16,8 +16,12 @@ pub(super) struct Paint {
 }
 
 /// A paint on the page, and what was changed about it; `None` for a pattern.
-pub(super) fn paint(paint: &usvg::Paint, opacity: f64, map: Affine) -> Option<(Paint, Option<&'static str>)> {
-    let plain = |c: usvg::Color| Paint { colour: colour(c), gradient: None, opacity };
+pub(super) fn paint(
+    paint: &usvg::Paint,
+    opacity: f64,
+    map: Affine,
+) -> Option<(DrawnPaint, Option<&'static str>)> {
+    let plain = |c: usvg::Color| DrawnPaint { colour: colour(c), gradient: None, opacity };
     Some(match paint {
         usvg::Paint::Color(c) => (plain(*c), None),
         usvg::Paint::LinearGradient(g) => {
@@ -74,7 +78,7 @@ fn linear(from: Point, to: Point, map: Affine) -> Option<[Point; 2]> {
     Some([from, from + g / g.hypot2()])
 }
 
-fn gradient(kind: GradientKind, ends: Option<[Point; 2]>, stops: &[usvg::Stop], opacity: f64) -> Paint {
+fn gradient(kind: GradientKind, ends: Option<[Point; 2]>, stops: &[usvg::Stop], opacity: f64) -> DrawnPaint {
     let stops: Vec<Stop> = stops
         .iter()
         .map(|s| Stop {
@@ -87,10 +91,10 @@ fn gradient(kind: GradientKind, ends: Option<[Point; 2]>, stops: &[usvg::Stop], 
     let sum = |k: usize| stops.iter().map(|s| s.colour.to_f64()[k]).sum::<f64>() / count;
     let mean = Colour::from_f64([sum(0), sum(1), sum(2)]);
     let (Some(first), Some(last)) = (stops.first(), stops.last()) else {
-        return Paint { colour: mean, gradient: None, opacity };
+        return DrawnPaint { colour: mean, gradient: None, opacity };
     };
     let Some([from, to]) = ends.filter(|[from, to]| from != to) else {
-        return Paint { colour: last.colour, gradient: None, opacity: opacity * last.opacity };
+        return DrawnPaint { colour: last.colour, gradient: None, opacity: opacity * last.opacity };
     };
     let between = stops.iter().filter(|s| s.offset > 0.0 && s.offset < 1.0 || s != &first && s != &last);
     let gradient = Gradient {
@@ -102,7 +106,7 @@ fn gradient(kind: GradientKind, ends: Option<[Point; 2]>, stops: &[usvg::Stop], 
         between: between.copied().collect(),
         opacities: [first.opacity, last.opacity],
     };
-    Paint { colour: mean, gradient: Some(gradient), opacity }
+    DrawnPaint { colour: mean, gradient: Some(gradient), opacity }
 }
 
 #[cfg(test)]

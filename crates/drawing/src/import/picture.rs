@@ -1,9 +1,9 @@
 //! The page as pixels.
 
-use super::pieces::Piece;
-use super::read::Page;
+use super::pieces::DrawingPiece;
+use super::read::DrawingPage;
 use super::shapes::shapes;
-use crate::svg_tree::{self, Fault};
+use crate::svg_tree::{self, SvgFault};
 use image::{Rgb, RgbImage};
 use resvg::usvg::Transform;
 use vtex_base::geometry::Affine;
@@ -19,14 +19,14 @@ const SAMPLES: u32 = 2;
 /// # Errors
 /// As [`svg_tree::draw`].
 pub(super) fn picture(
-    page: &Page,
-    (colour, pieces): (Colour, &[Piece]),
+    page: &DrawingPage,
+    (colour, pieces): (Colour, &[DrawingPiece]),
     size: [u32; 2],
-) -> Result<RgbImage, Fault> {
+) -> Result<RgbImage, SvgFault> {
     if page.lacks { Ok(drawn(page, colour, pieces, size)) } else { by_resvg(page, size) }
 }
 
-fn by_resvg(page: &Page, [width, height]: [u32; 2]) -> Result<RgbImage, Fault> {
+fn by_resvg(page: &DrawingPage, [width, height]: [u32; 2]) -> Result<RgbImage, SvgFault> {
     let Some(mut pixmap) = tiny_skia::Pixmap::new(width, height) else {
         return Ok(RgbImage::from_pixel(width, height, Rgb([255; 3])));
     };
@@ -39,7 +39,7 @@ fn by_resvg(page: &Page, [width, height]: [u32; 2]) -> Result<RgbImage, Fault> {
     }))
 }
 
-fn drawn(page: &Page, colour: Colour, pieces: &[Piece], [width, height]: [u32; 2]) -> RgbImage {
+fn drawn(page: &DrawingPage, colour: Colour, pieces: &[DrawingPiece], [width, height]: [u32; 2]) -> RgbImage {
     let fine = [width, height].map(|v| v * SAMPLES);
     let mut picture = RgbImage::from_pixel(fine[0], fine[1], Rgb(colour.0));
     let [sx, sy] = [0, 1].map(|k| f64::from(fine[k]) / page.size[k]);
@@ -56,7 +56,7 @@ fn drawn(page: &Page, colour: Colour, pieces: &[Piece], [width, height]: [u32; 2
     })
 }
 
-fn draw(picture: &mut RgbImage, piece: &Piece, map: Affine) {
+fn draw(picture: &mut RgbImage, piece: &DrawingPiece, map: Affine) {
     for shape in shapes(piece, map) {
         let new = shape.colour.to_f64();
         for (x, y) in pixels::mask(&shape.outline).pixels() {

@@ -4,8 +4,8 @@
 //! own rule does.
 
 use super::clip::rings;
-use super::paint::Paint;
-use super::read::{Fill, Item, Stroke};
+use super::paint::DrawnPaint;
+use super::read::{DrawnFill, DrawnShape, DrawnStroke};
 use kurbo::{ParamCurve, PathSeg, Shape as _};
 use vtex_base::geometry::{BezPath, Point, Rect, is_simple};
 
@@ -15,9 +15,9 @@ const MOST_RINGS: usize = 5_000;
 /// A part of the drawing that is never taken apart: fill and stroke of one connected path, or the two
 /// halves of one that was cut by the border of the page.
 #[derive(Clone)]
-pub(super) struct Piece {
+pub(super) struct DrawingPiece {
     /// What is painted, in order. Coordinates are those of the page.
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<PieceShape>,
     /// Index of its item.
     pub(super) item: usize,
     /// The innermost group that holds it.
@@ -27,14 +27,14 @@ pub(super) struct Piece {
 
 /// A filled area, or a stroked path.
 #[derive(Clone)]
-pub(super) struct Part {
+pub(super) struct PieceShape {
     pub(super) path: BezPath,
-    pub(super) paint: Paint,
+    pub(super) paint: DrawnPaint,
     /// How it is stroked; `None` for an area, filled by the non-zero rule.
-    pub(super) stroke: Option<Stroke>,
+    pub(super) stroke: Option<DrawnStroke>,
 }
 
-impl Part {
+impl PieceShape {
     /// Bounds, with a stroke's width.
     pub(super) fn bounds(&self) -> Rect {
         let reach = self.stroke.as_ref().map_or(0.0, |s| s.width / 2.0);
@@ -42,11 +42,11 @@ impl Part {
     }
 }
 
-impl Piece {
+impl DrawingPiece {
     /// Area that all parts may cover at most.
     pub(super) fn reach(&self) -> f64 {
         let lengths = |path: &BezPath| -> f64 { path.segments().map(|s| polygon(&s)).sum() };
-        let area = |part: &Part| {
+        let area = |part: &PieceShape| {
             let stroke = part.stroke.as_ref();
             stroke.map_or(f64::INFINITY, |s| {
                 s.width * s.miter_limit.clamp(1.5, 10.0) * (lengths(&part.path) + s.width)
@@ -57,7 +57,7 @@ impl Piece {
 
     /// Bounds of all parts.
     pub(super) fn bounds(&self) -> Rect {
-        let mut all = self.parts.iter().map(Part::bounds);
+        let mut all = self.parts.iter().map(PieceShape::bounds);
         let first = all.next().unwrap_or_default();
         all.fold(first, |sum, next| sum.union(next))
     }
@@ -70,7 +70,7 @@ fn polygon(segment: &PathSeg) -> f64 {
 }
 
 /// The pieces of an item; all of it as one unless `split`.
-pub(super) fn pieces(number: usize, item: &Item, split: bool) -> Vec<Piece> {
+pub(super) fn pieces(number: usize, item: &DrawnShape, split: bool) -> Vec<DrawingPiece> {
     let paths = match &item.fill {
         Some(fill) => filled(&item.path, fill, split),
         None if split => subpaths(&item.path),
@@ -78,11 +78,11 @@ pub(super) fn pieces(number: usize, item: &Item, split: bool) -> Vec<Piece> {
     };
     let piece = |path: BezPath| {
         let area = item.fill.as_ref().filter(|_| path.area() != 0.0);
-        let area = area.map(|f| Part { path: path.clone(), paint: f.paint.clone(), stroke: None });
+        let area = area.map(|f| PieceShape { path: path.clone(), paint: f.paint.clone(), stroke: None });
         let line = item.stroke.as_ref();
-        let line = line.map(|s| Part { path, paint: s.paint.clone(), stroke: Some(s.clone()) });
-        let parts: Vec<Part> = area.into_iter().chain(line).collect();
-        Piece { parts, item: number, group: item.group, layer: item.layer }
+        let line = line.map(|s| PieceShape { path, paint: s.paint.clone(), stroke: Some(s.clone()) });
+        let parts: Vec<PieceShape> = area.into_iter().chain(line).collect();
+        DrawingPiece { parts, item: number, group: item.group, layer: item.layer }
     };
     paths.into_iter().map(piece).filter(|p| !p.parts.is_empty()).collect()
 }
@@ -103,7 +103,7 @@ fn places(ring: &BezPath) -> Vec<(Point, f64)> {
 }
 
 /// A ring of a filled path.
-struct Ring {
+struct PathRing {
     path: BezPath,
     area: f64,
     bounds: Rect,
@@ -115,12 +115,12 @@ struct Ring {
 
 /// The connected pieces of a filled path: outer rings with what lies inside. Filled by the non-zero rule,
 /// they look as the path does by its own.
-fn filled(path: &BezPath, fill: &Fill, split: bool) -> Vec<BezPath> {
-    let mut all: Vec<Ring> = subpaths(path)
+fn filled(path: &BezPath, fill: &DrawnFill, split: bool) -> Vec<BezPath> {
+    let mut all: Vec<PathRing> = subpaths(path)
         .into_iter()
         .map(|path| {
             let (area, bounds) = (path.area(), path.bounding_box());
-            Ring { path, area, bounds, depth: 0, outermost: 0 }
+            PathRing { path, area, bounds, depth: 0, outermost: 0 }
         })
         .collect();
     all.sort_by(|a, b| b.area.abs().total_cmp(&a.area.abs()));
@@ -149,7 +149,7 @@ fn filled(path: &BezPath, fill: &Fill, split: bool) -> Vec<BezPath> {
     }
     // What crosses itself means other areas by each rule, or where it is taken apart.
     let delicate = (fill.even_odd || fill.paint.opacity < 1.0) && !is_simple(path);
-    let turned = |ring: &Ring, outer: f64| {
+    let turned = |ring: &PathRing, outer: f64| {
         let wanted = if fill.even_odd && !delicate {
             ring.depth.is_multiple_of(2)
         } else {
@@ -182,9 +182,9 @@ mod tests {
     use vtex_base::raster::colour::Colour;
 
     fn of(text: &str, even_odd: bool) -> Vec<f64> {
-        let paint = Paint { colour: Colour([0; 3]), gradient: None, opacity: 1.0 };
+        let paint = DrawnPaint { colour: Colour([0; 3]), gradient: None, opacity: 1.0 };
         let path = parse_path(text).unwrap();
-        filled(&path, &Fill { paint, even_odd }, true).iter().map(BezPath::area).collect()
+        filled(&path, &DrawnFill { paint, even_odd }, true).iter().map(BezPath::area).collect()
     }
 
     #[test]

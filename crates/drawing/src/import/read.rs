@@ -3,7 +3,7 @@
 //! What has no place in the model is an error that names the element, or is left out and counted.
 
 use super::clip::{self, Clip};
-use super::paint::{self, Paint};
+use super::paint::{self, DrawnPaint};
 use crate::svg_tree;
 use kurbo::Shape as _;
 use resvg::usvg::{self, roxmltree};
@@ -31,13 +31,13 @@ const SVG: &str = "http://www.w3.org/2000/svg";
 pub const CONVERT: &str = "turn it into plain shapes in the program that made it, or delete it";
 
 /// A drawing as it was read; coordinates are those of its page.
-pub(super) struct Page {
+pub(super) struct DrawingPage {
     /// Width and height.
     pub size: [f64; 2],
     /// Its shapes, in painting order.
-    pub(super) items: Vec<Item>,
+    pub(super) items: Vec<DrawnShape>,
     /// Its groups, each after those that hold it.
-    pub(super) groups: Vec<Group>,
+    pub(super) groups: Vec<ShapeGroup>,
     /// Names of its layers, bottom first; the first is for what lies in none.
     pub(super) layers: Vec<String>,
     /// One sentence for each kind of thing that was changed or left out.
@@ -49,17 +49,17 @@ pub(super) struct Page {
 }
 
 /// A group of shapes.
-pub(super) struct Group {
+pub(super) struct ShapeGroup {
     pub(super) parent: Option<usize>,
     /// Number of shapes within, those of inner groups included.
     pub(super) items: usize,
 }
 
 /// A shape.
-pub(super) struct Item {
+pub(super) struct DrawnShape {
     pub(super) path: BezPath,
-    pub(super) fill: Option<Fill>,
-    pub(super) stroke: Option<Stroke>,
+    pub(super) fill: Option<DrawnFill>,
+    pub(super) stroke: Option<DrawnStroke>,
     /// The innermost group that holds it.
     pub(super) group: Option<usize>,
     pub(super) layer: usize,
@@ -67,15 +67,15 @@ pub(super) struct Item {
 
 /// How a shape is filled.
 #[derive(Clone)]
-pub(super) struct Fill {
-    pub(super) paint: Paint,
+pub(super) struct DrawnFill {
+    pub(super) paint: DrawnPaint,
     pub(super) even_odd: bool,
 }
 
 /// How a shape is stroked. Lengths are those of the page.
 #[derive(Clone)]
-pub(super) struct Stroke {
-    pub(super) paint: Paint,
+pub(super) struct DrawnStroke {
+    pub(super) paint: DrawnPaint,
     pub(super) width: f64,
     pub(super) cap: usvg::LineCap,
     pub(super) join: usvg::LineJoin,
@@ -85,8 +85,8 @@ pub(super) struct Stroke {
 }
 
 /// Reads a drawing. What cannot be read is an error, or is left out and counted if `lenient`.
-pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progress) -> Result<Page> {
-    let fail = |found: svg_tree::Fault| fault(name, found.reason, found.advice);
+pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progress) -> Result<DrawingPage> {
+    let fail = |found: svg_tree::SvgFault| fault(name, found.reason, found.advice);
     let text = svg_tree::text(bytes, name, fail)?;
     if text.len() > LARGEST {
         let found = format!("{} MB of SVG text", text.len() / 1_000_000);
@@ -104,10 +104,10 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progr
         return Err(fault(name, reason, "scale it to between 0.001 and 1000000 units"));
     }
     advance(progress, "drawing", 0, 4)?;
-    let mut reader = Reader { progress, ..Reader::new(name, lenient, &document, size) };
-    let root = Place { group: None, layer: 0, opacity: 1.0, depth: 0, id: "" };
+    let mut reader = DrawingReader { progress, ..DrawingReader::new(name, lenient, &document, size) };
+    let root = WalkState { group: None, layer: 0, opacity: 1.0, depth: 0, id: "" };
     reader.group(tree.root(), root, &[])?;
-    let Reader { items, mut groups, layers, counts, lacks, .. } = reader;
+    let DrawingReader { items, mut groups, layers, counts, lacks, .. } = reader;
     for item in &items {
         let mut up = item.group;
         while let Some(g) = up {
@@ -117,7 +117,7 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progr
     }
     let warnings = counts.into_iter().map(|(what, n)| format!("{what} ({n})"));
     let warnings = warnings.chain(texts(&document)).collect();
-    Ok(Page { size, items, groups, layers, warnings, lacks, tree })
+    Ok(DrawingPage { size, items, groups, layers, warnings, lacks, tree })
 }
 
 /// An error about a drawing.
@@ -144,17 +144,17 @@ fn texts(document: &roxmltree::Document<'_>) -> Option<String> {
     Some(format!("the text '{}'{more} is left out: turn it into a path", clip_to(&words, 60)))
 }
 
-struct Reader<'a, 'd> {
+struct DrawingReader<'a, 'd> {
     progress: &'a dyn Progress,
     name: &'a str,
     lenient: bool,
     size: [f64; 2],
     /// The first XML element of each id.
     named: BTreeMap<&'a str, roxmltree::Node<'a, 'd>>,
-    items: Vec<Item>,
+    items: Vec<DrawnShape>,
     /// Lines and curves of all items.
     segments: usize,
-    groups: Vec<Group>,
+    groups: Vec<ShapeGroup>,
     layers: Vec<String>,
     /// Names of the layers, and the next number for each title that several have.
     taken: BTreeSet<String>,
@@ -166,7 +166,7 @@ struct Reader<'a, 'd> {
 
 /// State of the walk through the tree.
 #[derive(Clone, Copy)]
-struct Place<'t> {
+struct WalkState<'t> {
     group: Option<usize>,
     layer: usize,
     opacity: f64,
@@ -175,7 +175,7 @@ struct Place<'t> {
     id: &'t str,
 }
 
-impl<'a, 'd> Reader<'a, 'd> {
+impl<'a, 'd> DrawingReader<'a, 'd> {
     fn new(name: &'a str, lenient: bool, document: &'a roxmltree::Document<'d>, size: [f64; 2]) -> Self {
         let mut named = BTreeMap::new();
         for node in document.descendants() {
@@ -217,7 +217,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         Err(fault(self.name, format!("the element{id} {what}"), CONVERT))
     }
 
-    fn group<'t>(&mut self, group: &'t usvg::Group, place: Place<'t>, clips: &[Clip]) -> Result<()> {
+    fn group<'t>(&mut self, group: &'t usvg::Group, place: WalkState<'t>, clips: &[Clip]) -> Result<()> {
         let id = group.id();
         let opacity = place.opacity * f64::from(group.opacity().get());
         if group.mask().is_some() {
@@ -247,13 +247,13 @@ impl<'a, 'd> Reader<'a, 'd> {
         // The root and layers are not groups of shapes.
         let is_group = place.depth > 0 && layer == place.layer && group.children().len() > 1;
         let inner = if is_group {
-            self.groups.push(Group { parent: place.group, items: 0 });
+            self.groups.push(ShapeGroup { parent: place.group, items: 0 });
             Some(self.groups.len() - 1)
         } else {
             place.group
         };
         let place =
-            Place { group: inner, layer, opacity, depth, id: if id.is_empty() { place.id } else { id } };
+            WalkState { group: inner, layer, opacity, depth, id: if id.is_empty() { place.id } else { id } };
         for child in group.children() {
             match child {
                 usvg::Node::Group(inner) => self.group(inner, place, &clips)?,
@@ -268,7 +268,7 @@ impl<'a, 'd> Reader<'a, 'd> {
     }
 
     /// The layer of a group: its own if Inkscape or Illustrator marked it as one.
-    fn layer(&mut self, group: &usvg::Group, place: Place<'_>) -> usize {
+    fn layer(&mut self, group: &usvg::Group, place: WalkState<'_>) -> usize {
         let id = group.id();
         if id.is_empty() || place.group.is_some() {
             return place.layer;
@@ -295,7 +295,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.layers.len() - 1
     }
 
-    fn path(&mut self, path: &usvg::Path, place: Place<'_>, clips: &[Clip]) -> Result<()> {
+    fn path(&mut self, path: &usvg::Path, place: WalkState<'_>, clips: &[Clip]) -> Result<()> {
         advance(self.progress, "drawing", 0, 4)?;
         if self.items.len() >= MOST_ITEMS {
             return Err(too_many(self.name, self.items.len() + 1, MOST_ITEMS));
@@ -336,12 +336,13 @@ impl<'a, 'd> Reader<'a, 'd> {
                 None => {}
             }
         }
-        let fill = painted.iter().find(|p| p.0).map(|(_, paint)| Fill {
+        let fill = painted.iter().find(|p| p.0).map(|(_, paint)| DrawnFill {
             paint: paint.clone(),
             even_odd: path.fill().is_some_and(|f| f.rule() == usvg::FillRule::EvenOdd),
         });
         let stroke = painted.iter().find(|p| !p.0).and_then(|(_, p)| stroke(path.stroke()?, p.clone(), map));
-        let new = |path, fill, stroke| Item { path, fill, stroke, group: place.group, layer: place.layer };
+        let new =
+            |path, fill, stroke| DrawnShape { path, fill, stroke, group: place.group, layer: place.layer };
         let mut items = Vec::new();
         let cut = clips.iter().any(|clip| !clip.holds(inflated(&drawn, stroke.as_ref())));
         let plain = stroke.as_ref().is_none_or(|s| s.conformal) && !cut;
@@ -349,7 +350,7 @@ impl<'a, 'd> Reader<'a, 'd> {
             items.push(new(drawn, fill, stroke.map(|s| s.stroke)));
         } else {
             let line = stroke.map(|s| {
-                let fill = Fill { paint: s.stroke.paint.clone(), even_odd: false };
+                let fill = DrawnFill { paint: s.stroke.paint.clone(), even_odd: false };
                 new(map * s.expanded(&local), Some(fill), None)
             });
             items.extend(fill.map(|fill| new(drawn, Some(fill), None)));
@@ -359,7 +360,7 @@ impl<'a, 'd> Reader<'a, 'd> {
             }
         }
         let page = clip::page(self.size);
-        let shown = |i: &Item| {
+        let shown = |i: &DrawnShape| {
             let reach = i.stroke.as_ref().map_or(0.0, |s| s.width * s.miter_limit.max(1.5));
             let painted = i.fill.is_some() || i.stroke.is_some();
             let b = i.path.bounding_box().inflate(reach, reach);
@@ -378,7 +379,7 @@ fn inflated(path: &BezPath, stroke: Option<&Stroked>) -> kurbo::Rect {
 
 /// A stroke, on the page and before its transform.
 struct Stroked {
-    stroke: Stroke,
+    stroke: DrawnStroke,
     /// Whether the transform preserves angles.
     conformal: bool,
     /// The stroke before the transform.
@@ -393,7 +394,7 @@ impl Stroked {
     }
 }
 
-fn stroke(s: &usvg::Stroke, paint: Paint, map: Affine) -> Option<Stroked> {
+fn stroke(s: &usvg::Stroke, paint: DrawnPaint, map: Affine) -> Option<Stroked> {
     let [a, b, c, d, ..] = map.as_coeffs();
     let size = libm::sqrt(map.determinant().abs());
     let width = f64::from(s.width().get());
@@ -422,7 +423,7 @@ fn stroke(s: &usvg::Stroke, paint: Paint, map: Affine) -> Option<Stroked> {
     if !dashes.is_empty() {
         local = local.with_dashes(offset, dashes.iter().copied());
     }
-    let stroke = Stroke {
+    let stroke = DrawnStroke {
         paint,
         width: width * size,
         cap: s.linecap(),

@@ -1,6 +1,6 @@
 //! Contacts that recur: shapes of different colours that always come together, at the same relative place.
 
-use super::elements::Known;
+use super::elements::PieceProperties;
 use super::offsets::Offsets;
 use std::collections::{BTreeMap, BTreeSet};
 use vtex_base::geometry::{Affine, Point, Rect};
@@ -21,7 +21,11 @@ struct Touch {
 
 /// The pairs of pieces of one layer, not of one set yet, that touch as others do: everywhere one kind of shape
 /// is, the other is at the same place beside it, at least twice.
-pub(super) fn recurring(known: &Known<'_>, shapes: &[Vec<Shape>], sets: &Offsets) -> BTreeSet<Pair> {
+pub(super) fn recurring(
+    known: &PieceProperties<'_>,
+    shapes: &[Vec<Shape>],
+    sets: &Offsets,
+) -> BTreeSet<Pair> {
     let touches = |(pair, contact): (&Pair, &Contact)| {
         let [a, b] = [pair.0 as usize, pair.1 as usize];
         let [p, q] = [a, b].map(|k| &known.pieces[k]);

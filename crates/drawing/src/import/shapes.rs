@@ -1,7 +1,7 @@
 //! Pieces → shapes of elements.
 
-use super::pieces::{Part, Piece};
-use super::read::Stroke;
+use super::pieces::{DrawingPiece, PieceShape};
+use super::read::DrawnStroke;
 use kurbo::Shape as _;
 use resvg::usvg::{LineCap, LineJoin};
 use vtex_base::geometry::{Affine, BezPath, Curve, Outline, PathEl, Point, STEP};
@@ -9,11 +9,11 @@ use vtex_scene::element::{Cap, Join, Line, Shape};
 
 /// The shapes of a piece in pixels of the library; `map` leads there from the page. Parts that vanish are
 /// left out.
-pub(super) fn shapes(piece: &Piece, map: Affine) -> Vec<Shape> {
+pub(super) fn shapes(piece: &DrawingPiece, map: Affine) -> Vec<Shape> {
     piece.parts.iter().filter_map(|part| shape(part, map)).collect()
 }
 
-fn shape(part: &Part, map: Affine) -> Option<Shape> {
+fn shape(part: &PieceShape, map: Affine) -> Option<Shape> {
     let path = map * part.path.clone();
     let base = match &part.stroke {
         Some(stroke) => {
@@ -45,7 +45,7 @@ fn on_grid(path: &BezPath) -> BezPath {
 }
 
 /// A stroke along a path, its lengths `size` times as large.
-pub(super) fn line(path: &BezPath, stroke: &Stroke, size: f64) -> Option<Line> {
+pub(super) fn line(path: &BezPath, stroke: &DrawnStroke, size: f64) -> Option<Line> {
     let short = |v: f64| libm::round(v * 1e4) / 1e4;
     let width = short(stroke.width * size).clamp(1e-3, Line::WIDEST);
     Some(Line {
@@ -68,7 +68,7 @@ pub(super) fn line(path: &BezPath, stroke: &Stroke, size: f64) -> Option<Line> {
 }
 
 /// Whether a part paints an area of the page at all.
-pub(super) fn is_visible(part: &Part) -> bool {
+pub(super) fn is_visible(part: &PieceShape) -> bool {
     let opaque = part.paint.opacity > 0.0;
     opaque && (part.stroke.is_some() || part.path.area() != 0.0 || part.path.bounding_box().area() > 0.0)
 }

@@ -6,7 +6,7 @@
 use super::clip::{Clip, page};
 use super::lines::Lines;
 use super::offsets::{Offsets, Shift, plus};
-use super::pieces::{Part, Piece, segments};
+use super::pieces::{DrawingPiece, PieceShape, segments};
 use kurbo::{PathSeg, Shape as _};
 use std::collections::BTreeMap;
 use vtex_base::geometry::{Affine, BezPath, Point, Rect, Vec2};
@@ -38,12 +38,12 @@ struct Chain {
     piece: usize,
     path: Vec<PathSeg>,
     /// Borders on which it begins and ends.
-    ends: [Border; 2],
+    ends: [PageBorder; 2],
 }
 
 /// A border of the page: axis across it, and whether it is the far one.
 #[derive(Clone, Copy, PartialEq, Eq)]
-struct Border {
+struct PageBorder {
     axis: usize,
     far: bool,
 }
@@ -60,9 +60,9 @@ impl Torus {
     }
 
     /// Makes pieces whole.
-    pub(super) fn whole(&self, pieces: Vec<Piece>) -> Vec<Piece> {
+    pub(super) fn whole(&self, pieces: Vec<DrawingPiece>) -> Vec<DrawingPiece> {
         let (mut pieces, repeated) = self.once(pieces);
-        let bounds: Vec<Rect> = pieces.iter().map(Piece::bounds).collect();
+        let bounds: Vec<Rect> = pieces.iter().map(DrawingPiece::bounds).collect();
         let alone: Vec<usize> =
             (0..pieces.len()).filter(|&k| self.sticks_out(&bounds[k]) && !repeated[k]).collect();
         let few = alone.len() <= MOST;
@@ -89,8 +89,8 @@ impl Torus {
 
     /// Leaves out the copies of pieces that are drawn at several borders. Gives for each that is left
     /// whether it had one.
-    fn once(&self, pieces: Vec<Piece>) -> (Vec<Piece>, Vec<bool>) {
-        let bounds: Vec<Rect> = pieces.iter().map(Piece::bounds).collect();
+    fn once(&self, pieces: Vec<DrawingPiece>) -> (Vec<DrawingPiece>, Vec<bool>) {
+        let bounds: Vec<Rect> = pieces.iter().map(DrawingPiece::bounds).collect();
         let outside: Vec<usize> = (0..pieces.len()).filter(|&i| self.sticks_out(&bounds[i])).collect();
         let mut repeated = vec![false; pieces.len()];
         if outside.len() > MOST {
@@ -123,7 +123,7 @@ impl Torus {
 
     /// Whether a piece sticks out by a little and was not drawn at the other side: nothing of its paint
     /// is there. Its author forgot the copy.
-    fn is_forgotten(&self, k: usize, all: &[Piece], bounds: &[Rect]) -> bool {
+    fn is_forgotten(&self, k: usize, all: &[DrawingPiece], bounds: &[Rect]) -> bool {
         let b = bounds[k];
         let over = [-b.x0, b.x1 - self.size[0], -b.y0, b.y1 - self.size[1]];
         let sides = [b.width(), b.width(), b.height(), b.height()];
@@ -133,18 +133,19 @@ impl Torus {
         let shifts: [Shift; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
         let missing = |(over, shift): (&f64, Shift)| {
             let there = b + self.vector(shift);
-            let met = |(other, bounds): (&Piece, &Rect)| bounds.overlaps(there) && alike(other, &all[k]);
+            let met =
+                |(other, bounds): (&DrawingPiece, &Rect)| bounds.overlaps(there) && alike(other, &all[k]);
             *over <= self.near || !all.iter().zip(bounds).any(met)
         };
         over.iter().zip(shifts).all(missing)
     }
 
     /// Joins halves that were cut by a border along it.
-    fn stitched(&self, pieces: Vec<Piece>) -> Vec<Piece> {
+    fn stitched(&self, pieces: Vec<DrawingPiece>) -> Vec<DrawingPiece> {
         let mut chains: Vec<Chain> = Vec::new();
         let mut sets = Offsets::new(pieces.len());
         for (k, piece) in pieces.iter().enumerate() {
-            let [Part { path, paint, stroke: None }] = &piece.parts[..] else { continue };
+            let [PieceShape { path, paint, stroke: None }] = &piece.parts[..] else { continue };
             if paint.gradient.is_some() {
                 continue;
             }
@@ -169,7 +170,7 @@ impl Torus {
     }
 
     /// The border that a segment runs along.
-    fn border(&self, segment: &PathSeg) -> Option<Border> {
+    fn border(&self, segment: &PathSeg) -> Option<PageBorder> {
         let PathSeg::Line(l) = segment else { return None };
         let on = |axis: usize, v: f64| {
             let at = |p: Point| [p.x, p.y][axis];
@@ -177,22 +178,22 @@ impl Torus {
         };
         [0, 1].into_iter().find_map(|axis| {
             [false, true].into_iter().find_map(|far| {
-                on(axis, if far { self.size[axis] } else { 0.0 }).then_some(Border { axis, far })
+                on(axis, if far { self.size[axis] } else { 0.0 }).then_some(PageBorder { axis, far })
             })
         })
     }
 
     /// The stretches of a ring away from the borders; none at all if it does not touch them, `None` if
     /// it never leaves them.
-    fn chains(&self, ring: &[PathSeg]) -> Option<Vec<(Vec<PathSeg>, [Border; 2])>> {
-        let borders: Vec<Option<Border>> = ring.iter().map(|s| self.border(s)).collect();
+    fn chains(&self, ring: &[PathSeg]) -> Option<Vec<(Vec<PathSeg>, [PageBorder; 2])>> {
+        let borders: Vec<Option<PageBorder>> = ring.iter().map(|s| self.border(s)).collect();
         let Some(first) = borders.iter().position(Option::is_some) else { return Some(Vec::new()) };
         if borders.iter().all(Option::is_some) {
             return None;
         }
         let n = ring.len();
         let mut found = Vec::new();
-        let mut open: Option<(Vec<PathSeg>, Border)> = None;
+        let mut open: Option<(Vec<PathSeg>, PageBorder)> = None;
         let mut last = borders[first]?;
         for k in 1..=n {
             let i = (first + k) % n;
@@ -210,9 +211,9 @@ impl Torus {
     }
 
     /// For each chain the one that goes on at the opposite border, and its shift.
-    fn links(&self, chains: &[Chain], pieces: &[Piece]) -> Vec<Option<(usize, Shift)>> {
+    fn links(&self, chains: &[Chain], pieces: &[DrawingPiece]) -> Vec<Option<(usize, Shift)>> {
         // Chains that are still free, by where on which border they begin.
-        let place = |border: Border, p: Point| {
+        let place = |border: PageBorder, p: Point| {
             let along = if border.axis == 0 { p.y } else { p.x };
             (border.axis, border.far, libm::floor(along / self.same) as i64)
         };
@@ -233,7 +234,7 @@ impl Torus {
                 let like = theirs.parts[0].paint == *own && theirs.layer == layer;
                 like.then(|| (start(k) + self.vector(shift)).distance(end)).filter(|d| *d <= self.same)
             };
-            let (axis, far, at) = place(Border { far: !border.far, ..border }, end);
+            let (axis, far, at) = place(PageBorder { far: !border.far, ..border }, end);
             let near = (at - 1..=at + 1).filter_map(|at| free.get(&(axis, far, at)));
             // Of very many at one place only some are compared.
             let near = near.flat_map(|there| there.iter().take(MOST_AT_ONCE));
@@ -253,11 +254,11 @@ impl Torus {
     /// The pieces, those of each set that closes joined to one.
     fn rebuilt(
         &self,
-        pieces: &[Piece],
+        pieces: &[DrawingPiece],
         chains: &[Chain],
         next: &[Option<(usize, Shift)>],
         sets: &Offsets,
-    ) -> Vec<Piece> {
+    ) -> Vec<DrawingPiece> {
         let mut cut = vec![false; pieces.len()];
         chains.iter().for_each(|c| cut[c.piece] = true);
         let joined = |k: usize| cut[k] && !sets.is_endless(k);
@@ -293,8 +294,8 @@ impl Torus {
             } else if sets.find(k).0 == k {
                 let path = std::mem::take(&mut paths[k]);
                 let path = if path.area() < 0.0 { path.reverse_subpaths() } else { path };
-                let part = Part { path, ..piece.parts[0].clone() };
-                whole.push(Piece { parts: vec![part], ..piece.clone() });
+                let part = PieceShape { path, ..piece.parts[0].clone() };
+                whole.push(DrawingPiece { parts: vec![part], ..piece.clone() });
             }
         }
         whole
@@ -305,8 +306,8 @@ impl Torus {
         let mut out = BezPath::new();
         for ring in segments(path) {
             let n = ring.len();
-            let borders: Vec<Option<Border>> = ring.iter().map(|s| self.border(s)).collect();
-            let moved = |p: Point, sides: [Option<Border>; 2]| {
+            let borders: Vec<Option<PageBorder>> = ring.iter().map(|s| self.border(s)).collect();
+            let moved = |p: Point, sides: [Option<PageBorder>; 2]| {
                 let mut p = [p.x, p.y];
                 for b in sides.into_iter().flatten() {
                     p[b.axis] = if b.far { self.size[b.axis] + by } else { -by };
@@ -338,8 +339,8 @@ impl Torus {
 }
 
 /// Whether two pieces are painted alike.
-fn alike(a: &Piece, b: &Piece) -> bool {
-    let same = |(p, q): (&Part, &Part)| {
+fn alike(a: &DrawingPiece, b: &DrawingPiece) -> bool {
+    let same = |(p, q): (&PieceShape, &PieceShape)| {
         let plain = p.paint.gradient.is_some() == q.paint.gradient.is_some();
         p.stroke.is_some() == q.stroke.is_some() && p.paint.colour == q.paint.colour && plain
     };
@@ -347,7 +348,7 @@ fn alike(a: &Piece, b: &Piece) -> bool {
 }
 
 /// The part of a part on the page; a stroke becomes the area that it paints.
-fn clipped(part: &Part, clip: &Clip) -> Option<Part> {
+fn clipped(part: &PieceShape, clip: &Clip) -> Option<PieceShape> {
     let area = match &part.stroke {
         Some(stroke) => super::shapes::line(&part.path, stroke, 1.0)
             .and_then(|line| vtex_scene::element::Shape::stroked(line, part.paint.colour))
@@ -355,7 +356,7 @@ fn clipped(part: &Part, clip: &Clip) -> Option<Part> {
         None => part.path.clone(),
     };
     let path = clip.apply(&area);
-    (!path.elements().is_empty() && path.area().abs() > 1e-9).then(|| Part {
+    (!path.elements().is_empty() && path.area().abs() > 1e-9).then(|| PieceShape {
         path,
         paint: part.paint.clone(),
         stroke: None,

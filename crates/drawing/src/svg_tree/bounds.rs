@@ -3,7 +3,7 @@
 //! The parser cannot be interrupted, and a few bytes can ask for hours: it tries each rule of the style sheets
 //! at each element, follows references within references, and reads path data by recursion.
 
-use super::Fault;
+use super::SvgFault;
 use resvg::usvg::roxmltree::{Attribute, Document, Node};
 use simplecss::{AttributeOperator, Element, PseudoClass, StyleSheet};
 use std::cell::Cell;
@@ -27,20 +27,20 @@ pub(super) const DEEPEST: usize = 1024;
 const DEPTH: usize = 32;
 
 /// The reason to refuse a document; `None` if it may be parsed.
-pub(super) fn refused(document: &Document<'_>) -> Option<Fault> {
+pub(super) fn refused(document: &Document<'_>) -> Option<SvgFault> {
     let closes = |a: Attribute<'_, '_>| a.name() == "d" && closes(a.value()) > MOST_CLOSES;
     if document.descendants().flat_map(|n| n.attributes()).any(closes) {
         let reason = format!("a path is closed more than {MOST_CLOSES} times in a row");
-        return Some(Fault { reason, advice: "delete the repeated Z in its path data" });
+        return Some(SvgFault { reason, advice: "delete the repeated Z in its path data" });
     }
     if !styles_are_affordable(document) {
         let reason = "its styles would take more than ten seconds to apply".into();
         let advice = "turn its style sheet into attributes in the program that made it, or shorten it";
-        return Some(Fault { reason, advice });
+        return Some(SvgFault { reason, advice });
     }
     if links_within_containers(document) > MOST_STEPS {
         let reason = "its patterns, masks and clip paths refer to one another too often".into();
-        return Some(Fault { reason, advice: super::SHAPES });
+        return Some(SvgFault { reason, advice: super::SHAPES });
     }
     None
 }

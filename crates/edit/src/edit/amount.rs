@@ -43,12 +43,12 @@ impl<'a> Amount<'a> {
 }
 
 /// A colour, by place.
-pub(super) enum Paint<'a> {
+pub(super) enum ColourByPlace<'a> {
     Colour(Colour),
     Map(&'a ColourMap),
 }
 
-impl<'a> Paint<'a> {
+impl<'a> ColourByPlace<'a> {
     /// The colour of an operation, with the picture that it names.
     pub(super) fn new(colour: &ColourOrMap, files: &'a Files) -> Result<Self, EditFault> {
         Ok(match colour {

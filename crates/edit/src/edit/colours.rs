@@ -1,7 +1,7 @@
 //! Other colours, shading kept. All arithmetic is in Oklab.
 
 use super::Draw;
-use super::amount::Paint;
+use super::amount::ColourByPlace;
 use super::selection::Chosen;
 use super::textons::{change, repaint, selected, selected_mut};
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use vtex_scene::scene::{CategoryId, Element, Gradient, Instance, InstanceId, Lib
 pub(super) fn tint(
     scene: &mut Scene,
     chosen: &Chosen,
-    paint: &Paint<'_>,
+    paint: &ColourByPlace<'_>,
     amount: f64,
     share: f64,
     draw: &Draw,
@@ -23,7 +23,7 @@ pub(super) fn tint(
     let drawn = |id: InstanceId| share >= 1.0 || draw.of("edit/tint", id).chance(share);
     let point = |_: usize, i: usize| drawn(InstanceId(i as u32));
     let chosen = &chosen.only(scene, |i| drawn(i.id), point);
-    if let Paint::Colour(colour) = paint {
+    if let ColourByPlace::Colour(colour) = paint {
         return recolour(scene, chosen, |_, c| c.mixed(*colour, amount));
     }
     let canvas = [f64::from(scene.width), f64::from(scene.height)];

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use vtex_base::error::{EditFault, Result};
-use vtex_base::geometry::Region;
+use vtex_base::geometry::Interior;
 use vtex_base::raster::ControlMap;
 use vtex_drawing::control::{self, ColourMap};
 use vtex_drawing::import;
@@ -17,7 +17,7 @@ pub struct Files {
     /// Maps of colours.
     pub colours: BTreeMap<String, ColourMap>,
     /// Insides of the shapes of `mask` and of conditions, in pixels of the canvas.
-    pub shapes: BTreeMap<String, Region>,
+    pub shapes: BTreeMap<String, Interior>,
     /// Shapes of drawings, in pixels of the canvas.
     pub drawings: BTreeMap<String, Vec<Shape>>,
     /// Libraries of `replace`.
@@ -109,7 +109,7 @@ impl Files {
         self.maps.get(name).ok_or_else(|| EditFault::NoFile(name.to_owned()))
     }
 
-    pub(super) fn shape(&self, name: &str) -> Result<&Region, EditFault> {
+    pub(super) fn shape(&self, name: &str) -> Result<&Interior, EditFault> {
         self.shapes.get(name).ok_or_else(|| EditFault::NoFile(name.to_owned()))
     }
 
@@ -119,9 +119,9 @@ impl Files {
 }
 
 /// The inside of the shape of an SVG, or of what is white in a picture.
-fn region(bytes: &[u8], name: &str, canvas: [u32; 2]) -> Result<Region> {
+fn region(bytes: &[u8], name: &str, canvas: [u32; 2]) -> Result<Interior> {
     let picture = image::guess_format(bytes).is_ok();
     let outline =
         if picture { control::mask(bytes, name, canvas)? } else { control::shape(bytes, name, canvas)? };
-    Ok(Region::new(&outline))
+    Ok(Interior::new(&outline))
 }

@@ -37,7 +37,7 @@ pub use vtex_scene::scene::{
     NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
 };
 
-use amount::{Amount, Paint};
+use amount::{Amount, ColourByPlace};
 use propagate::Propagated;
 use relax::Relaxing;
 use selection::Chosen;
@@ -176,7 +176,7 @@ fn act(
             }
         }
         Action::Tint { colour, amount, share } => {
-            colours::tint(scene, chosen, &Paint::new(colour, files)?, *amount, *share, draw);
+            colours::tint(scene, chosen, &ColourByPlace::new(colour, files)?, *amount, *share, draw);
         }
         Action::Recolor { from, to, reach } => {
             return Ok((colours::recolor(scene, chosen, *from, *to, *reach), 0));

@@ -26,7 +26,7 @@ pub(super) struct Relaxing {
 /// stay, and push. Those whose centres lie on the canvas stay on it.
 pub(super) fn relax(scene: &mut Scene, chosen: &Chosen, how: &Relaxing) {
     let (periods, size) = (scene.periods(), [f64::from(scene.width), f64::from(scene.height)]);
-    let plane = Plane { periods, size };
+    let plane = RelaxedCanvas { periods, size };
     for k in 0..scene.layers.len() {
         let moves = &chosen.layers[k].instances;
         let before: Vec<Point> = scene.layers[k].instances.iter().map(|i| scene.place(i)).collect();
@@ -55,12 +55,12 @@ pub(super) fn relax(scene: &mut Scene, chosen: &Chosen, how: &Relaxing) {
 }
 
 /// A canvas.
-struct Plane {
+struct RelaxedCanvas {
     periods: [Option<f64>; 2],
     size: [f64; 2],
 }
 
-impl Plane {
+impl RelaxedCanvas {
     /// One round. Whether any point has moved.
     fn spread(&self, at: &mut [Point], moves: &[bool], distance: f64, strength: f64) -> bool {
         // Points far beyond the canvas must not make the cells of the index large.

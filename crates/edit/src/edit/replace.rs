@@ -77,7 +77,7 @@ fn standing(moments: &SecondMoments) -> Affine {
 }
 
 /// An element that may take the place of others.
-struct Candidate {
+struct ReplacementCandidate {
     element: Element,
     moments: SecondMoments,
     key: [f64; 3],
@@ -91,21 +91,21 @@ fn key(outline: &Outline, moments: &SecondMoments) -> [f64; 3] {
 }
 
 /// Candidates by rising elongation.
-struct Index(Vec<Candidate>);
+struct Index(Vec<ReplacementCandidate>);
 
 impl Index {
     fn new(elements: Vec<Element>) -> Self {
         let candidates = parallel::map(&elements, |element| {
             let moments = SecondMoments::new(element.outline());
             let sound = moments.area > 0.0;
-            sound.then(|| Candidate {
+            sound.then(|| ReplacementCandidate {
                 key: key(element.outline(), &moments),
                 stencil: Stencil::new(element.outline(), &moments),
                 element: element.clone(),
                 moments,
             })
         });
-        let mut candidates: Vec<Candidate> = candidates.into_iter().flatten().collect();
+        let mut candidates: Vec<ReplacementCandidate> = candidates.into_iter().flatten().collect();
         candidates.sort_by(|a, b| a.key[0].total_cmp(&b.key[0]));
         Self(candidates)
     }
@@ -215,7 +215,12 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) -> 
 
 /// The map that brings a candidate to where an instance stands, given the moments of the instance's
 /// element.
-fn standing_in(instance: &Instance, new: &Candidate, own: &SecondMoments, turned: bool) -> [f64; 6] {
+fn standing_in(
+    instance: &Instance,
+    new: &ReplacementCandidate,
+    own: &SecondMoments,
+    turned: bool,
+) -> [f64; 6] {
     let turn = Affine::scale(if turned { -1.0 } else { 1.0 });
     (instance.affine() * standing(own) * turn * standing(&new.moments).inverse()).as_coeffs()
 }

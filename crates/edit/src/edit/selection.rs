@@ -3,11 +3,11 @@
 use super::Files;
 use super::textons::measured;
 use vtex_base::error::EditFault;
-use vtex_base::geometry::{Point, Region, SecondMoments};
+use vtex_base::geometry::{Interior, Point, SecondMoments};
 use vtex_scene::scene::{Condition, Identity, Instance, Layer, Operation, Quantity, Scene};
 
 /// A condition and the shape that it names.
-type Test<'a> = (&'a Condition, Option<&'a Region>);
+type Test<'a> = (&'a Condition, Option<&'a Interior>);
 
 /// The selected elements of each layer of a scene.
 #[derive(Clone)]

@@ -3,7 +3,7 @@
 use super::selection::Chosen;
 use super::textons::{change, measured, size};
 use super::{Draw, order};
-use vtex_base::geometry::{Point, Region};
+use vtex_base::geometry::{Interior, Point};
 use vtex_base::raster::ControlMap;
 use vtex_scene::scene::{Instance, Scene, Shape, ThinOrder};
 
@@ -41,7 +41,7 @@ pub(super) fn by_map(scene: &mut Scene, chosen: &Chosen, map: &ControlMap, draw:
 }
 
 /// Keeps the textons whose centre lies in a region, or those whose centre does not.
-pub(super) fn by_region(scene: &mut Scene, chosen: &Chosen, region: &Region, inside: bool) {
+pub(super) fn by_region(scene: &mut Scene, chosen: &Chosen, region: &Interior, inside: bool) {
     retain(scene, chosen, |scene, instance| region.contains(scene.place(instance)) == inside);
 }
 

@@ -41,7 +41,7 @@ pub(super) struct Properties {
 
 /// The plane in which textons are matched.
 #[derive(Clone, Copy)]
-pub(super) struct Plane {
+pub(super) struct MatchingPlane {
     /// Area over which they are spread, in pixels².
     pub(super) area: f64,
     /// Periods along x and y, `None` where the plane does not repeat.
@@ -49,19 +49,19 @@ pub(super) struct Plane {
 }
 
 /// Matched pairs, and the unmatched indices of each side in ascending order.
-pub(super) struct Correspondence {
+pub(super) struct Matching {
     pub(super) pairs: Vec<[u32; 2]>,
     pub(super) unmatched: [Vec<u32>; 2],
 }
 
 /// The cheapest correspondence of two sets of textons.
-pub(super) fn correspond(from: &[Properties], to: &[Properties], plane: &Plane) -> Correspondence {
+pub(super) fn correspond(from: &[Properties], to: &[Properties], plane: &MatchingPlane) -> Matching {
     let most = if from.len().min(to.len()) > EXACT { NEAREST } else { usize::MAX };
     among(from, to, plane, most)
 }
 
 /// The cheapest correspondence in which each texton is matched to one of its `most` cheapest partners.
-fn among(from: &[Properties], to: &[Properties], plane: &Plane, most: usize) -> Correspondence {
+fn among(from: &[Properties], to: &[Properties], plane: &MatchingPlane, most: usize) -> Matching {
     // The smaller set forms the rows, so that few of them stay unassigned.
     let swapped = from.len() > to.len();
     let (rows, columns) = if swapped { (to, from) } else { (from, to) };
@@ -99,10 +99,10 @@ fn among(from: &[Properties], to: &[Properties], plane: &Plane, most: usize) -> 
     if swapped {
         unmatched.reverse();
     }
-    Correspondence { pairs, unmatched }
+    Matching { pairs, unmatched }
 }
 
-fn cost(a: &Properties, b: &Properties, plane: &Plane, spacing: f64) -> f64 {
+fn cost(a: &Properties, b: &Properties, plane: &MatchingPlane, spacing: f64) -> f64 {
     let square = |v: f64| v * v;
     let distance2 = shortest_offset(a.at, b.at, plane.periods).hypot2() / square(spacing);
     let size = square(libm::log(a.size.max(1e-3) / b.size.max(1e-3)));
@@ -132,7 +132,7 @@ mod tests {
             .collect()
     }
 
-    const PLANE: Plane = Plane { area: 1e4, periods: [None; 2] };
+    const PLANE: MatchingPlane = MatchingPlane { area: 1e4, periods: [None; 2] };
 
     #[test]
     fn a_set_corresponds_to_itself() {
@@ -156,7 +156,7 @@ mod tests {
     }
 
     /// Total cost of all pairs and of the unmatched textons on the smaller side.
-    fn sum(from: &[Properties], to: &[Properties], found: &Correspondence) -> f64 {
+    fn sum(from: &[Properties], to: &[Properties], found: &Matching) -> f64 {
         let spacing = libm::sqrt(PLANE.area / from.len().min(to.len()) as f64);
         let of = |[i, k]: &[u32; 2]| cost(&from[*i as usize], &to[*k as usize], &PLANE, spacing);
         found.pairs.iter().map(of).sum::<f64>()
@@ -177,9 +177,9 @@ mod tests {
         let one =
             |x: f64| Properties { at: Point::new(x, 50.0), size: 1.0, colour: [0.5; 3], category: None };
         let (a, b) = (vec![one(1.0), one(30.0), one(60.0)], vec![one(99.0), one(31.0), one(62.0)]);
-        let small = Plane { area: 300.0, periods: [None; 2] };
+        let small = MatchingPlane { area: 300.0, periods: [None; 2] };
         assert_eq!(correspond(&a, &b, &small).pairs, [[1, 1], [2, 2]]);
-        let ring = Plane { periods: [Some(100.0), None], ..small };
+        let ring = MatchingPlane { periods: [Some(100.0), None], ..small };
         assert_eq!(correspond(&a, &b, &ring).pairs, [[0, 0], [1, 1], [2, 2]]);
         assert!(correspond(&[], &b, &ring).pairs.is_empty());
     }

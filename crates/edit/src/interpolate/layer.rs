@@ -2,7 +2,7 @@
 //! its region included.
 
 use super::background::BlendedField;
-use super::correspond::{Correspondence, Plane, Properties, correspond};
+use super::correspond::{Matching, MatchingPlane, Properties, correspond};
 use super::region::{Extent, RegionTween};
 use super::side::Side;
 use super::tween::Tween;
@@ -104,10 +104,10 @@ fn tweens(sides: &[Side<'_>; 2], pair: LayerPair, role: Role, number: usize) -> 
     let scene = sides[0].scene;
     let (width, height) = (f64::from(scene.width), f64::from(scene.height));
     let periods = scene.tile.periods([width, height]);
-    let plane = Plane { area: width * height, periods };
+    let plane = MatchingPlane { area: width * height, periods };
     let properties: [Vec<Properties>; 2] =
         [0, 1].map(|k| parallel::map(pair.of(k, sides[k].scene), |i| sides[k].properties(i)));
-    let Correspondence { pairs, unmatched } = correspond(&properties[0], &properties[1], &plane);
+    let Matching { pairs, unmatched } = correspond(&properties[0], &properties[1], &plane);
     let key = |k: u32| (number as u64) << 32 | u64::from(k);
     let one = |side: usize, k: u32| {
         let name = format!("interpolate/{}/{}", role.name(), ["first", "second"][side]);

@@ -28,7 +28,7 @@ mod side;
 mod tests;
 mod tween;
 
-pub use motion::{Brush, LayerMotion, Motion, Moving};
+pub use motion::{Brush, LayerMotion, Motion, MovingShape};
 pub use vtex_scene::scene::Axis;
 
 use background::untiled;
@@ -38,7 +38,7 @@ use progression::Progression;
 use region::DomainTween;
 use side::Side;
 use std::sync::Arc;
-use tween::{Content, Drawn};
+use tween::{TweenContent, TweenedTexton};
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::{Point, Vec2};
 use vtex_base::parallel;
@@ -205,7 +205,7 @@ impl Interpolation {
             scenes: [&self.scenes[0], &self.scenes[1]],
             libraries: [&self.indices[0], &self.indices[1]],
         };
-        let mut drawn: Vec<(usize, Drawn)> =
+        let mut drawn: Vec<(usize, TweenedTexton)> =
             parallel::map(&layer.tweens, |tween| tween.at(&ends, layer.pair, when))
                 .into_iter()
                 .enumerate()
@@ -219,10 +219,10 @@ impl Interpolation {
                 |v: f64, size: f64, repeats: bool| if repeats { v - libm::floor(v / size) * size } else { v };
             Vec2::new(within(at.x, size[0], tile.x), within(at.y, size[1], tile.y))
         };
-        let instance = |(i, drawn): (usize, Drawn)| {
+        let instance = |(i, drawn): (usize, TweenedTexton)| {
             let id = InstanceId((layer.first + i) as u32);
             match drawn.what {
-                Content::Existing { side, instance } => {
+                TweenContent::Existing { side, instance } => {
                     let index = instance.element.index();
                     let element = *used[side][index].get_or_insert_with(|| {
                         let element = &self.scenes[side].elements[index];
@@ -231,7 +231,7 @@ impl Interpolation {
                     });
                     Instance { id, element, ..instance }
                 }
-                Content::New { element, at, effects } => {
+                TweenContent::New { element, at, effects } => {
                     let at = home(at);
                     let Effects { shadow, stroke } = effects;
                     let transform = [1.0, 0.0, 0.0, 1.0, at.x, at.y];

@@ -22,14 +22,14 @@ pub struct Motion {
     /// Id of its instance, the same in every scene in between.
     pub id: InstanceId,
     /// Its shapes over time, in painting order.
-    pub shapes: Vec<Moving>,
+    pub shapes: Vec<MovingShape>,
     /// The period in which it changes, as times 0 to 1, for a texton that vanishes or appears. `None`
     /// means the whole time.
     pub window: Option<[f64; 2]>,
 }
 
 /// A shape that changes over time.
-pub struct Moving {
+pub struct MovingShape {
     /// Each ring at the beginning, at half-time and at the end, in canvas pixels, with the same number
     /// of points.
     pub rings: Vec<[Vec<Point>; 3]>,
@@ -62,7 +62,7 @@ pub struct LayerMotion<'a> {
     /// Its field in either scene, if it has one there.
     pub fields: [Option<&'a Field>; 2],
     /// The motion of its region; `None` if it fills the canvas all the time.
-    pub region: Option<Moving>,
+    pub region: Option<MovingShape>,
     /// The motions of its elements, in the painting order at half-time.
     pub motions: Vec<Motion>,
 }
@@ -86,7 +86,7 @@ impl Interpolation {
 
     /// The motion of the domain, and what happens to individual elements at its edge. `None` if both
     /// scenes fill the canvas.
-    pub fn domain_motion(&self) -> Option<(Moving, Edge)> {
+    pub fn domain_motion(&self) -> Option<(MovingShape, Edge)> {
         self.domain.as_ref().map(DomainTween::motion)
     }
 
@@ -106,7 +106,7 @@ impl Interpolation {
     }
 }
 
-impl Moving {
+impl MovingShape {
     /// A shape from its rings around the centres at the three times, with the same number of rings at each.
     pub(super) fn new(rings: [Vec<Ring>; 3], centres: [Point; 3], colours: [Colour; 2]) -> Self {
         let [a, b, c] = rings;

@@ -6,12 +6,12 @@ use vtex_scene::element::{Gradient, GradientKind, Stop};
 
 /// A shape's fill. A gradient replaces the colour.
 #[derive(Clone)]
-pub(super) struct Paint {
+pub(super) struct ShapePaint {
     pub(super) colour: Colour,
     pub(super) gradient: Option<Gradient>,
 }
 
-impl Paint {
+impl ShapePaint {
     /// The paint with its gradient's end points mapped by `carry`.
     pub(super) fn carried(&self, carry: impl Fn(Point) -> Point) -> Self {
         let gradient = self.gradient.as_ref().map(|g| g.carried(&carry));
@@ -102,12 +102,12 @@ mod tests {
     fn opposite_gradients_do_not_vanish() {
         let grey = |v: u8| Colour([v; 3]);
         let gradient = |from, to, a, b| Gradient::linear([from, 0.0], [to, 0.0], [grey(a), grey(b)]);
-        let a = Paint { colour: grey(90), gradient: Some(gradient(0.0, 10.0, 0, 200)) };
-        let b = Paint { colour: grey(90), gradient: Some(gradient(12.0, 2.0, 0, 200)) };
+        let a = ShapePaint { colour: grey(90), gradient: Some(gradient(0.0, 10.0, 0, 200)) };
+        let b = ShapePaint { colour: grey(90), gradient: Some(gradient(12.0, 2.0, 0, 200)) };
         let half = a.mixed(&b, 0.5).gradient.unwrap();
         assert_eq!((half.from, half.to), ([1.0, 0.0], [11.0, 0.0]));
         assert_eq!(half.start, half.end);
-        let plain = Paint { colour: grey(50), gradient: None };
+        let plain = ShapePaint { colour: grey(50), gradient: None };
         assert_eq!(a.mixed(&plain, 0.0).gradient, a.gradient);
         let end = a.mixed(&plain, 1.0).gradient.unwrap();
         assert_eq!((end.start, end.end), (grey(50), grey(50)));

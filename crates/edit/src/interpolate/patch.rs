@@ -1,9 +1,9 @@
 //! Interpolation of a texton's details and holes. They are carried along by mean value coordinates in the
 //! outline that holds them; what would stick out is moved to its rim.
 
-use super::correspond::{Plane, Properties, correspond};
+use super::correspond::{MatchingPlane, Properties, correspond};
 use super::envelope;
-use super::paint::Paint;
+use super::paint::ShapePaint;
 use super::ring::{Ring, alignment, count, even, moments, sine_cosine, turned};
 use vtex_base::geometry::{Cage, Outline, Point, inside, nearest};
 use vtex_base::raster::colour::Colour;
@@ -16,24 +16,24 @@ pub(super) const TOLERANCE: f64 = 0.15;
 const FADE: f64 = 0.5;
 
 /// A detail of one scene, on the canvas, relative to the centre of its texton.
-pub(super) struct Detail {
+pub(super) struct CentredDetail {
     /// Its rings, the largest first.
     pub(super) rings: Vec<Ring>,
-    pub(super) paint: Paint,
+    pub(super) paint: ShapePaint,
 }
 
 /// A detail that changes over time.
-pub(super) struct Patch {
-    rings: Vec<Part>,
+pub(super) struct MovingDetail {
+    rings: Vec<MovingRing>,
     /// Its fill at either end, with the point of the texton that the fill's coordinates refer to; `None`
     /// at an end where it does not exist.
-    paints: [Option<(Paint, Point)>; 2],
+    paints: [Option<(ShapePaint, Point)>; 2],
     /// Position in the painting order at either end, 0 to 1.
     keys: [f64; 2],
 }
 
 /// A ring that changes over time.
-pub(super) enum Part {
+pub(super) enum MovingRing {
     /// A matched pair, morphed point by point.
     Pair([Ring; 2]),
     /// An unmatched ring: it vanishes or appears.
@@ -50,7 +50,7 @@ pub(super) struct Carry<'a> {
     pub(super) turns: [f64; 2],
 }
 
-impl Part {
+impl MovingRing {
     /// A hole that exists at one end only.
     pub(super) fn hole(side: usize, ring: Ring) -> Self {
         let centre = moments(&ring).1;
@@ -85,7 +85,7 @@ impl Part {
     }
 }
 
-impl Patch {
+impl MovingDetail {
     /// The detail at time `t`; `None` while it does not exist.
     pub(super) fn at(&self, carry: &Carry<'_>, t: f64) -> Option<Shape> {
         let rings: Vec<Ring> = self.rings.iter().filter_map(|part| part.at(carry, t)).collect();
@@ -131,15 +131,15 @@ impl Patch {
 /// Matches the details of two textons by position, size and colour. The textons' areas are given; the
 /// second is rotated by `turn` relative to the first.
 pub(super) fn patches(
-    details: [&[Detail]; 2],
+    details: [&[CentredDetail]; 2],
     areas: [f64; 2],
     turn: f64,
     random: &mut Stream,
-) -> Vec<Patch> {
+) -> Vec<MovingDetail> {
     let properties = [0, 1].map(|side| {
         let unit = libm::sqrt(areas[side].abs().max(1e-6));
         let back = sine_cosine(if side == 1 { -turn } else { 0.0 });
-        let trait_of = |detail: &Detail| {
+        let trait_of = |detail: &CentredDetail| {
             let (area, centre) = detail.rings.first().map_or((0.0, Point::ORIGIN), |r| moments(r));
             Properties {
                 at: turned((centre.to_vec2() / unit).to_point(), back),
@@ -150,7 +150,7 @@ pub(super) fn patches(
         };
         details[side].iter().map(trait_of).collect::<Vec<_>>()
     });
-    let found = correspond(&properties[0], &properties[1], &Plane { area: 1.0, periods: [None; 2] });
+    let found = correspond(&properties[0], &properties[1], &MatchingPlane { area: 1.0, periods: [None; 2] });
     let key = |side: usize, k: u32| f64::from(k) / details[side].len() as f64;
     let mut out = Vec::with_capacity(details[0].len() + details[1].len());
     for [i, k] in found.pairs {
@@ -158,7 +158,7 @@ pub(super) fn patches(
         if let Some(rings) = both([&pair[0].rings, &pair[1].rings], turn) {
             let centre = |side: usize| moments(&pair[side].rings[0]).1;
             let paints = [0, 1].map(|side| Some((pair[side].paint.clone(), centre(side))));
-            out.push(Patch { rings, paints, keys: [key(0, i), key(1, k)] });
+            out.push(MovingDetail { rings, paints, keys: [key(0, i), key(1, k)] });
         }
     }
     for side in 0..2 {
@@ -167,11 +167,11 @@ pub(super) fn patches(
             let first = random.range(0.0, 1.0 - FADE);
             let window = [first, first + FADE];
             let Some(centre) = detail.rings.first().map(|r| moments(r).1) else { continue };
-            let part = |r: &Ring| Part::Unmatched { side, ring: even(r, count(r, r)), centre, window };
+            let part = |r: &Ring| MovingRing::Unmatched { side, ring: even(r, count(r, r)), centre, window };
             let mut paints = [None, None];
             paints[side] = Some((detail.paint.clone(), centre));
             let rings = detail.rings.iter().map(part).collect();
-            out.push(Patch { rings, paints, keys: [key(side, k); 2] });
+            out.push(MovingDetail { rings, paints, keys: [key(side, k); 2] });
         }
     }
     out
@@ -179,7 +179,7 @@ pub(super) fn patches(
 
 /// Pairs two shapes by their first rings. Further rings (holes) vanish or appear. `None` if either
 /// shape has no ring.
-fn both(rings: [&[Ring]; 2], turn: f64) -> Option<Vec<Part>> {
+fn both(rings: [&[Ring]; 2], turn: f64) -> Option<Vec<MovingRing>> {
     let (a, b) = (rings[0].first()?, rings[1].first()?);
     let n = count(a, b);
     let (a, mut b) = (even(a, n), even(b, n));
@@ -189,9 +189,9 @@ fn both(rings: [&[Ring]; 2], turn: f64) -> Option<Vec<Part>> {
     };
     let (shift, _) = alignment(&around(&a, 0.0), &around(&b, -turn), false);
     b.rotate_left(shift);
-    let mut parts = vec![Part::Pair([a, b])];
+    let mut parts = vec![MovingRing::Pair([a, b])];
     for side in 0..2 {
-        parts.extend(rings[side].iter().skip(1).map(|hole| Part::hole(side, hole.clone())));
+        parts.extend(rings[side].iter().skip(1).map(|hole| MovingRing::hole(side, hole.clone())));
     }
     Some(parts)
 }

@@ -1,6 +1,6 @@
 //! Interpolation of regions and domains.
 
-use super::motion::{Brush, Moving};
+use super::motion::{Brush, MovingShape};
 use super::patch::TOLERANCE;
 use super::progression::Progression;
 use super::ring::{Ring, alignment, even, moments, perimeter};
@@ -74,12 +74,12 @@ impl RegionTween {
     }
 
     /// The whole motion.
-    pub(super) fn moving(&self) -> Moving {
+    pub(super) fn moving(&self) -> MovingShape {
         let rings = self.rings.iter().map(|[from, to]| {
             let half = from.iter().zip(to).map(|(a, b)| a.midpoint(*b)).collect();
             [from.clone(), half, to.clone()]
         });
-        Moving { rings: rings.collect(), brush: Brush::Fill(Default::default()) }
+        MovingShape { rings: rings.collect(), brush: Brush::Fill(Default::default()) }
     }
 }
 
@@ -107,7 +107,7 @@ impl DomainTween {
     }
 
     /// The whole motion, and what happens to individual elements at the edge.
-    pub(super) fn motion(&self) -> (Moving, Edge) {
+    pub(super) fn motion(&self) -> (MovingShape, Edge) {
         (self.region.moving(), self.edges[0])
     }
 }

@@ -1,8 +1,8 @@
 //! The textons of one of the two scenes as polygons.
 
 use super::correspond::Properties;
-use super::paint::Paint;
-use super::patch::Detail;
+use super::paint::ShapePaint;
+use super::patch::CentredDetail;
 use super::ring::{Ring, moments, transformed};
 use vtex_base::geometry::{Affine, Outline, Point};
 use vtex_base::parallel;
@@ -31,13 +31,13 @@ struct FlatTexton {
 }
 
 /// An instance, relative to its centre.
-pub(super) struct Placed {
+pub(super) struct CentredInstance {
     pub(super) centre: Point,
     /// Rings on the canvas, relative to the centre: the outer ring first, clockwise.
     pub(super) rings: Vec<Ring>,
     pub(super) area: f64,
-    pub(super) paint: Paint,
-    pub(super) details: Vec<Detail>,
+    pub(super) paint: ShapePaint,
+    pub(super) details: Vec<CentredDetail>,
 }
 
 impl<'a> Side<'a> {
@@ -74,7 +74,7 @@ impl<'a> Side<'a> {
     }
 
     /// An instance as polygons; `None` if it has no area.
-    pub(super) fn placed(&self, instance: &Instance) -> Option<Placed> {
+    pub(super) fn placed(&self, instance: &Instance) -> Option<CentredInstance> {
         let flat_texton = &self.flat[instance.element.index()];
         let element = self.scene.element(instance);
         let affine = instance.affine();
@@ -83,11 +83,11 @@ impl<'a> Side<'a> {
         let rings = transformed(&flat_texton.rings, affine);
         let area = rings.first().map_or(0.0, |r| moments(r).0);
         let details = flat_texton.details.iter().zip(element.details());
-        let details = details.filter(|(rings, _)| !rings.is_empty()).map(|(rings, patch)| Detail {
+        let details = details.filter(|(rings, _)| !rings.is_empty()).map(|(rings, patch)| CentredDetail {
             rings: transformed(rings, affine),
             paint: paint((patch.colour, patch.gradient.as_deref()), affine),
         });
-        (area > 1e-3).then(|| Placed {
+        (area > 1e-3).then(|| CentredInstance {
             centre,
             area,
             paint: paint(element.paint(instance.colour), affine),
@@ -105,8 +105,8 @@ pub(super) fn same(sides: &[Side<'_>; 2], instances: [&Instance; 2]) -> bool {
     placed && s.category == t.category && s.shapes == t.shapes
 }
 
-fn paint((colour, gradient): (Colour, Option<&Gradient>), affine: Affine) -> Paint {
-    Paint { colour, gradient: gradient.map(|g| g.moved(affine)) }
+fn paint((colour, gradient): (Colour, Option<&Gradient>), affine: Affine) -> ShapePaint {
+    ShapePaint { colour, gradient: gradient.map(|g| g.moved(affine)) }
 }
 
 impl FlatTexton {

@@ -406,7 +406,10 @@ fn other_sizes_and_empty_scenes() {
     half.validate().unwrap();
     assert!(half.primary().len() <= 5);
     between(&empty, &empty, 0.5).validate().unwrap();
-    assert!(matches!(Interpolation::new(a.clone(), a.clone(), &vtex_testing::Stop), Err(Error::Interrupted)));
+    assert!(matches!(
+        Interpolation::new(a.clone(), a.clone(), &vtex_testing::StopAtOnce),
+        Err(Error::Interrupted)
+    ));
 }
 
 #[test]

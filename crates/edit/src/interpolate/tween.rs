@@ -4,12 +4,12 @@ use super::blend::Blend;
 use super::effects::{Effects, near};
 use super::envelope;
 use super::layer::LayerPair;
-use super::motion::{Motion, Moving};
-use super::paint::Paint;
-use super::patch::{Carry, Part, Patch, TOLERANCE, patches};
+use super::motion::{Motion, MovingShape};
+use super::paint::ShapePaint;
+use super::patch::{Carry, MovingDetail, MovingRing, TOLERANCE, patches};
 use super::progression::Progression;
 use super::ring::{Ring, sine_cosine, turned};
-use super::side::{Placed, Side, same};
+use super::side::{CentredInstance, Side, same};
 use vtex_base::geometry::{Affine, Outline, Point, Vec2};
 use vtex_base::sampling::Stream;
 use vtex_scene::scene::{Element, Instance, InstanceId, LibraryId, Scene, Shape};
@@ -21,11 +21,11 @@ const FADE: f64 = 0.35;
 pub(super) struct Tween {
     /// Position in the painting order of either scene, 0 to 1.
     keys: [f64; 2],
-    kind: Kind,
+    kind: TweenKind,
 }
 
-enum Kind {
-    Pair(Box<Pair>),
+enum TweenKind {
+    Pair(Box<MatchedTextons>),
     /// An unmatched texton: it vanishes or appears where it is, by scaling.
     Unmatched {
         side: usize,
@@ -36,26 +36,26 @@ enum Kind {
 }
 
 /// A matched pair of textons.
-struct Pair {
+struct MatchedTextons {
     /// Index of each instance in its layer.
     instances: [u32; 2],
     /// Whether both are the same, so that nothing changes.
     still: bool,
     centres: [Point; 2],
     blend: Blend,
-    holes: Vec<Part>,
-    paints: [Paint; 2],
-    details: Vec<Patch>,
+    holes: Vec<MovingRing>,
+    paints: [ShapePaint; 2],
+    details: Vec<MovingDetail>,
 }
 
 /// A texton at some time.
-pub(super) struct Drawn {
+pub(super) struct TweenedTexton {
     /// Position in the painting order.
     pub(super) key: f64,
-    pub(super) what: Content,
+    pub(super) what: TweenContent,
 }
 
-pub(super) enum Content {
+pub(super) enum TweenContent {
     /// An instance of scene `side`, unchanged or scaled about its centre.
     Existing { side: usize, instance: Instance },
     /// A new texton, placed with its origin at `at`.
@@ -74,7 +74,7 @@ impl Tween {
         let instances = layer.of(side, sides[side].scene);
         let first = random.range(0.0, 1.0 - FADE);
         let centre = sides[side].centre(&instances[k as usize]);
-        let kind = Kind::Unmatched { side, instance: k, centre, window: [first, first + FADE] };
+        let kind = TweenKind::Unmatched { side, instance: k, centre, window: [first, first + FADE] };
         Self { keys: [f64::from(k) / instances.len() as f64; 2], kind }
     }
 
@@ -89,7 +89,7 @@ impl Tween {
     ) -> Option<Self> {
         let lists = [0, 1].map(|s| layer.of(s, sides[s].scene));
         let placed = |s: usize| sides[s].placed(&lists[s][pair[s] as usize]);
-        let [a, b]: [Placed; 2] = [placed(0)?, placed(1)?];
+        let [a, b]: [CentredInstance; 2] = [placed(0)?, placed(1)?];
         let blend = Blend::new(&a.rings[0], &b.rings[0]);
         let turn = blend.turn();
         let details = if a.details.is_empty() && b.details.is_empty() {
@@ -98,9 +98,9 @@ impl Tween {
             patches([&a.details, &b.details], [a.area, b.area], turn, random)
         };
         let holes = [&a, &b].into_iter().enumerate();
-        let holes = holes.flat_map(|(s, p)| p.rings[1..].iter().map(move |r| Part::hole(s, r.clone())));
+        let holes = holes.flat_map(|(s, p)| p.rings[1..].iter().map(move |r| MovingRing::hole(s, r.clone())));
         let still = same(sides, [0, 1].map(|s| &lists[s][pair[s] as usize]));
-        let both = Pair {
+        let both = MatchedTextons {
             instances: pair,
             still,
             centres: [a.centre, a.centre + offset],
@@ -110,14 +110,14 @@ impl Tween {
             details,
         };
         let keys = [0, 1].map(|s| f64::from(pair[s]) / lists[s].len() as f64);
-        Some(Self { keys, kind: Kind::Pair(Box::new(both)) })
+        Some(Self { keys, kind: TweenKind::Pair(Box::new(both)) })
     }
 
     /// The texton at a time; `None` while it does not exist.
-    pub(super) fn at(&self, ends: &Ends<'_>, layer: LayerPair, when: &Progression) -> Option<Drawn> {
+    pub(super) fn at(&self, ends: &Ends<'_>, layer: LayerPair, when: &Progression) -> Option<TweenedTexton> {
         let old = |side: usize, k: u32| layer.of(side, ends.scenes[side])[k as usize].clone();
         let (t, what) = match &self.kind {
-            Kind::Unmatched { side, instance, centre, window } => {
+            TweenKind::Unmatched { side, instance, centre, window } => {
                 let t = when.at(*centre);
                 let size = envelope(*side, *window, t);
                 if size < 0.02 {
@@ -129,20 +129,20 @@ impl Tween {
                     instance.transform = scaled.as_coeffs();
                     instance.shadow = instance.shadow.map(|shadow| near(shadow, size));
                 }
-                (t, Content::Existing { side: *side, instance })
+                (t, TweenContent::Existing { side: *side, instance })
             }
-            Kind::Pair(both) => {
+            TweenKind::Pair(both) => {
                 let t = when.between(both.centres);
                 let what = if both.still || t <= 0.0 || t >= 1.0 {
                     let side = usize::from(t >= 1.0);
-                    Content::Existing { side, instance: old(side, both.instances[side]) }
+                    TweenContent::Existing { side, instance: old(side, both.instances[side]) }
                 } else {
                     both.at(ends, layer, t)?
                 };
                 (t, what)
             }
         };
-        Some(Drawn { key: self.key(t), what })
+        Some(TweenedTexton { key: self.key(t), what })
     }
 
     /// Position in the painting order at time `t`.
@@ -153,23 +153,23 @@ impl Tween {
     /// The whole motion.
     pub(super) fn motion(&self, ends: &Ends<'_>, layer: LayerPair, id: InstanceId) -> Motion {
         match &self.kind {
-            Kind::Pair(both) => {
+            TweenKind::Pair(both) => {
                 let of = |side: usize| &layer.of(side, ends.scenes[side])[both.instances[side] as usize];
                 let effects = Effects::aligned(Effects::of(of(0)), Effects::of(of(1)));
-                Motion { id, shapes: Moving::with_effects(both.shapes(), effects), window: None }
+                Motion { id, shapes: MovingShape::with_effects(both.shapes(), effects), window: None }
             }
-            Kind::Unmatched { side, instance, centre, window } => {
+            TweenKind::Unmatched { side, instance, centre, window } => {
                 let instance = &layer.of(*side, ends.scenes[*side])[*instance as usize];
                 let element = ends.scenes[*side].element(instance);
                 let (base, _) = element.paint(instance.colour);
                 let details = element.details().iter().map(|d| (&d.outline, d.colour));
                 let all = std::iter::once((&element.base().outline, base)).chain(details);
                 let moving = |(outline, colour): (&Outline, _)| {
-                    Moving::resized(outline, instance.affine(), *centre, *side == 1, colour)
+                    MovingShape::resized(outline, instance.affine(), *centre, *side == 1, colour)
                 };
                 let own = Effects::of(instance);
                 let effects = if *side == 1 { [own.shrunk(0.0), own] } else { [own, own.shrunk(0.0)] };
-                let shapes = Moving::with_effects(all.map(moving).collect(), effects);
+                let shapes = MovingShape::with_effects(all.map(moving).collect(), effects);
                 Motion { id, shapes, window: Some(*window) }
             }
         }
@@ -177,11 +177,11 @@ impl Tween {
 
     /// Whether it is a matched pair.
     pub(super) fn is_pair(&self) -> bool {
-        matches!(self.kind, Kind::Pair(_))
+        matches!(self.kind, TweenKind::Pair(_))
     }
 }
 
-impl Pair {
+impl MatchedTextons {
     /// Rotation at time `t` relative to the first and to the second end, in radians.
     fn turns(&self, t: f64) -> [f64; 2] {
         let turn = self.blend.turn();
@@ -189,7 +189,7 @@ impl Pair {
     }
 
     /// Outline and details at the beginning, at half-time and at the end.
-    fn shapes(&self) -> Vec<Moving> {
+    fn shapes(&self) -> Vec<MovingShape> {
         const TIMES: [f64; 3] = [0.0, 0.5, 1.0];
         let hulls = TIMES.map(|t| self.blend.at(t));
         let cages = hulls.each_ref().map(|hull| self.blend.cages(hull));
@@ -204,17 +204,17 @@ impl Pair {
             let holes = self.holes.iter().map(|hole| hole.ring(&carries[k], TIMES[k]));
             std::iter::once(hulls[k].clone()).chain(holes).collect()
         });
-        let mut shapes = vec![Moving::new(outline, centres, self.paints.each_ref().map(|p| p.colour))];
-        let mut order: Vec<(f64, &Patch)> = self.details.iter().map(|d| (d.key(0.5), d)).collect();
+        let mut shapes = vec![MovingShape::new(outline, centres, self.paints.each_ref().map(|p| p.colour))];
+        let mut order: Vec<(f64, &MovingDetail)> = self.details.iter().map(|d| (d.key(0.5), d)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         shapes.extend(order.iter().map(|(_, patch)| {
             let rings = [0, 1, 2].map(|k| patch.rings(&carries[k], TIMES[k]));
-            Moving::new(rings, centres, patch.colours())
+            MovingShape::new(rings, centres, patch.colours())
         }));
         shapes
     }
 
-    fn at(&self, ends: &Ends<'_>, layer: LayerPair, t: f64) -> Option<Content> {
+    fn at(&self, ends: &Ends<'_>, layer: LayerPair, t: f64) -> Option<TweenContent> {
         let ring = self.blend.at(t);
         let scales = self.blend.scales(&ring);
         let turns = self.turns(t);
@@ -232,7 +232,7 @@ impl Pair {
             let cages = self.blend.cages(&ring);
             let carry = Carry { cages: &cages, hull: &ring, scales, turns };
             rings.extend(self.holes.iter().filter_map(|hole| hole.at(&carry, t)));
-            let mut order: Vec<(f64, &Patch)> = self.details.iter().map(|d| (d.key(t), d)).collect();
+            let mut order: Vec<(f64, &MovingDetail)> = self.details.iter().map(|d| (d.key(t), d)).collect();
             order.sort_by(|a, b| a.0.total_cmp(&b.0));
             details.extend(order.iter().filter_map(|(_, patch)| patch.at(&carry, t)));
         }
@@ -259,7 +259,7 @@ impl Pair {
         };
         let at = self.centres[0].lerp(self.centres[1], t);
         let effects = Effects::mixed(Effects::of(instances[0]), Effects::of(instances[1]), t);
-        Some(Content::New { element, at, effects })
+        Some(TweenContent::New { element, at, effects })
     }
 }
 

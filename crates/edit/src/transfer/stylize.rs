@@ -106,7 +106,7 @@ pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> R
             advice: "give a photograph or a drawing in which elements are found",
         });
     };
-    let view = View::new(picture, canvas);
+    let view = StretchedPicture::new(picture, canvas);
     let mut spots: Vec<Spot> = Vec::new();
     let mut distance = largest;
     let mut shown: Option<[Plane; 3]> = None;
@@ -140,12 +140,12 @@ struct Spot {
 }
 
 /// A picture as it is looked at, and the canvas over which it is stretched.
-struct View {
+struct StretchedPicture {
     planes: [Plane; 3],
     canvas: [f64; 2],
 }
 
-impl View {
+impl StretchedPicture {
     fn new(picture: &RgbImage, canvas: [f64; 2]) -> Self {
         let longer = picture.width().max(picture.height());
         let factor = longer.div_ceil(LOOKED_AT).min(picture.width().min(picture.height())).max(1);
@@ -193,7 +193,7 @@ impl View {
         seed: u64,
     ) -> Vec<Spot> {
         let points = self.points((level, distance), seed);
-        let tensor = Tensor::new(&seen[0], (distance / 2.0 * self.scale()) as f32);
+        let tensor = StructureTensor::new(&seen[0], (distance / 2.0 * self.scale()) as f32);
         let spots = points.into_iter().filter_map(|[x, y]| {
             let at = Point::new(x, y);
             let [column, row] = self.cell(at);
@@ -210,9 +210,9 @@ impl View {
 }
 
 /// The structure tensor of a plane: products of its slopes, smoothed.
-struct Tensor([Plane; 3]);
+struct StructureTensor([Plane; 3]);
 
-impl Tensor {
+impl StructureTensor {
     fn new(plane: &Plane, sigma: f32) -> Self {
         let [w, h] = plane.size;
         let slopes = |x: usize, y: usize| {
@@ -255,7 +255,7 @@ struct Painting<'a> {
 }
 
 /// The scene of all spots, over a soft picture.
-fn composed(painting: &Painting<'_>, view: &View, spots: &[Spot], largest: f64) -> Scene {
+fn composed(painting: &Painting<'_>, view: &StretchedPicture, spots: &[Spot], largest: f64) -> Scene {
     let Painting { texture, donors, role, params } = painting;
     let size = view.canvas.map(|v| v as u32);
     // Elements nearer to one another hide it, and its cost grows with the inverse square of the distance.
@@ -315,7 +315,7 @@ fn change(keep: Keep, own: [f32; 3], wanted: [f32; 3]) -> OklabMap {
 }
 
 /// A field with the colours of the picture.
-fn field(view: &View, spacing: f64) -> Field {
+fn field(view: &StretchedPicture, spacing: f64) -> Field {
     let soft = view.blurred(spacing / 2.0);
     let [columns, rows] = view.canvas.map(|v| (v / spacing) as usize + 2);
     let at = |i: usize, count: usize, size: f64| size * i as f64 / (count - 1) as f64;

@@ -1,7 +1,8 @@
 //! All pages of one level in one array, so that a source is a single index.
 
 use super::{
-    CHANNELS, COARSEST, LANES, MOST_COMPARED, MOST_LEVELS, PATCH, Page, Periods, REACH, Source, UNIT,
+    CHANNELS, COARSEST, CellSource, ExemplarPage, LANES, MOST_COMPARED, MOST_LEVELS, PATCH, Periods, REACH,
+    UNIT,
 };
 
 /// Features in a row of a patch.
@@ -17,13 +18,13 @@ pub(super) struct Atlas {
     pub(super) inside: Vec<bool>,
     /// Group of each cell; `None` if each page has one group.
     groups: Option<Vec<u8>>,
-    pub(super) pages: Vec<Sheet>,
+    pub(super) pages: Vec<PagePosition>,
     /// Phase of each cell; empty if no page has periods.
     pub(super) phases: Vec<[f32; 2]>,
 }
 
 /// The position of a page in an atlas.
-pub(super) struct Sheet {
+pub(super) struct PagePosition {
     pub(super) group: u8,
     /// Row of its first cell.
     top: usize,
@@ -35,7 +36,7 @@ pub(super) struct Sheet {
 }
 
 /// A page on one level.
-struct Level {
+struct PageLevel {
     size: [usize; 2],
     features: Vec<[f32; CHANNELS]>,
     inside: Option<Vec<bool>>,
@@ -43,7 +44,7 @@ struct Level {
     periods: Option<Periods>,
 }
 
-impl Level {
+impl PageLevel {
     /// The level reduced to half: means of 2 × 2 cells. An odd last row or column is left out.
     fn reduced(&self) -> Self {
         let size = self.size.map(|v| (v / 2).max(1));
@@ -74,10 +75,10 @@ impl Level {
 
 impl Atlas {
     /// The levels, from the finest to one whose smallest page is [`COARSEST`] cells wide or high.
-    pub(super) fn pyramid(pages: &[Page]) -> Vec<Self> {
-        let mut levels: Vec<Level> = pages
+    pub(super) fn pyramid(pages: &[ExemplarPage]) -> Vec<Self> {
+        let mut levels: Vec<PageLevel> = pages
             .iter()
-            .map(|p| Level {
+            .map(|p| PageLevel {
                 size: p.size,
                 features: p.features.clone(),
                 inside: p.inside.clone(),
@@ -87,15 +88,16 @@ impl Atlas {
             .collect();
         let groups: Vec<u8> = pages.iter().map(|p| p.group).collect();
         let mut pyramid = vec![Self::new(&levels, &groups)];
-        let shortest = |levels: &[Level]| levels.iter().flat_map(|l| l.size).min().unwrap_or(0);
+        let shortest = |levels: &[PageLevel]| levels.iter().flat_map(|l| l.size).min().unwrap_or(0);
         // Elongated pages get coarser levels than their shorter side alone would give.
-        let large =
-            |levels: &[Level]| levels.iter().map(|l| l.size[0] * l.size[1]).sum::<usize>() > MOST_COMPARED;
-        let goes_on = |levels: &[Level]| {
+        let large = |levels: &[PageLevel]| {
+            levels.iter().map(|l| l.size[0] * l.size[1]).sum::<usize>() > MOST_COMPARED
+        };
+        let goes_on = |levels: &[PageLevel]| {
             shortest(levels) >= 2 * COARSEST || (large(levels) && shortest(levels) >= 2 * PATCH)
         };
         while pyramid.len() < MOST_LEVELS && goes_on(&levels) {
-            levels = levels.iter().map(Level::reduced).collect();
+            levels = levels.iter().map(PageLevel::reduced).collect();
             let coarser = Self::new(&levels, &groups);
             // A group of single cells may vanish, and other cells replace it. The group of a page may not.
             let has = |g: &u8| coarser.sources_of(*g).next().is_some();
@@ -107,7 +109,7 @@ impl Atlas {
         pyramid
     }
 
-    fn new(levels: &[Level], groups: &[u8]) -> Self {
+    fn new(levels: &[PageLevel], groups: &[u8]) -> Self {
         let stride = levels.iter().map(|l| l.size[0]).max().unwrap_or(0) + 2 * REACH;
         let rows: usize = levels.iter().map(|l| l.size[1] + 2 * REACH).sum();
         let any_periods = levels.iter().any(|l| l.periods.is_some());
@@ -148,7 +150,7 @@ impl Atlas {
                 let phase = periods.as_ref().map_or([0.0; 2], |p| p.on_page([x as f32, y as f32]));
                 atlas.phases[(top + REACH + y) * stride + REACH + x] = phase;
             }
-            atlas.pages.push(Sheet { group, top: top + REACH, size: level.size, rim, periods });
+            atlas.pages.push(PagePosition { group, top: top + REACH, size: level.size, rim, periods });
             top += h + 2 * REACH;
         }
         atlas
@@ -214,10 +216,10 @@ impl Atlas {
     }
 
     /// Page and place of a cell.
-    pub(super) fn source(&self, cell: u32) -> Source {
+    pub(super) fn source(&self, cell: u32) -> CellSource {
         let page = self.page(cell);
         let (x, y) = (cell as usize % self.stride, cell as usize / self.stride);
-        Source { page: page as u16, at: [(x - REACH) as u16, (y - self.pages[page].top) as u16] }
+        CellSource { page: page as u16, at: [(x - REACH) as u16, (y - self.pages[page].top) as u16] }
     }
 
     /// The cell of a page at a place, clamped to where sources may be.

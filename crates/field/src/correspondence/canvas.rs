@@ -6,7 +6,7 @@ use vtex_base::sampling::Stream;
 
 /// A canvas on one level.
 #[derive(Clone)]
-pub(super) struct Canvas {
+pub(super) struct LevelCanvas {
     /// Size in cells.
     pub(super) size: [usize; 2],
     pub(super) wrap: [bool; 2],
@@ -48,7 +48,7 @@ pub(super) fn any_within(values: &[bool], size: [usize; 2], coarse: [usize; 2]) 
     (0..coarse[1]).flat_map(|y| (0..coarse[0]).map(move |x| (x, y))).map(|(x, y)| any(x, y)).collect()
 }
 
-impl Canvas {
+impl LevelCanvas {
     /// A canvas without sources, with the groups and the activity of its cells.
     pub(super) fn new(
         size: [usize; 2],

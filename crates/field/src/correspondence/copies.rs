@@ -2,7 +2,7 @@
 //! more.
 
 use super::atlas::Atlas;
-use super::canvas::Canvas;
+use super::canvas::LevelCanvas;
 
 /// Side of the blocks of an exemplar that are told apart, in cells.
 const BLOCK: i32 = 4;
@@ -13,7 +13,7 @@ const SAME: i32 = 2;
 const REACH: [f32; 2] = [0.6, 0.25];
 
 /// The places on the canvas of each block of an atlas.
-pub(super) struct Copies {
+pub(super) struct BlockCopies {
     /// Blocks in a row of the atlas.
     columns: usize,
     /// Index of the first place of each block.
@@ -27,8 +27,8 @@ pub(super) struct Copies {
     reach: f32,
 }
 
-impl Copies {
-    pub(super) fn new(canvas: &Canvas, atlas: &Atlas, exhaustive: bool) -> Self {
+impl BlockCopies {
+    pub(super) fn new(canvas: &LevelCanvas, atlas: &Atlas, exhaustive: bool) -> Self {
         let shortest = atlas.pages.iter().flat_map(|p| p.size).min().unwrap_or(1);
         let reach = REACH[usize::from(!exhaustive)] * shortest as f32;
         let columns = atlas.stride.div_ceil(BLOCK as usize);

@@ -1,9 +1,9 @@
 //! Islands: adjacent cells that come from one place.
 
 use super::atlas::Atlas;
-use super::canvas::Canvas;
+use super::canvas::LevelCanvas;
 use super::search::Best;
-use super::{Field, Source};
+use super::{CellSource, CorrespondenceField};
 use vtex_base::disjoint_sets::DisjointSets;
 
 /// The island of each cell.
@@ -16,8 +16,8 @@ pub struct Islands {
 
 impl Islands {
     /// The islands of a field.
-    pub fn new(field: &Field) -> Self {
-        let continues = |a: Source, b: Source, d: [i32; 2]| {
+    pub fn new(field: &CorrespondenceField) -> Self {
+        let continues = |a: CellSource, b: CellSource, d: [i32; 2]| {
             a.page == b.page && (0..2).all(|k| i32::from(b.at[k]) - i32::from(a.at[k]) == d[k])
         };
         let s = &field.sources;
@@ -47,7 +47,7 @@ impl Islands {
     }
 }
 
-impl Canvas {
+impl LevelCanvas {
     /// Gives the cells of islands with fewer than `least` cells to the adjacent islands that fit best.
     pub(super) fn absorb_small_islands(&mut self, atlas: &Atlas, least: u32) {
         self.copy_sources(atlas);

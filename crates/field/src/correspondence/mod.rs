@@ -33,7 +33,7 @@ mod similar;
 mod vote;
 
 use atlas::Atlas;
-use canvas::Canvas;
+use canvas::LevelCanvas;
 use similar::Similar;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use vtex_base::error::{Error, Result};
@@ -85,7 +85,7 @@ const MOSAIC: usize = 4;
 const LEAST_ISLAND: u32 = 10;
 
 /// An exemplar, as it is, rotated or mirrored, cell by cell.
-pub struct Page {
+pub struct ExemplarPage {
     /// The group of its cells. Cells of the canvas may be restricted to a group.
     pub group: u8,
     /// The group of each cell, in place of `group`. Either all pages have these or none.
@@ -101,9 +101,9 @@ pub struct Page {
 }
 
 /// The canvas to be filled.
-pub struct Request<'a> {
+pub struct CanvasRequest<'a> {
     /// The exemplars, in all their variations.
-    pub pages: &'a [Page],
+    pub pages: &'a [ExemplarPage],
     /// Size in cells.
     pub size: [usize; 2],
     /// Along which axes the canvas repeats.
@@ -118,7 +118,7 @@ pub struct Request<'a> {
 
 /// The place that a cell is taken from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Source {
+pub struct CellSource {
     /// Index of the page.
     pub page: u16,
     /// Cell of the page: column, row.
@@ -126,13 +126,13 @@ pub struct Source {
 }
 
 /// A source for each cell of a canvas.
-pub struct Field {
+pub struct CorrespondenceField {
     /// Size in cells.
     pub size: [usize; 2],
     /// Along which axes the canvas repeats.
     pub wrap: [bool; 2],
     /// Row by row.
-    pub sources: Vec<Source>,
+    pub sources: Vec<CellSource>,
 }
 
 /// Name of the stage.
@@ -142,7 +142,7 @@ const STAGE: &str = "structure";
 ///
 /// # Errors
 /// [`vtex_base::Error::Interrupted`].
-pub fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Field> {
+pub fn find(request: &CanvasRequest<'_>, progress: &dyn Progress) -> Result<CorrespondenceField> {
     let atlases = Atlas::pyramid(request.pages);
     let coarsest = atlases.len() - 1;
     let sizes = canvas::sizes(request.size, atlases.len());
@@ -156,7 +156,7 @@ pub fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Field> {
     let cells = |level: usize| (sizes[level][0] * sizes[level][1]) as u64;
     let passes = |level: usize| if level == 0 { 2 * ITERATIONS[2] + 5 } else { 4 * ITERATIONS[1] } as u64;
     let work: u64 = (0..sizes.len()).map(|level| passes(level) * cells(level)).sum();
-    let watch = Watch { progress, done: AtomicU64::new(0), work, stopped: AtomicBool::new(false) };
+    let watch = RowProgress { progress, done: AtomicU64::new(0), work, stopped: AtomicBool::new(false) };
     watch.check()?;
 
     // The best initialisation keeps most of the exemplar's large-scale contrast.
@@ -168,19 +168,20 @@ pub fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Field> {
     let begin = |start: u64| {
         let mut random = stream(request.seed, "correspondence/start", start);
         let block = 1 + 2 * (start as usize % 2);
-        let empty = Canvas::new(sizes[coarsest], request.wrap, constraints(coarsest));
+        let empty = LevelCanvas::new(sizes[coarsest], request.wrap, constraints(coarsest));
         let mut canvas = empty.random(&atlases[coarsest], block, &mut random);
         canvas.optimise(&atlases[coarsest], &similar, exhaustive, ITERATIONS[0], &watch);
         canvas
     };
-    let mut canvases: Vec<Canvas> = (0..starts).map(begin).collect();
+    let mut canvases: Vec<LevelCanvas> = (0..starts).map(begin).collect();
     keep_best(&mut canvases, &atlases[coarsest], CARRIED_ON);
     for level in (0..coarsest).rev() {
         watch.check()?;
         let (coarse, fine) = (&atlases[level + 1], &atlases[level]);
         similar = similar.finer(coarse, fine, &watch);
         for canvas in &mut canvases {
-            *canvas = canvas.finer(coarse, fine, Canvas::new(sizes[level], request.wrap, constraints(level)));
+            *canvas =
+                canvas.finer(coarse, fine, LevelCanvas::new(sizes[level], request.wrap, constraints(level)));
             canvas.coherence = if level < COHERENT { 1.0 } else { 0.0 };
             if level > 0 {
                 let exhaustive = usize::from(coarsest - level == 1);
@@ -197,7 +198,7 @@ pub fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Field> {
     canvas.absorb_small_islands(&atlases[0], LEAST_ISLAND);
     canvas.mosaic(&atlases[0], &similar, 1, &watch);
     watch.finish()?;
-    Ok(Field {
+    Ok(CorrespondenceField {
         size: request.size,
         wrap: request.wrap,
         sources: canvas.sources.iter().map(|&s| atlases[0].source(s)).collect(),
@@ -205,14 +206,14 @@ pub fn find(request: &Request<'_>, progress: &dyn Progress) -> Result<Field> {
 }
 
 /// Reports progress row by row, and remembers whether the work was stopped.
-struct Watch<'p> {
+struct RowProgress<'p> {
     progress: &'p dyn Progress,
     done: AtomicU64,
     work: u64,
     stopped: AtomicBool,
 }
 
-impl Watch<'_> {
+impl RowProgress<'_> {
     /// Reports a row of cells; false once the work was stopped.
     fn goes_on(&self, cells: usize) -> bool {
         let done = self.done.fetch_add(cells as u64, Ordering::Relaxed) + cells as u64;
@@ -246,7 +247,7 @@ impl Watch<'_> {
 
 /// Keeps the canvases with the smallest contrast error; ties go to the first. Errors are not negative, so
 /// their bits sort like their values.
-fn keep_best(canvases: &mut Vec<Canvas>, atlas: &Atlas, count: usize) {
+fn keep_best(canvases: &mut Vec<LevelCanvas>, atlas: &Atlas, count: usize) {
     if canvases.len() > count {
         canvases.sort_by_cached_key(|canvas| canvas.contrast_error(atlas).to_bits());
         canvases.truncate(count);

@@ -1,10 +1,10 @@
 //! The search for the sources that fit the neighbourhood of each cell.
 
 use super::atlas::{Atlas, distance};
-use super::canvas::Canvas;
-use super::copies::Copies;
+use super::canvas::LevelCanvas;
+use super::copies::BlockCopies;
 use super::similar::Similar;
-use super::{ALONE, CHANNELS, COPY, LANES, OCCURRENCE, PATCH, REACH, UNIT, Watch};
+use super::{ALONE, CHANNELS, COPY, LANES, OCCURRENCE, PATCH, REACH, RowProgress, UNIT};
 use vtex_base::parallel;
 
 /// Offsets to the cells around a cell.
@@ -12,7 +12,7 @@ const AROUND: [[isize; 2]; 8] = [[-1, 0], [1, 0], [0, -1], [0, 1], [-1, -1], [1,
 /// Distance of two patches that differ by one standard deviation in one channel.
 const PATCH_UNIT: f32 = UNIT * UNIT * (PATCH * PATCH) as f32;
 
-impl Canvas {
+impl LevelCanvas {
     /// Alternates votes and searches, the first `exhaustive` searches among all sources. No vote follows
     /// the last search.
     pub(super) fn optimise(
@@ -21,7 +21,7 @@ impl Canvas {
         similar: &Similar,
         exhaustive: usize,
         iterations: usize,
-        watch: &Watch<'_>,
+        watch: &RowProgress<'_>,
     ) {
         for iteration in 0..iterations {
             self.vote(atlas, watch);
@@ -32,8 +32,14 @@ impl Canvas {
         }
     }
 
-    /// Like [`Canvas::optimise`], but cells inside islands keep their sources and features.
-    pub(super) fn refine(&mut self, atlas: &Atlas, similar: &Similar, iterations: usize, watch: &Watch<'_>) {
+    /// Like [`LevelCanvas::optimise`], but cells inside islands keep their sources and features.
+    pub(super) fn refine(
+        &mut self,
+        atlas: &Atlas,
+        similar: &Similar,
+        iterations: usize,
+        watch: &RowProgress<'_>,
+    ) {
         for _ in 0..iterations {
             let (deep, occurrence) = (self.deep(atlas), self.occurrence_costs(atlas));
             let open = |i: usize| !deep[i] && self.is_active(i);
@@ -112,12 +118,12 @@ impl Canvas {
         similar: &Similar,
         exhaustive: bool,
         extra: &[i32],
-        watch: &Watch<'_>,
+        watch: &RowProgress<'_>,
     ) {
         let groups = if exhaustive { usize::from(atlas.last_group()) + 1 } else { 0 };
         let all: Vec<Vec<u32>> = (0..groups).map(|g| atlas.compared(g as u8)).collect();
         let this = &*self;
-        let copies = Copies::new(this, atlas, exhaustive);
+        let copies = BlockCopies::new(this, atlas, exhaustive);
         let copy = COPY[usize::from(!exhaustive)];
         // The earlier sources remain if the work is stopped.
         let mut found: Vec<(u32, i32)> =
@@ -168,7 +174,13 @@ impl Canvas {
     /// Passes in which every cell shows only its source, and the borders of islands move to where the
     /// neighbourhoods agree. Each pass takes a quarter of the cells, so that adjacent cells see each
     /// other's changes.
-    pub(super) fn mosaic(&mut self, atlas: &Atlas, similar: &Similar, passes: usize, watch: &Watch<'_>) {
+    pub(super) fn mosaic(
+        &mut self,
+        atlas: &Atlas,
+        similar: &Similar,
+        passes: usize,
+        watch: &RowProgress<'_>,
+    ) {
         self.copy_sources(atlas);
         let none = vec![0; atlas.inside.len()];
         for pass in 0..4 * passes {
@@ -223,7 +235,7 @@ pub(super) struct Best<'a> {
     extra: &'a [i32],
     coherence: f32,
     /// Which sources are used already, the cell that searches, and the cost of a copy.
-    copies: Option<(&'a Copies, usize, f32)>,
+    copies: Option<(&'a BlockCopies, usize, f32)>,
     /// Place of the cell, and its phase if the first page has periods.
     at: [f32; 2],
     phase: [f32; 2],
@@ -235,7 +247,12 @@ pub(super) struct Best<'a> {
 }
 
 impl<'a> Best<'a> {
-    pub(super) fn new(canvas: &'a Canvas, atlas: &'a Atlas, [x, y]: [usize; 2], extra: &'a [i32]) -> Self {
+    pub(super) fn new(
+        canvas: &'a LevelCanvas,
+        atlas: &'a Atlas,
+        [x, y]: [usize; 2],
+        extra: &'a [i32],
+    ) -> Self {
         let values = &canvas.values[canvas.patch(x, y)..];
         let row = canvas.value_row();
         let coherence = canvas.coherence;
@@ -258,7 +275,7 @@ impl<'a> Best<'a> {
     }
 
     /// Considers the cell's own source, and the sources that continue those of the cells around it.
-    fn consider_around(&mut self, canvas: &Canvas, at: [usize; 2]) {
+    fn consider_around(&mut self, canvas: &LevelCanvas, at: [usize; 2]) {
         let (mut sources, mut supports, mut count) = ([0; 9], [0; 9], 1);
         sources[0] = canvas.sources[at[1] * canvas.size[0] + at[0]];
         for d in AROUND {

@@ -1,7 +1,7 @@
 //! Exemplar cells with similar neighbourhoods.
 
 use super::atlas::{Atlas, distance};
-use super::{LANES, PATCH, Watch};
+use super::{LANES, PATCH, RowProgress};
 use vtex_base::parallel;
 
 /// Similar cells kept for each cell.
@@ -16,13 +16,13 @@ pub(super) struct Similar {
 
 impl Similar {
     /// Compares all cells with all.
-    pub(super) fn coarsest(atlas: &Atlas, watch: &Watch<'_>) -> Self {
+    pub(super) fn coarsest(atlas: &Atlas, watch: &RowProgress<'_>) -> Self {
         let all: Vec<Vec<u32>> = (0..=atlas.last_group()).map(|g| atlas.compared(g)).collect();
         Self::best(atlas, watch, |cell| all[usize::from(atlas.group(cell))].iter().copied())
     }
 
     /// Compares each cell with those in and around the cells that are similar on the coarser level.
-    pub(super) fn finer(&self, coarse: &Atlas, fine: &Atlas, watch: &Watch<'_>) -> Self {
+    pub(super) fn finer(&self, coarse: &Atlas, fine: &Atlas, watch: &RowProgress<'_>) -> Self {
         Self::best(fine, watch, |cell| {
             let source = fine.source(cell);
             let page = usize::from(source.page);
@@ -44,7 +44,7 @@ impl Similar {
     /// Keeps the best candidates of each cell.
     fn best<I: Iterator<Item = u32>>(
         atlas: &Atlas,
-        watch: &Watch<'_>,
+        watch: &RowProgress<'_>,
         candidates: impl Fn(u32) -> I + Sync,
     ) -> Self {
         let mut cells = vec![[NONE; KEPT]; atlas.inside.len()];

@@ -4,7 +4,7 @@ use super::*;
 use vtex_base::sampling::{Stream, stream};
 
 /// A page of soft clouds some ten cells across, with fine grain.
-fn clouds(size: [usize; 2], seed: u64) -> Page {
+fn clouds(size: [usize; 2], seed: u64) -> ExemplarPage {
     let mut random = stream(seed, "correspondence test", 0);
     let centres: Vec<([f64; 2], f64)> = (0..24)
         .map(|_| {
@@ -28,14 +28,14 @@ fn clouds(size: [usize; 2], seed: u64) -> Page {
         .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
         .map(|(x, y)| value(x, y, &mut random))
         .collect();
-    Page { group: 0, groups: None, size, features, inside: None, periods: None }
+    ExemplarPage { group: 0, groups: None, size, features, inside: None, periods: None }
 }
 
-fn request<'a>(pages: &'a [Page], size: [usize; 2], wrap: [bool; 2], seed: u64) -> Request<'a> {
-    Request { pages, size, wrap, groups: None, active: None, seed }
+fn request<'a>(pages: &'a [ExemplarPage], size: [usize; 2], wrap: [bool; 2], seed: u64) -> CanvasRequest<'a> {
+    CanvasRequest { pages, size, wrap, groups: None, active: None, seed }
 }
 
-fn light(pages: &[Page], s: Source) -> f32 {
+fn light(pages: &[ExemplarPage], s: CellSource) -> f32 {
     let page = &pages[usize::from(s.page)];
     page.features[usize::from(s.at[1]) * page.size[0] + usize::from(s.at[0])][0]
 }
@@ -54,7 +54,7 @@ fn spread(size: [usize; 2], block: usize, value: impl Fn(usize, usize) -> f32) -
 }
 
 /// Share of the cells whose right neighbour, across the seam too, continues their source.
-fn continued(field: &Field, columns: std::ops::Range<usize>) -> f64 {
+fn continued(field: &CorrespondenceField, columns: std::ops::Range<usize>) -> f64 {
     let [w, h] = field.size;
     let (mut all, mut same) = (0, 0);
     for y in 0..h {
@@ -112,7 +112,8 @@ fn cells_take_their_source_from_their_group() {
     let mut pages = [clouds([80, 80], 1), clouds([60, 90], 2)];
     pages[1].group = 1;
     let groups: Vec<u8> = (0..100 * 60).map(|i| u8::from(i % 100 >= 50)).collect();
-    let field = find(&Request { groups: Some(groups), ..request(&pages, [100, 60], [false; 2], 4) }, &());
+    let field =
+        find(&CanvasRequest { groups: Some(groups), ..request(&pages, [100, 60], [false; 2], 4) }, &());
     for (i, s) in field.unwrap().sources.iter().enumerate() {
         assert_eq!(usize::from(s.page), usize::from(i % 100 >= 50), "cell {i}");
     }
@@ -143,7 +144,7 @@ fn any_size_is_filled() {
             let pages = [clouds(page, 1)];
             let field = find(&request(&pages, size, wrap, 1), &()).unwrap();
             assert_eq!(field.sources.len(), size[0] * size[1]);
-            let within = |s: &Source| (0..2).all(|k| usize::from(s.at[k]) < page[k]);
+            let within = |s: &CellSource| (0..2).all(|k| usize::from(s.at[k]) < page[k]);
             assert!(field.sources.iter().all(within), "{page:?} {size:?}");
         }
     }
@@ -154,7 +155,8 @@ fn what_is_not_active_changes_little_of_the_rest() {
     let pages = [clouds([100, 90], 6)];
     let active: Vec<bool> = (0..120 * 80).map(|i| i % 120 < 60).collect();
     let field =
-        find(&Request { active: Some(active), ..request(&pages, [120, 80], [false; 2], 1) }, &()).unwrap();
+        find(&CanvasRequest { active: Some(active), ..request(&pages, [120, 80], [false; 2], 1) }, &())
+            .unwrap();
     assert!(continued(&field, 0..58) > 0.7, "{}", continued(&field, 0..58));
     let own = spread([56, 80], 8, |x, y| light(&pages, field.sources[y * 120 + x]));
     let theirs = spread([100, 90], 8, |x, y| pages[0].features[y * 100 + x][0]);
@@ -164,7 +166,7 @@ fn what_is_not_active_changes_little_of_the_rest() {
 #[test]
 fn it_can_be_stopped() {
     let pages = [clouds([64, 64], 2)];
-    let stopped = find(&request(&pages, [50, 50], [false; 2], 1), &vtex_testing::Stop);
+    let stopped = find(&request(&pages, [50, 50], [false; 2], 1), &vtex_testing::StopAtOnce);
     assert!(matches!(stopped, Err(vtex_base::Error::Interrupted)));
 }
 
@@ -186,16 +188,16 @@ fn offsets_keep_to_periods() {
         margin: [0.0; 2],
         tolerance: 0.0,
     };
-    let off = |page: Page| {
+    let off = |page: ExemplarPage| {
         let pages = [page];
         let field = find(&request(&pages, [130, 110], [false; 2], 4), &()).unwrap();
-        let misses = |(i, s): (usize, &Source)| {
+        let misses = |(i, s): (usize, &CellSource)| {
             let d = (i32::from(s.at[1]) - (i / 130) as i32).rem_euclid(9);
             d.min(9 - d) > 1
         };
         field.sources.iter().enumerate().filter(|&p| misses(p)).count() as f64 / field.sources.len() as f64
     };
-    let bound = Page { periods: Some(periods), ..stripes(4) };
+    let bound = ExemplarPage { periods: Some(periods), ..stripes(4) };
     assert!(off(bound) < 0.01);
 }
 

@@ -1,17 +1,17 @@
 //! Votes on the features of each cell, and histogram matching.
 
 use super::atlas::Atlas;
-use super::canvas::Canvas;
-use super::{CHANNELS, LANES, PATCH, REACH, Watch};
+use super::canvas::LevelCanvas;
+use super::{CHANNELS, LANES, PATCH, REACH, RowProgress};
 use vtex_base::parallel;
 
 /// Bins of a histogram.
 const BINS: usize = 1 << 12;
 
-impl Canvas {
+impl LevelCanvas {
     /// Sets the features of every cell to the weighted mean of the patches over it. Patches centred near
     /// the cell, and patches that fit well, have more weight.
-    pub(super) fn vote(&mut self, atlas: &Atlas, watch: &Watch<'_>) {
+    pub(super) fn vote(&mut self, atlas: &Atlas, watch: &RowProgress<'_>) {
         let mut sorted: Vec<i32> =
             (0..self.costs.len()).filter(|&i| self.is_active(i)).map(|i| self.costs[i]).collect();
         if sorted.is_empty() {

@@ -7,7 +7,7 @@
 
 use super::map::{Contacts, LayerMap};
 use super::regions::{Depths, depth};
-use crate::correspondence::{CHANNELS, Field, Page, Request, find};
+use crate::correspondence::{CHANNELS, CanvasRequest, CorrespondenceField, ExemplarPage, find};
 use image::RgbImage;
 use vtex_base::error::Result;
 use vtex_base::parallel;
@@ -26,14 +26,14 @@ const DEEP: f32 = 6.0;
 
 /// The model of new maps.
 #[derive(Clone, Copy, Debug)]
-pub struct Exemplar<'a> {
+pub struct LayerExemplar<'a> {
     /// Its layers.
     pub map: &'a LayerMap,
     /// The photograph of these layers, if there is one. Its colours keep structure that labels do not show.
     pub photograph: Option<&'a RgbImage>,
 }
 
-impl Exemplar<'_> {
+impl LayerExemplar<'_> {
     /// Side of a cell, in pixels.
     pub(super) fn cell(&self) -> usize {
         let [w, h] = self.map.size();
@@ -78,7 +78,7 @@ impl Exemplar<'_> {
             (1..self.map.layers.len()).map(|k| depth(&self.map.region(k, [false; 2]))).collect();
         let page = self.page(&depths, cell);
         let cells = size.map(|v| v.div_ceil(cell));
-        let request = Request { pages: &[page], size: cells, wrap, groups: None, active: None, seed };
+        let request = CanvasRequest { pages: &[page], size: cells, wrap, groups: None, active: None, seed };
         let field = find(&request, progress)?;
         let carrier = Carrier { field: &field, exemplar: self.map.size(), cell, canvas: size };
         let grid = size.map(|v| v.div_ceil((cell / 2).max(1)));
@@ -89,7 +89,7 @@ impl Exemplar<'_> {
     }
 
     /// The features of the exemplar for the search.
-    fn page(&self, depths: &[Vec<f32>], cell: usize) -> Page {
+    fn page(&self, depths: &[Vec<f32>], cell: usize) -> ExemplarPage {
         let [w, h] = self.map.size();
         let size = [(w / cell).max(1), (h / cell).max(1)];
         let mean = |i: usize, value: &dyn Fn(usize) -> f32| {
@@ -131,7 +131,7 @@ impl Exemplar<'_> {
             channels[..used].iter_mut().flatten().for_each(|v| *v *= unit);
         }
         let features = (0..cells).map(|i| std::array::from_fn(|c| channels[c][i])).collect();
-        Page { group: 0, groups: None, size, features, inside: None, periods: None }
+        ExemplarPage { group: 0, groups: None, size, features, inside: None, periods: None }
     }
 }
 
@@ -147,7 +147,7 @@ pub(super) fn deviation<'v>(channels: impl Iterator<Item = &'v Vec<f32>>) -> f32
 
 /// Values of an exemplar, copied along a field.
 pub(super) struct Carrier<'a> {
-    pub(super) field: &'a Field,
+    pub(super) field: &'a CorrespondenceField,
     /// Size of the exemplar, in pixels.
     pub(super) exemplar: [usize; 2],
     /// Side of its cells, in pixels.
@@ -234,7 +234,7 @@ mod tests {
     fn areas_and_contacts_are_the_exemplars() {
         for (count, seed) in [(2u8, 1), (3, 2), (4, 3)] {
             let map = layered(nested([160, 140], usize::from(count), seed), count);
-            let exemplar = Exemplar { map: &map, photograph: None };
+            let exemplar = LayerExemplar { map: &map, photograph: None };
             let made = exemplar.carried([320, 280], [false; 2], seed, &()).unwrap();
             assert_eq!(made.size(), [320, 280]);
             for (own, theirs) in made.shares().iter().zip(map.shares()) {
@@ -252,8 +252,9 @@ mod tests {
     fn borders_are_as_long_as_the_exemplars() {
         let (photo, labels) = surface([200, 200], 2, 4);
         let map = layered(labels, 2);
-        let made =
-            Exemplar { map: &map, photograph: Some(&photo) }.carried([400, 400], [true; 2], 1, &()).unwrap();
+        let made = LayerExemplar { map: &map, photograph: Some(&photo) }
+            .carried([400, 400], [true; 2], 1, &())
+            .unwrap();
         let [own, theirs] = [&made, &map].map(|m| Contacts::new(&m.labels, 2, [false; 2]).total() as f64);
         let ratio = own / theirs / 4.0;
         assert!((0.7..1.3).contains(&ratio), "{ratio}");
@@ -262,7 +263,8 @@ mod tests {
     #[test]
     fn a_map_that_repeats_has_no_seam() {
         let map = layered(nested([150, 150], 3, 5), 3);
-        let made = Exemplar { map: &map, photograph: None }.carried([211, 173], [true; 2], 2, &()).unwrap();
+        let made =
+            LayerExemplar { map: &map, photograph: None }.carried([211, 173], [true; 2], 2, &()).unwrap();
         let [w, h] = made.size();
         let changes = |x: usize| {
             (0..h)
@@ -277,7 +279,7 @@ mod tests {
     #[test]
     fn any_size_is_filled_and_what_cannot_be_is_refused() {
         let map = layered(nested([40, 33], 2, 6), 2);
-        let exemplar = Exemplar { map: &map, photograph: None };
+        let exemplar = LayerExemplar { map: &map, photograph: None };
         for size in [[1, 1], [3, 200], [50, 1]] {
             assert_eq!(exemplar.carried(size, [true, false], 1, &()).unwrap().size(), size);
         }
@@ -285,10 +287,10 @@ mod tests {
         assert!(matches!(refused([0, 5]), Err(Error::Parameter { name: "size", .. })));
         assert!(matches!(refused([20_000, 5]), Err(Error::TooLarge { .. })));
         let flat = layered(LabelMap::filled(40, 40, 0), 2);
-        let one = Exemplar { map: &flat, photograph: None }.carried([9, 9], [false; 2], 1, &());
+        let one = LayerExemplar { map: &flat, photograph: None }.carried([9, 9], [false; 2], 1, &());
         assert!(matches!(one, Err(Error::Control { .. })));
         let (photo, _) = surface([64, 64], 2, 1);
-        let other = Exemplar { map: &map, photograph: Some(&photo) }.carried([9, 9], [false; 2], 1, &());
+        let other = LayerExemplar { map: &map, photograph: Some(&photo) }.carried([9, 9], [false; 2], 1, &());
         assert!(matches!(other, Err(Error::Control { .. })));
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn without_specks(map: LabelMap, count: usize, least: usize, wrap: [b
     let mut map = map;
     let mut before = usize::MAX;
     for round in 0.. {
-        let pieces = Pieces::new(&map, least, wrap);
+        let pieces = MapPieces::new(&map, least, wrap);
         if !pieces.areas.iter().any(|&a| a < least) {
             break;
         }
@@ -80,14 +80,14 @@ pub(super) fn without_specks(map: LabelMap, count: usize, least: usize, wrap: [b
 }
 
 /// The connected pieces of a map.
-struct Pieces {
+struct MapPieces {
     /// The piece of each pixel.
     of: Vec<u32>,
     /// Pixels of each piece; of pieces at a seam at least as many as a speck lacks.
     areas: Vec<usize>,
 }
 
-impl Pieces {
+impl MapPieces {
     fn new(map: &LabelMap, least: usize, wrap: [bool; 2]) -> Self {
         let size = [map.width as usize, map.height as usize];
         let shifted = LabelMap { labels: map.labels.iter().map(|l| l + 1).collect(), ..*map };
@@ -232,7 +232,7 @@ mod tests {
         let (side, least) = (40, 9);
         let none_is_left = |map: &LabelMap, wrap| {
             let clean = without_specks(map.clone(), 3, least, wrap);
-            let pieces = Pieces::new(&clean, least, wrap);
+            let pieces = MapPieces::new(&clean, least, wrap);
             assert!(pieces.areas.len() == 1 || pieces.areas.iter().all(|&a| a >= least));
         };
         let map_of = |label: &dyn Fn(u32, u32) -> u32| {

@@ -1,6 +1,6 @@
 //! Continuous control maps: values that rise within each layer (the paper, eq. 5).
 
-use super::map::{LayerMap, Region};
+use super::map::{LayerMap, LayerRegion};
 use super::regions::depth;
 
 /// A value for each pixel. It rises from i at the outer border of layer i, towards the layer below, to i +
@@ -24,7 +24,7 @@ pub fn continuous(map: &LayerMap, wrap: [bool; 2]) -> Vec<f32> {
 }
 
 /// Length of the diagonal of a map.
-fn largest(region: &Region) -> f32 {
+fn largest(region: &LayerRegion) -> f32 {
     let [w, h] = region.size.map(|v| v as f32);
     libm::sqrtf(w * w + h * h)
 }

@@ -17,7 +17,7 @@ const THICKNESS: f64 = 37.0;
 
 /// Long-range differences of colour in a photograph.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Extent {
+pub(super) struct ColourContrast {
     /// Spread of means over an eighth of the shorter side, in Oklab.
     pub(super) contrast: f64,
     /// This spread relative to that over a thirty-second.
@@ -25,14 +25,14 @@ pub(super) struct Extent {
 }
 
 /// Measures a picture in Oklab. `elements` has the same size and a label above 0 for each element.
-pub(super) fn extent(planes: &[Plane; 3], elements: Option<&LabelMap>) -> Extent {
+pub(super) fn extent(planes: &[Plane; 3], elements: Option<&LabelMap>) -> ColourContrast {
     let shorter = planes[0].size[0].min(planes[0].size[1]);
     let [wide, narrow] = WINDOWS.map(|part| (shorter / part).max(1));
     let [large, small] = [wide, narrow].map(|window| variance_of_means(planes, window));
     let scattered = elements.map_or(0.0, |map| scattered(planes, map, wide));
     let large = (large - scattered).max(0.0);
     let reach = if small > 0.0 { libm::sqrt(large / small) } else { 0.0 };
-    Extent { contrast: libm::sqrt(large), reach }
+    ColourContrast { contrast: libm::sqrt(large), reach }
 }
 
 /// Variance of the means over a sliding window, summed over components.

@@ -7,7 +7,7 @@
 
 use super::clean::{enlarged, smoothed, without_specks};
 use super::cluster::{centres, nearest};
-use super::extent::{Extent, extent, thickness};
+use super::extent::{ColourContrast, extent, thickness};
 use super::map::{Contacts, LayerMap, MOST_LAYERS, shares};
 use super::names::named;
 use super::order::order;
@@ -74,7 +74,7 @@ pub struct Decision {
 
 /// The layers of a photograph.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct FoundLayers {
     /// The layers, at the size of the photograph.
     pub map: LayerMap,
     /// The reason for their number.
@@ -94,7 +94,7 @@ pub fn find(
     elements: Option<&LabelMap>,
     parameters: &FindParams,
     progress: &dyn Progress,
-) -> Result<Found> {
+) -> Result<FoundLayers> {
     if let Count::Fixed(count) = parameters.count {
         check((1..=MOST_LAYERS).contains(&count), "layers", count, "auto, or 1 to 6")?;
     }
@@ -131,13 +131,13 @@ pub fn find(
     };
     advance(progress, STAGE, 4, 4)?;
     let decision = Decision { why: decided.2, contrast: measured.contrast, extent: measured.reach * thick };
-    Ok(Found { map, decision })
+    Ok(FoundLayers { map, decision })
 }
 
 /// Labels at the working size, the number of layers, and the reason for it.
 fn decide(
     count: Count,
-    (measured, thick, least): (Extent, f64, f64),
+    (measured, thick, least): (ColourContrast, f64, f64),
     clustering: &Clustering<'_>,
     pair: Option<LabelMap>,
 ) -> Result<(LabelMap, usize, String)> {
@@ -366,7 +366,7 @@ mod tests {
     #[test]
     fn it_can_be_stopped() {
         let (photo, _) = surface([64, 64], 2, 1);
-        let stopped = find(&photo, None, &auto(1), &vtex_testing::Stop);
+        let stopped = find(&photo, None, &auto(1), &vtex_testing::StopAtOnce);
         assert!(matches!(stopped, Err(Error::Interrupted)));
     }
 }

@@ -9,7 +9,7 @@ pub const MOST_LAYERS: usize = 6;
 
 /// A layer: the pixels of one label.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Layer {
+pub struct MapLayer {
     /// A name by colour, such as `rust brown`. Unique within a map.
     pub name: String,
     /// Mean colour. Unique within a map.
@@ -22,12 +22,12 @@ pub struct LayerMap {
     /// Labels, from 0 at the bottom to the number of layers minus one at the top.
     pub labels: LabelMap,
     /// The layers from bottom to top, 1 to [`MOST_LAYERS`].
-    pub layers: Vec<Layer>,
+    pub layers: Vec<MapLayer>,
 }
 
 /// The region of one layer and all above it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Region {
+pub struct LayerRegion {
     /// Width and height, in pixels.
     pub size: [usize; 2],
     /// Axes along which it repeats.
@@ -36,7 +36,7 @@ pub struct Region {
     pub inside: Vec<bool>,
 }
 
-impl Region {
+impl LayerRegion {
     /// Number of pixels inside.
     pub fn area(&self) -> usize {
         self.inside.iter().filter(|&&v| v).count()
@@ -60,9 +60,9 @@ impl LayerMap {
     }
 
     /// The region S_`layer`: pixels of this layer and of those above.
-    pub fn region(&self, layer: usize, wrap: [bool; 2]) -> Region {
+    pub fn region(&self, layer: usize, wrap: [bool; 2]) -> LayerRegion {
         let inside = self.labels.labels.iter().map(|&l| l as usize >= layer).collect();
-        Region { size: self.size(), wrap, inside }
+        LayerRegion { size: self.size(), wrap, inside }
     }
 
     /// The map without layers that have no pixels.
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn orders_are_permutations() {
-        let layer = |name: &str, v| Layer { name: name.into(), colour: Colour([v; 3]) };
+        let layer = |name: &str, v| MapLayer { name: name.into(), colour: Colour([v; 3]) };
         let map = LayerMap {
             labels: map(3, &[0, 1, 2]),
             layers: vec![layer("a", 1), layer("b", 2), layer("c", 3)],

@@ -2,10 +2,10 @@
 //!
 //! A layer map has one label for each pixel, 0 at the bottom. The region S_i of layer i holds all pixels
 //! whose label is i or more, so regions are nested: S_2 lies in S_1. [`find`] splits a photograph into
-//! layers. [`Exemplar::carried`] and [`Exemplar::optimised`] make a new map of any size: the first copies
+//! layers. [`LayerExemplar::carried`] and [`LayerExemplar::optimised`] make a new map of any size: the first copies
 //! labels along a correspondence field, the second is the boundary optimisation of Rosenberger, Cohen-Or
-//! and Lischinski, "Layered Shape Synthesis" (2009), called "the paper" here. [`Exemplar::sketched`] and
-//! [`Exemplar::filled`] start from a given map. [`Terrain`] makes height maps.
+//! and Lischinski, "Layered Shape Synthesis" (2009), called "the paper" here. [`LayerExemplar::sketched`] and
+//! [`LayerExemplar::filled`] start from a given map. [`Terrain`] makes height maps.
 //!
 //! Works badly where two phenomena lie side by side without nesting, and where a layer has a recognisable
 //! shape: only the local character of borders is kept.
@@ -17,21 +17,21 @@ mod cluster;
 mod continuous;
 mod extent;
 mod find;
-mod given;
 mod map;
 mod names;
+mod optimised;
 mod order;
 mod outlines;
 mod picture;
 mod regions;
-mod settled;
 mod terrain;
+mod whole_elements;
 
 pub use boundary::shape_distance;
-pub use carried::Exemplar;
+pub use carried::LayerExemplar;
 pub use continuous::{continuous, discrete};
-pub use find::{Count, Decision, FindParams, Found, find};
-pub use map::{Contacts, Layer, LayerMap, MOST_LAYERS, Region};
+pub use find::{Count, Decision, FindParams, FoundLayers, find};
+pub use map::{Contacts, LayerMap, LayerRegion, MOST_LAYERS, MapLayer};
 pub use picture::{LayerPicture, hole};
 pub use terrain::Terrain;
 

@@ -1,11 +1,11 @@
 //! Plain names for layers.
 
-use super::map::Layer;
+use super::map::MapLayer;
 use vtex_base::raster::colour::Colour;
 use vtex_base::raster::colour_names;
 
 /// Layers with these colours, from bottom to top. Names and colours are made unique.
-pub(super) fn named(colours: &[Colour]) -> Vec<Layer> {
+pub(super) fn named(colours: &[Colour]) -> Vec<MapLayer> {
     let mut distinct: Vec<Colour> = Vec::with_capacity(colours.len());
     for &colour in colours {
         let mut colour = colour;
@@ -16,7 +16,7 @@ pub(super) fn named(colours: &[Colour]) -> Vec<Layer> {
         distinct.push(colour);
     }
     let names = colour_names::distinct(&distinct);
-    names.into_iter().zip(distinct).map(|(name, colour)| Layer { name, colour }).collect()
+    names.into_iter().zip(distinct).map(|(name, colour)| MapLayer { name, colour }).collect()
 }
 
 #[cfg(test)]

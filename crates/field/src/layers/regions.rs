@@ -1,7 +1,7 @@
 //! Depths to labels: nested regions of exact areas, with thin strips between layers that must not touch.
 
 use super::clean::without_specks;
-use super::map::{Contacts, Region};
+use super::map::{Contacts, LayerRegion};
 use vtex_base::parallel;
 use vtex_base::raster::{Connectivity, LabelMap, components, squared_distance};
 
@@ -14,7 +14,7 @@ const CONTINUED: usize = 32;
 const STRIPS: usize = 4;
 
 /// The depth of each place in a region: the signed distance to its border in pixels, negative outside.
-pub(super) fn depth(region: &Region) -> Vec<f32> {
+pub(super) fn depth(region: &LayerRegion) -> Vec<f32> {
     let [w, h] = region.size;
     let margin = [0, 1].map(|k| if region.wrap[k] { region.size[k].min(CONTINUED) } else { 0 });
     let [fw, fh] = [w + 2 * margin[0], h + 2 * margin[1]];
@@ -232,7 +232,7 @@ mod tests {
 
     fn depths(map: &LabelMap, count: usize) -> Depths {
         let size = [map.width as usize, map.height as usize];
-        let region = |k: usize| Region {
+        let region = |k: usize| LayerRegion {
             size,
             wrap: [false; 2],
             inside: map.labels.iter().map(|&l| l as usize >= k).collect(),
@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn depth_across_the_seam() {
         let inside = (0..100).map(|i| i % 10 < 2 || i % 10 > 7).collect();
-        let mut region = Region { size: [10, 10], wrap: [true; 2], inside };
+        let mut region = LayerRegion { size: [10, 10], wrap: [true; 2], inside };
         assert_eq!(depth(&region)[0], 1.5);
         region.wrap = [false; 2];
         assert_eq!(depth(&region)[..3], [1.5, 0.5, -0.5]);

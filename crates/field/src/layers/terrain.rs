@@ -5,7 +5,7 @@
 //! histogram of the original.
 
 use super::carried::{CELLS, Carrier, deviation};
-use crate::correspondence::{CHANNELS, Page, Request, find};
+use crate::correspondence::{CHANNELS, CanvasRequest, ExemplarPage, find};
 use image::DynamicImage;
 use vtex_base::error::{Error, Result};
 use vtex_base::progress::Progress;
@@ -109,8 +109,10 @@ impl Terrain {
         let cell = (self.size[0].min(self.size[1]) as f64 / CELLS as f64).round().max(1.0) as usize;
         let page = self.page(cell);
         let cells = size.map(|v| v.div_ceil(cell));
-        let field =
-            find(&Request { pages: &[page], size: cells, wrap, groups: None, active: None, seed }, progress)?;
+        let field = find(
+            &CanvasRequest { pages: &[page], size: cells, wrap, groups: None, active: None, seed },
+            progress,
+        )?;
         let own = Plane { size: self.size, values: self.heights.clone() };
         let coarse = own.blurred(1.5 * cell as f32, [false; 2]);
         let fine: Vec<f32> = own.values.iter().zip(&coarse.values).map(|(a, b)| a - b).collect();
@@ -123,7 +125,7 @@ impl Terrain {
     }
 
     /// The features of the height map for the search.
-    fn page(&self, cell: usize) -> Page {
+    fn page(&self, cell: usize) -> ExemplarPage {
         let size = self.size.map(|v| (v / cell).max(1));
         let height = |x: usize, y: usize| {
             let mut sum = 0.0;
@@ -162,7 +164,7 @@ impl Terrain {
             channel.iter_mut().for_each(|v| *v = (*v - mean) * unit);
         }
         let features = (0..cells).map(|i| std::array::from_fn(|c| channels[c][i])).collect();
-        Page { group: 0, groups: None, size, features, inside: None, periods: None }
+        ExemplarPage { group: 0, groups: None, size, features, inside: None, periods: None }
     }
 
     /// Matches heights to the histogram of this terrain, keeping their order.

@@ -9,7 +9,7 @@
 mod scan;
 mod tsvq;
 
-use crate::correspondence::{CHANNELS, Page, Request, find};
+use crate::correspondence::{CHANNELS, CanvasRequest, ExemplarPage, find};
 use image::{Rgb, RgbImage};
 use vtex_base::error::{Error, Result};
 use vtex_base::parallel;
@@ -65,7 +65,7 @@ pub fn carried(
     copied(
         image,
         size,
-        &Request { pages: &[page], size: cells, wrap, groups: None, active: None, seed },
+        &CanvasRequest { pages: &[page], size: cells, wrap, groups: None, active: None, seed },
         progress,
     )
 }
@@ -106,7 +106,7 @@ pub fn by_numbers(
     let canvas = size.map(|v| v.div_ceil(CELL));
     let groups: Vec<u8> = (0..canvas[0] * canvas[1]).map(|i| middle(wanted, canvas, i) as u8).collect();
     let count = groups.iter().copied().max().unwrap_or(0);
-    let pages: Vec<Page> = (0..=count)
+    let pages: Vec<ExemplarPage> = (0..=count)
         .filter(|&label| groups.contains(&label))
         .map(|label| page(image, label, Some(own.iter().map(|&l| l == u32::from(label)).collect())))
         .collect();
@@ -125,7 +125,8 @@ pub fn by_numbers(
             "use no colours in the second map that the first has not",
         );
     }
-    let request = Request { pages: &pages, size: canvas, wrap, groups: Some(groups), active: None, seed };
+    let request =
+        CanvasRequest { pages: &pages, size: canvas, wrap, groups: Some(groups), active: None, seed };
     copied(image, size, &request, progress)
 }
 
@@ -139,7 +140,7 @@ fn middle(map: &LabelMap, cells: [usize; 2], i: usize) -> u32 {
 }
 
 /// The features of a photograph for the search: mean colours and the contrast within each cell.
-fn page(image: &RgbImage, group: u8, inside: Option<Vec<bool>>) -> Page {
+fn page(image: &RgbImage, group: u8, inside: Option<Vec<bool>>) -> ExemplarPage {
     let size = [image.width(), image.height()].map(|v| (v as usize / CELL).max(1));
     let mut features = vec![[0f32; CHANNELS]; size[0] * size[1]];
     parallel::for_chunks(&mut features, size[0], |y, row| {
@@ -165,14 +166,14 @@ fn page(image: &RgbImage, group: u8, inside: Option<Vec<bool>>) -> Page {
     let unit = 1.0 / libm::sqrt((0..3).map(variance).sum::<f64>()).max(1e-3) as f32;
     let grain = GRAIN / libm::sqrt(variance(3)).max(1e-4) as f32;
     features.iter_mut().for_each(|f| (0..CHANNELS).for_each(|c| f[c] *= if c < 3 { unit } else { grain }));
-    Page { group, groups: None, size, features, inside, periods: None }
+    ExemplarPage { group, groups: None, size, features, inside, periods: None }
 }
 
 /// Copies pixels along the field of a request.
 fn copied(
     image: &RgbImage,
     size: [usize; 2],
-    request: &Request<'_>,
+    request: &CanvasRequest<'_>,
     progress: &dyn Progress,
 ) -> Result<RgbImage> {
     let field = find(request, progress)?;

@@ -21,12 +21,12 @@ const SCANS: usize = 2;
 const REACH: [i64; 2] = [3, 1];
 
 /// A picture on one level, in Oklab.
-struct Level {
+struct PictureLevel {
     size: [usize; 2],
     pixels: Vec<[f32; 3]>,
 }
 
-impl Level {
+impl PictureLevel {
     fn new(image: &RgbImage) -> Self {
         let size = [image.width() as usize, image.height() as usize];
         Self { size, pixels: image.pixels().map(|p| oklab(p.0)).collect() }
@@ -78,14 +78,14 @@ pub(super) fn scanned(
     seed: u64,
     progress: &dyn Progress,
 ) -> Result<RgbImage> {
-    let mut known = vec![Level::new(image)];
+    let mut known = vec![PictureLevel::new(image)];
     while known.len() < LEVELS
         && known[known.len() - 1].size.iter().all(|&v| v as u32 >= 2 * COARSEST)
         && size.iter().all(|&v| v >> known.len() >= COARSEST as usize)
     {
         known.push(known[known.len() - 1].halved());
     }
-    let mut coarser: Option<Level> = None;
+    let mut coarser: Option<PictureLevel> = None;
     let mut colours = Vec::new();
     let rows: u64 = (0..known.len()).map(|l| (SCANS * (size[1] >> l).max(1)) as u64).sum();
     let mut done = 0;
@@ -97,7 +97,7 @@ pub(super) fn scanned(
         let size = size.map(|v| (v >> level).max(1));
         let mut random = stream(seed, "pixels/noise", level as u64);
         let pixels = (0..size[0] * size[1]).map(|_| exemplar.pixels[random.index(exemplar.pixels.len())]);
-        let mut made = Level { size, pixels: pixels.collect() };
+        let mut made = PictureLevel { size, pixels: pixels.collect() };
         let means = (leaf == Leaf::Mean).then(|| book.means_of(&middles, &exemplar.pixels));
         colours = vec![0u32; made.pixels.len()];
         let mut vector = Vec::with_capacity(length);
@@ -130,7 +130,7 @@ pub(super) fn scanned(
 
 /// The neighbourhoods of a level in one array, the pixel at the centre of each, and their length. Those
 /// that cross the border are left out; of very many, an even sample is taken.
-fn neighbourhoods(level: &Level, coarser: Option<&Level>) -> (Vec<f32>, Vec<u32>, usize) {
+fn neighbourhoods(level: &PictureLevel, coarser: Option<&PictureLevel>) -> (Vec<f32>, Vec<u32>, usize) {
     let [w, h] = level.size.map(|v| v as i64);
     let [side, above] = [REACH[0].min((w - 1) / 2), REACH[0].min(h - 1)];
     let inside = move |x: i64, y: i64| x >= side && x < w - side && y >= above;
@@ -159,7 +159,7 @@ mod tests {
     fn tree_beside_full_search() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/exemplars/gravel.png");
         let Ok(photo) = image::open(path) else { return eprintln!("skipped: there is no {path}") };
-        let part = |x, y| Level::new(&photo.crop_imm(x, y, 128, 128).to_rgb8());
+        let part = |x, y| PictureLevel::new(&photo.crop_imm(x, y, 128, 128).to_rgb8());
         let (known, held) = (part(0, 0), part(200, 200));
         let (vectors, _, length) = neighbourhoods(&known, Some(&known.halved()));
         let (asked, _, _) = neighbourhoods(&held, Some(&held.halved()));

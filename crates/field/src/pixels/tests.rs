@@ -100,7 +100,7 @@ fn any_size_is_filled_and_work_can_be_stopped() {
     }
     assert!(matches!(carried(&own, [0, 4], [false; 2], 1, &()), Err(Error::Parameter { .. })));
     assert!(matches!(scanned(&own, [4, 20_000], Leaf::Exact, 1, &()), Err(Error::TooLarge { .. })));
-    let stop = &vtex_testing::Stop;
+    let stop = &vtex_testing::StopAtOnce;
     assert!(matches!(scanned(&own, [40, 40], Leaf::Exact, 1, stop), Err(Error::Interrupted)));
     assert!(matches!(carried(&own, [40, 40], [false; 2], 1, stop), Err(Error::Interrupted)));
 }

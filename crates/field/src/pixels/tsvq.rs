@@ -13,7 +13,7 @@ const POWER: usize = 5;
 const MOST_COMPARED: usize = 2048;
 
 /// A node: the mean of its vectors, and either two child nodes or the vectors themselves.
-struct Node {
+struct CodebookNode {
     /// Index of the first component of its mean.
     mean: usize,
     children: Option<[u32; 2]>,
@@ -25,7 +25,7 @@ pub(super) struct Codebook {
     /// Number of components of a vector.
     pub(super) length: usize,
     means: Vec<f32>,
-    nodes: Vec<Node>,
+    nodes: Vec<CodebookNode>,
     leaves: usize,
     /// The vectors of each leaf among which the nearest is sought.
     compared: Vec<Vec<u32>>,
@@ -103,7 +103,7 @@ impl Codebook {
         self.means.extend(sum.iter().map(|s| (s / members.len().max(1) as f64) as f32));
         let middle = &self.means[mean..];
         let distortion: f64 = members.iter().map(|&m| f64::from(distance(of(m), middle))).sum();
-        self.nodes.push(Node { mean, children: None, members });
+        self.nodes.push(CodebookNode { mean, children: None, members });
         distortion.to_bits()
     }
 
@@ -165,7 +165,7 @@ impl Codebook {
 
     /// For each node the mean colour of its vectors' centre pixels; black unless the node is a leaf.
     pub(super) fn means_of(&self, middles: &[u32], pixels: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let mean = |node: &Node| {
+        let mean = |node: &CodebookNode| {
             let count = node.members.len().max(1) as f32;
             let of = |m: &u32| pixels[middles[*m as usize] as usize];
             std::array::from_fn(|c| node.members.iter().map(|m| of(m)[c]).sum::<f32>() / count)
@@ -258,7 +258,7 @@ mod tests {
             let full: f64 = held
                 .chunks(LENGTH)
                 .map(|v| {
-                    let leaf = |n: &Node| distance(v, &book.means[n.mean..][..LENGTH]);
+                    let leaf = |n: &CodebookNode| distance(v, &book.means[n.mean..][..LENGTH]);
                     let all = book.nodes.iter().filter(|n| n.children.is_none()).map(leaf);
                     f64::from(all.fold(f32::INFINITY, f32::min))
                 })

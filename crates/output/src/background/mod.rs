@@ -16,7 +16,7 @@ mod stops;
 #[cfg(test)]
 mod tests;
 
-use samples::Samples;
+use samples::FieldSamples;
 use vtex_base::raster::colour::Colour;
 use vtex_scene::scene::{Field, Scene, field::Interpolant};
 
@@ -35,7 +35,7 @@ const STOPS: f64 = 3.75;
 const SLACK: [f64; 5] = [1.12, 1.25, 1.45, 1.75, 2.2];
 
 /// The background of a scene, ready to paint.
-pub(super) struct Background {
+pub(super) struct PreparedBackground {
     /// From one row to the next, in pixels. The first lies at y = 0, the last at the lower border.
     pub(super) row_height: f64,
     /// Where columns begin, in pixels; the last entry is the right border.
@@ -44,20 +44,20 @@ pub(super) struct Background {
     pub(super) column_width: f64,
     /// The rows, each with the stops of each column. A column's first stop lies at its beginning,
     /// its last at the beginning of the next.
-    pub(super) rows: Vec<Vec<Vec<Stop>>>,
+    pub(super) rows: Vec<Vec<Vec<RowStop>>>,
     /// The only colour, where there is but one.
     pub(super) flat: Option<Colour>,
 }
 
 /// A colour at a place of a row.
 #[derive(Clone, Copy)]
-pub(super) struct Stop {
+pub(super) struct RowStop {
     /// Pixels from the left border.
     pub(super) x: f64,
     pub(super) colour: Colour,
 }
 
-impl Background {
+impl PreparedBackground {
     /// Samples and fits a field on the canvas of a scene.
     pub(super) fn new(scene: &Scene, own: &Field) -> Self {
         let field = Interpolant::new(own, scene.width, scene.height, scene.tile);
@@ -71,7 +71,7 @@ impl Background {
         let last = libm::ceil(width / step) as usize;
         let xs: Vec<f64> = (0..=last).map(|i| (i as f64 * step).min(width)).collect();
         let row_count = libm::ceil(height / (spacing * ROW)).max(1.0) as usize;
-        let mut samples = Samples::new(&field, &xs, height, row_count, scene.tile.y);
+        let mut samples = FieldSamples::new(&field, &xs, height, row_count, scene.tile.y);
 
         let starts: Vec<usize> = (0..last).step_by(COLUMN).collect();
         let most = STOPS * width * height / (spacing * spacing) + (2 * (row_count + 1) * starts.len()) as f64;
@@ -91,7 +91,7 @@ impl Background {
 
     /// One colour everywhere.
     fn flat(width: f64, height: f64, colour: Colour) -> Self {
-        let row = vec![vec![Stop { x: 0.0, colour }, Stop { x: width, colour }]];
+        let row = vec![vec![RowStop { x: 0.0, colour }, RowStop { x: width, colour }]];
         Self {
             row_height: height,
             columns: vec![0.0, width],
@@ -103,7 +103,7 @@ impl Background {
 
     /// sRGB components (0 to 255) of row `k` at each of the ascending places `xs`, in pixels.
     pub(super) fn row(&self, k: usize, xs: &[f64]) -> Vec<[f32; 3]> {
-        let stops: Vec<Stop> = self.rows[k].iter().flatten().copied().collect();
+        let stops: Vec<RowStop> = self.rows[k].iter().flatten().copied().collect();
         let mut at = 0;
         xs.iter()
             .map(|&x| {
@@ -120,14 +120,14 @@ impl Background {
 }
 
 /// The stops of all rows and columns; columns begin at the samples `starts`.
-fn fit(samples: &Samples, xs: &[f64], starts: &[usize]) -> Vec<Vec<Vec<Stop>>> {
+fn fit(samples: &FieldSamples, xs: &[f64], starts: &[usize]) -> Vec<Vec<Vec<RowStop>>> {
     let last = xs.len() - 1;
     let mut values = samples.settled();
     let mut rows = vec![Vec::new(); values.len()];
     for parity in 0..2 {
         let fitted = samples.improve(&mut values, parity, |corridor| {
             let mut line = vec![[0.0; 3]; xs.len()];
-            let columns: Vec<Vec<Stop>> = starts
+            let columns: Vec<Vec<RowStop>> = starts
                 .iter()
                 .map(|&from| {
                     let to = (from + COLUMN).min(last);

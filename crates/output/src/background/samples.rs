@@ -26,7 +26,7 @@ pub(super) struct Corridor {
 }
 
 /// The sampled field.
-pub(super) struct Samples {
+pub(super) struct FieldSamples {
     lines: Vec<Line>,
     row_count: usize,
     /// Whether the last row is the first again.
@@ -36,7 +36,7 @@ pub(super) struct Samples {
     pub(super) slack: f64,
 }
 
-impl Samples {
+impl FieldSamples {
     /// Samples the field at the places `xs`, on lines that divide the distance of rows. There are
     /// `row_count` rows and one at the lower border.
     pub(super) fn new(field: &Interpolant, xs: &[f64], height: f64, row_count: usize, wraps: bool) -> Self {

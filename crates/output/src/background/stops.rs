@@ -6,7 +6,7 @@
 //! reach, where the stop after it comes furthest. Values are chosen last, all at once, so that
 //! squared distances to the targets are least (dynamic programming over the ranges).
 
-use super::Stop;
+use super::RowStop;
 use super::samples::Corridor;
 use vtex_base::raster::colour::Colour;
 
@@ -35,7 +35,7 @@ impl Knot {
 
 /// The stops; the colour at each of the places `xs` goes into `line`. The first and the last stop
 /// depend on their own targets alone.
-pub(super) fn fit(xs: &[f64], corridor: &[Corridor], line: &mut [[f32; 3]]) -> Vec<Stop> {
+pub(super) fn fit(xs: &[f64], corridor: &[Corridor], line: &mut [[f32; 3]]) -> Vec<RowStop> {
     let last = xs.len() - 1;
     let mut knots = vec![Knot::fixed(0, corridor)];
     while let Some(knot) = knots.last().filter(|k| k.at < last) {
@@ -59,7 +59,7 @@ pub(super) fn fit(xs: &[f64], corridor: &[Corridor], line: &mut [[f32; 3]]) -> V
             line[i] = [0, 1, 2].map(|c| (f64::from(a[c]) + f64::from(b[c] - a[c]) * t) as f32);
         }
     }
-    let stop = |(n, knot): (usize, &Knot)| Stop {
+    let stop = |(n, knot): (usize, &Knot)| RowStop {
         x: xs[knot.at],
         colour: Colour(colour(n).map(|v| v.clamp(0, 255) as u8)),
     };

@@ -23,8 +23,8 @@ fn scene_of(width: u32, height: u32, (centre, spread): ([f64; 3], f64), tile: Ti
 }
 
 /// The grid of a scene's field.
-fn grid(scene: &Scene) -> Background {
-    Background::new(scene, scene.field())
+fn grid(scene: &Scene) -> PreparedBackground {
+    PreparedBackground::new(scene, scene.field())
 }
 
 /// Mean and largest distance of the grid from the field, and the share of places further than 4
@@ -107,7 +107,7 @@ fn periodic_where_the_scene_tiles() {
             .map(|k| grid.rows[k].iter().flatten().map(|s| (s.x, s.colour)).collect::<Vec<_>>());
         assert_eq!(first, last);
         for row in &grid.rows {
-            let stops: Vec<&Stop> = row.iter().flatten().collect();
+            let stops: Vec<&RowStop> = row.iter().flatten().collect();
             assert_eq!(stops[0].colour, stops[stops.len() - 1].colour);
         }
     }

@@ -8,8 +8,8 @@
 //! lies where what is over it is opaque, or where it is itself clear. The masks are all there is of
 //! gradients, one for each odd column and row; the cells are plain rectangles in a packed stream.
 
-use super::Background;
-use super::content::Content;
+use super::PreparedBackground;
+use super::content::ContentStream;
 use super::file::{File, Ref};
 use super::paint::{set_gradient, set_mask};
 use std::io::Result;
@@ -25,11 +25,15 @@ const OVERLAP: f64 = 1.0;
 ///
 /// # Errors
 /// Those of packing.
-pub(super) fn draw(background: &Background, content: &mut Content, file: &mut File) -> Result<()> {
-    let lattice = Lattice::new(background);
-    let masks = [lattice.mask(file, Axis::X)?, lattice.mask(file, Axis::Y)?];
+pub(super) fn draw(
+    background: &PreparedBackground,
+    content: &mut ContentStream,
+    file: &mut File,
+) -> Result<()> {
+    let lattice = FieldNodes::new(background);
+    let masks = [lattice.mask(file, ShadingAxis::X)?, lattice.mask(file, ShadingAxis::Y)?];
     lattice.draw_rows(content, file, 0, masks[0])?;
-    let mut odd = Content::default();
+    let mut odd = ContentStream::default();
     lattice.draw_rows(&mut odd, file, 1, masks[0])?;
     let odd = odd.group(file, lattice.bounds())?;
     masked(content, file, masks[1], odd);
@@ -37,7 +41,7 @@ pub(super) fn draw(background: &Background, content: &mut Content, file: &mut Fi
 }
 
 /// Draws a form through a mask.
-fn masked(content: &mut Content, file: &mut File, mask: Ref, form: Ref) {
+fn masked(content: &mut ContentStream, file: &mut File, mask: Ref, form: Ref) {
     content.within(|c| {
         set_mask(c, file, mask);
         c.draw(form);
@@ -45,22 +49,22 @@ fn masked(content: &mut Content, file: &mut File, mask: Ref, form: Ref) {
 }
 
 #[derive(Clone, Copy)]
-enum Axis {
+enum ShadingAxis {
     X,
     Y,
 }
 
 /// The field at equal distances.
-struct Lattice {
+struct FieldNodes {
     /// Distance of nodes along x and y, in pixels. The first lie at 0, the last at the far border.
     step: [f64; 2],
     /// Colours of the nodes by row; every row has as many.
     rows: Vec<Vec<Colour>>,
 }
 
-impl Lattice {
+impl FieldNodes {
     /// From the rows of the background, with nodes along x as far apart as the rows are.
-    fn new(background: &Background) -> Self {
+    fn new(background: &PreparedBackground) -> Self {
         let width = background.columns.last().copied().unwrap_or_default();
         let count = libm::ceil(width / background.row_height).max(1.0) as usize;
         let step = width / count as f64;
@@ -74,15 +78,15 @@ impl Lattice {
     }
 
     /// Number of the last node along an axis.
-    fn last(&self, axis: Axis) -> usize {
+    fn last(&self, axis: ShadingAxis) -> usize {
         match axis {
-            Axis::X => self.rows[0].len() - 1,
-            Axis::Y => self.rows.len() - 1,
+            ShadingAxis::X => self.rows[0].len() - 1,
+            ShadingAxis::Y => self.rows.len() - 1,
         }
     }
 
     /// From where to where the cell of a node reaches, in pixels: to the next nodes.
-    fn reach(&self, axis: Axis, node: usize) -> [f64; 2] {
+    fn reach(&self, axis: ShadingAxis, node: usize) -> [f64; 2] {
         let (last, step) = (self.last(axis), self.step[axis as usize]);
         let from = if node < 2 { -OVERLAP } else { (node - 1) as f64 * step };
         [from, (node + 1).min(last) as f64 * step + OVERLAP]
@@ -90,7 +94,7 @@ impl Lattice {
 
     /// Width and height, in pixels.
     fn size(&self) -> [f64; 2] {
-        [Axis::X, Axis::Y].map(|axis| self.last(axis) as f64 * self.step[axis as usize])
+        [ShadingAxis::X, ShadingAxis::Y].map(|axis| self.last(axis) as f64 * self.step[axis as usize])
     }
 
     /// All that is painted.
@@ -100,9 +104,9 @@ impl Lattice {
     }
 
     /// The even rows, or with `first` 1 the odd ones.
-    fn draw_rows(&self, content: &mut Content, file: &mut File, first: usize, mask: Ref) -> Result<()> {
+    fn draw_rows(&self, content: &mut ContentStream, file: &mut File, first: usize, mask: Ref) -> Result<()> {
         self.draw_cells(content, first, 0);
-        let mut odd = Content::default();
+        let mut odd = ContentStream::default();
         self.draw_cells(&mut odd, first, 1);
         let odd = odd.group(file, self.bounds())?;
         masked(content, file, mask, odd);
@@ -110,17 +114,17 @@ impl Lattice {
     }
 
     /// Every second cell of every second row. Neighbours of one colour are one rectangle.
-    fn draw_cells(&self, content: &mut Content, first_row: usize, first: usize) {
+    fn draw_cells(&self, content: &mut ContentStream, first_row: usize, first: usize) {
         let mut last = None;
         for (k, row) in self.rows.iter().enumerate().skip(first_row).step_by(2) {
-            let [top, bottom] = self.reach(Axis::Y, k);
+            let [top, bottom] = self.reach(ShadingAxis::Y, k);
             let mut i = first;
             while i < row.len() {
-                let [left, mut right] = self.reach(Axis::X, i);
+                let [left, mut right] = self.reach(ShadingAxis::X, i);
                 let colour = row[i];
                 i += 2;
                 while i < row.len() && row[i] == colour {
-                    right = self.reach(Axis::X, i)[1];
+                    right = self.reach(ShadingAxis::X, i)[1];
                     i += 2;
                 }
                 if last != Some(colour) {
@@ -133,21 +137,21 @@ impl Lattice {
     }
 
     /// White at odd nodes, black at even ones, linear between.
-    fn mask(&self, file: &mut File, axis: Axis) -> Result<Ref> {
+    fn mask(&self, file: &mut File, axis: ShadingAxis) -> Result<Ref> {
         let ([width, height], step) = (self.size(), self.step[axis as usize]);
         // All are one form, moved. The last may end beyond the canvas.
         let (end, bounds) = match axis {
-            Axis::X => ([1.0, 0.0], Rect::new(0.0, -OVERLAP, 2.0 * step, height + OVERLAP)),
-            Axis::Y => ([0.0, 1.0], Rect::new(-OVERLAP, 0.0, width + OVERLAP, 2.0 * step)),
+            ShadingAxis::X => ([1.0, 0.0], Rect::new(0.0, -OVERLAP, 2.0 * step, height + OVERLAP)),
+            ShadingAxis::Y => ([0.0, 1.0], Rect::new(-OVERLAP, 0.0, width + OVERLAP, 2.0 * step)),
         };
         let [black, white] = [0, 255].map(|light| Colour([light; 3]));
         let mut gradient = Gradient::linear([0.0; 2], end.map(|v| v * 2.0 * step), [black; 2]);
         gradient.between = vec![Stop { offset: 0.5, colour: white, opacity: 1.0 }];
-        let mut tent = Content::default();
+        let mut tent = ContentStream::default();
         set_gradient(&mut tent, file, &gradient, bounds)?;
         tent.fill_rectangle(bounds);
         let tent = tent.form(file, bounds)?;
-        let mut content = Content::default();
+        let mut content = ContentStream::default();
         for node in (1..=self.last(axis)).step_by(2) {
             let from = (node - 1) as f64 * step;
             content.within(|c| {

@@ -16,7 +16,7 @@ const SHARE: u32 = 3;
 
 /// Operators in the order in which they paint.
 #[derive(Default)]
-pub(super) struct Content {
+pub(super) struct ContentStream {
     text: String,
     /// Forms by name `x0`, `x1`, …
     forms: BTreeMap<Ref, usize>,
@@ -30,7 +30,7 @@ pub(super) struct Content {
     masked: bool,
 }
 
-impl Content {
+impl ContentStream {
     /// What is painted between saving and restoring the graphics state.
     pub(super) fn within<T>(&mut self, paint: impl FnOnce(&mut Self) -> T) -> T {
         self.text += "q\n";
@@ -237,7 +237,7 @@ mod tests {
     fn resources_are_named_once() {
         let mut file = File::default();
         let (a, b) = (file.add("a".into()), file.add("b".into()));
-        let mut content = Content::default();
+        let mut content = ContentStream::default();
         content.within(|c| {
             c.draw(b);
             c.draw(a);

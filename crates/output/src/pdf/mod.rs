@@ -21,13 +21,13 @@ mod tests;
 mod textons;
 
 use super::CSS_DPI;
-use super::background::Background;
-use content::Content;
+use super::background::PreparedBackground;
+use content::ContentStream;
 use file::{File, Ref};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
-use textons::Textons;
+use textons::PdfTextons;
 use vtex_base::error::{Error, Result, check};
 use vtex_base::geometry::{Affine, Outline, Rect, Vec2};
 use vtex_scene::scene::{Layer, Scene};
@@ -60,7 +60,7 @@ pub fn write_at(scene: &Scene, dpi: u32, mut out: impl Write) -> Result<u64> {
 /// The whole file.
 fn document(scene: &Scene, dpi: u32) -> io::Result<Vec<u8>> {
     let mut file = File::default();
-    let mut page = Content::default();
+    let mut page = ContentStream::default();
     let size = [scene.width, scene.height].map(f64::from);
     let scale = (LARGEST_PAGE / size[0].max(size[1])).min(POINTS / f64::from(dpi));
     // Once and for all: Inkscape 1.2 takes a change within `q` and `Q` for one that gradients in forms
@@ -100,8 +100,8 @@ fn document(scene: &Scene, dpi: u32) -> io::Result<Vec<u8>> {
 }
 
 /// The layers, those that a domain clips inside its outline. Gives the group of each that is drawn.
-fn draw(scene: &Scene, page: &mut Content, file: &mut File) -> io::Result<Vec<Ref>> {
-    let mut textons = Textons::new(scene);
+fn draw(scene: &Scene, page: &mut ContentStream, file: &mut File) -> io::Result<Vec<Ref>> {
+    let mut textons = PdfTextons::new(scene);
     // A domain without any room shows nothing; elements that stick out lie outside of it.
     let domain = scene.domain.as_ref().map(|d| &d.outline).filter(|outline| !is_empty(outline));
     let mut groups = Vec::new();
@@ -130,15 +130,15 @@ fn draw(scene: &Scene, page: &mut Content, file: &mut File) -> io::Result<Vec<Re
 }
 
 /// A layer as a form.
-fn form_of(scene: &Scene, layer: &Layer, textons: &mut Textons<'_>, file: &mut File) -> io::Result<Ref> {
-    let mut content = Content::default();
+fn form_of(scene: &Scene, layer: &Layer, textons: &mut PdfTextons<'_>, file: &mut File) -> io::Result<Ref> {
+    let mut content = ContentStream::default();
     // A region without any room shows nothing.
     if layer.region.as_ref().is_none_or(|outline| !is_empty(outline)) {
         if let Some(outline) = &layer.region {
             clip(scene, outline, &mut content);
         }
         if let Some(field) = &layer.field {
-            background::draw(&Background::new(scene, field), &mut content, file)?;
+            background::draw(&PreparedBackground::new(scene, field), &mut content, file)?;
         }
         textons.draw(&layer.instances, &mut content, file)?;
     }
@@ -146,7 +146,7 @@ fn form_of(scene: &Scene, layer: &Layer, textons: &mut Textons<'_>, file: &mut F
 }
 
 /// Clips what follows to an outline on the canvas of a scene, with its copies.
-fn clip(scene: &Scene, outline: &Outline, content: &mut Content) {
+fn clip(scene: &Scene, outline: &Outline, content: &mut ContentStream) {
     let shifts: Vec<Vec2> = scene.copies(outline.bounds()).collect();
     content.clip(outline, &shifts);
 }

@@ -1,6 +1,6 @@
 //! Gradients and opacity.
 
-use super::content::{Content, numbers, shares};
+use super::content::{ContentStream, numbers, shares};
 use super::file::{File, Ref};
 use std::fmt::Write;
 use std::io::Result;
@@ -14,7 +14,7 @@ const OFFSET: u32 = 5;
 const SHARE: u32 = 3;
 
 /// Sets the opacity of later fills.
-pub(super) fn set_opacity(content: &mut Content, file: &mut File, opacity: f64) {
+pub(super) fn set_opacity(content: &mut ContentStream, file: &mut File, opacity: f64) {
     let mut object = String::from("<</Type /ExtGState/ca ");
     numbers(&mut object, [opacity], SHARE);
     object.pop();
@@ -22,7 +22,7 @@ pub(super) fn set_opacity(content: &mut Content, file: &mut File, opacity: f64) 
 }
 
 /// Masks later painting by the luminosity of a form, which is a group.
-pub(super) fn set_mask(content: &mut Content, file: &mut File, mask: Ref) {
+pub(super) fn set_mask(content: &mut ContentStream, file: &mut File, mask: Ref) {
     let object = format!("<</Type /ExtGState/SMask <</Type /Mask/S /Luminosity/G {mask}>>>>");
     content.set(file.add(object), true);
 }
@@ -32,13 +32,13 @@ pub(super) fn set_mask(content: &mut Content, file: &mut File, mask: Ref) {
 /// # Errors
 /// Those of packing.
 pub(super) fn set_gradient(
-    content: &mut Content,
+    content: &mut ContentStream,
     file: &mut File,
     gradient: &Gradient,
     bounds: Rect,
 ) -> Result<()> {
     if gradient.stops().any(|stop| stop.opacity != 1.0) {
-        let mut mask = Content::default();
+        let mut mask = ContentStream::default();
         mask.shade(file.add(shading(gradient, "DeviceGray", |stop| [stop.opacity])));
         let mask = mask.group(file, bounds)?;
         set_mask(content, file, mask);

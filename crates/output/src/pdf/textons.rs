@@ -1,6 +1,6 @@
 //! Textons in PDF: defined once and drawn often, or written where they stand.
 
-use super::content::Content;
+use super::content::ContentStream;
 use super::file::{File, Ref};
 use super::paint::{set_gradient, set_opacity};
 use super::{is_empty, is_seen};
@@ -15,7 +15,7 @@ use vtex_scene::scene::{Element, ElementId, Instance, Scene};
 const WORTH: usize = 40;
 
 /// The textons of a scene and how each is written.
-pub(super) struct Textons<'a> {
+pub(super) struct PdfTextons<'a> {
     scene: &'a Scene,
     bounds: Vec<Rect>,
     /// How often each is drawn in which colour.
@@ -27,7 +27,7 @@ pub(super) struct Textons<'a> {
     defined_shadows: BTreeMap<shadow::Key, Ref>,
 }
 
-impl<'a> Textons<'a> {
+impl<'a> PdfTextons<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
         let bounds = scene.elements.iter().map(Element::bounds).collect();
         let (shadows, defined_shadows) = (Shadows::new(scene), BTreeMap::new());
@@ -55,7 +55,7 @@ impl<'a> Textons<'a> {
     pub(super) fn draw(
         &mut self,
         instances: &[Instance],
-        content: &mut Content,
+        content: &mut ContentStream,
         file: &mut File,
     ) -> Result<()> {
         for instance in instances {
@@ -95,7 +95,7 @@ impl<'a> Textons<'a> {
         if let Some(form) = self.defined.get(&key) {
             return Ok(*form);
         }
-        let mut content = Content::default();
+        let mut content = ContentStream::default();
         paint(element, key.1, &mut content, file)?;
         let bounds = union(element.shapes.iter().map(|shape| &shape.outline));
         let form = content.form(file, bounds)?;
@@ -115,7 +115,7 @@ impl<'a> Textons<'a> {
             return Ok(*form);
         }
         let layers = self.shadows.of(instance, shadow);
-        let mut content = Content::default();
+        let mut content = ContentStream::default();
         content.fill_with(Colour([0; 3]));
         for layer in layers.iter().filter(|layer| !is_empty(&layer.outline)) {
             set_opacity(&mut content, file, layer.opacity);
@@ -144,7 +144,12 @@ fn has_gradient(element: &Element, colour: Option<Colour>) -> bool {
 }
 
 /// The shapes of an element, its base in `colour` if there is one.
-fn paint(element: &Element, colour: Option<Colour>, content: &mut Content, file: &mut File) -> Result<()> {
+fn paint(
+    element: &Element,
+    colour: Option<Colour>,
+    content: &mut ContentStream,
+    file: &mut File,
+) -> Result<()> {
     let mut last = None;
     for (i, shape) in element.shapes.iter().enumerate().filter(|(_, shape)| !is_empty(&shape.outline)) {
         let own = colour.filter(|_| i == 0);

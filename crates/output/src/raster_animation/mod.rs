@@ -4,7 +4,7 @@
 
 mod palette;
 
-use palette::Palette;
+use palette::AnimationPalette;
 use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
@@ -46,7 +46,7 @@ impl RasterAnimation {
             let at = u64::from(k) * u64::from(self.frames) / u64::from(looks - 1).max(1);
             seen.push(frame((at as u32).min(self.frames - 1))?);
         }
-        let palette = Palette::new(&seen);
+        let palette = AnimationPalette::new(&seen);
         let side = |v: u32| {
             u16::try_from(v).map_err(|_| Error::TooLarge {
                 name: "GIF".into(),

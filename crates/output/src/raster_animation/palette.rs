@@ -13,7 +13,7 @@ const MOST: usize = 255;
 const SPREAD: f64 = 6.0;
 
 /// Colours, and which is the nearest to any.
-pub(super) struct Palette {
+pub(super) struct AnimationPalette {
     /// Red, green, blue, one after another; the last stands for nothing.
     colours: Vec<u8>,
     /// The nearest to the middle of each cell.
@@ -23,16 +23,16 @@ pub(super) struct Palette {
 
 /// The colours in one cell of the table.
 #[derive(Clone, Copy, Default)]
-struct Cell {
+struct ColourCell {
     count: u64,
     sum: [u64; 3],
     squares: [u64; 3],
 }
 
-impl Palette {
+impl AnimationPalette {
     /// Colours for these pictures.
     pub(super) fn new(pictures: &[Pixmap]) -> Self {
-        let mut cells = vec![Cell::default(); SIDE * SIDE * SIDE];
+        let mut cells = vec![ColourCell::default(); SIDE * SIDE * SIDE];
         let mut transparent = false;
         for pixel in pictures.iter().flat_map(|p| p.pixels()) {
             if pixel.alpha() < 128 {
@@ -48,7 +48,7 @@ impl Palette {
                 cell.squares[k] += u64::from(rgb[k]) * u64::from(rgb[k]);
             }
         }
-        let used: Vec<Cell> = cells.into_iter().filter(|c| c.count > 0).collect();
+        let used: Vec<ColourCell> = cells.into_iter().filter(|c| c.count > 0).collect();
         let mut colours = cut(used);
         let list: Vec<[i32; 3]> = colours.iter().map(|c| c.map(i32::from)).collect();
         let near = |i: usize| {
@@ -98,8 +98,8 @@ fn index(rgb: [u8; 3]) -> usize {
 
 /// The mean colours of groups, of which the one with the largest spread is cut in two until there are
 /// enough.
-fn cut(cells: Vec<Cell>) -> Vec<[u8; 3]> {
-    let mut groups = vec![Group::new(cells)];
+fn cut(cells: Vec<ColourCell>) -> Vec<[u8; 3]> {
+    let mut groups = vec![CellGroup::new(cells)];
     while groups.len() < MOST {
         let worst = groups.iter().enumerate().max_by_key(|(i, b)| (b.spread, std::cmp::Reverse(*i)));
         let Some((i, _)) = worst.filter(|(_, b)| b.spread > 0) else { break };
@@ -110,16 +110,16 @@ fn cut(cells: Vec<Cell>) -> Vec<[u8; 3]> {
 }
 
 /// Cells, and how far their colours spread along the component in which they do so most.
-struct Group {
-    cells: Vec<Cell>,
-    all: Cell,
+struct CellGroup {
+    cells: Vec<ColourCell>,
+    all: ColourCell,
     axis: usize,
     spread: u64,
 }
 
-impl Group {
-    fn new(cells: Vec<Cell>) -> Self {
-        let mut all = Cell::default();
+impl CellGroup {
+    fn new(cells: Vec<ColourCell>) -> Self {
+        let mut all = ColourCell::default();
         for cell in &cells {
             all.count += cell.count;
             for k in 0..3 {
@@ -139,7 +139,7 @@ impl Group {
     /// Cut at the mean, both with something in them.
     fn halves(mut self) -> [Self; 2] {
         let k = self.axis;
-        let mean = |c: &Cell| c.sum[k] * 256 / c.count;
+        let mean = |c: &ColourCell| c.sum[k] * 256 / c.count;
         self.cells.sort_by_key(mean);
         let middle = self.all.sum[k] * 256 / self.all.count;
         let at = self.cells.partition_point(|c| mean(c) < middle).clamp(1, self.cells.len() - 1);

@@ -8,14 +8,14 @@ mod filters;
 mod pieces;
 
 use super::picture_size;
-use pieces::{Pieces, Step};
+use pieces::{PiecePurpose, SvgPieces};
 use resvg::usvg::Tree;
 use resvg::usvg::roxmltree::Document;
 use tiny_skia::{BlendMode, Pixmap, PixmapPaint, Transform};
 use vtex_base::Progress;
 use vtex_base::error::{Error, Result};
 use vtex_base::progress::advance;
-use vtex_drawing::svg_tree::{self, Fault};
+use vtex_drawing::svg_tree::{self, SvgFault};
 
 /// Elements at which patterns and masks within one another are refused.
 const UNFOLDED: u64 = 100_000_000;
@@ -37,14 +37,14 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
     if let Some(warning) = left_out(&document, name) {
         progress.warn(&warning);
     }
-    let pieces = Pieces::new(&text, &document);
+    let pieces = SvgPieces::new(&text, &document);
     let total = pieces.weight();
     if total < UNFOLDED && pieces.unfolded() >= UNFOLDED {
         return Err(Error::Render { name: name.into(), reason: TOO_SLOW.into() });
     }
     let parse = |text: &str| svg_tree::document(text).and_then(|d| svg_tree::tree(&d));
     // Why an SVG of that number of elements cannot be parsed.
-    let refused = |fault: Fault, elements: u64| {
+    let refused = |fault: SvgFault, elements: u64| {
         let most = svg_tree::MOST_ELEMENTS;
         if elements <= most {
             return fail(fault);
@@ -57,21 +57,21 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
     if !pieces.several() {
         advance(progress, "drawing", 0, total)?;
         let tree = svg_tree::tree(&document).map_err(|fault| refused(fault, total))?;
-        let mut canvas = Canvas::new(&tree, scale, name)?;
+        let mut canvas = LayeredPicture::new(&tree, scale, name)?;
         canvas.draw(&tree)?;
         return Ok(canvas.picture);
     }
-    let mut canvas = Canvas::new(&parse(&pieces.empty()).map_err(fail)?, scale, name)?;
+    let mut canvas = LayeredPicture::new(&parse(&pieces.empty()).map_err(fail)?, scale, name)?;
     let mut done = 0;
     pieces.each(&mut |step| {
         advance(progress, "drawing", done, total)?;
         match step {
-            Step::Draw { text, weight } => {
+            PiecePurpose::Draw { text, weight } => {
                 done += weight;
                 canvas.draw(&parse(&text).map_err(|fault| refused(fault, weight))?)
             }
-            Step::Open => canvas.open(),
-            Step::Close(shape) => canvas.close(&parse(&shape).map_err(fail)?),
+            PiecePurpose::Open => canvas.open(),
+            PiecePurpose::Close(shape) => canvas.close(&parse(&shape).map_err(fail)?),
         }
     })?;
     advance(progress, "drawing", total, total)?;
@@ -79,7 +79,7 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
 }
 
 /// An SVG that cannot be drawn.
-fn failed(name: &str, fault: Fault) -> Error {
+fn failed(name: &str, fault: SvgFault) -> Error {
     let reason = if fault.advice == svg_tree::COMPLETE {
         fault.reason
     } else {
@@ -91,7 +91,7 @@ fn failed(name: &str, fault: Fault) -> Error {
 /// Elements of an SVG once every `<use>` is followed.
 #[cfg(test)]
 pub(super) fn weight(text: &str) -> u64 {
-    Pieces::new(text, &svg_tree::document(text).unwrap()).weight()
+    SvgPieces::new(text, &svg_tree::document(text).unwrap()).weight()
 }
 
 /// The parts of a document that are not drawn, in words.
@@ -104,14 +104,14 @@ fn left_out(document: &Document<'_>, name: &str) -> Option<String> {
 }
 
 /// A picture, and layers that wait to be clipped and laid over it.
-struct Canvas<'a> {
+struct LayeredPicture<'a> {
     name: &'a str,
     transform: Transform,
     picture: Pixmap,
     below: Vec<Pixmap>,
 }
 
-impl<'a> Canvas<'a> {
+impl<'a> LayeredPicture<'a> {
     /// An empty canvas of the size of an SVG at a scale.
     fn new(tree: &Tree, scale: f64, name: &'a str) -> Result<Self> {
         let (w, h) = (tree.size().width(), tree.size().height());
@@ -265,13 +265,13 @@ mod tests {
         for clip in ["", r#" clip-path="url(#c)""#, r#" opacity=".5""#] {
             let text = crowd(120_000, clip);
             let document = svg_tree::document(&text).unwrap();
-            let pieces = Pieces::new(&text, &document);
+            let pieces = SvgPieces::new(&text, &document);
             assert!(pieces.several() && pieces.weight() < svg_tree::MOST_ELEMENTS);
             let (mut drawn, mut layers) = (0, 0);
             let step = &mut |step| -> Result<(), ()> {
                 match step {
-                    Step::Draw { .. } => drawn += 1,
-                    Step::Open | Step::Close(_) => layers += 1,
+                    PiecePurpose::Draw { .. } => drawn += 1,
+                    PiecePurpose::Open | PiecePurpose::Close(_) => layers += 1,
                 }
                 Ok(())
             };
@@ -281,7 +281,7 @@ mod tests {
                 (!clip.contains("opacity"), 2 * usize::from(clip.contains("clip")))
             );
             let tree = svg_tree::tree(&document).unwrap();
-            let mut whole = Canvas::new(&tree, 4.0, "crowd").unwrap();
+            let mut whole = LayeredPicture::new(&tree, 4.0, "crowd").unwrap();
             whole.draw(&tree).unwrap();
             let found = render_svg(text.as_bytes(), 4.0, "crowd", &()).unwrap();
             let off = whole.picture.data().iter().zip(found.data()).map(|(a, b)| a.abs_diff(*b)).max();
@@ -302,7 +302,7 @@ mod tests {
         let document = svg_tree::document(&text).unwrap();
         assert!(svg_tree::tree(&document).is_err());
         assert!(render_svg(text.as_bytes(), 1.0, "crowd.svg", &()).is_ok());
-        let stopped = render_svg(text.as_bytes(), 1.0, "crowd.svg", &vtex_testing::Stop);
+        let stopped = render_svg(text.as_bytes(), 1.0, "crowd.svg", &vtex_testing::StopAtOnce);
         assert!(matches!(stopped, Err(Error::Interrupted)));
         let whole = render_svg(crowd(600_000, r#" opacity=".5""#).as_bytes(), 1.0, "crowd.svg", &());
         assert!(whole.unwrap_err().to_string().contains("can only be drawn as a whole"));

@@ -20,7 +20,7 @@ const CLIP: &str =
     "<g fill=\"#fff\" fill-opacity=\"1\" fill-rule=\"nonzero\" stroke=\"none\" visibility=\"visible\">";
 
 /// The purpose of a piece of an SVG.
-pub(super) enum Step {
+pub(super) enum PiecePurpose {
     /// An SVG to be drawn over what there is, with its elements.
     Draw { text: String, weight: u64 },
     /// A layer begins.
@@ -30,7 +30,7 @@ pub(super) enum Step {
 }
 
 /// An SVG and how large its parts are.
-pub(super) struct Pieces<'a> {
+pub(super) struct SvgPieces<'a> {
     text: &'a str,
     document: &'a Document<'a>,
     ids: HashMap<&'a str, Node<'a, 'a>>,
@@ -39,14 +39,14 @@ pub(super) struct Pieces<'a> {
 }
 
 /// The part of a document around some siblings: tags before and after them.
-struct Frame {
+struct EnclosingTags {
     before: String,
     after: String,
     /// Groups opened within the root.
     depth: usize,
 }
 
-impl<'a> Pieces<'a> {
+impl<'a> SvgPieces<'a> {
     pub(super) fn new(text: &'a str, document: &'a Document<'a>) -> Self {
         let ids = ids(document);
         let weights = weights(document, &uses(document, &ids));
@@ -92,14 +92,14 @@ impl<'a> Pieces<'a> {
     }
 
     /// Gives the pieces in painting order, as long as `each` returns no error.
-    pub(super) fn each<E>(&self, each: &mut impl FnMut(Step) -> Result<(), E>) -> Result<(), E> {
+    pub(super) fn each<E>(&self, each: &mut impl FnMut(PiecePurpose) -> Result<(), E>) -> Result<(), E> {
         self.split(self.document.root_element(), &self.root(), each)
     }
 
-    fn root(&self) -> Frame {
+    fn root(&self) -> EnclosingTags {
         let root = self.document.root_element();
         let name = self.text[root.range().start + 1..].split(|c: char| c.is_whitespace() || c == '>').next();
-        Frame {
+        EnclosingTags {
             before: self.start_tag(root).into(),
             after: format!("</{}>", name.unwrap_or_default()),
             depth: 0,
@@ -110,8 +110,8 @@ impl<'a> Pieces<'a> {
     fn split<E>(
         &self,
         container: Node<'a, 'a>,
-        frame: &Frame,
-        each: &mut impl FnMut(Step) -> Result<(), E>,
+        frame: &EnclosingTags,
+        each: &mut impl FnMut(PiecePurpose) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut run: Option<(Node<'a, 'a>, Node<'a, 'a>)> = None;
         let mut weight = 0;
@@ -120,7 +120,7 @@ impl<'a> Pieces<'a> {
             let hidden = ["defs", "metadata", "title", "desc", "symbol"].contains(&child.tag_name().name());
             if hidden || weight + own > PIECE {
                 if let Some(run) = run.take() {
-                    each(Step::Draw { text: self.piece(frame, run), weight })?;
+                    each(PiecePurpose::Draw { text: self.piece(frame, run), weight })?;
                 }
                 weight = 0;
             }
@@ -138,10 +138,10 @@ impl<'a> Pieces<'a> {
                     Some(_) => {
                         if let Some(clip) = self.clip_of(child) {
                             let inner = frame.around(&self.unclipped(child));
-                            each(Step::Open)?;
+                            each(PiecePurpose::Open)?;
                             self.split(child, &inner, each)?;
                             let shape = format!("{}{CLIP}{clip}</g>{}", inner.before, inner.after);
-                            each(Step::Close(shape))?;
+                            each(PiecePurpose::Close(shape))?;
                             continue;
                         }
                     }
@@ -150,11 +150,11 @@ impl<'a> Pieces<'a> {
             weight += own;
             run = Some(run.map_or((child, child), |(first, _)| (first, child)));
         }
-        run.map_or(Ok(()), |run| each(Step::Draw { text: self.piece(frame, run), weight }))
+        run.map_or(Ok(()), |run| each(PiecePurpose::Draw { text: self.piece(frame, run), weight }))
     }
 
     /// Some siblings, with all that they refer to.
-    fn piece(&self, frame: &Frame, (first, last): (Node<'a, 'a>, Node<'a, 'a>)) -> String {
+    fn piece(&self, frame: &EnclosingTags, (first, last): (Node<'a, 'a>, Node<'a, 'a>)) -> String {
         let range = first.range().start..last.range().end;
         let mut definitions = String::new();
         let mut known = BTreeSet::new();
@@ -218,7 +218,7 @@ impl<'a> Pieces<'a> {
     }
 }
 
-impl Frame {
+impl EnclosingTags {
     /// This, and a group within it.
     fn around(&self, tag: &str) -> Self {
         Self {

@@ -39,7 +39,7 @@ pub struct GivenUp {
 
 /// A scene that fits.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reduced<'a> {
+pub struct ReducedScene<'a> {
     /// The scene to write.
     pub scene: Cow<'a, Scene>,
     /// How to write it.
@@ -59,15 +59,15 @@ pub fn to_fit<'a>(
     options: &SvgOptions,
     most: u64,
     measure: impl Fn(&Scene, &SvgOptions) -> Result<u64>,
-) -> Result<Reduced<'a>> {
+) -> Result<ReducedScene<'a>> {
     scene.check()?;
     if measure(scene, options)? <= most {
-        return Ok(Reduced { scene: Cow::Borrowed(scene), options: *options, given_up: None });
+        return Ok(ReducedScene { scene: Cow::Borrowed(scene), options: *options, given_up: None });
     }
     let steps = ladder(options.precision);
     let mut refits = Refits { scene, last: None };
     let mut ranks = None;
-    let mut at = |step: &Step| -> Result<(Reduced<'a>, u64)> {
+    let mut at = |step: &ReductionStep| -> Result<(ReducedScene<'a>, u64)> {
         let mut result = refits.at(step.tolerance, step.decimals).clone();
         let mut given_up =
             GivenUp { decimals: step.decimals, tolerance: step.tolerance, ..GivenUp::default() };
@@ -78,7 +78,7 @@ pub fn to_fit<'a>(
         }
         let options = SvgOptions { precision: step.decimals, ..*options };
         let bytes = measure(&result, &options)?;
-        Ok((Reduced { scene: Cow::Owned(result), options, given_up: Some(given_up) }, bytes))
+        Ok((ReducedScene { scene: Cow::Owned(result), options, given_up: Some(given_up) }, bytes))
     };
     let (mut best, smallest) = at(&steps[steps.len() - 1])?;
     if smallest > most {
@@ -99,7 +99,7 @@ pub fn to_fit<'a>(
 }
 
 /// A step of the ladder.
-struct Step {
+struct ReductionStep {
     decimals: u8,
     tolerance: f64,
     /// Share of details and secondaries left out, in units of one [`SHARES`]th.
@@ -107,12 +107,13 @@ struct Step {
 }
 
 /// The steps, each coarser than the one before in one respect.
-fn ladder(precision: u8) -> Vec<Step> {
+fn ladder(precision: u8) -> Vec<ReductionStep> {
     let last = precision.min(1);
-    let decimals = (last..precision).rev().map(|decimals| Step { decimals, tolerance: 0.0, left_out: 0 });
+    let decimals =
+        (last..precision).rev().map(|decimals| ReductionStep { decimals, tolerance: 0.0, left_out: 0 });
     let begin = |i: usize| if i == 0 { 0 } else { LADDER[i - 1].1 };
     let refits = LADDER.iter().enumerate().flat_map(|(i, &(tolerance, end))| {
-        (begin(i)..=end).map(move |left_out| Step { decimals: last, tolerance, left_out })
+        (begin(i)..=end).map(move |left_out| ReductionStep { decimals: last, tolerance, left_out })
     });
     decimals.chain(refits).collect()
 }
@@ -156,7 +157,7 @@ mod tests {
         svg::write(scene, options, std::io::sink()).map(|s| s.bytes)
     }
 
-    fn fit(scene: &Scene, most: u64) -> Result<Reduced<'_>> {
+    fn fit(scene: &Scene, most: u64) -> Result<ReducedScene<'_>> {
         to_fit(scene, &SvgOptions::default(), most, bytes)
     }
 

@@ -33,11 +33,11 @@ impl Ranks {
             sizes[instance.element.index()] += instance.affine().determinant().abs();
             uses[instance.element.index()] += 1;
         }
-        let mut all: Vec<(f64, Place)> = Vec::new();
+        let mut all: Vec<(f64, ShapePlace)> = Vec::new();
         for (t, element) in scene.elements.iter().enumerate() {
             for (d, detail) in element.details().iter().enumerate() {
                 let seen = sizes[t] * detail.outline.area() * distance(detail.colour, beneath(element, d));
-                all.push((seen / bytes(&detail.outline), Place::Detail(t, d)));
+                all.push((seen / bytes(&detail.outline), ShapePlace::Detail(t, d)));
             }
         }
         // The cost of an instance: a reference and a share of the definition where there is one.
@@ -64,7 +64,7 @@ impl Ranks {
                 let own: f64 =
                     element.details().iter().map(|p| p.outline.area() * distance(p.colour, beneath)).sum();
                 let bytes = own_bytes[instance.element.index()];
-                all.push(((area * contrast + own) / bytes, Place::Instance(k, i)));
+                all.push(((area * contrast + own) / bytes, ShapePlace::Instance(k, i)));
             }
         }
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -72,8 +72,8 @@ impl Ranks {
         let mut ranks = Self { details, instances, uses, count: all.len() };
         for (rank, (_, place)) in all.into_iter().enumerate() {
             match place {
-                Place::Detail(t, d) => ranks.details[t][d] = rank,
-                Place::Instance(k, i) => ranks.instances[k][i] = rank,
+                ShapePlace::Detail(t, d) => ranks.details[t][d] = rank,
+                ShapePlace::Instance(k, i) => ranks.instances[k][i] = rank,
             }
         }
         ranks
@@ -103,7 +103,7 @@ impl Ranks {
     }
 }
 
-enum Place {
+enum ShapePlace {
     /// Element, and number of the detail.
     Detail(usize, usize),
     /// Layer, and number of the instance.

@@ -12,16 +12,16 @@
 //! Gradients on textons are drawn in their mean colours, shadows with a sharp edge. The painting order
 //! is that half-way, because it cannot change in a document.
 
-use super::layers::{self, Frame};
-use super::number::{Number, Paint};
-use super::xml::{Drawn, Xml};
+use super::layers::{self, LayerGroup};
+use super::number::{HexColour, Number};
+use super::xml::{ViewerLoad, Xml};
 use super::{NamedField, SvgSummary, backgrounds};
-use crate::background::Background;
+use crate::background::PreparedBackground;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use vtex_base::error::{Result, check};
 use vtex_base::geometry::{Point, Rect, Vec2};
-use vtex_edit::interpolate::{Brush, Interpolation, LayerMotion, Motion, Moving};
+use vtex_edit::interpolate::{Brush, Interpolation, LayerMotion, Motion, MovingShape};
 use vtex_scene::scene::{Edge, InstanceId, Scene};
 
 /// Windows of time are rounded to this share of the way, so that many share a rule.
@@ -54,7 +54,8 @@ pub fn write_animation(way: &Interpolation, options: &Animation, out: impl Write
     check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
     check((0.01..=1e5).contains(&options.seconds), "seconds", options.seconds, "0.01 to 100000")?;
     let motions = way.motions();
-    let writer = Writer { scenes: way.scenes(), domain: way.domain_motion(), precision: options.precision };
+    let writer =
+        AnimationWriter { scenes: way.scenes(), domain: way.domain_motion(), precision: options.precision };
     let mut shapes = 0;
     let mut summary = super::summed(0, out, |xml| {
         shapes = writer.write(xml, &motions, options)?;
@@ -79,13 +80,13 @@ pub fn write_animation(way: &Interpolation, options: &Animation, out: impl Write
     Ok(summary)
 }
 
-struct Writer<'a> {
+struct AnimationWriter<'a> {
     scenes: [&'a Scene; 2],
-    domain: Option<(Moving, Edge)>,
+    domain: Option<(MovingShape, Edge)>,
     precision: u8,
 }
 
-impl Writer<'_> {
+impl AnimationWriter<'_> {
     /// Writes everything; gives the number of shapes that move.
     fn write<W: Write>(
         &self,
@@ -109,11 +110,13 @@ impl Writer<'_> {
         xml.line();
         let field = |side: usize| {
             let scene = self.scenes[side];
-            motions.iter().map(move |layer| layer.fields[side].map(|field| Background::new(scene, field)))
+            motions
+                .iter()
+                .map(move |layer| layer.fields[side].map(|field| PreparedBackground::new(scene, field)))
         };
         let fields = [backgrounds(field(0), "b"), backgrounds(field(1), "e")];
         let named = motions.iter().map(|layer| (layer.name, layer.role, layer.region.is_some()));
-        let frames = Frame::of(named, self.domain.as_ref().map(|(_, edge)| *edge));
+        let frames = LayerGroup::of(named, self.domain.as_ref().map(|(_, edge)| *edge));
         self.write_rules(xml, motions, &frames, options)?;
         self.write_definitions(xml, &fields, motions, &frames)?;
         let mut shapes = 0;
@@ -130,7 +133,7 @@ impl Writer<'_> {
         xml: &mut Xml<W>,
         fields: &[Vec<NamedField>; 2],
         motions: &[LayerMotion<'_>],
-        frames: &[Frame],
+        frames: &[LayerGroup],
     ) -> io::Result<()> {
         xml.open("defs");
         xml.line();
@@ -146,7 +149,7 @@ impl Writer<'_> {
             xml.attribute("style", format_args!("animation-name:{rule}"));
             xml.attribute("d", self.data(shape, 0));
             xml.close()?;
-            let drawn = Drawn { elements: 1, references: 0 };
+            let drawn = ViewerLoad { elements: 1, references: 0 };
             self.write_copies(xml, &format!("{rule}-shape"), shape.bounds(), drawn)?;
             xml.close()?;
             xml.line();
@@ -160,8 +163,8 @@ impl Writer<'_> {
     fn clips<'a>(
         &'a self,
         motions: &'a [LayerMotion<'_>],
-        frames: &'a [Frame],
-    ) -> impl Iterator<Item = (&'a str, String, &'a Moving)> {
+        frames: &'a [LayerGroup],
+    ) -> impl Iterator<Item = (&'a str, String, &'a MovingShape)> {
         let domain = self.domain.iter().map(|(shape, _)| (layers::DOMAIN, layers::DOMAIN.to_owned(), shape));
         let regions = motions.iter().zip(frames).enumerate();
         let regions = regions.filter_map(|(k, (layer, frame))| {
@@ -185,7 +188,7 @@ impl Writer<'_> {
         &self,
         xml: &mut Xml<W>,
         motions: &[LayerMotion<'_>],
-        frames: &[Frame],
+        frames: &[LayerGroup],
         options: &Animation,
     ) -> io::Result<()> {
         let direction = if options.back { "alternate" } else { "normal" };
@@ -256,7 +259,7 @@ impl Writer<'_> {
         if grouped {
             xml.close()?;
         }
-        let bounds = shapes.iter().map(Moving::bounds).reduce(|a, b| a.union(b)).unwrap_or_default();
+        let bounds = shapes.iter().map(MovingShape::bounds).reduce(|a, b| a.union(b)).unwrap_or_default();
         self.write_copies(xml, &format!("p{id}"), bounds, xml.drawn().since(before))?;
         Ok(shapes.len())
     }
@@ -268,7 +271,7 @@ impl Writer<'_> {
         xml: &mut Xml<W>,
         id: &str,
         bounds: Rect,
-        drawn: Drawn,
+        drawn: ViewerLoad,
     ) -> io::Result<()> {
         for shift in self.scenes[0].copies(bounds).filter(|&shift| shift != Vec2::ZERO) {
             xml.open("use");
@@ -282,7 +285,7 @@ impl Writer<'_> {
     }
 
     /// The rings of a shape at one of its three times.
-    fn data(&self, shape: &Moving, time: usize) -> String {
+    fn data(&self, shape: &MovingShape, time: usize) -> String {
         let mut text = String::new();
         for ring in &shape.rings {
             spline(&mut text, &ring[time], self.precision);
@@ -294,11 +297,11 @@ impl Writer<'_> {
 /// How a shape is painted in the first scene.
 fn write_brush<W: Write>(xml: &mut Xml<W>, brush: &Brush) {
     match brush {
-        Brush::Fill([colour, _]) => xml.attribute("fill", Paint(*colour)),
+        Brush::Fill([colour, _]) => xml.attribute("fill", HexColour(*colour)),
         Brush::Shadow([opacity, _]) => xml.attribute("fill-opacity", Number(*opacity, 3)),
         Brush::Line { colours: [colour, _], widths: [width, _] } => {
             xml.attribute("fill", "none");
-            xml.attribute("stroke", Paint(*colour));
+            xml.attribute("stroke", HexColour(*colour));
             xml.attribute("stroke-width", Number(*width, 2));
             xml.attribute("stroke-linejoin", "round");
         }
@@ -308,7 +311,7 @@ fn write_brush<W: Write>(xml: &mut Xml<W>, brush: &Brush) {
 /// The field of the first scene, and over it that of the second, which appears.
 fn write_fields<W: Write>(
     xml: &mut Xml<W>,
-    [from, to]: [Option<&(Background, String)>; 2],
+    [from, to]: [Option<&(PreparedBackground, String)>; 2],
 ) -> io::Result<()> {
     match (from, to) {
         (None, None) => Ok(()),
@@ -329,11 +332,11 @@ fn write_fields<W: Write>(
 fn brush_rule(rule: &mut String, brush: &Brush) {
     // Writing into a String cannot fail.
     match brush {
-        Brush::Fill([from, to]) if from != to => _ = write!(rule, ";fill:{}", Paint(*to)),
+        Brush::Fill([from, to]) if from != to => _ = write!(rule, ";fill:{}", HexColour(*to)),
         Brush::Shadow([from, to]) if from != to => _ = write!(rule, ";fill-opacity:{}", Number(*to, 3)),
         Brush::Line { colours, widths } => {
             if colours[0] != colours[1] {
-                let _ = write!(rule, ";stroke:{}", Paint(colours[1]));
+                let _ = write!(rule, ";stroke:{}", HexColour(colours[1]));
             }
             if widths[0] != widths[1] {
                 let _ = write!(rule, ";stroke-width:{}", Number(widths[1], 2));
@@ -354,7 +357,7 @@ fn window(motion: &Motion) -> Option<[u32; 2]> {
 }
 
 /// Whether a shape goes to its end straight enough.
-fn straight(shape: &Moving) -> bool {
+fn straight(shape: &MovingShape) -> bool {
     shape.rings.iter().all(|[a, b, c]| {
         let mut points = a.iter().zip(b).zip(c);
         points.all(|((a, b), c)| (a.midpoint(*c) - *b).hypot2() < STRAIGHT * STRAIGHT)

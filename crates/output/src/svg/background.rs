@@ -1,7 +1,7 @@
 //! The background field as gradients.
 //!
 //! A gradient is linear along one axis, the field is wanted bilinear between the rows of
-//! [`Background`]. So the even rows are painted first, as opaque bands that reach from the odd row
+//! [`PreparedBackground`]. So the even rows are painted first, as opaque bands that reach from the odd row
 //! above to the odd row below and change along x only. Over them lie the odd rows, likewise, in a
 //! group with one mask: opacity 1 on odd rows, 0 on even rows, linear between. Anywhere the result
 //! is then t · odd + (1 - t) · even: linear in y. Joints of bands cannot show: those of the even
@@ -19,9 +19,9 @@
 //! Every gradient is complete in itself. Inkscape ignores coordinates that a gradient inherits from
 //! one without stops. In units of the box of its band they need at most `x1` and `x2`.
 
-use super::number::{Number, Paint};
+use super::number::{HexColour, Number};
 use super::xml::Xml;
-use crate::background::Background;
+use crate::background::PreparedBackground;
 use std::io::{self, Write};
 
 /// How far a band reaches beneath the next, in pixels, so that no joint lets the paper through.
@@ -29,7 +29,7 @@ const OVERLAP: f64 = 1.0;
 /// Decimal digits of lengths.
 const DIGITS: u8 = 3;
 
-impl Background {
+impl PreparedBackground {
     /// Top and bottom of the band of row `k`, in pixels.
     fn band(&self, k: usize) -> (f64, f64) {
         let last = self.rows.len() - 1;
@@ -79,7 +79,7 @@ impl Background {
                     xml.open("stop");
                     let offset = Number((stop.x - start) / self.column_width, 5);
                     xml.attribute("offset", offset);
-                    xml.attribute("stop-color", Paint(stop.colour));
+                    xml.attribute("stop-color", HexColour(stop.colour));
                     xml.close()?;
                 }
                 xml.close()?;
@@ -139,7 +139,7 @@ impl Background {
             }
             xml.attribute("width", Number(right - left, DIGITS));
             xml.attribute("height", Number(self.row_height + 2.0 * bleed, DIGITS));
-            xml.attribute("fill", Paint(colour));
+            xml.attribute("fill", HexColour(colour));
             xml.close()?;
             xml.line();
             return Ok(());

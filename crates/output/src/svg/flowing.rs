@@ -37,7 +37,7 @@ pub fn write_flow(
     let ids = scene.instances().map(|instance| instance.id);
     let ways: BTreeMap<InstanceId, Vec<Key>> = ids.zip(ways).filter(|(_, keys)| !keys.is_empty()).collect();
     let many = ways.len();
-    let moving = Moving { seconds, precision, rounds, ways: &ways };
+    let moving = DocumentMotion { seconds, precision, rounds, ways: &ways };
     let document = Document { moving: Some(moving), ..Document::new(scene, options, 0.0)? };
     let mut summary = summed(document.textons.shared_count(), out, |xml| document.write(xml))?;
     if many > MANY_SHAPES {
@@ -50,7 +50,7 @@ pub fn write_flow(
 }
 
 /// The motion of a document's elements.
-pub(super) struct Moving<'a> {
+pub(super) struct DocumentMotion<'a> {
     seconds: f64,
     precision: u8,
     /// Rounds of all about the middle, if that is how they move.
@@ -60,7 +60,7 @@ pub(super) struct Moving<'a> {
 
 /// The way of one element.
 pub(super) struct Way<'a> {
-    moving: &'a Moving<'a>,
+    moving: &'a DocumentMotion<'a>,
     keys: &'a [Key],
 }
 
@@ -70,7 +70,7 @@ pub(super) fn at_origin(instance: &Instance) -> Instance {
     Instance { transform: [a, b, c, d, 0.0, 0.0], ..instance.clone() }
 }
 
-impl Moving<'_> {
+impl DocumentMotion<'_> {
     /// Begins the group of all that turn together, if they do.
     pub(super) fn begin_turn<W: Write>(&self, xml: &mut Xml<W>, scene: &Scene) -> io::Result<bool> {
         let Some(rounds) = self.rounds else { return Ok(false) };

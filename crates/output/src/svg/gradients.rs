@@ -4,7 +4,7 @@
 //! the gradient with its shape when it is moved. Any linear change of colour can be written so:
 //! lines of one colour, drawn at right angles in the stretched box, are lines in the picture.
 
-use super::number::{Number, Paint, list};
+use super::number::{HexColour, Number, list};
 use super::xml::Xml;
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -16,12 +16,12 @@ const DIGITS: u8 = 2;
 
 /// A gradient in units of a box, ready to write.
 pub(super) struct BoxGradient<'a> {
-    place: Place,
+    place: GradientPlace,
     gradient: &'a Gradient,
 }
 
 /// Where a gradient lies in its box.
-enum Place {
+enum GradientPlace {
     /// From a point to a point.
     Linear([f64; 2], [f64; 2]),
     /// The map from the unit disc around (0, 0).
@@ -44,7 +44,7 @@ impl<'a> BoxGradient<'a> {
 
     pub(super) fn write<W: Write>(&self, xml: &mut Xml<W>, id: impl Display) -> io::Result<()> {
         match &self.place {
-            Place::Linear(from, to) => {
+            GradientPlace::Linear(from, to) => {
                 xml.open("linearGradient");
                 xml.attribute("id", id);
                 let places =
@@ -55,7 +55,7 @@ impl<'a> BoxGradient<'a> {
                     }
                 }
             }
-            Place::Radial(map) => {
+            GradientPlace::Radial(map) => {
                 xml.open("radialGradient");
                 xml.attribute("id", id);
                 for (name, value) in [("cx", 0), ("cy", 0), ("r", 1)] {
@@ -70,7 +70,7 @@ impl<'a> BoxGradient<'a> {
             if stop.offset > 0.0 {
                 xml.attribute("offset", Number(stop.offset, 3));
             }
-            xml.attribute("stop-color", Paint(stop.colour));
+            xml.attribute("stop-color", HexColour(stop.colour));
             if stop.opacity < 1.0 {
                 xml.attribute("stop-opacity", Number(stop.opacity, 3));
             }
@@ -80,7 +80,7 @@ impl<'a> BoxGradient<'a> {
     }
 }
 
-fn linear(gradient: &Gradient, affine: Affine, bounds: Rect) -> Option<Place> {
+fn linear(gradient: &Gradient, affine: Affine, bounds: Rect) -> Option<GradientPlace> {
     let [fx, fy] = gradient.from;
     let (dx, dy) = (gradient.to[0] - fx, gradient.to[1] - fy);
     let length2 = dx * dx + dy * dy;
@@ -97,17 +97,17 @@ fn linear(gradient: &Gradient, affine: Affine, bounds: Rect) -> Option<Place> {
     }
     // It begins on an axis, which need not be written.
     let from = if v.abs() >= u.abs() { [0.0, -w / v] } else { [-w / u, 0.0] };
-    Some(Place::Linear(from, [from[0] + u / rate2, from[1] + v / rate2]))
+    Some(GradientPlace::Linear(from, [from[0] + u / rate2, from[1] + v / rate2]))
 }
 
-fn radial(gradient: &Gradient, affine: Affine, bounds: Rect) -> Option<Place> {
+fn radial(gradient: &Gradient, affine: Affine, bounds: Rect) -> Option<GradientPlace> {
     let [x, y] = gradient.from;
     let radius = libm::hypot(gradient.to[0] - x, gradient.to[1] - y);
     let box_of = Affine::scale_non_uniform(1.0 / bounds.width(), 1.0 / bounds.height())
         * Affine::translate((-bounds.x0, -bounds.y0));
     let map = box_of * affine * Affine::translate((x, y)) * Affine::scale(radius);
     let sound = map.as_coeffs().iter().all(|v| v.is_finite()) && map.determinant().abs() > 1e-12;
-    sound.then_some(Place::Radial(map))
+    sound.then_some(GradientPlace::Radial(map))
 }
 
 #[cfg(test)]
@@ -127,7 +127,7 @@ mod tests {
             let shape = Rect::new(-10.0, -6.0, 14.0, 9.0);
             let bounds = affine.transform_rect_bbox(shape);
             let place = BoxGradient::new(&gradient, affine, bounds).unwrap().place;
-            let Place::Linear(from, to) = place else { panic!("a linear gradient") };
+            let GradientPlace::Linear(from, to) = place else { panic!("a linear gradient") };
             let way = [to[0] - from[0], to[1] - from[1]];
             let length2 = way[0] * way[0] + way[1] * way[1];
             for p in [Point::new(0.0, 0.0), Point::new(5.0, 2.0), Point::new(-7.0, 8.0)] {

@@ -10,7 +10,7 @@ use vtex_scene::scene::{Domain, Edge, Role};
 pub(super) const DOMAIN: &str = "domain";
 
 /// The group of a layer.
-pub(super) struct Frame {
+pub(super) struct LayerGroup {
     id: String,
     label: String,
     /// Whether the domain clips it.
@@ -19,7 +19,7 @@ pub(super) struct Frame {
     region: Option<String>,
 }
 
-impl Frame {
+impl LayerGroup {
     /// The groups of layers, given by name, role and whether they have a region. `edge` is that of the
     /// domain, if there is one.
     pub(super) fn of<'a>(
@@ -58,7 +58,7 @@ fn word(name: &str) -> String {
 /// together has one clean edge. `write` fills each, given its index.
 pub(super) fn write<W: Write>(
     xml: &mut Xml<W>,
-    frames: &[Frame],
+    frames: &[LayerGroup],
     mut write: impl FnMut(&mut Xml<W>, usize) -> io::Result<()>,
 ) -> io::Result<()> {
     let mut next = 0;

@@ -41,18 +41,18 @@ pub use animation::{Animation, write_animation};
 pub use flowing::write_flow;
 
 use super::CSS_DPI;
-use super::background::Background;
+use super::background::PreparedBackground;
 use super::categories::{SceneCategory, class};
-use flowing::{Moving, Way, at_origin};
-use layers::Frame;
-use number::{Number, Paint};
+use flowing::{DocumentMotion, Way, at_origin};
+use layers::LayerGroup;
+use number::{HexColour, Number};
 use std::io::{self, Write};
 use std::path::Path;
-use textons::Textons;
+use textons::SvgTextons;
 use vtex_base::error::{Error, Result, check};
 use vtex_base::geometry::Vec2;
 use vtex_scene::scene::{Instance, Scene};
-use xml::{Drawn, Xml};
+use xml::{ViewerLoad, Xml};
 
 /// How every SVG of vtex begins. Editors write another beginning when they save, so a file that
 /// begins like this holds nobody's work.
@@ -178,8 +178,8 @@ fn summed<W: Write>(
 }
 
 /// Which programs are slow with a file or give up on it, and what helps.
-fn too_much(drawn: Drawn) -> Option<String> {
-    let Drawn { elements, references } = drawn;
+fn too_much(drawn: ViewerLoad) -> Option<String> {
+    let ViewerLoad { elements, references } = drawn;
     if elements < SLOW_ELEMENTS && references < MANY_REFERENCES {
         return None;
     }
@@ -205,8 +205,8 @@ fn too_much(drawn: Drawn) -> Option<String> {
 struct Document<'a> {
     scene: &'a Scene,
     backgrounds: Vec<NamedField>,
-    frames: Vec<Frame>,
-    textons: Textons<'a>,
+    frames: Vec<LayerGroup>,
+    textons: SvgTextons<'a>,
     categories: Vec<SceneCategory>,
     /// Whether categories have style rules.
     css: bool,
@@ -217,7 +217,7 @@ struct Document<'a> {
     /// Pixels to the inch.
     dpi: u32,
     /// How elements move; `None` if they stay.
-    moving: Option<Moving<'a>>,
+    moving: Option<DocumentMotion<'a>>,
 }
 
 impl<'a> Document<'a> {
@@ -225,11 +225,12 @@ impl<'a> Document<'a> {
         check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
         scene.check()?;
         let categories = crate::categories(scene);
-        let textons = Textons::new(scene, &categories, options, bleed);
+        let textons = SvgTextons::new(scene, &categories, options, bleed);
         let fields = scene.layers.iter().map(|layer| layer.field.as_ref());
-        let backgrounds = backgrounds(fields.map(|f| f.map(|field| Background::new(scene, field))), "b");
+        let backgrounds =
+            backgrounds(fields.map(|f| f.map(|field| PreparedBackground::new(scene, field))), "b");
         let layers = scene.layers.iter().map(|l| (l.name.as_str(), l.role, l.region.is_some()));
-        let frames = Frame::of(layers, scene.domain.as_ref().map(|d| d.edge));
+        let frames = LayerGroup::of(layers, scene.domain.as_ref().map(|d| d.edge));
         let css = options.css;
         let (recipe, moving, dpi) = (None, None, CSS_DPI);
         Ok(Self { scene, backgrounds, frames, textons, categories, css, bleed, recipe, dpi, moving })
@@ -363,7 +364,7 @@ impl<'a> Document<'a> {
             let fill = textons.fill(&run[0]).filter(|_| run.len() > 1);
             if let Some(fill) = fill {
                 xml.open("g");
-                xml.attribute("fill", Paint(fill));
+                xml.attribute("fill", HexColour(fill));
                 xml.line();
             }
             for instance in run {
@@ -424,7 +425,7 @@ impl<'a> Document<'a> {
     fn write_individuals<W: Write>(&self, xml: &mut Xml<W>, instances: &[Instance]) -> io::Result<()> {
         for instance in instances {
             let before = xml.drawn();
-            let mut original = Drawn::default();
+            let mut original = ViewerLoad::default();
             for (k, shift) in self.textons.copies(instance).enumerate() {
                 self.write_individual(xml, instance, (k > 0).then_some((shift, original)))?;
                 if k == 0 {
@@ -440,7 +441,7 @@ impl<'a> Document<'a> {
         &self,
         xml: &mut Xml<W>,
         instance: &Instance,
-        copy: Option<(Vec2, Drawn)>,
+        copy: Option<(Vec2, ViewerLoad)>,
     ) -> io::Result<()> {
         match copy {
             Some((shift, original)) if !self.textons.expands() => {
@@ -469,12 +470,12 @@ impl<'a> Document<'a> {
 }
 
 /// The field of a layer, if it has one, and what its ids begin with.
-type NamedField = Option<(Background, String)>;
+type NamedField = Option<(PreparedBackground, String)>;
 
 /// The fields of layers, whose ids begin with `name`, and a number from the second on.
-fn backgrounds(fields: impl Iterator<Item = Option<Background>>, name: &str) -> Vec<NamedField> {
+fn backgrounds(fields: impl Iterator<Item = Option<PreparedBackground>>, name: &str) -> Vec<NamedField> {
     let mut count = 0;
-    let mut named = |background: Background| {
+    let mut named = |background: PreparedBackground| {
         count += 1;
         (background, if count > 1 { format!("{name}{count}-") } else { name.to_owned() })
     };

@@ -39,9 +39,9 @@ pub(super) fn list(numbers: &[Number]) -> String {
 }
 
 /// A colour as `#abc` where that is exact, else `#aabbcd`.
-pub(super) struct Paint(pub(super) Colour);
+pub(super) struct HexColour(pub(super) Colour);
 
-impl fmt::Display for Paint {
+impl fmt::Display for HexColour {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [r, g, b] = self.0.0;
         if [r, g, b].iter().all(|v| v % 17 == 0) {
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn shortest_colours() {
-        assert_eq!(Paint(Colour([0xaa, 0xbb, 0x00])).to_string(), "#ab0");
-        assert_eq!(Paint(Colour([0xaa, 0xbb, 0x01])).to_string(), "#aabb01");
+        assert_eq!(HexColour(Colour([0xaa, 0xbb, 0x00])).to_string(), "#ab0");
+        assert_eq!(HexColour(Colour([0xaa, 0xbb, 0x01])).to_string(), "#aabb01");
     }
 }

@@ -189,7 +189,7 @@ fn each_texton_used_twice_is_defined_once() {
 
 #[test]
 fn limits_of_viewers_are_told_with_what_helps() {
-    let warned = |elements, references| too_much(Drawn { elements, references }).unwrap_or_default();
+    let warned = |elements, references| too_much(ViewerLoad { elements, references }).unwrap_or_default();
     assert_eq!(warned(99_999, 90_000), "");
     let slow = warned(330_000, 90_000);
     assert!(slow.contains("330000 shapes") && slow.contains("some 37 s and 6.3 GB"), "{slow}");

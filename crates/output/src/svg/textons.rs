@@ -2,10 +2,10 @@
 
 use super::SvgOptions;
 use super::gradients::BoxGradient;
-use super::number::{Number, Paint, list};
-use super::xml::{Drawn, Xml};
+use super::number::{HexColour, Number, list};
+use super::xml::{ViewerLoad, Xml};
 use crate::categories::SceneCategory;
-use crate::shadow::{self, Layer, Shadows};
+use crate::shadow::{self, ShadowOutline, Shadows};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
@@ -17,7 +17,7 @@ use vtex_scene::scene::{
 };
 
 /// The textons of a scene and how each is written.
-pub(super) struct Textons<'a> {
+pub(super) struct SvgTextons<'a> {
     scene: &'a Scene,
     precision: u8,
     expand: bool,
@@ -30,7 +30,7 @@ pub(super) struct Textons<'a> {
     /// Bounding boxes; none where nothing is copied.
     bounds: Vec<Rect>,
     /// The elements and references drawn of each where it is defined.
-    drawn: Vec<Cell<Drawn>>,
+    drawn: Vec<Cell<ViewerLoad>>,
     /// The id of each where it is defined.
     ids: Vec<String>,
     /// Names of categories.
@@ -61,7 +61,7 @@ impl<'a> Base<'a> {
     }
 }
 
-impl<'a> Textons<'a> {
+impl<'a> SvgTextons<'a> {
     /// Decides which textons are shared.
     pub(super) fn new(
         scene: &'a Scene,
@@ -273,7 +273,7 @@ impl<'a> Textons<'a> {
                 Base::Gradient(..) if self.base_gradient(element).is_some() => {
                     xml.attribute("fill", format_args!("url(#{}g)", self.ids[index]));
                 }
-                Base::Gradient(colour, _) | Base::Colour(colour) => xml.attribute("fill", Paint(colour)),
+                Base::Gradient(colour, _) | Base::Colour(colour) => xml.attribute("fill", HexColour(colour)),
                 Base::Inherited => (),
             }
         }
@@ -296,7 +296,7 @@ impl<'a> Textons<'a> {
         xml.attribute("xlink:href", format_args!("#{id}"));
         self.write_transform(xml, &affine.as_coeffs());
         let layers = self.shadows.of(instance, shadow).len() as u64;
-        xml.follow(Drawn { elements: 1 + layers, references: 0 });
+        xml.follow(ViewerLoad { elements: 1 + layers, references: 0 });
         xml.close()
     }
 
@@ -304,7 +304,7 @@ impl<'a> Textons<'a> {
     fn write_shadow<W: Write>(
         &self,
         xml: &mut Xml<W>,
-        layers: &[Layer],
+        layers: &[ShadowOutline],
         affine: Option<Affine>,
         id: Option<&str>,
     ) -> io::Result<()> {
@@ -313,7 +313,7 @@ impl<'a> Textons<'a> {
             xml.attribute("id", id);
         }
         xml.attribute("class", "shadow");
-        xml.attribute("fill", Paint(Colour([0; 3])));
+        xml.attribute("fill", HexColour(Colour([0; 3])));
         for layer in layers {
             xml.open("path");
             xml.attribute("fill-opacity", Number(layer.opacity, 4));
@@ -336,7 +336,7 @@ impl<'a> Textons<'a> {
             let line = if self.outlined[index] { "o" } else { "" };
             xml.attribute("xlink:href", format_args!("#{}{line}", self.ids[index]));
             self.write_transform(xml, &affine.as_coeffs());
-            xml.follow(Drawn { elements: 1, references: 0 });
+            xml.follow(ViewerLoad { elements: 1, references: 0 });
             stroke.width
         } else {
             xml.open("path");
@@ -345,7 +345,7 @@ impl<'a> Textons<'a> {
         };
         xml.attribute("class", "outline");
         xml.attribute("fill", "none");
-        xml.attribute("stroke", Paint(stroke.colour));
+        xml.attribute("stroke", HexColour(stroke.colour));
         xml.attribute("stroke-width", Number(width, 2));
         xml.attribute("stroke-linejoin", "round");
         xml.close()
@@ -408,7 +408,9 @@ impl<'a> Textons<'a> {
         let kind = if line.is_some() { "stroke" } else { "fill" };
         match (fill, id) {
             (_, Some(number)) => xml.attribute(kind, format_args!("url(#g{number})")),
-            (Base::Colour(colour) | Base::Gradient(colour, _), None) => xml.attribute(kind, Paint(colour)),
+            (Base::Colour(colour) | Base::Gradient(colour, _), None) => {
+                xml.attribute(kind, HexColour(colour))
+            }
             (Base::Inherited, None) => (),
         }
         match line {

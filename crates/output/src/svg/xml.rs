@@ -9,13 +9,13 @@ const BUFFER: usize = 1 << 16;
 
 /// The elements and references that a viewer meets which follows every `<use>`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Drawn {
+pub(super) struct ViewerLoad {
     pub(super) elements: u64,
     /// References that it follows: those of `<use>`, gradients, masks and clip paths.
     pub(super) references: u64,
 }
 
-impl Drawn {
+impl ViewerLoad {
     /// The difference to `before`.
     pub(super) fn since(self, before: Self) -> Self {
         Self { elements: self.elements - before.elements, references: self.references - before.references }
@@ -31,14 +31,22 @@ pub(super) struct Xml<W> {
     in_tag: bool,
     bytes: u64,
     elements: u64,
-    drawn: Drawn,
+    drawn: ViewerLoad,
 }
 
 impl<W: Write> Xml<W> {
     /// A document that begins with the given text, markup included.
     pub(super) fn new(out: W, prolog: &str) -> Self {
         let buffer = String::from(prolog);
-        Self { out, buffer, open: Vec::new(), in_tag: false, bytes: 0, elements: 0, drawn: Drawn::default() }
+        Self {
+            out,
+            buffer,
+            open: Vec::new(),
+            in_tag: false,
+            bytes: 0,
+            elements: 0,
+            drawn: ViewerLoad::default(),
+        }
     }
 
     /// Begins an element inside the one that is open.
@@ -53,13 +61,13 @@ impl<W: Write> Xml<W> {
     }
 
     /// Counts what the `<use>` just written shows.
-    pub(super) fn follow(&mut self, used: Drawn) {
+    pub(super) fn follow(&mut self, used: ViewerLoad) {
         self.drawn.elements += used.elements;
         self.drawn.references += used.references;
     }
 
     /// The elements and references that a viewer meets so far.
-    pub(super) fn drawn(&self) -> Drawn {
+    pub(super) fn drawn(&self) -> ViewerLoad {
         self.drawn
     }
 
@@ -109,7 +117,7 @@ impl<W: Write> Xml<W> {
     }
 
     /// Ends all open elements. Gives the bytes and elements written, and what a viewer meets.
-    pub(super) fn finish(mut self) -> io::Result<(u64, u64, Drawn)> {
+    pub(super) fn finish(mut self) -> io::Result<(u64, u64, ViewerLoad)> {
         while !self.open.is_empty() {
             self.close()?;
         }

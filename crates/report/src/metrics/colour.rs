@@ -43,7 +43,7 @@ pub(super) fn emd_lab(a: &RgbImage, b: &RgbImage) -> f64 {
 
 /// The fullest bins with their numbers of pixels, in the order of the bins.
 fn lab_histogram(image: &RgbImage) -> Vec<([i32; 3], u64)> {
-    let to_lab = Lab::new();
+    let to_lab = LabTable::new();
     let all = image.width() as usize * image.height() as usize;
     let mut bins: Vec<[i32; 3]> = image
         .pixels()
@@ -60,11 +60,11 @@ fn lab_histogram(image: &RgbImage) -> Vec<([i32; 3], u64)> {
 }
 
 /// Conversion of 8-bit sRGB to CIE Lab (D65, 2° observer), by table.
-pub(super) struct Lab {
+pub(super) struct LabTable {
     linear: &'static [f64; 256],
 }
 
-impl Lab {
+impl LabTable {
     pub(super) fn new() -> Self {
         Self { linear: linear_table() }
     }
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn lab_of_known_colours() {
         for (rgb, lab) in [([255; 3], [100.0, 0.0, 0.0]), ([255, 0, 0], [53.24, 80.09, 67.20])] {
-            let found = Lab::new().of(rgb);
+            let found = LabTable::new().of(rgb);
             assert!((0..3).all(|c| (found[c] - lab[c]).abs() < 0.02), "{found:?}");
         }
     }

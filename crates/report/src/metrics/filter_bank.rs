@@ -2,7 +2,7 @@
 //! hand-designed filters in place of a network.
 
 use super::patches::Channels;
-use super::plane::{Plane, dot};
+use super::plane::{Channel, dot};
 use std::f64::consts::FRAC_PI_4;
 use vtex_base::parallel;
 use vtex_base::symmetric::Symmetric;
@@ -21,8 +21,8 @@ pub(super) fn frechet(a: &Channels, b: &Channels) -> f64 {
     // One after the other: the responses of a picture take 24 times its memory.
     let first = responses(a);
     let units: Vec<f64> = first.iter().map(|p| FLOOR + libm::sqrt(moments(p).1)).collect();
-    let a = Gaussian::fit(first, &units);
-    let b = Gaussian::fit(responses(b), &units);
+    let a = ResponseGaussian::fit(first, &units);
+    let b = ResponseGaussian::fit(responses(b), &units);
     let size = units.len();
     let between: f64 = (0..size).map(|i| (a.mean[i] - b.mean[i]) * (a.mean[i] - b.mean[i])).sum();
     // tr √(AB) = tr √(√A B √A), whose argument is symmetric.
@@ -34,7 +34,7 @@ pub(super) fn frechet(a: &Channels, b: &Channels) -> f64 {
 
 /// Filter responses at three scales: colours; and of lightness its gradients, blobs, and edge strength
 /// by direction.
-fn responses(lab: &Channels) -> Vec<Plane> {
+fn responses(lab: &Channels) -> Vec<Channel> {
     let light = &lab[0];
     let mut all = Vec::new();
     for sigma in [1.0, 2.0, 4.0] {
@@ -56,26 +56,26 @@ fn responses(lab: &Channels) -> Vec<Plane> {
             all.push(x.zip(&y, |x, y| (x * cos + y * sin).abs()).smooth(2.0 * sigma));
         }
     }
-    let inner = |p: Plane| p.crop(BORDER, BORDER, p.width - 2 * BORDER, p.height - 2 * BORDER);
+    let inner = |p: Channel| p.crop(BORDER, BORDER, p.width - 2 * BORDER, p.height - 2 * BORDER);
     all.into_iter().map(inner).collect()
 }
 
 /// Mean and variance.
-fn moments(plane: &Plane) -> (f64, f64) {
+fn moments(plane: &Channel) -> (f64, f64) {
     let count = plane.data.len() as f64;
     let values = || plane.data.iter().map(|v| f64::from(*v));
     let mean = values().sum::<f64>() / count;
     (mean, values().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count)
 }
 
-struct Gaussian {
+struct ResponseGaussian {
     mean: Vec<f64>,
     covariance: Symmetric,
 }
 
-impl Gaussian {
+impl ResponseGaussian {
     /// Fits a Gaussian to responses, each divided by its unit.
-    fn fit(responses: Vec<Plane>, units: &[f64]) -> Self {
+    fn fit(responses: Vec<Channel>, units: &[f64]) -> Self {
         let mean: Vec<f64> = responses.iter().map(|p| moments(p).0).collect();
         let mut centred: Vec<Vec<f32>> = responses.into_iter().map(|p| p.data).collect();
         for (data, (m, u)) in centred.iter_mut().zip(mean.iter().zip(units)) {
@@ -107,7 +107,7 @@ mod tests {
         let mut random = stream(2, "filter bank test", 0);
         let noise: Vec<f32> = (0..80 * 70).map(|_| random.unit() as f32).collect();
         let lab = |by: f32| {
-            let plane = Plane { width: 80, height: 70, data: noise.iter().map(|v| v * 0.2 + by).collect() };
+            let plane = Channel { width: 80, height: 70, data: noise.iter().map(|v| v * 0.2 + by).collect() };
             [plane.clone(), plane.clone(), plane]
         };
         assert!(frechet(&lab(0.3), &lab(0.3)) < 1e-9);

@@ -1,7 +1,7 @@
 //! Local binary patterns (Ojala and others 2002): which points on a circle are at least as bright
 //! as the pixel at its centre.
 
-use super::plane::Plane;
+use super::plane::Channel;
 use vtex_base::parallel;
 
 /// For each circle, its number of points and its radius in pixels.
@@ -9,7 +9,7 @@ const CIRCLES: [(usize, f64); 3] = [(8, 1.0), (16, 2.0), (24, 3.0)];
 
 /// χ² distance between histograms of uniform patterns, averaged over three circles and two scales,
 /// 0 to 1.
-pub(super) fn lbp(a: &Plane, b: &Plane) -> f64 {
+pub(super) fn lbp(a: &Channel, b: &Channel) -> f64 {
     let (a, b) = (histograms(a), histograms(b));
     let distance = |(a, b): (&Vec<f64>, &Vec<f64>)| {
         0.5 * a.iter().zip(b).map(|(x, y)| (x - y) * (x - y) / (x + y + 1e-12)).sum::<f64>()
@@ -18,7 +18,7 @@ pub(super) fn lbp(a: &Plane, b: &Plane) -> f64 {
     all.iter().sum::<f64>() / all.len() as f64
 }
 
-fn histograms(plane: &Plane) -> Vec<Vec<f64>> {
+fn histograms(plane: &Channel) -> Vec<Vec<f64>> {
     let half = |side: usize| libm::rint(side as f64 * 0.5) as usize;
     let smaller = plane.smooth(1.0).resized(half(plane.width), half(plane.height));
     let scales = [plane, &smaller].into_iter();
@@ -44,7 +44,7 @@ struct Point {
 }
 
 impl Steps {
-    fn new(plane: &Plane) -> Self {
+    fn new(plane: &Channel) -> Self {
         let data = plane.data.iter().map(|v| f64::from((v.clamp(0.0, 1.0) * 255.0) as u8));
         Self { width: plane.width, height: plane.height, data: data.collect() }
     }
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn a_flat_picture_has_one_pattern_inside() {
-        let flat = Steps::new(&Plane::from_fn(20, 20, |_, _| 0.5));
+        let flat = Steps::new(&Channel::from_fn(20, 20, |_, _| 0.5));
         for (points, radius) in CIRCLES {
             let circle = Circle::new(points, radius);
             assert_eq!(flat.around(&circle, [10, 10]), points);
@@ -155,16 +155,16 @@ mod tests {
 
     #[test]
     fn an_edge_is_uniform_and_a_line_is_not() {
-        let pattern = |plane: Plane| Steps::new(&plane).around(&Circle::new(8, 1.0), [5, 5]);
-        assert_eq!(pattern(Plane::from_fn(11, 11, |x, _| if x < 6 { 0.8 } else { 0.2 })), 5);
-        assert_eq!(pattern(Plane::from_fn(11, 11, |x, y| ((x + y) % 2) as f32)), 8);
-        assert_eq!(pattern(Plane::from_fn(11, 11, |x, _| (x % 2) as f32)), 9);
+        let pattern = |plane: Channel| Steps::new(&plane).around(&Circle::new(8, 1.0), [5, 5]);
+        assert_eq!(pattern(Channel::from_fn(11, 11, |x, _| if x < 6 { 0.8 } else { 0.2 })), 5);
+        assert_eq!(pattern(Channel::from_fn(11, 11, |x, y| ((x + y) % 2) as f32)), 8);
+        assert_eq!(pattern(Channel::from_fn(11, 11, |x, _| (x % 2) as f32)), 9);
     }
 
     #[test]
     fn unlike_pictures_are_further_apart() {
         let wave =
-            |length: usize| Plane::from_fn(64, 64, |x, y| ((x * 3 + y) % length) as f32 / length as f32);
+            |length: usize| Channel::from_fn(64, 64, |x, y| ((x * 3 + y) % length) as f32 / length as f32);
         assert_eq!(lbp(&wave(9), &wave(9)), 0.0);
         assert!(lbp(&wave(9), &wave(23)) > 10.0 * lbp(&wave(23), &wave(24)));
     }

@@ -25,7 +25,7 @@ mod tests;
 mod transport;
 
 use image::RgbImage;
-use plane::Plane;
+use plane::Channel;
 use serde::Serialize;
 pub use structure::Spread;
 use vtex_base::error::{Error, Result, check};
@@ -116,8 +116,8 @@ pub fn compare(exemplar: &RgbImage, result: &RgbImage, progress: &dyn Progress) 
     }
     let step = |done: u64| advance(progress, "comparing", done, STEPS);
     step(0)?;
-    let (grey_a, grey_b) = (Plane::grey(exemplar), Plane::grey(result));
-    let (lab_a, lab_b) = (Plane::lab(exemplar), Plane::lab(result));
+    let (grey_a, grey_b) = (Channel::grey(exemplar), Channel::grey(result));
+    let (lab_a, lab_b) = (Channel::lab(exemplar), Channel::lab(result));
     let emd_rgb = colour::emd_rgb(exemplar, result);
     let emd_lab = colour::emd_lab(exemplar, result);
     step(1)?;

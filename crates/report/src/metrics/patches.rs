@@ -4,7 +4,7 @@
 //! Patches and directions come from random streams with a fixed seed. Other draws would give
 //! slightly different values; `docs/measurements/metrics.md` says by how much.
 
-use super::plane::{Plane, dot};
+use super::plane::{Channel, dot};
 use vtex_base::parallel;
 use vtex_base::sampling::{Stream, stream};
 
@@ -24,7 +24,7 @@ const SOUGHT: [usize; 2] = [1200, 5000];
 const STEPS: [usize; 2] = [2, 4];
 
 /// Three channels of the same size.
-pub(super) type Channels = [Plane; 3];
+pub(super) type Channels = [Channel; 3];
 
 /// Sliced Wasserstein distance between patches of the Laplacian pyramids, in standard deviations of
 /// the first picture's. One value per level, the finest first, for the levels large enough for a patch.
@@ -40,8 +40,8 @@ pub(super) fn swd(a: &Channels, b: &Channels) -> Vec<f64> {
 
 fn at_level(a: &Channels, b: &Channels, level: u64) -> f64 {
     let mut random = stream(0, "metrics/patches", level);
-    let mut a = Patches::draw(a, SIDE, PATCHES, &mut random);
-    let mut b = Patches::draw(b, SIDE, PATCHES, &mut random);
+    let mut a = PicturePatches::draw(a, SIDE, PATCHES, &mut random);
+    let mut b = PicturePatches::draw(b, SIDE, PATCHES, &mut random);
     for (channel, (mean, deviation)) in a.channels().into_iter().enumerate() {
         for patches in [&mut a, &mut b] {
             patches.scale(channel, mean, deviation + 0.004);
@@ -53,7 +53,7 @@ fn at_level(a: &Channels, b: &Channels, level: u64) -> f64 {
         let direction: Vec<f64> = (0..a.length).map(|_| random.normal()).collect();
         let length = libm::sqrt(direction.iter().map(|v| v * v).sum());
         let direction: Vec<f32> = direction.iter().map(|v| (v / length) as f32).collect();
-        let sorted = |patches: &Patches| {
+        let sorted = |patches: &PicturePatches| {
             let mut along: Vec<f32> = patches.iter().map(|p| dot(p, &direction)).collect();
             along.sort_unstable_by(f32::total_cmp);
             along
@@ -109,7 +109,7 @@ fn at_step(a: &Channels, b: &Channels, step: usize) -> Option<Completeness> {
         return None;
     }
     let mut random = stream(0, "metrics/patches", (LEVELS + step) as u64);
-    let mut draw = |p: &Channels, count: usize| Patches::draw(p, SOUGHT_SIDE, count, &mut random);
+    let mut draw = |p: &Channels, count: usize| PicturePatches::draw(p, SOUGHT_SIDE, count, &mut random);
     let (among_a, among_b) = (draw(&a, SOUGHT[1]), draw(&b, SOUGHT[1]));
     let (of_a, of_b) = (draw(&a, SOUGHT[0]), draw(&b, SOUGHT[0]));
     let own = of_a.mean_nearest(&among_a, true) + 1e-6;
@@ -120,7 +120,7 @@ fn at_step(a: &Channels, b: &Channels, step: usize) -> Option<Completeness> {
 }
 
 /// Patches of a picture, each a row of values, channel by channel.
-struct Patches {
+struct PicturePatches {
     data: Vec<f32>,
     /// Number of values in a patch.
     length: usize,
@@ -128,7 +128,7 @@ struct Patches {
     corners: Vec<[usize; 2]>,
 }
 
-impl Patches {
+impl PicturePatches {
     fn draw(channels: &Channels, side: usize, count: usize, random: &mut Stream) -> Self {
         let free = [channels[0].width, channels[0].height].map(|s| s - side + 1);
         let corners: Vec<[usize; 2]> = (0..count).map(|_| free.map(|n| random.index(n))).collect();
@@ -211,7 +211,7 @@ mod tests {
 
     fn channels(width: usize, height: usize, length: usize) -> Channels {
         [3, 5, 7].map(|step| {
-            Plane::from_fn(width, height, |x, y| ((x * step + y * 2) % length) as f32 / length as f32)
+            Channel::from_fn(width, height, |x, y| ((x * step + y * 2) % length) as f32 / length as f32)
         })
     }
 

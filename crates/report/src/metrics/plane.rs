@@ -5,13 +5,13 @@ use vtex_base::parallel;
 
 /// One channel, row by row.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Plane {
+pub(super) struct Channel {
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) data: Vec<f32>,
 }
 
-impl Plane {
+impl Channel {
     /// A plane whose values are `value(x, y)`.
     pub(super) fn from_fn(width: usize, height: usize, value: impl Fn(usize, usize) -> f32 + Sync) -> Self {
         let mut data = vec![0.0; width * height];
@@ -33,7 +33,7 @@ impl Plane {
 
     /// L, a and b of CIE Lab (D65, 2°), each divided by 100.
     pub(super) fn lab(image: &RgbImage) -> [Self; 3] {
-        let to_lab = super::colour::Lab::new();
+        let to_lab = super::colour::LabTable::new();
         let (width, height) = (image.width() as usize, image.height() as usize);
         let mut planes = [0, 1, 2].map(|_| vec![0.0; width * height]);
         for (i, pixel) in image.pixels().enumerate() {
@@ -178,18 +178,18 @@ mod tests {
 
     #[test]
     fn derivatives_of_a_slope_and_of_a_bowl() {
-        let slope = Plane::from_fn(60, 50, |x, y| x as f32 * 0.5 - y as f32 * 0.25);
-        let middle = |p: Plane| p.at(30, 25);
+        let slope = Channel::from_fn(60, 50, |x, y| x as f32 * 0.5 - y as f32 * 0.25);
+        let middle = |p: Channel| p.at(30, 25);
         assert!((middle(slope.derivative(2.0, [1, 0])) - 0.5).abs() < 1e-3);
         assert!((middle(slope.derivative(2.0, [0, 1])) + 0.25).abs() < 1e-3);
         assert!((middle(slope.smooth(2.0)) - slope.at(30, 25)).abs() < 1e-3);
-        let bowl = Plane::from_fn(60, 50, |x, _| (x * x) as f32 * 0.01);
+        let bowl = Channel::from_fn(60, 50, |x, _| (x * x) as f32 * 0.01);
         assert!((middle(bowl.derivative(2.0, [2, 0])) - 0.02).abs() < 1e-3);
     }
 
     #[test]
     fn resizing_keeps_corners_and_slopes() {
-        let slope = Plane::from_fn(9, 7, |x, y| (x + 2 * y) as f32);
+        let slope = Channel::from_fn(9, 7, |x, y| (x + 2 * y) as f32);
         for (w, h) in [(17, 13), (5, 4), (9, 7), (1, 1)] {
             let found = slope.resized(w, h);
             let last = if w > 1 { 8.0 + 12.0 } else { 0.0 };

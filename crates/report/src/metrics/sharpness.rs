@@ -1,10 +1,10 @@
 //! Sharpness: the variance of the Laplacian.
 
-use super::plane::Plane;
+use super::plane::Channel;
 
 /// Variance of the Laplacian (Pech-Pacheco and others 2000) of grey values from 0 to 255. The picture
 /// is mirrored at its borders.
-pub(super) fn lapvar(plane: &Plane) -> f64 {
+pub(super) fn lapvar(plane: &Channel) -> f64 {
     let (width, height) = (plane.width, plane.height);
     let (mut sum, mut squares) = (0.0, 0.0);
     for y in 0..height {
@@ -28,10 +28,10 @@ mod tests {
 
     #[test]
     fn smoothing_takes_sharpness_away() {
-        let board = Plane::from_fn(30, 20, |x, y| ((x + y) % 2) as f32);
+        let board = Channel::from_fn(30, 20, |x, y| ((x + y) % 2) as f32);
         // The Laplacian of a checkerboard is ±4 · 255 in its interior.
         assert!((lapvar(&board) / (1020.0 * 1020.0) - 1.0).abs() < 0.2);
         assert!(lapvar(&board.smooth(1.0)) < 0.01 * lapvar(&board));
-        assert_eq!(lapvar(&Plane::from_fn(9, 9, |_, _| 0.25)), 0.0);
+        assert_eq!(lapvar(&Channel::from_fn(9, 9, |_, _| 0.25)), 0.0);
     }
 }

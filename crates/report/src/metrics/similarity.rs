@@ -3,7 +3,7 @@
 //!
 //! Works badly for two textures that look the same but are not aligned: their values are near 0.
 
-use super::plane::{Plane, gaussian};
+use super::plane::{Channel, gaussian};
 
 /// Standard deviation of the Gaussian window, and its radius, in pixels.
 const WINDOW: (f64, usize) = (1.5, 5);
@@ -18,9 +18,9 @@ const MIDDLE: f32 = 128.0;
 
 /// SSIM and MS-SSIM of the common central part of both pictures, 0 to 1. MS-SSIM is `None` if a side
 /// is below 176 px.
-pub(super) fn ssim(a: &Plane, b: &Plane) -> (f64, Option<f64>) {
+pub(super) fn ssim(a: &Channel, b: &Channel) -> (f64, Option<f64>) {
     let (width, height) = (a.width.min(b.width), a.height.min(b.height));
-    let luma = |p: &Plane| {
+    let luma = |p: &Channel| {
         let middle = p.crop((p.width - width) / 2, (p.height - height) / 2, width, height);
         middle.map(|v| libm::rintf(v * 255.0))
     };
@@ -41,14 +41,14 @@ pub(super) fn ssim(a: &Plane, b: &Plane) -> (f64, Option<f64>) {
 }
 
 /// Mean similarity, and mean of its contrast–structure term alone; negative means count as 0.
-fn scale(a: &Plane, b: &Plane) -> (f64, f64) {
+fn scale(a: &Channel, b: &Channel) -> (f64, f64) {
     let (sigma, radius) = WINDOW;
     let bell = gaussian(sigma, 0);
     let middle = bell.len() / 2;
     let window = &bell[middle - radius..=middle + radius];
     let sum: f32 = window.iter().sum();
     let window: Vec<f32> = window.iter().map(|w| w / sum).collect();
-    let mean = |p: &Plane| {
+    let mean = |p: &Channel| {
         // Only where the window fits the picture.
         p.correlate(&window, &window).crop(radius, radius, p.width - 2 * radius, p.height - 2 * radius)
     };
@@ -70,13 +70,13 @@ fn scale(a: &Plane, b: &Plane) -> (f64, f64) {
 }
 
 /// Halves a plane by averaging 2 × 2 pixels. An odd side is padded by zeros at both ends.
-fn halved(plane: &Plane) -> Plane {
+fn halved(plane: &Channel) -> Channel {
     let at = |x: usize, y: usize| {
         // Coordinates in the padded plane.
         let inside = |v: usize, side: usize| v.checked_sub(side % 2).filter(|v| *v < side);
         inside(x, plane.width).zip(inside(y, plane.height)).map_or(0.0, |(x, y)| plane.at(x, y))
     };
-    Plane::from_fn(plane.width.div_ceil(2), plane.height.div_ceil(2), |x, y| {
+    Channel::from_fn(plane.width.div_ceil(2), plane.height.div_ceil(2), |x, y| {
         let (x, y) = (2 * x, 2 * y);
         (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0
     })
@@ -86,8 +86,8 @@ fn halved(plane: &Plane) -> Plane {
 mod tests {
     use super::*;
 
-    fn wave(width: usize, height: usize, phase: usize) -> Plane {
-        Plane::from_fn(width, height, |x, y| ((x * 5 + y * 3 + phase) % 17) as f32 / 17.0)
+    fn wave(width: usize, height: usize, phase: usize) -> Channel {
+        Channel::from_fn(width, height, |x, y| ((x * 5 + y * 3 + phase) % 17) as f32 / 17.0)
     }
 
     #[test]
@@ -109,9 +109,9 @@ mod tests {
 
     #[test]
     fn halving_takes_means() {
-        let even = halved(&Plane::from_fn(6, 4, |x, _| x as f32));
+        let even = halved(&Channel::from_fn(6, 4, |x, _| x as f32));
         assert_eq!((even.width, even.height, even.at(2, 1)), (3, 2, 4.5));
-        let odd = halved(&Plane::from_fn(5, 4, |_, _| 4.0));
+        let odd = halved(&Channel::from_fn(5, 4, |_, _| 4.0));
         assert_eq!((odd.width, odd.at(0, 0), odd.at(1, 0)), (3, 2.0, 4.0));
     }
 }

@@ -1,6 +1,6 @@
 //! Power spectra by frequency and direction, and repetition by autocorrelation.
 
-use super::plane::Plane;
+use super::plane::Channel;
 use rustfft::FftDirection;
 use std::f64::consts::PI;
 use vtex_base::fourier::Spectrum;
@@ -21,13 +21,13 @@ const LOCAL: f64 = 12.0;
 const SHORTEST: f64 = 12.0;
 
 /// Side of the windows on which two pictures are compared, in pixels.
-pub(super) fn window(a: &Plane, b: &Plane) -> usize {
+pub(super) fn window(a: &Channel, b: &Channel) -> usize {
     let smallest = a.width.min(a.height).min(b.width).min(b.height);
     (smallest.min(WINDOW[0]) / 16 * 16).max(WINDOW[1])
 }
 
 /// Root mean square differences of log power: over bands, and over bands split by direction.
-pub(super) fn psd(a: &Plane, b: &Plane, window: usize) -> [f64; 2] {
+pub(super) fn psd(a: &Channel, b: &Channel, window: usize) -> [f64; 2] {
     let (a, b) = (Power::new(a, window), Power::new(b, window));
     let rms = |a: &[Option<f64>], b: &[Option<f64>]| {
         let pairs = a.iter().zip(b).filter_map(|(a, b)| Some((*a)? - (*b)?));
@@ -45,7 +45,7 @@ struct Power {
 
 impl Power {
     /// Mean over windows of side `w`.
-    fn new(plane: &Plane, w: usize) -> Self {
+    fn new(plane: &Channel, w: usize) -> Self {
         let bell: Vec<f64> =
             (0..w).map(|i| 0.5 - 0.5 * libm::cos(2.0 * PI * i as f64 / (w - 1) as f64)).collect();
         let mut power = vec![0.0; w * w];
@@ -101,14 +101,14 @@ impl Power {
 
 /// Windows on an even grid; they overlap if the picture is small. A picture smaller than a window is
 /// mirrored.
-fn windows(plane: &Plane, w: usize) -> Vec<Plane> {
+fn windows(plane: &Channel, w: usize) -> Vec<Channel> {
     let mirrored = |i: usize, n: usize| {
         let i = i % (2 * (n - 1));
         if i < n { i } else { 2 * (n - 1) - i }
     };
     let (width, height) = (plane.width.max(w), plane.height.max(w));
     let plane =
-        Plane::from_fn(width, height, |x, y| plane.at(mirrored(x, plane.width), mirrored(y, plane.height)));
+        Channel::from_fn(width, height, |x, y| plane.at(mirrored(x, plane.width), mirrored(y, plane.height)));
     let starts = |side: usize| -> Vec<usize> {
         let free = (side - w) as f64;
         let count = (libm::ceil(free / (w as f64 / 2.0)) as usize + 1).min(WINDOWS);
@@ -123,7 +123,7 @@ fn windows(plane: &Plane, w: usize) -> Vec<Plane> {
 
 /// Largest normalised autocorrelation at lags beyond 12 px for which at least a quarter of the
 /// picture overlaps itself. 1 for an exactly repeating picture.
-pub(super) fn acf_peak(plane: &Plane) -> f64 {
+pub(super) fn acf_peak(plane: &Channel) -> f64 {
     let (width, height) = (plane.width, plane.height);
     let mean = plane.smooth(LOCAL);
     // Padding to twice the size avoids wrap-around.
@@ -155,19 +155,19 @@ mod tests {
     use super::*;
     use vtex_base::sampling::stream;
 
-    fn noise(side: usize) -> Plane {
+    fn noise(side: usize) -> Channel {
         let mut random = stream(1, "spectrum test", 0);
-        Plane { width: side, height: side, data: (0..side * side).map(|_| random.unit() as f32).collect() }
+        Channel { width: side, height: side, data: (0..side * side).map(|_| random.unit() as f32).collect() }
     }
 
     #[test]
     fn what_repeats_has_a_peak() {
         let tile = noise(40);
-        let repeated = Plane::from_fn(160, 150, |x, y| tile.at(x % 40, y % 40));
+        let repeated = Channel::from_fn(160, 150, |x, y| tile.at(x % 40, y % 40));
         assert!(acf_peak(&repeated) > 0.95);
         assert!(acf_peak(&noise(150)) < 0.1);
         // A flat picture does not repeat, and neither does its rounding noise.
-        assert!(acf_peak(&Plane::from_fn(64, 64, |_, _| 0.5)).abs() < 0.1);
+        assert!(acf_peak(&Channel::from_fn(64, 64, |_, _| 0.5)).abs() < 0.1);
     }
 
     #[test]

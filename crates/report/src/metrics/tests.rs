@@ -100,7 +100,7 @@ const CASES: [Case; 3] = [
 
 /// The measures of [`Case::exact`] and MS-SSIM.
 fn exact(a: &RgbImage, b: &RgbImage, window: usize) -> ([(&'static str, f64); 11], Option<f64>) {
-    let (x, y) = (Plane::grey(a), Plane::grey(b));
+    let (x, y) = (Channel::grey(a), Channel::grey(b));
     assert_eq!(spectrum::window(&x, &y), window);
     let [psd_radial, psd_2d] = spectrum::psd(&x, &y, window);
     let (ssim, ms_ssim) = similarity::ssim(&x, &y);
@@ -110,7 +110,7 @@ fn exact(a: &RgbImage, b: &RgbImage, window: usize) -> ([(&'static str, f64); 11
         ("psd_radial", psd_radial),
         ("psd_2d", psd_2d),
         ("lbp", local_patterns::lbp(&x, &y)),
-        ("fb_frechet", filter_bank::frechet(&Plane::lab(a), &Plane::lab(b))),
+        ("fb_frechet", filter_bank::frechet(&Channel::lab(a), &Channel::lab(b))),
         ("lapvar_exemplar", sharpness::lapvar(&x)),
         ("lapvar_result", sharpness::lapvar(&y)),
         ("acf_peak_exemplar", spectrum::acf_peak(&x)),
@@ -149,7 +149,7 @@ fn measures_are_those_of_another_program() {
 fn what_is_drawn_at_random_is_near() {
     // Other draws of the same measures: five standard deviations. Uses the smallest pair for speed.
     let case = &CASES[2];
-    let (a, b) = (Plane::lab(&part(case.exemplar)), Plane::lab(&part(case.result)));
+    let (a, b) = (Channel::lab(&part(case.exemplar)), Channel::lab(&part(case.result)));
     for (value, (mean, deviation)) in patches::swd(&a, &b).into_iter().zip(case.levels) {
         assert!((value - mean).abs() < 5.0 * deviation, "{value}, not {mean}");
     }
@@ -186,7 +186,7 @@ fn what_cannot_be_compared_is_refused() {
         .map(|[w, h]| RgbImage::from_fn(w, h, |x, y| image::Rgb([x as u8, y as u8, 7])));
     assert!(matches!(compare(&good, &small, &()), Err(Error::Unusable { .. })));
     assert!(matches!(compare(&huge, &good, &()), Err(Error::TooLarge { .. })));
-    assert!(matches!(compare(&good, &good, &vtex_testing::Stop), Err(Error::Interrupted)));
+    assert!(matches!(compare(&good, &good, &vtex_testing::StopAtOnce), Err(Error::Interrupted)));
     assert!(matches!(scaled(good.clone(), 0.0), Err(Error::Parameter { .. })));
     assert!(matches!(scaled(good.clone(), f64::NAN), Err(Error::Parameter { .. })));
     assert!(matches!(scaled(huge.clone(), 0.5), Err(Error::TooLarge { .. })));

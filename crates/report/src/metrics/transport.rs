@@ -26,12 +26,12 @@ pub(super) fn mean_cost<T: PartialEq>(a: &Heaps<T>, b: &Heaps<T>, distance: impl
         }
     }
     let cost = a.iter().map(|p| b.iter().map(|q| distance(&p.0, &q.0)).collect()).collect();
-    let mut network = Network::new(cost, supply, demand);
+    let mut network = FlowNetwork::new(cost, supply, demand);
     while network.augment() {}
     network.total() / (all_a as f64 * all_b as f64)
 }
 
-struct Network {
+struct FlowNetwork {
     cost: Vec<Vec<f64>>,
     flow: Vec<Vec<u64>>,
     supply: Vec<u64>,
@@ -40,7 +40,7 @@ struct Network {
     potential: Vec<f64>,
 }
 
-impl Network {
+impl FlowNetwork {
     fn new(cost: Vec<Vec<f64>>, supply: Vec<u64>, demand: Vec<u64>) -> Self {
         let flow = vec![vec![0; demand.len()]; supply.len()];
         let potential = vec![0.0; supply.len() + demand.len()];

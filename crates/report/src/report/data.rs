@@ -1,8 +1,8 @@
 //! The page's data for its script, as JSON: figures and names, without pictures.
 
 use super::Named;
-use super::distributions::{self, Distribution};
-use super::groups::Group;
+use super::distributions::{self, BinnedDistribution};
+use super::groups::ReportGroup;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ use vtex_scene::scene::{
 
 /// All data of the page.
 #[derive(Serialize)]
-pub(super) struct Data<'a> {
+pub(super) struct ReportData<'a> {
     /// Name and version of the program that wrote the page.
     pub(super) program: &'static str,
     pub(super) groups: Vec<GroupData<'a>>,
@@ -45,7 +45,7 @@ pub(super) struct GroupData<'a> {
     textons: Vec<TextonData>,
     /// Ids of the instances in each category, where the category's number alone is ambiguous.
     instances: BTreeMap<u32, Vec<InstanceId>>,
-    distributions: Vec<Distribution>,
+    distributions: Vec<BinnedDistribution>,
 }
 
 #[derive(Serialize)]
@@ -155,7 +155,7 @@ struct TextonData {
 }
 
 impl<'a> GroupData<'a> {
-    pub(super) fn new(group: &'a Group<'a>, scene: Option<&'a Scene>) -> Self {
+    pub(super) fn new(group: &'a ReportGroup<'a>, scene: Option<&'a Scene>) -> Self {
         let scene = scene.filter(|_| !group.references.is_empty());
         let mut placed = BTreeMap::new();
         for (source, _) in scene.iter().flat_map(|s| s.individuals()).filter_map(|i| own(group, scene, i)) {
@@ -194,7 +194,11 @@ impl<'a> GroupData<'a> {
 }
 
 /// Source and category of a scene's element, if it comes from the exemplar of the group.
-fn own(group: &Group<'_>, scene: Option<&Scene>, instance: &Instance) -> Option<(ElementId, CategoryId)> {
+fn own(
+    group: &ReportGroup<'_>,
+    scene: Option<&Scene>,
+    instance: &Instance,
+) -> Option<(ElementId, CategoryId)> {
     let element = scene?.element(instance);
     group.references.contains(&element.library).then_some((element.source?, element.category?))
 }
@@ -202,7 +206,7 @@ fn own(group: &Group<'_>, scene: Option<&Scene>, instance: &Instance) -> Option<
 fn of_library(library: &Library, placed: impl Fn(ElementId) -> usize) -> Vec<TextonData> {
     // In a reconstruction, secondaries come first.
     let first = library.secondaries().len() as u32;
-    let texton = |(i, p): (usize, &vtex_scene::library::Element)| TextonData {
+    let texton = |(i, p): (usize, &vtex_scene::library::ExemplarElement)| TextonData {
         source: ElementId::after(i),
         id: first + i as u32,
         category: p.category.unwrap_or_default(),
@@ -215,7 +219,7 @@ fn of_library(library: &Library, placed: impl Fn(ElementId) -> usize) -> Vec<Tex
     library.primaries().iter().enumerate().map(texton).collect()
 }
 
-fn of_scene(group: &Group<'_>, scene: &Scene, placed: impl Fn(ElementId) -> usize) -> Vec<TextonData> {
+fn of_scene(group: &ReportGroup<'_>, scene: &Scene, placed: impl Fn(ElementId) -> usize) -> Vec<TextonData> {
     let texton = |i: usize| {
         let element = &scene.elements[i];
         let source = element.source.unwrap_or_default();
@@ -249,7 +253,11 @@ fn sides(r: Rect) -> [f64; 4] {
 }
 
 /// All categories of the library and of the scene, in order.
-fn categories<'a>(group: &Group<'a>, scene: Option<&Scene>, textons: &[TextonData]) -> Vec<CategoryData> {
+fn categories<'a>(
+    group: &ReportGroup<'a>,
+    scene: Option<&Scene>,
+    textons: &[TextonData],
+) -> Vec<CategoryData> {
     let mut found: BTreeMap<CategoryId, CategoryData> = BTreeMap::new();
     let of_library = |l: &'a Library| l.categories.iter().zip(l.category_names()).enumerate();
     for (i, (category, name)) in group.library.iter().flat_map(|l| of_library(&l.content)) {
@@ -291,7 +299,7 @@ fn categories<'a>(group: &Group<'a>, scene: Option<&Scene>, textons: &[TextonDat
 }
 
 /// A category that no library describes.
-fn look(group: &Group<'_>, scene: &Scene, id: CategoryId) -> CategoryData {
+fn look(group: &ReportGroup<'_>, scene: &Scene, id: CategoryId) -> CategoryData {
     let (mut sum, mut area, mut count) = ([0.0; 3], 0.0, 0.0);
     for instance in scene.individuals() {
         if own(group, Some(scene), instance).is_some_and(|(_, category)| category == id) {

@@ -1,11 +1,11 @@
 //! Distributions of sizes and distances in the exemplar and in the result.
 
-use super::groups::Group;
+use super::groups::ReportGroup;
 use super::neighbours::nearest;
 use serde::Serialize;
 use vtex_scene::library::Library;
 use vtex_scene::scene::{CategoryId, Instance, LibraryId, Role, Scene};
-use vtex_scene::statistics::{Correlation, Layout, largest_categories, neighbour_distance};
+use vtex_scene::statistics::{Layout, PairCorrelations, largest_categories, neighbour_distance};
 
 /// Largest number of bins in a histogram.
 const BINS: usize = 24;
@@ -16,7 +16,7 @@ const CATEGORIES: usize = 5;
 
 /// A binned distribution of the exemplar, of the result, or of both.
 #[derive(Debug, PartialEq, Serialize)]
-pub(super) struct Distribution {
+pub(super) struct BinnedDistribution {
     /// Title of the diagram.
     title: String,
     /// Numbers of the two categories of a pair correlation; `None` for other distributions.
@@ -45,7 +45,7 @@ pub(super) struct Distribution {
 type Sample = Vec<(f64, f64)>;
 
 /// All distributions of a group that are not empty.
-pub(super) fn all(group: &Group<'_>, scene: Option<&Scene>) -> Vec<Distribution> {
+pub(super) fn all(group: &ReportGroup<'_>, scene: Option<&Scene>) -> Vec<BinnedDistribution> {
     let library = group.library.map(|l| &l.content);
     let scene = scene.filter(|_| !group.references.is_empty());
     let layouts = [library.map(Layout::of_library), scene.map(|s| layout(s, &group.references))];
@@ -95,7 +95,7 @@ fn histogram(
     x: &'static str,
     samples: [Option<Sample>; 2],
     logarithmic: bool,
-) -> Option<Distribution> {
+) -> Option<BinnedDistribution> {
     let value = |v: f64| if logarithmic { libm::log2(v) } else { v };
     let samples = samples.map(|s| {
         s.map(|s| {
@@ -124,7 +124,7 @@ fn histogram(
     };
     let edge = |k: usize| (from + k as f64) * step;
     let [exemplar, result] = samples.map(|s| s.map(shares));
-    Some(Distribution {
+    Some(BinnedDistribution {
         title: title.into(),
         categories: None,
         x,
@@ -151,7 +151,7 @@ fn step(least: f64, logarithmic: bool) -> f64 {
 }
 
 /// Pair correlations: of all primaries, then within and between the largest categories.
-fn pairs(library: Option<&Library>, layouts: &[Option<Layout>; 2]) -> Vec<Distribution> {
+fn pairs(library: Option<&Library>, layouts: &[Option<Layout>; 2]) -> Vec<BinnedDistribution> {
     let unit = match (library, &layouts[1]) {
         (Some(library), _) => neighbour_distance(library),
         // Distance of neighbours on a square lattice of the same density.
@@ -187,12 +187,12 @@ fn frequent(layout: Option<&Layout>) -> Vec<CategoryId> {
     order.into_iter().take(CATEGORIES).map(|(category, _)| category).collect()
 }
 
-fn curves(layouts: &[Option<Layout>; 2], categories: &[CategoryId], unit: f64) -> Vec<Distribution> {
+fn curves(layouts: &[Option<Layout>; 2], categories: &[CategoryId], unit: f64) -> Vec<BinnedDistribution> {
     let [exemplar, result] = layouts
         .each_ref()
-        .map(|l| l.as_ref().map(|l| Correlation::new(l, LibraryId::default(), categories, unit).curves));
+        .map(|l| l.as_ref().map(|l| PairCorrelations::new(l, LibraryId::default(), categories, unit).curves));
     let count = exemplar.as_ref().or(result.as_ref()).map_or(0, Vec::len);
-    let values = |curves: &Option<Vec<vtex_scene::statistics::Curve>>, i: usize| {
+    let values = |curves: &Option<Vec<vtex_scene::statistics::CorrelationCurve>>, i: usize| {
         let known = curves.as_ref()?[i].values();
         Some(known.into_iter().map(|g| g.map(rounded)).collect::<Vec<_>>())
     };
@@ -205,8 +205,8 @@ fn curves(layouts: &[Option<Layout>; 2], categories: &[CategoryId], unit: f64) -
         if bins == 0 || (nothing(&mine) && nothing(&theirs)) {
             continue;
         }
-        let width = Correlation::REACH * unit / bins as f64;
-        found.push(Distribution {
+        let width = PairCorrelations::REACH * unit / bins as f64;
+        found.push(BinnedDistribution {
             title: pair.map_or(String::new(), |[a, b]| format!("Category {a} around {b}")),
             categories: pair.map(|pair| pair.map(CategoryId::number)),
             x: "distance, px",

@@ -6,7 +6,7 @@ use vtex_scene::reconstruct::reconstruct;
 use vtex_scene::scene::{ElementId, Field, Instance, InstanceId, Layer, LibraryId, LibraryRef, Role, Scene};
 
 /// One exemplar with its library, the part of the scene made from it, or both.
-pub(super) struct Group<'a> {
+pub(super) struct ReportGroup<'a> {
     /// The photograph.
     pub(super) exemplar: LibraryRef,
     /// The library, if the report has it.
@@ -27,7 +27,7 @@ pub fn exemplars(libraries: &[Named<Library>], scene: Option<&Named<Scene>>) -> 
     found
 }
 
-impl<'a> Group<'a> {
+impl<'a> ReportGroup<'a> {
     /// One group for each library, then one for each exemplar of the scene without a library.
     pub(super) fn all(subject: &Subject<'a>) -> Vec<Self> {
         let of_library = |l: &'a Named<Library>| Self {

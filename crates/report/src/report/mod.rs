@@ -19,8 +19,8 @@ mod photo;
 pub use groups::exemplars;
 pub use photo::Photo;
 
-use groups::Group;
-use page::{Embedded, Page};
+use groups::ReportGroup;
+use page::{Embedded, ReportPage};
 use std::io::Write;
 use std::path::Path;
 use vtex_base::document::Document;
@@ -61,7 +61,7 @@ pub struct Subject<'a> {
 pub fn write(subject: &Subject<'_>, mut out: impl Write) -> Result<Vec<String>> {
     subject.libraries.iter().try_for_each(check)?;
     subject.scene.map_or(Ok(()), check)?;
-    let groups = Group::all(subject);
+    let groups = ReportGroup::all(subject);
     let mut files = Vec::new();
     let mut described = Vec::new();
     for (number, group) in groups.iter().enumerate() {
@@ -91,9 +91,9 @@ pub fn write(subject: &Subject<'_>, mut out: impl Write) -> Result<Vec<String>> 
         }
         None => None,
     };
-    let data = data::Data { program: vtex_base::PROGRAM, groups: described, scene };
+    let data = data::ReportData { program: vtex_base::PROGRAM, groups: described, scene };
     let json = serde_json::to_string(&data).map_err(|e| Error::write(Path::new("-"), e.into()))?;
-    let page = Page { title: title(subject, &groups), json, files };
+    let page = ReportPage { title: title(subject, &groups), json, files };
     page.write(&mut out).map_err(|e| Error::write(Path::new("-"), e))?;
     Ok(photo::strangers(&groups, subject.photos))
 }
@@ -113,7 +113,7 @@ fn picture(id: String, scene: &Scene) -> Result<Embedded<'static>> {
 }
 
 /// The title of the page, from the names of the photographs.
-fn title(subject: &Subject<'_>, groups: &[Group<'_>]) -> String {
+fn title(subject: &Subject<'_>, groups: &[ReportGroup<'_>]) -> String {
     let names: Vec<&str> = groups.iter().map(|g| g.exemplar.exemplar.as_str()).collect();
     match (subject.scene.is_some(), names.is_empty()) {
         (true, true) => "Texture".into(),

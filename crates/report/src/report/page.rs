@@ -36,14 +36,14 @@ pub(super) struct Embedded<'a> {
 }
 
 /// The contents of a page.
-pub(super) struct Page<'a> {
+pub(super) struct ReportPage<'a> {
     pub(super) title: String,
     /// Data for the script.
     pub(super) json: String,
     pub(super) files: Vec<Embedded<'a>>,
 }
 
-impl Page<'_> {
+impl ReportPage<'_> {
     /// Writes the page.
     pub(super) fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let program = vtex_base::PROGRAM.strip_prefix("vtex ").unwrap_or_default();
@@ -119,7 +119,7 @@ mod tests {
         #[test]
         fn any_data_comes_back(words in proptest::collection::vec("\\PC*|[<>&\"'\\\\/!\u{0}\u{7f}-\u{9f}\u{2028}\u{fffe}-]*", 1..4)) {
             let json = serde_json::to_string(&words).unwrap();
-            let page = Page { title: words.concat(), json, files: Vec::new() };
+            let page = ReportPage { title: words.concat(), json, files: Vec::new() };
             let mut bytes = Vec::new();
             page.write(&mut bytes).unwrap();
             let page = String::from_utf8(bytes).unwrap();

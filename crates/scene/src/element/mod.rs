@@ -1,7 +1,7 @@
 //! Elements: what libraries and scenes are made of, a texton of a photograph or a motif of a drawing.
 //!
 //! An element is a list of shapes in painting order. Libraries and scenes share the shapes; what they
-//! know of an element besides differs ([`crate::library::Element`], [`crate::scene::Element`]).
+//! know of an element besides differs ([`crate::library::ExemplarElement`], [`crate::scene::Element`]).
 
 mod appearance;
 mod gaussian;
@@ -110,9 +110,9 @@ impl Role {
 /// Reads the shapes of an element. Most elements have one, and a list that grows step by step would take
 /// room for four.
 pub(crate) fn deserialize_shapes<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Shape>, D::Error> {
-    struct Shapes;
+    struct ShapesVisitor;
 
-    impl<'de> Visitor<'de> for Shapes {
+    impl<'de> Visitor<'de> for ShapesVisitor {
         type Value = Vec<Shape>;
 
         fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -128,7 +128,7 @@ pub(crate) fn deserialize_shapes<'de, D: Deserializer<'de>>(deserializer: D) -> 
         }
     }
 
-    deserializer.deserialize_seq(Shapes)
+    deserializer.deserialize_seq(ShapesVisitor)
 }
 
 /// Bounding box of shapes; empty at the origin if there are none.

@@ -14,8 +14,8 @@ use vtex_base::raster::colour::Colour;
 /// it is read, so that whatever looks at shapes sees outlines only.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(try_from = "Stored")]
-#[cfg_attr(feature = "schema", schemars(with = "Stored"))]
+#[serde(try_from = "StoredShape")]
+#[cfg_attr(feature = "schema", schemars(with = "StoredShape"))]
 pub struct Shape {
     /// Its outline, in the coordinates of the element.
     pub outline: Outline,
@@ -34,7 +34,7 @@ pub struct Shape {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(rename = "Shape"))]
 #[serde(deny_unknown_fields)]
-struct Stored {
+struct StoredShape {
     /// A filled outline, in the coordinates of the element.
     #[serde(default)]
     outline: Option<Outline>,
@@ -55,11 +55,11 @@ fn opaque() -> f64 {
     1.0
 }
 
-impl TryFrom<Stored> for Shape {
+impl TryFrom<StoredShape> for Shape {
     type Error = String;
 
-    fn try_from(stored: Stored) -> Result<Self, String> {
-        let Stored { outline, line, colour, gradient, opacity } = stored;
+    fn try_from(stored: StoredShape) -> Result<Self, String> {
+        let StoredShape { outline, line, colour, gradient, opacity } = stored;
         let outline = match (outline, &line) {
             (Some(outline), None) => outline,
             (None, Some(line)) => match line.fault() {

@@ -8,15 +8,15 @@ use vtex_base::raster::colour::Colour;
 /// A detail of an element.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Detail {
+pub(crate) struct Version1Detail {
     outline: Outline,
     colour: Colour,
     #[serde(default)]
     gradient: Option<Box<Gradient>>,
 }
 
-impl From<Detail> for Shape {
-    fn from(old: Detail) -> Self {
+impl From<Version1Detail> for Shape {
+    fn from(old: Version1Detail) -> Self {
         Self { gradient: old.gradient, ..Self::new(old.outline, old.colour) }
     }
 }
@@ -26,7 +26,7 @@ pub(crate) fn shapes(
     outline: Outline,
     colour: Colour,
     gradient: Option<Box<Gradient>>,
-    details: Vec<Detail>,
+    details: Vec<Version1Detail>,
 ) -> Vec<Shape> {
     let base = Shape { gradient, ..Shape::new(outline, colour) };
     std::iter::once(base).chain(details.into_iter().map(Shape::from)).collect()

@@ -14,14 +14,14 @@ const SMALLEST: f32 = 0.8;
 const FARTHEST: f64 = 0.75;
 
 /// Correlation of a picture with itself, by lag.
-pub(super) struct Correlation {
+pub(super) struct Autocorrelation {
     /// Longest lag along each axis, in pixels.
     pub(super) reach: [i32; 2],
     /// Rows from lag 0 down, columns from the longest lag to the left on.
     values: Vec<f32>,
 }
 
-impl Correlation {
+impl Autocorrelation {
     /// Correlates a picture's lightness and the main axis of its chroma, in Oklab.
     pub(super) fn new(image: &RgbImage) -> Self {
         let [l, a, b] = oklab_planes(image, 1);

@@ -6,7 +6,7 @@
 //! has no period. Vectors are fitted to all peaks at their multiples. A drawing that is one period is
 //! repeated first.
 
-use super::correlation::Correlation;
+use super::correlation::Autocorrelation;
 use super::{LEAST_SINE, Lattice, cross, dot};
 use image::RgbImage;
 use vtex_base::raster::{Filter, resized};
@@ -59,7 +59,7 @@ pub(crate) fn find(picture: &RgbImage, repeated: bool) -> Option<Lattice> {
     let reduced =
         if factor > 1.0 { resized(picture, size[0], size[1], Filter::Triangle) } else { picture.clone() };
     let scale = [f64::from(width) / f64::from(size[0]), f64::from(height) / f64::from(size[1])];
-    let correlation = Correlation::new(&reduced);
+    let correlation = Autocorrelation::new(&reduced);
     let found = lattice(&correlation)?;
     // Hundredths are exact enough, and hide how the last digits of a transform fall.
     let round = |v: f64| libm::round(v * 100.0) / 100.0 + 0.0;
@@ -71,7 +71,7 @@ pub(crate) fn find(picture: &RgbImage, repeated: bool) -> Option<Lattice> {
 }
 
 /// The lattice of a correlation, in its pixels.
-fn lattice(correlation: &Correlation) -> Option<Lattice> {
+fn lattice(correlation: &Autocorrelation) -> Option<Lattice> {
     let vectors = match free_axis(correlation) {
         Some(axis) => vec![across(correlation, axis)?],
         None => {
@@ -91,7 +91,7 @@ fn lattice(correlation: &Correlation) -> Option<Lattice> {
 }
 
 /// The direction along which the picture stays the same, a unit vector.
-fn free_axis(correlation: &Correlation) -> Option<[f64; 2]> {
+fn free_axis(correlation: &Autocorrelation) -> Option<[f64; 2]> {
     let far = 0.7 * f64::from(correlation.reach[0].min(correlation.reach[1]));
     let lowest = |degrees: i32| {
         let (sine, cosine) = libm::sincos(f64::from(degrees).to_radians());
@@ -105,7 +105,7 @@ fn free_axis(correlation: &Correlation) -> Option<[f64; 2]> {
 }
 
 /// The period across a free axis.
-fn across(correlation: &Correlation, axis: [f64; 2]) -> Option<[f64; 2]> {
+fn across(correlation: &Autocorrelation, axis: [f64; 2]) -> Option<[f64; 2]> {
     let normal = [-axis[1], axis[0]];
     let profile = |t: f64| correlation.between(normal.map(|c| c * t));
     let most = (0..).map(f64::from).take_while(|&t| profile(t).is_some()).last()?;
@@ -132,7 +132,7 @@ fn across(correlation: &Correlation, axis: [f64; 2]) -> Option<[f64; 2]> {
 }
 
 /// The peaks of a half plane of lags.
-fn peaks(correlation: &Correlation) -> Vec<Peak> {
+fn peaks(correlation: &Autocorrelation) -> Vec<Peak> {
     let [rx, ry] = correlation.reach;
     let mut peaks = Vec::new();
     for y in 0..=ry - 2 {
@@ -170,7 +170,7 @@ fn shortest(peaks: &[Peak], counts: impl Fn(&Peak) -> bool) -> Option<Peak> {
 }
 
 /// Whether the double of a peak is a peak too.
-fn has_double(correlation: &Correlation, peak: &Peak) -> bool {
+fn has_double(correlation: &Autocorrelation, peak: &Peak) -> bool {
     let radius = (0.06 * length(peak.at)).clamp(2.0, 8.0) as i32;
     let double = correlation.peak_near(peak.at.map(|c| 2.0 * c), radius);
     let between = correlation.between(peak.at.map(|c| 1.5 * c)).unwrap_or(1.0);
@@ -180,7 +180,7 @@ fn has_double(correlation: &Correlation, peak: &Peak) -> bool {
 
 /// Whether two peaks of nearly the same height, one of them high, are periods because their sum and their difference are
 /// peaks too.
-fn has_sum(correlation: &Correlation, p: &Peak, q: &Peak) -> bool {
+fn has_sum(correlation: &Autocorrelation, p: &Peak, q: &Peak) -> bool {
     let low = p.height.min(q.height);
     let beside = cross(p.at, q.at).abs() > 0.5 * length(p.at) * length(q.at);
     let is_peak = |sign: f64| {
@@ -193,7 +193,7 @@ fn has_sum(correlation: &Correlation, p: &Peak, q: &Peak) -> bool {
 
 /// The lattice of least squares through the peaks near the multiples of vectors; `None` if most of these are
 /// no peaks.
-fn fitted(correlation: &Correlation, vectors: Vec<[f64; 2]>) -> Option<Lattice> {
+fn fitted(correlation: &Autocorrelation, vectors: Vec<[f64; 2]>) -> Option<Lattice> {
     let mut vectors = reduced(vectors);
     let heights = |vectors: &[[f64; 2]]| {
         let of = |v: &[f64; 2]| {

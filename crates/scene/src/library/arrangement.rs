@@ -37,13 +37,13 @@ pub struct Arrangement {
 /// Reads field by field, so that a short file cannot expand to more runs than the map has room for.
 impl<'de> Deserialize<'de> for Arrangement {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(Fields)
+        deserializer.deserialize_map(ArrangementVisitor)
     }
 }
 
-struct Fields;
+struct ArrangementVisitor;
 
-impl<'de> Visitor<'de> for Fields {
+impl<'de> Visitor<'de> for ArrangementVisitor {
     type Value = Arrangement;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -62,7 +62,7 @@ impl<'de> Visitor<'de> for Fields {
                     // If the size comes later, the largest size applies.
                     let [w, h] =
                         [width, height].map(|v| v.unwrap_or(LARGEST_SIDE).min(LARGEST_SIDE) as usize);
-                    runs = Some(fields.next_value_seed(Runs { most: 2 * w * h })?);
+                    runs = Some(fields.next_value_seed(RunsVisitor { most: 2 * w * h })?);
                 }
                 "width" | "height" | "periodic" | "runs" => {
                     return Err(A::Error::custom(format!("duplicate field `{name}`")));
@@ -83,11 +83,11 @@ impl<'de> Visitor<'de> for Fields {
 }
 
 /// The runs of a map, limited to `most` numbers.
-struct Runs {
+struct RunsVisitor {
     most: usize,
 }
 
-impl<'de> DeserializeSeed<'de> for Runs {
+impl<'de> DeserializeSeed<'de> for RunsVisitor {
     type Value = Vec<u32>;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Vec<u32>, D::Error> {
@@ -95,7 +95,7 @@ impl<'de> DeserializeSeed<'de> for Runs {
     }
 }
 
-impl<'de> Visitor<'de> for Runs {
+impl<'de> Visitor<'de> for RunsVisitor {
     type Value = Vec<u32>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

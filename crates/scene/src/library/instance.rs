@@ -12,8 +12,8 @@ use vtex_base::geometry::Affine;
 /// its index alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[cfg_attr(feature = "schema", schemars(with = "Stored"))]
-pub struct Instance {
+#[cfg_attr(feature = "schema", schemars(with = "StoredInstance"))]
+pub struct ExemplarInstance {
     /// Index in [`Library::elements`](super::Library::elements).
     pub element: ElementId,
     /// Coefficients a b c d e f of the affine map from the element to its place: x' = ax + cy + e,
@@ -24,19 +24,19 @@ pub struct Instance {
 /// An instance as files hold it.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[cfg_attr(feature = "schema", schemars(rename = "Instance"))]
+#[cfg_attr(feature = "schema", schemars(rename = "ExemplarInstance"))]
 #[serde(untagged)]
-enum Stored {
+enum StoredInstance {
     /// Index of an element that stands where its shapes say.
     Plain(ElementId),
     /// An element at another place.
-    Placed(Placed),
+    Placed(PlacedInstance),
 }
 
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
-struct Placed {
+struct PlacedInstance {
     /// Index of the element.
     element: ElementId,
     /// Coefficients a b c d e f of the affine map from the element to its place: x' = ax + cy + e,
@@ -49,48 +49,52 @@ fn identity() -> [f64; 6] {
     Affine::IDENTITY.as_coeffs()
 }
 
-impl Instance {
+impl ExemplarInstance {
     /// An element where its shapes say.
     pub fn of(element: ElementId) -> Self {
         Self { element, transform: identity() }
     }
 }
 
-impl Serialize for Instance {
+impl Serialize for ExemplarInstance {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Self { element, transform } = *self;
         let plain = transform == identity();
-        let stored =
-            if plain { Stored::Plain(element) } else { Stored::Placed(Placed { element, transform }) };
+        let stored = if plain {
+            StoredInstance::Plain(element)
+        } else {
+            StoredInstance::Placed(PlacedInstance { element, transform })
+        };
         stored.serialize(serializer)
     }
 }
 
-impl<'de> Deserialize<'de> for Instance {
+impl<'de> Deserialize<'de> for ExemplarInstance {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(Reader)
+        deserializer.deserialize_any(InstanceVisitor)
     }
 }
 
 /// Reads either form without intermediate storage, because libraries hold tens of thousands of instances.
-struct Reader;
+struct InstanceVisitor;
 
-impl<'de> Visitor<'de> for Reader {
-    type Value = Instance;
+impl<'de> Visitor<'de> for InstanceVisitor {
+    type Value = ExemplarInstance;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("the index of an element, or an element and a transform")
     }
 
-    fn visit_u64<E: Error>(self, index: u64) -> Result<Instance, E> {
+    fn visit_u64<E: Error>(self, index: u64) -> Result<ExemplarInstance, E> {
         let index =
             u32::try_from(index).map_err(|_| E::custom(format_args!("there is no element {index}")))?;
-        Ok(Instance::of(ElementId(index)))
+        Ok(ExemplarInstance::of(ElementId(index)))
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Instance, A::Error> {
-        let Placed { element, transform } = Placed::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(Instance { element, transform })
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ExemplarInstance, A::Error> {
+        let PlacedInstance { element, transform } =
+            PlacedInstance::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(ExemplarInstance { element, transform })
     }
 }
 
@@ -100,15 +104,18 @@ mod tests {
 
     #[test]
     fn an_element_in_its_place_is_its_index() {
-        let moved = Instance { transform: [1.0, 0.0, 0.0, 1.0, 3.5, 0.0], ..Instance::of(ElementId(2)) };
-        let both = vec![Instance::of(ElementId(7)), moved];
+        let moved = ExemplarInstance {
+            transform: [1.0, 0.0, 0.0, 1.0, 3.5, 0.0],
+            ..ExemplarInstance::of(ElementId(2))
+        };
+        let both = vec![ExemplarInstance::of(ElementId(7)), moved];
         let json = serde_json::to_string(&both).unwrap();
         assert_eq!(json, r#"[7,{"element":2,"transform":[1.0,0.0,0.0,1.0,3.5,0.0]}]"#);
-        assert_eq!(serde_json::from_str::<Vec<Instance>>(&json).unwrap(), both);
+        assert_eq!(serde_json::from_str::<Vec<ExemplarInstance>>(&json).unwrap(), both);
         let spelled = r#"{"element":7}"#;
-        assert_eq!(serde_json::from_str::<Instance>(spelled).unwrap(), both[0]);
+        assert_eq!(serde_json::from_str::<ExemplarInstance>(spelled).unwrap(), both[0]);
         for wrong in ["-1", "4294967296", r#"{"element":1,"turn":3}"#, "[]", r#""7""#] {
-            assert!(serde_json::from_str::<Instance>(wrong).is_err(), "{wrong}");
+            assert!(serde_json::from_str::<ExemplarInstance>(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -11,8 +11,8 @@ pub(super) fn serialize<S: Serializer>(count: &u32, serializer: S) -> Result<S::
 
 /// Reads `auto` as 0 and `off` as 1.
 pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
-    struct Either;
-    impl Visitor<'_> for Either {
+    struct LayerCountVisitor;
+    impl Visitor<'_> for LayerCountVisitor {
         type Value = u32;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -35,7 +35,7 @@ pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
             }
         }
     }
-    deserializer.deserialize_any(Either)
+    deserializer.deserialize_any(LayerCountVisitor)
 }
 
 /// The schema of such a number.

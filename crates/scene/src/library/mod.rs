@@ -17,7 +17,7 @@ mod version1;
 pub use arrangement::Arrangement;
 pub use categories::Categories;
 pub use guide::{Guide, Picture};
-pub use instance::Instance;
+pub use instance::ExemplarInstance;
 pub use parameters::{AnalyzeParams, Grouping, Shading};
 pub use strata::Stratum;
 
@@ -54,9 +54,9 @@ pub struct Library {
     /// The exemplar, and how it was analysed.
     pub source: Source,
     /// The elements: primaries, which have a category, before secondaries, which have none.
-    pub elements: Vec<Element>,
+    pub elements: Vec<ExemplarElement>,
     /// The layers of the exemplar, in painting order: what lies where.
-    pub layers: Vec<Layer>,
+    pub layers: Vec<ExemplarLayer>,
     /// Clusters of primaries that look alike.
     pub categories: Vec<Category>,
     /// Share of the exemplar covered by primaries, 0 to 1.
@@ -111,8 +111,8 @@ pub struct Source {
     /// Name and version of the program that made the library.
     pub program: String,
     /// Reason for the number of strata: a clause without a full stop. `None` if nothing was decided.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub layers: Option<String>,
+    #[serde(default, rename = "layers", skip_serializing_if = "Option::is_none")]
+    pub strata_reason: Option<String>,
     /// Warnings of the analysis, one sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
@@ -130,7 +130,7 @@ fn is_same_scale(scale: &[f64; 2]) -> bool {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct Element {
+pub struct ExemplarElement {
     /// Category of similar primaries; `None` for a secondary.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub category: Option<CategoryId>,
@@ -161,7 +161,7 @@ pub struct Element {
     pub shapes: Vec<Shape>,
 }
 
-impl Element {
+impl ExemplarElement {
     /// The outline of the whole: its silhouette, or the outline of its first shape.
     pub fn outline(&self) -> &Outline {
         element::outline(self.silhouette.as_ref(), &self.shapes)
@@ -187,7 +187,7 @@ impl Element {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct Layer {
+pub struct ExemplarLayer {
     /// Its name, unique within the library. Not empty.
     pub name: String,
     /// What its elements are to the texture.
@@ -206,10 +206,10 @@ pub struct Layer {
     pub spacing: Option<f64>,
     /// What stands where, in painting order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub instances: Vec<Instance>,
+    pub instances: Vec<ExemplarInstance>,
 }
 
-impl Layer {
+impl ExemplarLayer {
     /// A layer named after its role, with nothing in it.
     pub fn new(role: Role) -> Self {
         let name = role.name().into();
@@ -262,12 +262,12 @@ impl Library {
 
     /// The primaries: large distinct elements, each with a category. Their order is that of the labels
     /// of the arrangement.
-    pub fn primaries(&self) -> &[Element] {
+    pub fn primaries(&self) -> &[ExemplarElement] {
         &self.elements[..self.primary_count()]
     }
 
     /// The secondaries: small elements between the primaries.
-    pub fn secondaries(&self) -> &[Element] {
+    pub fn secondaries(&self) -> &[ExemplarElement] {
         &self.elements[self.primary_count()..]
     }
 
@@ -286,17 +286,17 @@ impl Library {
     }
 
     /// The three layers of a homogeneous photograph, whose elements stand where their shapes say.
-    pub fn three_layers(elements: &[Element], background: Field, spacing: f64) -> Vec<Layer> {
+    pub fn three_layers(elements: &[ExemplarElement], background: Field, spacing: f64) -> Vec<ExemplarLayer> {
         let primaries = elements.partition_point(|e| e.category.is_some());
-        let of = |range: Range<usize>| range.map(|i| Instance::of(ElementId::after(i))).collect();
+        let of = |range: Range<usize>| range.map(|i| ExemplarInstance::of(ElementId::after(i))).collect();
         vec![
-            Layer { field: Some(background), ..Layer::new(Role::Background) },
-            Layer {
+            ExemplarLayer { field: Some(background), ..ExemplarLayer::new(Role::Background) },
+            ExemplarLayer {
                 spacing: Some(spacing),
                 instances: of(primaries..elements.len()),
-                ..Layer::new(Role::Secondary)
+                ..ExemplarLayer::new(Role::Secondary)
             },
-            Layer { instances: of(0..primaries), ..Layer::new(Role::Primary) },
+            ExemplarLayer { instances: of(0..primaries), ..ExemplarLayer::new(Role::Primary) },
         ]
     }
 
@@ -329,7 +329,7 @@ impl Document for Library {
 
     fn read_older(version: u64, json: &[u8]) -> Option<serde_json::Result<Self>> {
         (version == 1).then(|| -> serde_json::Result<Self> {
-            let old: version1::Version1 = serde_json::from_slice(json)?;
+            let old: version1::LibraryVersion1 = serde_json::from_slice(json)?;
             Self::try_from(old).map_err(serde::de::Error::custom)
         })
     }

@@ -11,8 +11,8 @@ pub(super) fn serialize<S: Serializer>(limit: &u32, serializer: S) -> Result<S::
 
 /// Reads `off` as 0.
 pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
-    struct Either;
-    impl Visitor<'_> for Either {
+    struct PixelLimitVisitor;
+    impl Visitor<'_> for PixelLimitVisitor {
         type Value = u32;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -31,7 +31,7 @@ pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
             if text == "off" { Ok(0) } else { Err(E::custom("expected off, or a number of pixels")) }
         }
     }
-    deserializer.deserialize_any(Either)
+    deserializer.deserialize_any(PixelLimitVisitor)
 }
 
 /// The schema of such a limit.

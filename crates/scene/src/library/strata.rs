@@ -4,11 +4,11 @@
 //! colour), *moss green secondary* and *moss green primary*. Labels are drawn from the regions again. An
 //! operation for the layer *moss green* applies to all three.
 
-use super::{Layer, Library, Role};
+use super::{ExemplarLayer, Library, Role};
 use crate::element::ElementId;
 use crate::scene::{Field, joined};
 use std::borrow::Cow;
-use vtex_base::geometry::{Outline, Region};
+use vtex_base::geometry::{Interior, Outline};
 use vtex_base::raster::LabelMap;
 use vtex_base::raster::colour::Colour;
 
@@ -16,7 +16,7 @@ use vtex_base::raster::colour::Colour;
 #[derive(Clone, Copy, Debug)]
 pub struct Stratum<'a> {
     /// Its layers: the background first, then those of its elements.
-    pub layers: &'a [Layer],
+    pub layers: &'a [ExemplarLayer],
     /// The colours of its background.
     pub field: &'a Field,
 }
@@ -65,7 +65,7 @@ impl Library {
         let (width, height) = (self.source.width, self.source.height);
         let mut labels = LabelMap::filled(width, height, 0);
         for (k, stratum) in (0..).zip(self.strata()) {
-            let Some(region) = stratum.region().map(Region::new) else { continue };
+            let Some(region) = stratum.region().map(Interior::new) else { continue };
             for y in 0..height as usize {
                 for [a, b] in region.intervals(y as f64 + 0.5) {
                     // The pixels whose middles lie inside.

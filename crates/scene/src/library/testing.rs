@@ -1,8 +1,8 @@
 //! Libraries for tests, made from label maps: outlines are the pixels' own borders.
 
 use super::{
-    AnalyzeParams, Arrangement, Category, CategoryId, Element, Guide, Library, Picture, Role, Shape, Source,
-    SourceKind,
+    AnalyzeParams, Arrangement, Category, CategoryId, ExemplarElement, Guide, Library, Picture, Role, Shape,
+    Source, SourceKind,
 };
 use crate::scene::{ControlPoint, Field};
 use vtex_base::geometry::{BezPath, Outline};
@@ -33,7 +33,7 @@ pub fn library(map: &LabelMap) -> Library {
     let bound = |k: usize| areas.get(areas.len() * k / 3).copied().unwrap_or(0);
     let category = |area: u32| CategoryId(u16::from(area > bound(1)) + u16::from(area > bound(2)));
     let mut categories = vec![Category { centre: [0.0; 5], members: 0, coverage: 0.0 }; 3];
-    let mut elements: Vec<Element> = masks[1..]
+    let mut elements: Vec<ExemplarElement> = masks[1..]
         .iter()
         .enumerate()
         .map(|(i, mask)| {
@@ -43,7 +43,7 @@ pub fn library(map: &LabelMap) -> Library {
             categories[usize::from(c.0)].members += 1;
             categories[usize::from(c.0)].coverage += f64::from(area) / total;
             let colour = Colour([(60 * c.0) as u8 + 80, (i % 200) as u8, 90]);
-            Element {
+            ExemplarElement {
                 category: Some(c),
                 colour,
                 difference: None,
@@ -63,7 +63,7 @@ pub fn library(map: &LabelMap) -> Library {
     let secondaries = background.filter(|p| map.get(p[0] as u32, p[1] as u32) == 0).map(|[x, y]| {
         let spans = [0, 1].map(|dy| vtex_base::raster::Span { y: y + dy, x0: x, x1: x + 2 });
         let colour = Colour([200, 190, 180]);
-        Element {
+        ExemplarElement {
             category: None,
             colour,
             difference: Some([20, 10, -10]),
@@ -87,7 +87,7 @@ pub fn library(map: &LabelMap) -> Library {
         format: Library::FORMAT.into(),
         version: Library::VERSION,
         source: Source {
-            layers: None,
+            strata_reason: None,
             kind: SourceKind::Photograph,
             file: "test.png".into(),
             width: w,
@@ -183,7 +183,7 @@ impl Library {
     }
 
     /// Puts other secondaries in the place of its own.
-    pub fn with_secondaries(self, secondaries: Vec<Element>) -> Self {
+    pub fn with_secondaries(self, secondaries: Vec<ExemplarElement>) -> Self {
         let mut library = self.without_secondaries();
         let (background, spacing) = (library.background().into_owned(), library.secondary_spacing());
         library.elements.extend(secondaries);

@@ -9,7 +9,7 @@
 //!
 //! Placement works on pixels. [`Library::at_scale`] gives it a library of which the pixels are the units.
 
-use super::{Arrangement, Element, Guide, Instance, Layer, Library, Picture};
+use super::{Arrangement, ExemplarElement, ExemplarInstance, ExemplarLayer, Guide, Library, Picture};
 use crate::scene::scaling::{conjugate, place};
 use std::borrow::Cow;
 use vtex_base::geometry::{Affine, Outline};
@@ -55,14 +55,15 @@ impl Library {
         let mean = libm::sqrt(by[0] * by[1]);
         let affine = Affine::scale_non_uniform(by[0], by[1]);
         let moved = |outline: &Outline| outline.moved(affine);
-        let instance = |i: &Instance| Instance { transform: conjugate(i.transform, by, by), ..*i };
-        let element = |e: &Element| Element {
+        let instance =
+            |i: &ExemplarInstance| ExemplarInstance { transform: conjugate(i.transform, by, by), ..*i };
+        let element = |e: &ExemplarElement| ExemplarElement {
             centroid: place(e.centroid, by),
             silhouette: e.silhouette.as_ref().map(moved),
             shapes: e.shapes.iter().map(|shape| shape.moved(affine)).collect(),
             ..*e
         };
-        let layer = |l: &Layer| Layer {
+        let layer = |l: &ExemplarLayer| ExemplarLayer {
             name: l.name.clone(),
             region: l.region.as_ref().map(moved),
             field: l.field.as_ref().map(|field| field.scaled(by)),

@@ -72,7 +72,7 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
         if !c.centre.iter().all(|v| v.is_finite()) {
             return Err(format!("categories[{i}].centre is not finite"));
         }
-        let of_it = |e: &&super::Element| e.category.is_some_and(|c| c.index() == i);
+        let of_it = |e: &&super::ExemplarElement| e.category.is_some_and(|c| c.index() == i);
         let members = l.primaries().iter().filter(of_it).count();
         if members != c.members as usize {
             return Err(format!("categories[{i}].members is {}, counted {members}", c.members));

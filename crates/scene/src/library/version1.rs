@@ -1,10 +1,10 @@
 //! Libraries of version 1, which kept primaries, secondaries and background apart.
 
 use super::{
-    AnalyzeParams, Arrangement, Category, CategoryId, Element, Gradient, Guide, Library, Shape, Source,
-    SourceKind,
+    AnalyzeParams, Arrangement, Category, CategoryId, ExemplarElement, Gradient, Guide, Library, Shape,
+    Source, SourceKind,
 };
-use crate::element::version1::{Detail, shapes};
+use crate::element::version1::{Version1Detail, shapes};
 use crate::scene::{ControlPoint, Field};
 use serde::Deserialize;
 use vtex_base::geometry::Outline;
@@ -13,17 +13,17 @@ use vtex_base::raster::colour::Colour;
 /// A library as version 1 stores it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Version1 {
+pub(super) struct LibraryVersion1 {
     #[serde(rename = "format")]
     _format: String,
     #[serde(rename = "version")]
     _version: u32,
-    source: Origin,
+    source: Version1Source,
     primaries: Vec<Primary>,
     secondaries: Secondaries,
     categories: Vec<Category>,
     coverage: f64,
-    background: Background,
+    background: Version1Background,
     arrangement: Arrangement,
     descriptor_half: u32,
     #[serde(default)]
@@ -32,7 +32,7 @@ pub(super) struct Version1 {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Origin {
+struct Version1Source {
     file: String,
     width: u32,
     height: u32,
@@ -59,19 +59,19 @@ struct Primary {
     compactness: f64,
     #[serde(default)]
     clipped: bool,
-    details: Vec<Detail>,
+    details: Vec<Version1Detail>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Secondaries {
     spacing: f64,
-    textons: Vec<Secondary>,
+    textons: Vec<Version1Secondary>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Secondary {
+struct Version1Secondary {
     outline: Outline,
     colour: Colour,
     difference: [i16; 3],
@@ -81,23 +81,23 @@ struct Secondary {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Background {
+struct Version1Background {
     spacing: f64,
     fallback: Colour,
     sites: Vec<ControlPoint>,
 }
 
-impl TryFrom<Version1> for Library {
+impl TryFrom<LibraryVersion1> for Library {
     type Error = String;
 
-    fn try_from(old: Version1) -> Result<Self, String> {
+    fn try_from(old: LibraryVersion1) -> Result<Self, String> {
         if let Some((i, p)) = old.primaries.iter().enumerate().find(|(i, p)| p.id as usize != *i) {
             return Err(format!("primaries[{i}].id is {}", p.id));
         }
-        let primaries = old.primaries.into_iter().map(Element::from);
-        let elements: Vec<Element> =
-            primaries.chain(old.secondaries.textons.into_iter().map(Element::from)).collect();
-        let Background { spacing, fallback, sites } = old.background;
+        let primaries = old.primaries.into_iter().map(ExemplarElement::from);
+        let elements: Vec<ExemplarElement> =
+            primaries.chain(old.secondaries.textons.into_iter().map(ExemplarElement::from)).collect();
+        let Version1Background { spacing, fallback, sites } = old.background;
         let background = Field { spacing, fallback, points: sites };
         let s = old.source;
         let periodic = s.parameters.wrap;
@@ -105,7 +105,7 @@ impl TryFrom<Version1> for Library {
             format: Self::FORMAT.into(),
             version: Self::VERSION,
             source: Source {
-                layers: None,
+                strata_reason: None,
                 kind: SourceKind::Photograph,
                 file: s.file,
                 width: s.width,
@@ -129,7 +129,7 @@ impl TryFrom<Version1> for Library {
     }
 }
 
-impl From<Primary> for Element {
+impl From<Primary> for ExemplarElement {
     fn from(old: Primary) -> Self {
         Self {
             category: Some(old.category),
@@ -145,8 +145,8 @@ impl From<Primary> for Element {
     }
 }
 
-impl From<Secondary> for Element {
-    fn from(old: Secondary) -> Self {
+impl From<Version1Secondary> for ExemplarElement {
+    fn from(old: Version1Secondary) -> Self {
         Self {
             category: None,
             colour: old.colour,

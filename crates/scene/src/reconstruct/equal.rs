@@ -1,7 +1,7 @@
 //! Equal elements, and scenes that list them once.
 
 use crate::element::classes;
-use crate::library::{Element, Library};
+use crate::library::{ExemplarElement, Library};
 use crate::scene::{ElementId, Instance, Scene};
 use std::collections::BTreeMap;
 use vtex_base::geometry::{Affine, rounded};
@@ -10,7 +10,7 @@ use vtex_base::geometry::{Affine, rounded};
 const EQUAL: f64 = 0.12;
 
 /// For each element the first that is equal to it up to a similarity.
-pub fn equal(elements: &[Element]) -> Vec<(usize, Affine)> {
+pub fn equal(elements: &[ExemplarElement]) -> Vec<(usize, Affine)> {
     classes(elements.len(), |k| &elements[k].shapes, |k| elements[k].clipped, EQUAL)
 }
 

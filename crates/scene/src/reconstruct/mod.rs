@@ -1,7 +1,7 @@
 //! Library → scene: the exemplar drawn back from its library.
 
 mod equal;
-mod few_colours;
+mod limit_colours;
 mod listing;
 
 pub use equal::equal;
@@ -10,7 +10,7 @@ pub use listing::{Listing, element, translated};
 use crate::library::{Library, SourceKind};
 use crate::scene::{Instance, InstanceId, Layer, LibraryId, Scene, Tile};
 use equal::share_equal;
-use few_colours::limit_colours;
+use limit_colours::limit_colours;
 use vtex_base::geometry::Affine;
 
 /// Draws the exemplar's own arrangement from its library, layer by layer. Elements have their original

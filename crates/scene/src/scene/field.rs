@@ -24,7 +24,7 @@ mod grid;
 mod tests;
 
 use super::{Field, Tile};
-use grid::{Grid, cells};
+use grid::{DomainGrid, cells};
 use std::sync::OnceLock;
 use vtex_base::geometry::wrapped;
 use vtex_base::parallel;
@@ -48,13 +48,13 @@ pub struct Interpolant {
     whole: bool,
     /// s², in square pixels.
     round: f64,
-    grid: Grid,
+    grid: DomainGrid,
     /// Indices of the points sorted by cell; those of cell c are `starts[c]..starts[c + 1]`.
     order: Vec<u32>,
     starts: Vec<u32>,
     /// One patch around each corner of the cells, computed when first needed. Joined opposite borders
     /// share theirs.
-    patches: Vec<OnceLock<Patch>>,
+    patches: Vec<OnceLock<CornerInterpolant>>,
 }
 
 /// A point and its colour.
@@ -69,7 +69,7 @@ struct Site {
 type Moved = (u32, i32, i32);
 
 /// The interpolant of the points around a corner.
-struct Patch {
+struct CornerInterpolant {
     /// x, y and the coefficients of the three components.
     terms: Vec<[f64; 5]>,
     constant: [f64; 3],
@@ -77,7 +77,7 @@ struct Patch {
     round: f64,
 }
 
-impl Patch {
+impl CornerInterpolant {
     fn new(sites: &[Site], round: f64) -> Self {
         let mean = |k: usize| sites.iter().map(|s| s.colour[k]).sum::<f64>() / sites.len() as f64;
         let mean = [mean(0), mean(1), mean(2)];
@@ -150,7 +150,9 @@ impl Interpolant {
             return self.fallback;
         }
         if self.whole {
-            return clamp(self.patches[0].get_or_init(|| Patch::new(&self.points, self.round)).at(x, y));
+            return clamp(
+                self.patches[0].get_or_init(|| CornerInterpolant::new(&self.points, self.round)).at(x, y),
+            );
         }
         let g = &self.grid;
         let (x, y) = (g.x.canonical(x), g.y.canonical(y));
@@ -186,7 +188,7 @@ impl Interpolant {
     }
 
     /// The patch around a corner of the cells.
-    fn patch(&self, column: usize, row: usize) -> &Patch {
+    fn patch(&self, column: usize, row: usize) -> &CornerInterpolant {
         let (gx, gy) = (&self.grid.x, &self.grid.y);
         self.patches[row * gx.corners() + column].get_or_init(|| {
             // The points of the four cells at the corner, and of more where points are few.
@@ -212,7 +214,7 @@ impl Interpolant {
                     Site { x: gx.shifted(p.x, turns_x), y: gy.shifted(p.y, turns_y), ..p }
                 })
                 .collect();
-            Patch::new(&sites, self.round)
+            CornerInterpolant::new(&sites, self.round)
         })
     }
 

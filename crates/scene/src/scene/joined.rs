@@ -2,7 +2,7 @@
 
 use super::{ControlPoint, Field};
 use std::borrow::Cow;
-use vtex_base::geometry::{Outline, Point, Region};
+use vtex_base::geometry::{Interior, Outline, Point};
 
 /// The fields of layers as one field: of several, the points of each where its layer is on top. Layers are
 /// given in painting order by their regions, `None` for everywhere. `None` if there is no layer.
@@ -11,7 +11,7 @@ pub fn joined<'a>(layers: &[(Option<&Outline>, &'a Field)]) -> Option<Cow<'a, Fi
     if layers.len() == 1 {
         return Some(Cow::Borrowed(bottom));
     }
-    let regions: Vec<Option<Region>> = layers.iter().map(|(region, _)| region.map(Region::new)).collect();
+    let regions: Vec<Option<Interior>> = layers.iter().map(|(region, _)| region.map(Interior::new)).collect();
     let holds = |k: usize, p: &ControlPoint| {
         regions[k].as_ref().is_none_or(|region| region.contains(Point::new(p.x, p.y)))
     };

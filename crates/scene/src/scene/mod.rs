@@ -496,7 +496,7 @@ impl Document for Scene {
     const VERSION: u32 = Self::VERSION;
 
     fn read_older(version: u64, json: &[u8]) -> Option<serde_json::Result<Self>> {
-        (version == 1).then(|| serde_json::from_slice::<version1::Version1>(json).map(Self::from))
+        (version == 1).then(|| serde_json::from_slice::<version1::SceneVersion1>(json).map(Self::from))
     }
 
     fn validate(&self) -> std::result::Result<(), String> {

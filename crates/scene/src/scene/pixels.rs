@@ -1,7 +1,7 @@
 //! Outlines as pixels.
 
 use crate::element::Shape;
-use vtex_base::geometry::{Outline, Region};
+use vtex_base::geometry::{Interior, Outline};
 use vtex_base::raster::{Mask, Span};
 
 /// The pixels whose middles lie inside an outline.
@@ -9,7 +9,7 @@ pub fn mask(outline: &Outline) -> Mask {
     if outline.is_empty() {
         return Mask::default();
     }
-    let (region, b) = (Region::new(outline), outline.bounds());
+    let (region, b) = (Interior::new(outline), outline.bounds());
     let (y0, y1) = (libm::floor(b.y0) as i32, libm::ceil(b.y1) as i32);
     // The first pixel whose middle is not before a place.
     let first = |x: f64| libm::ceil(x - 0.5) as i32;

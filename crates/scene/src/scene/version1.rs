@@ -4,7 +4,7 @@ use super::{
     CategoryId, Domain, EditRecord, Element, ElementId, Field, Gradient, Instance, InstanceId, Layer,
     LibraryId, LibraryRef, Role, Scene, Shadow, Stroke, SynthParams, Tile,
 };
-use crate::element::version1::{Detail, shapes};
+use crate::element::version1::{Version1Detail, shapes};
 use serde::Deserialize;
 use vtex_base::geometry::Outline;
 use vtex_base::raster::colour::Colour;
@@ -12,7 +12,7 @@ use vtex_base::raster::colour::Colour;
 /// A scene as version 1 stores it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Version1 {
+pub(super) struct SceneVersion1 {
     #[serde(rename = "format")]
     _format: String,
     #[serde(rename = "version")]
@@ -23,9 +23,9 @@ pub(super) struct Version1 {
     parameters: Option<SynthParams>,
     program: String,
     libraries: Vec<LibraryRef>,
-    textons: Vec<Texton>,
-    secondary: Vec<Placed>,
-    primary: Vec<Placed>,
+    textons: Vec<Version1Texton>,
+    secondary: Vec<Version1Instance>,
+    primary: Vec<Version1Instance>,
     background: Field,
     #[serde(default)]
     domain: Option<Domain>,
@@ -35,7 +35,7 @@ pub(super) struct Version1 {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Texton {
+struct Version1Texton {
     library: u32,
     source: u32,
     #[serde(default)]
@@ -47,12 +47,12 @@ struct Texton {
     #[serde(default)]
     gradient: Option<Box<Gradient>>,
     #[serde(default)]
-    details: Vec<Detail>,
+    details: Vec<Version1Detail>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Placed {
+struct Version1Instance {
     id: u32,
     texton: u32,
     transform: [f64; 6],
@@ -64,9 +64,9 @@ struct Placed {
     stroke: Option<Stroke>,
 }
 
-impl From<Version1> for Scene {
-    fn from(old: Version1) -> Self {
-        let layer = |role, placed: Vec<Placed>| {
+impl From<SceneVersion1> for Scene {
+    fn from(old: SceneVersion1) -> Self {
+        let layer = |role, placed: Vec<Version1Instance>| {
             let instances = placed.into_iter().map(Instance::from).collect();
             Layer { instances, ..Layer::new(role) }
         };
@@ -91,8 +91,8 @@ impl From<Version1> for Scene {
     }
 }
 
-impl From<Texton> for Element {
-    fn from(old: Texton) -> Self {
+impl From<Version1Texton> for Element {
+    fn from(old: Version1Texton) -> Self {
         Self {
             library: LibraryId(old.library),
             // Primaries come first among a library's elements. How many there are is not known here, so
@@ -106,9 +106,9 @@ impl From<Texton> for Element {
     }
 }
 
-impl From<Placed> for Instance {
-    fn from(old: Placed) -> Self {
-        let Placed { id, texton, transform, colour, shadow, stroke } = old;
+impl From<Version1Instance> for Instance {
+    fn from(old: Version1Instance) -> Self {
+        let Version1Instance { id, texton, transform, colour, shadow, stroke } = old;
         Self { id: InstanceId(id), element: ElementId(texton), transform, colour, shadow, stroke }
     }
 }

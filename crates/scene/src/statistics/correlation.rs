@@ -24,18 +24,18 @@ const CATEGORIES: usize = 5;
 
 /// Pair correlation within and between categories.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Correlation {
+pub struct PairCorrelations {
     /// A curve for each pair of categories, first with first, first with second, and so on.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<CorrelationCurve>,
 }
 
 /// Pair correlation of two categories, or within one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Curve {
+pub struct CorrelationCurve {
     /// The categories.
     pub categories: [CategoryId; 2],
     /// Pairs found, for each bin of distances. Bins are equally wide and end at
-    /// [`Correlation::REACH`] mean neighbour distances.
+    /// [`PairCorrelations::REACH`] mean neighbour distances.
     pub pairs: Vec<f64>,
     /// Pairs expected of a random scatter; 0 where the canvas is too small to tell.
     pub expected: Vec<f64>,
@@ -61,7 +61,7 @@ pub fn largest_categories(library: &Library) -> Vec<CategoryId> {
     order
 }
 
-impl Correlation {
+impl PairCorrelations {
     /// Radius at which curves end, in mean neighbour distances.
     pub const REACH: f64 = REACH;
 
@@ -106,7 +106,7 @@ impl Correlation {
                 let expected: Vec<f64> = (0..BINS).map(expected).collect();
                 let counts = &pairs[a * categories.len() + b];
                 let counts = (0..BINS).map(|k| if expected[k] > 0.0 { counts[k] as f64 / 2.0 } else { 0.0 });
-                curves.push(Curve {
+                curves.push(CorrelationCurve {
                     categories: [categories[a], categories[b]],
                     pairs: counts.collect(),
                     expected,
@@ -152,7 +152,7 @@ impl Correlation {
     }
 }
 
-impl Curve {
+impl CorrelationCurve {
     /// g for each bin; none where no pair is expected.
     pub fn values(&self) -> Vec<Option<f64>> {
         self.pairs.iter().zip(&self.expected).map(|(p, e)| (*e > 0.0).then(|| p / e)).collect()
@@ -256,13 +256,13 @@ mod tests {
     }
 
     /// Curves of many random scatters together.
-    fn poisson(torus: bool, tile: Option<Tile>) -> Correlation {
-        let (size, mut sum) = ([30.0, 12.0], None::<Correlation>);
+    fn poisson(torus: bool, tile: Option<Tile>) -> PairCorrelations {
+        let (size, mut sum) = ([30.0, 12.0], None::<PairCorrelations>);
         let mut random = stream(1, "correlation test", u64::from(torus));
         for _ in 0..60 {
             let mut layout = layout(size, torus, &scatter(size, 240, &mut random));
             layout.tile = tile.unwrap_or(layout.tile);
-            let one = Correlation::new(&layout, LibraryId(0), &ids([0, 1, 2]), 1.5);
+            let one = PairCorrelations::new(&layout, LibraryId(0), &ids([0, 1, 2]), 1.5);
             match &mut sum {
                 Some(sum) => sum.add(&one),
                 None => sum = Some(one),
@@ -295,7 +295,7 @@ mod tests {
         let mut sums = [0.0; 2];
         for _ in 0..40 {
             let [a, b] = [400, 900].map(|n| {
-                Correlation::new(
+                PairCorrelations::new(
                     &layout(size, false, &scatter(size, n, &mut random)),
                     LibraryId(0),
                     &ids([0, 1, 2]),
@@ -314,9 +314,9 @@ mod tests {
         let points: Vec<(u16, [f64; 2])> =
             (0..900).map(|i| (0, [f64::from(i % 30) + 0.5, f64::from(i / 30) + 0.5])).collect();
         for torus in [false, true] {
-            let g = Correlation::new(&layout([30.0; 2], torus, &points), LibraryId(0), &ids([0]), 1.0).curves
-                [0]
-            .values();
+            let g = PairCorrelations::new(&layout([30.0; 2], torus, &points), LibraryId(0), &ids([0]), 1.0)
+                .curves[0]
+                .values();
             let g: Vec<f64> = g.into_iter().map(Option::unwrap).collect();
             // Bins of 0.25: none below 1, four at 1, four at √2, none from 1.5 to 2, four at 2.
             let density = |k: usize, pairs: f64| {
@@ -339,7 +339,8 @@ mod tests {
         // Every third disc has a companion of another category beside it.
         let mut points: Vec<(u16, [f64; 2])> = discs.iter().map(|p| (4, *p)).collect();
         points.extend(discs.iter().step_by(3).map(|p| (2, [p[0] + 0.1, p[1]])));
-        let found = Correlation::new(&layout([40.0; 2], false, &points), LibraryId(0), &ids([4, 2]), 1.0);
+        let found =
+            PairCorrelations::new(&layout([40.0; 2], false, &points), LibraryId(0), &ids([4, 2]), 1.0);
         assert_eq!(
             found.curves.iter().map(|c| c.categories).collect::<Vec<_>>(),
             [ids([4, 4]), ids([4, 2]), ids([2, 2])]
@@ -353,20 +354,20 @@ mod tests {
         assert_eq!(found.difference(&found).unwrap().rms, 0.0);
         let mixed: Vec<(u16, [f64; 2])> =
             points.iter().map(|p| (if random.chance(0.25) { 2 } else { 4 }, p.1)).collect();
-        let other = Correlation::new(&layout([40.0; 2], false, &mixed), LibraryId(0), &ids([4, 2]), 1.0);
+        let other = PairCorrelations::new(&layout([40.0; 2], false, &mixed), LibraryId(0), &ids([4, 2]), 1.0);
         let apart = found.difference(&other).unwrap();
         assert!(apart.rms > 2.0 * apart.noise, "{apart:?}");
     }
 
     #[test]
     fn nothing_and_too_little_have_no_difference() {
-        let empty = Correlation::new(&layout([10.0; 2], true, &[]), LibraryId(0), &ids([0, 1]), 1.0);
+        let empty = PairCorrelations::new(&layout([10.0; 2], true, &[]), LibraryId(0), &ids([0, 1]), 1.0);
         assert_eq!(empty.difference(&empty), None);
         // Wider than the canvas can tell.
         let point = [(0, [1.0, 1.0]), (0, [2.0, 2.0])];
-        let small = Correlation::new(&layout([3.0; 2], false, &point), LibraryId(0), &ids([0]), 100.0);
+        let small = PairCorrelations::new(&layout([3.0; 2], false, &point), LibraryId(0), &ids([0]), 100.0);
         assert_eq!(small.curves[0].values(), vec![None; BINS]);
-        let none = Correlation::new(&layout([3.0; 2], false, &point), LibraryId(0), &ids([0]), 0.0);
+        let none = PairCorrelations::new(&layout([3.0; 2], false, &point), LibraryId(0), &ids([0]), 0.0);
         assert_eq!(none.difference(&none), None);
     }
 }

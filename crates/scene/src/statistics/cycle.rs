@@ -38,7 +38,7 @@ pub struct Cycle {
 }
 
 /// An element as it is compared.
-struct Item {
+struct ComparedElement {
     gaussian: Gaussian,
     colour: [f32; 3],
 }
@@ -49,7 +49,7 @@ impl Cycle {
     pub fn between(scene: &Scene, again: &Scene) -> Self {
         let (items, found) = (visible(scene), items(again));
         let points: Vec<Point> = found.iter().map(|item| item.gaussian.mean).collect();
-        let radius = |item: &Item| libm::sqrt(4.0 * std::f64::consts::PI * item.gaussian.size());
+        let radius = |item: &ComparedElement| libm::sqrt(4.0 * std::f64::consts::PI * item.gaussian.size());
         let reach = items.iter().map(radius).fold(1.0, f64::max) * libm::sqrt(MOST);
         let near = NearPoints::new(&points, scene.periods(), reach);
         let rows = items.iter().map(|item| {
@@ -92,7 +92,7 @@ impl Cycle {
 }
 
 /// How two elements differ.
-struct Parts {
+struct ElementDifference {
     /// In roots of the area.
     distance: f64,
     /// Logarithm of the ratio of areas.
@@ -101,17 +101,17 @@ struct Parts {
     colour: f64,
 }
 
-impl Parts {
+impl ElementDifference {
     fn cost(&self) -> f64 {
         self.distance * self.distance + self.size * self.size + 4.0 * self.colour * self.colour
     }
 }
 
-fn parts(scene: &Scene, a: &Item, b: &Item) -> Parts {
+fn parts(scene: &Scene, a: &ComparedElement, b: &ComparedElement) -> ElementDifference {
     let way = shortest_offset(a.gaussian.mean, b.gaussian.mean, scene.periods());
     let area = 4.0 * std::f64::consts::PI * a.gaussian.size();
     let square: f64 = (0..3).map(|k| f64::from(a.colour[k] - b.colour[k])).map(|d| d * d).sum();
-    Parts {
+    ElementDifference {
         distance: libm::sqrt(way.hypot2() / area),
         size: libm::log2(b.gaussian.size() / a.gaussian.size()).abs(),
         colour: libm::sqrt(square),
@@ -119,22 +119,22 @@ fn parts(scene: &Scene, a: &Item, b: &Item) -> Parts {
 }
 
 /// The individual elements of a scene.
-fn items(scene: &Scene) -> Vec<Item> {
+fn items(scene: &Scene) -> Vec<ComparedElement> {
     all(scene).into_iter().flatten().collect()
 }
 
 /// Each individual element, `None` if it is degenerate, in painting order.
-fn all(scene: &Scene) -> Vec<Option<Item>> {
+fn all(scene: &Scene) -> Vec<Option<ComparedElement>> {
     let of = scene.gaussians().into_iter().zip(scene.appearances()).zip(scene.roles());
     let item = |((gaussian, Appearance { median, .. }), _): ((Option<Gaussian>, Appearance), Role)| {
-        gaussian.map(|gaussian| Item { gaussian, colour: median })
+        gaussian.map(|gaussian| ComparedElement { gaussian, colour: median })
     };
     of.filter(|(_, role)| role.is_individual()).map(item).collect()
 }
 
 /// The individual elements that lie whole on the canvas and are mostly seen: of the ellipse of two standard
 /// deviations no other that is painted later hides more than the rest.
-fn visible(scene: &Scene) -> Vec<Item> {
+fn visible(scene: &Scene) -> Vec<ComparedElement> {
     let items = all(scene);
     let canvas = [f64::from(scene.width), f64::from(scene.height)];
     let [columns, rows] = canvas.map(|v| libm::ceil(v / CELL) as usize);
@@ -150,7 +150,7 @@ fn visible(scene: &Scene) -> Vec<Item> {
     let mut seen = vec![0u32; items.len() + 1];
     owner.iter().for_each(|k| seen[*k as usize] += 1);
     let counts = |k: usize| f64::from(seen[k + 1]) >= SEEN * f64::from(areas[k].max(1));
-    let whole = |item: &Item| {
+    let whole = |item: &ComparedElement| {
         let reach = 2.0 * item.gaussian.deviations()[0];
         let p = item.gaussian.mean;
         (reach..canvas[0] - reach).contains(&p.x) && (reach..canvas[1] - reach).contains(&p.y)

@@ -39,7 +39,7 @@ pub struct Groups {
 
 /// A primary placed.
 #[derive(Clone, Copy)]
-struct Placed {
+struct PlacedPrimary {
     centre: Centre,
     /// From where it stands in the exemplar to where it was placed, in pixels.
     offset: Point,
@@ -50,12 +50,15 @@ impl Groups {
     pub fn new(layout: &Layout, exemplars: &[Layout]) -> Self {
         let known: Vec<BTreeMap<ElementId, (Point, Vec<ElementId>)>> =
             exemplars.iter().map(surroundings).collect();
-        let placed: Vec<Placed> = layout
+        let placed: Vec<PlacedPrimary> = layout
             .centres
             .iter()
             .filter_map(|&centre| {
                 let (there, _) = known.get(centre.library.index())?.get(&centre.source)?;
-                Some(Placed { centre, offset: Point::new(centre.at[0] - there.x, centre.at[1] - there.y) })
+                Some(PlacedPrimary {
+                    centre,
+                    offset: Point::new(centre.at[0] - there.x, centre.at[1] - there.y),
+                })
             })
             .collect();
         if placed.is_empty() {
@@ -63,7 +66,7 @@ impl Groups {
         }
         let period = layout.period();
         let near = nearest(&placed.iter().map(|p| p.centre.at).collect::<Vec<_>>(), period, layout.size);
-        let tied = |a: &Placed, b: &Placed| {
+        let tied = |a: &PlacedPrimary, b: &PlacedPrimary| {
             let apart = shortest_offset(a.offset, b.offset, period);
             a.centre.library == b.centre.library && apart.x.abs() <= SAME && apart.y.abs() <= SAME
         };
@@ -156,7 +159,7 @@ fn connected(near: &[Vec<u32>], joined: impl Fn(usize, usize) -> bool) -> Vec<Ve
 
 /// The primaries that two groups have in common, for all pairs of groups that have more than
 /// [`UNSEEN`].
-fn copies(groups: &[Vec<u32>], placed: &[Placed]) -> Vec<Vec<[u32; 2]>> {
+fn copies(groups: &[Vec<u32>], placed: &[PlacedPrimary]) -> Vec<Vec<[u32; 2]>> {
     let mut holders: BTreeMap<(LibraryId, ElementId), Vec<(usize, u32)>> = BTreeMap::new();
     for (g, group) in groups.iter().enumerate().filter(|(_, group)| group.len() > UNSEEN) {
         for &i in group {
@@ -177,7 +180,7 @@ fn copies(groups: &[Vec<u32>], placed: &[Placed]) -> Vec<Vec<[u32; 2]>> {
 
 /// Share of the windows of the largest exemplar's size that hold more than [`UNSEEN`] primaries of a
 /// pair of groups twice.
-fn windows(pairs: &[Vec<[u32; 2]>], placed: &[Placed], layout: &Layout, exemplars: &[Layout]) -> f64 {
+fn windows(pairs: &[Vec<[u32; 2]>], placed: &[PlacedPrimary], layout: &Layout, exemplars: &[Layout]) -> f64 {
     let side = |k: usize| exemplars.iter().map(|l| l.size[k]).fold(0.0, f64::max).min(layout.size[k]);
     let size = [side(0), side(1)];
     let places = |k: usize| {

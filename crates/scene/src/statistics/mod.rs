@@ -4,7 +4,7 @@
 //! All of it works on plain data, so the arrangement of an exemplar and any scene are measured
 //! alike. On a canvas that tiles, an instance stands for all its copies.
 //!
-//! When this works badly: [`Correlation`] takes the canvas for evenly filled, so it says little of
+//! When this works badly: [`PairCorrelations`] takes the canvas for evenly filled, so it says little of
 //! scenes in a domain, under a map of densities or of several libraries.
 
 mod correlation;
@@ -13,14 +13,14 @@ mod groups;
 mod overlap;
 mod repetition;
 
-pub use correlation::{Correlation, Curve, Difference, largest_categories};
+pub use correlation::{CorrelationCurve, Difference, PairCorrelations, largest_categories};
 pub use cycle::Cycle;
 pub use groups::Groups;
 pub use overlap::Overlap;
-pub use repetition::{Copies, Repetition};
+pub use repetition::{CopyDistances, Repetition};
 
 use crate::element::{CategoryId, ElementId};
-use crate::library::{Element, Library};
+use crate::library::{ExemplarElement, Library};
 use crate::scene::{LibraryId, Scene, Tile};
 
 /// A primary that stands somewhere.
@@ -68,7 +68,7 @@ impl Layout {
     pub fn whole(library: &Library) -> Self {
         let size = library.page();
         let wrap = library.arrangement.periodic;
-        let centre = |(i, p): (usize, &Element)| Centre {
+        let centre = |(i, p): (usize, &ExemplarElement)| Centre {
             library: LibraryId(0),
             source: ElementId::after(i),
             category: p.category.unwrap_or_default(),

@@ -52,7 +52,7 @@ impl Overlap {
 
     /// Measures shapes in painting order.
     pub(super) fn of_stamps(stamps: &[Stamp<'_>], size: [u32; 2], tile: Tile) -> Self {
-        let canvas = Canvas { size: size.map(|s| s as i32), tile };
+        let canvas = CanvasBounds { size: size.map(|s| s as i32), tile };
         let shapes = parallel::map(stamps, |s| canvas.rows(s));
         let bands = (canvas.size[1] + BAND - 1) / BAND;
         let mut members = vec![Vec::new(); bands as usize];
@@ -105,17 +105,17 @@ fn silhouettes(library: &Library) -> Vec<Mask> {
     let masks = Mask::all_of_labels(&map, library.primaries().len() + 1);
     let size = [map.width as i32, map.height as i32];
     let torus = library.arrangement.periodic.then_some(size);
-    let origin = |p: &crate::library::Element| p.centroid.map(|v| libm::round(v) as i32);
+    let origin = |p: &crate::library::ExemplarElement| p.centroid.map(|v| libm::round(v) as i32);
     library.primaries().iter().zip(&masks[1..]).map(|(p, m)| m.around(origin(p), torus)).collect()
 }
 
 /// The canvas as far as shapes are cut or wrapped by it.
-struct Canvas {
+struct CanvasBounds {
     size: [i32; 2],
     tile: Tile,
 }
 
-impl Canvas {
+impl CanvasBounds {
     /// The pixels of a shape on the canvas, by row.
     fn rows(&self, stamp: &Stamp<'_>) -> Vec<Span> {
         let [a, b, c, d, e, f] = stamp.transform.as_coeffs();

@@ -22,12 +22,12 @@ pub struct Repetition {
     /// Share of the placed ones with a copy nearer than two mean neighbour distances, 0 to 1.
     pub near: f64,
     /// How far copies are apart; none if nothing was placed twice.
-    pub copies: Option<Copies>,
+    pub copies: Option<CopyDistances>,
 }
 
 /// How far copies of one primary are apart, from centre to centre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Copies {
+pub struct CopyDistances {
     /// The shortest distance, in pixels.
     pub shortest: f64,
     /// The shortest distance, in mean distances between neighbours in the exemplar.
@@ -77,7 +77,7 @@ impl Repetition {
         for distances in [&mut pixels, &mut relative] {
             distances.sort_by(f64::total_cmp);
         }
-        found.copies = pixels.first().zip(relative.first()).map(|(&shortest, &near)| Copies {
+        found.copies = pixels.first().zip(relative.first()).map(|(&shortest, &near)| CopyDistances {
             shortest,
             shortest_neighbours: near,
             median: pixels[pixels.len() / 2],

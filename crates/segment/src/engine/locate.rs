@@ -4,12 +4,12 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// [`Found::by`] of a library whose path the caller gave.
+/// [`RuntimeCandidate::by`] of a library whose path the caller gave.
 pub const GIVEN: &str = "the path given";
 
 /// A candidate for ONNX Runtime's shared library.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct RuntimeCandidate {
     /// Path of the library.
     pub path: PathBuf,
     /// How it was found, such as `VTEX_ONNXRUNTIME`.
@@ -23,8 +23,8 @@ pub struct Found {
 /// in the active environment, the environments of `PATH`, the user's packages, and those of pyenv.
 ///
 /// A library named by `given` or by a variable is the only candidate, even if it does not exist.
-pub fn locate(given: Option<&Path>) -> Vec<Found> {
-    let named = |path: PathBuf, by| vec![Found { path, by, named: true }];
+pub fn locate(given: Option<&Path>) -> Vec<RuntimeCandidate> {
+    let named = |path: PathBuf, by| vec![RuntimeCandidate { path, by, named: true }];
     if let Some(path) = given {
         return named(path.to_owned(), GIVEN);
     }
@@ -33,14 +33,14 @@ pub fn locate(given: Option<&Path>) -> Vec<Found> {
             return named(path.into(), variable);
         }
     }
-    let (mut found, mut seen): (Vec<Found>, Vec<PathBuf>) = (Vec::new(), Vec::new());
+    let (mut found, mut seen): (Vec<RuntimeCandidate>, Vec<PathBuf>) = (Vec::new(), Vec::new());
     let mut add = |folder: &Path, by| {
         for path in libraries(folder) {
             // The same file may be reachable through several folders and have several names.
             let file = fs::canonicalize(&path).unwrap_or_else(|_| path.clone());
             if !seen.contains(&file) {
                 seen.push(file);
-                found.push(Found { path, by, named: false });
+                found.push(RuntimeCandidate { path, by, named: false });
             }
         }
     };
@@ -172,7 +172,7 @@ mod tests {
     fn one_that_is_given_is_the_only_one() {
         let path = Path::new("somewhere/none.so");
         let found = locate(Some(path));
-        assert_eq!(found, [Found { path: path.to_owned(), by: GIVEN, named: true }]);
+        assert_eq!(found, [RuntimeCandidate { path: path.to_owned(), by: GIVEN, named: true }]);
     }
 
     #[cfg(target_os = "linux")]

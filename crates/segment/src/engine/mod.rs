@@ -13,7 +13,7 @@ mod onnxruntime;
 mod rten;
 mod structure;
 
-pub use locate::{Found, GIVEN, locate};
+pub use locate::{GIVEN, RuntimeCandidate, locate};
 pub use onnxruntime::{MINIMUM_MINOR, version};
 
 use std::path::{Path, PathBuf};
@@ -136,7 +136,7 @@ pub struct EngineOptions {
 
 /// The source of a network.
 #[derive(Clone, Copy, Debug)]
-pub enum Source<'a> {
+pub enum NetworkSource<'a> {
     /// An ONNX file. Its weights may be in a second file next to it.
     File(&'a Path),
     /// An ONNX file in memory.
@@ -148,7 +148,7 @@ pub enum Source<'a> {
     },
 }
 
-impl Source<'_> {
+impl NetworkSource<'_> {
     /// Name for errors.
     pub(crate) fn name(&self) -> String {
         match self {
@@ -160,7 +160,7 @@ impl Source<'_> {
 
 /// The engine chosen for running networks.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Choice {
+pub enum EngineChoice {
     /// ONNX Runtime.
     OnnxRuntime {
         /// Its shared library.
@@ -179,33 +179,33 @@ pub enum Choice {
 ///
 /// # Errors
 /// [`Error::Network`] if ONNX Runtime or a particular library is requested and cannot be loaded.
-pub fn choose(options: &EngineOptions) -> Result<Choice> {
+pub fn choose(options: &EngineOptions) -> Result<EngineChoice> {
     if options.runtime == Runtime::Rten {
-        return Ok(Choice::Rten { because: None });
+        return Ok(EngineChoice::Rten { because: None });
     }
     let insisting = options.runtime == Runtime::OnnxRuntime || options.library.is_some();
     let mut failure = None;
     for found in locate(options.library.as_deref()) {
         match onnxruntime::version(&found.path) {
-            Ok(version) => return Ok(Choice::OnnxRuntime { library: found.path, version }),
+            Ok(version) => return Ok(EngineChoice::OnnxRuntime { library: found.path, version }),
             // An explicitly named library must be used.
             Err(e) if found.named => {
                 if insisting {
                     return Err(e);
                 }
-                return Ok(Choice::Rten { because: Some(e.to_string()) });
+                return Ok(EngineChoice::Rten { because: Some(e.to_string()) });
             }
             Err(e) => failure = failure.or(Some(e)),
         }
     }
     match failure {
         Some(e) if insisting => Err(e),
-        Some(e) => Ok(Choice::Rten { because: Some(e.to_string()) }),
+        Some(e) => Ok(EngineChoice::Rten { because: Some(e.to_string()) }),
         None if insisting => Err(Error::Runtime {
             name: "ONNX Runtime".into(),
             reason: "its shared library was not found".into(),
         }),
-        None => Ok(Choice::Rten { because: Some("ONNX Runtime was not found".into()) }),
+        None => Ok(EngineChoice::Rten { because: Some("ONNX Runtime was not found".into()) }),
     }
 }
 
@@ -214,21 +214,23 @@ pub fn choose(options: &EngineOptions) -> Result<Choice> {
 /// # Errors
 /// [`Error::Network`] if the engine cannot be loaded or cannot read the network; [`Error::Read`] if
 /// the file cannot be read.
-pub fn load(source: Source<'_>, options: &EngineOptions) -> Result<Box<dyn Engine>> {
-    if let Source::File(path) = source {
+pub fn load(source: NetworkSource<'_>, options: &EngineOptions) -> Result<Box<dyn Engine>> {
+    if let NetworkSource::File(path) = source {
         // Both engines report problems with a path less clearly.
         std::fs::File::open(path).map_err(|e| Error::read(path, e))?;
     }
     let in_rten =
-        || -> Result<Box<dyn Engine>> { Ok(Box::new(rten::Network::load(source, options.threads)?)) };
+        || -> Result<Box<dyn Engine>> { Ok(Box::new(rten::RtenNetwork::load(source, options.threads)?)) };
     let network = match choose(options)? {
-        Choice::Rten { .. } => in_rten()?,
-        Choice::OnnxRuntime { library, .. } => match onnxruntime::Network::load(source, &library) {
-            Ok(network) => Box::new(network),
-            // rten may run a graph whose operators are too new for an old ONNX Runtime.
-            Err(e) if options.runtime == Runtime::Auto => in_rten().map_err(|_| e)?,
-            Err(e) => return Err(e),
-        },
+        EngineChoice::Rten { .. } => in_rten()?,
+        EngineChoice::OnnxRuntime { library, .. } => {
+            match onnxruntime::OnnxRuntimeNetwork::load(source, &library) {
+                Ok(network) => Box::new(network),
+                // rten may run a graph whose operators are too new for an old ONNX Runtime.
+                Err(e) if options.runtime == Runtime::Auto => in_rten().map_err(|_| e)?,
+                Err(e) => return Err(e),
+            }
+        }
     };
     if network.inputs().is_empty() || network.outputs().is_empty() {
         return Err(Error::Network {

@@ -4,7 +4,7 @@
 //! it determines how matrix products are split, hence the order of summation and the last digits. The
 //! library's telemetry is switched off. A process can load only one library.
 
-use super::{Engine, Port, Source, Tensor, Values, given, guarded, places};
+use super::{Engine, NetworkSource, Port, Tensor, Values, given, guarded, places};
 use ort::environment::Environment;
 use ort::logging::LoggerFunction;
 use ort::session::{Session, SessionInputValue};
@@ -82,7 +82,7 @@ fn version_in(text: &str) -> Option<String> {
 }
 
 /// A loaded network.
-pub(super) struct Network {
+pub(super) struct OnnxRuntimeNetwork {
     name: String,
     runtime: String,
     // ONNX Runtime's sessions are thread-safe, but the crate requires exclusive access.
@@ -92,12 +92,12 @@ pub(super) struct Network {
     outputs: Vec<Port>,
 }
 
-impl Network {
+impl OnnxRuntimeNetwork {
     /// Loads a network with a library.
     ///
     /// # Errors
     /// [`Error::Network`].
-    pub(super) fn load(source: Source<'_>, library: &Path) -> Result<Self> {
+    pub(super) fn load(source: NetworkSource<'_>, library: &Path) -> Result<Self> {
         let name = source.name();
         let failure = |e: ort::Error| Error::Network {
             name: name.clone(),
@@ -114,8 +114,8 @@ impl Network {
                 // Idle threads sleep, because the cores have other work between two runs.
                 builder = builder.with_intra_op_spinning(false).map_err(|e| failure(e.into()))?;
                 let session = match source {
-                    Source::File(path) => builder.commit_from_file(path),
-                    Source::Bytes { bytes, .. } => builder.commit_from_memory(bytes),
+                    NetworkSource::File(path) => builder.commit_from_file(path),
+                    NetworkSource::Bytes { bytes, .. } => builder.commit_from_memory(bytes),
                 };
                 let session = session.map_err(failure)?;
                 let ports = |outlets: &[ort::value::Outlet]| {
@@ -163,7 +163,7 @@ impl Network {
     }
 }
 
-impl Engine for Network {
+impl Engine for OnnxRuntimeNetwork {
     fn runtime(&self) -> &str {
         &self.runtime
     }

@@ -4,7 +4,7 @@
 //! `RTEN_NUM_THREADS` or [`EngineOptions::threads`](super::EngineOptions::threads) requests. Loading always
 //! takes the default threads, which a process forked later does not have: there, networks are refused.
 
-use super::{Engine, Port, Source, Tensor, Values, given, guarded, places, structure};
+use super::{Engine, NetworkSource, Port, Tensor, Values, given, guarded, places, structure};
 use ::rten::{DataType, Dimension, Model, NodeId, RunOptions, ThreadPool, Value, ValueOrView, ValueType};
 use rten_tensor::prelude::*;
 use std::fs::File;
@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use vtex_base::error::{Error, Result, clip};
 
 /// A loaded network.
-pub(super) struct Network {
+pub(super) struct RtenNetwork {
     name: String,
     model: Model,
     inputs: Vec<Port>,
@@ -22,12 +22,12 @@ pub(super) struct Network {
     pool: Option<Arc<ThreadPool>>,
 }
 
-impl Network {
+impl RtenNetwork {
     /// Loads a network.
     ///
     /// # Errors
     /// [`Error::Network`], [`Error::Read`].
-    pub(super) fn load(source: Source<'_>, threads: Option<usize>) -> Result<Self> {
+    pub(super) fn load(source: NetworkSource<'_>, threads: Option<usize>) -> Result<Self> {
         let name = source.name();
         let model = loaded(source, &name)?;
         let ports = |ids: &[NodeId]| ids.iter().map(|id| port(&model, *id)).collect();
@@ -64,7 +64,7 @@ impl Network {
     }
 }
 
-impl Engine for Network {
+impl Engine for RtenNetwork {
     fn runtime(&self) -> &str {
         "rten"
     }
@@ -95,7 +95,7 @@ impl Engine for Network {
     }
 }
 
-impl Network {
+impl RtenNetwork {
     /// Converts a value to a tensor.
     fn taken(&self, value: Value) -> Result<Tensor> {
         Ok(match value {
@@ -112,8 +112,8 @@ impl Network {
 /// Loads a network.
 ///
 /// # Errors
-/// As [`Network::load`].
-fn loaded(source: Source<'_>, name: &str) -> Result<Model> {
+/// As [`RtenNetwork::load`].
+fn loaded(source: NetworkSource<'_>, name: &str) -> Result<Model> {
     let failure = |reason: String| Error::Network {
         name: name.to_owned(),
         reason: format!("rten cannot read it: {reason}"),
@@ -122,7 +122,7 @@ fn loaded(source: Source<'_>, name: &str) -> Result<Model> {
     only_with_threads(name)?;
     guarded(name, || {
         let (values, model) = match source {
-            Source::File(path) => {
+            NetworkSource::File(path) => {
                 let open = || -> std::io::Result<(BufReader<File>, u64)> {
                     let file = File::open(path)?;
                     let length = file.metadata()?.len();
@@ -138,7 +138,7 @@ fn loaded(source: Source<'_>, name: &str) -> Result<Model> {
                 };
                 (values, model)
             }
-            Source::Bytes { bytes, .. } => {
+            NetworkSource::Bytes { bytes, .. } => {
                 let values = structure::check(Cursor::new(bytes), bytes.len() as u64).map_err(failure)?;
                 (values, Model::load(bytes.to_vec()))
             }

@@ -25,7 +25,7 @@ enum Message {
 }
 
 /// Content of a length-delimited field.
-enum Content {
+enum FieldContent {
     Message(Message),
     /// Packed varints.
     Numbers,
@@ -34,8 +34,8 @@ enum Content {
 }
 
 impl Message {
-    fn content(self, field: u64) -> Content {
-        use Content::{Message as Of, Numbers};
+    fn content(self, field: u64) -> FieldContent {
+        use FieldContent::{Message as Of, Numbers};
         match (self, field) {
             (Self::Model, 7) => Of(Self::Graph),
             (Self::Model, 25) => Of(Self::Function),
@@ -53,7 +53,7 @@ impl Message {
             (Self::TensorType, 2) => Of(Self::Shape),
             (Self::Shape, 1) => Of(Self::Plain),
             (Self::Attribute, 8) | (Self::Tensor, 1 | 5 | 7 | 11) | (Self::Sparse, 3) => Numbers,
-            _ => Content::Bytes,
+            _ => FieldContent::Bytes,
         }
     }
 }
@@ -123,8 +123,8 @@ impl<R: BufRead + Seek> Walk<R> {
                         _ => {}
                     }
                     match message.content(tag >> 3) {
-                        Content::Message(message) => self.message(message, inner, depth + 1)?,
-                        Content::Numbers => {
+                        FieldContent::Message(message) => self.message(message, inner, depth + 1)?,
+                        FieldContent::Numbers => {
                             let begin = self.at;
                             while self.at < inner {
                                 let number = self.number(inner)?;
@@ -135,7 +135,7 @@ impl<R: BufRead + Seek> Walk<R> {
                                 }
                             }
                         }
-                        Content::Bytes => self.step(length, end)?,
+                        FieldContent::Bytes => self.step(length, end)?,
                     }
                 }
                 _ => return Err(self.wrong("a part of no known kind")),

@@ -1,6 +1,6 @@
 //! Engines and networks for tests.
 
-use super::{Choice, EngineOptions, Runtime, choose};
+use super::{EngineChoice, EngineOptions, Runtime, choose};
 use std::path::PathBuf;
 
 /// rten, and ONNX Runtime if it is found; prints a note if it is not.
@@ -8,7 +8,7 @@ pub(crate) fn engines() -> Vec<EngineOptions> {
     let with = |runtime| EngineOptions { runtime, ..EngineOptions::default() };
     let mut engines = vec![with(Runtime::Rten)];
     match choose(&with(Runtime::OnnxRuntime)) {
-        Ok(Choice::OnnxRuntime { .. }) => engines.push(with(Runtime::OnnxRuntime)),
+        Ok(EngineChoice::OnnxRuntime { .. }) => engines.push(with(Runtime::OnnxRuntime)),
         other => eprintln!("skipped: no ONNX Runtime to test ({other:?})"),
     }
     engines

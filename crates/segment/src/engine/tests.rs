@@ -25,7 +25,9 @@ fn a_product_is_right_from_file_and_memory_with_any_threads() {
         for threads in [None, Some(1), Some(3)] {
             let options = EngineOptions { threads, ..options.clone() };
             let path = network("product");
-            for source in [Source::File(&path), Source::Bytes { name: "product", bytes: &bytes }] {
+            for source in
+                [NetworkSource::File(&path), NetworkSource::Bytes { name: "product", bytes: &bytes }]
+            {
                 let engine = load(source, &options).unwrap();
                 let ports: Vec<String> = engine.inputs().iter().map(ToString::to_string).collect();
                 assert_eq!(ports, ["a [?×300]", "b [300×?]"]);
@@ -46,7 +48,7 @@ fn the_bits_of_a_result_do_not_depend_on_threads() {
     for options in engines() {
         let run = |threads| {
             let options = EngineOptions { threads: Some(threads), ..options.clone() };
-            let engine = load(Source::File(&network("product")), &options).unwrap();
+            let engine = load(NetworkSource::File(&network("product")), &options).unwrap();
             engine.run(&[("a", &a), ("b", &b)], &["product"]).unwrap()
         };
         let one = run(1);
@@ -64,7 +66,7 @@ fn what_does_not_fit_the_graph_is_an_error() {
     let narrow = Tensor::f32([200, 299], vec![0.0; 200 * 299]);
     let flat = Tensor::f32([300], vec![0.0; 300]);
     for options in engines() {
-        let engine = load(Source::File(&network("product")), &options).unwrap();
+        let engine = load(NetworkSource::File(&network("product")), &options).unwrap();
         type Given<'a> = Vec<(&'a str, &'a Tensor)>;
         let wrong: [(Given<'_>, &[&str]); 8] = [
             (vec![("a", &a)], &["product"]),
@@ -93,13 +95,13 @@ fn files_that_are_no_networks_are_errors() {
     let whole = std::fs::read(network("sam_decoder")).unwrap();
     for options in engines() {
         let missing = folder.path().join("none.onnx");
-        assert!(matches!(load(Source::File(&missing), &options), Err(Error::Read { .. })));
+        assert!(matches!(load(NetworkSource::File(&missing), &options), Err(Error::Read { .. })));
         for name in ["a.onnx", "a.bin"] {
             for content in [&b""[..], b"hello", &[0xff; 4000], &whole[..whole.len() / 2]] {
                 let path = folder.path().join(name);
                 std::fs::write(&path, content).unwrap();
-                let by_path = load(Source::File(&path), &options);
-                let by_bytes = load(Source::Bytes { name, bytes: content }, &options);
+                let by_path = load(NetworkSource::File(&path), &options);
+                let by_bytes = load(NetworkSource::Bytes { name, bytes: content }, &options);
                 for outcome in [by_path, by_bytes] {
                     let error =
                         outcome.err().unwrap_or_else(|| panic!("{name}: {} bytes pass", content.len()));
@@ -119,7 +121,7 @@ fn damaged_networks_give_results_or_errors() {
         for at in 0..whole.len() {
             let mut damaged = whole.clone();
             damaged[at] ^= 0x15;
-            if let Ok(engine) = load(Source::Bytes { name: "damaged", bytes: &damaged }, &options) {
+            if let Ok(engine) = load(NetworkSource::Bytes { name: "damaged", bytes: &damaged }, &options) {
                 let _ = engine.run(&[("a", &a), ("b", &b)], &["product", "elements"]);
             }
         }
@@ -139,14 +141,16 @@ fn a_library_that_is_none_is_an_error_or_makes_way_for_rten() {
             assert!(error.hint().is_some_and(|hint| hint.contains("pip install onnxruntime")), "{error}");
         }
         let options = EngineOptions { runtime: Runtime::Rten, library: Some(library), threads: None };
-        assert_eq!(choose(&options).unwrap(), Choice::Rten { because: None });
+        assert_eq!(choose(&options).unwrap(), EngineChoice::Rten { because: None });
     }
     let auto = choose(&EngineOptions::default()).unwrap();
-    let named =
-        load(Source::File(&network("product")), &EngineOptions::default()).unwrap().runtime().to_owned();
+    let named = load(NetworkSource::File(&network("product")), &EngineOptions::default())
+        .unwrap()
+        .runtime()
+        .to_owned();
     assert_eq!(
         named.starts_with("ONNX Runtime "),
-        matches!(auto, Choice::OnnxRuntime { .. }),
+        matches!(auto, EngineChoice::OnnxRuntime { .. }),
         "{named} {auto:?}"
     );
 }

@@ -80,11 +80,11 @@ impl Document for MasksDocument {
 #[derive(Clone, Debug)]
 pub struct MasksFile {
     name: String,
-    content: Content,
+    content: MasksContent,
 }
 
 #[derive(Clone, Debug)]
-enum Content {
+enum MasksContent {
     /// Decoded by `segment`, when the image's size is known.
     Png(Vec<u8>),
     Document(MasksDocument),
@@ -115,9 +115,9 @@ impl MasksFile {
     /// [`Error::Format`] for bytes of another format or version, or with runs out of range.
     pub fn from_bytes(bytes: Vec<u8>, name: &str) -> Result<Self> {
         let content = if bytes.starts_with(PNG_SIGNATURE) {
-            Content::Png(bytes)
+            MasksContent::Png(bytes)
         } else {
-            Content::Document(document::from_bytes(&bytes, name)?)
+            MasksContent::Document(document::from_bytes(&bytes, name)?)
         };
         Ok(Self { name: name.into(), content })
     }
@@ -151,7 +151,7 @@ impl Segmenter for MasksFile {
             if found == reduced { Ok(found) } else { same_size(&self.name, found, whole).map(|()| found) }
         };
         let (size, mut masks) = match &self.content {
-            Content::Document(document) => {
+            MasksContent::Document(document) => {
                 let size = check([document.width, document.height])?;
                 let span = |&[y, x0, x1]: &[u32; 3]| Span { y: y as i32, x0: x0 as i32, x1: x1 as i32 };
                 let masks = document.masks.iter().map(|m| ScoredMask {
@@ -160,7 +160,7 @@ impl Segmenter for MasksFile {
                 });
                 (size, masks.collect::<Vec<_>>())
             }
-            Content::Png(bytes) => {
+            MasksContent::Png(bytes) => {
                 let map = read_png(bytes, &self.name, check)?;
                 let count = map.labels.iter().max().map_or(0, |&n| n as usize);
                 let masks = Mask::all_of_labels(&map, count + 1).into_iter().skip(1);

@@ -10,12 +10,12 @@ pub(super) type Bounds = (i32, i32, i32, i32);
 /// half lie in neighbouring squares.
 #[derive(Default)]
 pub(super) struct SimilarMasks {
-    squares: ByNumber<Vec<Entry>>,
+    squares: ByNumber<Vec<IndexedMask>>,
 }
 
 /// A mask in the index.
 #[derive(Clone, Copy)]
-struct Entry {
+struct IndexedMask {
     index: usize,
     bounds: Bounds,
     area: u32,
@@ -42,11 +42,11 @@ impl SimilarMasks {
     pub(super) fn add(&mut self, mask: &Measured, index: usize) {
         let Measured { bounds, area, .. } = *mask;
         let key = Self::key(Self::square(bounds, Self::class(bounds)));
-        self.squares.entry(key).or_default().push(Entry { index, bounds, area });
+        self.squares.entry(key).or_default().push(IndexedMask { index, bounds, area });
     }
 
     /// The masks whose IoU may be above 0 and at least `least`, by ascending index.
-    pub(super) fn near(&self, mask: &Measured, least: f32) -> Vec<Near> {
+    pub(super) fn near(&self, mask: &Measured, least: f32) -> Vec<SimilarMask> {
         let own = Self::class(mask.bounds);
         let mut near = Vec::new();
         for class in own.saturating_sub(1)..=own + 1 {
@@ -56,7 +56,7 @@ impl SimilarMasks {
                     let entries = self.squares.get(&Self::key((class, i, j))).into_iter().flatten();
                     near.extend(entries.filter_map(|entry| {
                         let most = most((mask.bounds, mask.area), (entry.bounds, entry.area));
-                        (most > 0.0 && most >= least).then_some(Near { index: entry.index, most })
+                        (most > 0.0 && most >= least).then_some(SimilarMask { index: entry.index, most })
                     }));
                 }
             }
@@ -68,7 +68,7 @@ impl SimilarMasks {
 
 /// A mask that may be similar to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Near {
+pub(super) struct SimilarMask {
     pub(super) index: usize,
     /// Their IoU is at most this.
     pub(super) most: f32,

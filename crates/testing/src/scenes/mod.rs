@@ -3,33 +3,33 @@
 mod plants;
 mod stones;
 
-use super::Kind;
+use super::SceneKind;
 use super::SceneParams;
-use super::background::{Background, Grains};
-use super::elements::{ElementKind, Form};
+use super::background::{BackgroundParams, Grains};
+use super::elements::{ElementForm, ElementKind};
 use super::fills::{Light, Style, blend, hex};
-use super::layout::Layout;
-use super::render::Shadow;
+use super::layout::ElementLayout;
+use super::render::SoftShadow;
 use vtex_base::sampling::{Stream, stream};
 
 /// The composition of a scene.
 #[derive(Clone, Debug)]
 pub(super) struct Composition {
-    pub(super) layout: Layout,
+    pub(super) layout: ElementLayout,
     /// Kinds of labelled elements, with weights.
     pub(super) kinds: Vec<(f64, ElementKind)>,
     /// Smallest and largest radius in pixels, as radii of circles of the same area.
     pub(super) radius: [f32; 2],
     /// Exponent of the radii's power law.
     pub(super) exponent: f64,
-    pub(super) background: Background,
+    pub(super) background: BackgroundParams,
     /// Unlabelled vegetation below and above the elements, its radius, and its amounts as shares of the
     /// picture's area.
     pub(super) growth: Vec<ElementKind>,
     pub(super) growth_radius: f32,
     pub(super) below: f64,
     pub(super) above: f64,
-    pub(super) shadow: Option<Shadow>,
+    pub(super) shadow: Option<SoftShadow>,
     /// Share of the light that the lowest scattered elements lack.
     pub(super) depth: f32,
     /// Unit vector to the light; z points to the camera.
@@ -55,19 +55,19 @@ impl Composition {
     pub(super) fn of(params: &SceneParams) -> Self {
         let random = &mut stream(params.seed, "procedural/look", 0);
         let mut scene = match params.kind {
-            Kind::Terrazzo => stones::terrazzo(random),
-            Kind::Concrete => stones::concrete(random),
-            Kind::Worktop => stones::worktop(random),
-            Kind::Gravel => stones::gravel(random),
-            Kind::Pebbles => stones::pebbles(random),
-            Kind::MudStones => stones::mud_stones(random),
-            Kind::Leaves => plants::leaves(random),
-            Kind::Litter => plants::litter(random),
-            Kind::Flowers => plants::flowers(random),
-            Kind::Flakes => stones::flakes(random),
-            Kind::Blades => plants::blades(random),
-            Kind::Meadow => plants::meadow(random),
-            Kind::Mixed => mixed(random),
+            SceneKind::Terrazzo => stones::terrazzo(random),
+            SceneKind::Concrete => stones::concrete(random),
+            SceneKind::Worktop => stones::worktop(random),
+            SceneKind::Gravel => stones::gravel(random),
+            SceneKind::Pebbles => stones::pebbles(random),
+            SceneKind::MudStones => stones::mud_stones(random),
+            SceneKind::Leaves => plants::leaves(random),
+            SceneKind::Litter => plants::litter(random),
+            SceneKind::Flowers => plants::flowers(random),
+            SceneKind::Flakes => stones::flakes(random),
+            SceneKind::Blades => plants::blades(random),
+            SceneKind::Meadow => plants::meadow(random),
+            SceneKind::Mixed => mixed(random),
         };
         let largest = 0.5 * params.size as f32;
         let smallest = (largest / random.range(2.0, 6.0) as f32).max(3.2);
@@ -108,7 +108,7 @@ fn scheme(random: &mut Stream, schemes: &[&[u32]]) -> (Light, Vec<Light>) {
 }
 
 /// A plain, slightly mottled background and nothing else.
-fn base(random: &mut Stream, background: Light, layout: Layout) -> Composition {
+fn base(random: &mut Stream, background: Light, layout: ElementLayout) -> Composition {
     let angle = random.range(0.0, std::f64::consts::TAU);
     let tilt = random.range(0.35, 0.75);
     let across = libm::sin(tilt);
@@ -117,7 +117,7 @@ fn base(random: &mut Stream, background: Light, layout: Layout) -> Composition {
         kinds: Vec::new(),
         radius: [4.0, 16.0],
         exponent: random.range(1.6, 3.0),
-        background: Background {
+        background: BackgroundParams {
             base: background,
             second: background.map(|c| c * 0.7),
             broad: range(random, 0.1, 0.5),
@@ -143,12 +143,12 @@ fn base(random: &mut Stream, background: Light, layout: Layout) -> Composition {
     }
 }
 
-fn soft_shadow(random: &mut Stream) -> Option<Shadow> {
-    Some(Shadow { strength: range(random, 0.35, 0.75), offset: [0.0; 2], softness: 1.0 })
+fn soft_shadow(random: &mut Stream) -> Option<SoftShadow> {
+    Some(SoftShadow { strength: range(random, 0.35, 0.75), offset: [0.0; 2], softness: 1.0 })
 }
 
 fn stones(random: &mut Stream, palette: Vec<Light>, style: Style) -> ElementKind {
-    let form = Form::Pebble { wobble: range(random, 0.05, 0.18), stretch: range(random, 1.1, 1.4) };
+    let form = ElementForm::Pebble { wobble: range(random, 0.05, 0.18), stretch: range(random, 1.1, 1.4) };
     ElementKind { form, palette, style, roughness: range(random, 0.0, 0.03) }
 }
 

@@ -1,8 +1,8 @@
 //! Compositions of leaves, flowers and grass.
 
-use super::super::elements::{ElementKind, Form};
+use super::super::elements::{ElementForm, ElementKind};
 use super::super::fills::{Light, Style};
-use super::super::layout::Layout;
+use super::super::layout::ElementLayout;
 use super::{Composition, base, grains, palette, pick, range, scheme, shades, soft_shadow, stones};
 use vtex_base::sampling::Stream;
 
@@ -18,13 +18,18 @@ fn grass(random: &mut Stream, green: Light) -> Vec<ElementKind> {
     };
     let greens = shades(green, &[0.55, 0.8, 1.0, 1.35]);
     let blade = ElementKind {
-        form: Form::Leaf { ratio: range(random, 9.0, 20.0), fullness: 0.35, bend: 0.3, serration: 0.0 },
+        form: ElementForm::Leaf {
+            ratio: range(random, 9.0, 20.0),
+            fullness: 0.35,
+            bend: 0.3,
+            serration: 0.0,
+        },
         palette: greens.clone(),
         style: style.clone(),
         roughness: 0.0,
     };
     let clover = ElementKind {
-        form: Form::Star { petals: [3, 4], pointed: 0.1, gap: 0.75 },
+        form: ElementForm::Star { petals: [3, 4], pointed: 0.1, gap: 0.75 },
         palette: greens,
         style: Style { dome: 0.35, ..style },
         roughness: 0.0,
@@ -53,7 +58,7 @@ fn leaf_style(random: &mut Stream) -> Style {
 }
 
 fn simple_leaves(random: &mut Stream, palette: Vec<Light>, style: Style) -> ElementKind {
-    let form = Form::Leaf {
+    let form = ElementForm::Leaf {
         ratio: range(random, 1.4, 2.6),
         fullness: range(random, 0.25, 0.55),
         bend: 0.25,
@@ -64,7 +69,8 @@ fn simple_leaves(random: &mut Stream, palette: Vec<Light>, style: Style) -> Elem
 
 fn lobed_leaves(random: &mut Stream, palette: Vec<Light>, style: Style) -> ElementKind {
     let lobes = if random.chance(0.6) { 5 } else { 7 };
-    let form = Form::Lobed { lobes, depth: range(random, 0.42, 0.62), serration: range(random, 0.05, 0.25) };
+    let form =
+        ElementForm::Lobed { lobes, depth: range(random, 0.42, 0.62), serration: range(random, 0.05, 0.25) };
     ElementKind { form, palette, style, roughness: 0.02 }
 }
 
@@ -78,7 +84,7 @@ pub(super) fn leaves(random: &mut Stream) -> Composition {
             &[0x55504a, 0xc23b2a, 0x8e2a2a, 0xe07b39, 0xf0b64a, 0x70392c],
         ],
     );
-    let layout = Layout::Scatter { cluster: range(random, 0.0, 0.7) };
+    let layout = ElementLayout::Scatter { cluster: range(random, 0.0, 0.7) };
     let mut scene = base(random, background, layout);
     scene.exponent = random.range(1.0, 2.0);
     scene.shadow = soft_shadow(random);
@@ -110,7 +116,7 @@ pub(super) fn litter(random: &mut Stream) -> Composition {
             &[0x57514a, 0x7c6f5f, 0x8b8172, 0x6a6054, 0x8c8a60],
         ],
     );
-    let layout = Layout::Scatter { cluster: range(random, 0.2, 0.9) };
+    let layout = ElementLayout::Scatter { cluster: range(random, 0.2, 0.9) };
     let mut scene = base(random, background, layout);
     scene.background.fine = range(random, 0.3, 0.6);
     scene.background.grains = vec![
@@ -140,7 +146,7 @@ pub(super) fn flowers(random: &mut Stream) -> Composition {
             &[0x6a8f45, 0x7fa4e0, 0x5f86cc, 0xa8c2ef],
         ],
     );
-    let layout = Layout::Scatter { cluster: range(random, 0.0, 0.6) };
+    let layout = ElementLayout::Scatter { cluster: range(random, 0.0, 0.6) };
     let mut scene = base(random, green.map(|c| c * 0.12), layout);
     scene.exponent = random.range(1.0, 2.0);
     scene.shadow = soft_shadow(random);
@@ -160,7 +166,7 @@ pub(super) fn flowers(random: &mut Stream) -> Composition {
         ..Style::default()
     };
     let star = ElementKind {
-        form: Form::Star {
+        form: ElementForm::Star {
             petals: pick(random, &[[5, 5], [5, 8], [10, 16]]),
             pointed: range(random, 0.0, 0.7),
             gap: range(random, 0.45, 0.7),
@@ -170,7 +176,7 @@ pub(super) fn flowers(random: &mut Stream) -> Composition {
         roughness: 0.0,
     };
     let head = ElementKind {
-        form: Form::Head { petals: [9, 16] },
+        form: ElementForm::Head { petals: [9, 16] },
         palette: colours,
         style: Style { heart: None, ribs: 0.1, slope: 0.5, ..style },
         roughness: 0.0,
@@ -190,7 +196,7 @@ pub(super) fn blades(random: &mut Stream) -> Composition {
             &[0x2e2520, 0x7a4a2e, 0x94603c, 0x5f3a28, 0xab7a50],
         ],
     );
-    let layout = Layout::Scatter { cluster: range(random, 0.0, 0.5) };
+    let layout = ElementLayout::Scatter { cluster: range(random, 0.0, 0.5) };
     let mut scene = base(random, background, layout);
     scene.shadow = soft_shadow(random);
     scene.exponent = 1.3;
@@ -205,7 +211,7 @@ pub(super) fn blades(random: &mut Stream) -> Composition {
         spread: 0.2,
         ..Style::default()
     };
-    let form = Form::Leaf {
+    let form = ElementForm::Leaf {
         ratio: range(random, 5.0, 12.0),
         fullness: range(random, 0.3, 0.5),
         bend: range(random, 0.05, 0.35),
@@ -224,7 +230,7 @@ pub(super) fn meadow(random: &mut Stream) -> Composition {
             &[0x3d5f3a, 0x5f8a60, 0x4a7a4e, 0x7ba27c, 0x8a9a58],
         ],
     );
-    let mut scene = base(random, green.map(|c| c * 0.06), Layout::Scatter { cluster: 0.0 });
+    let mut scene = base(random, green.map(|c| c * 0.06), ElementLayout::Scatter { cluster: 0.0 });
     scene.exponent = random.range(1.0, 2.0);
     scene.shadow = soft_shadow(random);
     scene.depth = range(random, 0.3, 0.8);
@@ -241,20 +247,20 @@ pub(super) fn meadow(random: &mut Stream) -> Composition {
         ..Style::default()
     };
     let leaflet = ElementKind {
-        form: Form::Leaf { ratio: range(random, 1.1, 1.7), fullness: 0.55, bend: 0.1, serration: 0.0 },
+        form: ElementForm::Leaf { ratio: range(random, 1.1, 1.7), fullness: 0.55, bend: 0.1, serration: 0.0 },
         palette: colours.clone(),
         style: style.clone(),
         roughness: 0.01,
     };
     let blade = ElementKind {
-        form: Form::Leaf { ratio: range(random, 5.0, 14.0), fullness: 0.4, bend: 0.3, serration: 0.0 },
+        form: ElementForm::Leaf { ratio: range(random, 5.0, 14.0), fullness: 0.4, bend: 0.3, serration: 0.0 },
         palette: colours.clone(),
         style: style.clone(),
         roughness: 0.0,
     };
     let pale = pick(random, &[0xf4f1e6, 0xefe0cc, 0xf3d95a, 0xe8a8c0, 0xb79ad8, 0xa8c46a]);
     let head = ElementKind {
-        form: Form::Head { petals: [9, 18] },
+        form: ElementForm::Head { petals: [9, 18] },
         palette: shades(palette(&[pale])[0], &[0.75, 0.9, 1.0]),
         style: Style { slope: 0.5, dome: 0.4, spread: 0.1, ..Style::default() },
         roughness: 0.0,

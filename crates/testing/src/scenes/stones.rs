@@ -1,15 +1,18 @@
 //! Compositions of stone, concrete and rust.
 
-use super::super::elements::{ElementKind, Form};
+use super::super::elements::{ElementForm, ElementKind};
 use super::super::fills::{Light, Style};
-use super::super::layout::Layout;
-use super::super::render::Shadow;
+use super::super::layout::ElementLayout;
+use super::super::render::SoftShadow;
 use super::{Composition, base, grains, range, scheme, shades, soft_shadow, stones};
 use vtex_base::sampling::Stream;
 
 fn chips(random: &mut Stream, palette: Vec<Light>, style: Style) -> ElementKind {
-    let form =
-        Form::Chip { corners: [4, 8], stretch: range(random, 1.05, 1.5), rounding: range(random, 0.03, 0.3) };
+    let form = ElementForm::Chip {
+        corners: [4, 8],
+        stretch: range(random, 1.05, 1.5),
+        rounding: range(random, 0.03, 0.3),
+    };
     ElementKind { form, palette, style, roughness: range(random, 0.02, 0.08) }
 }
 
@@ -25,9 +28,9 @@ pub(super) fn terrazzo(random: &mut Stream) -> Composition {
         ],
     );
     let layout = if random.chance(0.5) {
-        Layout::Cells { gap: range(random, 2.0, 6.0) }
+        ElementLayout::Cells { gap: range(random, 2.0, 6.0) }
     } else {
-        Layout::Packed { gap: range(random, 1.0, 3.0) }
+        ElementLayout::Packed { gap: range(random, 1.0, 3.0) }
     };
     let mut scene = base(random, background, layout);
     scene.background.dust *= 0.5;
@@ -61,7 +64,7 @@ pub(super) fn concrete(random: &mut Stream) -> Composition {
             &[0xc9bfae, 0x8c7a66, 0x6c6259, 0xa89a86, 0x7a4f40],
         ],
     );
-    let layout = Layout::Packed { gap: range(random, 1.0, 4.0) };
+    let layout = ElementLayout::Packed { gap: range(random, 1.0, 4.0) };
     let mut scene = base(random, background, layout);
     scene.background.grains = vec![
         grains(range(random, 5.0, 8.0), 0.25, colours.clone(), 0.5, 0.1),
@@ -97,7 +100,7 @@ pub(super) fn worktop(random: &mut Stream) -> Composition {
             &[0x3b4a4a, 0x20302f, 0x6c8580, 0xa9b8ae, 0x46605b, 0x89958a],
         ],
     );
-    let layout = Layout::Cells { gap: range(random, 0.6, 2.5) };
+    let layout = ElementLayout::Cells { gap: range(random, 0.6, 2.5) };
     let mut scene = base(random, background, layout);
     scene.background.grains = vec![grains(range(random, 2.5, 4.5), 0.5, colours.clone(), 0.6, 0.0)];
     let style = Style {
@@ -128,9 +131,9 @@ pub(super) fn gravel(random: &mut Stream) -> Composition {
         ],
     );
     let layout = if random.chance(0.6) {
-        Layout::Scatter { cluster: 0.0 }
+        ElementLayout::Scatter { cluster: 0.0 }
     } else {
-        Layout::Cells { gap: range(random, 0.5, 2.0) }
+        ElementLayout::Cells { gap: range(random, 0.5, 2.0) }
     };
     let mut scene = base(random, background, layout);
     scene.exponent = random.range(1.0, 2.5);
@@ -163,9 +166,9 @@ pub(super) fn pebbles(random: &mut Stream) -> Composition {
         ],
     );
     let layout = if random.chance(0.5) {
-        Layout::Scatter { cluster: range(random, 0.0, 0.6) }
+        ElementLayout::Scatter { cluster: range(random, 0.0, 0.6) }
     } else {
-        Layout::Packed { gap: range(random, 0.0, 1.5) }
+        ElementLayout::Packed { gap: range(random, 0.0, 1.5) }
     };
     let mut scene = base(random, background, layout);
     scene.shadow = soft_shadow(random);
@@ -200,7 +203,7 @@ pub(super) fn mud_stones(random: &mut Stream) -> Composition {
             &[0x7a5236, 0x9a6f4d, 0x8c6244, 0xb08a68, 0x6f4c36],
         ],
     );
-    let layout = Layout::Scatter { cluster: range(random, 0.3, 0.9) };
+    let layout = ElementLayout::Scatter { cluster: range(random, 0.3, 0.9) };
     let mut scene = base(random, background, layout);
     scene.background.broad = 0.6;
     scene.background.second = background.map(|c| c * 0.45);
@@ -221,7 +224,7 @@ pub(super) fn mud_stones(random: &mut Stream) -> Composition {
         ..Style::default()
     };
     let mut broken = chips(random, colours.clone(), style.clone());
-    broken.form = Form::Chip { corners: [5, 8], stretch: 1.3, rounding: 0.5 };
+    broken.form = ElementForm::Chip { corners: [5, 8], stretch: 1.3, rounding: 0.5 };
     scene.kinds = vec![(2.0, stones(random, colours, style)), (1.0, broken)];
     scene
 }
@@ -236,7 +239,7 @@ pub(super) fn flakes(random: &mut Stream) -> Composition {
             &[0x9c9a8e, 0x4f6a45, 0x6f8a55, 0xb8b46a, 0x839a86],
         ],
     );
-    let layout = Layout::Scatter { cluster: range(random, 0.2, 0.9) };
+    let layout = ElementLayout::Scatter { cluster: range(random, 0.2, 0.9) };
     let mut scene = base(random, background, layout);
     scene.background.stretch = range(random, 0.1, 8.0);
     scene.background.grains =
@@ -253,9 +256,9 @@ pub(super) fn flakes(random: &mut Stream) -> Composition {
         ..Style::default()
     };
     if random.chance(0.4) {
-        scene.shadow = Some(Shadow { strength: 0.35, offset: [0.0; 2], softness: 1.0 });
+        scene.shadow = Some(SoftShadow { strength: 0.35, offset: [0.0; 2], softness: 1.0 });
     }
-    let form = Form::Pebble { wobble: range(random, 0.2, 0.5), stretch: range(random, 1.0, 1.5) };
+    let form = ElementForm::Pebble { wobble: range(random, 0.2, 0.5), stretch: range(random, 1.0, 1.5) };
     let roughness = range(random, 0.15, 0.4);
     scene.kinds = vec![(1.0, ElementKind { form, palette: colours, style, roughness })];
     scene

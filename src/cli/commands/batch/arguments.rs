@@ -1,6 +1,6 @@
 //! The arguments of `vtex batch`.
 
-use super::jobs::Source;
+use super::jobs::JobSource;
 use super::values::{Extension, Shard};
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::control::ControlArgs;
@@ -67,5 +67,5 @@ pub(crate) struct BatchArgs {
     pub(crate) analyze: AnalyzeFlags,
     /// Where jobs come from, once it is read.
     #[arg(skip)]
-    pub(crate) source: Option<Source>,
+    pub(crate) source: Option<JobSource>,
 }

@@ -1,7 +1,7 @@
 //! The list of jobs: files, folders or a file of jobs, each with its name and parameters.
 
 use super::values::Extension;
-use crate::cli::config::{Given, Layer, Parameters, fault};
+use crate::cli::config::{CommandLineValues, ConfigLayer, Parameters, fault};
 use crate::cli::failure::Failure;
 use crate::cli::format::stem;
 use crate::cli::input::read_text;
@@ -41,7 +41,7 @@ impl BatchJob {
 }
 
 /// Where jobs come from.
-pub(crate) enum Source {
+pub(crate) enum JobSource {
     Files(Vec<PathBuf>),
     Jobs(JobsFile),
 }
@@ -49,19 +49,19 @@ pub(crate) enum Source {
 /// A file of jobs, read and checked.
 pub(crate) struct JobsFile {
     /// Parameters of all jobs.
-    defaults: Layer,
-    jobs: Vec<Entry>,
+    defaults: ConfigLayer,
+    jobs: Vec<JobEntry>,
 }
 
 /// A `[[job]]`.
-struct Entry {
+struct JobEntry {
     input: PathBuf,
     output: Option<String>,
     formats: Option<Vec<Extension>>,
-    parameters: Layer,
+    parameters: ConfigLayer,
 }
 
-impl Source {
+impl JobSource {
     /// The inputs that the arguments name.
     ///
     /// # Errors
@@ -79,9 +79,9 @@ impl Source {
     }
 }
 
-impl Source {
+impl JobSource {
     /// Parameters of all jobs, where a file gives them.
-    pub(crate) fn defaults(&self) -> Option<&Layer> {
+    pub(crate) fn defaults(&self) -> Option<&ConfigLayer> {
         match self {
             Self::Files(_) => None,
             Self::Jobs(file) => Some(&file.defaults),
@@ -106,13 +106,14 @@ impl JobsFile {
             }
         };
         let folder = path.parent().unwrap_or(Path::new(""));
-        let entry = |(i, job): (usize, Value)| Entry::new(job, folder, format!("job {} of {shown}", i + 1));
+        let entry =
+            |(i, job): (usize, Value)| JobEntry::new(job, folder, format!("job {} of {shown}", i + 1));
         let jobs = jobs.into_iter().enumerate().map(entry).collect::<Result<_, _>>()?;
-        Ok(Self { defaults: Layer::new(shown, table)?, jobs })
+        Ok(Self { defaults: ConfigLayer::new(shown, table)?, jobs })
     }
 }
 
-impl Entry {
+impl JobEntry {
     fn new(job: Value, folder: &Path, place: String) -> Result<Self, Failure> {
         let Value::Table(mut table) = job else {
             return Err(
@@ -143,7 +144,7 @@ impl Entry {
                 .map_err(|e| Failure::usage(format!("{place}: format = \"{list}\": {e}")))
         };
         let formats = format.map(parse).transpose()?;
-        Ok(Self { input: folder.join(input), output, formats, parameters: Layer::new(place, table)? })
+        Ok(Self { input: folder.join(input), output, formats, parameters: ConfigLayer::new(place, table)? })
     }
 }
 
@@ -166,16 +167,16 @@ fn check_name(name: &str, place: &str) -> Result<(), Failure> {
 /// # Errors
 /// A folder that cannot be read or holds no picture; parameters out of range; two jobs of one name.
 pub(crate) fn list(
-    source: Source,
-    config: Option<&Layer>,
-    given: &Given,
+    source: JobSource,
+    config: Option<&ConfigLayer>,
+    values: &CommandLineValues,
     formats: Option<&[Extension]>,
     masks: impl Fn(SegmenterName) -> Result<MasksFrom, Failure>,
 ) -> anyhow::Result<Vec<BatchJob>> {
     let usual = formats.unwrap_or(&[Extension::DEFAULT]);
     let jobs = match source {
-        Source::Files(paths) => {
-            let parameters = Parameters::resolve(config, given)?;
+        JobSource::Files(paths) => {
+            let parameters = Parameters::resolve(config, values)?;
             let mut jobs = Vec::new();
             for input in expanded(paths)? {
                 let name = stem(&input).to_string_lossy().into_owned();
@@ -185,11 +186,11 @@ pub(crate) fn list(
             }
             jobs
         }
-        Source::Jobs(file) => {
+        JobSource::Jobs(file) => {
             let mut jobs = Vec::new();
             for entry in file.jobs {
                 let layers = config.into_iter().chain([&file.defaults, &entry.parameters]);
-                let parameters = Parameters::resolve(layers, given)?;
+                let parameters = Parameters::resolve(layers, values)?;
                 let name = entry.output.unwrap_or_else(|| stem(&entry.input).to_string_lossy().into_owned());
                 // As with all options, what the command line says wins.
                 let formats = formats.map(<[_]>::to_vec).or(entry.formats).unwrap_or_else(|| usual.to_vec());

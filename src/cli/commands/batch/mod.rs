@@ -11,27 +11,27 @@ mod values;
 pub(crate) use arguments::BatchArgs;
 
 use crate::cli::command::{Arguments, Job, Resolved};
-use crate::cli::config::{Given, Layer};
+use crate::cli::config::{CommandLineValues, ConfigLayer};
 use crate::cli::failure::Failure;
-use jobs::Source;
+use jobs::JobSource;
 use plan::Batch;
 
 impl Arguments for BatchArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("analyze", &self.analyze);
-        given.add("synth", &self.synth);
-        given.add("render", &self.render);
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("analyze", &self.analyze);
+        values.add("synth", &self.synth);
+        values.add("render", &self.render);
+        values.add("svg", &self.svg);
     }
 
-    fn layer(&mut self) -> anyhow::Result<Option<&Layer>> {
+    fn layer(&mut self) -> anyhow::Result<Option<&ConfigLayer>> {
         if !self.input.is_empty() {
-            self.source = Some(Source::new(&self.input)?);
+            self.source = Some(JobSource::new(&self.input)?);
         }
-        Ok(self.source.as_ref().and_then(Source::defaults))
+        Ok(self.source.as_ref().and_then(JobSource::defaults))
     }
 
-    fn preset(&self) -> Result<Option<Layer>, Failure> {
+    fn preset(&self) -> Result<Option<ConfigLayer>, Failure> {
         self.preset.layer()
     }
 

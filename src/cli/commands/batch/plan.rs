@@ -34,7 +34,7 @@ impl Batch {
     /// # Errors
     /// Usage errors, and what cannot be read of folders.
     pub(crate) fn new(arguments: BatchArgs, resolved: &Resolved) -> anyhow::Result<Self> {
-        let Resolved { parameters, seed, config, given, .. } = resolved;
+        let Resolved { parameters, seed, config, values, .. } = resolved;
         let Some(source) = arguments.source else {
             return Err(Failure::usage("no input is given").into());
         };
@@ -42,7 +42,7 @@ impl Batch {
             return Err(Failure::usage("--out-dir is missing").into());
         };
         let sam = SamFrom::new(arguments.sam);
-        let jobs = jobs::list(source, config.as_ref(), given, arguments.format.as_deref(), |segmenter| {
+        let jobs = jobs::list(source, config.as_ref(), values, arguments.format.as_deref(), |segmenter| {
             masks_from(None, segmenter, sam.clone())
         })?;
         let steering = Steering::new(arguments.control, Vec::new());

@@ -47,7 +47,7 @@ pub(crate) struct Record {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) coverage: Option<[f64; 2]>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(crate) outputs: Vec<Written>,
+    pub(crate) outputs: Vec<RecordedFile>,
     #[serde(default)]
     pub(crate) seconds: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -63,14 +63,14 @@ pub(crate) struct Record {
 
 /// A file that was written.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Written {
+pub(crate) struct RecordedFile {
     /// Its name in the folder for results.
     pub(crate) file: String,
     pub(crate) bytes: u64,
     pub(crate) sha256: String,
 }
 
-impl Written {
+impl RecordedFile {
     /// Of a file in the folder for results.
     ///
     /// # Errors
@@ -197,9 +197,9 @@ impl Records {
     /// The record of a job that was done from the same, whose results are still there as they were
     /// written.
     pub(crate) fn done(&self, job: &str, key: &str, files: &[String]) -> Option<&Record> {
-        let is_there = |w: &Written| {
+        let is_there = |w: &RecordedFile| {
             let same_size = fs::metadata(self.folder.join(&w.file)).is_ok_and(|m| m.len() == w.bytes);
-            same_size && Written::of(&self.folder, &w.file).is_ok_and(|found| found == *w)
+            same_size && RecordedFile::of(&self.folder, &w.file).is_ok_and(|found| found == *w)
         };
         let wanted = |r: &Record| files.iter().all(|file| r.outputs.iter().any(|w| w.file == *file));
         let known = self.done.get(&both(job, key))?;
@@ -257,7 +257,7 @@ pub(crate) fn sum(bytes: &[u8]) -> String {
 mod tests {
     use super::*;
 
-    fn record(job: &str, key: &str, outputs: Vec<Written>) -> Record {
+    fn record(job: &str, key: &str, outputs: Vec<RecordedFile>) -> Record {
         Record {
             job: job.into(),
             input: format!("{job}.png"),
@@ -282,7 +282,7 @@ mod tests {
         let file = folder.path().join("a.svg");
         fs::write(&file, "one").unwrap();
         let shard = "2/3".parse().unwrap();
-        let written = Written::of(folder.path(), "a.svg").unwrap();
+        let written = RecordedFile::of(folder.path(), "a.svg").unwrap();
         Records::open(folder.path(), shard).unwrap().add(&record("a", "k", vec![written])).unwrap();
         // Also another shard knows it.
         let known = |key: &str, files: &[&str]| {
@@ -320,7 +320,7 @@ mod tests {
         // Without a seed the results of one key differ. The whole batch ran first, then a shard.
         for (shard, text) in [(Shard::WHOLE, "one"), ("1/2".parse().unwrap(), "two")] {
             fs::write(folder.path().join("a.svg"), text).unwrap();
-            let written = Written::of(folder.path(), "a.svg").unwrap();
+            let written = RecordedFile::of(folder.path(), "a.svg").unwrap();
             Records::open(folder.path(), shard).unwrap().add(&record("a", "k", vec![written])).unwrap();
         }
         let again = Records::open(folder.path(), Shard::WHOLE).unwrap();

@@ -2,7 +2,7 @@
 
 use super::jobs::BatchJob;
 use super::plan::Batch;
-use super::record::{Record, Records, Status, Written, key, sum};
+use super::record::{Record, RecordedFile, Records, Status, key, sum};
 use super::tell::{Total, tell, thousandths};
 use super::values::Extension;
 use crate::cli::analysis::{Analysis, analyze, finds_masks};
@@ -10,13 +10,13 @@ use crate::cli::common::Common;
 use crate::cli::config::Parameters;
 use crate::cli::exit::Exit;
 use crate::cli::failure::{Failure, explain};
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::interrupt;
 use crate::cli::options::analyze::SegmenterName;
 use crate::cli::options::layers::LayerFiles;
 use crate::cli::options::render::RenderParameters;
 use crate::cli::options::svg::SvgParameters;
-use crate::cli::output::{Drawing, Place, Target, say};
+use crate::cli::output::{Destination, DrawingOptions, Target, say};
 use crate::cli::panics::guarded;
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
@@ -31,12 +31,12 @@ use std::time::Instant;
 use vtex::library::{AnalyzeParams, Library};
 use vtex::output::file::Format;
 use vtex::scene::{Scene, SynthParams};
-use vtex::synth::{Report, synthesize_with};
+use vtex::synth::{SynthReport, synthesize_with};
 use vtex::{Error, Progress};
 
 /// All that results depend on, besides this program's version.
 #[derive(Serialize)]
-struct Origin<'a> {
+struct ResultInputs<'a> {
     program: &'static str,
     /// SHA-256 of the input.
     input: String,
@@ -70,7 +70,7 @@ impl Finders {
 }
 
 /// A job with all its parameters resolved.
-struct Run<'a> {
+struct ResolvedJob<'a> {
     batch: &'a Batch,
     job: &'a BatchJob,
     finders: &'a Finders,
@@ -81,13 +81,13 @@ struct Run<'a> {
 }
 
 /// A texture that is made but not written.
-struct Made {
+struct UnwrittenTexture {
     /// Of a photograph, the library made of it; of a library, itself.
     library: Library,
     /// Of a photograph: how it is made.
     recipe: Option<Value>,
     scene: Scene,
-    report: Report,
+    report: SynthReport,
 }
 
 pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
@@ -158,7 +158,7 @@ fn one(
         warnings: Vec::new(),
     };
     // A defect of the program in one job must not be the end of the others.
-    let done = guarded(|| Run::new(common, batch, job, finders)?.complete(&mut record, records));
+    let done = guarded(|| ResolvedJob::new(common, batch, job, finders)?.complete(&mut record, records));
     if let Err(error) = done {
         let (message, hint, exit) = explain(&error);
         if exit == Exit::Interrupted {
@@ -171,7 +171,7 @@ fn one(
     Some(record)
 }
 
-impl<'a> Run<'a> {
+impl<'a> ResolvedJob<'a> {
     fn new(
         common: &Common,
         batch: &'a Batch,
@@ -198,9 +198,11 @@ impl<'a> Run<'a> {
     /// Skips what is done, else makes and writes all results.
     fn complete(&self, record: &mut Record, records: &Records) -> anyhow::Result<()> {
         let bytes = self.input.read()?;
-        let is_library =
-            Kind::expect(&bytes, &self.input, &[Kind::Library, Kind::Image, Kind::Svg, Kind::Unknown])?
-                == Kind::Library;
+        let is_library = InputKind::expect(
+            &bytes,
+            &self.input,
+            &[InputKind::Library, InputKind::Image, InputKind::Svg, InputKind::Unknown],
+        )? == InputKind::Library;
         record.key = self.key(&bytes, is_library)?;
         drop(bytes);
         let files: Vec<String> = self.job.files().collect();
@@ -230,7 +232,7 @@ impl<'a> Run<'a> {
             Some(reason) => return Err(reason.into()),
             None => outcome?,
         };
-        let written = files.iter().map(|file| Written::of(&self.batch.out_dir, file));
+        let written = files.iter().map(|file| RecordedFile::of(&self.batch.out_dir, file));
         record.outputs = written.collect::<vtex::Result<_>>()?;
         record.seed = Some(self.synth.seed);
         record.size = Some([made.scene.width, made.scene.height]);
@@ -247,7 +249,7 @@ impl<'a> Run<'a> {
         let analyze = AnalyzeParams { seed: seed(self.analyze.seed), ..self.analyze.clone() };
         let synth = SynthParams { seed: seed(self.synth.seed), ..self.synth.clone() };
         let steering = self.batch.steering.files().map(|(flag, file)| Ok((flag, sum(&file.read()?))));
-        Ok(key(&Origin {
+        Ok(key(&ResultInputs {
             program: vtex::PROGRAM,
             input: sum(input),
             steering: steering.collect::<vtex::Result<_>>()?,
@@ -262,13 +264,13 @@ impl<'a> Run<'a> {
 
     fn targets(&self) -> Vec<Target> {
         let target = |(file, format): (String, Extension)| Target {
-            place: Place::File { path: self.batch.out_dir.join(file), force: self.batch.force },
+            place: Destination::File { path: self.batch.out_dir.join(file), force: self.batch.force },
             kind: format.kind(),
         };
         self.job.files().zip(self.job.formats.iter().copied()).map(target).collect()
     }
 
-    fn make(&self, reporter: &Reporter, is_library: bool) -> anyhow::Result<Made> {
+    fn make(&self, reporter: &Reporter, is_library: bool) -> anyhow::Result<UnwrittenTexture> {
         // Faults in them show before the long work.
         self.targets().iter().try_for_each(|target| target.place.probe())?;
         let mut controls = reading::controls(&self.batch.steering, &self.synth, 1)?;
@@ -279,7 +281,7 @@ impl<'a> Run<'a> {
         } else {
             let analysis = Analysis {
                 layers: LayerFiles::default(),
-                photo: self.input.clone(),
+                input: self.input.clone(),
                 masks: self.job.masks.clone(),
                 engine: self.batch.engine.clone(),
                 save_masks: None,
@@ -298,13 +300,13 @@ impl<'a> Run<'a> {
                 Some(recipe::of(&parameters, analysis.masks(), (steering, None), &library, &self.input)?);
             vec![library]
         };
-        controls.lead = reading::lead(&self.batch.steering, &libraries[0])?;
+        controls.structure = reading::structure_guide(&self.batch.steering, &libraries[0])?;
         let (scene, report) = synthesize_with(&libraries, &self.synth, &controls, reporter)?;
-        Ok(Made { library: libraries.remove(0), recipe, scene, report })
+        Ok(UnwrittenTexture { library: libraries.remove(0), recipe, scene, report })
     }
 }
 
-impl Made {
+impl UnwrittenTexture {
     /// Writes one of the results; what the writer warns of.
     fn write(
         &self,
@@ -315,7 +317,7 @@ impl Made {
         let written = match target.kind.format {
             Format::Library => target.write_bytes(&self.library.to_json())?,
             _ => {
-                let drawing = Drawing { svg, render, recipe: self.recipe.as_ref() };
+                let drawing = DrawingOptions { svg, render, recipe: self.recipe.as_ref() };
                 target.write_scene(&self.scene, drawing)?
             }
         };

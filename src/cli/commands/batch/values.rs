@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
-use vtex::output::file::Kind;
+use vtex::output::file::FileKind;
 
 /// The extension of a written file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,8 +22,8 @@ impl Extension {
     }
 
     /// The kind of file.
-    pub(crate) fn kind(self) -> Kind {
-        Kind::from_path(Path::new(&format!("x.{}", self.0))).expect("all are known")
+    pub(crate) fn kind(self) -> FileKind {
+        FileKind::from_path(Path::new(&format!("x.{}", self.0))).expect("all are known")
     }
 }
 

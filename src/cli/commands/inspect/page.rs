@@ -4,11 +4,11 @@ use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::hints;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::options::files::{ForceArgs, check_files};
-use crate::cli::output::{Place, Written};
+use crate::cli::output::{Destination, WrittenFile};
 use crate::cli::progress::Reporter;
-use crate::cli::summary::{Counts, Summary};
+use crate::cli::summary::{ElementCounts, Summary};
 use std::path::{Path, PathBuf};
 use vtex::library::Library;
 use vtex::report::{self, Named, Photo, Subject};
@@ -17,7 +17,7 @@ use vtex::scene::Scene;
 /// Additions of a page to libraries and scene, and its place.
 pub(super) struct PageOptions {
     exemplars: Vec<Input>,
-    place: Place,
+    place: Destination,
 }
 
 impl PageOptions {
@@ -40,10 +40,10 @@ impl PageOptions {
         let read: Vec<_> = read.chain(exemplars.iter().map(|file| ("--exemplar", file))).collect();
         check_files(&read, &[("-o", Some(&output))])?;
         if output.as_os_str() == "-" {
-            return Ok(Some(Self { exemplars, place: Place::Stdout }));
+            return Ok(Some(Self { exemplars, place: Destination::Stdout }));
         }
         format::check_page_name(&output)?;
-        Ok(Some(Self { exemplars, place: Place::File { path: output, force: force.force } }))
+        Ok(Some(Self { exemplars, place: Destination::File { path: output, force: force.force } }))
     }
 }
 
@@ -61,11 +61,11 @@ pub(super) fn run(
     let subject =
         Subject { libraries: &libraries, scene: scene.as_ref(), photos: &photos, ask: hints::PHOTO };
     let (warnings, bytes) = page.place.write(|out| report::write(&subject, out))?;
-    let written = Written { bytes, warnings, ..Written::default() };
+    let written = WrittenFile { bytes, warnings, ..WrittenFile::default() };
     let first = libraries.first().map(|l| &l.content);
     let counts = match &scene {
-        Some(scene) => Some(Counts::of_scene(&scene.content)),
-        None => first.map(Counts::of_library),
+        Some(scene) => Some(ElementCounts::of_scene(&scene.content)),
+        None => first.map(ElementCounts::of_library),
     };
     let size = match &scene {
         Some(scene) => [scene.content.width, scene.content.height],
@@ -82,7 +82,7 @@ pub(super) fn run(
             reporter,
         )
     };
-    summary.tell(common, page.place == Place::Stdout)
+    summary.tell(common, page.place == Destination::Stdout)
 }
 
 /// Libraries, and the scene if there is one.
@@ -95,8 +95,8 @@ fn read(inputs: &[Input]) -> anyhow::Result<Contents> {
         let bytes = input.read()?;
         let path = input.name();
         let name = file_name(input.path());
-        match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene])? {
-            Kind::Library => {
+        match InputKind::expect(&bytes, input, &[InputKind::Library, InputKind::Scene])? {
+            InputKind::Library => {
                 libraries.push(Named { name, content: Library::from_bytes(bytes, &path)? });
             }
             _ if scene.is_some() => {
@@ -119,7 +119,7 @@ fn photos(
     let mut found = Vec::new();
     for input in given {
         let bytes = input.read()?;
-        Kind::expect(&bytes, input, &[Kind::Image, Kind::Unknown])?;
+        InputKind::expect(&bytes, input, &[InputKind::Image, InputKind::Unknown])?;
         found.push(Photo::new(file_name(input.path()), bytes, true));
     }
     let folders = inputs.iter().filter_map(|input| match input {

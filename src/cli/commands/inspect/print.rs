@@ -4,9 +4,9 @@ use super::svg;
 use crate::cli::common::Common;
 use crate::cli::failure::label;
 use crate::cli::foreign::escaped;
-use crate::cli::input::{Input, Kind};
+use crate::cli::input::{Input, InputKind};
 use crate::cli::output;
-use crate::cli::summary::{Counts, bytes as show_bytes, measured, regular};
+use crate::cli::summary::{ElementCounts, bytes as show_bytes, measured, regular};
 use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Lattice, Library};
@@ -25,7 +25,7 @@ struct Inspection {
     bytes: u64,
     /// Size of the exemplar or canvas, in pixels.
     size: [u32; 2],
-    exemplars: Vec<Exemplar>,
+    exemplars: Vec<ExemplarFile>,
     #[serde(skip_serializing_if = "Option::is_none")]
     segmenter: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -37,11 +37,11 @@ struct Inspection {
     lattice: Option<Lattice>,
     /// The layers, in painting order.
     layers: Vec<LayerLine>,
-    counts: Counts,
+    counts: ElementCounts,
     /// Share of the picture that primaries cover, 0 to 1.
     coverage: f64,
     /// Areas of the elements, in pixels.
-    areas: Areas,
+    areas: AreaQuantiles,
     /// Typical distances, in pixels.
     spacing: Spacing,
     categories: Vec<CategoryLine>,
@@ -56,7 +56,7 @@ struct Inspection {
 }
 
 #[derive(Debug, Serialize)]
-struct Exemplar {
+struct ExemplarFile {
     file: String,
     sha256: String,
 }
@@ -74,7 +74,7 @@ struct LayerLine {
 }
 
 #[derive(Debug, Serialize)]
-struct Areas {
+struct AreaQuantiles {
     #[serde(skip_serializing_if = "Option::is_none")]
     primaries: Option<Quantiles>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -118,11 +118,12 @@ struct CategoryLine {
 pub(super) fn run(common: &Common, input: &Input) -> anyhow::Result<()> {
     let bytes = input.read()?;
     let (name, size) = (input.name(), bytes.len() as u64);
-    let inspection = match Kind::expect(&bytes, input, &[Kind::Library, Kind::Scene, Kind::Svg])? {
-        Kind::Svg => return svg::run(common, &name, &bytes),
-        Kind::Library => of_library(&Library::from_bytes(bytes, &name)?, name, size),
-        _ => of_scene(&Scene::from_bytes(bytes, &name)?, name, size),
-    };
+    let inspection =
+        match InputKind::expect(&bytes, input, &[InputKind::Library, InputKind::Scene, InputKind::Svg])? {
+            InputKind::Svg => return svg::run(common, &name, &bytes),
+            InputKind::Library => of_library(&Library::from_bytes(bytes, &name)?, name, size),
+            _ => of_scene(&Scene::from_bytes(bytes, &name)?, name, size),
+        };
     if common.json {
         return output::print_json(&inspection, false);
     }
@@ -156,7 +157,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         program: source.program.clone(),
         bytes,
         size: [source.width, source.height],
-        exemplars: vec![Exemplar { file: source.file.clone(), sha256: source.sha256.clone() }],
+        exemplars: vec![ExemplarFile { file: source.file.clone(), sha256: source.sha256.clone() }],
         segmenter: Some(source.segmenter.clone()),
         seed: Some(source.parameters.seed),
         tile: None,
@@ -166,9 +167,9 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
             .iter()
             .map(|l| LayerLine::new(&l.name, l.role, l.instances.len(), l.field.as_ref(), l.region.is_some()))
             .collect(),
-        counts: Counts::of_library(library),
+        counts: ElementCounts::of_library(library),
         coverage: library.coverage,
-        areas: Areas {
+        areas: AreaQuantiles {
             primaries: Quantiles::of(library.primaries().iter().map(|p| f64::from(p.area) / pixels)),
             secondaries: Quantiles::of(library.secondaries().iter().map(|s| f64::from(s.area) / pixels)),
         },
@@ -204,7 +205,7 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         }
     });
     let exemplars =
-        scene.libraries.iter().map(|l| Exemplar { file: l.exemplar.clone(), sha256: l.sha256.clone() });
+        scene.libraries.iter().map(|l| ExemplarFile { file: l.exemplar.clone(), sha256: l.sha256.clone() });
     Inspection {
         command: "inspect",
         file,
@@ -223,9 +224,9 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
             .iter()
             .map(|l| LayerLine::new(&l.name, l.role, l.instances.len(), l.field.as_ref(), l.region.is_some()))
             .collect(),
-        counts: Counts::of_scene(scene),
+        counts: ElementCounts::of_scene(scene),
         coverage: covered.values().sum::<u64>() as f64 / canvas,
-        areas: Areas {
+        areas: AreaQuantiles {
             primaries: Quantiles::of(scene.of_role(Role::Primary).map(area)),
             secondaries: Quantiles::of(scene.of_role(Role::Secondary).map(area)),
         },

@@ -105,7 +105,7 @@ pub(super) struct Interpolating {
     pub(super) from: Input,
     pub(super) to: Input,
     /// At least one.
-    pub(super) wanted: Vec<Wanted>,
+    pub(super) wanted: Vec<InterpResult>,
     pub(super) scale: RenderParameters,
     pub(super) svg: SvgParameters,
 }
@@ -119,14 +119,14 @@ pub(super) enum One {
 }
 
 /// The result wanted from two scenes.
-pub(super) enum Wanted {
+pub(super) enum InterpResult {
     /// One scene.
     Scene(One, Targets),
     /// Frames in a folder, or one file that plays.
     Played(Played, Pace),
 }
 
-impl Wanted {
+impl InterpResult {
     /// Whether it is made of pixels.
     pub(super) fn drawn(&self) -> bool {
         match self {
@@ -170,7 +170,7 @@ impl Interpolating {
         let morph = a.morph.or(a.across.map(MorphFrom::Axis)).map(One::Morph);
         let between = a.at.map(One::At).or(morph);
         let wanted = if let Some(between) = between {
-            vec![Wanted::Scene(between, targets(a.output, &a.force, &from, MAKES)?)]
+            vec![InterpResult::Scene(between, targets(a.output, &a.force, &from, MAKES)?)]
         } else {
             let pace = Pace { frames: a.frames.unwrap_or(30), rate: a.fps.unwrap_or(15.0), back: a.back };
             if a.output.is_empty() {
@@ -180,7 +180,7 @@ impl Interpolating {
             apart(&outputs(&a.output))?;
             let play = |path| {
                 let played = played(path, a.format, a.force.force, "give --at, --across or --morph")?;
-                Ok(Wanted::Played(played, pace))
+                Ok(InterpResult::Played(played, pace))
             };
             a.output.into_iter().map(play).collect::<Result<_, Failure>>()?
         };

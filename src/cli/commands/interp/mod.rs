@@ -6,13 +6,13 @@ mod run;
 pub(crate) use arguments::InterpArgs;
 
 use crate::cli::command::{Arguments, Job, Resolved};
-use crate::cli::config::Given;
+use crate::cli::config::CommandLineValues;
 use arguments::Interpolating;
 
 impl Arguments for InterpArgs {
-    fn give(&self, given: &mut Given) {
-        given.add("render", &self.render);
-        given.add("svg", &self.svg);
+    fn collect(&self, values: &mut CommandLineValues) {
+        values.add("render", &self.render);
+        values.add("svg", &self.svg);
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {

@@ -1,21 +1,21 @@
 //! Frames, an animation, or a scene between two.
 
-use super::arguments::{Interpolating, MorphFrom, One, Pace, Wanted};
+use super::arguments::{InterpResult, Interpolating, MorphFrom, One, Pace};
 use crate::cli::common::Common;
 use crate::cli::frames::Frames;
 use crate::cli::input;
 use crate::cli::options::frames::{AnimationKind, Played};
-use crate::cli::options::render::Background;
-use crate::cli::output::{Drawing, Place, Target, Targets, Written};
+use crate::cli::options::render::BackgroundChoice;
+use crate::cli::output::{Destination, DrawingOptions, Target, Targets, WrittenFile};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
-use crate::cli::summary::{Counts, Summary};
+use crate::cli::summary::{ElementCounts, Summary};
 use std::path::Path;
 use std::sync::Arc;
 use vtex::Progress;
 use vtex::control;
 use vtex::interpolate::{Interpolation, Morph, morph};
-use vtex::output::file::{Format, Kind};
+use vtex::output::file::{FileKind, Format};
 use vtex::output::raster_animation::RasterAnimation;
 use vtex::output::svg::Animation;
 use vtex::scene::Scene;
@@ -24,8 +24,8 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
     let Interpolating { from, to, wanted, .. } = job;
     for wanted in wanted {
         match wanted {
-            Wanted::Scene(_, targets) => targets.probe()?,
-            Wanted::Played(played, _) => played.probe()?,
+            InterpResult::Scene(_, targets) => targets.probe()?,
+            InterpResult::Played(played, _) => played.probe()?,
         }
     }
     reporter.stage("reading")?;
@@ -36,13 +36,13 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
     let mut all = Vec::new();
     for wanted in wanted {
         all.push(match wanted {
-            Wanted::Scene(between, targets) => one(reporter, job, &scenes, between, targets)?,
-            Wanted::Played(wanted, pace) => played(reporter, job, &scenes, wanted, pace)?,
+            InterpResult::Scene(between, targets) => one(reporter, job, &scenes, between, targets)?,
+            InterpResult::Played(wanted, pace) => played(reporter, job, &scenes, wanted, pace)?,
         });
     }
     let mut all = all.into_iter();
     let Some(mut made) = all.next() else { return Ok(()) };
-    for Made { path, written, .. } in all {
+    for InterpSummary { path, written, .. } in all {
         made.written.others.push((path.to_owned(), written.bytes));
         made.written.warnings.extend(written.warnings);
     }
@@ -58,11 +58,11 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
 fn idle(job: &Interpolating) -> Vec<&'static str> {
     let is_svg =
         |played: &Played| matches!(played, Played::Animation { kind: AnimationKind::Svg { .. }, .. });
-    let svg = job.wanted.iter().all(|w| matches!(w, Wanted::Played(played, _) if is_svg(played)));
+    let svg = job.wanted.iter().all(|w| matches!(w, InterpResult::Played(played, _) if is_svg(played)));
     let limit = svg && job.svg.max_bytes.is_some();
     let expand = svg && job.svg.expand;
     let warnings = [
-        job.scale.warning(job.wanted.iter().any(Wanted::drawn)),
+        job.scale.warning(job.wanted.iter().any(InterpResult::drawn)),
         limit.then_some("--max-bytes has no effect here: nothing of an animation can be given up"),
         expand.then_some("--expand has no effect here: an animation has all elements in full"),
     ];
@@ -70,18 +70,18 @@ fn idle(job: &Interpolating) -> Vec<&'static str> {
 }
 
 /// The written files.
-struct Made<'a> {
+struct InterpSummary<'a> {
     path: &'a Path,
-    written: Written,
+    written: WrittenFile,
     size: [u32; 2],
-    counts: Option<Counts>,
+    counts: Option<ElementCounts>,
     /// Whether standard output has carried it.
     piped: bool,
 }
 
 /// How scenes between the two are drawn.
-fn drawing(job: &Interpolating) -> Drawing<'static> {
-    Drawing { svg: job.svg, render: job.scale, recipe: None }
+fn drawing(job: &Interpolating) -> DrawingOptions<'static> {
+    DrawingOptions { svg: job.svg, render: job.scale, recipe: None }
 }
 
 /// One scene between the two.
@@ -91,7 +91,7 @@ fn one<'a>(
     [from, to]: &[Arc<Scene>; 2],
     between: &One,
     targets: &'a Targets,
-) -> anyhow::Result<Made<'a>> {
+) -> anyhow::Result<InterpSummary<'a>> {
     let scene = match between {
         One::At(t) => {
             let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
@@ -103,8 +103,8 @@ fn one<'a>(
     reporter.stage("drawing")?;
     let written = targets.write_scene(&scene, None, drawing(job))?;
     let size = drawing(job).size_of(&scene, targets.first.kind.format);
-    let counts = Some(Counts::of_scene(&scene));
-    Ok(Made { path: targets.path(), written, size, counts, piped: targets.piped() })
+    let counts = Some(ElementCounts::of_scene(&scene));
+    Ok(InterpSummary { path: targets.path(), written, size, counts, piped: targets.piped() })
 }
 
 /// Where a scene turns into another, with the map that says so.
@@ -114,7 +114,7 @@ fn read(place: &MorphFrom) -> anyhow::Result<Morph> {
         MorphFrom::Radial => Morph::Radial,
         MorphFrom::Map(file) => {
             let bytes = file.read()?;
-            input::Kind::expect(&bytes, file, &[input::Kind::Image, input::Kind::Unknown])
+            input::InputKind::expect(&bytes, file, &[input::InputKind::Image, input::InputKind::Unknown])
                 .map_err(|failure| failure.hint("--morph takes x, y, radial or a grey picture"))?;
             Morph::Map(control::level(&bytes, &file.name())?)
         }
@@ -128,7 +128,7 @@ fn played<'a>(
     [from, to]: &[Arc<Scene>; 2],
     played: &'a Played,
     pace: &Pace,
-) -> anyhow::Result<Made<'a>> {
+) -> anyhow::Result<InterpSummary<'a>> {
     let way = Interpolation::new(from.clone(), to.clone(), reporter)?;
     let drawing = drawing(job);
     let animation = RasterAnimation { frames: pace.played(), rate: pace.rate };
@@ -137,7 +137,7 @@ fn played<'a>(
         Played::Frames { folder, kind, force } => frames.write_files(folder, (*kind, *force))?,
         Played::Animation { place, kind: AnimationKind::Gif } => frames.write_gif(place)?,
         Played::Animation { place, kind: AnimationKind::Png } => {
-            let with_background = job.scale.background != Some(Background::None);
+            let with_background = job.scale.background != Some(BackgroundChoice::None);
             frames.write_png(place, with_background && from.domain.is_none() && to.domain.is_none())?
         }
         Played::Animation { place, kind: AnimationKind::Svg { gzip } } => {
@@ -145,7 +145,7 @@ fn played<'a>(
             // As long as the way is in pictures, back not included.
             let seconds = f64::from(pace.frames) / pace.rate;
             let animation = Animation { seconds, back: pace.back, precision: job.svg.precision };
-            let target = Target { place: place.clone(), kind: Kind { format: Format::Svg, gzip: *gzip } };
+            let target = Target { place: place.clone(), kind: FileKind { format: Format::Svg, gzip: *gzip } };
             target.write_animation(&way, &animation)?
         }
     };
@@ -154,6 +154,6 @@ fn played<'a>(
         Played::Animation { place, kind: AnimationKind::Svg { .. } } => (place.path(), Format::Svg),
         Played::Animation { place, .. } => (place.path(), Format::Png),
     };
-    let piped = matches!(played, Played::Animation { place: Place::Stdout, .. });
-    Ok(Made { path, written, size: drawing.size_of(from, format), counts: None, piped })
+    let piped = matches!(played, Played::Animation { place: Destination::Stdout, .. });
+    Ok(InterpSummary { path, written, size: drawing.size_of(from, format), counts: None, piped })
 }

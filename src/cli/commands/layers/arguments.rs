@@ -5,7 +5,7 @@ use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::layer_maps::{MapFormat, MapTarget};
 use crate::cli::options::files::{ForceArgs, apart, check_files};
-use crate::cli::output::Place;
+use crate::cli::output::Destination;
 use crate::cli::values::{Axes, Size, named};
 use clap::Args;
 use serde::Deserialize;
@@ -65,8 +65,8 @@ pub(crate) struct LayersArgs {
     pub(super) tile: Option<Axes>,
     /// How: carried from the photograph along a field of correspondences, or by making borders alike
     /// [correspondence or boundary, default: correspondence]
-    #[arg(long, value_name = "METHOD", value_parser = named::<Method>, help_heading = "The new map")]
-    pub(super) layer_method: Option<Method>,
+    #[arg(long, value_name = "METHOD", value_parser = named::<MapMethod>, help_heading = "The new map")]
+    pub(super) layer_method: Option<MapMethod>,
     /// Strokes in the colours of the layers on a transparent or white background: they stay, layers below
     /// them appear around them
     #[arg(long, value_name = "FILE", help_heading = "Given maps (they set the size)")]
@@ -95,7 +95,7 @@ pub(crate) struct LayersArgs {
 /// How a new map is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Method {
+pub(super) enum MapMethod {
     #[default]
     Correspondence,
     Boundary,
@@ -132,12 +132,12 @@ pub(super) struct Layered {
     pub(super) painted: Option<Input>,
     pub(super) save: Option<MapTarget>,
     pub(super) continuous: bool,
-    pub(super) wanted: Wanted,
+    pub(super) wanted: LayersResult,
 }
 
 /// The result to be made of layers.
-pub(super) enum Wanted {
-    New(Method),
+pub(super) enum LayersResult {
+    New(MapMethod),
     Sketch(Input),
     Fill { keep: Input, hole: Input },
     Control(Input),
@@ -178,10 +178,12 @@ impl Mapping {
         }
         let save = a.save_layers.map(|path| MapTarget::file("--save-layers", path, a.force.force));
         let wanted = match (a.sketch, a.keep, a.hole, a.control) {
-            (Some(sketch), ..) => Wanted::Sketch(Input::new(sketch)),
-            (_, Some(keep), Some(hole), _) => Wanted::Fill { keep: Input::new(keep), hole: Input::new(hole) },
-            (.., Some(control)) => Wanted::Control(Input::new(control)),
-            _ => Wanted::New(a.layer_method.unwrap_or_default()),
+            (Some(sketch), ..) => LayersResult::Sketch(Input::new(sketch)),
+            (_, Some(keep), Some(hole), _) => {
+                LayersResult::Fill { keep: Input::new(keep), hole: Input::new(hole) }
+            }
+            (.., Some(control)) => LayersResult::Control(Input::new(control)),
+            _ => LayersResult::New(a.layer_method.unwrap_or_default()),
         };
         let parameters = FindParams { count: a.layers.unwrap_or_default(), order: a.layer_order, seed };
         let layered = Layered {
@@ -208,7 +210,7 @@ fn target(output: Option<PathBuf>, force: bool, input: &Input, ending: &str) -> 
         }
     };
     if path.as_os_str() == "-" {
-        return Ok(MapTarget { place: Place::Stdout, format: MapFormat::Png });
+        return Ok(MapTarget { place: Destination::Stdout, format: MapFormat::Png });
     }
     MapTarget::file("--output", path, force)
 }

@@ -1,16 +1,16 @@
 //! Layers found or read, and the map that is made of them.
 
-use super::arguments::{From, Layered, Mapping, Method, Wanted};
+use super::arguments::{From, Layered, LayersResult, MapMethod, Mapping};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
-use crate::cli::input::{Input, Kind};
-use crate::cli::output::{Place, Written};
+use crate::cli::input::{Input, InputKind};
+use crate::cli::output::{Destination, WrittenFile};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::{LayersReport, Summary};
 use image::RgbImage;
-use vtex::analyze::{Exemplar as Photograph, Limits};
+use vtex::analyze::{Exemplar, Limits};
 use vtex::layers::{
-    Count, Exemplar, Found, LayerMap, LayerPicture, Terrain, continuous, find, hole as read_hole,
+    Count, FoundLayers, LayerExemplar, LayerMap, LayerPicture, Terrain, continuous, find, hole as read_hole,
 };
 use vtex::library::Library;
 use vtex::output::layer_map::write_grey;
@@ -32,13 +32,13 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Mapping) -> anyhow
         seed: Some(job.seed),
         size: made.size.map(|v| v as u32),
         layers: made.layers,
-        ..Summary::new("layers", made.inputs, job.target.place.path(), Written::of(made.bytes), reporter)
+        ..Summary::new("layers", made.inputs, job.target.place.path(), WrittenFile::of(made.bytes), reporter)
     };
-    summary.tell(common, job.target.place == Place::Stdout)
+    summary.tell(common, job.target.place == Destination::Stdout)
 }
 
 /// The written file.
-struct Made {
+struct LayersSummary {
     inputs: Vec<String>,
     size: [usize; 2],
     layers: Option<LayersReport>,
@@ -48,13 +48,13 @@ struct Made {
 /// Reads a picture.
 fn read(input: &Input) -> anyhow::Result<(String, Vec<u8>)> {
     let bytes = input.read()?;
-    Kind::expect(&bytes, input, &[Kind::Image, Kind::Unknown])
+    InputKind::expect(&bytes, input, &[InputKind::Image, InputKind::Unknown])
         .map_err(|failure| failure.hint("layers are found in photographs and layer maps"))?;
     Ok((input.name(), bytes))
 }
 
 /// New terrain.
-fn terrain(reporter: &Reporter, job: &Mapping, input: &Input) -> anyhow::Result<Made> {
+fn terrain(reporter: &Reporter, job: &Mapping, input: &Input) -> anyhow::Result<LayersSummary> {
     reporter.stage("reading")?;
     let (name, bytes) = read(input)?;
     let known = Terrain::from_bytes(&bytes, &name, &Limits::default())?;
@@ -62,25 +62,25 @@ fn terrain(reporter: &Reporter, job: &Mapping, input: &Input) -> anyhow::Result<
     reporter.stage("writing")?;
     let (_, bytes) =
         job.target.place.write(|out| write_grey(made.size(), &made.to_16_bits(), Some(job.seed), out))?;
-    Ok(Made { inputs: vec![name], size: made.size(), layers: None, bytes })
+    Ok(LayersSummary { inputs: vec![name], size: made.size(), layers: None, bytes })
 }
 
 /// A photograph, or none of a layer map; and its layers.
-struct Known {
+struct LayerInput {
     photograph: Option<RgbImage>,
     map: LayerMap,
     /// Why there are as many layers, if it was decided.
     why: Option<String>,
 }
 
-fn layers(reporter: &Reporter, job: &Mapping, layered: &Layered) -> anyhow::Result<Made> {
+fn layers(reporter: &Reporter, job: &Mapping, layered: &Layered) -> anyhow::Result<LayersSummary> {
     reporter.stage("reading")?;
     let bytes = layered.input.read()?;
-    Kind::expect(&bytes, &layered.input, &[Kind::Image, Kind::Library, Kind::Unknown])
+    InputKind::expect(&bytes, &layered.input, &[InputKind::Image, InputKind::Library, InputKind::Unknown])
         .map_err(|failure| failure.hint("layers are found in photographs, layer maps and libraries"))?;
     let name = layered.input.name();
     let mut inputs = vec![name.clone()];
-    let is_library = Kind::of(&bytes) == Kind::Library;
+    let is_library = InputKind::of(&bytes) == InputKind::Library;
     let known = match is_library {
         true => of_library(layered, &Library::from_bytes(&bytes, &name)?)?,
         false => known(reporter, layered, &name, &bytes, &mut inputs)?,
@@ -116,11 +116,11 @@ fn layers(reporter: &Reporter, job: &Mapping, layered: &Layered) -> anyhow::Resu
         coverage: Vec::new(),
         why: known.why,
     };
-    Ok(Made { inputs, size: made.size(), layers: Some(report), bytes })
+    Ok(LayersSummary { inputs, size: made.size(), layers: Some(report), bytes })
 }
 
 /// The layers of a library, with the colours of its guide in place of the photograph.
-fn of_library(layered: &Layered, library: &Library) -> anyhow::Result<Known> {
+fn of_library(layered: &Layered, library: &Library) -> anyhow::Result<LayerInput> {
     let Layered { painted, parameters, .. } = layered;
     if painted.is_some() || parameters.count != Count::Auto || parameters.order.is_some() {
         return Err(Failure::usage("a library has its layers already")
@@ -132,7 +132,7 @@ fn of_library(layered: &Layered, library: &Library) -> anyhow::Result<Known> {
         let (width, height) = (library.source.width, library.source.height);
         RgbImage::from_fn(width, height, |x, y| *guide.picture.0.get_pixel(x / guide.cell, y / guide.cell))
     });
-    Ok(Known { photograph, map: layer_map(library), why: library.source.layers.clone() })
+    Ok(LayerInput { photograph, map: layer_map(library), why: library.source.strata_reason.clone() })
 }
 
 /// The layers of the input: found, painted, or those of a layer map.
@@ -142,7 +142,7 @@ fn known(
     name: &str,
     bytes: &[u8],
     inputs: &mut Vec<String>,
-) -> anyhow::Result<Known> {
+) -> anyhow::Result<LayerInput> {
     let reordered = |map: LayerMap| match &layered.parameters.order {
         Some(order) => map.reordered(order),
         None => Ok(map),
@@ -158,20 +158,20 @@ fn known(
                 .hint("leave out --layers: a layer map has a layer for each colour")
                 .into());
         }
-        return Ok(Known { photograph: None, map: reordered(map)?, why: None });
+        return Ok(LayerInput { photograph: None, map: reordered(map)?, why: None });
     }
     drop(picture);
-    let photograph = Photograph::from_bytes(bytes, name, &Limits::default())?;
+    let photograph = Exemplar::from_bytes(bytes, name, &Limits::default())?;
     photograph.warnings.iter().for_each(|warning| reporter.warn(warning));
     let image = photograph.image;
     if let Some(painted) = &layered.painted {
         let (name, bytes) = read(painted)?;
         let map = LayerPicture::from_bytes(&bytes, &name, &Limits::default())?.layers()?;
         inputs.push(name);
-        return Ok(Known { photograph: Some(image), map: reordered(map)?, why: None });
+        return Ok(LayerInput { photograph: Some(image), map: reordered(map)?, why: None });
     }
-    let Found { map, decision } = find(&image, None, &layered.parameters, reporter)?;
-    Ok(Known { photograph: Some(image), map, why: Some(decision.why) })
+    let FoundLayers { map, decision } = find(&image, None, &layered.parameters, reporter)?;
+    Ok(LayerInput { photograph: Some(image), map, why: Some(decision.why) })
 }
 
 /// Makes what is wanted.
@@ -179,10 +179,10 @@ fn make(
     reporter: &Reporter,
     job: &Mapping,
     layered: &Layered,
-    known: &Known,
+    known: &LayerInput,
     inputs: &mut Vec<String>,
 ) -> anyhow::Result<LayerMap> {
-    let exemplar = Exemplar { map: &known.map, photograph: known.photograph.as_ref() };
+    let exemplar = LayerExemplar { map: &known.map, photograph: known.photograph.as_ref() };
     let mut given = |input: &Input| -> anyhow::Result<LayerPicture> {
         let (name, bytes) = read(input)?;
         let picture = LayerPicture::from_bytes(&bytes, &name, &Limits::default())?;
@@ -191,23 +191,23 @@ fn make(
         Ok(picture)
     };
     Ok(match &layered.wanted {
-        Wanted::New(method) => {
+        LayersResult::New(method) => {
             let size = job.size.unwrap_or(known.map.size());
             match method {
-                Method::Correspondence => exemplar.carried(size, job.wrap, job.seed, reporter)?,
-                Method::Boundary => exemplar.optimised(size, job.wrap, job.seed, reporter)?,
+                MapMethod::Correspondence => exemplar.carried(size, job.wrap, job.seed, reporter)?,
+                MapMethod::Boundary => exemplar.optimised(size, job.wrap, job.seed, reporter)?,
             }
         }
-        Wanted::Sketch(input) => {
+        LayersResult::Sketch(input) => {
             let picture = given(input)?;
             let sketch = picture.sketch_in_colours_of(&known.map)?;
             exemplar.sketched(&sketch, picture.size(), job.wrap, job.seed, reporter)?
         }
-        Wanted::Control(input) => {
+        LayersResult::Control(input) => {
             let map = given(input)?.in_colours_of(&known.map)?;
             exemplar.controlled(&map, job.wrap)?
         }
-        Wanted::Fill { keep, hole } => {
+        LayersResult::Fill { keep, hole } => {
             let keep = given(keep)?;
             let map = keep.in_colours_of(&known.map)?;
             let (name, bytes) = read(hole)?;

@@ -11,12 +11,12 @@ use serde::Serialize;
 use vtex::library::Library;
 use vtex::scene::{CategoryId, LibraryId, Scene};
 use vtex::statistics::{
-    Correlation, Difference, Groups, Layout, Repetition, largest_categories, neighbour_distance,
+    Difference, Groups, Layout, PairCorrelations, Repetition, largest_categories, neighbour_distance,
 };
 
 /// The report on them.
 #[derive(Serialize)]
-struct Found {
+struct ArrangementReport {
     program: &'static str,
     command: &'static str,
     exemplar: String,
@@ -87,7 +87,7 @@ pub(super) fn run(
     layout.centres.retain(|c| c.library == number);
     layout.centres.iter_mut().for_each(|c| c.library = LibraryId::default());
     let placeable = library.primaries().iter().filter(|p| !p.clipped).count();
-    let found = Found {
+    let found = ArrangementReport {
         program: vtex::PROGRAM,
         command: "metrics",
         exemplar,
@@ -124,10 +124,10 @@ fn coverage(library: &Library, scene: &Scene, number: LibraryId) -> (Shares, Vec
 impl PairCorrelation {
     fn new(library: &Library, layout: &Layout, unit: f64) -> Self {
         let largest = largest_categories(library);
-        let curves = |layout: &Layout| Correlation::new(layout, LibraryId::default(), &largest, unit);
+        let curves = |layout: &Layout| PairCorrelations::new(layout, LibraryId::default(), &largest, unit);
         let (wanted, got) = (curves(&Layout::of_library(library)), curves(layout));
         let bins = wanted.curves.first().map_or(0, |c| c.pairs.len());
-        let end = |k: usize| (k + 1) as f64 * Correlation::REACH * unit / bins as f64;
+        let end = |k: usize| (k + 1) as f64 * PairCorrelations::REACH * unit / bins as f64;
         let pairs = wanted.curves.iter().zip(&got.curves).map(|(a, b)| CurvePair {
             categories: a.categories.map(CategoryId::number),
             exemplar: a.values(),
@@ -141,7 +141,7 @@ impl PairCorrelation {
     }
 }
 
-impl Found {
+impl ArrangementReport {
     fn show(&self) -> String {
         let mut text = format!("{} and {}\n\n", escaped(&self.exemplar), escaped(&self.result));
         let cent = |v: f64| format!("{:.1} %", v * 100.0);

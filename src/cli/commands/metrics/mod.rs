@@ -11,7 +11,7 @@ use crate::cli::failure::Failure;
 use crate::cli::input::Input;
 use crate::cli::progress::Reporter;
 use clap::Args;
-use content::Content;
+use content::FileContent;
 use std::path::PathBuf;
 
 /// Say in numbers how alike an exemplar and a result are
@@ -55,10 +55,10 @@ fn run(common: &Common, reporter: &Reporter, arguments: &MetricsArgs) -> anyhow:
         return Err(failure.hint("standard input can be read once").into());
     }
     reporter.stage("reading")?;
-    let [exemplar, result] = [Content::read(&inputs[0])?, Content::read(&inputs[1])?];
+    let [exemplar, result] = [FileContent::read(&inputs[0])?, FileContent::read(&inputs[1])?];
     let names = inputs.map(|input| input.name());
     match (&exemplar, &result) {
-        (Content::Library(library), Content::Scene(scene)) => {
+        (FileContent::Library(library), FileContent::Scene(scene)) => {
             if arguments.scale != 1.0 {
                 let failure = Failure::usage("--scale is for pictures; a scene has the scale of its library");
                 return Err(failure.hint("leave it away, or give a picture of one of them").into());

@@ -1,6 +1,6 @@
 //! Two pictures, or what can be drawn as such.
 
-use super::content::Content;
+use super::content::FileContent;
 use super::show::{digits, tell};
 use crate::cli::common::Common;
 use crate::cli::foreign::escaped;
@@ -15,7 +15,7 @@ use vtex::output::{png, raster_svg};
 
 /// The report on them.
 #[derive(Serialize)]
-struct Found {
+struct PictureReport {
     program: &'static str,
     command: &'static str,
     exemplar: String,
@@ -33,8 +33,8 @@ pub(super) fn run(
     common: &Common,
     reporter: &Reporter,
     [exemplar, result]: [String; 2],
-    first: &Content,
-    second: &Content,
+    first: &FileContent,
+    second: &FileContent,
     scale: f64,
 ) -> anyhow::Result<()> {
     reporter.stage("drawing")?;
@@ -57,27 +57,35 @@ pub(super) fn run(
     let seconds = seconds.iter().map(|s| s.1.as_secs_f64()).sum::<f64>();
     let seconds = (seconds * 1e3).round() / 1e3;
     let command = "metrics";
-    let found =
-        Found { program: vtex::PROGRAM, command, exemplar, result, scale, metrics, seconds, warnings };
+    let found = PictureReport {
+        program: vtex::PROGRAM,
+        command,
+        exemplar,
+        result,
+        scale,
+        metrics,
+        seconds,
+        warnings,
+    };
     tell(common, &found, || found.show())
 }
 
 /// A picture of what a file holds, over white, a pixel for a pixel of the canvas.
-fn draw(content: &Content, name: &str, reporter: &Reporter) -> anyhow::Result<RgbImage> {
+fn draw(content: &FileContent, name: &str, reporter: &Reporter) -> anyhow::Result<RgbImage> {
     let pixmap = match content {
-        Content::Image(bytes) => {
+        FileContent::Image(bytes) => {
             let decoded = Exemplar::from_bytes(bytes, name, &Limits::default())?;
             decoded.warnings.iter().for_each(|w| reporter.warn(&w.replace("the photograph", name)));
             return Ok(decoded.image);
         }
-        Content::Svg(bytes) => raster_svg::render_svg(bytes, 1.0, name, reporter)?,
-        Content::Scene(scene) => png::render(scene, 1.0)?,
-        Content::Library(library) => png::render(&vtex::synth::reconstruct(library), 1.0)?,
+        FileContent::Svg(bytes) => raster_svg::render_svg(bytes, 1.0, name, reporter)?,
+        FileContent::Scene(scene) => png::render(scene, 1.0)?,
+        FileContent::Library(library) => png::render(&vtex::synth::reconstruct(library), 1.0)?,
     };
     Ok(png::over_white(&pixmap))
 }
 
-impl Found {
+impl PictureReport {
     fn show(&self) -> String {
         let m = &self.metrics;
         let size = |[w, h]: [u32; 2]| format!("{w} x {h} px");

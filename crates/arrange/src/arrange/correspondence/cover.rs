@@ -1,6 +1,6 @@
 //! Pixels of a map that want a primary, and pixels that a primary covers.
 
-use super::instances::Instance;
+use super::instances::PixelInstance;
 use crate::arrange::grid::Grid;
 use vtex_base::raster::Mask;
 
@@ -17,7 +17,7 @@ pub(super) struct Cover<'g> {
 
 impl<'g> Cover<'g> {
     /// A map that wants some instances, with nothing on it.
-    pub(super) fn new(grid: &'g Grid, instances: &[Instance]) -> Self {
+    pub(super) fn new(grid: &'g Grid, instances: &[PixelInstance]) -> Self {
         let mut cover = Self { grid, pixels: vec![0; grid.len()] };
         instances.iter().for_each(|instance| cover.mark(&instance.mask, [0, 0], WANTED));
         cover

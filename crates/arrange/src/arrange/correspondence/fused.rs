@@ -6,9 +6,9 @@
 //! like colour are joined across a seam. Scenes mark these elements as `fused` and paint them beneath whole
 //! ones.
 
-use super::instances::{Instance, Part};
-use crate::arrange::model::Model;
-use vtex_base::geometry::{Affine, FittedMap, Outline, PlanarMap, Point, Region, Scale};
+use super::instances::{PixelInstance, PrimaryPixels};
+use crate::arrange::model::PlacementModel;
+use vtex_base::geometry::{Affine, FittedMap, Interior, Outline, PlanarMap, Point, Scale};
 use vtex_base::raster::colour::Colour;
 use vtex_base::raster::{LabelMap, Mask, Span};
 use vtex_scene::element::Gradient;
@@ -35,9 +35,9 @@ const DOMINANT: f64 = 0.8;
 /// What is painted for an instance, relative to the origin of its main part, and the pixels of it; `None` if
 /// nothing is left of it once traced. `is_free` tells which pixels around it no other instance has.
 pub(super) fn fused(
-    instance: &Instance,
+    instance: &PixelInstance,
     libraries: &[Library],
-    model: &Model,
+    model: &PlacementModel,
     is_free: impl Fn([i32; 2]) -> bool,
 ) -> Option<(Element, Mask)> {
     let main = instance.main();
@@ -155,7 +155,7 @@ impl<'a> Details<'a> {
 
 /// A part with its primary, relative to the origin of the instance.
 struct PlacedPart<'a> {
-    primary: &'a library::Element,
+    primary: &'a library::ExemplarElement,
     /// Its pixels.
     mask: Mask,
     /// From the exemplar to where the part stands.
@@ -163,7 +163,7 @@ struct PlacedPart<'a> {
 }
 
 impl<'a> PlacedPart<'a> {
-    fn new(part: &Part, origin: [i32; 2], libraries: &'a [Library], model: &Model) -> Self {
+    fn new(part: &PrimaryPixels, origin: [i32; 2], libraries: &'a [Library], model: &PlacementModel) -> Self {
         let known = model.element(part.variant);
         let primary = &libraries[known.library].primaries()[known.index as usize];
         let [a, b, c, d] = model.variation(part.variant).matrix;
@@ -203,7 +203,7 @@ impl<'a> PlacedPart<'a> {
         let Some(outline) = Outline::new(&(to_map * self.to_place * self.primary.outline().path())) else {
             return;
         };
-        let inside = Region::new(&outline);
+        let inside = Interior::new(&outline);
         let mut set = |[x, y]: [i32; 2], within: bool| {
             for (u, v) in (0..FINE).flat_map(|v| (0..FINE).map(move |u| (u, v))) {
                 let [cx, cy] = [(x - corner[0]) * FINE + u, (y - corner[1]) * FINE + v];

@@ -8,7 +8,7 @@
 
 use super::Correspondence;
 use crate::arrange::grid::Grid;
-use crate::arrange::model::{Model, PlaceableId, VariantId};
+use crate::arrange::model::{PlaceableId, PlacementModel, VariantId};
 use std::collections::BTreeMap;
 use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::parallel;
@@ -37,7 +37,7 @@ const LEAST: u32 = 12;
 const ROUNDS: usize = 3;
 
 /// Pixels that come from one primary at one place.
-pub(super) struct Part {
+pub(super) struct PrimaryPixels {
     pub(super) variant: VariantId,
     /// Place of its origin, on the map; on the same side of seams as the pixels.
     pub(super) at: [i32; 2],
@@ -45,24 +45,24 @@ pub(super) struct Part {
 }
 
 /// Pixels that show one element.
-pub(super) struct Instance {
+pub(super) struct PixelInstance {
     /// What they come from, the largest part first.
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<PrimaryPixels>,
     /// The pixels, on the map. Across a seam they are counted on.
     pub(super) mask: Mask,
     /// Whether it reaches the end of what the field knows.
     pub(super) cut: bool,
 }
 
-impl Instance {
+impl PixelInstance {
     /// The largest part.
-    pub(super) fn main(&self) -> &Part {
+    pub(super) fn main(&self) -> &PrimaryPixels {
         &self.parts[0]
     }
 }
 
 /// A run of pixels of a row that come from one primary.
-struct Run {
+struct PrimaryRun {
     x0: i32,
     x1: i32,
     variant: VariantId,
@@ -71,10 +71,10 @@ struct Run {
 }
 
 /// All runs of a map, row by row.
-struct Runs<'a> {
-    model: &'a Model,
+struct PrimaryRuns<'a> {
+    model: &'a PlacementModel,
     grid: &'a Grid,
-    runs: Vec<Run>,
+    runs: Vec<PrimaryRun>,
     /// Index of the first run of each row.
     rows: Vec<usize>,
     kinds: &'a Kinds,
@@ -91,7 +91,7 @@ pub(super) struct Kinds {
 }
 
 impl Kinds {
-    pub(super) fn new(libraries: &[Library], model: &Model) -> Self {
+    pub(super) fn new(libraries: &[Library], model: &PlacementModel) -> Self {
         let strata = libraries.iter().flat_map(|l| l.strata_of_elements()[..l.primaries().len()].to_vec());
         let colours = libraries.iter().flat_map(|l| l.primaries().iter().map(|p| p.colour.to_oklab()));
         let median = |library: usize| {
@@ -121,10 +121,10 @@ type Contact = (usize, usize, u32);
 /// The instances of a field.
 pub(super) fn find(
     correspondence: &Correspondence,
-    model: &Model,
+    model: &PlacementModel,
     grid: &Grid,
     kinds: &Kinds,
-) -> Vec<Instance> {
+) -> Vec<PixelInstance> {
     let numbers: Vec<i32> = (0..grid.height).collect();
     let of_rows = parallel::map(&numbers, |&y| correspondence.runs(model, grid, y));
     let mut rows = vec![0];
@@ -133,7 +133,7 @@ pub(super) fn find(
         runs.extend(row);
         rows.push(runs.len());
     }
-    let runs = Runs { model, grid, runs, rows, kinds };
+    let runs = PrimaryRuns { model, grid, runs, rows, kinds };
     let contacts = runs.contacts();
     let mut sets = DisjointSets::new(runs.runs.len());
     for &(a, b, _) in &contacts {
@@ -158,7 +158,7 @@ pub(super) fn find(
     parallel::map(&members, |list| runs.instance(list, SAME_PLACE * correspondence.pages.cell, known))
 }
 
-impl Runs<'_> {
+impl PrimaryRuns<'_> {
     /// The row of a run.
     fn row(&self, run: usize) -> i32 {
         self.rows.partition_point(|&first| first <= run) as i32 - 1
@@ -314,7 +314,7 @@ impl Runs<'_> {
     }
 
     /// The instance of some runs.
-    fn instance(&self, list: &[usize], reach: i32, known: [[i32; 2]; 2]) -> Instance {
+    fn instance(&self, list: &[usize], reach: i32, known: [[i32; 2]; 2]) -> PixelInstance {
         // Places of one primary that differ by little are one part.
         let mut counts: BTreeMap<(VariantId, [i32; 2]), u32> = BTreeMap::new();
         for &run in list {
@@ -351,12 +351,12 @@ impl Runs<'_> {
             parts[part_of[&(r.variant, r.at)]].2.push(span);
         }
         let cut = list.iter().any(|&run| self.reaches_end(run, known));
-        let mut parts: Vec<Part> = parts
+        let mut parts: Vec<PrimaryPixels> = parts
             .into_iter()
-            .map(|(variant, at, spans)| Part { variant, at, mask: Mask::from_spans(spans) })
+            .map(|(variant, at, spans)| PrimaryPixels { variant, at, mask: Mask::from_spans(spans) })
             .collect();
         parts.sort_by_key(|part| (std::cmp::Reverse(part.mask.area()), part.variant, part.at));
-        Instance { parts, mask: Mask::from_spans(all), cut }
+        PixelInstance { parts, mask: Mask::from_spans(all), cut }
     }
 }
 
@@ -371,8 +371,8 @@ impl Correspondence {
     }
 
     /// The runs of a row of a map that come from primaries.
-    fn runs(&self, model: &Model, grid: &Grid, y: i32) -> Vec<Run> {
-        let mut runs: Vec<Run> = Vec::new();
+    fn runs(&self, model: &PlacementModel, grid: &Grid, y: i32) -> Vec<PrimaryRun> {
+        let mut runs: Vec<PrimaryRun> = Vec::new();
         for x in 0..grid.width {
             let canvas = [x - grid.margin[0], y - grid.margin[1]];
             if !self.reaches(canvas) {
@@ -391,7 +391,7 @@ impl Correspondence {
             let at = grid.canonical([0, 1].map(|k| [x, y][k] + origin[k] - there[k]));
             match runs.last_mut() {
                 Some(last) if last.x1 == x && (last.variant, last.at) == (variant, at) => last.x1 = x + 1,
-                _ => runs.push(Run { x0: x, x1: x + 1, variant, at }),
+                _ => runs.push(PrimaryRun { x0: x, x1: x + 1, variant, at }),
             }
         }
         runs

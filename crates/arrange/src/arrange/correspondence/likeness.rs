@@ -4,7 +4,7 @@
 //! their colours. Two hearts, a torn side or a shape that no element has make it unlike every element of the
 //! exemplar, more than these are unlike each other.
 
-use crate::arrange::model::{Model, PlaceableId};
+use crate::arrange::model::{PlaceableId, PlacementModel};
 use vtex_base::parallel;
 use vtex_base::raster::LabelMap;
 use vtex_base::raster::colour::oklab;
@@ -29,12 +29,12 @@ const LEAST: usize = 8;
 const USUAL: f64 = 0.5;
 
 /// What an element looks like.
-pub(super) struct Look {
+pub(super) struct ElementLook {
     points: Vec<Option<[f32; 3]>>,
     area: f64,
 }
 
-impl Look {
+impl ElementLook {
     /// The look of a thing with a middle and an area, in pixels. `colour` gives the colour of a pixel, `None`
     /// outside the thing; `turned` rotates an offset from the middle as the thing is rotated.
     pub(super) fn new(
@@ -70,27 +70,32 @@ impl Look {
 /// The looks of all elements that can stand whole, and how much they differ.
 pub(super) struct Likeness {
     /// By library and stratum: area, element and look, the smallest first.
-    groups: Vec<Group>,
+    groups: Vec<SimilarElements>,
     /// The group of each element.
     group_of: Vec<usize>,
 }
 
-struct Group {
-    members: Vec<(PlaceableId, Look)>,
+struct SimilarElements {
+    members: Vec<(PlaceableId, ElementLook)>,
     /// Largest distance of something alike.
     usual: f64,
 }
 
 impl Likeness {
     /// `strata` holds the stratum of each element; libraries without a guide have no looks.
-    pub(super) fn new(libraries: &[Library], labels: &[LabelMap], model: &Model, strata: &[u8]) -> Self {
+    pub(super) fn new(
+        libraries: &[Library],
+        labels: &[LabelMap],
+        model: &PlacementModel,
+        strata: &[u8],
+    ) -> Self {
         let keys: Vec<(usize, u8)> =
             model.elements.iter().map(|e| e.library).zip(strata.iter().copied()).collect();
         let mut kinds = keys.clone();
         kinds.sort_unstable();
         kinds.dedup();
         let group_of: Vec<usize> = keys.iter().map(|key| kinds.binary_search(key).unwrap_or(0)).collect();
-        let colours: Vec<Option<Colours<'_>>> = libraries.iter().map(Colours::new).collect();
+        let colours: Vec<Option<GuideColours<'_>>> = libraries.iter().map(GuideColours::new).collect();
         let all: Vec<PlaceableId> = (0..model.elements.len() as u32).map(PlaceableId).collect();
         let looks = parallel::map(&all, |&id| {
             let element = &model[id];
@@ -99,10 +104,10 @@ impl Likeness {
             let middle = libraries[element.library].primaries()[element.index as usize].centroid;
             let colour =
                 |[x, y]: [i32; 2]| (map.at(x.into(), y.into()) == Some(label)).then(|| colours.at([x, y]));
-            Some(Look::new(middle, f64::from(model.plain(id).area), |way| way, colour))
+            Some(ElementLook::new(middle, f64::from(model.plain(id).area), |way| way, colour))
         });
-        let mut groups: Vec<Group> =
-            kinds.iter().map(|_| Group { members: Vec::new(), usual: f64::INFINITY }).collect();
+        let mut groups: Vec<SimilarElements> =
+            kinds.iter().map(|_| SimilarElements { members: Vec::new(), usual: f64::INFINITY }).collect();
         for ((&id, look), &group) in all.iter().zip(looks).zip(&group_of) {
             groups[group].members.extend(look.map(|look| (id, look)));
         }
@@ -115,16 +120,16 @@ impl Likeness {
 
     /// The element that something looks like most, of those like `element` in kind, and whether it looks as
     /// much like it as the exemplar's elements do like each other; `None` if there is no element of like size.
-    pub(super) fn nearest(&self, element: PlaceableId, look: &Look) -> Option<(PlaceableId, bool)> {
+    pub(super) fn nearest(&self, element: PlaceableId, look: &ElementLook) -> Option<(PlaceableId, bool)> {
         let group = &self.groups[self.group_of[element.0 as usize]];
         let (nearest, distance) = group.nearest(look, None)?;
         Some((nearest, distance <= group.usual))
     }
 }
 
-impl Group {
+impl SimilarElements {
     /// The member nearest to a look, but for one, and its distance.
-    fn nearest(&self, look: &Look, but: Option<PlaceableId>) -> Option<(PlaceableId, f64)> {
+    fn nearest(&self, look: &ElementLook, but: Option<PlaceableId>) -> Option<(PlaceableId, f64)> {
         let bound = |area: f64| self.members.partition_point(|(_, l)| l.area < area);
         let range = bound(AREA * look.area)..bound(look.area / AREA);
         let step = range.len().div_ceil(COMPARED).max(1);
@@ -136,7 +141,7 @@ impl Group {
     /// Learns how far members are from each other.
     fn learn(&mut self) {
         let step = self.members.len().div_ceil(LEARNED).max(1);
-        let some: Vec<&(PlaceableId, Look)> = self.members.iter().step_by(step).collect();
+        let some: Vec<&(PlaceableId, ElementLook)> = self.members.iter().step_by(step).collect();
         let nearest = parallel::map(&some, |(id, look)| self.nearest(look, Some(*id)).map(|n| n.1));
         let mut distances: Vec<f64> = nearest.into_iter().flatten().collect();
         if distances.len() >= LEAST {
@@ -147,12 +152,12 @@ impl Group {
 }
 
 /// The colours of a guide.
-pub(super) struct Colours<'a> {
+pub(super) struct GuideColours<'a> {
     guide: &'a Guide,
     of_cells: Vec<[f32; 3]>,
 }
 
-impl<'a> Colours<'a> {
+impl<'a> GuideColours<'a> {
     /// `None` for a library without a guide.
     pub(super) fn new(library: &'a Library) -> Option<Self> {
         let guide = library.guide.as_ref()?;

@@ -16,37 +16,37 @@
 //!
 //! Coverage follows from the field. It is corrected only where a map asks for another density.
 
-mod alike;
 mod cover;
 mod fused;
 mod instances;
-mod lead;
 mod likeness;
 mod pages;
 mod resolve;
 mod secondaries;
 mod shares;
+mod similar;
+mod structure_classes;
 
-use super::Context;
-use super::grid::{Grid, Part};
-use super::model::{Model, VariantId};
-use super::region::Region;
-use alike::Alike;
+use super::PlacementContext;
+use super::grid::{CellRun, Grid};
+use super::model::{PlacementModel, VariantId};
+use super::region::PlacementRegion;
 use cover::Cover;
 use image::{Rgb, RgbImage};
 use instances::Kinds;
-use lead::Lead;
 use pages::Pages;
-use resolve::{Outcome, Resolver};
+use resolve::{Resolution, Resolver};
 pub(crate) use secondaries::Arrived;
 use serde::Serialize;
+use similar::Substitutes;
+use structure_classes::StructureClasses;
 use vtex_base::error::{Error, Result};
 use vtex_base::parallel;
 use vtex_base::progress::advance;
 use vtex_base::raster::picture::label_colour;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_base::sampling::stream;
-use vtex_field::correspondence::{Field, Islands, Request, find};
+use vtex_field::correspondence::{CanvasRequest, CorrespondenceField, Islands, find};
 use vtex_scene::lattice::{Lattice, Phases};
 use vtex_scene::library::Library;
 use vtex_scene::scene::{Edge, LatticeChoice, SynthParams};
@@ -91,7 +91,7 @@ pub(super) struct Carried {
 /// A canvas as a mosaic of its exemplars.
 pub(crate) struct Correspondence {
     pages: Pages,
-    field: Field,
+    field: CorrespondenceField,
     /// The lattice of each library, and how its phases run over the canvas.
     lattices: Vec<Option<(Lattice, Phases)>>,
     /// Cells beside the canvas, left and above.
@@ -103,10 +103,10 @@ impl Correspondence {
     ///
     /// # Errors
     /// [`Error::Parameter`] if a library has no guide, [`Error::Interrupted`].
-    pub(super) fn new(context: &Context<'_>, model: &Model) -> Result<Self> {
-        let Context { libraries, controls, params, progress, .. } = *context;
-        let lead = Lead::new(libraries, controls);
-        let classes = lead.as_ref().map(Lead::of_exemplar);
+    pub(super) fn new(context: &PlacementContext<'_>, model: &PlacementModel) -> Result<Self> {
+        let PlacementContext { libraries, controls, params, progress, .. } = *context;
+        let structure = StructureClasses::new(libraries, controls);
+        let classes = structure.as_ref().map(StructureClasses::of_exemplar);
         let lattices = lattices(libraries, params)?;
         let wrap = [params.tile.x, params.tile.y];
         let margin = wrap.map(|w| if w { 0 } else { MARGIN });
@@ -116,12 +116,12 @@ impl Correspondence {
         let size = [cells(0, params.width), cells(1, params.height)];
         let place =
             |x: usize, y: usize| [0, 1].map(|k| ([x, y][k] as i32 - margin[k]) * pages.cell + pages.cell / 2);
-        let groups = match &lead {
-            Some(lead) => Some(lead.of_cells([params.width, params.height], size, place)),
+        let groups = match &structure {
+            Some(classes) => Some(classes.of_cells([params.width, params.height], size, place)),
             None => shares::libraries(context, model, size, place),
         };
         let active = shares::active(context, size, place);
-        let request = Request { pages: &pages.pages, size, wrap, groups, active, seed: params.seed };
+        let request = CanvasRequest { pages: &pages.pages, size, wrap, groups, active, seed: params.seed };
         let field = find(&request, progress)?;
         let this = Self { pages, field, lattices, margin };
         progress.picture("correspondence", &|| this.picture(libraries, model, params));
@@ -139,14 +139,18 @@ impl Correspondence {
     ///
     /// # Errors
     /// [`Error::Interrupted`].
-    pub(super) fn carry(&self, context: &Context<'_>, model: &mut Model) -> Result<Carried> {
-        let Context { libraries, params, grid, region, progress, .. } = *context;
+    pub(super) fn carry(
+        &self,
+        context: &PlacementContext<'_>,
+        model: &mut PlacementModel,
+    ) -> Result<Carried> {
+        let PlacementContext { libraries, params, grid, region, progress, .. } = *context;
         let step = |done: u64| advance(progress, "carrying", done, 4);
         step(0)?;
         let kinds = Kinds::new(libraries, model);
         let instances = instances::find(self, model, grid, &kinds);
         step(1)?;
-        let alike = Alike::new(libraries, model);
+        let alike = Substitutes::new(libraries, model);
         let mut cover = Cover::new(grid, &instances);
         let resolver = Resolver::new(self, libraries, model, grid, (&alike, &kinds.strata), &cover);
         let allowed = |mask: &Mask, at: [i32; 2]| {
@@ -162,21 +166,21 @@ impl Correspondence {
         let mut elements = Vec::with_capacity(instances.len());
         for (instance, outcome) in instances.iter().zip(outcomes) {
             let standing = match outcome {
-                Outcome::Whole(standing) => {
+                Resolution::Whole(standing) => {
                     structure.whole += standing.len();
                     standing
                 }
-                Outcome::Like(variant, at) => {
+                Resolution::Like(variant, at) => {
                     structure.like += 1;
                     vec![(variant, at)]
                 }
-                Outcome::Fused(element, mask) => {
+                Resolution::Fused(element, mask) => {
                     let (variant, at) = (instance.main().variant, instance.main().at);
                     structure.fused += 1;
                     structure.fused_share += cover.share(&mask, at);
                     vec![(model.add_fused(variant, mask, *element), at)]
                 }
-                Outcome::Nothing => Vec::new(),
+                Resolution::Nothing => Vec::new(),
             };
             let library = model.element(instance.main().variant).library;
             for (variant, at) in standing {
@@ -196,7 +200,7 @@ impl Correspondence {
     /// there is one. Not in a packed exemplar whose elements stray: joints would open.
     fn on_lattice(
         &self,
-        model: &Model,
+        model: &PlacementModel,
         grid: &Grid,
         packed: bool,
         (variant, at): (VariantId, [i32; 2]),
@@ -239,7 +243,7 @@ impl Correspondence {
     }
 
     /// Library and place in its exemplar that a place of the canvas comes from.
-    pub(crate) fn origin(&self, model: &Model, at: [f64; 2]) -> (usize, [f64; 2]) {
+    pub(crate) fn origin(&self, model: &PlacementModel, at: [f64; 2]) -> (usize, [f64; 2]) {
         let (page, there) = self.source(at.map(|v| libm::floor(v) as i32));
         let sheet = &self.pages.sheets[page];
         let place = sheet.exemplar(model, there).unwrap_or([0, 0]);
@@ -248,7 +252,12 @@ impl Correspondence {
 
     /// The labels of the exemplar's pixels where the cells of the canvas come from. `labels` are those of the
     /// only library.
-    pub(crate) fn labels_of_cells(&self, model: &Model, labels: &LabelMap, canvas: [u32; 2]) -> LabelMap {
+    pub(crate) fn labels_of_cells(
+        &self,
+        model: &PlacementModel,
+        labels: &LabelMap,
+        canvas: [u32; 2],
+    ) -> LabelMap {
         let [width, height] = canvas.map(|v| v.div_ceil(self.pages.cell as u32));
         let mut cells = LabelMap::filled(width, height, 0);
         for y in 0..height {
@@ -262,7 +271,7 @@ impl Correspondence {
     }
 
     /// The guides' colours where the field points.
-    fn picture(&self, libraries: &[Library], model: &Model, params: &SynthParams) -> RgbImage {
+    fn picture(&self, libraries: &[Library], model: &PlacementModel, params: &SynthParams) -> RgbImage {
         RgbImage::from_fn(params.width, params.height, |x, y| {
             let (page, at) = self.source([x as i32, y as i32]);
             let sheet = &self.pages.sheets[page];
@@ -290,7 +299,7 @@ impl Correspondence {
 fn vary(
     elements: &mut [(VariantId, [i32; 2])],
     lattices: &[Option<(Lattice, Phases)>],
-    model: &Model,
+    model: &PlacementModel,
     seed: u64,
 ) {
     for (i, (variant, _)) in elements.iter_mut().enumerate() {
@@ -332,13 +341,13 @@ pub(crate) fn no_guide() -> Error {
 
 /// Whether a mask may stand at a place: in a zone that correspondences serve, as the edge of the domain
 /// allows.
-fn stands(grid: &Grid, region: &Region<'_>, mask: &Mask, at: [i32; 2], middle: [i32; 2]) -> bool {
+fn stands(grid: &Grid, region: &PlacementRegion<'_>, mask: &Mask, at: [i32; 2], middle: [i32; 2]) -> bool {
     if region.is_plain() {
         return true;
     }
     let served = |zone| region.is_carried(zone);
     let canvas =
-        || mask.spans().iter().flat_map(|&s| grid.parts(s, at)).flat_map(|Part { canvas, .. }| canvas);
+        || mask.spans().iter().flat_map(|&s| grid.parts(s, at)).flat_map(|CellRun { canvas, .. }| canvas);
     let inside = grid.canvas_cell(middle).and_then(|i| region.zone(i));
     match region.edge {
         Edge::Clip => inside.or_else(|| canvas().find_map(|i| region.zone(i))).is_some_and(served),

@@ -7,10 +7,10 @@
 //! rotated one has other rows. Colours of strata lie half as far again apart as in the exemplar, so islands
 //! keep to their stratum.
 
-use crate::arrange::model::Model;
+use crate::arrange::model::PlacementModel;
 use vtex_base::raster::colour::oklab;
 use vtex_base::raster::{LabelMap, squared_distance};
-use vtex_field::correspondence::{CHANNELS, Page, Periods};
+use vtex_field::correspondence::{CHANNELS, ExemplarPage, Periods};
 use vtex_scene::lattice::{Lattice, Phases};
 use vtex_scene::library::{Guide, Library};
 
@@ -34,7 +34,7 @@ const MOST_ASTRAY: f64 = 1.5;
 const CONTINUED: f64 = 0.35;
 
 /// The map from the pixels of a page to those of an exemplar.
-pub(super) struct Sheet {
+pub(super) struct PixelMap {
     /// Index of the library.
     pub(super) library: usize,
     /// Index of the model's variation.
@@ -52,8 +52,8 @@ pub(super) struct Sheet {
 pub(super) struct Pages {
     /// Side of a cell, in pixels.
     pub(super) cell: i32,
-    pub(super) pages: Vec<Page>,
-    pub(super) sheets: Vec<Sheet>,
+    pub(super) pages: Vec<ExemplarPage>,
+    pub(super) sheets: Vec<PixelMap>,
     /// Which primary stands where, library by library.
     pub(super) labels: Vec<LabelMap>,
 }
@@ -80,9 +80,9 @@ struct Middle {
     radius: f64,
 }
 
-impl Sheet {
+impl PixelMap {
     /// For an exemplar of `size` pixels in one of the model's variations.
-    fn new(library: usize, model: &Model, variation: usize, size: [i32; 2], wrap: bool) -> Self {
+    fn new(library: usize, model: &PlacementModel, variation: usize, size: [i32; 2], wrap: bool) -> Self {
         let area = extent(model, variation, size, wrap);
         let middle = if variation == 0 { size } else { area }.map(|v| v / 2);
         Self { library, variation: variation as u16, size, area, middle, wrap }
@@ -94,7 +94,13 @@ impl Sheet {
     }
 
     /// The page, in cells of `cell` pixels.
-    fn page(&self, model: &Model, cell: i32, exemplar: &Surface<'_>, periods: Option<&Periods>) -> Page {
+    fn page(
+        &self,
+        model: &PlacementModel,
+        cell: i32,
+        exemplar: &Surface<'_>,
+        periods: Option<&Periods>,
+    ) -> ExemplarPage {
         let size = self
             .area
             .map(|v| if self.is_exemplar() { (v + cell - 1) / cell } else { v / cell }.max(1) as usize);
@@ -113,13 +119,13 @@ impl Sheet {
         let (features, inside) = cells.map(|first| self.feature(model, first, cell, exemplar)).unzip();
         // A cell of the plain page that sticks out of the exemplar still counts.
         let inside = (self.variation != 0).then_some(inside);
-        Page { group: self.library as u8, groups, size, features, inside, periods: periods.cloned() }
+        ExemplarPage { group: self.library as u8, groups, size, features, inside, periods: periods.cloned() }
     }
 
     /// Features of the cell with the given first pixel, and whether all of it shows the exemplar.
     fn feature(
         &self,
-        model: &Model,
+        model: &PlacementModel,
         first: [i32; 2],
         cell: i32,
         exemplar: &Surface<'_>,
@@ -150,7 +156,7 @@ impl Sheet {
 
     /// Where within its primary a pixel of the exemplar lies, as the page shows it: from the middle, in radii,
     /// weighted; nowhere on background.
-    fn place_within(&self, model: &Model, at: [i32; 2], exemplar: &Surface<'_>) -> [f32; 2] {
+    fn place_within(&self, model: &PlacementModel, at: [i32; 2], exemplar: &Surface<'_>) -> [f32; 2] {
         let label = exemplar.map.get(at[0] as u32, at[1] as u32);
         let Some(middle) = &exemplar.middles[label as usize] else { return [0.0; 2] };
         let from = [0, 1].map(|k| {
@@ -166,7 +172,7 @@ impl Sheet {
     }
 
     /// The pixel of the exemplar that a pixel of the page shows; none beside the exemplar.
-    pub(super) fn exemplar(&self, model: &Model, page: [i32; 2]) -> Option<[i32; 2]> {
+    pub(super) fn exemplar(&self, model: &PlacementModel, page: [i32; 2]) -> Option<[i32; 2]> {
         let variation = &model.variations[usize::from(self.variation)];
         let at = if variation.is_none() {
             page
@@ -183,7 +189,7 @@ impl Sheet {
     }
 
     /// Place of the exemplar → place on the page; the one nearest to `near` if the exemplar wraps.
-    pub(super) fn on_page(&self, model: &Model, at: [i32; 2], near: [i32; 2]) -> [i32; 2] {
+    pub(super) fn on_page(&self, model: &PlacementModel, at: [i32; 2], near: [i32; 2]) -> [i32; 2] {
         let variation = &model.variations[usize::from(self.variation)];
         if variation.is_none() && !self.wrap {
             return at;
@@ -206,7 +212,7 @@ impl Sheet {
     /// Calls `visit` with every place on a page of `area` pixels that shows a place of the exemplar.
     pub(super) fn copies(
         &self,
-        model: &Model,
+        model: &PlacementModel,
         at: [i32; 2],
         area: [i32; 2],
         mut visit: impl FnMut([i32; 2]),
@@ -245,7 +251,7 @@ impl Pages {
     /// the cells of the field beside the canvas.
     pub(super) fn new(
         libraries: &[Library],
-        model: &Model,
+        model: &PlacementModel,
         classes: Option<&LabelMap>,
         lattices: &[Option<(Lattice, Phases)>],
         margin: [i32; 2],
@@ -275,7 +281,7 @@ impl Pages {
             // A page that is turned or mirrored has other rows: elements are varied where they stand instead.
             let count = if periods.is_some() { 1 } else { model.variations.len() };
             for variation in (0..count).step_by(step) {
-                let sheet = Sheet::new(k, model, variation, size, library.arrangement.periodic);
+                let sheet = PixelMap::new(k, model, variation, size, library.arrangement.periodic);
                 this.pages.push(sheet.page(model, cell, &exemplar, periods.as_ref()));
                 this.sheets.push(sheet);
             }
@@ -310,7 +316,7 @@ fn colours(library: &Library, guide: &Guide) -> Vec<[f32; 3]> {
 }
 
 /// Size of the page of a variation, in pixels.
-fn extent(model: &Model, variation: usize, size: [i32; 2], wrap: bool) -> [i32; 2] {
+fn extent(model: &PlacementModel, variation: usize, size: [i32; 2], wrap: bool) -> [i32; 2] {
     let size = if wrap { size.map(|v| v + (CONTINUED * f64::from(v)) as i32) } else { size };
     let variation = &model.variations[variation];
     if variation.is_none() {

@@ -8,13 +8,13 @@
 //! cut by the exemplar's border stand only where the canvas cuts them too.
 
 use super::Correspondence;
-use super::alike::Alike;
 use super::cover::Cover;
 use super::fused::fused;
-use super::instances::Instance;
-use super::likeness::{Colours, Likeness, Look};
+use super::instances::PixelInstance;
+use super::likeness::{ElementLook, GuideColours, Likeness};
+use super::similar::Substitutes;
 use crate::arrange::grid::Grid;
-use crate::arrange::model::{Model, PlaceableId, VariantId};
+use crate::arrange::model::{PlaceableId, PlacementModel, VariantId};
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::Element;
@@ -51,7 +51,7 @@ const ON_OTHERS: f64 = 0.35;
 const LOOKS_LIKE: f64 = 0.4;
 
 /// What stands in place of an instance.
-pub(super) enum Outcome {
+pub(super) enum Resolution {
     /// Elements that it comes from.
     Whole(Vec<(VariantId, [i32; 2])>),
     /// Another of the same kind.
@@ -65,12 +65,12 @@ pub(super) enum Outcome {
 /// Decides what instances become.
 pub(super) struct Resolver<'a> {
     libraries: &'a [Library],
-    model: &'a Model,
+    model: &'a PlacementModel,
     grid: &'a Grid,
-    alike: &'a Alike,
+    alike: &'a Substitutes,
     /// Looks of elements, unless every exemplar is packed.
     likeness: Option<Likeness>,
-    colours: Vec<Option<Colours<'a>>>,
+    colours: Vec<Option<GuideColours<'a>>>,
     field: &'a Correspondence,
     /// Packing of each exemplar, 0 to 1.
     packings: Vec<f64>,
@@ -84,9 +84,9 @@ impl<'a> Resolver<'a> {
     pub(super) fn new(
         field: &'a Correspondence,
         libraries: &'a [Library],
-        model: &'a Model,
+        model: &'a PlacementModel,
         grid: &'a Grid,
-        (alike, strata): (&'a Alike, &[u8]),
+        (alike, strata): (&'a Substitutes, &[u8]),
         cover: &'a Cover<'a>,
     ) -> Self {
         let labels = &field.pages.labels;
@@ -94,7 +94,7 @@ impl<'a> Resolver<'a> {
             libraries.iter().zip(labels).map(|(library, labels)| packing(library, labels)).collect();
         let apart = packings.iter().any(|packing| *packing < PACKED);
         let likeness = apart.then(|| Likeness::new(libraries, labels, model, strata));
-        let colours = libraries.iter().map(Colours::new).collect();
+        let colours = libraries.iter().map(GuideColours::new).collect();
         let known = field.known(grid);
         Self { libraries, model, grid, alike, likeness, colours, field, packings, known, cover }
     }
@@ -105,7 +105,11 @@ impl<'a> Resolver<'a> {
     }
 
     /// What an instance becomes. `allowed` says where a variant may stand at all.
-    pub(super) fn resolve(&self, instance: &Instance, allowed: impl Fn(&Mask, [i32; 2]) -> bool) -> Outcome {
+    pub(super) fn resolve(
+        &self,
+        instance: &PixelInstance,
+        allowed: impl Fn(&Mask, [i32; 2]) -> bool,
+    ) -> Resolution {
         let main = instance.main();
         let element = self.model.element(main.variant);
         let between = |[loose, packed]: [f64; 2]| loose + self.packings[element.library] * (packed - loose);
@@ -114,18 +118,22 @@ impl<'a> Resolver<'a> {
         let at = self.best_place(instance, mask, main.at);
         let (union, covered) = self.fit(instance, mask, at);
         if !clipped && union >= between(WHOLE) && covered >= between(COVERED) && allowed(mask, at) {
-            return Outcome::Whole(vec![(main.variant, at)]);
+            return Resolution::Whole(vec![(main.variant, at)]);
         }
         if !instance.cut
             && let Some((variant, at)) = self.like(instance)
             && allowed(&self.model.shape(variant).mask, at)
         {
-            return Outcome::Like(variant, at);
+            return Resolution::Like(variant, at);
         }
         // Half a motif would be seen at once.
         if self.libraries[element.library].source.kind == SourceKind::Drawing {
             let stands = !clipped && allowed(mask, main.at);
-            return if stands { Outcome::Whole(vec![(main.variant, main.at)]) } else { Outcome::Nothing };
+            return if stands {
+                Resolution::Whole(vec![(main.variant, main.at)])
+            } else {
+                Resolution::Nothing
+            };
         }
         if !self.is_packed(element.library)
             && !instance.cut
@@ -137,8 +145,8 @@ impl<'a> Resolver<'a> {
         }
         let is_free = |at: [i32; 2]| !self.cover.is_wanted(at);
         match fused(instance, self.libraries, self.model, is_free) {
-            Some((element, mask)) if allowed(&mask, main.at) => Outcome::Fused(Box::new(element), mask),
-            _ => Outcome::Nothing,
+            Some((element, mask)) if allowed(&mask, main.at) => Resolution::Fused(Box::new(element), mask),
+            _ => Resolution::Nothing,
         }
     }
 
@@ -146,15 +154,16 @@ impl<'a> Resolver<'a> {
     /// the element that it looks like most, or by nothing. `None` if it looks like an element.
     fn unlike(
         &self,
-        instance: &Instance,
+        instance: &PixelInstance,
         likeness: &Likeness,
         allowed: impl Fn(&Mask, [i32; 2]) -> bool,
-    ) -> Option<Outcome> {
+    ) -> Option<Resolution> {
         let main = instance.main();
         let (x, y) = instance.mask.centroid()?;
         let variation = self.model.variation(main.variant);
         let colour = |at: [i32; 2]| instance.mask.contains(at[0], at[1]).then(|| self.colour(at)).flatten();
-        let look = Look::new([x, y], f64::from(instance.mask.area()), |way| variation.of_point(way), colour);
+        let look =
+            ElementLook::new([x, y], f64::from(instance.mask.area()), |way| variation.of_point(way), colour);
         let nearest = likeness.nearest(self.model.element_of(main.variant), &look);
         if nearest.is_some_and(|(_, alike)| alike) {
             return None;
@@ -174,7 +183,7 @@ impl<'a> Resolver<'a> {
             }
         }
         if !standing.is_empty() {
-            return Some(Outcome::Whole(standing));
+            return Some(Resolution::Whole(standing));
         }
         let at = [x, y].map(|v| libm::round(v) as i32);
         let other = nearest.map(|(id, _)| self.model.varied(id, main.variant));
@@ -182,7 +191,7 @@ impl<'a> Resolver<'a> {
             let mask = &self.model.shape(*variant).mask;
             self.fit(instance, mask, at).0 >= LOOKS_LIKE && allowed(mask, at)
         };
-        Some(other.filter(fits).map_or(Outcome::Nothing, |variant| Outcome::Like(variant, at)))
+        Some(other.filter(fits).map_or(Resolution::Nothing, |variant| Resolution::Like(variant, at)))
     }
 
     /// The colour that the field brings to a pixel of the map.
@@ -196,7 +205,7 @@ impl<'a> Resolver<'a> {
 
     /// The place at which the main element fits an instance best: that of its largest part, or middle on
     /// middle.
-    fn best_place(&self, instance: &Instance, mask: &Mask, at: [i32; 2]) -> [i32; 2] {
+    fn best_place(&self, instance: &PixelInstance, mask: &Mask, at: [i32; 2]) -> [i32; 2] {
         if instance.cut || instance.parts.len() == 1 {
             return at;
         }
@@ -208,7 +217,7 @@ impl<'a> Resolver<'a> {
 
     /// Overlap over union of an instance and a mask at a place, and the share of the instance that it covers.
     /// Pixels outside the field are ignored.
-    fn fit(&self, instance: &Instance, mask: &Mask, at: [i32; 2]) -> (f64, f64) {
+    fn fit(&self, instance: &PixelInstance, mask: &Mask, at: [i32; 2]) -> (f64, f64) {
         let there = mask.shifted(at[0], at[1]);
         let there = if instance.cut {
             let [low, high] = self.known;
@@ -224,7 +233,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// The element that fits an instance best of those like its main one, if it fits well.
-    fn like(&self, instance: &Instance) -> Option<(VariantId, [i32; 2])> {
+    fn like(&self, instance: &PixelInstance) -> Option<(VariantId, [i32; 2])> {
         let main = instance.main();
         let (x, y) = instance.mask.centroid()?;
         let at = [x, y].map(|v| libm::round(v) as i32);

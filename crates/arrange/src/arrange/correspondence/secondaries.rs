@@ -5,9 +5,9 @@
 //! their origin.
 
 use super::Correspondence;
-use crate::arrange::model::Model;
+use crate::arrange::model::PlacementModel;
 use std::sync::OnceLock;
-use vtex_base::geometry::{Point, Region};
+use vtex_base::geometry::{Interior, Point};
 use vtex_scene::library::Library;
 
 /// Least share of a secondary that has arrived, if the cell of its origin has not.
@@ -40,7 +40,12 @@ impl Correspondence {
     /// each where the cell that holds its origin came to lie, so that islands
     /// bring theirs whole and their number is that of the exemplar; and at the borders of islands those of
     /// which a good part arrived without.
-    pub(crate) fn secondaries(&self, library: &Library, number: usize, model: &Model) -> Vec<Arrived> {
+    pub(crate) fn secondaries(
+        &self,
+        library: &Library,
+        number: usize,
+        model: &PlacementModel,
+    ) -> Vec<Arrived> {
         let cell = self.pages.cell;
         let mut placed = Vec::new();
         let held: Vec<Vec<Held>> = (0..self.pages.sheets.len())
@@ -72,7 +77,7 @@ impl Correspondence {
     }
 
     /// The secondaries of a page by the cells of their origins.
-    fn held(&self, library: &Library, page: usize, model: &Model) -> Vec<Held> {
+    fn held(&self, library: &Library, page: usize, model: &PlacementModel) -> Vec<Held> {
         let (sheet, cell) = (&self.pages.sheets[page], self.pages.cell);
         let size = self.pages.pages[page].size;
         let mut held = Vec::new();
@@ -96,11 +101,11 @@ impl Correspondence {
         &self,
         library: &Library,
         number: usize,
-        model: &Model,
+        model: &PlacementModel,
         placed: &[Arrived],
     ) -> Vec<Arrived> {
         let cell = self.pages.cell;
-        let shapes = Shapes::new(library);
+        let shapes = SecondaryShapes::new(library);
         let mut votes: Vec<(u32, [i32; 2], usize)> = Vec::new();
         let [w, h] = self.field.size;
         for y in 0..h {
@@ -154,16 +159,16 @@ impl Correspondence {
 }
 
 /// The shapes of an exemplar's secondaries, by place.
-struct Shapes {
+struct SecondaryShapes {
     columns: i32,
     rows: i32,
     /// Secondaries whose boxes touch each bucket.
     buckets: Vec<Vec<u32>>,
     /// Made when first asked.
-    regions: Vec<OnceLock<Region>>,
+    regions: Vec<OnceLock<Interior>>,
 }
 
-impl Shapes {
+impl SecondaryShapes {
     fn new(library: &Library) -> Self {
         let [columns, rows] = [library.source.width, library.source.height].map(|v| v as i32 / BUCKET + 1);
         let mut buckets = vec![Vec::new(); (columns * rows) as usize];
@@ -189,7 +194,7 @@ impl Shapes {
         let middle = Point::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let holds = |&&k: &&u32| {
             let outline = library.secondaries()[k as usize].outline();
-            self.regions[k as usize].get_or_init(|| Region::new(outline)).contains(middle)
+            self.regions[k as usize].get_or_init(|| Interior::new(outline)).contains(middle)
         };
         self.buckets[(row * self.columns + column) as usize].iter().find(holds).copied()
     }

@@ -1,8 +1,8 @@
 //! The library that each cell takes its source from, and the cells that need none. Regions of a library are
 //! as large as a descriptor.
 
-use crate::arrange::Context;
-use crate::arrange::model::Model;
+use crate::arrange::PlacementContext;
+use crate::arrange::model::PlacementModel;
 use crate::arrange::sites::scattered;
 use vtex_base::sampling::stream;
 
@@ -12,12 +12,12 @@ const AROUND: i32 = 24;
 /// The library of every cell; none for one library. Where several have a part, each has regions of
 /// some elements, as many as its share.
 pub(super) fn libraries(
-    context: &Context<'_>,
-    model: &Model,
+    context: &PlacementContext<'_>,
+    model: &PlacementModel,
     size: [usize; 2],
     place: impl Fn(usize, usize) -> [i32; 2],
 ) -> Option<Vec<u8>> {
-    let Context { grid, region, params, .. } = *context;
+    let PlacementContext { grid, region, params, .. } = *context;
     if !region.is_shared() {
         return None;
     }
@@ -49,11 +49,11 @@ pub(super) fn libraries(
 
 /// Which cells need a source; none if all do.
 pub(super) fn active(
-    context: &Context<'_>,
+    context: &PlacementContext<'_>,
     size: [usize; 2],
     place: impl Fn(usize, usize) -> [i32; 2],
 ) -> Option<Vec<bool>> {
-    let Context { grid, region, .. } = *context;
+    let PlacementContext { grid, region, .. } = *context;
     if region.is_plain() {
         return None;
     }

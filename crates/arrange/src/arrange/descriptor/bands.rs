@@ -6,13 +6,13 @@
 //! them. The result depends on the bands, not on which thread fills them when. Canvases of fewer than four
 //! bands are filled in one go.
 
-use super::target::{Request, TargetMap};
-use crate::arrange::choice::Choice;
+use super::target::{ElementRequest, TargetMap};
+use crate::arrange::choice::MemberWeights;
 use crate::arrange::grid::Grid;
-use crate::arrange::model::Model;
+use crate::arrange::model::PlacementModel;
 use crate::arrange::occupancy::{Owner, PlacedId, RequestId, Standing};
 use std::ops::Range;
-use vtex_base::sampling::Sums;
+use vtex_base::sampling::WeightTree;
 
 /// Fewest rows of a band.
 const LEAST_ROWS: i32 = 192;
@@ -29,7 +29,7 @@ pub(in crate::arrange) struct Bands {
 
 impl Bands {
     /// Bands for a map; none if it is too small.
-    pub(in crate::arrange) fn new(model: &Model, grid: &Grid) -> Option<Self> {
+    pub(in crate::arrange) fn new(model: &PlacementModel, grid: &Grid) -> Option<Self> {
         // A texton at the edge of a band, and its descriptor.
         let halo = model.half + model.reach + 2;
         let mut count = grid.height / LEAST_ROWS.max(2 * halo);
@@ -70,7 +70,7 @@ pub(super) struct Filled {
     placed: Vec<Standing>,
     /// Cells by which what stood before became less visible.
     hidden: Vec<(usize, u32)>,
-    requests: Vec<Request>,
+    requests: Vec<ElementRequest>,
     /// Requests of the band, all of them dealt with.
     done: Vec<RequestId>,
     deferred: Vec<RequestId>,
@@ -89,8 +89,8 @@ impl<'a> Window<'a> {
         };
         let mut map = TargetMap::new(whole.cells.band(&rows, place));
         map.core = Some(core.start - rows.start..core.end - rows.start);
-        map.requests = whole.requests.iter().map(|r| Request { at: place(r.at), ..*r }).collect();
-        map.weights = Sums::zeros(map.requests.len());
+        map.requests = whole.requests.iter().map(|r| ElementRequest { at: place(r.at), ..*r }).collect();
+        map.weights = WeightTree::zeros(map.requests.len());
         for i in 0..map.requests.len() {
             if map.in_core(RequestId(i as u32)) {
                 map.weights.set(i, whole.weights.get(i));
@@ -113,7 +113,10 @@ impl<'a> Window<'a> {
         Filled {
             hidden,
             placed: new.map(|p| Standing { at: place(p.at), ..*p }).collect(),
-            requests: map.requests[requests..].iter().map(|r| Request { at: place(r.at), ..*r }).collect(),
+            requests: map.requests[requests..]
+                .iter()
+                .map(|r| ElementRequest { at: place(r.at), ..*r })
+                .collect(),
             done: (0..requests as u32).map(RequestId).filter(|&id| map.in_core(id)).collect(),
             deferred: std::mem::take(&mut map.deferred),
             covered: map.cells.covered.iter().zip(&whole.cells.covered).map(change).collect(),
@@ -145,7 +148,7 @@ impl Filled {
 
 impl TargetMap<'_> {
     /// Takes over what was done in the windows of one batch, in their order.
-    pub(super) fn absorb(&mut self, windows: Vec<Filled>, choice: &mut Choice) {
+    pub(super) fn absorb(&mut self, windows: Vec<Filled>, choice: &mut MemberWeights) {
         let mut again = Vec::new();
         for filled in windows {
             // Windows numbered what is new as if they were alone.

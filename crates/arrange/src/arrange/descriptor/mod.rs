@@ -25,7 +25,7 @@ pub(super) mod bands;
 mod score;
 mod target;
 
-use super::choice::Choice;
+use super::choice::MemberWeights;
 use super::model::{EMPTY, PlaceableId, UNDEFINED, VariantId};
 use super::occupancy::{Occupancy, PlacedId, RequestId};
 use super::picture;
@@ -47,14 +47,14 @@ const STAGE: &str = "placement";
 
 /// Counts of placement by descriptors.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Counts {
+pub(crate) struct DescriptorCounts {
     /// Requests tried.
     pub(crate) attempts: u64,
     /// Requests for which no candidate was good enough.
     pub(crate) refused: u64,
 }
 
-impl Counts {
+impl DescriptorCounts {
     fn add(&mut self, other: &Self) {
         self.attempts += other.attempts;
         self.refused += other.refused;
@@ -64,41 +64,41 @@ impl Counts {
 /// Windows filled before their results are put together.
 const BATCH: usize = 4;
 
-/// Whether an element that stands already writes its descriptor.
+/// The requests that an element already placed makes with its descriptor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Asks {
-    /// No.
-    Never,
-    /// Yes, but what it asks for stays empty.
-    InVain,
-    /// Yes.
-    Always,
+pub(crate) enum InitialRequests {
+    /// None.
+    None,
+    /// All, but they are dropped: the requested cells stay empty.
+    Dropped,
+    /// All.
+    Open,
 }
 
-/// Fills all that is undefined until nothing is asked for any more. Elements that stand already ask
-/// as `asks` says, in their order.
+/// Fills the undefined cells until no request is left. `initial` says for each element already placed which
+/// requests it makes.
 pub(super) fn place<'a>(
     cells: Occupancy<'a>,
-    asks: &[Asks],
-    choice: &mut Choice,
+    initial: &[InitialRequests],
+    choice: &mut MemberWeights,
     params: &SynthParams,
     progress: &dyn Progress,
-) -> Result<(Occupancy<'a>, Counts)> {
-    let mut counts = Counts::default();
+) -> Result<(Occupancy<'a>, DescriptorCounts)> {
+    let mut counts = DescriptorCounts::default();
     if !cells.state.contains(&UNDEFINED) {
         return Ok((cells, counts));
     }
     let mut map = TargetMap::new(cells);
-    let asking = |wanted: Asks| {
-        let ids = (0..).map(PlacedId).zip(asks);
-        ids.filter(move |(_, asks)| **asks == wanted).map(|(id, _)| id)
+    let with = |requests: InitialRequests| {
+        let ids = (0..).map(PlacedId).zip(initial);
+        ids.filter(move |(_, own)| **own == requests).map(|(id, _)| id)
     };
-    asking(Asks::Always).for_each(|id| map.write_descriptor(id));
-    let asked = map.requests.len();
-    asking(Asks::InVain).for_each(|id| map.write_descriptor(id));
-    (asked..map.requests.len()).for_each(|i| map.drop_request(RequestId(i as u32)));
+    with(InitialRequests::Open).for_each(|id| map.write_descriptor(id));
+    let open = map.requests.len();
+    with(InitialRequests::Dropped).for_each(|id| map.write_descriptor(id));
+    (open..map.requests.len()).for_each(|i| map.drop_request(RequestId(i as u32)));
 
-    let watch = Watch::new(&map, progress);
+    let watch = DescriptorProgress::new(&map, progress);
     let bands = if params.without(Ablation::Seeds) { None } else { Bands::new(map.model(), map.grid()) };
     if let Some(bands) = bands {
         for first in 0..2 {
@@ -111,7 +111,7 @@ pub(super) fn place<'a>(
                     let counts = fill(&mut window.map, &mut choice, params, &watch, &mut random)?;
                     Ok((window.filled(&map), counts))
                 });
-                let filled: Vec<(Filled, Counts)> = filled.into_iter().collect::<Result<_>>()?;
+                let filled: Vec<(Filled, DescriptorCounts)> = filled.into_iter().collect::<Result<_>>()?;
                 filled.iter().for_each(|(_, c)| counts.add(c));
                 map.absorb(filled.into_iter().map(|f| f.0).collect(), choice);
                 watch.picture(&map);
@@ -129,12 +129,12 @@ pub(super) fn place<'a>(
 /// window of one.
 fn fill(
     map: &mut TargetMap<'_>,
-    choice: &mut Choice,
+    choice: &mut MemberWeights,
     params: &SynthParams,
-    watch: &Watch<'_>,
+    watch: &DescriptorProgress<'_>,
     random: &mut Stream,
-) -> Result<Counts> {
-    let mut counts = Counts::default();
+) -> Result<DescriptorCounts> {
+    let mut counts = DescriptorCounts::default();
     let mut seeds = seeds(map, random);
     if params.without(Ablation::Seeds) {
         seeds.truncate(1);
@@ -179,7 +179,7 @@ fn seeds(map: &TargetMap<'_>, random: &mut Stream) -> Vec<[i32; 2]> {
 }
 
 /// Places a texton drawn by area; false if it would stand on another, or if there is none.
-fn insert(map: &mut TargetMap<'_>, choice: &mut Choice, at: [i32; 2], random: &mut Stream) -> bool {
+fn insert(map: &mut TargetMap<'_>, choice: &mut MemberWeights, at: [i32; 2], random: &mut Stream) -> bool {
     let model = map.model();
     let library = map.cells.region.draw_library(map.grid().point(at), random);
     let source = &model.sources[library];
@@ -204,7 +204,7 @@ fn insert(map: &mut TargetMap<'_>, choice: &mut Choice, at: [i32; 2], random: &m
 /// Places the best of several textons for a request; false if none is good enough.
 fn answer(
     map: &mut TargetMap<'_>,
-    choice: &mut Choice,
+    choice: &mut MemberWeights,
     request: RequestId,
     params: &SynthParams,
     random: &mut Stream,
@@ -285,14 +285,14 @@ fn answer(
 }
 
 /// Reports the work as it goes on.
-struct Watch<'p> {
+struct DescriptorProgress<'p> {
     progress: &'p dyn Progress,
     placed: AtomicU64,
     expected: u64,
     pictures: AtomicU64,
 }
 
-impl<'p> Watch<'p> {
+impl<'p> DescriptorProgress<'p> {
     fn new(map: &TargetMap<'_>, progress: &'p dyn Progress) -> Self {
         let expected = (map.model().density() * map.grid().len() as f64) as u64;
         Self { progress, placed: AtomicU64::new(0), expected, pictures: AtomicU64::new(0) }

@@ -8,7 +8,7 @@ use vtex_scene::scene::Weights;
 /// The areas of the score that depend on the candidate, in cells. The fifth, what stays uncovered,
 /// is the rest of the region.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Areas {
+struct CandidateAreas {
     /// Cells of the region covered.
     target: u32,
     /// Cells covered that should be empty.
@@ -74,7 +74,7 @@ impl<'m, 'a> Scorer<'m, 'a> {
     }
 
     /// Counts cells span by span. Undefined cells count for nothing.
-    fn areas(&self, variant: VariantId, at: [i32; 2]) -> Areas {
+    fn areas(&self, variant: VariantId, at: [i32; 2]) -> CandidateAreas {
         let (mut target, mut empty, mut same, mut defined) = (0, 0, 0, 0);
         let model = self.cells.model();
         for &span in model.shape(variant).mask.spans() {
@@ -90,7 +90,7 @@ impl<'m, 'a> Scorer<'m, 'a> {
             }
         }
         let mut areas =
-            Areas { target, empty, mismatched: defined - empty - same, same_overlap: same - target };
+            CandidateAreas { target, empty, mismatched: defined - empty - same, same_overlap: same - target };
         if self.cells.region.is_shared() {
             let library = model.element(variant).library;
             let cells = model
@@ -119,16 +119,22 @@ mod tests {
     use super::*;
     use crate::arrange::controls::Controls;
     use crate::arrange::grid::Grid;
-    use crate::arrange::model::{Model, PlaceableId};
-    use crate::arrange::region::Region;
+    use crate::arrange::model::{PlaceableId, PlacementModel};
+    use crate::arrange::region::PlacementRegion;
     use vtex_base::raster::ControlMap;
     use vtex_base::sampling::stream;
     use vtex_scene::library::testing::{library, mosaic};
     use vtex_scene::scene::{Edge, SynthParams, Tile};
 
     /// The areas over the whole grid, cell by cell, from the definitions.
-    fn plain(map: &Occupancy<'_>, owner: Owner, code: u16, variant: VariantId, at: [i32; 2]) -> Areas {
-        let mut areas = Areas::default();
+    fn plain(
+        map: &Occupancy<'_>,
+        owner: Owner,
+        code: u16,
+        variant: VariantId,
+        at: [i32; 2],
+    ) -> CandidateAreas {
+        let mut areas = CandidateAreas::default();
         let library = map.model().element(variant).library;
         let mask = &map.model().shape(variant).mask;
         let (w, h) = (map.grid.width, map.grid.height);
@@ -180,9 +186,9 @@ mod tests {
             let several = case >= 8;
             let libraries = if several { vec![one.clone(), two.clone()] } else { vec![one.clone()] };
             let controls = if several { shared.clone() } else { Controls::default() };
-            let model = Model::new(&libraries, &params);
+            let model = PlacementModel::new(&libraries, &params);
             let grid = Grid::around(&model, &params);
-            let region = Region::new(&grid, &controls, params.edge, false);
+            let region = PlacementRegion::new(&grid, &controls, params.edge, false);
             let placeable: Vec<PlaceableId> = model.members.iter().flatten().copied().collect();
             let mut map = TargetMap::new(Occupancy::new(&model, region, grid));
             let any = |random: &mut vtex_base::sampling::Stream| {

@@ -4,15 +4,15 @@
 //! a canvas, a descriptor writes only where its library has a part.
 
 use crate::arrange::grid::Grid;
-use crate::arrange::model::{EMPTY, Model, PlaceableId, UNDEFINED, VariantId};
+use crate::arrange::model::{EMPTY, PlaceableId, PlacementModel, UNDEFINED, VariantId};
 use crate::arrange::occupancy::{Occupancy, Owner, PlacedId, RequestId};
 use std::ops::Range;
 use vtex_base::raster::Span;
-use vtex_base::sampling::{Stream, Sums};
+use vtex_base::sampling::{Stream, WeightTree};
 
 /// An element that a descriptor asks for.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Request {
+pub(super) struct ElementRequest {
     /// The variant that stands there in the exemplar.
     pub(super) variant: VariantId,
     /// Place of its origin on the grid, in pixels.
@@ -25,9 +25,9 @@ pub(super) struct Request {
 pub(super) struct TargetMap<'a> {
     /// The standing elements.
     pub(super) cells: Occupancy<'a>,
-    pub(super) requests: Vec<Request>,
+    pub(super) requests: Vec<ElementRequest>,
     /// Weight of each request in the draw.
-    pub(super) weights: Sums,
+    pub(super) weights: WeightTree,
     /// Rows whose requests are answered here, if not all; the others are deferred.
     pub(super) core: Option<Range<i32>>,
     pub(super) deferred: Vec<RequestId>,
@@ -43,7 +43,7 @@ impl<'a> TargetMap<'a> {
             met: vec![0; cells.model().elements.len()],
             cells,
             requests: Vec::new(),
-            weights: Sums::default(),
+            weights: WeightTree::default(),
             core: None,
             deferred: Vec::new(),
             scratch: Vec::new(),
@@ -51,7 +51,7 @@ impl<'a> TargetMap<'a> {
     }
 
     /// The model that elements are taken from.
-    pub(super) fn model(&self) -> &'a Model {
+    pub(super) fn model(&self) -> &'a PlacementModel {
         self.cells.model()
     }
 
@@ -164,7 +164,7 @@ impl<'a> TargetMap<'a> {
                 }
             }
         }
-        self.requests.push(Request { variant, at, cells });
+        self.requests.push(ElementRequest { variant, at, cells });
         self.weights.push(0);
         self.weigh(id);
     }
@@ -195,7 +195,7 @@ impl<'a> TargetMap<'a> {
 
     /// Makes what is left of a request empty.
     pub(super) fn drop_request(&mut self, request: RequestId) {
-        let Request { variant, at, .. } = *self.get(request);
+        let ElementRequest { variant, at, .. } = *self.get(request);
         self.weights.set(request.0 as usize, 0);
         for &span in self.model().shape(variant).mask.spans() {
             for i in self.grid().cells(span, at).flatten() {
@@ -212,14 +212,14 @@ impl<'a> TargetMap<'a> {
     }
 
     /// A request.
-    pub(super) fn get(&self, request: RequestId) -> &Request {
+    pub(super) fn get(&self, request: RequestId) -> &ElementRequest {
         &self.requests[request.0 as usize]
     }
 
     /// The cells of a request that are still asked for, each with its city-block distance to the
     /// border of what is left of the request, 1 at the border.
     pub(super) fn cells_of(&mut self, request: RequestId) -> Vec<([i32; 2], u16)> {
-        let Request { variant, at, .. } = *self.get(request);
+        let ElementRequest { variant, at, .. } = *self.get(request);
         let shape = self.model().shape(variant);
         let [x0, y0, x1, y1] = shape.bounds;
         // Two passes over the box, with a frame of zeros around it.

@@ -1,6 +1,6 @@
 //! The canvas pixel by pixel: who stands where, and what would keep its distance.
 
-use super::known::Known;
+use super::known::ElementRelations;
 use super::{PeriodCopy, size_of};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -15,9 +15,9 @@ use vtex_scene::scene::{SynthParams, pixels};
 pub(super) const MOST_PIXELS: u64 = 600_000_000;
 
 /// The canvas, and who stands where.
-pub(super) struct Canvas<'a> {
+pub(super) struct OccupiedCanvas<'a> {
     pub(super) library: &'a Library,
-    pub(super) known: &'a Known,
+    pub(super) known: &'a ElementRelations,
     /// Canvas and margins: the first pixel, and the size.
     first: [i32; 2],
     size: [i32; 2],
@@ -32,12 +32,12 @@ pub(super) struct Canvas<'a> {
 /// Maps that differ by less have the same pixels.
 const STEP: f64 = 1e-4;
 
-impl<'a> Canvas<'a> {
+impl<'a> OccupiedCanvas<'a> {
     /// An empty canvas; `None` if it would take more than `most` pixels.
     pub(super) fn new(
         library: &'a Library,
         params: &SynthParams,
-        known: &'a Known,
+        known: &'a ElementRelations,
         most: u64,
     ) -> Option<Self> {
         let wrap = [params.tile.x, params.tile.y];

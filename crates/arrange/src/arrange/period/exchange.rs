@@ -1,7 +1,7 @@
 //! Elements that change places, wander and settle, none nearer to another than in the exemplar.
 
 use super::PeriodCopy;
-use super::canvas::Canvas;
+use super::canvas::OccupiedCanvas;
 use std::f64::consts::TAU;
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, rotation, shortest_offset};
@@ -32,7 +32,7 @@ const TURNS: usize = 24;
 const LARGEST_GAP: f64 = 1.75;
 
 /// The places that elements exchange.
-struct Sites {
+struct ExchangePlaces {
     near: NearPoints,
     places: Vec<Point>,
     /// The element at each place.
@@ -40,7 +40,7 @@ struct Sites {
     reach: f64,
 }
 
-impl Sites {
+impl ExchangePlaces {
     /// Whether an occupant that satisfies `holds` stands within reach of a site, not counting the sites
     /// `but`.
     fn any_near(
@@ -61,7 +61,7 @@ impl Sites {
     }
 }
 
-impl Canvas<'_> {
+impl OccupiedCanvas<'_> {
     /// Changes places, shifts and turns elements; `share` of those that are free take part. Asks `go_on` at
     /// each.
     ///
@@ -106,15 +106,21 @@ impl Canvas<'_> {
     }
 
     /// The places of the elements `all`, each with its own element.
-    fn sites(&self, placed: &[PeriodCopy], all: &[usize]) -> Sites {
+    fn sites(&self, placed: &[PeriodCopy], all: &[usize]) -> ExchangePlaces {
         let places: Vec<Point> = all.iter().map(|&i| self.middle(&placed[i])).collect();
         let reach = COPIES * self.known.spacing;
         let near = NearPoints::new(&places, self.periods(), reach);
-        Sites { near, places, occupants: all.to_vec(), reach }
+        ExchangePlaces { near, places, occupants: all.to_vec(), reach }
     }
 
     /// Lets the element of a site change places with another of like size.
-    fn exchange(&mut self, placed: &mut [PeriodCopy], sites: &mut Sites, n: usize, random: &mut Stream) {
+    fn exchange(
+        &mut self,
+        placed: &mut [PeriodCopy],
+        sites: &mut ExchangePlaces,
+        n: usize,
+        random: &mut Stream,
+    ) {
         let known = self.known;
         let extent = |p: &PeriodCopy| {
             let b = known.bounds[p.element];

@@ -6,9 +6,9 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use vtex_base::geometry::{Affine, Rect};
 use vtex_base::raster::Mask;
-use vtex_base::raster::contact::Page;
+use vtex_base::raster::contact::ContactPage;
 use vtex_scene::element::bounds;
-use vtex_scene::library::{Element, Library};
+use vtex_scene::library::{ExemplarElement, Library};
 use vtex_scene::reconstruct::equal;
 use vtex_scene::scene::pixels;
 
@@ -21,7 +21,7 @@ const ALIKE: f64 = 0.02;
 /// Largest distance at which elements are seen to have neighbours, in pixels.
 const REACH: u16 = 60;
 
-pub(super) struct Known {
+pub(super) struct ElementRelations {
     /// For each element the first that it is equal to, and the map from that one.
     pub(super) equal: Vec<(usize, Affine)>,
     /// For each the first that it is equal to, and the first that it is at least alike.
@@ -46,7 +46,7 @@ pub(super) struct Known {
     pub(super) regular: bool,
 }
 
-impl Known {
+impl ElementRelations {
     pub(super) fn new(library: &Library) -> Self {
         let elements = library.primaries();
         let size = [library.source.width as i32, library.source.height as i32];
@@ -55,7 +55,7 @@ impl Known {
         // Limited to one page width beyond the page on each side.
         let [w, h] = size;
         let on_page: Vec<Mask> = masks.iter().map(|m| m.within([-w, -h], [2 * w, 2 * h])).collect();
-        let (page, mut contacts) = Page::new(size, true, &on_page);
+        let (page, mut contacts) = ContactPage::new(size, true, &on_page);
         page.near(REACH, &mut contacts);
         let mut free: Vec<bool> = elements.iter().map(|e| !e.clipped).collect();
         let mut gaps = vec![u16::MAX; elements.len()];
@@ -79,7 +79,7 @@ impl Known {
             bounds.iter().zip(&free).filter(|(_, free)| **free).map(|(b, _)| b.width().min(b.height()));
         let lowest = flat.fold(f64::INFINITY, f64::min);
         let few = free.iter().filter(|f| **f).count() < FEW;
-        let area = |e: &&Element| f64::from(e.area);
+        let area = |e: &&ExemplarElement| f64::from(e.area);
         let endless: f64 = elements.iter().filter(|e| e.clipped).map(|e| area(&e)).sum();
         // Between lines that run on there is nowhere to go.
         let ruled = 4.0 * endless > elements.iter().map(|e| area(&e)).sum::<f64>();
@@ -102,7 +102,7 @@ impl Known {
     }
 }
 
-fn of_element(element: &Element) -> Mask {
+fn of_element(element: &ExemplarElement) -> Mask {
     if element.clipped { Mask::default() } else { pixels::of_shapes(&element.shapes) }
 }
 
@@ -111,8 +111,8 @@ const AREA: f64 = 0.2;
 const ROUNDNESS: f64 = 0.12;
 
 /// For each element the first that looks much like it: of the same colours, shape and size, about.
-fn alike(elements: &[Element], same: &[usize]) -> Vec<usize> {
-    let colours = |e: &Element| e.shapes.iter().map(|s| s.colour.0).collect::<Vec<_>>();
+fn alike(elements: &[ExemplarElement], same: &[usize]) -> Vec<usize> {
+    let colours = |e: &ExemplarElement| e.shapes.iter().map(|s| s.colour.0).collect::<Vec<_>>();
     let mut firsts: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     let mut found: Vec<usize> = Vec::with_capacity(elements.len());
     for (k, element) in elements.iter().enumerate() {
@@ -160,7 +160,7 @@ fn angles(equal: &[(usize, Affine)]) -> BTreeMap<usize, Vec<f64>> {
 }
 
 /// Whether elements of like size stand a constant offset from most elements.
-fn is_regular(elements: &[Element], bounds: &[Rect], size: [i32; 2]) -> bool {
+fn is_regular(elements: &[ExemplarElement], bounds: &[Rect], size: [i32; 2]) -> bool {
     let size = size.map(f64::from);
     let side = libm::sqrt(size[0] * size[1]);
     let like = |a: usize, b: usize| {

@@ -17,14 +17,14 @@ mod known;
 #[cfg(test)]
 mod tests;
 
-use canvas::{Canvas, MOST_PIXELS};
+use canvas::{MOST_PIXELS, OccupiedCanvas};
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::{Affine, Rect, Vec2};
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::library::Library;
 use vtex_scene::scene::SynthParams;
 
-use known::Known;
+use known::ElementRelations;
 use std::collections::BTreeMap;
 
 /// Places that differ by no more mean the same, in pixels.
@@ -76,12 +76,12 @@ fn place_within(
     check_periods(library, params)?;
     check_copies(library, params)?;
     advance(progress, "primaries", 0, 2)?;
-    let known = Known::new(library);
+    let known = ElementRelations::new(library);
     let mut variation = params.variation.unwrap_or(if known.regular { 0.0 } else { 1.0 });
     let mut placed = repeated(library, params, &known);
     // Without room for it, what repeats covers what it covers in the exemplar.
     let mut covered: Vec<f64> = library.categories.iter().map(|c| c.coverage).collect();
-    if let Some(mut canvas) = Canvas::new(library, params, &known, most) {
+    if let Some(mut canvas) = OccupiedCanvas::new(library, params, &known, most) {
         canvas.stand_all(&placed, || advance(progress, "primaries", 0, 2))?;
         let go_on = || advance(progress, "primaries", 1, 2);
         go_on()?;
@@ -96,7 +96,7 @@ fn place_within(
     }
     advance(progress, "primaries", 2, 2)?;
     let repeating = repeating(library, params, &placed, &known);
-    let Known { equal, bounds, .. } = known;
+    let ElementRelations { equal, bounds, .. } = known;
     Ok(Repeated { placed, equal, bounds, covered, variation, repeating })
 }
 
@@ -180,7 +180,7 @@ fn copies(library: &Library, canvas: [f64; 2], tile: [bool; 2]) -> (f64, f64) {
 }
 
 /// All copies of all elements that reach the canvas and somewhat beyond; along axes that repeat each once.
-fn repeated(library: &Library, params: &SynthParams, known: &Known) -> Vec<PeriodCopy> {
+fn repeated(library: &Library, params: &SynthParams, known: &ElementRelations) -> Vec<PeriodCopy> {
     let period = size_of(library);
     let canvas = [params.width, params.height].map(f64::from);
     let tile = [params.tile.x, params.tile.y];
@@ -210,7 +210,12 @@ fn repeated(library: &Library, params: &SynthParams, known: &Known) -> Vec<Perio
 }
 
 /// Share of the places at which what stands there stands a period before too, along either axis.
-fn repeating(library: &Library, params: &SynthParams, placed: &[PeriodCopy], known: &Known) -> Option<f64> {
+fn repeating(
+    library: &Library,
+    params: &SynthParams,
+    placed: &[PeriodCopy],
+    known: &ElementRelations,
+) -> Option<f64> {
     let period = size_of(library);
     let size = [f64::from(params.width), f64::from(params.height)];
     let at = |p: &PeriodCopy| {

@@ -41,8 +41,8 @@ fn nothing_changes_places_on_a_canvas_beyond_the_limit_and_that_is_said() {
 fn pixels_of_elements_follow_all_of_a_map() {
     let library = drawing();
     let params = SynthParams { width: 320, height: 320, ..SynthParams::default() };
-    let known = Known::new(&library);
-    let mut canvas = Canvas::new(&library, &params, &known, MOST_PIXELS).unwrap();
+    let known = ElementRelations::new(&library);
+    let mut canvas = OccupiedCanvas::new(&library, &params, &known, MOST_PIXELS).unwrap();
     let area = |map: Affine| PeriodCopy { element: 0, map, order: (0, 0) };
     let mut fits = |map: Affine| {
         let p = area(map);
@@ -62,7 +62,7 @@ fn pixels_of_elements_follow_all_of_a_map() {
 fn changing_places_stops_wherever_it_is_asked_to() {
     let library = drawing();
     let params = SynthParams { width: 320, height: 320, variation: Some(1.0), ..SynthParams::default() };
-    let free = Known::new(&library).free.iter().filter(|f| **f).count();
+    let free = ElementRelations::new(&library).free.iter().filter(|f| **f).count();
     // Each wanders six times, settles five times, and is exchanged.
     vtex_testing::StopAfter::check(4 * free, |progress| place(&library, &params, progress));
 }

@@ -3,7 +3,7 @@
 use vtex_base::raster::{LabelMap, squared_distance};
 
 /// The places in or near a stratum, by square blocks.
-pub(super) struct Near {
+pub(super) struct NearbyPlaces {
     side: f64,
     width: usize,
     height: usize,
@@ -11,7 +11,7 @@ pub(super) struct Near {
     reach: f32,
 }
 
-impl Near {
+impl NearbyPlaces {
     /// Number of blocks along the reach.
     const PARTS: f64 = 6.0;
 
@@ -45,12 +45,12 @@ mod tests {
     fn near_is_within_reach_and_a_block() {
         let labels = (0..90).flat_map(|y| (0..120).map(move |x| u32::from(x < 30 && y < 60))).collect();
         let labels = LabelMap { width: 120, height: 90, labels };
-        let near = Near::new(&labels, 1, 24.0);
+        let near = NearbyPlaces::new(&labels, 1, 24.0);
         for (at, is_near) in
             [([-3.0, 10.0], true), ([53.0, 20.0], true), ([63.0, 20.0], false), ([10.0, 95.0], false)]
         {
             assert_eq!(near.holds(at), is_near, "{at:?}");
         }
-        assert!(!Near::new(&labels, 2, 24.0).holds([5.0, 5.0]));
+        assert!(!NearbyPlaces::new(&labels, 2, 24.0).holds([5.0, 5.0]));
     }
 }

@@ -1,7 +1,7 @@
 //! Scenes of several strata.
 
 use super::layer_map;
-use crate::synth::{Controls, Lead, Report, reconstruct, synthesize_with};
+use crate::synth::{Controls, StructureGuide, SynthReport, reconstruct, synthesize_with};
 use vtex_base::document::Document as _;
 use vtex_base::raster::colour::Colour;
 use vtex_base::raster::{ControlMap, LabelMap};
@@ -13,7 +13,7 @@ fn params(seed: u64) -> SynthParams {
     SynthParams { width: 260, height: 210, seed, ..SynthParams::default() }
 }
 
-fn run(library: &Library, params: &SynthParams, controls: &Controls) -> (Scene, Report) {
+fn run(library: &Library, params: &SynthParams, controls: &Controls) -> (Scene, SynthReport) {
     let (scene, report) = synthesize_with(std::slice::from_ref(library), params, controls, &()).unwrap();
     assert_eq!(scene.validate(), Ok(()));
     (scene, report)
@@ -70,7 +70,7 @@ fn a_map_leads_the_strata() {
     let library = library();
     let mut given = LabelMap::filled(26, 21, 0);
     (5..16).for_each(|y| (6..20).for_each(|x| given.set(x, y, 1)));
-    let controls = Controls { lead: Some(Lead::Strata(given.clone())), ..Controls::default() };
+    let controls = Controls { structure: Some(StructureGuide::Strata(given.clone())), ..Controls::default() };
     let (scene, report) = run(&library, &params(1), &controls);
     let inside = region(&scene, 3);
     let same = (0..260 * 210).filter(|&i| {
@@ -102,7 +102,7 @@ fn light_and_dark_lead() {
     };
     library.layers[0].field.as_mut().unwrap().points = (0..100).map(background).collect();
     let ramp = ControlMap::new(1, 8, (0..8).map(|v| v as f32 / 7.0).collect());
-    let controls = Controls { lead: ramp.map(Lead::Lightness), ..Controls::default() };
+    let controls = Controls { structure: ramp.map(StructureGuide::Lightness), ..Controls::default() };
     let scene = run(&library, &params(2), &controls).0;
     let mean = |rows: std::ops::Range<f64>| {
         let points = &scene.layers[0].field.as_ref().unwrap().points;

@@ -5,7 +5,7 @@ use crate::transfer::tests::{mean, median_shift};
 use crate::transfer::{TransferParams, transfer};
 use std::path::PathBuf;
 use vtex_arrange::synth::reconstruct;
-use vtex_base::geometry::{Outline, Point, Region};
+use vtex_base::geometry::{Interior, Outline, Point};
 use vtex_scene::element::Gaussian;
 use vtex_scene::library::Library;
 use vtex_scene::scene::{Role, Scene, TransferMode};
@@ -16,7 +16,7 @@ const FINE: f64 = 15.0;
 /// Covariance of an outline by counting samples, and the overlap (intersection over union) of the outline
 /// with its ellipse of two standard deviations.
 fn counted(outline: &Outline, gaussian: &Gaussian) -> ([f64; 3], f64) {
-    let region = Region::new(outline);
+    let region = Interior::new(outline);
     let bounds = outline.bounds().inflate(gaussian.deviations()[0], gaussian.deviations()[0]);
     let mut sums = [0.0; 6];
     let [mut both, mut any] = [0.0; 2];

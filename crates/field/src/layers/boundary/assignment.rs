@@ -1,6 +1,6 @@
 //! Fair assignment of windows (the paper, §3.2): all windows of the exemplar are used equally often.
 
-use super::patches::{Patches, best_turn};
+use super::patches::{BorderWindows, best_turn};
 use std::collections::BTreeMap;
 use vtex_base::parallel;
 use vtex_base::sampling::Stream;
@@ -21,8 +21,8 @@ pub(super) struct Assigned {
 /// exemplar window proposes to the nearest free windows, as many as its remaining uses. Of several
 /// proposals the nearest wins.
 pub(super) fn assign(
-    region: &Patches,
-    exemplar: &Patches,
+    region: &BorderWindows,
+    exemplar: &BorderWindows,
     turns: &[usize],
     random: &mut Stream,
 ) -> Vec<Assigned> {
@@ -59,9 +59,9 @@ pub(super) fn assign(
 /// The `count` free windows of a region most similar to a window of the exemplar: the number of different
 /// pixels, the index and the rotation.
 fn nearest(
-    exemplar: &Patches,
+    exemplar: &BorderWindows,
     e: usize,
-    region: &Patches,
+    region: &BorderWindows,
     free: &[u32],
     count: usize,
     turns: &[usize],
@@ -82,19 +82,19 @@ fn nearest(
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::map::Region;
+    use super::super::super::map::LayerRegion;
     use super::super::super::testing::nested;
     use super::*;
     use vtex_base::geometry::{Table, assign as exact};
     use vtex_base::sampling::stream;
 
-    fn patches(size: [usize; 2], seed: u64) -> Patches {
+    fn patches(size: [usize; 2], seed: u64) -> BorderWindows {
         let inside = nested(size, 2, seed).labels.iter().map(|&l| l == 1).collect();
-        Patches::new(&Region { size, wrap: [false; 2], inside }, 15)
+        BorderWindows::new(&LayerRegion { size, wrap: [false; 2], inside }, 15)
     }
 
     /// The first windows of a set.
-    fn first(mut all: Patches, count: usize) -> Patches {
+    fn first(mut all: BorderWindows, count: usize) -> BorderWindows {
         all.at.truncate(count);
         all.windows.truncate(count);
         all

@@ -1,11 +1,11 @@
 //! Regions made one after the other, each within the one below (the paper, §3.3).
 
-use super::super::map::Region;
+use super::super::map::LayerRegion;
 use super::SIDES;
 use super::assignment::Assigned;
-use super::patches::Patches;
+use super::patches::BorderWindows;
 use super::pyramid::{doubled, halved};
-use super::shape::{Bounds, Model, Votes, fill, optimise};
+use super::shape::{BoundaryModel, Bounds, Votes, fill, optimise};
 use vtex_base::error::Result;
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::blur::Plane;
@@ -19,7 +19,7 @@ const GROWTH: f64 = 1.5;
 /// The regions to make.
 pub(in super::super) struct Job<'a> {
     /// Regions of the exemplar from S_1 up.
-    pub(in super::super) exemplar: &'a [Region],
+    pub(in super::super) exemplar: &'a [LayerRegion],
     pub(in super::super) size: [usize; 2],
     pub(in super::super) wrap: [bool; 2],
     /// Share of the canvas that each region covers.
@@ -33,38 +33,38 @@ pub(in super::super) enum Start<'a> {
     /// Random regions.
     Random,
     /// Regions from S_1 up. Only the free cells change, and start at random.
-    Hole { regions: &'a [Region], free: &'a [bool] },
+    Hole { regions: &'a [LayerRegion], free: &'a [bool] },
 }
 
 /// One level of the canvas.
-struct Level {
+struct BoundaryLevel {
     size: [usize; 2],
     /// Cells that may change.
     free: Option<Vec<bool>>,
     /// Regions that are kept in all other cells.
-    kept: Vec<Region>,
+    kept: Vec<LayerRegion>,
 }
 
 /// A region on one level after its optimisation.
-struct Done {
-    region: Region,
-    last: Option<(Patches, Vec<Assigned>)>,
+struct OptimisedRegion {
+    region: LayerRegion,
+    last: Option<(BorderWindows, Vec<Assigned>)>,
 }
 
 /// Makes the regions from S_1 up on the cells of a canvas.
 ///
 /// # Errors
 /// [`vtex_base::Error::Interrupted`].
-pub(in super::super) fn nested(job: &Job<'_>, progress: &dyn Progress) -> Result<Vec<Region>> {
+pub(in super::super) fn nested(job: &Job<'_>, progress: &dyn Progress) -> Result<Vec<LayerRegion>> {
     let levels = levels(job);
-    let mut below: Option<Vec<Done>> = None;
+    let mut below: Option<Vec<OptimisedRegion>> = None;
     let mut found = Vec::new();
-    let mut models: Option<Vec<Model>> = None;
+    let mut models: Option<Vec<BoundaryModel>> = None;
     for (k, exemplar) in job.exemplar.iter().enumerate() {
         let own = pyramid(exemplar, levels.len());
-        let own: Vec<Model> =
-            own.into_iter().enumerate().map(|(l, region)| Model::new(region, side(l))).collect();
-        let mut done: Vec<Done> = Vec::new();
+        let own: Vec<BoundaryModel> =
+            own.into_iter().enumerate().map(|(l, region)| BoundaryModel::new(region, side(l))).collect();
+        let mut done: Vec<OptimisedRegion> = Vec::new();
         for level in (0..levels.len()).rev() {
             advance(
                 progress,
@@ -72,7 +72,7 @@ pub(in super::super) fn nested(job: &Job<'_>, progress: &dyn Progress) -> Result
                 (k * levels.len() + levels.len() - 1 - level) as u64,
                 (job.exemplar.len() * levels.len()) as u64,
             )?;
-            let Level { size, free, kept } = &levels[level];
+            let BoundaryLevel { size, free, kept } = &levels[level];
             let cells = size[0] * size[1];
             let area = libm::round(job.shares[k] * cells as f64) as usize;
             let coarser = done.last().map(|d| doubled(&d.region, *size));
@@ -89,7 +89,7 @@ pub(in super::super) fn nested(job: &Job<'_>, progress: &dyn Progress) -> Result
                     None => noise_values(job, *size, level, k),
                 },
             };
-            let mut region = Region { size: *size, wrap: job.wrap, inside: vec![false; cells] };
+            let mut region = LayerRegion { size: *size, wrap: job.wrap, inside: vec![false; cells] };
             let mut changeable = free.clone();
             if let Some(free) = free {
                 (0..cells).filter(|&i| !free[i]).for_each(|i| region.inside[i] = kept[k].inside[i]);
@@ -97,7 +97,7 @@ pub(in super::super) fn nested(job: &Job<'_>, progress: &dyn Progress) -> Result
             if let Some(under) = under {
                 // The region may only grow inside the region below, where votes for it are highest.
                 let most = libm::ceil(GROWTH * area as f64) as usize;
-                let mut wide = Region { inside: under.region.inside.clone(), ..region.clone() };
+                let mut wide = LayerRegion { inside: under.region.inside.clone(), ..region.clone() };
                 fill(&mut wide, &values, &Bounds { free: Some(&under.region.inside), area: most });
                 let grows: Vec<bool> = (0..cells)
                     .map(|i| {
@@ -109,7 +109,7 @@ pub(in super::super) fn nested(job: &Job<'_>, progress: &dyn Progress) -> Result
             let bounds = Bounds { free: changeable.as_deref(), area };
             fill(&mut region, &values, &bounds);
             let last = optimise(&mut region, &own[level], &bounds, &mut random);
-            done.push(Done { region, last });
+            done.push(OptimisedRegion { region, last });
         }
         found.push(done[done.len() - 1].region.clone());
         (below, models) = (Some(done), Some(own));
@@ -123,7 +123,7 @@ fn side(level: usize) -> usize {
 }
 
 /// The levels of a region, from the finest.
-pub(super) fn pyramid(region: &Region, levels: usize) -> Vec<Region> {
+pub(super) fn pyramid(region: &LayerRegion, levels: usize) -> Vec<LayerRegion> {
     let mut all = vec![region.clone()];
     while all.len() < levels {
         all.push(halved(&all[all.len() - 1]));
@@ -132,17 +132,17 @@ pub(super) fn pyramid(region: &Region, levels: usize) -> Vec<Region> {
 }
 
 /// The levels of the canvas, from the finest; fewer if the canvas or the exemplar is small.
-fn levels(job: &Job<'_>) -> Vec<Level> {
+fn levels(job: &Job<'_>) -> Vec<BoundaryLevel> {
     let shortest = job.exemplar.iter().flat_map(|r| r.size).chain(job.size).min().unwrap_or(1);
     let count = (0..LEVELS).take_while(|l| shortest >> l >= 16).count().max(1);
-    let mut all: Vec<Level> = Vec::new();
+    let mut all: Vec<BoundaryLevel> = Vec::new();
     for level in 0..count {
         let before = all.last();
         let size = before.map_or(job.size, |l| l.size.map(|v| v.div_ceil(2)));
         let next = match (&job.start, before) {
-            (Start::Random, _) => Level { size, free: None, kept: Vec::new() },
+            (Start::Random, _) => BoundaryLevel { size, free: None, kept: Vec::new() },
             (Start::Hole { regions, free }, None) => {
-                Level { size, free: Some(free.to_vec()), kept: regions.to_vec() }
+                BoundaryLevel { size, free: Some(free.to_vec()), kept: regions.to_vec() }
             }
             (Start::Hole { .. }, Some(fine)) => {
                 // A cell that holds a free cell is free.
@@ -151,7 +151,7 @@ fn levels(job: &Job<'_>) -> Vec<Level> {
                     free[i / fine.size[0] / 2 * size[0] + i % fine.size[0] / 2] = true;
                 }
                 let kept = fine.kept.iter().map(halved).collect();
-                Level { size, free: Some(free), kept }
+                BoundaryLevel { size, free: Some(free), kept }
             }
         };
         debug_assert_eq!(level, all.len());
@@ -168,9 +168,9 @@ fn noise_values(job: &Job<'_>, size: [usize; 2], level: usize, k: usize) -> Vec<
 }
 
 /// A random region of the given area.
-fn noise(job: &Job<'_>, size: [usize; 2], level: usize, k: usize, area: usize) -> Region {
+fn noise(job: &Job<'_>, size: [usize; 2], level: usize, k: usize, area: usize) -> LayerRegion {
     let values = noise_values(job, size, level, k);
-    let mut region = Region { size, wrap: job.wrap, inside: vec![false; values.len()] };
+    let mut region = LayerRegion { size, wrap: job.wrap, inside: vec![false; values.len()] };
     fill(&mut region, &values, &Bounds { free: None, area });
     region
 }
@@ -178,7 +178,12 @@ fn noise(job: &Job<'_>, size: [usize; 2], level: usize, k: usize, area: usize) -
 /// Share of the votes that put each cell inside the next region. The windows last assigned to the region
 /// below vote with the exemplar's next region at their places. Cells without votes keep their state in
 /// `start`. Cells outside the region below rank last.
-fn seeded(under: &Done, below: &Model, own: &Model, start: &Region) -> Vec<f32> {
+fn seeded(
+    under: &OptimisedRegion,
+    below: &BoundaryModel,
+    own: &BoundaryModel,
+    start: &LayerRegion,
+) -> Vec<f32> {
     let votes = under
         .last
         .as_ref()
@@ -197,16 +202,16 @@ mod tests {
     use super::super::patches::shape_distance;
     use super::*;
 
-    fn regions(size: [usize; 2], count: usize, seed: u64) -> Vec<Region> {
+    fn regions(size: [usize; 2], count: usize, seed: u64) -> Vec<LayerRegion> {
         let map = testing::nested(size, count, seed);
         let region = |k: usize| {
             let inside = map.labels.iter().map(|&l| l as usize >= k).collect();
-            Region { size, wrap: [false; 2], inside }
+            LayerRegion { size, wrap: [false; 2], inside }
         };
         (1..count).map(region).collect()
     }
 
-    fn shares(regions: &[Region]) -> Vec<f64> {
+    fn shares(regions: &[LayerRegion]) -> Vec<f64> {
         regions.iter().map(|r| r.area() as f64 / r.inside.len() as f64).collect()
     }
 

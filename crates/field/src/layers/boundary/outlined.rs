@@ -1,11 +1,11 @@
 //! Regions around painted ones, from the top layer down (the paper, fig. 12).
 
-use super::super::map::Region;
+use super::super::map::LayerRegion;
 use super::super::regions::depth;
 use super::assignment::Assigned;
-use super::patches::Patches;
+use super::patches::BorderWindows;
 use super::pyramid::doubled;
-use super::shape::{Bounds, Model, Votes, fill, optimise};
+use super::shape::{BoundaryModel, Bounds, Votes, fill, optimise};
 use super::{SIDES, nested::pyramid};
 use vtex_base::error::Result;
 use vtex_base::progress::{Progress, advance};
@@ -21,9 +21,9 @@ const BAND_OF_DEPTH: f32 = 0.5;
 
 /// The region above, after its optimisation.
 struct Above {
-    region: Region,
-    model: Model,
-    last: Option<(Patches, Vec<Assigned>)>,
+    region: LayerRegion,
+    model: BoundaryModel,
+    last: Option<(BorderWindows, Vec<Assigned>)>,
 }
 
 /// Makes regions from S_1 up with borders like those of `exemplar`. Each covers what is `painted` and,
@@ -32,11 +32,11 @@ struct Above {
 /// # Errors
 /// [`vtex_base::Error::Interrupted`].
 pub(in super::super) fn outlined(
-    exemplar: &[Region],
-    painted: &[Region],
+    exemplar: &[LayerRegion],
+    painted: &[LayerRegion],
     seed: u64,
     progress: &dyn Progress,
-) -> Result<Vec<Region>> {
+) -> Result<Vec<LayerRegion>> {
     let mut above: Option<Above> = None;
     let mut found = Vec::new();
     for k in (0..exemplar.len()).rev() {
@@ -60,7 +60,13 @@ pub(in super::super) fn outlined(
 }
 
 /// Optimises a region from its start, coarse to fine. It always holds the region above.
-fn around(k: usize, exemplar: &Region, start: Region, above: Option<&Region>, seed: u64) -> Above {
+fn around(
+    k: usize,
+    exemplar: &LayerRegion,
+    start: LayerRegion,
+    above: Option<&LayerRegion>,
+    seed: u64,
+) -> Above {
     let shortest = exemplar.size.into_iter().chain(start.size).min().unwrap_or(1);
     let levels = (0..LEVELS).take_while(|l| shortest >> l >= 16).count().max(1);
     let models = pyramid(exemplar, levels);
@@ -93,12 +99,12 @@ fn around(k: usize, exemplar: &Region, start: Region, above: Option<&Region>, se
 }
 
 /// Mean distance of what is inside from the border, in cells.
-fn mean_depth(region: &Region) -> f32 {
+fn mean_depth(region: &LayerRegion) -> f32 {
     let inside = depth(region).into_iter().filter(|&d| d > 0.0);
     inside.sum::<f32>() / region.area().max(1) as f32
 }
 
 /// The model of a level.
-fn level_model(models: &[Region], level: usize) -> Model {
-    Model::new(models[level].clone(), SIDES[usize::from(level > 0)])
+fn level_model(models: &[LayerRegion], level: usize) -> BoundaryModel {
+    BoundaryModel::new(models[level].clone(), SIDES[usize::from(level > 0)])
 }

@@ -1,6 +1,6 @@
 //! Windows around the pixels of a border, and the distance of two borders.
 
-use super::super::map::Region;
+use super::super::map::LayerRegion;
 use vtex_base::parallel;
 
 /// Words of a window of 15 × 15 bits.
@@ -10,7 +10,7 @@ const WORDS: usize = 4;
 pub(super) type Window = [u64; WORDS];
 
 /// The windows around all border pixels of a region.
-pub(super) struct Patches {
+pub(super) struct BorderWindows {
     /// Side of a window in pixels, odd.
     pub(super) side: usize,
     /// Border pixels: inside, with one of the four adjacent pixels outside.
@@ -20,7 +20,7 @@ pub(super) struct Patches {
 }
 
 /// The pixel at an offset: across the seam where the region repeats, mirrored at other borders.
-fn index(region: &Region, [x, y]: [usize; 2], d: [i64; 2]) -> usize {
+fn index(region: &LayerRegion, [x, y]: [usize; 2], d: [i64; 2]) -> usize {
     let axis = |v: usize, d: i64, k: usize| {
         let (v, size) = (v as i64 + d, region.size[k] as i64);
         if region.wrap[k] {
@@ -33,7 +33,7 @@ fn index(region: &Region, [x, y]: [usize; 2], d: [i64; 2]) -> usize {
 }
 
 /// The pixels of the window around a pixel, row by row.
-pub(super) fn shown(region: &Region, pixel: usize, side: usize) -> impl Iterator<Item = usize> + '_ {
+pub(super) fn shown(region: &LayerRegion, pixel: usize, side: usize) -> impl Iterator<Item = usize> + '_ {
     let at = [pixel % region.size[0], pixel / region.size[0]];
     let reach = (side / 2) as i64;
     (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| index(region, at, [dx, dy])))
@@ -50,8 +50,8 @@ pub(super) fn turned(side: usize, turn: usize) -> impl Iterator<Item = usize> {
     })
 }
 
-impl Patches {
-    pub(super) fn new(region: &Region, side: usize) -> Self {
+impl BorderWindows {
+    pub(super) fn new(region: &LayerRegion, side: usize) -> Self {
         let [w, h] = region.size;
         let is_border = |&i: &usize| {
             let at = [i % w, i / w];
@@ -103,20 +103,20 @@ pub(super) fn best_turn(window: &Window, other: &[Window; 4], turns: &[usize]) -
 /// of 15 × 15 pixels around a border pixel differs from the most similar one of the other border, in
 /// the best of four turns (the paper, eq. 1–3). 0 for equal regions; infinite if one of the two
 /// has no border and the other has.
-pub fn shape_distance(a: &Region, b: &Region) -> f64 {
-    let [a, b] = [a, b].map(|region| Patches::new(region, 15));
+pub fn shape_distance(a: &LayerRegion, b: &LayerRegion) -> f64 {
+    let [a, b] = [a, b].map(|region| BorderWindows::new(region, 15));
     distance(&a, &b)
 }
 
 /// The distance of two sets of windows.
-pub(super) fn distance(a: &Patches, b: &Patches) -> f64 {
+pub(super) fn distance(a: &BorderWindows, b: &BorderWindows) -> f64 {
     if a.len() + b.len() == 0 {
         return 0.0;
     }
     if a.len() == 0 || b.len() == 0 {
         return f64::INFINITY;
     }
-    let one_way = |from: &Patches, to: &Patches| -> u64 {
+    let one_way = |from: &BorderWindows, to: &BorderWindows| -> u64 {
         let nearest = |window: &[Window; 4]| {
             let each = to.windows.iter().map(|other| best_turn(&window[0], other, &[0, 1, 2, 3]).0);
             u64::from(each.min().unwrap_or(0))
@@ -130,16 +130,16 @@ pub(super) fn distance(a: &Patches, b: &Patches) -> f64 {
 mod tests {
     use super::*;
 
-    fn region(inside: impl Fn(f64, f64) -> bool) -> Region {
+    fn region(inside: impl Fn(f64, f64) -> bool) -> LayerRegion {
         let at = |i: usize| ((i % 64) as f64 - 31.5, (i / 64) as f64 - 31.5);
-        Region {
+        LayerRegion {
             size: [64; 2],
             wrap: [false; 2],
             inside: (0..64 * 64).map(|i| inside(at(i).0, at(i).1)).collect(),
         }
     }
 
-    fn shapes() -> [Region; 5] {
+    fn shapes() -> [LayerRegion; 5] {
         let radius = |x: f64, y: f64| libm::sqrt(x * x + y * y);
         let angle = |x: f64, y: f64| libm::atan2(y, x);
         [

@@ -1,10 +1,10 @@
 //! Regions on coarser levels.
 
-use super::super::map::Region;
+use super::super::map::LayerRegion;
 use super::shape::{Bounds, fill};
 
 /// A region at half the resolution, with the same share: the cells with most of their 2 × 2 pixels inside.
-pub(super) fn halved(region: &Region) -> Region {
+pub(super) fn halved(region: &LayerRegion) -> LayerRegion {
     let [w, h] = region.size;
     let size = region.size.map(|v| v.div_ceil(2));
     let mut values = vec![0f32; size[0] * size[1]];
@@ -13,7 +13,7 @@ pub(super) fn halved(region: &Region) -> Region {
             values[i / w / 2 * size[0] + i % w / 2] += 1.0;
         }
     }
-    let mut coarse = Region { size, wrap: region.wrap, inside: vec![false; values.len()] };
+    let mut coarse = LayerRegion { size, wrap: region.wrap, inside: vec![false; values.len()] };
     let share = region.area() as f64 / (w * h) as f64;
     let area = libm::round(share * values.len() as f64) as usize;
     fill(&mut coarse, &values, &Bounds { free: None, area });
@@ -21,14 +21,14 @@ pub(super) fn halved(region: &Region) -> Region {
 }
 
 /// A region at twice the resolution, of the given size.
-pub(super) fn doubled(region: &Region, size: [usize; 2]) -> Region {
+pub(super) fn doubled(region: &LayerRegion, size: [usize; 2]) -> LayerRegion {
     let inside = (0..size[0] * size[1])
         .map(|i| {
             let at = [i % size[0] / 2, i / size[0] / 2];
             region.inside[at[1].min(region.size[1] - 1) * region.size[0] + at[0].min(region.size[0] - 1)]
         })
         .collect();
-    Region { size, wrap: region.wrap, inside }
+    LayerRegion { size, wrap: region.wrap, inside }
 }
 
 #[cfg(test)]
@@ -39,10 +39,10 @@ mod tests {
     #[test]
     fn shares_are_kept() {
         let inside = nested([61, 50], 2, 1).labels.iter().map(|&l| l == 1).collect();
-        let region = Region { size: [61, 50], wrap: [false; 2], inside };
+        let region = LayerRegion { size: [61, 50], wrap: [false; 2], inside };
         let coarse = halved(&region);
         assert_eq!(coarse.size, [31, 25]);
-        let share = |r: &Region| r.area() as f64 / r.inside.len() as f64;
+        let share = |r: &LayerRegion| r.area() as f64 / r.inside.len() as f64;
         assert!((share(&coarse) - share(&region)).abs() < 1e-2);
         let same =
             doubled(&coarse, [61, 50]).inside.iter().zip(&region.inside).filter(|(a, b)| a == b).count();

@@ -1,8 +1,8 @@
 //! One region on one level: windows vote on which pixels are inside (the paper, §3.2).
 
-use super::super::map::Region;
+use super::super::map::LayerRegion;
 use super::assignment::{Assigned, assign};
-use super::patches::{Patches, shown, turned};
+use super::patches::{BorderWindows, shown, turned};
 use vtex_base::sampling::Stream;
 
 /// Most iterations on a level.
@@ -11,23 +11,23 @@ const ITERATIONS: usize = 8;
 const SETTLED: f64 = 1e-3;
 
 /// An exemplar's region on one level.
-pub(super) struct Model {
-    pub(super) region: Region,
-    pub(super) patches: Patches,
+pub(super) struct BoundaryModel {
+    pub(super) region: LayerRegion,
+    pub(super) patches: BorderWindows,
     /// Permitted rotations of windows, in quarter turns.
     pub(super) turns: Vec<usize>,
 }
 
-impl Model {
-    pub(super) fn new(region: Region, side: usize) -> Self {
-        let patches = Patches::new(&region, side);
+impl BoundaryModel {
+    pub(super) fn new(region: LayerRegion, side: usize) -> Self {
+        let patches = BorderWindows::new(&region, side);
         let turns = if has_direction(&region) { vec![0, 2] } else { vec![0, 1, 2, 3] };
         Self { region, patches, turns }
     }
 }
 
 /// Whether borders run mainly along one axis.
-fn has_direction(region: &Region) -> bool {
+fn has_direction(region: &LayerRegion) -> bool {
     let [w, h] = region.size;
     let differs = |i: usize, j: usize| usize::from(region.inside[i] != region.inside[j]);
     let across: usize = (0..w * h).filter(|i| (i + 1) % w != 0).map(|i| differs(i, i + 1)).sum();
@@ -45,11 +45,11 @@ impl Votes {
     /// Votes of the windows assigned to a border. Each shows `read` at the place of its exemplar window,
     /// weighted by how well the windows agree and by the distance to their centres.
     pub(super) fn new(
-        region: &Region,
-        patches: &Patches,
+        region: &LayerRegion,
+        patches: &BorderWindows,
         assigned: &[Assigned],
-        model: &Model,
-        read: &Region,
+        model: &BoundaryModel,
+        read: &LayerRegion,
     ) -> Self {
         let side = patches.side;
         let pixels = region.inside.len();
@@ -95,14 +95,14 @@ pub(super) struct Bounds<'a> {
 
 /// Makes the border of a region look like that of a model. Returns the last assignment, if there is one.
 pub(super) fn optimise(
-    region: &mut Region,
-    model: &Model,
+    region: &mut LayerRegion,
+    model: &BoundaryModel,
     bounds: &Bounds<'_>,
     random: &mut Stream,
-) -> Option<(Patches, Vec<Assigned>)> {
+) -> Option<(BorderWindows, Vec<Assigned>)> {
     let mut last = None;
     for _ in 0..ITERATIONS {
-        let patches = Patches::new(region, model.patches.side);
+        let patches = BorderWindows::new(region, model.patches.side);
         let assigned = assign(&patches, &model.patches, &model.turns, random);
         if assigned.is_empty() {
             break;
@@ -126,7 +126,7 @@ pub(super) fn optimise(
 
 /// Puts the free pixels with the largest values inside until the area is reached. Returns the number of
 /// changed pixels.
-pub(super) fn fill(region: &mut Region, values: &[f32], bounds: &Bounds<'_>) -> usize {
+pub(super) fn fill(region: &mut LayerRegion, values: &[f32], bounds: &Bounds<'_>) -> usize {
     let is_free = |i: usize| bounds.free.is_none_or(|free| free[i]);
     let fixed = (0..values.len()).filter(|&i| !is_free(i) && region.inside[i]).count();
     let mut order: Vec<usize> = (0..values.len()).filter(|&i| is_free(i)).collect();
@@ -153,12 +153,12 @@ mod tests {
     use vtex_base::sampling::stream;
 
     /// Rough rust on 2/5 of a square.
-    fn rust(seed: u64) -> Region {
+    fn rust(seed: u64) -> LayerRegion {
         let soft = clouds([96, 96], seed);
         let mut random = stream(seed, "rust", 0);
         let rough = (0..96 * 96).map(|i| 9.0 * soft.values[i] + random.range(-0.6, 0.6) as f32).collect();
         let rough = Plane { size: [96; 2], values: rough }.blurred(1.0, [false; 2]);
-        let mut region = Region { size: [96; 2], wrap: [false; 2], inside: vec![false; 96 * 96] };
+        let mut region = LayerRegion { size: [96; 2], wrap: [false; 2], inside: vec![false; 96 * 96] };
         fill(&mut region, &rough.values, &Bounds { free: None, area: AREA });
         region
     }
@@ -167,8 +167,8 @@ mod tests {
 
     #[test]
     fn borders_come_to_look_like_the_exemplars() {
-        let model = Model::new(rust(4), 15);
-        let of = |region: &Region| distance(&Patches::new(region, 15), &model.patches);
+        let model = BoundaryModel::new(rust(4), 15);
+        let of = |region: &LayerRegion| distance(&BorderWindows::new(region, 15), &model.patches);
         // The distance of another sample of the same rust: no new border can be expected to be nearer.
         let floor = of(&rust(5));
         let disc = |i: usize| {
@@ -177,7 +177,7 @@ mod tests {
         };
         let blob = clouds([96, 96], 9).blurred(6.0, [false; 2]).values;
         for values in [(0..96 * 96).map(disc).collect(), blob] {
-            let mut region = Region { size: [96; 2], wrap: [false; 2], inside: vec![false; 96 * 96] };
+            let mut region = LayerRegion { size: [96; 2], wrap: [false; 2], inside: vec![false; 96 * 96] };
             let bounds = Bounds { free: None, area: AREA };
             fill(&mut region, &values, &bounds);
             let before = of(&region);
@@ -191,8 +191,9 @@ mod tests {
     #[test]
     fn what_is_not_free_stays() {
         let inside: Vec<bool> = nested([50, 50], 2, 1).labels.iter().map(|&l| l == 1).collect();
-        let model = Model::new(Region { size: [50; 2], wrap: [false; 2], inside: inside.clone() }, 11);
-        let mut region = Region {
+        let model =
+            BoundaryModel::new(LayerRegion { size: [50; 2], wrap: [false; 2], inside: inside.clone() }, 11);
+        let mut region = LayerRegion {
             size: [50; 2],
             wrap: [false; 2],
             inside: nested([50, 50], 2, 2).labels.iter().map(|&l| l == 1).collect(),

@@ -6,14 +6,14 @@ use vtex_base::geometry::wrapped;
 /// Intended number of points per cell. A patch covers four cells.
 const PER_CELL: f64 = 12.0;
 /// Cells over the domain, approximately square.
-pub(super) struct Grid {
-    pub(super) x: Axis,
-    pub(super) y: Axis,
+pub(super) struct DomainGrid {
+    pub(super) x: CellAxis,
+    pub(super) y: CellAxis,
 }
 
 /// The cells along one axis.
 #[derive(Clone, Copy)]
-pub(super) struct Axis {
+pub(super) struct CellAxis {
     /// Where the first cell begins.
     pub(super) start: f64,
     /// Length of a cell.
@@ -23,7 +23,7 @@ pub(super) struct Axis {
     period: Option<f64>,
 }
 
-impl Axis {
+impl CellAxis {
     /// A coordinate wrapped into the period, if there is one.
     pub(super) fn canonical(&self, v: f64) -> f64 {
         wrapped(v, self.period)
@@ -81,7 +81,7 @@ impl Axis {
 
 /// Cells over the canvas and nearby points, with [`PER_CELL`] points each on average. Along the axes
 /// of `tile` a whole number of cells fills the canvas.
-pub(super) fn cells(points: &[Site], spacing: f64, width: u32, height: u32, tile: Tile) -> Grid {
+pub(super) fn cells(points: &[Site], spacing: f64, width: u32, height: u32, tile: Tile) -> DomainGrid {
     let margin = 4.0 * spacing;
     let extent = |coordinate: &dyn Fn(&Site) -> f64, size: u32, repeats: bool| {
         let (mut low, mut high) = (0.0, f64::from(size.max(1)));
@@ -99,10 +99,10 @@ pub(super) fn cells(points: &[Site], spacing: f64, width: u32, height: u32, tile
     let axis = |start: f64, length: f64, repeats: bool| {
         if repeats {
             let count = libm::round(length / side).max(1.0);
-            Axis { start, side: length / count, count: count as usize, period: Some(length) }
+            CellAxis { start, side: length / count, count: count as usize, period: Some(length) }
         } else {
-            Axis { start, side, count: (libm::ceil(length / side) as usize).max(1), period: None }
+            CellAxis { start, side, count: (libm::ceil(length / side) as usize).max(1), period: None }
         }
     };
-    Grid { x: axis(x0, w, tile.x), y: axis(y0, h, tile.y) }
+    DomainGrid { x: axis(x0, w, tile.x), y: axis(y0, h, tile.y) }
 }

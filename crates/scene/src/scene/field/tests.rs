@@ -60,7 +60,7 @@ fn close_to_the_solution_for_all_points_at_once() {
     let sites = merged(&f, 300, 300, PLANE);
     assert!(sites.len() > 3 * WHOLE);
     let blend = Interpolant::new(&f, 300, 300, PLANE);
-    let whole = Patch::new(&sites, blend.round);
+    let whole = CornerInterpolant::new(&sites, blend.round);
     let (mut sum, mut count) = (0.0, 0.0);
     for k in 0..2500 {
         let (x, y) = (25.0 + 5.0 * f64::from(k % 50), 25.0 + 5.0 * f64::from(k / 50));

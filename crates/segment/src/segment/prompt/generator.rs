@@ -6,7 +6,7 @@
 
 use super::proposal::Proposal;
 use super::{Embedded, PromptMask, Prompter};
-use crate::segment::similar::{Measured, Near, SimilarMasks};
+use crate::segment::similar::{Measured, SimilarMask, SimilarMasks};
 use crate::segment::{ScoredMask, Segmenter};
 use image::RgbImage;
 use vtex_base::error::{Result, check};
@@ -79,7 +79,7 @@ impl GeneratorParams {
 
 /// A mask found by a [`Generator`], with measures of its quality.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct FoundMask {
     /// The pixels, in one piece.
     pub mask: Mask,
     /// IoU with the true mask as predicted by the network, 0 to 1.
@@ -92,7 +92,7 @@ pub struct Found {
     pub scale: usize,
 }
 
-impl Found {
+impl FoundMask {
     fn score(&self) -> f32 {
         self.predicted_iou * self.stability
     }
@@ -149,8 +149,8 @@ impl View {
         params: &GeneratorParams,
         progress: &dyn Progress,
         cost: &mut Cost,
-    ) -> Result<Vec<Found>> {
-        let mut search = Search { params, view: self, kept: Vec::new() };
+    ) -> Result<Vec<FoundMask>> {
+        let mut search = ViewSearch { params, view: self, kept: Vec::new() };
         search.run(embedded, progress, cost)?;
         Ok(search.finish(width, height))
     }
@@ -171,8 +171,8 @@ impl Generator {
     ///
     /// # Errors
     /// [`vtex_base::Error::Interrupted`] and [`vtex_base::Error::Network`].
-    pub fn find(&self, image: &RgbImage, progress: &dyn Progress) -> Result<(Vec<Found>, Cost)> {
-        let mut found: Vec<Found> = Vec::new();
+    pub fn find(&self, image: &RgbImage, progress: &dyn Progress) -> Result<(Vec<FoundMask>, Cost)> {
+        let mut found: Vec<FoundMask> = Vec::new();
         let mut cost = Cost::default();
         for view in self.views(image.width(), image.height()) {
             advance(progress, "reading the image", 0, 0)?;
@@ -186,8 +186,8 @@ impl Generator {
     }
 
     /// Merges the masks of another view. Of two duplicates at one scale the better one stays.
-    fn join(&self, found: &mut Vec<Found>, here: Vec<Found>) {
-        let measure = |f: &Found| Measured::new(f.mask.clone());
+    fn join(&self, found: &mut Vec<FoundMask>, here: Vec<FoundMask>) {
+        let measure = |f: &FoundMask| Measured::new(f.mask.clone());
         let measured: Vec<Option<Measured>> = found.iter().map(measure).collect();
         let mut index = SimilarMasks::default();
         for (k, m) in measured.iter().enumerate() {
@@ -195,12 +195,12 @@ impl Generator {
         }
         for new in here {
             let Some(own) = measure(&new) else { continue };
-            let same = |&Near { index: k, .. }: &Near| {
+            let same = |&SimilarMask { index: k, .. }: &SimilarMask| {
                 found[k].scale == new.scale
                     && measured[k].as_ref().is_some_and(|m| m.iou(&own) >= self.params.duplicate)
             };
             match index.near(&own, self.params.duplicate).into_iter().find(same) {
-                Some(Near { index: k, .. }) => {
+                Some(SimilarMask { index: k, .. }) => {
                     let votes = found[k].votes + new.votes;
                     if new.score() > found[k].score() {
                         found[k] = new;
@@ -242,13 +242,13 @@ fn cuts(length: u32, side: u32) -> Vec<(u32, u32)> {
 }
 
 /// The search of one view.
-struct Search<'a> {
+struct ViewSearch<'a> {
     params: &'a GeneratorParams,
     view: &'a View,
     kept: Vec<Proposal>,
 }
 
-impl Search<'_> {
+impl ViewSearch<'_> {
     fn run(&mut self, embedded: &dyn Embedded, progress: &dyn Progress, cost: &mut Cost) -> Result<()> {
         let View { width, height, scale, .. } = *self.view;
         let count = |n: u32| (n as f32 / self.params.spacing).max(1.0) as u32;
@@ -322,8 +322,9 @@ impl Search<'_> {
         proposals.sort_by(|a, b| b.score().total_cmp(&a.score()));
         let mut index = SimilarMasks::default();
         for proposal in proposals {
-            let same =
-                |near: &Near| self.kept[near.index].cells.iou(&proposal.cells) >= self.params.duplicate;
+            let same = |near: &SimilarMask| {
+                self.kept[near.index].cells.iou(&proposal.cells) >= self.params.duplicate
+            };
             match index.near(&proposal.cells, self.params.duplicate).into_iter().find(same) {
                 Some(near) => self.kept[near.index].votes += proposal.votes,
                 None => {
@@ -356,7 +357,7 @@ impl Search<'_> {
     }
 
     /// The masks kept, in pixels of the whole image. Masks cut off by a crop are left to adjacent crops.
-    fn finish(self, width: u32, height: u32) -> Vec<Found> {
+    fn finish(self, width: u32, height: u32) -> Vec<FoundMask> {
         let View { x, y, width: w, height: h, index, .. } = *self.view;
         let found = map(&self.kept, |proposal| {
             let mask = self.mask(proposal);
@@ -368,7 +369,7 @@ impl Search<'_> {
             if cut || (mask.area() as f32) < self.params.smallest {
                 return None;
             }
-            Some(Found {
+            Some(FoundMask {
                 mask: mask.shifted(x as i32, y as i32),
                 predicted_iou: proposal.predicted_iou,
                 stability: proposal.stability,

@@ -7,7 +7,7 @@ pub mod sam;
 
 #[cfg(feature = "onnx")]
 pub(in crate::segment) use generator::View;
-pub use generator::{Cost, Found, Generator, GeneratorParams};
+pub use generator::{Cost, FoundMask, Generator, GeneratorParams};
 #[cfg(feature = "onnx")]
 pub use sam::Sam;
 

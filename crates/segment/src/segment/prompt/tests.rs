@@ -11,7 +11,7 @@ struct Oracle {
     promises: bool,
 }
 
-struct Seen<'a> {
+struct OracleEmbedding<'a> {
     oracle: &'a Oracle,
     scale: f32,
     size: [usize; 2],
@@ -26,11 +26,11 @@ impl Prompter for Oracle {
         // The width of the image is 200 px at scale 1.
         let scale = image.width() as f32 / 200.0;
         let size = [image.width() as usize / 2, image.height() as usize / 2];
-        Ok(Box::new(Seen { oracle: self, scale, size }))
+        Ok(Box::new(OracleEmbedding { oracle: self, scale, size }))
     }
 }
 
-impl Seen<'_> {
+impl OracleEmbedding<'_> {
     fn disc(&self, [x, y]: [f32; 2]) -> Option<[f32; 3]> {
         let discs = self.oracle.discs.iter().map(|d| d.map(|v| v * self.scale));
         let mut on = discs.filter(|d| (d[0] - x) * (d[0] - x) + (d[1] - y) * (d[1] - y) < d[2] * d[2]);
@@ -38,7 +38,7 @@ impl Seen<'_> {
     }
 }
 
-impl Embedded for Seen<'_> {
+impl Embedded for OracleEmbedding<'_> {
     fn expected_iou(&self, points: &[[f32; 2]]) -> Option<Vec<f32>> {
         let expected_iou = |&p: &[f32; 2]| if self.disc(p).is_some() { 0.95 } else { 0.1 };
         self.oracle.promises.then(|| points.iter().map(expected_iou).collect())
@@ -83,7 +83,7 @@ fn params(levels: u32) -> GeneratorParams {
     GeneratorParams { spacing: 3.0, levels, stability: 0.3, confident: 0.3, ..GeneratorParams::default() }
 }
 
-fn find(oracle: Oracle, params: GeneratorParams) -> (Vec<Found>, Cost) {
+fn find(oracle: Oracle, params: GeneratorParams) -> (Vec<FoundMask>, Cost) {
     let image = RgbImage::from_pixel(200, 160, image::Rgb([90, 80, 70]));
     Generator::new(Box::new(oracle), params).unwrap().find(&image, &()).unwrap()
 }
@@ -174,6 +174,6 @@ fn parameters_out_of_range_are_refused() {
 fn work_can_be_interrupted() {
     let image = RgbImage::new(40, 40);
     let answer =
-        Generator::new(Box::new(oracle(false)), params(2)).unwrap().find(&image, &vtex_testing::Stop);
+        Generator::new(Box::new(oracle(false)), params(2)).unwrap().find(&image, &vtex_testing::StopAtOnce);
     assert!(matches!(answer, Err(vtex_base::Error::Interrupted)));
 }

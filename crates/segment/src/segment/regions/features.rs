@@ -1,13 +1,13 @@
 //! Features of a node of the merge tree.
 
-use super::merge_tree::{BINS, Region, Union};
-use super::oversegmentation::Field;
+use super::merge_tree::{BINS, MergedRegion, Union};
+use super::oversegmentation::GradientImage;
 
 /// Number of features.
 pub const FEATURES: usize = 31;
 
 /// Measurements of the whole image, shared by all nodes.
-pub(super) struct Context {
+pub(super) struct NodeFeatureContext {
     width: usize,
     height: usize,
     sigma: f32,
@@ -32,8 +32,8 @@ fn cell_index([l, a, b]: [usize; 3]) -> usize {
     (l * CELLS[1] + a) * CELLS[2] + b
 }
 
-impl Context {
-    pub(super) fn new(field: &Field) -> Self {
+impl NodeFeatureContext {
+    pub(super) fn new(field: &GradientImage) -> Self {
         let (w, h) = (field.width, field.height);
         let count = (w * h) as f64;
         let mut integral = vec![[0.0f64; 4]; (w + 1) * (h + 1)];
@@ -100,7 +100,7 @@ impl Context {
     }
 
     /// The features of a region. Quantities that span orders of magnitude are logarithms.
-    pub(super) fn features(&self, region: &Region, union: Option<Union>) -> [f32; FEATURES] {
+    pub(super) fn features(&self, region: &MergedRegion, union: Option<Union>) -> [f32; FEATURES] {
         let (s, rim) = (&region.sums, &region.rim);
         let ln = |v: f32| libm::logf(v.max(0.0) + 0.05);
         let length = |v: [f32; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();

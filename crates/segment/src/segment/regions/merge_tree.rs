@@ -2,7 +2,7 @@
 //!
 //! Sums are kept only for regions that still grow. A node is measured when it becomes part of another.
 
-use super::oversegmentation::Field;
+use super::oversegmentation::GradientImage;
 use crate::segment::hashing::ByNumber;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -18,7 +18,7 @@ const SMALL_POWER: f32 = 0.35;
 
 /// Sums over the pixels of a region. They add up under union.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sums {
+pub(super) struct PixelSums {
     pub(super) area: f32,
     pub(super) colour: [f64; 3],
     pub(super) colour_square: [f64; 3],
@@ -35,7 +35,7 @@ pub(super) struct Sums {
     pub(super) basins: u32,
 }
 
-impl Sums {
+impl PixelSums {
     fn add(&mut self, o: &Self) {
         self.area += o.area;
         self.gradient += o.gradient;
@@ -65,7 +65,7 @@ impl Sums {
 
 /// Sums over the pixel edges between two regions, or along the whole rim of one.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Rim {
+pub(super) struct RimSums {
     pub(super) length: f32,
     pub(super) gradient: f32,
     pub(super) histogram: [f32; BINS],
@@ -76,7 +76,7 @@ pub(super) struct Rim {
     pub(super) faint: f32,
 }
 
-impl Rim {
+impl RimSums {
     /// Adds `factor` times another rim. `sign` -1 reverses its steps.
     fn add(&mut self, o: &Self, factor: f32, sign: f32) {
         self.length += factor * o.length;
@@ -94,9 +94,9 @@ impl Rim {
 
 /// A region: a basin, with the shallow ones united with it, or the union of several.
 #[derive(Clone, Debug)]
-pub(super) struct Region {
-    pub(super) sums: Sums,
-    pub(super) rim: Rim,
+pub(super) struct MergedRegion {
+    pub(super) sums: PixelSums,
+    pub(super) rim: RimSums,
     /// Weight of the merge that made it, not below those of its parts; 0 for a basin.
     pub(super) weight: f32,
     /// Its node.
@@ -115,7 +115,7 @@ pub(super) struct Union {
 
 /// A region's place in the tree.
 #[derive(Clone, Debug)]
-pub(super) struct Node {
+pub(super) struct RegionNode {
     pub(super) area: f32,
     /// `None` for a basin.
     pub(super) children: Option<[u32; 2]>,
@@ -125,9 +125,9 @@ pub(super) struct Node {
 
 /// A border between two regions. Steps go from the first to the second.
 #[derive(Clone, Debug)]
-struct Border {
+struct RegionBorder {
     ends: [u32; 2],
-    rim: Rim,
+    rim: RimSums,
     alive: bool,
     /// The next border of each end.
     next: [u32; 2],
@@ -138,19 +138,24 @@ const END: u32 = u32::MAX;
 
 /// The nodes in order of creation: basins first, children before parents.
 pub(super) struct Tree {
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<RegionNode>,
 }
 
 /// Index of the border between two regions, by [`key`].
 type Index = ByNumber<u32>;
 
 /// The first regions, see [`Tree::new`], and the borders between them.
-fn graph(field: &Field, labels: &[u32], counts: &[u32]) -> (Vec<Sums>, Vec<Border>, Index) {
+fn graph(
+    field: &GradientImage,
+    labels: &[u32],
+    counts: &[u32],
+) -> (Vec<PixelSums>, Vec<RegionBorder>, Index) {
     let (w, h) = (field.width, field.height);
     let count = counts.len();
-    let empty = |&basins: &u32| Sums { bounds: [u32::MAX, u32::MAX, 0, 0], basins, ..Sums::default() };
-    let mut sums: Vec<Sums> = counts.iter().map(empty).collect();
-    let mut borders: Vec<Border> = Vec::with_capacity(3 * count);
+    let empty =
+        |&basins: &u32| PixelSums { bounds: [u32::MAX, u32::MAX, 0, 0], basins, ..PixelSums::default() };
+    let mut sums: Vec<PixelSums> = counts.iter().map(empty).collect();
+    let mut borders: Vec<RegionBorder> = Vec::with_capacity(3 * count);
     let mut index = Index::with_capacity_and_hasher(3 * count, Default::default());
     let mut last = (u64::MAX, 0);
     for y in 0..h {
@@ -186,9 +191,9 @@ fn graph(field: &Field, labels: &[u32], counts: &[u32]) -> (Vec<Sums>, Vec<Borde
                     last.1
                 } else {
                     *index.entry(key).or_insert_with(|| {
-                        borders.push(Border {
+                        borders.push(RegionBorder {
                             ends: [a, b],
-                            rim: Rim::default(),
+                            rim: RimSums::default(),
                             alive: true,
                             next: [END; 2],
                         });
@@ -206,7 +211,7 @@ fn graph(field: &Field, labels: &[u32], counts: &[u32]) -> (Vec<Sums>, Vec<Borde
                 let mut histogram = [0.0; BINS];
                 histogram[(bits.saturating_sub(126) as usize).min(BINS - 1)] = 1.0;
                 let faint = if length < 2.0 { 1.0 } else { 0.0 };
-                let rim = Rim { length: 1.0, gradient, histogram, step, step_length: length, faint };
+                let rim = RimSums { length: 1.0, gradient, histogram, step, step_length: length, faint };
                 border.rim.add(&rim, 1.0, sign);
             };
             if x + 1 < w {
@@ -226,20 +231,20 @@ fn key(a: u32, b: u32) -> u64 {
 
 /// The properties of a region that the weight of a merge depends on.
 #[derive(Clone, Copy)]
-struct Look {
+struct MergeProperties {
     mean: [f32; 3],
     /// How much cheaper the region is to merge for its size: 1, or less if it is small.
     size: f32,
 }
 
-impl Look {
-    fn new(sums: &Sums) -> Self {
+impl MergeProperties {
+    fn new(sums: &PixelSums) -> Self {
         Self { mean: sums.mean(), size: libm::powf(sums.area.min(SMALL) / SMALL, SMALL_POWER) }
     }
 }
 
 /// Weight of a merge: the difference between two regions, reduced if one is small.
-fn weight([a, b]: [&Look; 2], rim: &Rim, border: f32) -> f32 {
+fn weight([a, b]: [&MergeProperties; 2], rim: &RimSums, border: f32) -> f32 {
     let (p, q) = (a.mean, b.mean);
     let d = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
     let means = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
@@ -311,9 +316,9 @@ impl Queue {
     }
 }
 
-impl Region {
+impl MergedRegion {
     /// Adds a border to the list.
-    fn link(&mut self, e: u32, border: &mut Border, end: usize) {
+    fn link(&mut self, e: u32, border: &mut RegionBorder, end: usize) {
         border.next[end] = self.first;
         self.first = e;
         self.borders += 1;
@@ -326,24 +331,24 @@ impl Tree {
     /// across the border; the rest is that of the difference of means. Each node is shown to `see` once, with
     /// its number, the region, and the union that it becomes part of, if any: regions are not kept.
     pub(super) fn new(
-        field: &Field,
+        field: &GradientImage,
         labels: &[u32],
         counts: &[u32],
         share: f32,
         progress: &dyn Progress,
-        see: &mut dyn FnMut(usize, &Region, Option<Union>),
+        see: &mut dyn FnMut(usize, &MergedRegion, Option<Union>),
     ) -> Result<Self> {
         let count = counts.len();
         let (sums, mut borders, mut index) = graph(field, labels, counts);
-        let node = |sums: &Sums| Node { area: sums.area, children: None, parent: None };
-        let mut nodes: Vec<Node> = Vec::with_capacity(2 * count);
+        let node = |sums: &PixelSums| RegionNode { area: sums.area, children: None, parent: None };
+        let mut nodes: Vec<RegionNode> = Vec::with_capacity(2 * count);
         nodes.extend(sums.iter().map(node));
         let region = |(node, sums)| {
-            let rim = Rim::default();
-            Region { sums, rim, weight: 0.0, node, first: END, borders: 0 }
+            let rim = RimSums::default();
+            MergedRegion { sums, rim, weight: 0.0, node, first: END, borders: 0 }
         };
         // A region is identified by one of the first regions in it.
-        let mut regions: Vec<Region> = (0..).zip(sums).map(region).collect();
+        let mut regions: Vec<MergedRegion> = (0..).zip(sums).map(region).collect();
         for (e, border) in (0..).zip(&mut borders) {
             for (end, sign) in [1.0, -1.0].into_iter().enumerate() {
                 let region = &mut regions[border.ends[end] as usize];
@@ -351,8 +356,9 @@ impl Tree {
                 region.link(e, border, end);
             }
         }
-        let mut looks: Vec<Look> = regions.iter().map(|region| Look::new(&region.sums)).collect();
-        let now = |looks: &[Look], border: &Border| {
+        let mut looks: Vec<MergeProperties> =
+            regions.iter().map(|region| MergeProperties::new(&region.sums)).collect();
+        let now = |looks: &[MergeProperties], border: &RegionBorder| {
             weight(border.ends.map(|end| &looks[end as usize]), &border.rim, share)
         };
         let mut queue = Queue::new(borders.iter().map(|border| now(&looks, border)));
@@ -380,7 +386,7 @@ impl Tree {
                 nodes[part.node as usize].parent = Some(made as u32);
             }
             let children = Some(parts.map(|part| part.node));
-            nodes.push(Node { area: union.area, children, parent: None });
+            nodes.push(RegionNode { area: union.area, children, parent: None });
             // The region with more borders keeps its identifier.
             let [gone, kept] = if parts[0].borders < parts[1].borders { ends } else { [ends[1], ends[0]] };
             let part = regions[gone].clone();
@@ -389,7 +395,7 @@ impl Tree {
             whole.rim.add(&part.rim, 1.0, 1.0);
             whole.rim.add(&borders[e as usize].rim, -2.0, 0.0);
             (whole.weight, whole.node) = (weight, made as u32);
-            looks[kept] = Look::new(&whole.sums);
+            looks[kept] = MergeProperties::new(&whole.sums);
             let (gone, id) = (gone as u32, kept as u32);
             let mut e = part.first;
             while e != END {
@@ -422,7 +428,7 @@ impl Tree {
 
 #[cfg(test)]
 mod tests {
-    use super::super::oversegmentation::Colours;
+    use super::super::oversegmentation::ScaledOklabImage;
     use super::*;
     use image::RgbImage;
     use proptest::prelude::*;
@@ -436,16 +442,16 @@ mod tests {
                 let v = 40 * values[(y * 14 + x) as usize];
                 image::Rgb([v, 255 - v, v / 2])
             });
-            let field = Field::new(&Colours::new(&image), 0.5);
+            let field = GradientImage::new(&ScaledOklabImage::new(&image), 0.5);
             let (labels, counts) = field.deep_basins();
             let count = counts.len();
             let mut regions = vec![None; 2 * count - 1];
-            let mut see = |node: usize, region: &Region, union: Option<Union>| {
+            let mut see = |node: usize, region: &MergedRegion, union: Option<Union>| {
                 assert!(regions[node].replace((region.clone(), union)).is_none());
             };
             let tree = Tree::new(&field, &labels, &counts, 0.7, &(), &mut see).unwrap();
             prop_assert_eq!(tree.nodes.len(), 2 * count - 1);
-            let regions: Vec<(Region, Option<Union>)> = regions.into_iter().map(Option::unwrap).collect();
+            let regions: Vec<(MergedRegion, Option<Union>)> = regions.into_iter().map(Option::unwrap).collect();
             let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); count];
             for (i, &label) in labels.iter().enumerate() {
                 pixels[label as usize].push(i);

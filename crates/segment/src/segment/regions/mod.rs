@@ -20,10 +20,10 @@ pub(super) use select::worth;
 pub use select::{HIDDEN, Network};
 
 use super::{ScoredMask, Segmenter, disjoint::by_worth, tiles};
-use features::Context;
+use features::NodeFeatureContext;
 use image::RgbImage;
-use merge_tree::{Region, Sums, Tree, Union};
-use oversegmentation::{Colours, Field};
+use merge_tree::{MergedRegion, PixelSums, Tree, Union};
+use oversegmentation::{GradientImage, ScaledOklabImage};
 use vtex_base::error::Result;
 use vtex_base::parallel::map;
 use vtex_base::progress::{Progress, advance};
@@ -48,7 +48,7 @@ pub struct Regions;
 
 /// A node that may be a texton, as training data for [`Network`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Candidate {
+pub struct NodeCandidate {
     /// Its pixels.
     pub mask: Mask,
     /// The network's input.
@@ -56,7 +56,7 @@ pub struct Candidate {
 }
 
 /// A tree over the whole image, with something for each node that may be a texton.
-struct Layer<T> {
+struct ScoredTree<T> {
     labels: Vec<u32>,
     tree: Tree,
     nodes: Vec<Option<T>>,
@@ -74,36 +74,36 @@ fn layers<T: Send, R: Send>(
     layers: &[(f64, f32)],
     progress: &dyn Progress,
     f: fn([f32; FEATURES]) -> T,
-    then: impl Fn(Layer<T>) -> R + Sync + Send,
+    then: impl Fn(ScoredTree<T>) -> R + Sync + Send,
 ) -> Result<Vec<R>> {
-    let colours = Colours::new(image);
-    let made = map(layers, |&(sigma, share)| Layer::new(&colours, sigma, share, progress, f).map(&then));
+    let colours = ScaledOklabImage::new(image);
+    let made = map(layers, |&(sigma, share)| ScoredTree::new(&colours, sigma, share, progress, f).map(&then));
     made.into_iter().collect()
 }
 
 /// Whether a region may be a texton. Those that touch opposite borders are background.
-fn eligible(field: &Field, sums: &Sums) -> bool {
+fn eligible(field: &GradientImage, sums: &PixelSums) -> bool {
     let [left, top, right, bottom] = sums.border;
     let all = field.width as f32 * field.height as f32;
     let spans = left > 0 && right > 0 || top > 0 && bottom > 0;
     sums.area >= SMALLEST && sums.area <= LARGEST * all && !spans
 }
 
-impl<T> Layer<T> {
+impl<T> ScoredTree<T> {
     fn new(
-        image: &Colours,
+        image: &ScaledOklabImage,
         sigma: f64,
         share: f32,
         progress: &dyn Progress,
         f: fn([f32; FEATURES]) -> T,
     ) -> Result<Self> {
         advance(progress, "merging regions", 0, 0)?;
-        let field = Field::new(image, sigma);
+        let field = GradientImage::new(image, sigma);
         let (labels, counts) = field.deep_basins();
-        let context = Context::new(&field);
+        let context = NodeFeatureContext::new(&field);
         let mut nodes: Vec<Option<T>> = Vec::new();
         nodes.resize_with(2 * counts.len() - 1, || None);
-        let mut see = |node: usize, region: &Region, union: Option<Union>| {
+        let mut see = |node: usize, region: &MergedRegion, union: Option<Union>| {
             nodes[node] = eligible(&field, &region.sums).then(|| f(context.features(region, union)));
         };
         let tree = Tree::new(&field, &labels, &counts, share, progress, &mut see)?;
@@ -152,7 +152,7 @@ impl<T> Layer<T> {
     }
 }
 
-impl Layer<f32> {
+impl ScoredTree<f32> {
     /// Removes the scores of nodes that lost too many pixels to selected masks.
     fn block(&mut self, taken: &LabelMap) {
         let mut lost = vec![0u32; self.nodes.len()];
@@ -178,10 +178,10 @@ impl Layer<f32> {
     }
 }
 
-impl Layer<[f32; FEATURES]> {
-    fn candidates(&self, image: &RgbImage) -> Vec<Candidate> {
+impl ScoredTree<[f32; FEATURES]> {
+    fn candidates(&self, image: &RgbImage) -> Vec<NodeCandidate> {
         let basins = self.basins(image);
-        let candidate = |(i, &features)| Candidate { mask: self.mask(&basins, i), features };
+        let candidate = |(i, &features)| NodeCandidate { mask: self.mask(&basins, i), features };
         self.eligible().map(candidate).collect()
     }
 }
@@ -203,7 +203,7 @@ pub(super) fn nodes(image: &RgbImage, least: f32, progress: &dyn Progress) -> Re
 ///
 /// # Errors
 /// [`vtex_base::Error::Interrupted`].
-pub fn candidates(image: &RgbImage, progress: &dyn Progress) -> Result<Vec<Candidate>> {
+pub fn candidates(image: &RgbImage, progress: &dyn Progress) -> Result<Vec<NodeCandidate>> {
     Ok(layers(image, &LAYERS, progress, |features| features, |layer| layer.candidates(image))?.concat())
 }
 
@@ -287,7 +287,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
     use vtex_base::raster::components_of_mask;
-    use vtex_testing::{Kind, SceneParams, generate};
+    use vtex_testing::{SceneKind, SceneParams, generate};
 
     fn sound(masks: &[ScoredMask], width: u32, height: u32) -> Result<(), TestCaseError> {
         let mut seen = LabelMap::filled(width, height, 0);
@@ -353,8 +353,13 @@ mod tests {
 
     #[test]
     fn most_chips_of_a_terrazzo_are_found() {
-        let parameters =
-            SceneParams { width: 200, height: 200, seed: 77, kind: Kind::Terrazzo, ..SceneParams::default() };
+        let parameters = SceneParams {
+            width: 200,
+            height: 200,
+            seed: 77,
+            kind: SceneKind::Terrazzo,
+            ..SceneParams::default()
+        };
         let scene = generate(&parameters).unwrap();
         let masks = Regions.segment(&scene.image, &()).unwrap();
         let areas = scene.instances.areas();
@@ -372,7 +377,7 @@ mod tests {
 
     #[test]
     fn work_can_be_interrupted() {
-        let answer = Regions.segment(&RgbImage::new(20, 20), &vtex_testing::Stop);
+        let answer = Regions.segment(&RgbImage::new(20, 20), &vtex_testing::StopAtOnce);
         assert!(matches!(answer, Err(vtex_base::Error::Interrupted)));
     }
 }

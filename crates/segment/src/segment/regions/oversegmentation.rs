@@ -6,7 +6,7 @@ use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::raster::colour::{of_pixels, oklab};
 
 /// A smoothed image and its gradient.
-pub(super) struct Field {
+pub(super) struct GradientImage {
     pub(super) width: usize,
     pub(super) height: usize,
     /// Standard deviation of the initial smoothing, in pixels.
@@ -18,13 +18,13 @@ pub(super) struct Field {
 }
 
 /// An image in Oklab, L times 100, a and b times 200.
-pub(super) struct Colours {
+pub(super) struct ScaledOklabImage {
     width: usize,
     height: usize,
     pixels: Vec<[f32; 3]>,
 }
 
-impl Colours {
+impl ScaledOklabImage {
     pub(super) fn new(image: &RgbImage) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
         let pixels = of_pixels(image, |rgb| {
@@ -39,9 +39,9 @@ impl Colours {
 /// basins are less deep; without them a tree is built in a third of the time.
 const SHALLOW: f32 = 1.0;
 
-impl Field {
+impl GradientImage {
     /// Smooths an image by `sigma` pixels and computes its gradient.
-    pub(super) fn new(image: &Colours, sigma: f64) -> Self {
+    pub(super) fn new(image: &ScaledOklabImage, sigma: f64) -> Self {
         let (width, height) = (image.width, image.height);
         let at = |x: usize, y: usize| image.pixels[y * width + x];
         let colours = convolve(at, [width, height], &[0..width, 0..height], &gaussian(sigma));
@@ -95,7 +95,7 @@ impl Field {
         basins.indices()
     }
 
-    /// Basins as those of [`Field::basins`], each shallow one united with the neighbour that it would overflow
+    /// Basins as those of [`GradientImage::basins`], each shallow one united with the neighbour that it would overflow
     /// into (ties: the one of the lower number), and how many of those are in each.
     pub(super) fn deep_basins(&self) -> (Vec<u32>, Vec<u32>) {
         let (mut labels, count) = self.basins();
@@ -147,7 +147,7 @@ mod tests {
         #[test]
         fn basins_are_connected(values in prop::collection::vec(any::<[u8; 3]>(), 15 * 11)) {
             let image = RgbImage::from_fn(15, 11, |x, y| image::Rgb(values[(y * 15 + x) as usize]));
-            let field = Field::new(&Colours::new(&image), 0.8);
+            let field = GradientImage::new(&ScaledOklabImage::new(&image), 0.8);
             let (fine, count) = field.basins();
             let (deep, counts) = field.deep_basins();
             for (labels, count) in [(fine, count), (deep, counts.len())] {
@@ -165,7 +165,7 @@ mod tests {
             let ripple = ((x * 7 + y * 13) % 5) as u8 / 3;
             image::Rgb([if x < 30 { 90 } else { 160 } + ripple; 3])
         });
-        let field = Field::new(&Colours::new(&image), 0.8);
+        let field = GradientImage::new(&ScaledOklabImage::new(&image), 0.8);
         let (fine, count) = field.basins();
         let (labels, counts) = field.deep_basins();
         assert_eq!(counts.iter().sum::<u32>() as usize, count);
@@ -183,6 +183,6 @@ mod tests {
     #[test]
     fn a_constant_image_is_one_basin() {
         let image = RgbImage::from_pixel(9, 6, image::Rgb([10, 200, 90]));
-        assert_eq!(Field::new(&Colours::new(&image), 0.8).basins().1, 1);
+        assert_eq!(GradientImage::new(&ScaledOklabImage::new(&image), 0.8).basins().1, 1);
     }
 }

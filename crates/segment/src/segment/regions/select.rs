@@ -49,12 +49,12 @@ pub(super) fn best_cut(tree: &Tree, scores: &[Option<f32>]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::merge_tree::Node;
+    use super::super::merge_tree::RegionNode;
     use super::*;
 
     /// Basins 0, 1, 2 of 100 px each; 3 = 0 + 1, 4 = 3 + 2.
     fn tree() -> Tree {
-        let node = |area: f32, children, parent| Node { area, children, parent };
+        let node = |area: f32, children, parent| RegionNode { area, children, parent };
         Tree {
             nodes: vec![
                 node(100.0, None, Some(3)),

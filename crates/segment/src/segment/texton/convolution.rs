@@ -8,15 +8,15 @@
 //! Every sum is taken in the same order, so results do not depend on threads, nor, among processors that
 //! multiply and add in one step, on the width of their vectors.
 
-use super::maps::Maps;
-use super::matrix::{Matrix, Store, TOGETHER, multiply};
+use super::maps::FeatureMaps;
+use super::matrix::{Matrix, SumStorage, TOGETHER, multiply};
 use super::winograd::{self, Tiles};
 use rten_simd::ops::BitOps;
 use rten_simd::{Isa, SimdOp};
 use std::ops::Range;
 
 /// How a convolution is computed.
-enum Form {
+enum ConvolutionForm {
     /// By one matrix for each weight of the kernel: `side`² of them, applied to every cell or every other.
     Direct { side: usize, step: usize },
     /// A kernel of 3 × 3, `dilation` cells apart, by the matrices of [`winograd`].
@@ -25,7 +25,7 @@ enum Form {
 
 /// A convolution with zeros around its input.
 pub(super) struct Convolution {
-    form: Form,
+    form: ConvolutionForm,
     matrices: Vec<Matrix>,
     bias: Vec<f32>,
     /// Whether negative sums become 0.
@@ -40,10 +40,10 @@ impl Convolution {
         let (outputs, taps) = (bias.len(), side * side);
         let inputs = weights.len() / (outputs * taps);
         let (form, matrices) = if side == 3 && step == 1 {
-            (Form::Tiles { dilation }, winograd::matrices(weights, inputs, outputs))
+            (ConvolutionForm::Tiles { dilation }, winograd::matrices(weights, inputs, outputs))
         } else {
             let matrix = |tap| Matrix::new(inputs, outputs, |k, m| weights[(m * inputs + k) * taps + tap]);
-            (Form::Direct { side, step }, (0..taps).map(matrix).collect())
+            (ConvolutionForm::Direct { side, step }, (0..taps).map(matrix).collect())
         };
         Self { form, matrices, bias: bias.to_vec(), rectified: true }
     }
@@ -53,40 +53,42 @@ impl Convolution {
         Self { rectified: false, ..self }
     }
 
-    pub(super) fn of(&self, input: &Maps) -> Maps {
-        let step = if let Form::Direct { step, .. } = self.form { step } else { 1 };
-        let mut output = Maps::zeros(self.bias.len(), input.width / step, input.height / step);
+    pub(super) fn of(&self, input: &FeatureMaps) -> FeatureMaps {
+        let step = if let ConvolutionForm::Direct { step, .. } = self.form { step } else { 1 };
+        let mut output = FeatureMaps::zeros(self.bias.len(), input.width / step, input.height / step);
         self.run(input, &mut output, 0, false);
         output
     }
 
     /// Some of the rows, of a convolution at every cell. Sums are those of [`Convolution::of`] if the first row
     /// is a multiple of [`winograd::TILE`] times the dilation.
-    pub(super) fn of_rows(&self, input: &Maps, rows: Range<usize>) -> Maps {
-        let mut output = Maps::zeros(self.bias.len(), input.width, rows.len());
+    pub(super) fn of_rows(&self, input: &FeatureMaps, rows: Range<usize>) -> FeatureMaps {
+        let mut output = FeatureMaps::zeros(self.bias.len(), input.width, rows.len());
         self.run(input, &mut output, rows.start, false);
         output
     }
 
     /// Adds to the sums what `output` holds.
-    pub(super) fn add_to(&self, input: &Maps, output: &mut Maps) {
+    pub(super) fn add_to(&self, input: &FeatureMaps, output: &mut FeatureMaps) {
         self.run(input, output, 0, true);
     }
 
     /// `first` is the row of the output that is the first of those to compute.
-    fn run(&self, input: &Maps, output: &mut Maps, first: usize, add: bool) {
+    fn run(&self, input: &FeatureMaps, output: &mut FeatureMaps, first: usize, add: bool) {
         let least = if self.rectified { 0.0 } else { f32::NEG_INFINITY };
-        let store = Store { bias: &self.bias, add, least };
+        let store = SumStorage { bias: &self.bias, add, least };
         let matrices = &self.matrices;
         match self.form {
-            Form::Direct { side, step } => {
+            ConvolutionForm::Direct { side, step } => {
                 let zeros = vec![0.0; input.channels];
                 output.for_rows(1, |y, row| {
                     let y = first + y;
                     Row { matrices, side, step, input, zeros: &zeros, store, y, row }.dispatch();
                 });
             }
-            Form::Tiles { dilation } => Tiles { matrices, dilation, input, top: first, store }.run(output),
+            ConvolutionForm::Tiles { dilation } => {
+                Tiles { matrices, dilation, input, top: first, store }.run(output)
+            }
         }
     }
 }
@@ -96,10 +98,10 @@ struct Row<'a> {
     matrices: &'a [Matrix],
     side: usize,
     step: usize,
-    input: &'a Maps,
+    input: &'a FeatureMaps,
     /// A cell outside the input.
     zeros: &'a [f32],
-    store: Store<'a>,
+    store: SumStorage<'a>,
     y: usize,
     row: &'a mut [f32],
 }
@@ -161,14 +163,14 @@ mod tests {
         (0..count as u32).map(value).collect()
     }
 
-    fn maps(channels: usize, width: usize, height: usize, seed: u32) -> Maps {
-        Maps::of(channels, width, height, values(channels * width * height, seed))
+    fn maps(channels: usize, width: usize, height: usize, seed: u32) -> FeatureMaps {
+        FeatureMaps::of(channels, width, height, values(channels * width * height, seed))
     }
 
     /// The sums of a cell as the definition has them, in double precision.
     fn sums(
         weights: &[f32],
-        input: &Maps,
+        input: &FeatureMaps,
         [x, y]: [usize; 2],
         [side, step, dilation]: [usize; 3],
     ) -> Vec<f64> {
@@ -230,7 +232,7 @@ mod tests {
                 Convolution::new(&values(WIDE * WIDE * side * side, 3), &values(WIDE, 4), side, 1, dilation);
             let input = maps(WIDE, 21, 37, 5);
             let whole = convolution.of(&input).into_values();
-            let mut all = Maps::zeros(WIDE, 21, 37);
+            let mut all = FeatureMaps::zeros(WIDE, 21, 37);
             let band = 2 * winograd::TILE * dilation;
             for first in (0..37).step_by(band) {
                 all.set_rows(first, convolution.of_rows(&input, first..37.min(first + band)));
@@ -244,7 +246,7 @@ mod tests {
         let weights = values(WIDE * 3, 5);
         let convolution = Convolution::new(&weights, &[0.0; WIDE], 1, 1, 1).linear();
         let mut inputs = values(2 * WIDE, 9);
-        let of = |inputs: &[f32]| convolution.of(&Maps::of(WIDE, 2, 1, inputs.to_vec())).into_values();
+        let of = |inputs: &[f32]| convolution.of(&FeatureMaps::of(WIDE, 2, 1, inputs.to_vec())).into_values();
         let sums = of(&inputs);
         inputs[WIDE + 3..].fill(0.0);
         assert_eq!(sums, of(&inputs));

@@ -5,7 +5,7 @@
 //! graph.
 
 use super::convolution::Convolution;
-use super::maps::{Maps, WIDE};
+use super::maps::{FeatureMaps, WIDE};
 use super::winograd::TILE;
 use image::RgbImage;
 use rten_onnx::onnx::{GraphProto, ModelProto, NodeProto};
@@ -35,7 +35,7 @@ struct Residual {
 }
 
 impl Residual {
-    fn apply(&self, maps: &mut Maps) {
+    fn apply(&self, maps: &mut FeatureMaps) {
         let inner = self.a.of(maps);
         self.b.add_to(&inner, maps);
     }
@@ -48,7 +48,7 @@ struct Down {
 }
 
 impl Down {
-    fn of(&self, maps: &Maps) -> Maps {
+    fn of(&self, maps: &FeatureMaps) -> FeatureMaps {
         let mut maps = self.first.of(maps);
         self.then.iter().for_each(|residual| residual.apply(&mut maps));
         maps
@@ -62,7 +62,7 @@ struct Up {
 }
 
 impl Up {
-    fn join(&self, small: Maps, large: &mut Maps) {
+    fn join(&self, small: FeatureMaps, large: &mut FeatureMaps) {
         let narrow = self.narrow.of(&small);
         drop(small);
         large.add_enlarged(&narrow);
@@ -72,7 +72,7 @@ impl Up {
 }
 
 /// The encoder with its weights.
-pub(super) struct Encoder {
+pub(super) struct TextonEncoder {
     first: Convolution,
     stem: Residual,
     down: [Down; 3],
@@ -81,7 +81,7 @@ pub(super) struct Encoder {
     out: Convolution,
 }
 
-impl Encoder {
+impl TextonEncoder {
     /// The network that is part of this crate.
     ///
     /// # Errors
@@ -117,9 +117,9 @@ impl Encoder {
 
     /// The channels of each cell of the part of an image that begins at a pixel. Its sides are multiples of
     /// [`ALIGN`]; beyond the image's border the image is mirrored.
-    pub(super) fn encode(&self, image: &RgbImage, [x0, y0]: [usize; 2], [w, h]: [usize; 2]) -> Maps {
+    pub(super) fn encode(&self, image: &RgbImage, [x0, y0]: [usize; 2], [w, h]: [usize; 2]) -> FeatureMaps {
         // The four pixels of a cell, each with its three channels.
-        let mut maps = Maps::zeros(WIDE, w / 2, h / 2);
+        let mut maps = FeatureMaps::zeros(WIDE, w / 2, h / 2);
         let last = [image.width(), image.height()].map(|n| (n as usize).saturating_sub(1));
         let at = |v: usize, last: usize| if v <= last { v } else { (2 * last).saturating_sub(v) } as u32;
         maps.for_rows(1, |y, row| {
@@ -146,7 +146,7 @@ impl Encoder {
         up2.join(x3, &mut x2);
         up1.join(x2, &mut x1);
         // The two last together, a band at a time: nothing else would take as much memory.
-        let mut out = Maps::zeros(CHANNELS, x1.width, x1.height);
+        let mut out = FeatureMaps::zeros(CHANNELS, x1.width, x1.height);
         for first in (0..out.height).step_by(BAND) {
             let rows = first..out.height.min(first + BAND);
             out.set_rows(first, self.out.of(&self.last.of_rows(&x1, rows)));

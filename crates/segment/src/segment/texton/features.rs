@@ -16,10 +16,10 @@ const QUANTILE: f64 = 0.3;
 
 /// Measures of a mask from the search that found it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Origin {
+pub(super) struct SearchMeasures {
     /// IoU predicted by the network; 0 for a node of the region tree.
     pub(super) predicted_iou: f32,
-    /// Stability; see [`crate::segment::prompt::Found`].
+    /// Stability; see [`crate::segment::prompt::FoundMask`].
     pub(super) stability: f32,
     pub(super) votes: u32,
     /// Score of the most similar node of the region tree, times its IoU.
@@ -31,12 +31,12 @@ pub(super) struct Origin {
 }
 
 /// Measurements of the whole image, shared by all masks.
-pub(super) struct Context {
+pub(super) struct MaskFeatureContext {
     width: i32,
     height: i32,
     colours: Vec<[f32; 3]>,
-    fine: Maps,
-    coarse: Maps,
+    fine: ScaleMaps,
+    coarse: ScaleMaps,
     /// For each cell of the fine maps, the squared length of its appearance, and its largest expected IoU
     /// as a logit.
     squares: Vec<f32>,
@@ -47,7 +47,7 @@ pub(super) struct Context {
 }
 
 /// The network's maps of the image at one scale.
-struct Maps {
+struct ScaleMaps {
     /// Cells per pixel.
     scale: f32,
     embedding: Embedding,
@@ -59,7 +59,7 @@ struct Maps {
     rows: Vec<u32>,
 }
 
-impl Maps {
+impl ScaleMaps {
     fn new(embedding: Embedding, scale: f32, [width, height]: [u32; 2]) -> Self {
         let sure = |v: f32| 1.0 / (1.0 + libm::expf(-v));
         let texton = embedding.texton().map(sure).collect();
@@ -81,11 +81,11 @@ impl Maps {
     }
 }
 
-impl Context {
+impl MaskFeatureContext {
     /// From the network's embeddings of the image at two scales.
     pub(super) fn new(image: &RgbImage, [fine, coarse]: [(Embedding, f32); 2]) -> Self {
         let size = [image.width(), image.height()];
-        let fine = Maps::new(fine.0, fine.1, size);
+        let fine = ScaleMaps::new(fine.0, fine.1, size);
         let cells = 0..fine.embedding.width * fine.embedding.height;
         let square =
             |i: usize| fine.embedding.cell(i)[Embedding::APPEARANCE].iter().map(|v| v * v).sum::<f32>();
@@ -99,12 +99,12 @@ impl Context {
             texton: mean(&fine.texton),
             border: mean(&fine.border),
             fine,
-            coarse: Maps::new(coarse.0, coarse.1, size),
+            coarse: ScaleMaps::new(coarse.0, coarse.1, size),
         }
     }
 
     /// The features of a non-empty mask.
-    pub(super) fn features(&self, mask: &Mask, origin: &Origin) -> [f32; FEATURES] {
+    pub(super) fn features(&self, mask: &Mask, origin: &SearchMeasures) -> [f32; FEATURES] {
         let inside = self.inside(mask);
         let rim = self.rim(mask);
         let area = inside.area;
@@ -238,7 +238,7 @@ impl Context {
         }
     }
 
-    fn rim(&self, mask: &Mask) -> Rim {
+    fn rim(&self, mask: &Mask) -> RimMeans {
         let (mut borders, mut steps) = (Vec::new(), Vec::new());
         let (mut coarse, mut appearance, mut texton) = (0.0f64, 0.0f64, [0.0f64; 2]);
         let (mut cracks, mut outside) = (0.0f32, 0.0f32);
@@ -251,7 +251,7 @@ impl Context {
             }
             let within = if thick { (x - dx, y - dy) } else { (x, y) };
             let (fx, fy) = ((ox + dx).clamp(0, self.width - 1), (oy + dy).clamp(0, self.height - 1));
-            let at = |m: &Maps, map: &[f32]| map[m.cell(x, y)].max(map[m.cell(ox, oy)]);
+            let at = |m: &ScaleMaps, map: &[f32]| map[m.cell(x, y)].max(map[m.cell(ox, oy)]);
             borders.push(at(&self.fine, &self.fine.border));
             coarse += f64::from(at(&self.coarse, &self.coarse.border));
             let (a, b) = (self.fine.cell(within.0, within.1), self.fine.cell(fx, fy));
@@ -271,7 +271,7 @@ impl Context {
         });
         let n = borders.len().max(1) as f64;
         let mean = |v: &[f32]| (v.iter().map(|&v| f64::from(v)).sum::<f64>() / n) as f32;
-        Rim {
+        RimMeans {
             cracks,
             outside,
             texton: texton.map(|v| (v / n) as f32),
@@ -303,7 +303,7 @@ struct Inside {
 }
 
 /// Means along the rim of a mask.
-struct Rim {
+struct RimMeans {
     cracks: f32,
     /// Number of cracks on the image's border.
     outside: f32,

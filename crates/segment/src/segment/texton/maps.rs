@@ -6,7 +6,7 @@ use vtex_base::parallel::for_chunks;
 pub(super) const WIDE: usize = 16;
 
 /// Maps of the same size, one for each channel.
-pub(super) struct Maps {
+pub(super) struct FeatureMaps {
     /// A multiple of [`WIDE`].
     pub(super) channels: usize,
     pub(super) width: usize,
@@ -15,7 +15,7 @@ pub(super) struct Maps {
     values: Vec<f32>,
 }
 
-impl Maps {
+impl FeatureMaps {
     pub(super) fn zeros(channels: usize, width: usize, height: usize) -> Self {
         Self::of(channels, width, height, vec![0.0; channels * width * height])
     }
@@ -82,12 +82,12 @@ mod tests {
 
     #[test]
     fn what_is_linear_stays_so_enlarged() {
-        let mut half = Maps::zeros(WIDE, 6, 4);
+        let mut half = FeatureMaps::zeros(WIDE, 6, 4);
         for (k, value) in half.values.iter_mut().enumerate() {
             let (channel, x, y) = (k % WIDE, k / WIDE % 6, k / WIDE / 6);
             *value = (x + 10 * y + 100 * channel) as f32;
         }
-        let mut whole = Maps::zeros(WIDE, 12, 8);
+        let mut whole = FeatureMaps::zeros(WIDE, 12, 8);
         whole.add_enlarged(&half);
         for (y, x) in (1..7).flat_map(|y| (1..11).map(move |x| (y, x))) {
             let expected = 100.0 + (x as f32 - 0.5) / 2.0 + 10.0 * (y as f32 - 0.5) / 2.0;

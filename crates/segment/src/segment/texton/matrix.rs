@@ -81,7 +81,7 @@ pub(super) fn multiply<I: Isa, const V: usize>(
 
 /// How the sums of a convolution are stored.
 #[derive(Clone, Copy)]
-pub(super) struct Store<'a> {
+pub(super) struct SumStorage<'a> {
     pub(super) bias: &'a [f32],
     /// Whether they are added to the stored values.
     pub(super) add: bool,
@@ -89,7 +89,7 @@ pub(super) struct Store<'a> {
     pub(super) least: f32,
 }
 
-impl Store<'_> {
+impl SumStorage<'_> {
     /// Stores the sums of some channels of a cell, without their bias.
     #[inline(always)]
     pub(super) fn store<I: Isa>(&self, isa: I, sum: I::F32, bias: &[f32], to: &mut [f32]) {

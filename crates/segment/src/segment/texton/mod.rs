@@ -21,11 +21,11 @@ mod winograd;
 pub use features::FEATURES;
 pub use network::TextonNetwork;
 
-use super::prompt::{Cost, Found, GeneratorParams, View};
+use super::prompt::{Cost, FoundMask, GeneratorParams, View};
 use super::regions::nodes;
-use super::similar::{Measured, Near, SimilarMasks};
+use super::similar::{Measured, SimilarMask, SimilarMasks};
 use super::{Perceptron, ScoredMask, Segmenter, disjoint::disjoint, tiles};
-use features::{Context, Origin, PREDICTED, REGION, STABILITY};
+use features::{MaskFeatureContext, PREDICTED, REGION, STABILITY, SearchMeasures};
 use image::RgbImage;
 use std::array;
 use vtex_base::error::Result;
@@ -64,7 +64,7 @@ pub struct Texton {
 
 /// A mask that may be a texton, with the input of the [`Judge`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Candidate {
+pub struct MaskCandidate {
     /// Its pixels.
     pub mask: Mask,
     /// Its features, in the order of `features.rs`.
@@ -91,7 +91,7 @@ impl Texton {
     ///
     /// # Errors
     /// [`vtex_base::Error::Interrupted`].
-    pub fn candidates(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<Candidate>> {
+    pub fn candidates(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<MaskCandidate>> {
         let size = [image.width(), image.height()];
         if size.contains(&0) {
             return Ok(Vec::new());
@@ -120,14 +120,18 @@ impl Texton {
         });
         let mut offers = Vec::new();
         for (index, found) in found.into_iter().enumerate() {
-            for Found { mask, predicted_iou, stability, votes, .. } in found? {
-                let origin = Origin { predicted_iou, stability, votes, ..Origin::default() };
+            for FoundMask { mask, predicted_iou, stability, votes, .. } in found? {
+                let origin = SearchMeasures { predicted_iou, stability, votes, ..SearchMeasures::default() };
                 offers.extend(Measured::new(mask).map(|mask| Unmeasured { mask, size: Some(index), origin }));
             }
         }
         advance(progress, "judging masks", 0, 0)?;
         for (mask, region) in regions {
-            offers.push(Unmeasured { mask, size: None, origin: Origin { region, ..Origin::default() } });
+            offers.push(Unmeasured {
+                mask,
+                size: None,
+                origin: SearchMeasures { region, ..SearchMeasures::default() },
+            });
         }
         let mut embeddings = views.iter().zip(seen).map(|(view, seen)| (seen.embedding, view.scale));
         let (Some(fine), Some(coarse)) = (embeddings.next(), embeddings.next()) else {
@@ -139,13 +143,13 @@ impl Texton {
             offers.iter().enumerate().for_each(|(k, offer)| index.add(&offer.mask, k));
             index
         };
-        let (index, context) = join(indexed, || Context::new(image, [fine, coarse]));
+        let (index, context) = join(indexed, || MaskFeatureContext::new(image, [fine, coarse]));
         let features = map(&offers, |offer| {
             let mut origin = offer.origin;
             let mut near = index.near(&offer.mask, 0.0);
             // Those that may be the most similar come first; most others need not be compared then.
             near.sort_by(|a, b| b.most.total_cmp(&a.most));
-            for Near { index, most } in near {
+            for SimilarMask { index, most } in near {
                 let other = &offers[index];
                 let both = offer.size.is_some() && other.size.is_some();
                 let region = other.origin.region;
@@ -164,7 +168,7 @@ impl Texton {
             context.features(&offer.mask.mask, &origin)
         });
         let masks = offers.into_iter().map(|offer| offer.mask.mask);
-        Ok(masks.zip(features).map(|(mask, features)| Candidate { mask, features }).collect())
+        Ok(masks.zip(features).map(|(mask, features)| MaskCandidate { mask, features }).collect())
     }
 }
 
@@ -173,7 +177,7 @@ struct Unmeasured {
     mask: Measured,
     /// Index of the scale at which the network gave it; `None` for a node of the region tree.
     size: Option<usize>,
-    origin: Origin,
+    origin: SearchMeasures,
 }
 
 /// Final score of a candidate, 0 to 1: the [`Judge`]'s, combined with those of its sources.
@@ -189,7 +193,7 @@ fn distinct(mut nodes: Vec<ScoredMask>) -> Vec<(Measured, f32)> {
     let (mut kept, mut index): (Vec<(Measured, f32)>, _) = (Vec::new(), SimilarMasks::default());
     for node in nodes {
         let Some(mask) = Measured::new(node.mask) else { continue };
-        let same = |near: Near| kept[near.index].0.iou(&mask) >= SAME_IOU;
+        let same = |near: SimilarMask| kept[near.index].0.iou(&mask) >= SAME_IOU;
         if !index.near(&mask, SAME_IOU).into_iter().any(same) {
             index.add(&mask, kept.len());
             kept.push((mask, node.score));
@@ -206,7 +210,7 @@ impl Segmenter for Texton {
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
         tiles::segment(image, &|image| {
             let candidates = self.candidates(image, progress)?;
-            let judged = |c: &Candidate| score(weights::NETWORK.score(&c.features), &c.features);
+            let judged = |c: &MaskCandidate| score(weights::NETWORK.score(&c.features), &c.features);
             let scores = map(&candidates, judged);
             let scored = candidates.into_iter().zip(scores);
             let offers: Vec<ScoredMask> =

@@ -3,8 +3,8 @@
 //! The decoder is a formula, evaluated only for the cells that a mask can reach. That is twenty times as
 //! fast as running the exported graph over windows.
 
-use super::encoder::{ALIGN, CENTRE, CHANNELS, Encoder, UNIT};
-use super::maps::Maps;
+use super::encoder::{ALIGN, CENTRE, CHANNELS, TextonEncoder, UNIT};
+use super::maps::FeatureMaps;
 use crate::segment::prompt::{Embedded, Logits, PromptMask, Prompter};
 use image::RgbImage;
 use vtex_base::error::Result;
@@ -31,7 +31,7 @@ const TEXTON_WEIGHT: f32 = 1.6555;
 
 /// The built-in texton network, a promptable network for textures.
 pub struct TextonNetwork {
-    encoder: Encoder,
+    encoder: TextonEncoder,
 }
 
 impl TextonNetwork {
@@ -40,12 +40,12 @@ impl TextonNetwork {
     /// # Errors
     /// [`vtex_base::Error::Network`] if it is damaged.
     pub fn built_in() -> Result<Self> {
-        Ok(Self { encoder: Encoder::built_in()? })
+        Ok(Self { encoder: TextonEncoder::built_in()? })
     }
 
     /// Embeds an image. Masks with an expected IoU below `least_iou` are not decoded.
-    pub(super) fn view(&self, image: &RgbImage, least_iou: f32) -> View {
-        View::new(self.encode(image), least_iou)
+    pub(super) fn view(&self, image: &RgbImage, least_iou: f32) -> EmbeddedImage {
+        EmbeddedImage::new(self.encode(image), least_iou)
     }
 
     /// The embedding of an image. Large images are encoded in pieces, which bounds memory.
@@ -56,7 +56,7 @@ impl TextonNetwork {
         if rows.len() * columns.len() == 1 {
             return Embedding::of(self.encoder.encode(image, [0, 0], [width * CELL, height * CELL]));
         }
-        let mut all = Embedding::of(Maps::zeros(CHANNELS, width, height));
+        let mut all = Embedding::of(FeatureMaps::zeros(CHANNELS, width, height));
         for &(y, tall) in &rows {
             for &(x, wide) in &columns {
                 let piece = self.encoder.encode(image, [x, y], [wide, tall]);
@@ -94,7 +94,7 @@ impl Embedding {
     /// Range of the channels of the predicted centre, in units of [`UNIT`] pixels.
     pub(super) const CENTRE_RANGE: std::ops::Range<usize> = CENTRE..CENTRE + 2;
 
-    fn of(maps: Maps) -> Self {
+    fn of(maps: FeatureMaps) -> Self {
         Self { width: maps.width, height: maps.height, values: maps.into_values() }
     }
 
@@ -128,7 +128,7 @@ impl Embedding {
     }
 
     /// Inserts a piece whose first cell is given. In an overlap, each piece supplies its inner half.
-    fn paste(&mut self, piece: &Maps, [x0, y0]: [usize; 2]) {
+    fn paste(&mut self, piece: &FeatureMaps, [x0, y0]: [usize; 2]) {
         let margin = OVERLAP / CELL / 2;
         let from = |start: usize| if start == 0 { 0 } else { margin };
         let (begin, end) = (from(x0), piece.width.min(self.width - x0));
@@ -147,7 +147,7 @@ impl Embedding {
 }
 
 /// An embedded image.
-pub(super) struct View {
+pub(super) struct EmbeddedImage {
     pub(super) embedding: Embedding,
     /// What every cell adds to the logits of any mask.
     texton: Vec<f32>,
@@ -158,7 +158,7 @@ pub(super) struct View {
 /// The decoder at one prompt. It computes the same as `crates/segment/models/decoder.onnx`, but only for the
 /// cells that a mask can reach, and only the heads that may give a mask.
 struct Prompt<'a> {
-    view: &'a View,
+    view: &'a EmbeddedImage,
     at: &'a [f32; CHANNELS],
     heads: Vec<Head>,
 }
@@ -178,7 +178,7 @@ impl Head {
 }
 
 impl<'a> Prompt<'a> {
-    fn new(view: &'a View, cell: usize) -> Self {
+    fn new(view: &'a EmbeddedImage, cell: usize) -> Self {
         let at = view.embedding.cell(cell);
         let softplus = |v: f32| if v > 20.0 { v } else { libm::log1pf(libm::expf(v)) };
         let heads = (0..HEADS).filter_map(|k| {
@@ -210,13 +210,13 @@ impl<'a> Prompt<'a> {
 }
 
 /// Where a search over cells has been, for many searches one after the other.
-struct Seen {
+struct VisitedCells {
     turns: Vec<u32>,
     turn: u32,
     reached: Vec<(u32, [f32; HEADS])>,
 }
 
-impl View {
+impl EmbeddedImage {
     fn new(embedding: Embedding, least_iou: f32) -> Self {
         let texton = embedding.texton().map(|v| TEXTON_WEIGHT * libm::tanhf(v / 3.0)).collect();
         Self { embedding, texton, least_iou }
@@ -224,7 +224,7 @@ impl View {
 
     /// The masks at a cell, evaluated over all cells connected to it that the loosest head reaches, and
     /// their neighbours. None if they exceed [`MOST_CELLS`].
-    fn decode(&self, [x, y]: [usize; 2], seen: &mut Seen) -> Vec<PromptMask> {
+    fn decode(&self, [x, y]: [usize; 2], seen: &mut VisitedCells) -> Vec<PromptMask> {
         let e = &self.embedding;
         let prompt = Prompt::new(self, y * e.width + x);
         if prompt.heads.is_empty() {
@@ -232,7 +232,7 @@ impl View {
         }
         let most = MOST_CELLS.max(e.cells().len() / 4);
         seen.turn += 1;
-        let Seen { turns, turn, reached } = seen;
+        let VisitedCells { turns, turn, reached } = seen;
         reached.clear();
         reached.push(((y * e.width + x) as u32, prompt.logits(y * e.width + x)));
         turns[y * e.width + x] = *turn;
@@ -284,7 +284,7 @@ impl View {
     }
 }
 
-impl Embedded for View {
+impl Embedded for EmbeddedImage {
     fn expected_iou(&self, points: &[[f32; 2]]) -> Option<Vec<f32>> {
         let expected_iou = |&p: &[f32; 2]| {
             let [x, y] = self.embedding.at(p);
@@ -300,7 +300,7 @@ impl Embedded for View {
     fn masks(&self, points: &[[f32; 2]]) -> Result<Vec<Vec<PromptMask>>> {
         let part = |points: &&[[f32; 2]]| -> Vec<Vec<PromptMask>> {
             let turns = vec![0; self.embedding.cells().len()];
-            let mut seen = Seen { turns, turn: 0, reached: Vec::new() };
+            let mut seen = VisitedCells { turns, turn: 0, reached: Vec::new() };
             points.iter().map(|point| self.decode(self.embedding.at(*point), &mut seen)).collect()
         };
         let parts: Vec<&[[f32; 2]]> = points.chunks(256).collect();

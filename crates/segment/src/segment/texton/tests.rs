@@ -1,10 +1,10 @@
 //! The texton network in its engine, and the segmenter on generated scenes and unusual images.
 
 use super::*;
-use crate::engine::{self, Engine, EngineOptions, Runtime, Source, Tensor};
+use crate::engine::{self, Engine, EngineOptions, NetworkSource, Runtime, Tensor};
 use crate::segment::prompt::Embedded;
 use vtex_base::raster::{Connectivity, LabelMap, components_of_mask};
-use vtex_testing::{Kind, SceneParams, generate};
+use vtex_testing::{SceneKind, SceneParams, generate};
 
 const ENCODER: &[u8] = include_bytes!("../../../models/encoder.onnx");
 const DECODER: &[u8] = include_bytes!("../../../models/decoder.onnx");
@@ -12,17 +12,17 @@ const DECODER: &[u8] = include_bytes!("../../../models/decoder.onnx");
 /// An exported graph, run by rten.
 fn graph(name: &str, bytes: &[u8]) -> Box<dyn Engine> {
     let options = EngineOptions { runtime: Runtime::Rten, ..EngineOptions::default() };
-    engine::load(Source::Bytes { name, bytes }, &options).unwrap()
+    engine::load(NetworkSource::Bytes { name, bytes }, &options).unwrap()
 }
 
-fn scene(side: u32, seed: u64, kind: Kind) -> vtex_testing::Exemplar {
+fn scene(side: u32, seed: u64, kind: SceneKind) -> vtex_testing::GeneratedExemplar {
     generate(&SceneParams { width: side, height: side, seed, kind, ..SceneParams::default() }).unwrap()
 }
 
 /// The encoder in Rust agrees with the exported graph.
 #[test]
 fn encoding_agrees_with_the_graph() {
-    let image = scene(112, 5, Kind::Gravel).image;
+    let image = scene(112, 5, SceneKind::Gravel).image;
     let (w, h) = (112, 96);
     let mut pixels = Vec::new();
     for c in 0..3 {
@@ -48,7 +48,7 @@ fn encoding_agrees_with_the_graph() {
 #[test]
 fn decoding_agrees_with_the_graph() {
     let network = TextonNetwork::built_in().unwrap();
-    let seen = network.view(&scene(64, 3, Kind::Terrazzo).image, 0.0);
+    let seen = network.view(&scene(64, 3, SceneKind::Terrazzo).image, 0.0);
     let e = &seen.embedding;
     let (w, h) = (e.width, e.height);
     let mut window = Vec::new();
@@ -120,7 +120,7 @@ fn images_of_any_size_are_read() {
 
 #[test]
 fn most_chips_of_a_terrazzo_are_found() {
-    let scene = scene(128, 77, Kind::Terrazzo);
+    let scene = scene(128, 77, SceneKind::Terrazzo);
     let masks = Texton::new().unwrap().segment(&scene.image, &()).unwrap();
     let areas = scene.instances.areas();
     let truth = Mask::all_of_labels(&scene.instances, areas.len());
@@ -144,7 +144,7 @@ fn most_chips_of_a_terrazzo_are_found() {
 
 #[test]
 fn masks_do_not_depend_on_threads() {
-    let image = scene(96, 5, Kind::Gravel).image;
+    let image = scene(96, 5, SceneKind::Gravel).image;
     let masks = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| Texton::new().unwrap().segment(&image, &()).unwrap())
@@ -156,16 +156,16 @@ fn masks_do_not_depend_on_threads() {
 
 #[test]
 fn work_can_be_interrupted() {
-    let answer = Texton::new().unwrap().segment(&RgbImage::new(40, 40), &vtex_testing::Stop);
+    let answer = Texton::new().unwrap().segment(&RgbImage::new(40, 40), &vtex_testing::StopAtOnce);
     assert!(matches!(answer, Err(vtex_base::Error::Interrupted)));
 }
 
 /// The features that the segmenter reads itself are those of the candidate's source.
 #[test]
 fn nodes_have_a_score_and_masks_a_prediction() {
-    let image = scene(128, 5, Kind::Terrazzo).image;
+    let image = scene(128, 5, SceneKind::Terrazzo).image;
     let (mut nodes, mut masks) = (0, 0);
-    for Candidate { features, .. } in Texton::new().unwrap().candidates(&image, &()).unwrap() {
+    for MaskCandidate { features, .. } in Texton::new().unwrap().candidates(&image, &()).unwrap() {
         let [predicted, stability, region] = [PREDICTED, STABILITY, REGION].map(|k| features[k]);
         if predicted == 0.0 {
             assert!(stability == 0.0 && (LEAST_NODE_SCORE..=1.0).contains(&region), "{stability} {region}");

@@ -5,8 +5,8 @@
 //! back; F(4×4, 3×3) of Lavin and Gray, "Fast Algorithms for Convolutional Neural Networks" (2016), section
 //! 4.1. Weights some cells apart take tiles whose cells are as far apart.
 
-use super::maps::{Maps, WIDE};
-use super::matrix::{Matrix, Store, TOGETHER, multiply};
+use super::maps::{FeatureMaps, WIDE};
+use super::matrix::{Matrix, SumStorage, TOGETHER, multiply};
 use rten_simd::ops::{BitOps, NumOps};
 use rten_simd::{Isa, SimdOp};
 use vtex_base::parallel::map;
@@ -51,14 +51,14 @@ fn stride(tiles: usize, channels: usize) -> usize {
 pub(super) struct Tiles<'a> {
     pub(super) matrices: &'a [Matrix],
     pub(super) dilation: usize,
-    pub(super) input: &'a Maps,
+    pub(super) input: &'a FeatureMaps,
     /// Row of the input at the first row of the output.
     pub(super) top: usize,
-    pub(super) store: Store<'a>,
+    pub(super) store: SumStorage<'a>,
 }
 
 impl Tiles<'_> {
-    pub(super) fn run(&self, output: &mut Maps) {
+    pub(super) fn run(&self, output: &mut FeatureMaps) {
         let (width, height) = (output.width, output.height);
         // Rows of tiles that are cells apart lie between one another and are done together.
         let band = TILE * self.dilation;
@@ -80,14 +80,15 @@ impl Tiles<'_> {
             for tiles in tiles.chunks(count) {
                 let (surroundings, products) = (&mut surroundings[..], &mut products[..]);
                 let (work, zeros) = (self, &zeros[..]);
-                Batch { work, tiles, count, zeros, surroundings, products, first, width, rows }.dispatch();
+                TileBatch { work, tiles, count, zeros, surroundings, products, first, width, rows }
+                    .dispatch();
             }
         });
     }
 }
 
 /// Tiles computed together.
-struct Batch<'a> {
+struct TileBatch<'a> {
     work: &'a Tiles<'a>,
     /// The first cell of each.
     tiles: &'a [[usize; 2]],
@@ -104,7 +105,7 @@ struct Batch<'a> {
     width: usize,
 }
 
-impl SimdOp for Batch<'_> {
+impl SimdOp for TileBatch<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -120,7 +121,7 @@ impl SimdOp for Batch<'_> {
     }
 }
 
-impl Batch<'_> {
+impl TileBatch<'_> {
     #[inline(always)]
     fn transform<I: Isa>(&mut self, isa: I) {
         let ops = isa.f32();

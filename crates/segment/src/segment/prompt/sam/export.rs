@@ -39,7 +39,7 @@ impl Family {
 
 /// Order of the axes of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Layout {
+pub(super) enum AxisOrder {
     /// 1 × 3 × height × width.
     Planes,
     /// height × width × 3.
@@ -72,11 +72,11 @@ pub(super) enum Fit {
 
 /// Inputs and outputs of an encoder.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Encoder {
+pub(super) struct EncoderPorts {
     pub(super) family: Family,
     /// Name of its input.
     pub(super) input: String,
-    pub(super) layout: Layout,
+    pub(super) layout: AxisOrder,
     pub(super) pixels: Pixels,
     pub(super) fit: Fit,
     /// Width and height of its input image. Unused if `fit` is [`Fit::Whole`].
@@ -109,11 +109,11 @@ pub(super) struct Decoder {
 
 /// The role of a graph.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Part {
-    Encoder(Encoder),
+pub(super) enum GraphRole {
+    Encoder(EncoderPorts),
     Decoder(Decoder),
     /// Both in one graph: the encoder's input is one of the decoder's.
-    Both(Encoder, Decoder),
+    Both(EncoderPorts, Decoder),
 }
 
 /// Side of the network's square, if the graph does not fix it.
@@ -123,13 +123,13 @@ const SIDE: usize = 1024;
 pub(super) const MASK_SIDE: usize = 256;
 
 /// Recognises a graph by its inputs and outputs; `None` if no signature matches.
-pub(super) fn recognise(inputs: &[Port], outputs: &[Port]) -> Option<Part> {
+pub(super) fn recognise(inputs: &[Port], outputs: &[Port]) -> Option<GraphRole> {
     let decoder = decoder(inputs, outputs);
     let encoder = encoder(inputs, outputs, decoder.is_some());
     match (encoder, decoder) {
-        (Some(encoder), Some(decoder)) => Some(Part::Both(encoder, decoder)),
-        (Some(encoder), None) => Some(Part::Encoder(encoder)),
-        (None, Some(decoder)) => Some(Part::Decoder(decoder)),
+        (Some(encoder), Some(decoder)) => Some(GraphRole::Both(encoder, decoder)),
+        (Some(encoder), None) => Some(GraphRole::Encoder(encoder)),
+        (None, Some(decoder)) => Some(GraphRole::Decoder(decoder)),
         (None, None) => None,
     }
 }
@@ -147,7 +147,7 @@ fn length(port: &Port, axis: usize) -> Option<usize> {
     (*port.shape.as_ref()?.get(axis)?).filter(|n| *n > 0)
 }
 
-fn encoder(inputs: &[Port], outputs: &[Port], decodes: bool) -> Option<Encoder> {
+fn encoder(inputs: &[Port], outputs: &[Port], decodes: bool) -> Option<EncoderPorts> {
     let same = |names: &[&str]| names.iter().map(|n| ((*n).to_owned(), (*n).to_owned())).collect();
     let image = if let Some(image) = port(inputs, "batched_images") {
         image
@@ -160,7 +160,7 @@ fn encoder(inputs: &[Port], outputs: &[Port], decodes: bool) -> Option<Encoder> 
     let fixed = [size[0].unwrap_or(SIDE), size[1].unwrap_or(SIDE)];
     let planes = |family, pixels, fit, features| {
         let input = image.name.clone();
-        (layout == Layout::Planes).then_some(Encoder {
+        (layout == AxisOrder::Planes).then_some(EncoderPorts {
             family,
             input,
             layout,
@@ -192,11 +192,11 @@ fn encoder(inputs: &[Port], outputs: &[Port], decodes: bool) -> Option<Encoder> 
     })?;
     let free = size == [None, None];
     let (pixels, fit) = match layout {
-        Layout::Planes if !free => (Pixels::Normalised, Fit::Padded),
+        AxisOrder::Planes if !free => (Pixels::Normalised, Fit::Padded),
         _ if free => (Pixels::Bytes, Fit::Whole),
         _ => (Pixels::Bytes, Fit::Padded),
     };
-    Some(Encoder {
+    Some(EncoderPorts {
         family: Family::Sam,
         input: image.name.clone(),
         layout,
@@ -208,14 +208,14 @@ fn encoder(inputs: &[Port], outputs: &[Port], decodes: bool) -> Option<Encoder> 
 }
 
 /// Order of an image's axes, and its width and height where fixed.
-fn layout(image: &Port) -> Option<(Layout, [Option<usize>; 2])> {
+fn layout(image: &Port) -> Option<(AxisOrder, [Option<usize>; 2])> {
     let shape = image.shape.as_ref()?;
     match shape[..] {
-        [_, Some(3), height, width] => Some((Layout::Planes, [width, height])),
-        [_, height, width, Some(3)] => Some((Layout::BatchedRows, [width, height])),
-        [height, width, Some(3)] => Some((Layout::Rows, [width, height])),
+        [_, Some(3), height, width] => Some((AxisOrder::Planes, [width, height])),
+        [_, height, width, Some(3)] => Some((AxisOrder::BatchedRows, [width, height])),
+        [height, width, Some(3)] => Some((AxisOrder::Rows, [width, height])),
         // A graph that does not even fix the number of channels.
-        [_, None, height, width] => Some((Layout::Planes, [width, height])),
+        [_, None, height, width] => Some((AxisOrder::Planes, [width, height])),
         _ => None,
     }
 }
@@ -308,14 +308,14 @@ mod tests {
     fn forms_of_the_encoder_of_sam() {
         let embedding = ports(&[("image_embeddings", &[1, 256, 64, 64])]);
         for (shape, layout, pixels, fit, size) in [
-            (&[1, 3, 1024, 1024][..], Layout::Planes, Pixels::Normalised, Fit::Padded, [1024, 1024]),
-            (&[0, 3, 512, 512], Layout::Planes, Pixels::Normalised, Fit::Padded, [512, 512]),
-            (&[1, 3, 0, 0], Layout::Planes, Pixels::Bytes, Fit::Whole, [1024, 1024]),
-            (&[0, 0, 3], Layout::Rows, Pixels::Bytes, Fit::Whole, [1024, 1024]),
-            (&[684, 1024, 3], Layout::Rows, Pixels::Bytes, Fit::Padded, [1024, 684]),
-            (&[1, 1024, 1024, 3], Layout::BatchedRows, Pixels::Bytes, Fit::Padded, [1024, 1024]),
+            (&[1, 3, 1024, 1024][..], AxisOrder::Planes, Pixels::Normalised, Fit::Padded, [1024, 1024]),
+            (&[0, 3, 512, 512], AxisOrder::Planes, Pixels::Normalised, Fit::Padded, [512, 512]),
+            (&[1, 3, 0, 0], AxisOrder::Planes, Pixels::Bytes, Fit::Whole, [1024, 1024]),
+            (&[0, 0, 3], AxisOrder::Rows, Pixels::Bytes, Fit::Whole, [1024, 1024]),
+            (&[684, 1024, 3], AxisOrder::Rows, Pixels::Bytes, Fit::Padded, [1024, 684]),
+            (&[1, 1024, 1024, 3], AxisOrder::BatchedRows, Pixels::Bytes, Fit::Padded, [1024, 1024]),
         ] {
-            let Some(Part::Encoder(found)) = recognise(&ports(&[("any", shape)]), &embedding) else {
+            let Some(GraphRole::Encoder(found)) = recognise(&ports(&[("any", shape)]), &embedding) else {
                 panic!("{shape:?} is not recognised")
             };
             assert_eq!(

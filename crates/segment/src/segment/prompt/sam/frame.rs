@@ -1,7 +1,7 @@
 //! Conversion between the pixels of an image and those of a network.
 
 use super::super::Logits;
-use super::export::{Encoder, Fit, Layout, Pixels};
+use super::export::{AxisOrder, EncoderPorts, Fit, Pixels};
 use crate::engine::Tensor;
 use image::RgbImage;
 use vtex_base::raster::{Filter, resized};
@@ -12,7 +12,7 @@ const DEVIATION: [f32; 3] = [58.395, 57.12, 57.375];
 
 /// The position of an image in a network's square.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Frame {
+pub(super) struct InputFrame {
     /// Width and height of the image.
     image: [u32; 2],
     /// Width and height of the network's input, in its pixels.
@@ -21,9 +21,9 @@ pub(super) struct Frame {
     used: [usize; 2],
 }
 
-impl Frame {
+impl InputFrame {
     /// The position that an encoder requires for an image of at least one pixel.
-    pub(super) fn new(encoder: &Encoder, image: [u32; 2]) -> Self {
+    pub(super) fn new(encoder: &EncoderPorts, image: [u32; 2]) -> Self {
         let [width, height] = encoder.size;
         if encoder.fit == Fit::Stretched {
             return Self { image, size: encoder.size, used: encoder.size };
@@ -33,7 +33,7 @@ impl Frame {
         let used = [0, 1].map(|k| ((f64::from(image[k]) * scale + 0.5) as usize).clamp(1, encoder.size[k]));
         // Graphs that take height × width × 3 pad to a square themselves.
         let square = [width.max(height); 2];
-        let size = if encoder.layout == Layout::Planes { encoder.size } else { square };
+        let size = if encoder.layout == AxisOrder::Planes { encoder.size } else { square };
         Self { image, size, used }
     }
 
@@ -76,7 +76,7 @@ impl Frame {
     }
 
     /// The image as the encoder's input tensor.
-    pub(super) fn tensor(&self, encoder: &Encoder, image: &RgbImage) -> Tensor {
+    pub(super) fn tensor(&self, encoder: &EncoderPorts, image: &RgbImage) -> Tensor {
         let [used_width, used_height] = self.used;
         // The triangle filter averages when it shrinks, like the networks' own preprocessing.
         let scaled = resized(image, used_width as u32, used_height as u32, Filter::Triangle);
@@ -99,7 +99,7 @@ impl Frame {
             }
         };
         let mut values = Vec::with_capacity(3 * width * height);
-        if encoder.layout == Layout::Planes {
+        if encoder.layout == AxisOrder::Planes {
             for channel in 0..3 {
                 for y in 0..height {
                     values.extend((0..width).map(|x| at(channel, x, y)));
@@ -113,7 +113,7 @@ impl Frame {
             }
         }
         match encoder.layout {
-            Layout::BatchedRows => Tensor::f32([1, height, width, 3], values),
+            AxisOrder::BatchedRows => Tensor::f32([1, height, width, 3], values),
             _ => Tensor::f32([height, width, 3], values),
         }
     }

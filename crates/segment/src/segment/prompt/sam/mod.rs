@@ -10,10 +10,10 @@ mod export;
 mod frame;
 
 use super::{Embedded, PromptMask, Prompter};
-use crate::engine::{self, Engine, EngineOptions, Source, Tensor};
+use crate::engine::{self, Engine, EngineOptions, NetworkSource, Tensor};
 use decode::Batching;
-use export::{Decoder, Encoder, Part};
-use frame::Frame;
+use export::{Decoder, EncoderPorts, GraphRole};
+use frame::InputFrame;
 use image::RgbImage;
 use vtex_base::error::{Error, Result};
 
@@ -22,7 +22,7 @@ use vtex_base::error::{Error, Result};
 /// The image is scaled to the network's square, 1024 px for most. Larger images therefore lose detail.
 /// Masks have a quarter of the square's resolution.
 pub struct Sam {
-    encoder: Encoder,
+    encoder: EncoderPorts,
     decoder: Decoder,
     encoding: Box<dyn Engine>,
     /// `None` if the encoder's graph also decodes.
@@ -32,7 +32,7 @@ pub struct Sam {
 
 /// The role of a file of Segment Anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum SamRole {
     /// Takes an image and gives its embedding.
     Encoder,
     /// Takes an embedding and points and gives masks.
@@ -41,20 +41,20 @@ pub enum Role {
     Both,
 }
 
-/// Recognises the part and the export of a network, such as `(Role::Encoder, "SAM 2")`. `name` appears
+/// Recognises the part and the export of a network, such as `(SamRole::Encoder, "SAM 2")`. `name` appears
 /// in errors.
 ///
 /// # Errors
 /// [`Error::Network`] if it is no known export; the message lists its signature and the known ones.
-pub fn recognise(network: &dyn Engine, name: &str) -> Result<(Role, &'static str)> {
+pub fn recognise(network: &dyn Engine, name: &str) -> Result<(SamRole, &'static str)> {
     Ok(match part(network, name)? {
-        Part::Encoder(encoder) => (Role::Encoder, encoder.family.title()),
-        Part::Decoder(decoder) => (Role::Decoder, decoder.family.title()),
-        Part::Both(_, decoder) => (Role::Both, decoder.family.title()),
+        GraphRole::Encoder(encoder) => (SamRole::Encoder, encoder.family.title()),
+        GraphRole::Decoder(decoder) => (SamRole::Decoder, decoder.family.title()),
+        GraphRole::Both(_, decoder) => (SamRole::Both, decoder.family.title()),
     })
 }
 
-fn part(network: &dyn Engine, name: &str) -> Result<Part> {
+fn part(network: &dyn Engine, name: &str) -> Result<GraphRole> {
     export::recognise(network.inputs(), network.outputs()).ok_or_else(|| Error::Network {
         name: name.to_owned(),
         reason: format!(
@@ -72,7 +72,7 @@ impl Sam {
     /// # Errors
     /// [`Error::Network`] if a file is not recognised or the two do not fit together; errors of
     /// [`engine::load`].
-    pub fn open(files: &[Source<'_>], options: &EngineOptions) -> Result<Self> {
+    pub fn open(files: &[NetworkSource<'_>], options: &EngineOptions) -> Result<Self> {
         let (mut encoder, mut decoder) = (None, None);
         let mut titles = Vec::new();
         for file in files {
@@ -84,19 +84,19 @@ impl Sam {
                 advice: "give one encoder and one decoder, or one file that holds both",
             };
             match part(network.as_ref(), &name)? {
-                Part::Encoder(part) => {
+                GraphRole::Encoder(part) => {
                     titles.push(format!("'{name}' is an encoder of {}", part.family.title()));
                     if encoder.replace((part, network)).is_some() {
                         return Err(twice("encoder"));
                     }
                 }
-                Part::Decoder(part) => {
+                GraphRole::Decoder(part) => {
                     titles.push(format!("'{name}' is a decoder of {}", part.family.title()));
                     if decoder.replace((part, Some(network))).is_some() {
                         return Err(twice("decoder"));
                     }
                 }
-                Part::Both(first, second) => {
+                GraphRole::Both(first, second) => {
                     if encoder.replace((first, network)).is_some()
                         || decoder.replace((second, None)).is_some()
                     {
@@ -144,7 +144,7 @@ impl Prompter for Sam {
             let reason = "it cannot be shown an image without pixels".into();
             return Err(Error::Network { name: "sam".into(), reason, advice: "" });
         }
-        let frame = Frame::new(&self.encoder, size);
+        let frame = InputFrame::new(&self.encoder, size);
         let shown = frame.tensor(&self.encoder, image);
         let features = if self.decoding.is_none() {
             // A single graph takes the image again with every prompt.
@@ -161,7 +161,7 @@ impl Prompter for Sam {
 /// An embedded image.
 struct Shown<'a> {
     sam: &'a Sam,
-    frame: Frame,
+    frame: InputFrame,
     /// Inputs of the decoder that are the same for all points.
     features: Vec<(String, Tensor)>,
 }

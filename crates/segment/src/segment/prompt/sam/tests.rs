@@ -17,7 +17,7 @@ const BLUE: f32 = -123.675 / 58.395;
 
 fn open(files: &[&str], options: &EngineOptions) -> Result<Sam> {
     let paths: Vec<_> = files.iter().map(|name| network(name)).collect();
-    let sources: Vec<Source<'_>> = paths.iter().map(|path| Source::File(path)).collect();
+    let sources: Vec<NetworkSource<'_>> = paths.iter().map(|path| NetworkSource::File(path)).collect();
     Sam::open(&sources, options)
 }
 
@@ -186,13 +186,13 @@ fn files_that_do_not_go_together_are_named() {
 fn roles_are_told_from_the_graph() {
     let options = &engines()[0];
     for (name, role) in [
-        ("sam_encoder_bytes", (Role::Encoder, "SAM")),
-        ("sam_decoder_single", (Role::Decoder, "SAM")),
-        ("optimum_encoder", (Role::Encoder, "SAM by Optimum")),
-        ("efficient_both", (Role::Both, "EfficientSAM")),
-        ("sam2_decoder", (Role::Decoder, "SAM 2")),
+        ("sam_encoder_bytes", (SamRole::Encoder, "SAM")),
+        ("sam_decoder_single", (SamRole::Decoder, "SAM")),
+        ("optimum_encoder", (SamRole::Encoder, "SAM by Optimum")),
+        ("efficient_both", (SamRole::Both, "EfficientSAM")),
+        ("sam2_decoder", (SamRole::Decoder, "SAM 2")),
     ] {
-        let loaded = engine::load(Source::File(&network(name)), options).unwrap();
+        let loaded = engine::load(NetworkSource::File(&network(name)), options).unwrap();
         assert_eq!(recognise(loaded.as_ref(), name).unwrap(), role, "{name}");
     }
 }

@@ -2,20 +2,20 @@
 //! like the exemplar's.
 
 use super::boundary::{Job, Start, nested, outlined};
-use super::carried::Exemplar;
-use super::map::{LayerMap, Region};
+use super::carried::LayerExemplar;
+use super::map::{LayerMap, LayerRegion};
 use super::regions::{Depths, depth};
 use vtex_base::error::{Error, Result};
 use vtex_base::progress::Progress;
 use vtex_base::raster::blur::Plane;
 use vtex_base::raster::{LabelMap, check_size};
 
-impl Exemplar<'_> {
+impl LayerExemplar<'_> {
     /// Makes a new map of `size` pixels by the paper's boundary optimisation. The map repeats along the
     /// axes of `wrap`. Areas are those of the exemplar. Colours are not used.
     ///
     /// # Errors
-    /// As [`Exemplar::carried`].
+    /// As [`LayerExemplar::carried`].
     pub fn optimised(
         &self,
         size: [usize; 2],
@@ -62,7 +62,8 @@ impl Exemplar<'_> {
             });
         }
         let cells = size.map(|v| v.div_ceil(self.cell()));
-        let painted: Vec<Region> = (1..count).map(|k| covered(sketch, size, cells, wrap, k as u32)).collect();
+        let painted: Vec<LayerRegion> =
+            (1..count).map(|k| covered(sketch, size, cells, wrap, k as u32)).collect();
         let made = outlined(&self.regions(), &painted, seed, progress)?;
         let shares = shares_of(&made);
         Ok(self.map.with(on_canvas(&made, size, wrap).labels(&shares, self.most_distant(), 0)))
@@ -75,11 +76,11 @@ impl Exemplar<'_> {
     /// [`Error::Control`] if the exemplar's map has one layer; a size out of range.
     pub fn controlled(&self, map: &LabelMap, wrap: [bool; 2]) -> Result<LayerMap> {
         check_size([map.width as usize, map.height as usize])?;
-        self.parted(map, wrap)
+        self.separated(map, wrap)
     }
 
-    /// [`Exemplar::controlled`] without a limit of size.
-    pub fn parted(&self, map: &LabelMap, wrap: [bool; 2]) -> Result<LayerMap> {
+    /// [`LayerExemplar::controlled`] without a limit of size.
+    pub fn separated(&self, map: &LabelMap, wrap: [bool; 2]) -> Result<LayerMap> {
         self.check()?;
         let size = [map.width as usize, map.height as usize];
         let given = self.map.with(map.clone());
@@ -125,7 +126,8 @@ impl Exemplar<'_> {
         let regions = regions_of(keep, count, cells, wrap);
         // A cell may change if the hole touches it.
         let free: Vec<bool> = (0..cells[0] * cells[1]).map(|i| touched(hole, size, cells, i)).collect();
-        let outside = |region: &Region| (0..free.len()).filter(|&i| !free[i] && region.inside[i]).count();
+        let outside =
+            |region: &LayerRegion| (0..free.len()).filter(|&i| !free[i] && region.inside[i]).count();
         let open = free.iter().filter(|&&f| f).count();
         let shares: Vec<f64> = cumulative(&self.map.shares())
             .iter()
@@ -141,14 +143,19 @@ impl Exemplar<'_> {
     }
 
     /// The regions from S_1 up, by cell.
-    fn regions(&self) -> Vec<Region> {
+    fn regions(&self) -> Vec<LayerRegion> {
         let cells = self.map.size().map(|v| (v / self.cell()).max(1));
         regions_of(&self.map.labels, self.map.layers.len(), cells, [false; 2])
     }
 }
 
 /// The regions from S_1 up of a map of `count` layers, by cell.
-pub(super) fn regions_of(map: &LabelMap, count: usize, cells: [usize; 2], wrap: [bool; 2]) -> Vec<Region> {
+pub(super) fn regions_of(
+    map: &LabelMap,
+    count: usize,
+    cells: [usize; 2],
+    wrap: [bool; 2],
+) -> Vec<LayerRegion> {
     let size = [map.width as usize, map.height as usize];
     let labels: Vec<Option<u32>> = map.labels.iter().map(|&l| Some(l)).collect();
     (1..count).map(|k| covered(&labels, size, cells, wrap, k as u32)).collect()
@@ -160,7 +167,7 @@ fn cumulative(shares: &[f64]) -> Vec<f64> {
 }
 
 /// Share of each layer, computed from regions.
-fn shares_of(regions: &[Region]) -> Vec<f64> {
+fn shares_of(regions: &[LayerRegion]) -> Vec<f64> {
     let cells = regions.first().map_or(1, |r| r.inside.len()) as f64;
     let mut all = vec![1.0];
     all.extend(regions.iter().map(|r| r.area() as f64 / cells));
@@ -180,7 +187,7 @@ fn covered(
     cells: [usize; 2],
     wrap: [bool; 2],
     least: u32,
-) -> Region {
+) -> LayerRegion {
     let inside = (0..cells[0] * cells[1])
         .map(|cell| {
             let [xs, ys] = pixels(size, cells, cell);
@@ -189,7 +196,7 @@ fn covered(
             2 * inside.filter(|&i| labels[i].is_some_and(|l| l >= least)).count() >= all
         })
         .collect();
-    Region { size: cells, wrap, inside }
+    LayerRegion { size: cells, wrap, inside }
 }
 
 /// Whether any pixel of a cell is set.
@@ -199,8 +206,8 @@ fn touched(set: &[bool], size: [usize; 2], cells: [usize; 2], cell: usize) -> bo
 }
 
 /// Depths of regions of cells on a canvas of pixels.
-pub(super) fn on_canvas(regions: &[Region], size: [usize; 2], wrap: [bool; 2]) -> Depths {
-    let soft = |region: &Region| {
+pub(super) fn on_canvas(regions: &[LayerRegion], size: [usize; 2], wrap: [bool; 2]) -> Depths {
+    let soft = |region: &LayerRegion| {
         let plane = Plane { size: region.size, values: depth(region) };
         plane.blurred(0.6, wrap).values
     };
@@ -235,13 +242,13 @@ fn joined(
 
 #[cfg(test)]
 mod tests {
-    use super::super::map::{Contacts, Layer};
+    use super::super::map::{Contacts, MapLayer};
     use super::super::names::named;
     use super::super::testing::nested as painted;
     use super::*;
     use vtex_base::raster::colour::Colour;
 
-    fn layers(count: u8) -> Vec<Layer> {
+    fn layers(count: u8) -> Vec<MapLayer> {
         named(&(0..count).map(|k| Colour([40 + 60 * k, 90, 60])).collect::<Vec<_>>())
     }
 
@@ -252,12 +259,13 @@ mod tests {
     #[test]
     fn optimised_maps_keep_areas_and_order() {
         let map = exemplar(3, 1);
-        let made = Exemplar { map: &map, photograph: None }.optimised([256, 250], [true; 2], 2, &()).unwrap();
+        let made =
+            LayerExemplar { map: &map, photograph: None }.optimised([256, 250], [true; 2], 2, &()).unwrap();
         for (own, theirs) in made.shares().iter().zip(map.shares()) {
             assert!((own - theirs).abs() < 0.02, "{:?}", made.shares());
         }
         let own = Contacts::new(&made.labels, 3, [true; 2]).distant();
-        assert!(own <= Exemplar { map: &map, photograph: None }.most_distant(), "{own}");
+        assert!(own <= LayerExemplar { map: &map, photograph: None }.most_distant(), "{own}");
     }
 
     #[test]
@@ -269,8 +277,9 @@ mod tests {
             (libm::sqrt(d[0] * d[0] + d[1] * d[1]) - 60.0).abs() < 7.0
         };
         let sketch: Vec<Option<u32>> = (0..200 * 200).map(|i| stroke(i).then_some(2)).collect();
-        let made =
-            Exemplar { map: &map, photograph: None }.sketched(&sketch, size, [false; 2], 1, &()).unwrap();
+        let made = LayerExemplar { map: &map, photograph: None }
+            .sketched(&sketch, size, [false; 2], 1, &())
+            .unwrap();
         let top = |i: usize| made.labels.labels[i] == 2;
         let both = (0..40_000).filter(|&i| top(i) && stroke(i)).count() as f64;
         let either = (0..40_000).filter(|&i| top(i) || stroke(i)).count() as f64;
@@ -279,14 +288,15 @@ mod tests {
         assert!(contacts.between(0, 1) > 0 && contacts.between(1, 2) > 0);
         assert!(contacts.distant() < 0.02, "{}", contacts.distant());
         let nothing = vec![None; 40_000];
-        let refused = Exemplar { map: &map, photograph: None }.sketched(&nothing, size, [false; 2], 1, &());
+        let refused =
+            LayerExemplar { map: &map, photograph: None }.sketched(&nothing, size, [false; 2], 1, &());
         assert!(matches!(refused, Err(Error::Control { .. })));
     }
 
     #[test]
     fn a_map_made_by_hand_stays_but_for_strips() {
         let map = exemplar(3, 4);
-        let exemplar = Exemplar { map: &map, photograph: None };
+        let exemplar = LayerExemplar { map: &map, photograph: None };
         let sound = painted([90, 80], 3, 7);
         assert_eq!(exemplar.controlled(&sound, [false; 2]).unwrap().labels, sound);
         let mut rough = LabelMap::filled(90, 80, 0);
@@ -304,7 +314,7 @@ mod tests {
         let hole: Vec<bool> = (0..180 * 150)
             .map(|i| (i as i64 % 180 - 90).pow(2) + (i as i64 / 180 - 70).pow(2) < 1300)
             .collect();
-        let exemplar = Exemplar { map: &map, photograph: None };
+        let exemplar = LayerExemplar { map: &map, photograph: None };
         let made = exemplar.filled(&keep, &hole, [false; 2], 5, &()).unwrap();
         assert!((0..hole.len()).all(|i| hole[i] || made.labels.labels[i] == keep.labels[i]));
         let filled: Vec<u32> = (0..hole.len()).filter(|&i| hole[i]).map(|i| made.labels.labels[i]).collect();

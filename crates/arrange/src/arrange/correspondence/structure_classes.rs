@@ -1,4 +1,4 @@
-//! Classes that lead the search: a cell of the canvas takes its source from the pixels of its own class.
+//! Classes that the large structure is divided into: a cell of the canvas takes its source from pixels of its own class.
 //! Classes are the strata of a given map, or six bands of lightness by rank.
 
 use crate::arrange::controls::{self, Controls};
@@ -13,24 +13,24 @@ const BANDS: usize = 6;
 const BLUR: f32 = 2.0;
 
 /// Classes of the exemplar and of the canvas.
-pub(super) struct Lead<'a> {
+pub(super) struct StructureClasses<'a> {
     exemplar: LabelMap,
-    canvas: Canvas<'a>,
+    canvas: ClassSource<'a>,
 }
 
-/// What says the class of a place of the canvas.
-enum Canvas<'a> {
+/// The map that gives the class of a place of the canvas.
+enum ClassSource<'a> {
     Strata(&'a LabelMap),
     Lightness(&'a ControlMap),
 }
 
-impl<'a> Lead<'a> {
-    /// What the controls lead a single library by; none if they do not.
+impl<'a> StructureClasses<'a> {
+    /// The classes of a single library; `None` if the controls give no structure.
     pub(super) fn new(libraries: &[Library], controls: &'a Controls) -> Option<Self> {
         let [library] = libraries else { return None };
-        let (exemplar, canvas) = match controls.lead.as_ref()? {
-            controls::Lead::Strata(map) => (library.strata_labels(), Canvas::Strata(map)),
-            controls::Lead::Lightness(map) => (bands_of(library)?, Canvas::Lightness(map)),
+        let (exemplar, canvas) = match controls.structure.as_ref()? {
+            controls::StructureGuide::Strata(map) => (library.strata_labels(), ClassSource::Strata(map)),
+            controls::StructureGuide::Lightness(map) => (bands_of(library)?, ClassSource::Lightness(map)),
         };
         Some(Self { exemplar, canvas })
     }
@@ -50,8 +50,10 @@ impl<'a> Lead<'a> {
         let cells = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
         let places = cells.map(|(x, y)| [0, 1].map(|k| place(x, y)[k].clamp(0, canvas[k] as i32 - 1)));
         match self.canvas {
-            Canvas::Strata(map) => places.map(|p| map.under(p.map(|v| v as u32), canvas) as u8).collect(),
-            Canvas::Lightness(map) => {
+            ClassSource::Strata(map) => {
+                places.map(|p| map.under(p.map(|v| v as u32), canvas) as u8).collect()
+            }
+            ClassSource::Lightness(map) => {
                 let canvas = canvas.map(f64::from);
                 let values: Vec<f32> = places.map(|p| map.at(p.map(f64::from), canvas) as f32).collect();
                 bands(&values).into_iter().map(|band| band as u8).collect()

@@ -1,8 +1,8 @@
 //! Layer maps whose borders go around elements.
 
-use super::carried::Exemplar;
-use super::given::{on_canvas, regions_of};
+use super::carried::LayerExemplar;
 use super::map::LayerMap;
+use super::optimised::{on_canvas, regions_of};
 use vtex_base::error::Result;
 use vtex_base::raster::LabelMap;
 
@@ -31,7 +31,7 @@ impl LayerMap {
 
     /// The map with each element in one layer. `elements` gives the layer of the element at a pixel, or
     /// `None` to keep the pixel's own.
-    pub fn settled(mut self, elements: impl Fn(usize) -> Option<u8>) -> Self {
+    pub fn with_whole_elements(mut self, elements: impl Fn(usize) -> Option<u8>) -> Self {
         for (i, label) in self.labels.labels.iter_mut().enumerate() {
             *label = elements(i).map_or(*label, u32::from);
         }
@@ -39,7 +39,7 @@ impl LayerMap {
     }
 }
 
-impl Exemplar<'_> {
+impl LayerExemplar<'_> {
     /// Makes a new map of `size` pixels from the labels of coarse cells, smooth and with the areas of the
     /// exemplar. The map repeats along the axes of `wrap`.
     ///

@@ -15,13 +15,13 @@ const ROWS_OF_AN_EDGE: f64 = 16.0;
 /// The interior of an outline, prepared for many queries. Edges are sorted into rows, so a query tests
 /// only a few. Exact to 0.05 px.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Region {
+pub struct Interior {
     bounds: Rect,
     /// The edges that touch each row, from top to bottom.
     rows: Vec<Vec<[Point; 2]>>,
 }
 
-impl Region {
+impl Interior {
     /// The interior of an outline by the non-zero rule.
     pub fn new(outline: &Outline) -> Self {
         let edges = edges(outline.path().iter(), TOLERANCE);
@@ -101,7 +101,7 @@ mod tests {
         // A zigzag over the whole height: each edge touches all rows.
         let zigzag: String = (0..20_000).map(|i| format!("L{} {}", i % 977, 900 * (i % 2))).collect();
         let outline = Outline::new(&parse_path(&format!("M0 0{zigzag}z")).unwrap()).unwrap();
-        let stored: usize = Region::new(&outline).rows.iter().map(Vec::len).sum();
+        let stored: usize = Interior::new(&outline).rows.iter().map(Vec::len).sum();
         assert!((20_000..40 * 20_000).contains(&stored), "{stored}");
     }
 
@@ -114,7 +114,7 @@ mod tests {
             "",
         ] {
             let outline = Outline::new(&parse_path(text).unwrap()).unwrap();
-            let region = Region::new(&outline);
+            let region = Interior::new(&outline);
             let mut inside = 0;
             for i in 0..90 * 90 {
                 let p = Point::new(f64::from(i % 90) - 10.13, f64::from(i / 90) - 10.37);

@@ -10,12 +10,12 @@ const COMPARED: usize = 256;
 
 /// A colour, the sum of its components by area, and its area in pixels.
 #[derive(Clone, Copy)]
-struct Entry {
+struct PaletteEntry {
     sum: [f64; 3],
     area: f64,
 }
 
-impl Entry {
+impl PaletteEntry {
     fn colour(&self) -> Colour {
         Colour::from_f64(self.sum.map(|v| v / self.area))
     }
@@ -81,9 +81,11 @@ fn areas(scene: &Scene) -> BTreeMap<[u8; 3], f64> {
 fn joined(areas: BTreeMap<[u8; 3], f64>, most: usize) -> BTreeMap<[u8; 3], Colour> {
     let mut all: Vec<(Colour, f64)> = areas.into_iter().map(|(rgb, area)| (Colour(rgb), area)).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.0.cmp(&b.0.0)));
-    let entry = |&(colour, area): &(Colour, f64)| Entry { sum: colour.to_f64().map(|v| v * area), area };
+    let entry =
+        |&(colour, area): &(Colour, f64)| PaletteEntry { sum: colour.to_f64().map(|v| v * area), area };
     let kept: Vec<Colour> = all.iter().take(COMPARED.max(most)).map(|(colour, _)| *colour).collect();
-    let mut entries: Vec<Option<Entry>> = all.iter().take(kept.len()).map(|c| Some(entry(c))).collect();
+    let mut entries: Vec<Option<PaletteEntry>> =
+        all.iter().take(kept.len()).map(|c| Some(entry(c))).collect();
     // Index of the entry that holds each colour.
     let mut entry_of: Vec<usize> = (0..kept.len()).collect();
     for other in &all[kept.len()..] {

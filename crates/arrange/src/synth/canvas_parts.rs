@@ -5,14 +5,14 @@
 //! alone, and all photographs make one together; of each, the part that its map gives it is kept. Drawings
 //! lie below, because elements on paper may reach beyond their part.
 
-use super::report::{CategoryReport, Report};
+use super::report::{CategoryReport, SynthReport};
 use super::{Controls, is_drawing};
 use vtex_base::error::Result;
 use vtex_base::geometry::{Outline, Point, Rect};
 use vtex_base::progress::Progress;
 use vtex_base::raster::LabelMap;
 use vtex_base::raster::colour::Colour;
-use vtex_field::layers::{Layer as Part, LayerMap};
+use vtex_field::layers::{LayerMap, MapLayer};
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::{
     Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, Role, Scene, SynthParams, joined,
@@ -25,7 +25,7 @@ const PLACES: [usize; 2] = [6, 64];
 
 /// Whether libraries have parts of their own: a drawing is among several.
 pub(super) fn applies(libraries: &[Library], controls: &Controls) -> bool {
-    libraries.len() > 1 && controls.lead.is_none() && libraries.iter().any(is_drawing)
+    libraries.len() > 1 && controls.structure.is_none() && libraries.iter().any(is_drawing)
 }
 
 /// The texture of the parts of all libraries, and how close it came.
@@ -37,13 +37,14 @@ pub(super) fn synthesize(
     params: &SynthParams,
     controls: &Controls,
     progress: &dyn Progress,
-) -> Result<(Scene, Report)> {
+) -> Result<(Scene, SynthReport)> {
     let groups = groups(libraries);
     let map = parts(&groups, params, controls);
     let outlines = map.outlines([params.tile.x, params.tile.y]);
     let shares = map.shares();
     let references = libraries.iter().map(Library::reference).collect();
-    let mut whole = Whole { scene: Scene::new([params.width, params.height], references, Vec::new()), map };
+    let mut whole =
+        JoinedScene { scene: Scene::new([params.width, params.height], references, Vec::new()), map };
     let mut reports = Vec::new();
     let is_seen = |g: usize| shares[g] > 0.0 && (g == 0 || !outlines[g - 1].is_empty());
     for (g, group) in groups.iter().enumerate().filter(|(g, _)| is_seen(*g)) {
@@ -91,7 +92,7 @@ fn parts(groups: &[Vec<usize>], params: &SynthParams, controls: &Controls) -> La
         (0..params.width).map(label).collect::<Vec<u32>>()
     };
     let labels = vtex_base::parallel::map(&rows, row).concat();
-    let layer = |g: usize| Part { name: g.to_string(), colour: Colour([g as u8; 3]) };
+    let layer = |g: usize| MapLayer { name: g.to_string(), colour: Colour([g as u8; 3]) };
     LayerMap {
         labels: LabelMap { width: params.width, height: params.height, labels },
         layers: (0..groups.len()).map(layer).collect(),
@@ -99,12 +100,12 @@ fn parts(groups: &[Vec<usize>], params: &SynthParams, controls: &Controls) -> La
 }
 
 /// The scene of all parts, and which part has each pixel.
-struct Whole {
+struct JoinedScene {
     scene: Scene,
     map: LayerMap,
 }
 
-impl Whole {
+impl JoinedScene {
     /// Adds what a texture shows in its part. One that repeats its period as it is may be cut at the border
     /// of its part, others show whole elements.
     fn add(&mut self, scene: Scene, part: usize, group: &[usize], (region, period): (Option<Outline>, bool)) {
@@ -189,11 +190,11 @@ fn joined_report(
     libraries: &[Library],
     groups: &[Vec<usize>],
     shares: &[f64],
-    reports: &[(usize, Report)],
+    reports: &[(usize, SynthReport)],
     scene: &Scene,
-) -> Report {
-    let sum = |of: fn(&Report) -> f64| reports.iter().map(|(g, r)| shares[*g] * of(r)).sum::<f64>();
-    let count = |of: fn(&Report) -> u64| reports.iter().map(|(_, r)| of(r)).sum::<u64>();
+) -> SynthReport {
+    let sum = |of: fn(&SynthReport) -> f64| reports.iter().map(|(g, r)| shares[*g] * of(r)).sum::<f64>();
+    let count = |of: fn(&SynthReport) -> u64| reports.iter().map(|(_, r)| of(r)).sum::<u64>();
     let mut categories: Vec<Vec<CategoryReport>> = libraries
         .iter()
         .map(|l| vec![CategoryReport { wanted: 0.0, got: 0.0 }; l.categories.len()])
@@ -206,7 +207,7 @@ fn joined_report(
         }
     }
     let last = reports.last().map(|(_, report)| report);
-    Report {
+    SynthReport {
         coverage_wanted: sum(|r| r.coverage_wanted),
         coverage: sum(|r| r.coverage),
         attempts: count(|r| r.attempts),
@@ -215,6 +216,6 @@ fn joined_report(
         added: count(|r| r.added),
         method: last.map_or_else(Default::default, |r| r.method),
         structure: last.and_then(|r| r.structure),
-        ..Report::of_scene(libraries, scene, categories.concat())
+        ..SynthReport::of_scene(libraries, scene, categories.concat())
     }
 }

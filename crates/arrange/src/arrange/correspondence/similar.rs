@@ -1,6 +1,6 @@
 //! Elements of like colour and size.
 
-use crate::arrange::model::{Model, PlaceableId};
+use crate::arrange::model::{PlaceableId, PlacementModel};
 use std::ops::Range;
 use vtex_base::parallel;
 use vtex_scene::library::Library;
@@ -9,13 +9,13 @@ use vtex_scene::library::Library;
 const COLOUR: f32 = 0.07;
 
 /// For each element the placeable ones of its library and stratum whose colour is like its own.
-pub(super) struct Alike {
+pub(super) struct Substitutes {
     /// Area and index, the smallest first.
     of: Vec<Vec<(u32, PlaceableId)>>,
 }
 
-impl Alike {
-    pub(super) fn new(libraries: &[Library], model: &Model) -> Self {
+impl Substitutes {
+    pub(super) fn new(libraries: &[Library], model: &PlacementModel) -> Self {
         let colour = |element: PlaceableId| {
             let known = &model[element];
             libraries[known.library].primaries()[known.index as usize].colour.to_oklab()
