@@ -63,7 +63,7 @@ pub mod control {
     pub use vtex_drawing::control::{ColourMap, cage, colours, density, level, mask, palette, shape, shares};
 }
 
-/// Scene → scene: what can be done to a texture after it was made (paper §4.5).
+/// Scene → scene: operations on a finished texture (paper §4.5).
 pub mod edit {
     #[doc(inline)]
     pub use vtex_edit::edit::{
@@ -163,7 +163,7 @@ pub mod metrics {
 pub mod output {
     #[doc(inline)]
     pub use vtex_output::{CSS_DPI, SceneCategory, categories, coverage, inside};
-    /// Files by kind, and writing them so that nothing is ever lost or left half done.
+    /// Files by kind, and safe writing: a file is replaced as a whole or not at all.
     pub mod file {
         #[doc(inline)]
         pub use vtex_output::file::{
@@ -185,7 +185,7 @@ pub mod output {
         #[doc(inline)]
         pub use vtex_output::png::{encode, encode_rgb, over_white, render, straight};
     }
-    /// Pictures one after another → one file that plays them: GIF, and PNG that moves (APNG).
+    /// Frames → one animated file: GIF or animated PNG (APNG).
     pub mod raster_animation {
         #[doc(inline)]
         pub use vtex_output::raster_animation::RasterAnimation;
@@ -200,13 +200,13 @@ pub mod output {
         #[doc(inline)]
         pub use vtex_output::reduce::{GivenUp, ReducedScene, to_fit};
     }
-    /// The seal of a file: a SHA-256 of its own bytes, by which a file that nobody has changed since it was
-    /// written is distinguished from one that somebody has worked on.
+    /// The seal of a file: a SHA-256 of its own bytes. It distinguishes a file that is unchanged since it was
+    /// written from one that somebody has worked on.
     pub mod seal {
         #[doc(inline)]
         pub use vtex_output::seal::Sealed;
     }
-    /// Scene → SVG: pure vectors in groups that a designer finds their way in.
+    /// Scene → SVG: pure vectors in groups that designers find easy to navigate.
     pub mod svg {
         #[doc(inline)]
         pub use vtex_output::svg::{
@@ -323,8 +323,8 @@ pub mod segment {
     }
 }
 
-/// How primaries are arranged: what they hide of one another, how often they repeat, and how the
-/// centres of categories keep together or apart.
+/// Measures of the arrangement of primaries: overlap, repetition, and pair correlation of the centres of
+/// categories.
 pub mod statistics {
     #[doc(inline)]
     pub use vtex_scene::statistics::{

@@ -39,7 +39,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
             interrupt::watch();
             let reporter = Reporter::new(&common)?;
             let outcome = cli::on_threads(common.threads, || job(&common, &reporter));
-            // Work is also stopped when a picture of a stage cannot be written: that is then the reason.
+            // Work also stops if a picture of a stage cannot be written; then that is the reason.
             let outcome = match reporter.failure() {
                 Some(reason) => Err(reason.into()),
                 None => outcome,

@@ -1,4 +1,4 @@
-//! Photograph → library, with what finds its masks.
+//! Photograph → library, with the segmenter that finds its masks.
 
 use super::common::Common;
 use super::config::Parameters;
@@ -41,7 +41,7 @@ pub(crate) struct Analysis {
     pub(crate) parameters: AnalyzeParams,
     /// Whether the exemplar tiles; `None` to find out.
     pub(crate) wrap: Option<bool>,
-    /// Whether it may be found out of a photograph.
+    /// Whether analysis tests if the borders of a photograph join.
     pub(crate) looks_at_borders: bool,
 }
 
@@ -55,7 +55,7 @@ impl Analysis {
         self.layers.save.as_ref().map_or(Ok(()), |target| target.place.probe())
     }
 
-    /// Checks what was asked for; `outputs` are where results go.
+    /// Checks the options; `outputs` are the files of results.
     pub(crate) fn new(
         input: Input,
         (masks, layers): (MasksArgs, LayerFilesArgs),
@@ -88,7 +88,7 @@ impl Analysis {
 }
 
 impl Analysis {
-    /// As `vtex analyze` does it without options of its own.
+    /// The analysis of `vtex analyze` without options.
     pub(crate) fn plain(input: Input, args: EngineArgs, parameters: &Parameters) -> Result<Self, Failure> {
         Ok(Self {
             input,
@@ -102,7 +102,7 @@ impl Analysis {
         })
     }
 
-    /// What finds elements, for the bar.
+    /// The kind of segmenter, for the estimate of the progress bar.
     pub(crate) fn finder(&self) -> ElementFinder {
         match self.masks {
             MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_) => ElementFinder::Texton,
@@ -112,20 +112,20 @@ impl Analysis {
         }
     }
 
-    /// Where masks come from in the end: what [`MasksFrom::Auto`] comes to is decided.
+    /// The source of masks; [`MasksFrom::Auto`] is resolved.
     pub(crate) fn masks(&self) -> MasksFrom {
         sam_from(&self.masks).map_or_else(|| self.masks.clone(), MasksFrom::Sam)
     }
 }
 
-/// Photograph or drawing → library; saves the masks if asked.
+/// Photograph or drawing → library; saves the masks if requested.
 pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
     reporter.stage("reading")?;
     library_of(common, analysis, analysis.input.read()?, reporter)
 }
 
-/// Any texture as a scene: a scene as it is, a library as its exemplar is, and a photograph or a drawing
-/// analysed before.
+/// Any texture as a scene: a scene unchanged, a library as the reconstruction of its exemplar, a photograph
+/// or a drawing by way of its library.
 pub(crate) fn texture(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Scene> {
     let bytes = analysis.input.read()?;
     if matches!(input::InputKind::of(&bytes), input::InputKind::Image | input::InputKind::Svg) {
@@ -154,7 +154,7 @@ fn library_of(
         library.source.file = name.into_owned();
         return Ok(library);
     }
-    // Errors name the file as it was given.
+    // Errors name the file as the user wrote it.
     let mut exemplar = Exemplar::from_bytes(&bytes, &analysis.input.name(), &Limits::default())?;
     exemplar.file = name.into_owned();
     drop(bytes);
@@ -199,7 +199,7 @@ fn check_drawing(analysis: &Analysis) -> Result<(), Failure> {
         .hint("leave out --masks, --save-masks, --layer-map and --save-layers"))
 }
 
-/// Loads what finds masks.
+/// Loads the segmenter.
 pub(crate) fn segmenter(
     common: &Common,
     analysis: &Analysis,
@@ -226,11 +226,11 @@ pub(crate) fn segmenter(
     Ok(Box::new(Generator::new(Box::new(sam), GeneratorParams::default())?))
 }
 
-/// The network of Segment Anything that finds masks, if one does.
+/// The network of Segment Anything, if it finds the masks.
 fn sam_from(masks: &MasksFrom) -> Option<SamFrom> {
     match masks {
         MasksFrom::Sam(from) => Some(from.clone()),
-        // Without a folder for models there are none.
+        // Without a folder of models there is no model.
         MasksFrom::Auto => {
             let any = ModelFolder::open().is_ok_and(|s| s.names().is_ok_and(|names| !names.is_empty()));
             any.then_some(SamFrom::Model(None))
@@ -239,8 +239,8 @@ fn sam_from(masks: &MasksFrom) -> Option<SamFrom> {
     }
 }
 
-/// All that masks depend on but the photograph and its parameters, as text: what finds them, sums of
-/// files, the engine.
+/// Everything that masks depend on besides the photograph and the parameters, as text: the segmenter,
+/// checksums of files, the engine.
 pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow::Result<String> {
     Ok(match (masks, sam_from(masks)) {
         (_, Some(from)) => {
@@ -282,7 +282,7 @@ fn sam(from: &SamFrom, engine: &EngineOptions) -> anyhow::Result<Sam> {
     Ok(Sam::open(&files, engine)?)
 }
 
-/// The model that is named, or the only one.
+/// The named model, or the only one.
 fn model_name(store: &ModelFolder, name: Option<&Name>) -> anyhow::Result<String> {
     let names = store.names()?;
     match (name, &names[..]) {
@@ -300,7 +300,7 @@ fn model_name(store: &ModelFolder, name: Option<&Name>) -> anyhow::Result<String
     }
 }
 
-/// Why ONNX Runtime does not run networks though it may, for people.
+/// The reason why ONNX Runtime is not used although it is permitted.
 fn why_not(engine: &EngineOptions) -> String {
     match choose(engine) {
         Ok(EngineChoice::Rten { because: Some(reason) }) => format!(" ({reason})"),
@@ -308,7 +308,7 @@ fn why_not(engine: &EngineOptions) -> String {
     }
 }
 
-/// A segmenter that also saves what it finds.
+/// A segmenter that also saves its masks.
 struct Saving<'a> {
     segmenter: Box<dyn Segmenter>,
     place: Option<&'a Destination>,
@@ -331,11 +331,11 @@ impl Segmenter for Saving<'_> {
     ) -> vtex::Result<Vec<ScoredMask>> {
         let masks = self.segmenter.segment_reduced(image, whole, progress)?;
         if let Some(place) = self.place {
-            // Packed where it is written, as everything is.
+            // Packed by the writer, as all output is.
             let path = place.path();
             let gzip = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
             let plain = if gzip { path.with_extension("") } else { path.to_owned() };
-            // They have the size of the photograph, so that they can be corrected upon it.
+            // Saved masks have the size of the photograph, so that they can be corrected on top of it.
             let reduced = [image.width(), image.height()];
             let stretched = |m: &ScoredMask| ScoredMask { mask: m.mask.stretched(reduced, whole), ..*m };
             let saved = if reduced == whole { masks.clone() } else { masks.iter().map(stretched).collect() };

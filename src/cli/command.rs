@@ -1,4 +1,4 @@
-//! Commands: arguments that become a job.
+//! Commands: arguments, and the job that is made of them.
 
 use super::common::Common;
 use super::config::{CommandLineValues, ConfigLayer, Parameters};
@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::progress::Reporter;
 use super::values::Seed;
 
-/// Work that is left when all options are checked.
+/// The work of a command after all options are checked.
 pub(crate) type Job = Box<dyn FnOnce(&Common, &Reporter) -> anyhow::Result<()> + Send>;
 
 /// The arguments of a command.
@@ -16,7 +16,7 @@ pub(crate) trait Arguments {
         let _ = values;
     }
 
-    /// Reads the parameters that an input holds; those of the command line win.
+    /// Reads the parameters stored in an input; those of the command line take precedence.
     ///
     /// # Errors
     /// An input that cannot be read.
@@ -24,7 +24,7 @@ pub(crate) trait Arguments {
         Ok(None)
     }
 
-    /// The preset that was asked for.
+    /// The chosen preset.
     ///
     /// # Errors
     /// None of its own.
@@ -43,7 +43,7 @@ pub(crate) trait Arguments {
 pub(crate) struct Resolved {
     /// All parameters; those of analysis and synthesis have the seed below.
     pub(crate) parameters: Parameters,
-    /// As given, else chosen.
+    /// The seed: as given, or chosen at random.
     pub(crate) seed: Seed,
     /// The file of `--config`.
     pub(crate) config: Option<ConfigLayer>,

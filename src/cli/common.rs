@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Options that all commands share.
 #[derive(Clone, Debug)]
 pub(crate) struct Common {
-    /// Threads to use, if said.
+    /// Number of threads, if given.
     pub(crate) threads: Option<u16>,
     /// Whether no seed was given.
     pub(crate) seed_chosen: bool,

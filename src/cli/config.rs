@@ -1,8 +1,8 @@
 //! Parameters from three places: defaults, then the file of `--config`, then the command line.
 //!
-//! The keys of the file are the long names of the options, in sections, so there is one definition
-//! of both: the structs in [`super::options`]. A section and the options of the command line are
-//! laid over the defaults as tables, and the result becomes a parameter struct of the library.
+//! The keys of the file are the long names of the options, in sections, so there is one definition of both:
+//! the structs in [`super::options`]. A section and the options of the command line are merged into the
+//! defaults as tables, and the result becomes a parameter struct of the library.
 
 use super::failure::Failure;
 use super::foreign::cut;
@@ -32,14 +32,14 @@ pub(crate) struct Parameters {
     pub(crate) threads: Option<u16>,
     pub(crate) segmenter: SegmenterName,
     pub(crate) analyze: AnalyzeParams,
-    /// Whether the exemplar tiles; `analyze` holds what it is of a photograph.
+    /// Whether the exemplar tiles; `analyze` holds the value for a photograph.
     pub(crate) wrap: Wrap,
     pub(crate) synth: SynthParams,
     /// Whether the size of the canvas was given.
     pub(crate) sized: bool,
     /// The size in millimetres, if it was given with units.
     pub(crate) millimetres: Option<[f64; 2]>,
-    /// Where the weights of `synth` are to be read from, if not given as numbers.
+    /// The name of the file with the weights of `synth`, if they are not given as numbers.
     pub(crate) weights: Option<Name>,
     pub(crate) svg: SvgParameters,
     pub(crate) render: RenderParameters,
@@ -50,7 +50,7 @@ pub(crate) struct Parameters {
 pub(crate) struct CommandLineValues(Table);
 
 impl CommandLineValues {
-    /// Whether a seed is among them.
+    /// Whether a seed was given.
     pub(crate) fn has_seed(&self) -> bool {
         self.0.contains_key("seed")
     }
@@ -97,7 +97,7 @@ fn keys(section: &str) -> Vec<(String, String)> {
 
 /// Values for some of the parameters, in sections.
 pub(crate) struct ConfigLayer {
-    /// Where they stand, for messages: the file's name in quotes, or more.
+    /// Their origin, for messages: the file's name in quotes, or more.
     place: String,
     table: Table,
 }
@@ -333,7 +333,7 @@ pub(crate) fn fault(text: &str, error: &toml::de::Error) -> String {
     format!("{place}{}", error.message())
 }
 
-/// Why a value is refused: what the option's own words say, else what its help allows.
+/// The reason why a value is refused: the option's own message, else the values that its help allows.
 fn expected(section: &str, key: &str, reason: String) -> String {
     if reason.starts_with("expected") {
         return reason;
@@ -365,7 +365,7 @@ fn merged<T: Serialize + DeserializeOwned>(base: &T, values: Table) -> Result<T,
 mod tests {
     use super::*;
 
-    /// The keys of a parameter struct that options stand for one by one.
+    /// The keys of a parameter struct that have an option each.
     fn fields(parameters: impl Serialize, handled: &[&str]) -> Vec<String> {
         let table = serde_json::to_value(parameters).unwrap();
         let names = table.as_object().unwrap().keys().filter(|k| !handled.contains(&k.as_str()));
@@ -414,7 +414,7 @@ mod tests {
 
     #[test]
     fn help_names_the_true_ranges() {
-        // Just outside what the help says is refused, the limits themselves are not.
+        // Values just outside the range of the help are refused, the limits themselves are accepted.
         for (section, key, low, high) in [
             ("analyze", "detail-scale", "0", "10000"),
             ("analyze", "fidelity", "0.05", "5"),

@@ -17,7 +17,7 @@ pub(crate) struct Failure {
     message: String,
     hint: Option<String>,
     exit: Exit,
-    /// Whether a program knows it already.
+    /// Whether it was reported in JSON already.
     told: bool,
 }
 
@@ -32,7 +32,7 @@ impl Failure {
         Self { message: message.into(), hint: None, exit: Exit::Failed, told: false }
     }
 
-    /// A failure that a line of JSON has told already.
+    /// A failure that was reported in a line of JSON already.
     pub(crate) fn told(mut self) -> Self {
         self.told = true;
         self
@@ -50,7 +50,7 @@ pub(crate) const fn label(colour: AnsiColor) -> Style {
     Style::new().bold().fg_color(Some(anstyle::Color::Ansi(colour)))
 }
 
-/// Prints an error of the argument parser, or the help or version that was asked for.
+/// Prints an error of the argument parser, or the requested help or version.
 pub(crate) fn show_usage(error: &clap::Error, command: &clap::Command, arguments: &[OsString]) -> Exit {
     if error.use_stderr() {
         anstream::eprint!("{}", usage::text(error, command, arguments));
@@ -88,12 +88,12 @@ pub(crate) fn show_json(error: &anyhow::Error) {
     if let Some(hint) = hint {
         object["hint"] = hint.into();
     }
-    // Whoever closed stdout does not want it.
+    // An error is ignored: stdout was closed on purpose.
     let _ = writeln!(std::io::stdout(), "{}", escaped_json(&format!("{object:#}")));
 }
 
-/// Prints an error and its hint on stderr and says how to exit. Silent if the reader of stdout
-/// has gone.
+/// Prints an error and its hint on stderr and says how to exit. Prints nothing if the reader of stdout has
+/// closed it.
 pub(crate) fn show(error: &anyhow::Error) -> Exit {
     if let Some(Error::Write { path, source }) = error.downcast_ref::<Error>()
         && source.kind() == ErrorKind::BrokenPipe

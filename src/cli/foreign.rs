@@ -4,13 +4,13 @@
 /// Most characters of a line that is made of foreign text.
 const LONGEST: usize = 600;
 
-/// Whether a character would act on the terminal, or change how those around it are shown.
+/// Whether a character would control the terminal, or change how adjacent characters are displayed.
 fn acts(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
-/// The text with every character that would act on the terminal written out, as in `\u{1b}`.
+/// The text with every character that would control the terminal escaped, as in `\u{1b}`.
 pub(crate) fn escaped(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for c in text.chars() {
@@ -19,8 +19,8 @@ pub(crate) fn escaped(text: &str) -> String {
     plain
 }
 
-/// JSON with every character that would act on the terminal escaped as JSON does it, as in `\u202e`; line breaks
-/// stand between values only, and stay.
+/// JSON with every character that would control the terminal escaped as in `\u202e`; line breaks occur
+/// between values only, and stay.
 pub(crate) fn escaped_json(json: &str) -> String {
     let mut plain = String::with_capacity(json.len());
     for c in json.chars() {
@@ -29,7 +29,7 @@ pub(crate) fn escaped_json(json: &str) -> String {
     plain
 }
 
-/// A text on one line of bearable length: [`escaped`], line breaks as blanks, the middle left out.
+/// A text on one line of limited length: [`escaped`], line breaks as blanks, the middle left out.
 pub(crate) fn line(text: &str) -> String {
     let words: Vec<&str> = text.split(['\n', '\r']).map(str::trim).filter(|part| !part.is_empty()).collect();
     let plain = escaped(&words.join(" "));
@@ -44,7 +44,7 @@ pub(crate) fn line(text: &str) -> String {
     format!("{beginning} … {end}")
 }
 
-/// A text of several lines, none of which is longer than bearable, nor are there more than that.
+/// A text of several lines, limited in the length and number of lines.
 pub(crate) fn in_lines(text: &str) -> String {
     let cut = |one: &str| {
         let indent: String = one.chars().take_while(|c| *c == ' ').collect();

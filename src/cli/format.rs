@@ -25,7 +25,7 @@ fn extensions(format: Format) -> &'static [&'static str] {
     }
 }
 
-/// The kind of file that the name `path`, given for `flag`, asks for, among those allowed.
+/// The kind of file that the name `path` stands for, among those allowed; `flag` is the option that named it.
 pub(crate) fn kind_of(flag: &str, path: &Path, allowed: &[Format]) -> Result<FileKind, Failure> {
     let kind = FileKind::from_path(path).filter(|k| allowed.contains(&k.format));
     kind.ok_or_else(|| {
@@ -92,7 +92,7 @@ pub(crate) fn numbered(path: &Path, number: u64) -> PathBuf {
     path.with_file_name(format!("{stem}-{number}{ending}"))
 }
 
-/// `photo` for `some/photo.lib.json`, whatever bytes the name is made of.
+/// `photo` for `some/photo.lib.json`, whatever the bytes of the name.
 pub(crate) fn stem(input: &Path) -> OsString {
     let whole = input.file_name().unwrap_or("texture".as_ref());
     // A name without its last ending, if it is one of these.

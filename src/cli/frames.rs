@@ -11,7 +11,7 @@ use vtex::output::reduce::GivenUp;
 use vtex::scene::Scene;
 use vtex::{Error, Progress};
 
-/// Scenes to be written in turn.
+/// Scenes to be written as frames.
 pub(crate) struct Frames<'a> {
     pub(crate) reporter: &'a Reporter,
     pub(crate) drawing: DrawingOptions<'static>,
@@ -43,7 +43,7 @@ impl Frames<'_> {
             let one = target.write_scene(&self.frame(k)?, self.drawing)?;
             written.bytes += one.bytes;
             one.warnings.iter().for_each(|warning| self.reporter.warn(warning));
-            // The most that any frame had to give up.
+            // The largest reductions of any frame.
             let lost = |given: &GivenUp| (given.details + given.elements, Reverse(given.decimals));
             written.given_up = written.given_up.into_iter().chain(one.given_up).max_by_key(lost);
         }

@@ -1,4 +1,4 @@
-//! Files and standard input, and what they hold.
+//! Files and standard input, and the kinds of their content.
 
 use super::failure::Failure;
 use super::interrupt;
@@ -12,13 +12,13 @@ use vtex::{Error, Result};
 /// Most bytes read from a file or from standard input.
 const LARGEST: u64 = 2 << 30;
 
-/// Most bytes read of what is neither picture, SVG, JSON nor gzip.
+/// Most bytes read of content that is neither picture, SVG, JSON nor gzip.
 const UNKNOWN: u64 = 1 << 20;
 
 /// The files that this process has read as inputs, links resolved.
 static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Notes that a file is read as an input, so that no result replaces it.
+/// Registers a file as an input, so that no result replaces it.
 pub(crate) fn note_read(path: &Path) {
     if let Ok(path) = path.canonicalize() {
         READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
@@ -47,7 +47,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
     Ok(text)
 }
 
-/// Where input comes from.
+/// The source of an input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Input {
     Stdin,
@@ -92,12 +92,12 @@ impl Input {
     }
 }
 
-/// Reads all, or the beginning of what is nothing that vtex reads: that never needs to end.
+/// Reads all content of a known kind, or the beginning of unknown content, which may be endless.
 fn read_known(mut from: impl Read, bytes: &mut Vec<u8>) -> std::io::Result<()> {
     from.by_ref().take(HEAD as u64).read_to_end(bytes)?;
     let start = bytes.trim_ascii_start();
     let begins = |beginnings: &[&[u8]]| beginnings.iter().any(|b| start.starts_with(b));
-    // Text may be masks or a table, and holds no zeros; packed data have no name yet.
+    // Text may be masks or a table and contains no zeros; the kind of packed data is not known yet.
     let text = !bytes.contains(&0) && begins(&[b"{", b"<", b"\xef\xbb\xbf"]);
     let known = InputKind::of(bytes) != InputKind::Unknown || text || begins(&[b"\x1f\x8b"]);
     let most = if known { LARGEST + 1 } else { UNKNOWN };
@@ -139,7 +139,7 @@ impl InputKind {
     /// The kind, which must be one of `wanted`; otherwise an error that says what the file is and
     /// which command reads it.
     pub(crate) fn expect(bytes: &[u8], input: &Input, wanted: &[Self]) -> Result<Self, Failure> {
-        // Of a damaged document its reader says more than anyone else.
+        // The reader of a damaged document gives the most precise error.
         let kind = match (Self::of(bytes), FileKind::from_path(input.path()).map(|k| k.format)) {
             (Self::Unknown, Some(Format::Library)) => Self::Library,
             (Self::Unknown, Some(Format::Scene)) => Self::Scene,
@@ -172,7 +172,7 @@ impl InputKind {
     }
 }
 
-/// How much of a file is looked at; vtex writes the name of the format first.
+/// Number of bytes that are examined; vtex writes the name of the format first.
 const HEAD: usize = 4096;
 
 #[cfg(test)]

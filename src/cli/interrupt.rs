@@ -1,4 +1,5 @@
-//! Ctrl-C: the first asks the work to stop and ends what cannot be asked, the second ends the program at once.
+//! Ctrl-C: the first one stops the work, and ends the program if the work does not stop in time; the second
+//! ends the program at once.
 
 use super::exit::Exit;
 use super::failure;
@@ -11,17 +12,17 @@ use std::time::Duration;
 use vtex::output::file::remove_unfinished;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
-/// Whether there is nothing to clean up, so that the first Ctrl-C may end the program.
+/// Whether the first Ctrl-C may end the program, because there is nothing to clean up.
 static WAITING: AtomicBool = AtomicBool::new(false);
-/// Files and folders that are of no use once the program has ended.
+/// Files and folders to be removed when Ctrl-C ends the program.
 static PASSING: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// How long work may take to stop. Other libraries cannot be asked: they parse and draw SVGs, and run networks.
+/// Time for the work to stop. Other libraries, which parse and draw SVGs and run networks, cannot be stopped.
 const PATIENCE: Duration = Duration::from_millis(800);
 
 /// Starts to watch for Ctrl-C and signals to end.
 pub(crate) fn watch() {
-    // Without a handler the signal ends the program as it always did: nothing to report.
+    // Without a handler the signal ends the program as usual, so an error is ignored.
     let _ = ctrlc::set_handler(|| {
         if ASKED.swap(true, Ordering::SeqCst) || WAITING.load(Ordering::SeqCst) {
             end();
@@ -29,7 +30,7 @@ pub(crate) fn watch() {
         let last = std::thread::Builder::new().spawn(|| {
             std::thread::sleep(PATIENCE);
             if std::io::stderr().is_terminal() {
-                // The bar may stand on the line.
+                // The progress bar may be on the line.
                 eprintln!();
             }
             failure::show(&vtex::Error::Interrupted.into());
@@ -41,7 +42,7 @@ pub(crate) fn watch() {
     });
 }
 
-/// Ends the program, and leaves nothing half done behind.
+/// Ends the program and removes unfinished files.
 fn end() {
     remove_unfinished();
     for path in &*PASSING.lock().unwrap_or_else(PoisonError::into_inner) {
@@ -76,8 +77,8 @@ pub(crate) fn check() -> vtex::Result<()> {
     if asked() { Err(vtex::Error::Interrupted) } else { Ok(()) }
 }
 
-/// Does something that may wait for another program without end, such as reading standard input;
-/// Ctrl-C then ends the program at once.
+/// Runs work that may wait for another program without end, such as reading standard input; Ctrl-C then ends
+/// the program at once.
 pub(crate) fn waiting<T>(work: impl FnOnce() -> T) -> T {
     WAITING.store(true, Ordering::SeqCst);
     let value = work();

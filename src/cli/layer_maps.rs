@@ -1,4 +1,4 @@
-//! Layer maps: read as what they are to be, written as their names say.
+//! Reading and writing of layer maps; the file name gives the format.
 
 use super::failure::Failure;
 use super::format;
@@ -17,7 +17,7 @@ pub(crate) enum MapFormat {
     Json,
 }
 
-/// A file and what is written there.
+/// A file and its format.
 pub(crate) struct MapTarget {
     pub(crate) place: Destination,
     pub(crate) format: MapFormat,
@@ -30,7 +30,7 @@ impl MapTarget {
         Ok(Self { place: Destination::File { path, force }, format })
     }
 
-    /// Writes a map; the number of bytes.
+    /// Writes a map. Returns the number of bytes.
     pub(crate) fn write(&self, map: &LayerMap, wrap: [bool; 2], seed: Option<u64>) -> vtex::Result<u64> {
         let written = self.place.write(|out| match self.format {
             MapFormat::Png => write_png(map, seed, out),
@@ -41,7 +41,7 @@ impl MapTarget {
     }
 }
 
-/// The format that a file name asks for.
+/// The format that a file name stands for.
 pub(crate) fn format_of(flag: &str, path: &Path) -> Result<MapFormat, Failure> {
     format::check_map_name(flag, path)?;
     let name = path.to_string_lossy().to_ascii_lowercase();

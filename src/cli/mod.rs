@@ -36,7 +36,7 @@ mod usage;
 mod values;
 mod weights;
 
-/// Does work on a number of threads; by default on all cores.
+/// Runs work on a number of threads; by default on all cores.
 pub(crate) fn on_threads<R: Send>(
     threads: Option<u16>,
     work: impl FnOnce() -> anyhow::Result<R> + Send,
@@ -54,6 +54,6 @@ pub(crate) fn on_threads<R: Send>(
     }
 }
 
-/// Bytes of each thread's stack, as the main thread's.
+/// Bytes of each thread's stack, as large as the main thread's.
 #[cfg(feature = "parallel")]
 const STACK: usize = 8 << 20;

@@ -63,7 +63,7 @@ impl FileRole {
     }
 }
 
-/// How a file is beside what it was when it was added.
+/// The state of a file compared with when it was added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum FileState {
@@ -82,7 +82,7 @@ impl ModelFolder {
     /// exist.
     ///
     /// # Errors
-    /// If the system tells of no home.
+    /// If the system has no home folder.
     pub(crate) fn open() -> Result<Self, Failure> {
         if let Some(folder) = std::env::var_os("VTEX_MODELS").filter(|v| !v.is_empty()) {
             return Ok(Self { folder: folder.into() });
@@ -182,7 +182,7 @@ impl ModelFolder {
         Ok(self.model(name)?.files.into_iter().map(|f| f.sha256).collect())
     }
 
-    /// Copies files into the folder, after a look at what they are. All of them appear, or none.
+    /// Copies files into the folder, after their roles are recognised. All of them appear, or none.
     pub(crate) fn add(
         &self,
         files: &[PathBuf],
@@ -232,7 +232,7 @@ impl ModelFolder {
             let (bytes, sha256) = copy(path, Some(&new.path().join(&file)))?;
             described.push(ModelFile { file, role, bytes, sha256 });
         }
-        // That they go together, and that the copies are complete.
+        // Checks that the files belong together, and that the copies are complete.
         let networks = described.iter().filter(|d| d.role != FileRole::Weights);
         let copies: Vec<PathBuf> = networks.map(|d| new.path().join(&d.file)).collect();
         let sources: Vec<NetworkSource<'_>> = copies.iter().map(|path| NetworkSource::File(path)).collect();
@@ -255,7 +255,7 @@ impl ModelFolder {
         Ok(model)
     }
 
-    /// Puts a folder where another may be, which is given up only once it is replaced.
+    /// Moves a folder to a place where another may be; the other is removed only after it is replaced.
     fn put(&self, new: &Path, place: &Path) -> Result<()> {
         let fail = |e: io::Error| {
             let _ = fs::remove_dir_all(new);
@@ -273,7 +273,7 @@ impl ModelFolder {
         fs::remove_dir_all(&aside).map_err(|e| Error::write(&aside, e))
     }
 
-    /// Each file of a model, and how it is.
+    /// The state of each file of a model.
     pub(crate) fn verify(&self, model: &Model) -> Result<Vec<(String, FileState)>> {
         let state = |file: &ModelFile| {
             let path = self.folder.join(&model.name).join(&file.file);
@@ -291,7 +291,7 @@ impl ModelFolder {
     pub(crate) fn remove(&self, name: &str) -> anyhow::Result<()> {
         let model = self.model(name)?;
         let folder = self.folder.join(name);
-        // The description goes first: what is left behind is then no model.
+        // The description is removed first, so that remaining files are not taken for a model.
         for file in std::iter::once(DESCRIPTION).chain(model.files.iter().map(|f| f.file.as_str())) {
             let path = folder.join(file);
             match fs::remove_file(&path) {

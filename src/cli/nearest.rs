@@ -1,9 +1,9 @@
-//! The word that was probably meant.
+//! The most similar word, for corrections of typing errors.
 
 /// The candidate nearest to a text by edit distance, adjacent letters swapped included; the first of
 /// several. Empty only if there are no candidates.
 pub(crate) fn nearest<'a>(text: &str, candidates: &[&'a str]) -> &'a str {
-    // Hostile texts are long; their ends do not matter.
+    // Limits the work on very long texts.
     let text: String = text.chars().take(40).collect();
     let distance = |name: &&&str| strsim::osa_distance(&text, name);
     candidates.iter().min_by_key(distance).copied().unwrap_or_default()

@@ -1,4 +1,4 @@
-//! Where results go: files put in place as a whole, or standard output.
+//! Places of results: files that are replaced as a whole, or standard output.
 
 use super::foreign::{escaped, escaped_json, styled};
 use super::input::was_read;
@@ -32,7 +32,7 @@ pub(crate) enum Destination {
     File { path: PathBuf, force: bool },
 }
 
-/// A place and what is written there.
+/// A place and the kind of its content.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Target {
     pub(crate) place: Destination,
@@ -46,12 +46,12 @@ pub(crate) struct Targets {
     pub(crate) others: Vec<Target>,
 }
 
-/// How a scene is drawn and written, beyond what the names ask for.
+/// Options of drawing and writing a scene, besides the formats of the file names.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DrawingOptions<'a> {
     pub(crate) svg: SvgParameters,
     pub(crate) render: RenderParameters,
-    /// The recipe that an SVG states.
+    /// The recipe in the metadata of an SVG.
     pub(crate) recipe: Option<&'a Value>,
 }
 
@@ -64,7 +64,7 @@ impl DrawingOptions<'_> {
         png::render(&self.scene(scene), self.render.scale)
     }
 
-    /// The scene with the background that is wanted.
+    /// The scene with the chosen background.
     fn scene<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
         let Some(background) = self.render.background else { return Cow::Borrowed(scene) };
         Cow::Owned(scene.clone().with_background(match background {
@@ -101,7 +101,7 @@ impl WrittenFile {
     }
 }
 
-/// The folders that were looked through for what killed processes left there.
+/// The folders that were searched for files left by killed processes.
 static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 impl Destination {
@@ -113,14 +113,14 @@ impl Destination {
         }
     }
 
-    /// Fails now if writing would fail later for a reason known already: a foreign file, a folder
-    /// that is missing or closed. Nothing is changed.
+    /// Fails early if writing would fail for a known reason: a foreign file, or a folder that is missing or
+    /// not writable. Changes nothing.
     ///
     /// # Errors
     /// As [`write_file`].
     pub(crate) fn probe(&self) -> Result<()> {
         let Self::File { path, force } = self else { return Ok(()) };
-        // Opening a pipe or device would be noticed at its other end.
+        // Opening a pipe or device would have effects at its other end.
         if fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
             return Ok(());
         }
@@ -130,8 +130,8 @@ impl Destination {
         }
     }
 
-    /// Hands a writer to `content`; what it writes is sealed. A file appears, or is replaced, only when
-    /// all of it is there.
+    /// Passes a writer to `content`; the output is sealed. A file appears, or is replaced, only when it is
+    /// complete.
     ///
     /// # Errors
     /// Those of `content` and of [`write_file`]; [`Error::Interrupted`].
@@ -168,7 +168,7 @@ impl Destination {
 }
 
 /// Fails if standard output was closed when the program began. Rust opens the null device in its place, for
-/// reading and writing; who wants to lose what is written opens it for writing only.
+/// reading and writing; a user who discards output opens it for writing only.
 #[cfg(unix)]
 fn check_open() -> io::Result<()> {
     use std::os::unix::fs::MetadataExt;
@@ -193,12 +193,12 @@ fn or_interrupted(error: Error) -> Error {
 }
 
 impl Targets {
-    /// All of them.
+    /// All targets.
     pub(crate) fn all(&self) -> impl Iterator<Item = &Target> {
         std::iter::once(&self.first).chain(&self.others)
     }
 
-    /// Fails now if a file could not be written later.
+    /// Fails early if a file could not be written later.
     ///
     /// # Errors
     /// As [`Destination::probe`].
@@ -206,7 +206,7 @@ impl Targets {
         self.all().try_for_each(|target| target.place.probe())
     }
 
-    /// The first place, by which the result is called.
+    /// The first place, which names the result.
     pub(crate) fn path(&self) -> &Path {
         self.first.place.path()
     }
@@ -221,7 +221,7 @@ impl Targets {
         self.all().any(|target| target.kind.format == format)
     }
 
-    /// Writes a scene to all of them, and its library where a name asks for that.
+    /// Writes a scene to all targets, or its library where the file name stands for one.
     ///
     /// # Errors
     /// As [`Target::write_scene`].
@@ -258,7 +258,7 @@ impl Targets {
 }
 
 impl Target {
-    /// Writes bytes, packed if the name asks for it.
+    /// Writes bytes, packed if the file name ends so.
     ///
     /// # Errors
     /// As [`Destination::write`].
@@ -268,8 +268,8 @@ impl Target {
         Ok(WrittenFile::of(count))
     }
 
-    /// Writes a scene as what the name asks for; the scale counts for PNG only, the recipe for SVG only, the
-    /// limit of bytes for SVG and PDF.
+    /// Writes a scene in the format of the file name; the scale applies to PNG only, the recipe for SVG only,
+    /// the limit of bytes for SVG and PDF.
     ///
     /// # Errors
     /// As [`Destination::write`], and those of the writers and of [`reduce::to_fit`].
@@ -306,7 +306,7 @@ impl Target {
         })
     }
 
-    /// Writes the way between two scenes as an SVG that plays.
+    /// Writes the interpolation of two scenes as an animated SVG.
     ///
     /// # Errors
     /// As [`Destination::write`], and those of [`svg::write_animation`].
@@ -335,7 +335,7 @@ impl Target {
         Ok(WrittenFile { bytes, warnings: summary.warnings, ..WrittenFile::default() })
     }
 
-    /// Writes a scene by `writer`, which gives its warnings, as much of it as is allowed.
+    /// Writes a scene by `writer`, which returns its warnings, reduced to the permitted number of bytes.
     fn write_within(
         &self,
         scene: &Scene,
@@ -359,7 +359,7 @@ impl Target {
         Ok(WrittenFile { bytes, warnings, given_up, others: Vec::new() })
     }
 
-    /// Hands a writer to `content` that packs if the name asks for it; then the content is sealed here.
+    /// Passes a writer to `content` that packs if the file name ends so; packed content is sealed here.
     fn pack<T>(&self, out: &mut dyn Write, content: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<T> {
         if !self.kind.gzip {
             return content(out);
@@ -382,7 +382,8 @@ pub(crate) fn print(data: &[u8]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints a report in JSON on standard output, or on stderr if that carries data. Nothing in it acts on a terminal.
+/// Prints a report in JSON on standard output, or on stderr if that carries data. Characters that would
+/// control the terminal are escaped.
 ///
 /// # Errors
 /// [`Error::Write`] with the path `-`.
@@ -395,7 +396,7 @@ pub(crate) fn print_json(report: &impl Serialize, stdout_is_taken: bool) -> anyh
     print(format!("{text}\n").as_bytes())
 }
 
-/// Prints text that may hold colours, which go if standard output is not to have them.
+/// Prints text that may hold colours, which are removed if standard output does not take them.
 ///
 /// # Errors
 /// [`Error::Write`] with the path `-`.
@@ -406,12 +407,12 @@ pub(crate) fn print_styled(text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Says something on stderr, in lines. If that is closed there is nobody to tell.
+/// Prints a message on stderr, in lines. Errors are ignored, because stderr may be closed.
 pub(crate) fn say(text: &str) {
     say_styled(&text.split('\n').map(escaped).collect::<Vec<_>>().join("\n"));
 }
 
-/// As [`say`], of text that may hold colours; what of it is foreign must be escaped.
+/// As [`say`], for text that may hold colours; foreign parts of it must be escaped.
 pub(crate) fn say_styled(text: &str) {
     let _ = writeln!(anstream::stderr().lock(), "{}", styled(text));
 }

@@ -1,4 +1,4 @@
-//! Defects of the program, told in the form of any other error.
+//! Panics, reported in the form of any other error.
 
 use super::failure::Failure;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -7,11 +7,11 @@ use std::sync::{Mutex, PoisonError};
 /// Place in the sources of the last panic.
 static PLACE: Mutex<Option<String>> = Mutex::new(None);
 
-/// Keeps the place of a panic instead of printing a trace, which tells users nothing.
+/// Stores the place of a panic instead of printing a trace, which is useless to users.
 pub(crate) fn watch() {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map(|at| {
-            // The folders before it are those of whoever compiled the program.
+            // The folders before it are those of the machine that compiled the program.
             let file = at.file().rsplit_once("/src/").map_or(at.file(), |(_, file)| file);
             format!("{file}:{}", at.line())
         });
@@ -19,7 +19,7 @@ pub(crate) fn watch() {
     }));
 }
 
-/// Does work; an error if it panics.
+/// Runs work; returns an error if it panics.
 pub(crate) fn guarded<T>(work: impl FnOnce() -> anyhow::Result<T>) -> anyhow::Result<T> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str);

@@ -40,32 +40,32 @@ struct ReportedState {
 /// Characters of the bar.
 const WIDE: usize = 32;
 
-/// What a command does, as far as its time depends on it.
+/// The work of a command, as far as its duration depends on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Plan {
-    /// What finds the elements of a photograph, if one is analysed.
+    /// The segmenter that finds the elements of a photograph, if one is analysed.
     pub(crate) finder: Option<ElementFinder>,
-    /// Megapixels of the photograph as it is analysed.
+    /// Megapixels of the photograph at the size of the analysis.
     pub(crate) megapixels: f64,
     /// Megapixels of the canvas of a texture, if one is made.
     pub(crate) canvas: Option<f64>,
 }
 
-/// What finds the elements of a photograph, as far as its time depends on it.
+/// The segmenter of a photograph, as far as the duration depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ElementFinder {
     Texton,
     Regions,
 }
 
-/// Megapixels of a photograph of which nothing is known yet.
+/// Assumed megapixels of a photograph that was not read yet.
 const USUAL: f64 = 0.8;
 
 /// Seconds of a stage: of its own, and for each megapixel.
 type Seconds = (&'static str, f64, f64);
 
-/// Stages of finding elements with the network; measured, as those below, on two cores with photographs of .25
-/// to 1.2 megapixels and canvases of 1 and 9.
+/// Stages of segmentation with the network; measured, as those below, on two cores with photographs of .25 to
+/// 1.2 megapixels and canvases of 1 and 9.
 const TEXTON: [Seconds; 7] = [
     ("reading", 0.02, 0.0),
     ("loading", 0.08, 0.0),
@@ -92,11 +92,11 @@ const TEXTURE: [Seconds; 4] = [
     ("background field", 0.15, 0.12),
     ("writing", 0.1, 0.35),
 ];
-/// What is written where no texture is made; megapixels of the photograph.
+/// Writing of results other than textures; seconds are per megapixel of the photograph.
 const WRITING: [Seconds; 1] = [("writing", 0.03, 0.35)];
 
-/// Seconds of stages in their order, where nothing is known of what a command does: what is before and what is
-/// after a stage is known by it. Of those that may come, half do.
+/// Seconds of stages in their order, for a command without a plan: the order tells which stages lie before
+/// and after the present one. Half of the later stages are assumed to occur.
 const ANY: [(&str, f64); 28] = [
     ("reading", 0.1),
     ("loading", 0.1),
@@ -151,18 +151,18 @@ impl Plan {
     }
 }
 
-/// How far all the work is: the share of the time gone by in all the time that is expected. It never goes back.
+/// Progress of the whole work: elapsed time as a share of the expected time. It never decreases.
 #[derive(Debug)]
 struct TotalProgress {
     stages: Vec<(&'static str, f64)>,
-    /// Place of the stage among these, and the seconds expected of it.
+    /// Index of the present stage, and its expected seconds.
     at: usize,
     expected: f64,
-    /// When it began, in seconds of all the work.
+    /// Start of the stage, in seconds since the work began.
     since: f64,
     /// Steps done and all steps of the stage; the latter is 0 while it is unknown.
     steps: (u64, u64),
-    /// Seconds that the stages before took, and those that were expected of them.
+    /// Seconds that earlier stages took, and their expected seconds.
     spent: [f64; 2],
     /// The largest share shown.
     shown: f64,
@@ -175,20 +175,20 @@ impl Default for TotalProgress {
     }
 }
 
-/// How much of all the work must be done until its speed counts as much as what was measured elsewhere.
+/// Share of the work after which this machine's speed has as much weight as the measured one.
 const PRIOR: f64 = 0.1;
-/// Seconds expected of a stage that is in no plan.
+/// Expected seconds of a stage that is in no plan.
 const UNKNOWN: f64 = 0.3;
 
 impl TotalProgress {
-    /// What comes is known better. The stage goes on.
+    /// Replaces the plan by a better one; the present stage continues.
     fn plan(&mut self, plan: &Plan) {
         let name = self.stages.get(self.at).map(|stage| stage.0);
         self.stages = plan.stages();
         self.at = self.stages.iter().position(|stage| Some(stage.0) == name).unwrap_or(0);
     }
 
-    /// Begins a stage: what stands before it in the plan is over, what stands after it is to come.
+    /// Begins a stage: earlier stages of the plan are over, later ones are still to come.
     fn enter(&mut self, stage: &str, now: f64) {
         self.spent[0] = now;
         self.spent[1] += self.expected;
@@ -203,9 +203,9 @@ impl TotalProgress {
         }
     }
 
-    /// The share done at a time.
+    /// The share of the work done at a time.
     fn share(&mut self, now: f64) -> f64 {
-        // This machine is faster or slower than the one that was measured; at first that is not known.
+        // Corrects for the speed of this machine, which is not known at first.
         let prior = PRIOR * self.stages.iter().map(|stage| stage.1).sum::<f64>();
         let rate = (self.spent[0] + prior) / (self.spent[1] + prior);
         let gone = now - self.since;
@@ -260,13 +260,13 @@ impl Reporter {
         })
     }
 
-    /// Says what will be done, so that the bar knows how long it takes.
+    /// Sets the plan, from which the bar estimates the duration.
     pub(crate) fn plan(&self, plan: Plan) {
         self.state().plan = Some(plan);
         self.whole().plan(&plan);
     }
 
-    /// Says how many megapixels the photograph of the plan has, and how many of them are analysed.
+    /// Sets the megapixels of the photograph of the plan, and those of the analysis.
     pub(crate) fn learn(&self, megapixels: f64, analysed: f64) {
         let Some(plan) = self.state().plan else { return };
         // A texture is placed on the pixels of the analysis.
@@ -286,14 +286,14 @@ impl Reporter {
                 whole.lock().unwrap_or_else(PoisonError::into_inner).share(start.elapsed().as_secs_f64());
             let full = (share * WIDE as f64) as usize;
             let head = if full < WIDE { ">" } else { "" };
-            // Nothing can be done about a terminal that takes no text.
+            // Errors of the terminal are ignored.
             let _ = write!(out, "[{:=<full$}{head:<1$}] {2:>3} %", "", WIDE - full, (share * 100.0) as u32);
         };
         let style = ProgressStyle::with_template("{spinner} {share} {msg}");
         style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("share", draw)
     }
 
-    /// Names what is done next.
+    /// Begins a stage.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
@@ -309,12 +309,12 @@ impl Reporter {
         (std::mem::take(&mut state.seconds), std::mem::take(&mut state.warnings))
     }
 
-    /// Says what may be tried.
+    /// Prints a hint.
     pub(crate) fn hint(&self, message: &str) {
         self.talk("hint", AnsiColor::Cyan, message);
     }
 
-    /// Does something while no bar is in its way, such as asking the user.
+    /// Runs work with the bar hidden, such as a question to the user.
     pub(crate) fn aside<T>(&self, work: impl FnOnce() -> T) -> T {
         self.bar.suspend(work)
     }
@@ -338,13 +338,13 @@ impl Reporter {
 
 impl Drop for Reporter {
     fn drop(&mut self) {
-        // After an error the message must not stand beside the rest of a bar.
+        // After an error the bar must not remain on the line of the message.
         self.bar.finish_and_clear();
     }
 }
 
 impl ReportedState {
-    /// Books the time gone by on the stage that ends, and starts another.
+    /// Adds the elapsed time to the stage that ends, and starts another.
     fn enter(&mut self, stage: &'static str) {
         let now = Instant::now();
         let spent = now - self.since;

@@ -1,12 +1,12 @@
-//! Arguments that are sought before the command line is parsed.
+//! Arguments that are searched for before the command line is parsed.
 
 use super::options::global::When;
 use super::values::Axes;
 use clap::ValueEnum;
 use std::ffi::OsString;
 
-/// The arguments with the value of `--tile` joined to it. The option may stand alone, so the parser
-/// takes no value after a space; a word that can only be meant as one is one all the same.
+/// The arguments with the value of `--tile` joined to it. The option may have no value, so the parser takes
+/// no value after a space; a following word that can only be its value is joined.
 pub(crate) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
     let mut joined: Vec<OsString> = Vec::with_capacity(arguments.len());
     let mut ended = false;
@@ -24,7 +24,7 @@ pub(crate) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
     joined
 }
 
-/// The value of `--color`, sought before parsing so that errors of parsing follow it too.
+/// The value of `--color`, searched for before parsing so that it applies to errors of parsing too.
 pub(crate) fn colour_choice(arguments: &[OsString]) -> When {
     let mut choice = When::default();
     let mut rest = arguments.iter().skip(1).map_while(|a| (a != "--").then(|| a.to_string_lossy()));

@@ -1,4 +1,4 @@
-//! Files read as what they are to be: scenes, libraries, controls.
+//! Reading of scenes, libraries and control files.
 
 use super::failure::Failure;
 use super::input::{Input, InputKind};
@@ -48,7 +48,7 @@ pub(crate) fn controls(
     let maps = maps.collect::<anyhow::Result<Vec<_>>>()?;
     let maps: Vec<(&str, &[u8])> = maps.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
     let shares = if maps.is_empty() { Vec::new() } else { control::shares(&maps, libraries)? };
-    // What is wrong with it shows before the long work.
+    // A fault of the guide is reported before the long work.
     match &steering.structure {
         Some(_) if parameters.method == Method::Descriptor => {
             let failure = Failure::usage("--control and --guide lead placement by correspondences");
@@ -91,7 +91,7 @@ pub(crate) fn scene(input: &Input) -> anyhow::Result<Scene> {
     Ok(Scene::from_bytes(bytes, &input.name())?)
 }
 
-/// Where a scene comes from, for who gives something else.
+/// A hint for a file that is not a scene.
 fn scene_hint(bytes: &[u8], input: &Input) -> String {
     if metadata(bytes).is_none() {
         return "make a scene with 'vtex synth photo.lib.json -o out.scene.json'".into();
@@ -101,7 +101,7 @@ fn scene_hint(bytes: &[u8], input: &Input) -> String {
     format!("make its scene again: vtex texture PHOTO --again {svg} -o {scene}")
 }
 
-/// A scene out of its bytes, or out of those of a library, as its exemplar is.
+/// A scene from its bytes, or from those of a library as the reconstruction of its exemplar.
 pub(crate) fn texture_of(bytes: Vec<u8>, input: &Input) -> anyhow::Result<Scene> {
     let kind = InputKind::expect(&bytes, input, &[InputKind::Library, InputKind::Scene, InputKind::Unknown])?;
     Ok(match kind {

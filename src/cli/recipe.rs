@@ -13,10 +13,10 @@ use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use vtex::library::Library;
 
-/// How much of an SVG is searched for its metadata, which stand at its beginning.
+/// Number of bytes of an SVG that are searched for its metadata, which are at its beginning.
 const HEAD: usize = 1 << 20;
 
-/// A file that had a part in it.
+/// A file that was used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct RecipeFile {
     /// `photo`, or the option that named it.
@@ -26,7 +26,7 @@ pub(crate) struct RecipeFile {
 }
 
 impl RecipeFile {
-    /// A file as it is now.
+    /// The role, name and checksum of a file.
     pub(crate) fn of(role: &str, file: &Path, content: &[u8]) -> Self {
         Self { role: role.into(), file: file.into(), sha256: sum(content) }
     }
@@ -37,11 +37,11 @@ pub(crate) fn sum(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Writes down how the texture of a photograph is made, with the library that was made of it; masks come
-/// from `masks` in the end.
+/// The recipe of the texture of a photograph and of the library that was made from it; `masks` is the source
+/// of its masks.
 ///
 /// # Errors
-/// Files that had a part in it and cannot be read any more.
+/// Files that were used and cannot be read any more.
 pub(crate) fn of(
     parameters: &Parameters,
     masks: MasksFrom,
@@ -56,7 +56,7 @@ pub(crate) fn of(
         anyhow::Ok(())
     };
     for (role, file) in steering.files().chain(painted.map(|file| ("--layer-map", file))) {
-        // Bytes from a pipe are gone.
+        // Bytes from a pipe cannot be read again.
         if let Input::File(path) = file {
             add(role, path)?;
         }
@@ -103,18 +103,18 @@ pub(crate) struct Recipe {
     pub(crate) parts: Vec<RecipeFile>,
     /// The model of Segment Anything, if one was named.
     pub(crate) model: Option<String>,
-    /// How many seeds after that of the analysis the texture has its own.
+    /// Offset of the texture's seed from that of the analysis.
     pub(crate) variant: u64,
 }
 
-/// Writes down parameters and parts; `segmenter` is what finds masks if none are given.
+/// The recipe as JSON; `segmenter` finds the masks if none are given.
 fn write(
     parameters: &Parameters,
     segmenter: SegmenterName,
     parts: &[RecipeFile],
     model: Option<&str>,
 ) -> Value {
-    // With numbers for weights that have a name, because the name may mean others tomorrow.
+    // Named weights are stored as numbers, because the file of that name may change.
     let parameters = Parameters { segmenter, weights: None, threads: None, ..parameters.clone() };
     let mut recipe = serde_json::to_value(parameters.table()).unwrap_or_default();
     let parts = parts.iter().map(|part| {
@@ -169,7 +169,7 @@ impl Recipe {
         self.parts.iter().find(|part| part.role == role)
     }
 
-    /// Refuses a file whose content is not that of then.
+    /// Refuses a file whose content has changed since.
     ///
     /// # Errors
     /// A file that cannot be read or has another sum.

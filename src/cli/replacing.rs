@@ -1,8 +1,8 @@
-//! What a texture replaces: a picture of another seed or of another exemplar is not replaced unasked.
+//! Replacing of textures: a picture of another seed or of another exemplar is not replaced without asking.
 //!
-//! A seed that nobody gave is known from the picture alone, so who replaces the picture loses it. On a
+//! A seed that was chosen at random is stored only in the picture, so replacing the picture loses it. On a
 //! terminal the user is asked. Scripts are not stopped, because they write the same file again on purpose;
-//! they are told the seed that they replace.
+//! the replaced seed is printed.
 
 use super::common::Common;
 use super::failure::Failure;
@@ -16,10 +16,10 @@ use std::io::{self, IsTerminal, Read};
 use std::path::Path;
 use vtex::output::file::Format;
 
-/// How much of a file is searched for its seed.
+/// Number of bytes of a file that are searched for its seed.
 const HEAD: u64 = 1 << 20;
 
-/// What a texture is made from.
+/// The origin of a texture: its seed and exemplars.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TextureOrigin {
     pub(crate) seed: u64,
@@ -31,24 +31,24 @@ pub(crate) struct TextureOrigin {
 struct Loss<'a> {
     path: &'a Path,
     seed: u64,
-    /// Names of its exemplars, if it says them.
+    /// Names of its exemplars, if it states them.
     names: Vec<String>,
 }
 
-/// What a picture says of its origin, and the names of its exemplars.
+/// The origin stored in a picture, and the names of its exemplars.
 type Found = (TextureOrigin, Vec<String>);
 
 impl TextureOrigin {
-    /// Whether the other is made from something else, as far as both are known.
+    /// Whether the origins differ, as far as both are known.
     fn differs(&self, other: &Self) -> bool {
         let exemplars = self.exemplars.as_ref().zip(other.exemplars.as_ref());
         self.seed != other.seed || exemplars.is_some_and(|(a, b)| a != b)
     }
 }
 
-/// Asks on a terminal before pictures are replaced by others; elsewhere returns a hint how to make the first of
-/// them again, to be told once it is gone. `made` are the pictures that will be written, and what they are made
-/// from.
+/// Asks on a terminal before pictures are replaced by others; elsewhere returns a hint how to make the first
+/// of them again, to be printed after it is replaced. `made` are the pictures that will be written, with
+/// their origins.
 ///
 /// # Errors
 /// An answer that is not yes.
@@ -75,7 +75,7 @@ pub(crate) fn ask(
     let answer = reporter.aside(|| {
         anstream::eprint!("{}; replace it? [y/N] ", line(&format!("{texture}{more}")));
         let mut answer = String::new();
-        // What cannot be read is no consent.
+        // An answer that cannot be read does not count as consent.
         let _ = interrupt::waiting(|| io::stdin().read_line(&mut answer));
         answer
     });
@@ -97,7 +97,7 @@ fn loss<'a>(target: &'a Target, origin: &TextureOrigin) -> Option<Loss<'a>> {
     old.differs(origin).then(|| Loss { path, seed: old.seed, names })
 }
 
-/// The first bytes of a file; none of what is no file, for opening a pipe is noticed at its other end.
+/// The first bytes of a file; `None` for anything else, because opening a pipe has effects at its other end.
 fn head(path: &Path) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     std::fs::metadata(path).ok().filter(|m| m.is_file())?;
@@ -105,7 +105,7 @@ fn head(path: &Path) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// What an SVG says of its seed and exemplars, and the names of these.
+/// The origin stored in an SVG, and the names of its exemplars.
 fn of_svg(path: &Path) -> Option<Found> {
     let found = metadata(&head(path)?)?;
     let libraries = found["libraries"].as_array()?;

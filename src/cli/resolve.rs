@@ -1,6 +1,5 @@
-//! From the command line to a job. Defaults, `--config` and options are laid over one another, and all
-//! options are checked before anything is read except the configuration, weights, palettes and a file of
-//! jobs.
+//! From the command line to a job. Defaults, `--config` and options are merged, and all options are checked
+//! before anything is read except the configuration, weights, palettes and a file of jobs.
 
 use super::arguments::{Cli, command};
 use super::command::{Job, Resolved};
@@ -61,7 +60,8 @@ impl Task {
     }
 }
 
-/// The number of threads that `VTEX_THREADS` asks for. It is no parameter: no configuration holds it.
+/// The number of threads that `VTEX_THREADS` asks for. It is not a parameter, so it does not appear in
+/// configurations.
 fn threads_of_environment() -> Result<Option<u16>, Failure> {
     let Some(text) = std::env::var_os("VTEX_THREADS").filter(|text| !text.is_empty()) else {
         return Ok(None);

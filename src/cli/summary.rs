@@ -1,4 +1,4 @@
-//! Summaries, in JSON for programs and in a line or two for people.
+//! Summaries of commands: JSON for programs, a line or two for people.
 
 use super::common::Common;
 use super::output::{WrittenFile, print_json, say};
@@ -23,10 +23,10 @@ pub(crate) struct Summary {
     /// The photograph, libraries or file.
     pub(crate) inputs: Vec<String>,
     pub(crate) output: String,
-    /// Files written beside it, by several -o.
+    /// Further files, written by several -o.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) others: Vec<Other>,
-    /// The file of the pattern, if one was asked for.
+    /// The file of the pattern, if one was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) pattern: Option<String>,
     /// Bytes of the output.
@@ -58,13 +58,13 @@ pub(crate) struct Summary {
     /// Counts of the field of correspondences.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) structure: Option<Structure>,
-    /// What helps where few elements came whole, for people.
+    /// Advice if few elements were carried whole, for people.
     #[serde(skip)]
     pub(crate) few_whole: Option<String>,
-    /// How much primaries hide of one another.
+    /// Area of primaries hidden by others.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) overlap: Option<Overlap>,
-    /// How often the same primaries come back.
+    /// Repetition of the same primaries.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) repetition: Option<Repetition>,
     /// Share of the places that repeat a drawing's own period.
@@ -206,12 +206,12 @@ pub(crate) struct Coverage {
     /// The same by category, in the library's order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) categories: Vec<CategoryReport>,
-    /// What the exemplar is, for people.
+    /// The kind of exemplar, for messages.
     #[serde(skip)]
     pub(crate) exemplar: &'static str,
 }
 
-/// What the exemplars of libraries are, for people.
+/// The kind of the exemplars of libraries, for messages.
 pub(crate) fn exemplar_of(libraries: &[Library]) -> &'static str {
     match libraries {
         [library] if library.source.kind == SourceKind::Drawing => "drawing",
@@ -252,7 +252,7 @@ impl LayersReport {
         })
     }
 
-    /// Those of a texture; none if it has none.
+    /// Layers of a texture; `None` if it has none.
     pub(crate) fn of_texture(report: &SynthReport) -> Option<Self> {
         let strata = &report.strata;
         (!strata.is_empty()).then(|| Self {
@@ -265,7 +265,7 @@ impl LayersReport {
         })
     }
 
-    /// Names and areas in a line; none of a single layer.
+    /// Names and areas in a line; `None` for a single layer.
     fn in_words(&self) -> Option<String> {
         let each = self.names.iter().zip(&self.got).enumerate().map(|(k, (name, share))| {
             let coverage = self.coverage.get(k).map_or(String::new(), |[wanted, got]| {
@@ -287,7 +287,7 @@ impl LayersReport {
 pub(crate) struct Seconds(pub(crate) Vec<(&'static str, Duration)>);
 
 impl Seconds {
-    /// All of them together.
+    /// The sum of all stages.
     pub(crate) fn total(&self) -> f64 {
         self.0.iter().map(|s| s.1.as_secs_f64()).sum()
     }
@@ -306,7 +306,7 @@ impl Serialize for Seconds {
 }
 
 impl Summary {
-    /// Tells the user, as far and in the form they asked for.
+    /// Prints the summary in the chosen form and verbosity.
     ///
     /// # Errors
     /// A closed standard output.
@@ -444,7 +444,7 @@ pub(crate) fn regular(lattice: &Lattice) -> String {
     )
 }
 
-/// What a lattice measures, in a line.
+/// The measures of a lattice, in a line.
 pub(crate) fn measured(lattice: &Lattice) -> String {
     let vectors: Vec<String> = lattice.vectors.iter().map(|[x, y]| format!("({x:.1}, {y:.1})")).collect();
     format!(
@@ -468,14 +468,14 @@ fn carried(s: &Structure) -> String {
     )
 }
 
-/// Says that few elements of a texture came whole, and what helps; none if enough did. Of 24 photographs on
-/// canvases of 800 px it speaks of one, planks of which an eighth came whole, a third without their rows. Of bricks
-/// two in five came whole, and nobody sees it. Of a quarter of a photograph of cracked mud a sixth came whole, of
-/// all of it two thirds.
+/// Advice if few elements of a texture were carried whole; `None` if enough were. Of 24 photographs on
+/// canvases of 800 px it concerns one: of its planks an eighth were carried whole, a third without the rows.
+/// Of bricks two in five were carried whole, which is not noticeable. Of a quarter of a photograph of cracked
+/// mud a sixth was carried whole, of all of it two thirds.
 pub(crate) fn few_whole(s: &Structure, library: &Library) -> Option<String> {
     const LEAST_SHARE: f64 = 0.25;
     const LEAST_COUNT: usize = 8;
-    /// Largest share that elements cover where they stand apart.
+    /// Largest coverage of elements that count as apart.
     const APART: f64 = 0.6;
     let all = s.whole + s.like + s.fused;
     if all < LEAST_COUNT || s.whole as f64 >= LEAST_SHARE * all as f64 {
@@ -514,7 +514,7 @@ fn placement(overlap: &Overlap, repetition: &Repetition) -> String {
     line
 }
 
-/// A number of bytes, as people read it.
+/// A number of bytes in a readable unit.
 pub(crate) fn bytes(count: u64) -> String {
     match count {
         0..1_000 => format!("{count} B"),

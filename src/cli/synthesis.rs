@@ -33,12 +33,12 @@ pub(crate) struct Synthesis {
     pub(crate) render: RenderParameters,
     pub(crate) targets: Targets,
     pub(crate) pattern: Option<Target>,
-    /// Number of textures, of the seed and of those that follow it.
+    /// Number of textures: one of the seed, and one of each seed that follows it.
     pub(crate) variants: u64,
 }
 
 impl Synthesis {
-    /// Checks what was asked for.
+    /// Checks the options.
     pub(crate) fn new(
         parameters: Parameters,
         steering: Steering,
@@ -48,7 +48,7 @@ impl Synthesis {
     ) -> Result<Self, Failure> {
         let Parameters { synth, sized, svg, render, .. } = parameters;
         let pattern = pattern(pattern_args, force, &targets)?;
-        // What steers is fitted to the canvas.
+        // Controls are fitted to the canvas, so its size counts as given.
         let sized = sized || steering.files().next().is_some();
         if pattern.is_some() && !synth.tile.both() {
             let message = "--pattern needs a texture that repeats along both axes";
@@ -63,7 +63,7 @@ impl Synthesis {
         f64::from(self.parameters.width) * f64::from(self.parameters.height) / 1e6
     }
 
-    /// Fails now if a file could not be written later.
+    /// Fails early if a file could not be written later.
     ///
     /// # Errors
     /// As [`super::output::Destination::probe`].
@@ -75,8 +75,8 @@ impl Synthesis {
         })
     }
 
-    /// Asks before other pictures are replaced, or returns what to tell of them in the end; `exemplars` are the
-    /// sums of what it is made from.
+    /// Asks before other pictures are replaced, or returns a hint to be printed at the end; `exemplars` are
+    /// the checksums of the exemplars.
     ///
     /// # Errors
     /// Those of [`replacing::ask`].
@@ -111,7 +111,7 @@ pub(crate) struct Sources<'a> {
     pub(crate) command: &'static str,
     pub(crate) inputs: Vec<String>,
     pub(crate) libraries: &'a [Library],
-    /// How it is made from a photograph.
+    /// The recipe, for a texture of a photograph.
     pub(crate) recipe: Option<&'a Value>,
 }
 
@@ -124,7 +124,7 @@ pub(crate) fn canvas(parameters: &SynthParams, sized: bool, libraries: &[Library
     parameters
 }
 
-/// Makes, writes and sums up a texture: the second half of `texture` too.
+/// Makes and writes a texture, and prints its summary; also the second half of `texture`.
 pub(crate) fn finish(
     common: &Common,
     reporter: &Reporter,
@@ -158,20 +158,20 @@ pub(crate) fn finish(
     Ok(())
 }
 
-/// A texture that is done.
+/// A finished texture, to be written.
 pub(crate) struct FinishedTexture<'a> {
     pub(crate) command: &'static str,
     pub(crate) inputs: Vec<String>,
-    /// The library that it was made from, where that may be written too.
+    /// The library that it was made from, if that may be written too.
     pub(crate) library: Option<&'a Library>,
-    /// What it was made from, for people.
+    /// The kind of exemplar, for messages.
     pub(crate) exemplar: &'static str,
     pub(crate) scene: Scene,
     pub(crate) report: SynthReport,
 }
 
 impl FinishedTexture<'_> {
-    /// Writes it and sums up.
+    /// Writes the texture and prints the summary.
     pub(crate) fn write(
         self,
         common: &Common,
@@ -209,7 +209,7 @@ impl FinishedTexture<'_> {
             period: report.period,
             ..Summary::new(command, inputs, targets.path(), written, reporter)
         };
-        // Where a scene is changed, the seed is its own unless one was given.
+        // `warp` uses the scene's own seed unless one was given.
         let seed_chosen = common.seed_chosen && command != "warp";
         summary.tell(&Common { seed_chosen, ..common.clone() }, targets.piped())
     }

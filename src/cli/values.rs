@@ -1,4 +1,4 @@
-//! Values of options that need reading: canvas sizes, seeds, weights.
+//! Values of options with a syntax of their own: canvas sizes, seeds, weights.
 
 use clap::builder::{PossibleValue, TypedValueParser};
 use serde::de::Error as _;
@@ -23,7 +23,7 @@ enum ValueOrText<T> {
 pub(crate) struct Size {
     pub(crate) width: u32,
     pub(crate) height: u32,
-    /// The lengths, if it was given so; pixels are then those of CSS.
+    /// The lengths, if it was given in lengths; pixels are then those of CSS.
     pub(crate) millimetres: Option<[f64; 2]>,
 }
 
@@ -285,7 +285,7 @@ impl<'de> Deserialize<'de> for WeightsFrom {
     }
 }
 
-/// Whether Windows takes a file name for a device, whatever its extension.
+/// Whether Windows treats a file name as a device, whatever its extension.
 pub(crate) fn is_device(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or_default().trim_end().to_ascii_lowercase();
     let numbered = |port: &str| {
@@ -340,7 +340,7 @@ impl From<FiveWeights> for Weights {
 pub(crate) struct Axes(pub(crate) Tile);
 
 impl Axes {
-    /// How they are named.
+    /// The names of the choices.
     pub(crate) const NAMES: [&str; 4] = ["none", "both", "x", "y"];
 }
 
@@ -405,7 +405,7 @@ impl<T: Clone + Send + Sync + 'static> TypedValueParser for OneOf<T> {
     }
 }
 
-/// A value by the name that it has in files.
+/// A value by its name in files.
 pub(crate) fn named<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     let name: StrDeserializer<'_, ValueError> = text.into_deserializer();
     T::deserialize(name).map_err(|e| e.to_string())

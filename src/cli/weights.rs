@@ -1,4 +1,4 @@
-//! Weights of the score that a file holds.
+//! Weights of the score from a file.
 
 use super::failure::Failure;
 use super::format::{default_name, weights_path};
@@ -8,8 +8,7 @@ use vtex::output::file::Format;
 use vtex::scene::SynthParams;
 use vtex::tune::TunedWeights;
 
-/// Replaces the weights by those of a name, which are in a file beside the library, or beside the
-/// photograph of one.
+/// Replaces the weights by named ones, from a file beside the library or beside its photograph.
 pub(crate) fn read_weights(
     name: Option<Name>,
     beside: &Input,

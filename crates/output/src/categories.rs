@@ -15,9 +15,9 @@ pub struct SceneCategory {
     /// Its index in the library.
     #[serde(serialize_with = "CategoryId::serialize_number")]
     pub category: CategoryId,
-    /// Its name in the library; of scenes that know none, a plain name for its colour.
+    /// Its name in the library; for scenes without names, a plain name of its colour.
     pub name: String,
-    /// Mean colour of its elements where they stand: of the first shape of each, in sRGB.
+    /// Mean colour of its instances, in sRGB: that of the first shape of each.
     pub colour: Colour,
     /// Number of its elements on the canvas.
     pub elements: usize,
@@ -27,8 +27,8 @@ fn library_number<S: Serializer>(library: &LibraryId, serializer: S) -> Result<S
     serializer.serialize_u64(library.number())
 }
 
-/// The categories of a scene's elements, by library and number. Those that no element of the canvas
-/// belongs to are left out.
+/// The categories of a scene's elements, by library and number. Categories without an element on the canvas
+/// are left out.
 pub fn categories(scene: &Scene) -> Vec<SceneCategory> {
     let mut sums: BTreeMap<(LibraryId, CategoryId), ([f64; 3], usize)> = BTreeMap::new();
     for instance in scene.individuals() {

@@ -1,4 +1,4 @@
-//! Scene → how much of the canvas the elements of each category cover.
+//! Scene → the coverage of the canvas by the elements of each category.
 
 use super::png::{ClipRegion, path_of};
 use std::collections::BTreeMap;

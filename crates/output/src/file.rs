@@ -41,7 +41,7 @@ pub struct FileKind {
 }
 
 impl FileKind {
-    /// The kind that a file name stands for, whatever its case; none for any other name.
+    /// The kind that a file name stands for, whatever its case; `None` for any other name.
     pub fn from_path(path: &Path) -> Option<Self> {
         const ENDINGS: [(&str, Format, bool); 8] = [
             (".svg", Format::Svg, false),
@@ -104,9 +104,9 @@ pub fn write_file<T>(
     }
     // A link stays a link: the file that it points to is replaced.
     let target = if old.is_some() { fs::canonicalize(path).map_err(fail)? } else { path.to_owned() };
-    // The system's own words where the folder is not there.
+    // Reports the system's error if the folder does not exist.
     fs::metadata(folder_of(&target)).map_err(fail)?;
-    // Without the temporary name, which tells the user nothing.
+    // The error is reported without the temporary name, which means nothing to the user.
     let temporary = temporary(folder_of(&target)).map_err(|e| fail(e.kind().into()))?;
     let _unfinished = Unfinished::new(temporary.path());
     let written = sealed(path, temporary.as_file(), content)?;
@@ -128,7 +128,7 @@ fn sealed<T>(
     let fail = |e: io::Error| Error::write(path, e);
     let mut out = Sealed::new(BufWriter::new(ByteCounter { out: file, count: 0 }));
     let value = content(&mut out).map_err(|e| match e {
-        // Writers do not know the path they write to.
+        // Writers do not know the path, so it is added here.
         Error::Write { path, source } if path == Path::new("-") => fail(source),
         other => other,
     })?;
@@ -162,8 +162,8 @@ fn folder_of(path: &Path) -> &Path {
 const PREFIX: &str = ".vtex-";
 const SUFFIX: &str = ".tmp";
 
-/// A new file beside what it is to replace. It is locked as long as it is open, so that others know that
-/// somebody is writing to it.
+/// A new file beside what it is to replace. It is locked as long as it is open, which tells other processes
+/// that it is being written.
 fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX);
@@ -171,9 +171,9 @@ fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
     loop {
         let file = builder.tempfile_in(folder)?;
-        // Where there are no locks, nobody takes a file for abandoned.
+        // Without support for locks, no file counts as abandoned.
         let locked = file.as_file().lock().is_ok();
-        // Before it was locked, another process may have taken it for abandoned.
+        // Before it was locked, another process may have removed it as abandoned.
         if !locked || file.path().exists() {
             return Ok(file);
         }
@@ -199,15 +199,15 @@ impl Drop for Unfinished {
     }
 }
 
-/// Removes the temporary files that this process is writing, for a program that ends in the midst of that.
+/// Removes the temporary files that this process is writing, for a program that is about to end.
 pub fn remove_unfinished() {
     for path in &*UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner) {
         let _ = fs::remove_file(path);
     }
 }
 
-/// Removes the temporary files that killed processes left in the folder of a file: those that nobody has
-/// locked. What cannot be removed stays.
+/// Removes the temporary files that killed processes left in the folder of a file: those without a lock.
+/// Files that cannot be removed stay.
 pub fn remove_abandoned(path: &Path) {
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     for entry in fs::read_dir(folder_of(&target)).into_iter().flatten().flatten() {
@@ -224,12 +224,12 @@ pub fn remove_abandoned(path: &Path) {
     }
 }
 
-/// A file that stands at a place already.
+/// An existing file at the place of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ExistingFile {
-    /// Byte for byte what vtex wrote.
+    /// Written by vtex and unchanged.
     Ours,
-    /// Begun by vtex, and changed since.
+    /// Written by vtex and changed since.
     Changed,
     Foreign,
 }
@@ -246,9 +246,9 @@ fn found(path: &Path) -> Result<ExistingFile> {
     }
 }
 
-/// Whether vtex began a file: an SVG or a page just as vtex begins it, a JSON document whose first field
-/// is `"format": "vtex-…"`, one of these packed, a PNG whose text says so, a GIF whose comment does, or a
-/// PDF whose information does.
+/// Whether the beginning of a file is vtex's: that of an SVG or a page of vtex, a JSON document whose first
+/// field is `"format": "vtex-…"`, one of these packed, or a PNG, GIF or PDF whose text chunk, comment or
+/// information names vtex.
 fn is_begun(path: &Path) -> Result<bool> {
     const ENOUGH: usize = 4096;
     let mut start = Vec::new();
@@ -262,7 +262,7 @@ fn is_begun(path: &Path) -> Result<bool> {
     if start.starts_with(b"GIF89a") {
         return Ok(is_gif(&start));
     }
-    // The data may end in the middle; what comes before is what counts.
+    // The data may be cut off; only the beginning matters.
     let start = gzip::beginning(&start, ENOUGH);
     let begins = |how: &str| start.starts_with(how.as_bytes());
     Ok(begins(super::svg::BEGINNING) || begins(PAGE_BEGINNING) || is_document(&start) || is_png(&start))
@@ -370,14 +370,14 @@ mod tests {
             fs::write(&path, &content).unwrap();
             put(&path, false, "new").unwrap_or_else(|e| panic!("{i}: {e}"));
             assert_eq!(fs::read(&path).unwrap(), b"new");
-            // In place of what is in the file, one thing more or another: then it is somebody's work.
+            // Added or changed bytes mean that somebody has worked on the file.
             let appended = [&content[..], b"<!-- mine -->"].concat();
             fs::write(&path, &appended).unwrap();
             let refused = put(&path, false, "new");
             assert!(matches!(refused, Err(Error::Exists { changed: true, .. })), "{i}");
             assert_eq!(fs::read(&path).unwrap(), appended);
         }
-        // By hand, in a text editor.
+        // A change by hand in a text editor.
         let text = String::from_utf8(seal(&drawn)).unwrap();
         for (from, to) in [("Background", "Backdrop"), ("fill=\"#", "fill=\"#0"), ("</svg>\n", "</svg>")] {
             let edited = text.replacen(from, to, 1);

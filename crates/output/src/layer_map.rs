@@ -115,7 +115,7 @@ struct DescribedLayer<'a> {
     colour: vtex_base::raster::colour::Colour,
     /// Share of the pixels.
     share: f64,
-    /// Outline of this layer and those above it; none for the bottom layer, which is everywhere.
+    /// Outline of this layer and those above it; `None` for the bottom layer, which is everywhere.
     region: Option<&'a Outline>,
 }
 

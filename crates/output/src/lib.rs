@@ -1,9 +1,9 @@
 //! Scene → files: SVG, SVGZ, PDF, PNG; and SVG → pixels.
 //!
-//! All writers see one finished type, [`vtex_scene::scene::Scene`], and know nothing of how it came to
-//! be. [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale,
-//! [`raster_animation`] writes GIFs and PNGs that play, [`raster_svg`] draws any SVG, [`reduce`] reduces a
-//! scene to a number of bytes, [`file`] replaces files safely.
+//! All writers take one finished type, [`vtex_scene::scene::Scene`], and know nothing of how it was made.
+//! [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale, [`raster_animation`]
+//! writes GIFs and PNGs that play, [`raster_svg`] draws any SVG, [`reduce`] reduces a scene to a number of
+//! bytes, [`file`] replaces files safely.
 
 mod background;
 mod categories;
@@ -30,7 +30,7 @@ use vtex_base::document::in_order;
 use vtex_base::error::{Error, Result};
 use vtex_scene::scene::Scene;
 
-/// Pixels to the inch of CSS, and of files that say nothing else.
+/// Pixels per inch in CSS, and in files that do not state their resolution.
 pub const CSS_DPI: u32 = 96;
 
 /// Largest picture drawn, in pixels: 4 GiB of memory.
@@ -45,7 +45,7 @@ fn picture_size(width: f64, height: f64, scale: f64, name: &str) -> Result<(u32,
     vtex_base::error::check(scale.is_finite() && scale > 0.0, "scale", scale, "a number above 0")?;
     let side = |v: f64| libm::round(v * scale).max(1.0);
     let (w, h) = (side(width), side(height));
-    // The comparison also refuses what is not a number.
+    // The comparison also refuses NaN.
     if w * h <= LARGEST_PICTURE as f64 && w.max(h) <= f64::from(i32::MAX / 4) {
         return Ok((w as u32, h as u32));
     }

@@ -1,8 +1,8 @@
 //! Scene → pixels and PNG, drawn directly.
 //!
-//! Outside a domain the picture is transparent. It agrees with what a renderer makes of the SVG: the same
-//! grid of background colours, the same paths in the same order. It is drawn in bands of fixed height, which
-//! are independent of each other and of the number of threads.
+//! Outside a domain the picture is transparent. It agrees with a rendered SVG of the scene: the same grid of
+//! background colours, the same paths in the same order. It is drawn in bands of fixed height, which are
+//! independent of each other and of the number of threads.
 
 use super::background::PreparedBackground;
 use super::picture_size;
@@ -213,7 +213,7 @@ impl<'a> PreparedScene<'a> {
         for (k, run) in self.layers.chunk_by(|a, b| a.clipped == b.clipped).enumerate() {
             let clip = run[0].clipped.then_some(&self.domain);
             if k == 0 {
-                // Nothing lies underneath that must not be clipped.
+                // No layer that must stay unclipped lies underneath.
                 run.iter().for_each(|layer| self.draw_layer(layer, band, top));
                 clip.inspect(|domain| domain.clip(band, top as f64));
             } else {
@@ -293,7 +293,7 @@ fn opaque(colour: Colour) -> Paint<'static> {
     Paint { shader: Shader::SolidColor(Color::from_rgba8(r, g, b, 255)), ..Paint::default() }
 }
 
-/// A gradient, or one colour where there is none, as opaque as a shape.
+/// The paint of a shape: its gradient or its colour, with its opacity.
 fn paint(shape: &Shape, colour: Colour, gradient: Option<&Gradient>) -> Paint<'static> {
     let solid = |Colour([r, g, b]): Colour, opacity: f64| {
         Color::from_rgba8(r, g, b, libm::round(255.0 * shape.opacity * opacity) as u8)
@@ -313,7 +313,7 @@ fn paint(shape: &Shape, colour: Colour, gradient: Option<&Gradient>) -> Paint<'s
     Paint { shader: shader.unwrap_or(Shader::SolidColor(solid(colour, 1.0))), ..Paint::default() }
 }
 
-/// The path as tiny-skia knows it; none if there is nothing to fill.
+/// The path as tiny-skia's type; `None` if there is nothing to fill.
 pub(super) fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
     let mut builder = PathBuilder::new();
     for element in outline.path().elements() {
@@ -330,8 +330,8 @@ pub(super) fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
     builder.finish()
 }
 
-/// Writes a picture as PNG, 8-bit sRGB, with alpha only where something shows through. The text
-/// chunks name the program and, where there is one, the seed.
+/// Writes a picture as PNG, 8-bit sRGB, with alpha only if the picture is not opaque. The text chunks name
+/// the program and, where there is one, the seed.
 ///
 /// # Errors
 /// A failing writer, as [`Error::Write`] with the path `-`.

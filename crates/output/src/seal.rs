@@ -1,9 +1,9 @@
-//! The seal of a file: a SHA-256 of its own bytes, by which a file that nobody has changed since it was
-//! written is distinguished from one that somebody has worked on.
+//! The seal of a file: a SHA-256 of its own bytes. It distinguishes a file that is unchanged since it was
+//! written from one that somebody has worked on.
 //!
-//! It stands where the format has room for remarks, at the end, because files are written as they are
-//! made: a comment in SVG, HTML and PDF, a text chunk in PNG, a comment in GIF, the last field of a JSON
-//! document. Of a packed file the content is sealed, and gzip guards the rest.
+//! It is stored in a comment or similar at the end of the file, because files are written as they are made: a
+//! comment in SVG, HTML and PDF, a text chunk in PNG, a comment in GIF, the last field of a JSON document. Of
+//! a packed file the content is sealed, and gzip guards the rest.
 
 use flate2::Crc;
 use flate2::bufread::GzDecoder;
@@ -20,7 +20,7 @@ const HEAD: usize = 64;
 /// The end of every PNG: an empty chunk.
 const PNG_END: &[u8] = b"\0\0\0\0IEND\xaeB`\x82";
 
-/// Where a format has room for a seal.
+/// The place of a seal, by file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SealPlace {
     /// SVG and HTML.
@@ -33,7 +33,7 @@ enum SealPlace {
 }
 
 impl SealPlace {
-    /// Told by the first [`HEAD`] bytes, or all if there are fewer.
+    /// Recognises a format by the first [`HEAD`] bytes, or by all if there are fewer.
     fn of(head: &[u8]) -> Option<Self> {
         let begins = |how: &[u8]| head.starts_with(how);
         if begins(super::svg::BEGINNING.as_bytes()) || begins(PAGE_BEGINNING.as_bytes()) {
@@ -51,7 +51,7 @@ impl SealPlace {
         }
     }
 
-    /// The end of a file, before which the seal stands.
+    /// The last bytes of a file, which follow the seal.
     fn end(self) -> &'static [u8] {
         match self {
             Self::Markup => b"",
@@ -62,7 +62,7 @@ impl SealPlace {
         }
     }
 
-    /// The seal and the end of a file whose bytes before them have this sum.
+    /// The seal and the last bytes of a file; `sum` is that of the bytes before them.
     fn tail(self, sum: &str) -> Vec<u8> {
         let mut tail = match self {
             Self::Markup => format!("<!-- sha256 {sum} -->\n").into_bytes(),
@@ -86,7 +86,7 @@ fn hexadecimal(hash: Sha256) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Hashes a stream but for its last bytes.
+/// Hashes a stream except its last bytes.
 struct AllBut {
     last: usize,
     held: Vec<u8>,
@@ -98,7 +98,7 @@ impl AllBut {
         Self { last, held: Vec::new(), hash: Sha256::new() }
     }
 
-    /// Takes bytes, and hands on those that are certainly not among the last.
+    /// Takes bytes, and passes on those that are certainly not among the last.
     fn push(&mut self, bytes: &[u8], mut on: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
         let old = (self.held.len() + bytes.len()).saturating_sub(self.last).min(self.held.len());
         let new = bytes.len().saturating_sub(self.last);
@@ -112,22 +112,22 @@ impl AllBut {
     }
 }
 
-/// Writes on what it is given and, where the format is known, adds the seal at [`Sealed::finish`].
+/// A writer that adds the seal at [`Sealed::finish`], if it knows the format.
 pub struct Sealed<W> {
     out: W,
     head: Vec<u8>,
-    /// Known once enough has come.
+    /// The format, once enough bytes were written; `Some(None)` if it is unknown.
     format: Option<Option<SealPlace>>,
     content: AllBut,
 }
 
 impl<W: Write> Sealed<W> {
-    /// Nothing written yet.
+    /// A writer without any bytes yet.
     pub fn new(out: W) -> Self {
         Self { out, head: Vec::new(), format: None, content: AllBut::new(0) }
     }
 
-    /// Writes what is left, and gives back what was written to.
+    /// Writes the remaining bytes and the seal, and returns the inner writer.
     ///
     /// # Errors
     /// Those of writing.
@@ -176,7 +176,7 @@ impl<W: Write> Write for Sealed<W> {
     }
 }
 
-/// Whether a file, plain or gzip, is sealed and as it was then.
+/// Whether a file, plain or gzip, is sealed and unchanged.
 ///
 /// # Errors
 /// Those of reading; damaged gzip is not sealed.
@@ -190,7 +190,7 @@ pub(super) fn is_whole(mut file: impl Read) -> io::Result<bool> {
     }
     let mut unpacked = GzDecoder::new(BufReader::new(all));
     let sealed = whole(&mut unpacked).unwrap_or(false);
-    // Bytes after the packed data are not theirs.
+    // Bytes after the packed data mean a changed file.
     Ok(sealed && unpacked.into_inner().fill_buf()?.is_empty())
 }
 

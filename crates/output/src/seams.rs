@@ -1,4 +1,4 @@
-//! Tests: a scene that tiles has no seam, drawn directly or by way of SVG.
+//! Tests: a scene that tiles has no seam, drawn directly or from its SVG.
 
 use super::png::render;
 use super::raster_svg::render_svg;
@@ -83,7 +83,7 @@ fn the_background_alone_shows_no_seam() {
         let (dx, dy) = half(tile);
         let moved = testing::moved(scene.clone(), f64::from(dx), f64::from(dy));
         for ((name, tiles), (_, whole)) in pictures(&scene, 1.0).iter().zip(&pictures(&moved, 1.0)) {
-            // Where stops lie depends on where the columns begin, which is elsewhere after the move.
+            // The places of stops depend on the beginnings of columns, which differ after the move.
             let [(mean, more), (_, most)] = [2, 5].map(|d| difference(tiles, whole, dx, dy, d));
             assert!(mean < 0.6 && more < 0.05 && most == 0.0, "{name} {tile:?}: {mean} {more} {most}");
         }
@@ -213,7 +213,7 @@ fn shadows_and_lines_are_alike_in_all_writers_and_cross_the_seams() {
         let moved = testing::moved(scene.clone(), f64::from(dx), f64::from(dy));
         let all = pictures(&scene, 1.0);
         for ((name, tiles), (_, whole)) in all.iter().zip(&pictures(&moved, 1.0)) {
-            // Where lines bend is drawn a little differently from place to place.
+            // Bends of lines are drawn slightly differently at different places.
             let (mean, bad) = difference(tiles, whole, dx, dy, 40);
             assert!(mean < 0.4 && bad < 2e-4, "{name} {tile:?}: mean {mean}, bad {bad}");
         }

@@ -1,8 +1,8 @@
 //! Soft shadows as vectors: a few translucent outlines, one inside the other.
 //!
-//! The outline is drawn on a small raster and blurred; the outlines are the lines at which the blurred
-//! shape has so much strength, found between pixels. Whatever the shape, they are those of a real
-//! blur: corners are rounded, gaps and holes close. All formats paint the same outlines.
+//! The outline is drawn on a small raster and blurred; the outlines are level lines of the blurred shape,
+//! found at sub-pixel precision. Whatever the shape, they are those of a real blur: corners are rounded, gaps
+//! and holes close. All formats paint the same outlines.
 
 use super::png::path_of;
 use std::collections::BTreeMap;
@@ -13,16 +13,16 @@ use vtex_scene::scene::{ElementId, Instance, Scene, Shadow};
 
 /// Most outlines of a shadow.
 const MOST_LAYERS: u32 = 8;
-/// Darkness from one outline to the next that is not seen as a step.
+/// Largest difference in darkness between outlines that is not visible as a step.
 const STEP: f64 = 0.075;
-/// Pixels of the raster to the width of the soft edge, at least and for each outline: enough that no two
-/// lines lie between two pixels.
+/// Pixels of the raster per width of the soft edge: the minimum, and the number for each outline. With these
+/// no two lines lie between two pixels.
 const PIXELS: [f64; 2] = [8.5, 1.7];
 /// Largest side of the raster.
 const LARGEST_SIDE: f64 = 600.0;
 /// Deviation of the blur, as a share of the width of the soft edge.
 const DEVIATION: f64 = 0.25;
-/// How far outlines may lie from the lines, in pixels of the raster.
+/// Largest distance of outlines from the level lines, in pixels of the raster.
 const TOLERANCE: f64 = 0.35;
 
 /// One of a shadow's nested outlines.
@@ -36,7 +36,7 @@ pub(super) struct ShadowOutline {
 /// Element, blur and opacity.
 pub(super) type Key = (ElementId, u64, u64);
 
-/// The shape of a shadow before it is put in its place.
+/// The key of a shadow's shape, which instances at different places share.
 pub(super) fn key(instance: &Instance, shadow: &Shadow) -> Key {
     (instance.element, shadow.blur.to_bits(), shadow.opacity.to_bits())
 }
@@ -77,7 +77,7 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<ShadowOutline> {
     let count = (libm::round(blur / 2.0) + 2.0).min(libm::ceil(opacity / STEP).max(1.0));
     let count = (count as u32).min(MOST_LAYERS);
     let pixel = (blur / (PIXELS[1] * f64::from(count)).max(PIXELS[0])).max(longest / LARGEST_SIDE);
-    // A soft edge of less than two pixels of the raster is not seen on so large a shape.
+    // A soft edge of less than two pixels of the raster is invisible on a shape of this size.
     if blur < 0.3 || blur < 2.0 * pixel {
         return sharp();
     }
@@ -110,7 +110,7 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<ShadowOutline> {
         else {
             continue;
         };
-        // The darkness of all up to this one together.
+        // The combined darkness of the outlines up to this one.
         let together = opacity * f64::from(k) / f64::from(count);
         let alone = 1.0 - (1.0 - together) / (1.0 - before);
         before = together;
@@ -160,7 +160,7 @@ impl Strength {
         mix(mix(value(x0, y0), value(x1, y0), u), mix(value(x0, y1), value(x1, y1), u), v)
     }
 
-    /// How far along a normal the strength is `level`, from a point at most a pixel from there.
+    /// The distance along a normal at which the strength is `level`, at most a pixel.
     fn distance(&self, p: Point, normal: Vec2, level: f64) -> f64 {
         let (before, after) = (self.at(p - normal), self.at(p + normal));
         let slope = (after - before) / 2.0;
@@ -168,7 +168,7 @@ impl Strength {
     }
 }
 
-/// Blurred along x, and turned so that the same again blurs along y and turns back.
+/// Blurred along x and transposed, so that a second call blurs along y and restores the order.
 fn blurred(s: &Strength, deviation: f64) -> Strength {
     let reach = libm::ceil(3.0 * deviation) as usize;
     let weight = |k: usize| libm::exp(-0.5 * (k as f64 / deviation) * (k as f64 / deviation)) as f32;
@@ -195,7 +195,7 @@ mod tests {
         layers(&Outline::new(&parse_path(text).unwrap()).unwrap(), blur, 0.5)
     }
 
-    /// How dark it is at a point, all layers together.
+    /// The darkness at a point, all layers together.
     fn darkness(layers: &[ShadowOutline], p: (f64, f64)) -> f64 {
         let over = layers.iter().filter(|l| l.outline.path().winding(p.into()) != 0);
         1.0 - over.fold(1.0, |light, l| light * (1.0 - l.opacity))

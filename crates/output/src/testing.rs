@@ -203,8 +203,8 @@ pub(super) fn styled(mut scene: Scene) -> Scene {
     scene
 }
 
-/// The scene with what drawings bring: a layer in a region with a field, stroked paths with dashes,
-/// radial gradients, and shapes that let something through.
+/// The scene with properties of drawings: a layer in a region with a field, stroked paths with dashes, radial
+/// gradients, and translucent shapes.
 pub(super) fn drawn(mut scene: Scene) -> Scene {
     let curve = |text: &str| Curve::new(parse_path(text).unwrap()).unwrap();
     let line = Line { cap: Cap::Round, join: Join::Round, ..Line::new(curve("M-15 0C-5-20 5 20 15 0"), 3.0) };

@@ -1,4 +1,4 @@
-//! `vtex check`: scene → how well its elements are found again in its picture.
+//! `vtex check`: scene → the share of its elements that analysis of its picture finds again.
 
 use crate::cli::analysis::{Analysis, segmenter};
 use crate::cli::command::{Arguments, Job, Resolved};
@@ -64,7 +64,7 @@ impl Arguments for CheckArgs {
 impl Checking {
     fn new(a: CheckArgs, resolved: &Resolved) -> Result<Self, Failure> {
         let (scene, library) = (required(a.scene)?, required(a.library)?);
-        // The same file may be both.
+        // The same file may be scene and library.
         if scene == Input::Stdin {
             check_files(&[("the scene", &scene), ("--library", &library)], &[])?;
         }
@@ -111,7 +111,7 @@ fn run(common: &Common, reporter: &Reporter, checking: Checking) -> anyhow::Resu
 /// elements alone count.
 fn of_svg(bytes: &[u8], analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<(Scene, Pixmap)> {
     let name = analysis.input.name();
-    // What is left out is drawn all the same.
+    // Parts that import leaves out are drawn nevertheless.
     let lenient = AnalyzeParams { lenient: true, ..AnalyzeParams::default() };
     let params = ImportParams { analyze: lenient, ..ImportParams::default() };
     let mut scene = reconstruct(&import(bytes, &name, &params, reporter)?);
@@ -130,7 +130,7 @@ fn of_svg(bytes: &[u8], analysis: &Analysis, reporter: &Reporter) -> anyhow::Res
     Ok((scene, picture))
 }
 
-/// The numbers, with what they mean.
+/// The numbers with explanations.
 fn told(cycle: &Cycle) -> String {
     let row =
         |name: &str, value: String, meaning: &str| [name.to_owned(), value, meaning.to_owned()].to_vec();

@@ -1,4 +1,4 @@
-//! `vtex doctor`: what networks run on, which there are, and what is missing.
+//! `vtex doctor`: the engines for networks, the models, and missing files.
 
 use super::models::show;
 use crate::cli::command::{Arguments, Job, Resolved};
@@ -35,15 +35,15 @@ impl Arguments for DoctorArgs {
 struct DoctorReport {
     program: &'static str,
     command: &'static str,
-    /// `ONNX Runtime` or `rten`; none if that asked for cannot be had.
+    /// `ONNX Runtime` or `rten`; `None` if the chosen engine is not available.
     #[serde(skip_serializing_if = "Option::is_none")]
     engine: Option<&'static str>,
-    /// Of ONNX Runtime.
+    /// Version of ONNX Runtime.
     #[serde(skip_serializing_if = "Option::is_none")]
     version: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     library: Option<PathBuf>,
-    /// Where the library was found, or looked for and found wanting.
+    /// The places where the shared library was looked for, with the result.
     libraries: Vec<CandidateReport>,
     threads: usize,
     models_folder: Option<PathBuf>,

@@ -58,7 +58,7 @@ pub(crate) struct EditArgs {
     pub(crate) svg: SvgFlags,
 }
 
-/// Operations, their scene, and the place of the result.
+/// The operations, their scene, and the place of the result.
 struct Editing {
     scene: Input,
     operations: Vec<Asked>,
@@ -113,7 +113,7 @@ struct EditSummary<'a> {
     operations: Vec<OperationReport<'a>>,
 }
 
-/// An operation as it was written, and what it came to.
+/// An operation as it was written, and its outcome.
 #[derive(Serialize)]
 struct OperationReport<'a> {
     operation: &'a str,
@@ -157,7 +157,7 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
     if !common.quiet {
         done.iter().for_each(|done| say(&line(done)));
     }
-    // The seed is the scene's own or was given, so there is none to tell.
+    // The seed is the scene's own or was given, so it is not reported.
     summary.tell(&Common { seed_chosen: false, debug_folder: None, ..*common }, piped)
 }
 

@@ -33,7 +33,7 @@ fn run(folder: &Path, mut command: clap::Command) -> anyhow::Result<()> {
     for command in std::iter::once(&command).chain(commands) {
         let name = command.get_display_name().unwrap_or_else(|| command.get_name());
         let path = folder.join(format!("{name}.1"));
-        // These pages are vtex's whoever wrote what stands there now.
+        // Manual pages are replaced even if another program wrote the existing file.
         let place = Destination::File { path: path.clone(), force: true };
         let page = clap_mangen::Man::new(command.clone()).source(vtex::PROGRAM);
         place.write(|out| page.render(&mut *out).map_err(|e| Error::write(&path, e)))?;

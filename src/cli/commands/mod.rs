@@ -26,7 +26,7 @@ mod warp;
 use super::command::Arguments;
 use clap::Subcommand;
 
-/// Any of them, with its arguments.
+/// Any command, with its arguments.
 #[derive(Subcommand)]
 pub(crate) enum Command {
     Texture(Box<texture::TextureArgs>),

@@ -110,7 +110,7 @@ fn run(common: &Common, action: ModelsAction, threads: Option<u16>) -> anyhow::R
     }
 }
 
-/// A file of a model, as it is now.
+/// A file of a model and its state.
 #[derive(Serialize)]
 struct Verified {
     model: String,

@@ -146,12 +146,12 @@ fn run(common: &Common, reporter: &Reporter, job: &Stylizing) -> anyhow::Result<
     summary.tell(common, targets.piped())
 }
 
-/// An SVG over white, its longer side as many pixels as the canvas has.
+/// An SVG drawn over white; its longer side has as many pixels as the canvas.
 fn drawn(bytes: &[u8], name: &str, side: u32, reporter: &Reporter) -> anyhow::Result<RgbImage> {
     let page = render_svg(bytes, 1.0, name, reporter)?;
     let scale = f64::from(side) / f64::from(page.width().max(page.height()));
     let page = if scale == 1.0 { page } else { render_svg(bytes, scale, name, reporter)? };
-    // What is transparent is white.
+    // Transparent pixels become white.
     let over_white = |v: u8, alpha: u8| v.saturating_add(255 - alpha);
     Ok(RgbImage::from_fn(page.width(), page.height(), |x, y| {
         let p = page.pixels()[(y * page.width() + x) as usize];

@@ -125,7 +125,7 @@ impl Arguments for TextureArgs {
             }
         }
         let photo = required(photo)?;
-        // A seed given here is that of both halves.
+        // A seed given here applies to analysis and synthesis.
         let variant = recipe.as_ref().filter(|_| !values.has_seed()).map_or(0, |recipe| recipe.variant);
         parameters.synth.seed = seed.0.wrapping_add(variant);
         read_weights(parameters.weights.clone(), &photo, &mut parameters.synth)?;
@@ -193,7 +193,7 @@ struct Texture {
     synthesis: Synthesis,
     parameters: Parameters,
     recipe: Option<Recipe>,
-    /// How many seeds after that of the analysis the texture has its own.
+    /// Offset of the texture's seed from that of the analysis.
     variant: u64,
 }
 
@@ -207,7 +207,7 @@ impl Texture {
             photo @ Input::File(_) => Some([recipe::sum(&photo.read()?)]),
         };
         let replaced = synthesis.ask(common, reporter, photo.as_ref().map(<[String; 1]>::as_slice))?;
-        // Faults in them show before the long work.
+        // Faults of the options are reported before the long work.
         if let Some(recipe) = recipe {
             recipe.check("photo", "the photograph", &analysis.input)?;
             let painted = analysis.layers.painted.iter().map(|file| ("--layer-map", file));

@@ -75,7 +75,7 @@ pub(crate) struct TransferArgs {
     pub(crate) svg: SvgFlags,
 }
 
-/// Textures, and how they are put together and written.
+/// The textures, and how they are combined and written.
 struct Transferring {
     structure: Analysis,
     appearances: Vec<Analysis>,

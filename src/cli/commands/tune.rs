@@ -170,7 +170,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
     Ok(())
 }
 
-/// The changes by the search, term by term; of all, less is better.
+/// The terms before and after the search; less is better for all.
 fn table(tuned: &TunedWeights) -> String {
     let w = &tuned.weights;
     let weights = [w.target, w.uncovered, w.empty, w.mismatched, w.same_overlap].map(|v| v.to_string());

@@ -64,7 +64,7 @@ pub(crate) struct VectorizeArgs {
 const SEGMENTER: &str = "Segmenter that finds the elements: auto is regions, which takes a third of texton's time and \
      draws the picture as well [auto, texton, regions, felzenszwalb or sam, default: auto]";
 
-/// Where masks come from in the end. The picture is drawn as well without a network.
+/// The source of masks: a network does not improve the drawing, so the default is without.
 fn without_network(masks: MasksFrom) -> MasksFrom {
     if matches!(masks, MasksFrom::Auto) { MasksFrom::OneTree } else { masks }
 }
@@ -85,7 +85,7 @@ impl Arguments for VectorizeArgs {
         let photo = required(photo)?;
         let targets = targets(output.clone(), &force, &photo, MAKES)?;
         let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &resolved.parameters)?;
-        // Nothing is repeated here.
+        // Nothing is tiled here.
         let masks = without_network(analysis.masks);
         let analysis = Analysis { looks_at_borders: false, masks, ..analysis };
         let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);

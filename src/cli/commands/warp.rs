@@ -141,7 +141,7 @@ fn run(common: &Common, reporter: &Reporter, warping: &Warping) -> anyhow::Resul
     made.write(common, reporter, drawing, targets, None)
 }
 
-/// Scene → the way that it is bent.
+/// The bend of a scene.
 fn bend(scene: &Scene, how: &BendInput) -> anyhow::Result<Bend> {
     let read = |file: &Input| {
         let bytes = file.read()?;

@@ -37,7 +37,7 @@ pub(crate) struct Steering {
     pub(crate) maps: Vec<Input>,
 }
 
-/// Where the shape to fill comes from.
+/// The source of the shape to fill.
 #[derive(Debug)]
 pub(crate) enum DomainFrom {
     Shape(Input),

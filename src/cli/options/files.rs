@@ -1,4 +1,4 @@
-//! Files that are read and written: where results go, and that no file is both.
+//! Files that are read and written: the places of results, and the check that no file is both.
 
 use crate::cli::failure::Failure;
 use crate::cli::format::{self, default_name};
@@ -19,7 +19,7 @@ pub(crate) struct ForceArgs {
     pub(crate) force: bool,
 }
 
-/// An argument that the parser lets be missing only beside `--dump-config`.
+/// An argument that is optional for the parser only with `--dump-config`.
 pub(crate) fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
     path.map(Input::new).ok_or_else(|| Failure::usage("no input is given"))
 }
@@ -27,16 +27,17 @@ pub(crate) fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
 /// The result of a command.
 #[derive(Clone, Copy)]
 pub(crate) struct Makes {
-    /// All formats, in which the result may be written.
+    /// All formats in which the result may be written.
     pub(crate) allowed: &'static [Format],
     /// The default format.
     pub(crate) usual: Format,
-    /// The default ending of its file's name, after the name of the input; may be empty. Commands differ in it, so
-    /// that none replaces what another has made.
+    /// The default ending of its file's name, after the name of the input; may be empty. Commands differ in
+    /// it, so that none replaces the result of another.
     pub(crate) word: &'static str,
 }
 
-/// Where results go: as asked; else stdout if the input is stdin; else a file named after it.
+/// The places of results: the given ones; else stdout if the input is stdin; else a file named after the
+/// input.
 pub(crate) fn targets(
     outputs: Vec<PathBuf>,
     force: &ForceArgs,
@@ -88,8 +89,7 @@ pub(crate) fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Pat
     Ok(())
 }
 
-/// A path that is the same however a file is spelled: links resolved, also those of a file's folder
-/// where the file is yet to be written.
+/// A canonical path: links are resolved, also those of the folder of a file that does not exist yet.
 pub(crate) fn plain(path: &Path) -> PathBuf {
     if let Ok(path) = path.canonicalize() {
         return path;
@@ -101,7 +101,7 @@ pub(crate) fn plain(path: &Path) -> PathBuf {
     }
 }
 
-/// Refuses that one file is to hold two things: the later would destroy the earlier, `--force` or not.
+/// Refuses that one file is written twice: the later result would destroy the earlier, `--force` or not.
 pub(crate) fn apart(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
     for (i, (name, path)) in files.iter().enumerate() {
         for (other, second) in &files[i + 1..] {

@@ -1,4 +1,4 @@
-//! Pictures one after another: what an animation is written as, by the name of the output.
+//! Animations: the format that the name of the output stands for.
 
 use crate::cli::failure::Failure;
 use crate::cli::output::Destination;
@@ -34,16 +34,16 @@ pub(crate) enum AnimationKind {
     Png,
 }
 
-/// What is played.
+/// The form of an animation.
 pub(crate) enum Played {
     /// Files of their own, named by their number.
     Frames { folder: PathBuf, kind: FileKind, force: bool },
-    /// One file that plays.
+    /// One animated file.
     Animation { place: Destination, kind: AnimationKind },
 }
 
 impl Played {
-    /// Whether it is made of pixels.
+    /// Whether its frames are pictures of pixels.
     pub(crate) fn drawn(&self) -> bool {
         match self {
             Self::Frames { kind, .. } => kind.format == Format::Png,
@@ -51,7 +51,7 @@ impl Played {
         }
     }
 
-    /// Asks at once whether the file can be written.
+    /// Checks that the file can be written.
     pub(crate) fn probe(&self) -> vtex::Result<()> {
         match self {
             Self::Frames { .. } => Ok(()),
@@ -96,7 +96,7 @@ pub(crate) fn played(
     }
 }
 
-/// Whether a path can only be meant as a folder.
+/// Whether a path can only be a folder.
 fn is_folder(path: &Path) -> bool {
     path.is_dir() || path.as_os_str() != "-" && path.extension().is_none()
 }

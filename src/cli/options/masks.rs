@@ -1,4 +1,4 @@
-//! Where masks come from.
+//! The source of masks.
 
 use super::analyze::SegmenterName;
 use super::engine::EngineArgs;
@@ -38,21 +38,21 @@ pub(crate) struct SamArgs {
     pub(crate) decoder: Option<PathBuf>,
 }
 
-/// Where masks come from.
+/// The source of masks.
 #[derive(Clone, Debug)]
 pub(crate) enum MasksFrom {
     /// Segment Anything if there is a model, else the texton network.
     Auto,
     Texton,
     Regions,
-    /// As `Regions`, but of one tree: what [`Auto`](Self::Auto) is to `vectorize`.
+    /// As `Regions`, but with a single tree: [`Auto`](Self::Auto) of `vectorize`.
     OneTree,
     Felzenszwalb,
     Sam(SamFrom),
     File(PathBuf),
 }
 
-/// Where a network of Segment Anything comes from.
+/// The source of a network of Segment Anything.
 #[derive(Clone, Debug)]
 pub(crate) enum SamFrom {
     /// A model that was added, or the only one.
@@ -61,7 +61,7 @@ pub(crate) enum SamFrom {
 }
 
 impl SamFrom {
-    /// The user's words about it, if any.
+    /// The source that the options name, if any.
     pub(crate) fn new(args: SamArgs) -> Option<Self> {
         let files: Vec<PathBuf> = args.encoder.into_iter().chain(args.decoder).collect();
         if files.is_empty() {
@@ -72,7 +72,7 @@ impl SamFrom {
     }
 }
 
-/// Where masks come from: a file, or what finds them.
+/// The source of masks: a file, or a segmenter.
 pub(crate) fn masks_from(
     file: Option<PathBuf>,
     segmenter: SegmenterName,

@@ -1,5 +1,4 @@
-//! Groups of options that several commands share: as clap sees them, and what they ask for once they
-//! are checked.
+//! Groups of options that several commands share: as types for clap, and as checked values.
 
 pub(crate) mod analyze;
 pub(crate) mod control;

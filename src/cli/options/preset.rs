@@ -40,7 +40,7 @@ fn preset() -> OneOf<String> {
 }
 
 impl PresetArgs {
-    /// The preset asked for.
+    /// The values of the chosen preset.
     pub(crate) fn layer(&self) -> Result<Option<ConfigLayer>, Failure> {
         let found = self.preset.as_ref().and_then(|name| PRESETS.iter().find(|(known, _)| known == name));
         let Some((name, values)) = found else { return Ok(None) };

@@ -84,7 +84,7 @@ impl<'de> Deserialize<'de> for BackgroundChoice {
 }
 
 impl RenderParameters {
-    /// The note on a scale that was asked for where nothing is `drawn`.
+    /// A warning if a scale was given but no PNG is `drawn`.
     pub(crate) fn warning(&self, drawn: bool) -> Option<&'static str> {
         let idle = !drawn && self.scale != 1.0;
         idle.then_some("--scale has no effect here: only pictures made of pixels have a resolution")

@@ -33,7 +33,7 @@ pub(crate) struct SvgFlags {
 pub(crate) struct SvgParameters {
     /// Decimals of numbers. 0 to 6.
     pub(crate) precision: u8,
-    /// Whether elements are written in full wherever they stand.
+    /// Whether every instance is written in full.
     pub(crate) expand: bool,
     /// Whether categories have style rules.
     #[serde(default)]
@@ -43,12 +43,12 @@ pub(crate) struct SvgParameters {
     pub(crate) max_bytes: Option<Bytes>,
 }
 
-/// Pixels of an arrangement for each unit from which a drawing's units are coarse.
+/// Pixels of the arrangement per unit of a drawing above which one decimal is too coarse.
 const COARSE: f64 = 4.0;
 
 impl SvgParameters {
-    /// With two decimals in place of one where elements come from a drawing on a small page, of which a tenth
-    /// of a unit is seen.
+    /// With two decimals in place of one if elements come from a drawing on a small page, where a tenth of a
+    /// unit is visible.
     pub(crate) fn fit(self, libraries: &[Library]) -> Self {
         let coarse = libraries.iter().any(|library| library.pixels_per_unit() > COARSE);
         if coarse && self.precision == 1 { Self { precision: 2, ..self } } else { self }

@@ -78,7 +78,7 @@ pub(crate) struct SynthFlags {
     pub(crate) ablate: Option<Vec<Ablation>>,
 }
 
-/// Also of section `[synth]`; `texture` has the option from the analysis.
+/// Further flags of section `[synth]`; `texture` has this option from the analysis.
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
 pub(crate) struct SynthBackgroundFlags {

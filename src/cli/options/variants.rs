@@ -18,7 +18,7 @@ pub(crate) struct VariantsArgs {
 }
 
 impl VariantsArgs {
-    /// How many there are.
+    /// Number of textures.
     ///
     /// # Errors
     /// Several of them on standard output.

@@ -29,7 +29,7 @@ impl Bins {
         }
     }
 
-    /// Takes an id out of the squares that its box touches.
+    /// Removes an id from the squares that its box touches.
     pub(super) fn remove(&mut self, id: PlacedId, bounds: [i32; 4], at: [i32; 2]) {
         for square in self.touched(bounds, at) {
             self.ids[square].retain(|&other| other != id);
@@ -51,7 +51,7 @@ impl Bins {
             }
             let first = low.rem_euclid(size) / SIDE;
             let last = (high - 1).rem_euclid(size) / SIDE;
-            // A box that ends in the square where it begins has gone around if it crosses the seam.
+            // A box whose last square is its first one goes around the whole torus if it crosses the seam.
             let around = low.rem_euclid(size) + (high - low) > size;
             let whole = high - low >= size || (around && first == last);
             (first, if whole { count } else { (last - first).rem_euclid(count) + 1 }, count)

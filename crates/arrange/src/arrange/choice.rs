@@ -1,10 +1,11 @@
-//! Which element of a category comes next: each use halves the chance.
+//! The choice of the next element of a category: each use of an element halves its probability.
 
 use super::model::{PlaceableId, PlacementModel, VariantId};
 use vtex_base::sampling::{Stream, WeightTree};
 
-/// Halvings told apart. More would keep the sizes of a category truer on large canvases, but then
-/// only those that fit nowhere, never used, would be drawn.
+/// Number of halvings that are distinguished. More would keep the distribution of sizes in a category closer
+/// to the exemplar's on large canvases. But then the draw would pick only elements that fit nowhere, because
+/// these are never used.
 const HALVINGS: u32 = 5;
 
 /// Selection weights of the members of every category (paper §3.3, duplication reduction).
@@ -20,14 +21,14 @@ pub(super) struct MemberWeights {
 #[derive(Clone)]
 struct UseWeights {
     uses: Vec<u32>,
-    /// Uses of the least used member, and how many members have no more.
+    /// Uses of the least used member, and the number of members with so few uses.
     least: u32,
     at_least: u32,
     sums: WeightTree,
 }
 
 impl MemberWeights {
-    /// All members of a category alike; for good unless use makes a difference.
+    /// Equal weights for all members of a category. Without `decay` they stay equal.
     pub(super) fn new(model: &PlacementModel, decay: bool) -> Self {
         let mut slot = vec![0; model.elements.len()];
         let categories = model.members.iter().map(|members| {

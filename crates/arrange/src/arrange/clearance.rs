@@ -14,7 +14,7 @@ const BLOCK: i32 = 16;
 pub(super) struct Clearance {
     /// Chamfer distances, at most `limit`.
     pub(super) distance: Vec<u8>,
-    /// Largest distance told apart, in thirds of a pixel.
+    /// Largest distance that is stored, in thirds of a pixel; larger ones are stored as this.
     pub(super) limit: u8,
     /// Cells within `frame` of the border of the map are not drawn, along each axis.
     frame: [i32; 2],
@@ -47,7 +47,7 @@ impl Clearance {
         clearance
     }
 
-    /// Takes note of a texton added: its cells are at distance 0.
+    /// Registers an added texton: its cells have distance 0.
     pub(super) fn add(&mut self, map: &Occupancy<'_>, id: PlacedId) {
         let placed = map.get(id);
         let shape = map.model().shape(placed.variant);
@@ -60,8 +60,8 @@ impl Clearance {
         self.spread(map, [x + x0 - reach, y + y0 - reach, x + x1 + reach, y + y1 + reach]);
     }
 
-    /// Carries smaller distances on within a box (two passes), then sums its blocks. Along an axis
-    /// that repeats the box may lie anywhere.
+    /// Propagates smaller distances within a box (two passes), then sums its blocks. Along an axis that
+    /// repeats the box may lie anywhere.
     fn spread(&mut self, map: &Occupancy<'_>, [x0, y0, x1, y1]: [i32; 4]) {
         let grid = &map.grid;
         let clip = |v: i32, size: i32, wrap: bool| if wrap { v } else { v.clamp(0, size) };
@@ -70,7 +70,7 @@ impl Clearance {
         if x0 >= x1 || y0 >= y1 {
             return;
         }
-        // A copy of the box with a frame of one cell, from which distances come in.
+        // A copy of the box with a frame of one cell, whose distances propagate inwards.
         let (w, h) = ((x1 - x0 + 2) as usize, (y1 - y0 + 2) as usize);
         let mut copy = std::mem::take(&mut self.scratch);
         copy.clear();
@@ -78,7 +78,7 @@ impl Clearance {
         let row_span = Span { y: 0, x0: x0 - 1, x1: x1 + 1 };
         for (j, line) in copy.chunks_exact_mut(w).enumerate() {
             let mut span = row_span;
-            // A run as long as the period or longer comes in pieces.
+            // A run as long as the period or longer is split at the seam.
             while span.x0 < row_span.x1 {
                 span.x1 = row_span.x1.min(span.x0 + grid.width);
                 for part in grid.parts(span, [0, y0 - 1 + j as i32]) {
@@ -152,7 +152,8 @@ impl Clearance {
         }
     }
 
-    /// Calls `visit(cell, distance)` for the cells of a block that may be drawn, until it says so.
+    /// Calls `visit(cell, distance)` for the cells of a block that may be drawn, until `visit` returns a
+    /// result.
     fn visit(&self, map: &Occupancy<'_>, block: i32, mut visit: impl FnMut([i32; 2], u64) -> bool) {
         let (bx, by) = (block % self.columns, block / self.columns);
         let range =
@@ -185,7 +186,7 @@ impl Clearance {
     }
 }
 
-/// Distances carried on from the neighbouring row.
+/// Propagates distances from the neighbouring row.
 fn from_row(row: &mut [u8], other: &[u8]) {
     for (d, o) in row.iter_mut().zip(other) {
         *d = (*d).min(o.saturating_add(STRAIGHT));
@@ -243,7 +244,7 @@ mod tests {
                     }
                 }
             }
-            // Near the true distance (within the error of the chamfer, 8 %).
+            // Close to the true distance (within the error of the chamfer, 8 %).
             let (w, h) = (map.grid.width, map.grid.height);
             let copies = |wrap: bool, size: i32| if wrap { vec![-size, 0, size] } else { vec![0] };
             let taken: Vec<[i32; 2]> =

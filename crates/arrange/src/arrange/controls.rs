@@ -9,13 +9,13 @@ use vtex_scene::library::Library;
 /// default steers nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Controls {
-    /// The shape to fill, in pixels of the canvas; by default all of the canvas. What becomes of
-    /// textons at its edge is in the parameters.
+    /// The shape to fill, in pixels of the canvas; by default all of the canvas. The parameters say how
+    /// textons at its edge are treated.
     pub domain: Option<Outline>,
     /// Density of primaries and secondaries relative to the exemplar's, 0 to 2.
     pub density: Option<ControlMap>,
-    /// How much of each library there is, 0 to 1: one map for each of several libraries. What they
-    /// say counts relative to their sum. None for a single library.
+    /// The amount of each library, 0 to 1: one map for each of several libraries. Values are relative to
+    /// their sum. Empty for a single library.
     pub shares: Vec<ControlMap>,
     /// The guide of the large structure, for a single library. `None`: chance decides.
     pub structure: Option<StructureGuide>,

@@ -1,8 +1,8 @@
 //! Corrects the coverage of each category in both directions, zone by zone where the density varies.
 //!
-//! Where a category covers too much, a few of its textons are drawn at random and the one that is hidden
-//! most and fitted worst is removed. Where categories cover too little, a texton is added at the place
-//! furthest from what stands, of a category drawn in proportion to its lack, with the least overlap. More
+//! Where a category covers too much, a few of its textons are drawn at random and the one that is hidden most
+//! and fitted worst is removed. Where categories cover too little, a texton is added at the place farthest
+//! from placed elements, of a category drawn in proportion to its deficit, with the least overlap. More
 //! overlap is allowed only when nothing else has worked.
 
 use super::choice::MemberWeights;
@@ -15,13 +15,13 @@ use vtex_base::progress::{Progress, advance};
 use vtex_base::sampling::{Stream, stream};
 use vtex_scene::scene::{Ablation, SynthParams};
 
-/// A texton of which a smaller share is visible is taken away: it adds more pile-up than cover.
+/// A texton with a smaller visible share is removed: it adds more overlap than coverage.
 const LEAST_VISIBLE: f64 = 0.4;
-/// Textons looked at for each one taken away.
+/// Textons compared for each one that is removed.
 const REMOVAL_CANDIDATES: usize = 12;
 /// Failures after which more overlap is allowed.
 const PATIENCE: u32 = 12;
-/// Overlap allowed more each time, as a share of the texton's area.
+/// Step by which the allowed overlap grows, as a share of the texton's area.
 const MORE_OVERLAP: f64 = 0.04;
 /// Penalty of a candidate's rank for a copy of the same texton nearby.
 const COPY_PENALTY: f64 = 0.5;
@@ -31,7 +31,7 @@ const OVERLAP_COST: f64 = 3.0;
 const MISFIT: f64 = 0.5;
 /// Most overlap allowed, as a share of the texton's area.
 const MOST_OVERLAP: f64 = 1.0;
-/// Places drawn until one suits the category wanted.
+/// Most places drawn until one suits the wanted category.
 const PLACES: usize = 24;
 /// Share of a texton that has to be on the canvas for it to be added.
 const LEAST_ON_CANVAS: f64 = 0.25;
@@ -50,7 +50,7 @@ pub(crate) struct DensityCounts {
     pub(crate) added: u64,
 }
 
-/// Brings the coverage of every category to what is wanted.
+/// Corrects the coverage of every category to the wanted one.
 pub(super) fn correct(
     map: &mut Occupancy<'_>,
     choice: &mut MemberWeights,
@@ -79,8 +79,8 @@ pub(super) fn correct(
     Ok(counts)
 }
 
-/// Takes away what is nearly hidden, then from every category what is too much; the worst first,
-/// or any.
+/// Removes textons that are nearly hidden, then the excess of every category; the worst textons first, or
+/// random ones.
 fn thin(map: &mut Occupancy<'_>, wanted: &[Vec<f64>], worst: bool, random: &mut Stream) -> u64 {
     let mut removed = 0;
     let categories = map.model().members.len();
@@ -106,7 +106,8 @@ fn thin(map: &mut Occupancy<'_>, wanted: &[Vec<f64>], worst: bool, random: &mut 
                 let p = map.get(textons[k]);
                 1.0 - f64::from(p.visible) / f64::from(p.cells) - MISFIT * f64::from(p.score)
             };
-            // None that would leave a larger gap than there is excess; where nothing is wanted there are no gaps.
+            // No texton is removed that would leave a gap larger than the excess. Where no texton is wanted
+            // there are no gaps.
             let none = wanted[zone][category] <= 0.0;
             let fits = |&k: &usize| none || f64::from(map.get(textons[k]).visible) < 2.0 * excess;
             let best = candidates.into_iter().filter(fits).max_by(|a, b| badness(a).total_cmp(&badness(b)));
@@ -118,8 +119,8 @@ fn thin(map: &mut Occupancy<'_>, wanted: &[Vec<f64>], worst: bool, random: &mut 
     removed
 }
 
-/// The zone in which a texton stands: that of its origin, or of the first of its cells that is to
-/// be filled; none if it cannot be seen.
+/// The zone of a texton: that of its origin, or of the first of its cells that is to be filled; `None` if it
+/// is not visible.
 fn zone_of(map: &Occupancy<'_>, variant: VariantId, at: [i32; 2]) -> Option<usize> {
     let zone = |i: usize| map.region.zone(i);
     if let Some(zone) = map.grid.canvas_cell(at).and_then(zone) {
@@ -137,7 +138,7 @@ struct Deficit<'w> {
 }
 
 impl Deficit<'_> {
-    /// Pixels of a category lacking in a zone; zero if its smallest texton would be too much.
+    /// Missing pixels of a category in a zone; zero if its smallest texton would cover too much.
     fn of(&self, map: &Occupancy<'_>, zone: usize, category: usize) -> f64 {
         let deficit = self.wanted[zone][category] - map.covered[zone][category] as f64;
         if deficit > 0.5 * self.smallest[category] { deficit } else { 0.0 }
@@ -150,7 +151,7 @@ impl Deficit<'_> {
     }
 }
 
-/// Adds textons in free space until every category covers what it should.
+/// Adds textons in free space until every category has its wanted coverage.
 fn grow(
     map: &mut Occupancy<'_>,
     choice: &mut MemberWeights,
@@ -163,8 +164,8 @@ fn grow(
     if model.members.iter().all(Vec::is_empty) {
         return Ok(0);
     }
-    // Half the typical distance between textons, so that distances tell how far the middle of a
-    // gap is from what stands around it.
+    // Half the typical distance between textons, so that distances tell how far the middle of a gap is from
+    // the textons around it.
     let reach = libm::round(0.5 / libm::sqrt(model.density().max(1e-9))).clamp(4.0, 40.0) as i32;
     let smallest =
         |m: &Vec<PlaceableId>| m.iter().map(|&p| model.plain(p).area).min().map_or(f64::INFINITY, f64::from);
@@ -203,7 +204,7 @@ fn grow(
     Ok(added)
 }
 
-/// A free place in a zone where a library has a part: drawn anywhere until one suits.
+/// A free place in a zone where a library has a part. Places are drawn on the whole canvas until one suits.
 fn free_place(
     map: &Occupancy<'_>,
     clearance: &Clearance,
@@ -226,8 +227,8 @@ fn free_place(
     None
 }
 
-/// The best of several textons of a category, each at a place of its own in a zone, moved to where
-/// it overlaps least, and the share of it that overlaps. `most` bounds what it may add, in pixels.
+/// The best of several textons of a category, each at its own place in a zone, moved to where it overlaps
+/// least, and its overlapping share. `most` limits the pixels that it may add.
 fn candidate(
     map: &Occupancy<'_>,
     choice: &MemberWeights,
@@ -276,10 +277,10 @@ fn candidate(
     value.is_finite().then_some((variant, at, overlap))
 }
 
-/// How well a texton fits at a place: mean distance to what stands, as a share of the largest
-/// told apart, less the share of it that overlaps, weighted; and that share alone. Only cells on
-/// the canvas count, and a good part of the texton has to be there. Cells in which its library has
-/// no part count as taken.
+/// How well a texton fits at a place: mean distance to placed textons, as a share of the largest stored
+/// distance, minus the weighted overlapping share; and the overlapping share. Only cells on the canvas count,
+/// and a large part of the texton has to be there. Cells in which its library has no part count as
+/// overlapped.
 fn fit(map: &Occupancy<'_>, clearance: &Clearance, variant: VariantId, at: [i32; 2]) -> (f64, f64) {
     const NOT_THERE: (f64, f64) = (f64::NEG_INFINITY, 1.0);
     if !map.allows(variant, at) {

@@ -1,7 +1,7 @@
 //! The cells that placement works on: a canvas, margins where it ends, and seams where it repeats.
 //!
-//! A span at a place gives runs of cells, two where it crosses a seam. Whatever visits cells asks the grid
-//! for them, so it is the same on a plane and on a torus.
+//! A span at a place gives runs of cells, two where it crosses a seam. All code that visits cells gets them
+//! from the grid, so it is the same on a plane and on a torus.
 
 use super::WIDEST_MARGIN;
 use super::model::PlacementModel;
@@ -9,8 +9,8 @@ use std::ops::Range;
 use vtex_base::raster::Span;
 use vtex_scene::scene::{SynthParams, Tile};
 
-/// Cells in rows. Along an axis that repeats there is no margin and the last cell is followed by
-/// the first; places may then lie anywhere and mean the cell a whole number of periods away.
+/// Cells in rows. Along an axis that repeats there is no margin and the last cell is followed by the first; a
+/// place outside the map then stands for the cell a whole number of periods away.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     /// Width of the map, in cells.
@@ -21,7 +21,7 @@ pub(crate) struct Grid {
     pub(crate) margin: [i32; 2],
     /// Along which axes the map repeats.
     pub(crate) tile: Tile,
-    /// Row of the whole map that is the first here, and its number of rows: this may be a band.
+    /// First row of this grid in the whole map; a grid may be a band of rows.
     first: i32,
     whole: i32,
 }
@@ -62,7 +62,7 @@ impl Grid {
         self.width as usize * self.height as usize
     }
 
-    /// The values of some rows, of a value for each cell.
+    /// The values of some rows. `values` has a value for each cell.
     pub(crate) fn rows_of<T: Copy>(&self, values: &[T], rows: &Range<i32>) -> Vec<T> {
         let mut copy = Vec::with_capacity(self.width as usize * rows.len());
         for row in rows.clone() {
@@ -88,13 +88,13 @@ impl Grid {
         [(i % self.width as usize) as i32, (i / self.width as usize) as i32]
     }
 
-    /// The place on the map that a place means; itself along an axis that does not repeat.
+    /// A place wrapped onto the map; unchanged along an axis that does not repeat.
     pub(crate) fn canonical(&self, [x, y]: [i32; 2]) -> [i32; 2] {
         let axis = |v: i32, size: i32, wrap: bool| if wrap { v.rem_euclid(size) } else { v };
         [axis(x, self.width, self.tile.x), axis(y, self.height, self.tile.y)]
     }
 
-    /// Index of the cell that a place means; none beyond the margin.
+    /// Index of the cell at a place, after wrapping; `None` beyond the margin.
     pub(crate) fn cell(&self, at: [i32; 2]) -> Option<usize> {
         let [x, y] = self.canonical(at);
         ((0..self.width).contains(&x) && (0..self.height).contains(&y)).then(|| self.index(x, y))
@@ -158,7 +158,7 @@ impl Grid {
         self.parts(span, at).map(|p| p.cells)
     }
 
-    /// Index of the cell that a place means, if that is on the canvas.
+    /// Index of the cell at a place, after wrapping, if it is on the canvas.
     #[inline]
     pub(crate) fn canvas_cell(&self, at: [i32; 2]) -> Option<usize> {
         let [x, y] = self.canonical(at);

@@ -41,8 +41,7 @@ use vtex_scene::scene::{Ablation, Method, SynthParams};
 
 /// Widest margin around a canvas that does not repeat, in pixels.
 const WIDEST_MARGIN: i32 = 256;
-/// Score of an element that stands beforehand, against those placed by descriptors: it stays if one
-/// of them can go.
+/// Score of an element that is placed beforehand: elements placed by descriptors are removed before it.
 const FIXED_SCORE: f32 = 1.0;
 
 /// A placement to be made.
@@ -51,13 +50,13 @@ pub(crate) struct PlacementTask<'a> {
     pub(crate) libraries: &'a [Library],
     pub(crate) controls: &'a Controls,
     pub(crate) params: &'a SynthParams,
-    /// How. [`Method::Correspondence`] needs libraries with guides.
+    /// The method. [`Method::Correspondence`] needs libraries with guides.
     pub(crate) method: Method,
-    /// Elements that stand beforehand. Those whose origin lies beyond the margin are left out.
+    /// Elements that are placed beforehand. Those whose origin lies beyond the margin are left out.
     pub(crate) fixed: Vec<Fixed>,
 }
 
-/// What every method knows.
+/// The data that all methods use.
 #[derive(Clone, Copy)]
 pub(crate) struct PlacementContext<'a> {
     pub(crate) libraries: &'a [Library],
@@ -68,10 +67,10 @@ pub(crate) struct PlacementContext<'a> {
     pub(crate) progress: &'a dyn Progress,
 }
 
-/// An element that stands before placement begins.
+/// An element that is placed before placement begins.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fixed {
-    /// Which variant.
+    /// The variant.
     pub(crate) variant: VariantId,
     /// Place of its origin, in pixels of the canvas.
     pub(crate) at: [i32; 2],
@@ -88,7 +87,7 @@ pub(crate) struct PlacedElement {
     pub(crate) variation: u16,
     /// Place of its origin, in pixels of the canvas.
     pub(crate) at: [i32; 2],
-    /// Its index in [`PlacementTask::fixed`], if it stood beforehand.
+    /// Its index in [`PlacementTask::fixed`], if it was placed beforehand.
     pub(crate) fixed: Option<usize>,
 }
 
@@ -100,7 +99,7 @@ pub(crate) struct PlacementResult<'a> {
     pub(crate) cells: Occupancy<'a>,
     /// The field that elements were carried along, if any.
     pub(crate) correspondence: Option<Correspondence>,
-    /// The islands and elements that came along it.
+    /// The islands and elements carried along it.
     pub(crate) structure: Option<Structure>,
     /// Counts of placement by descriptors.
     pub(crate) descriptors: descriptor::DescriptorCounts,
@@ -138,7 +137,7 @@ pub(crate) fn arrange<'a>(
             PlacementContext { libraries, controls, params, grid: &grid, region: &region, progress };
         let found = Correspondence::new(&context, model)?;
         let carried = found.carry(&context, model)?;
-        // Where descriptors go on, they begin with what stands beside.
+        // Where descriptors continue, they begin with the elements beside the area.
         let begin = |variant: VariantId| match model.element(variant).fused {
             None if !region.all_carried() => InitialRequests::Open,
             _ => InitialRequests::None,
@@ -166,7 +165,7 @@ pub(crate) fn arrange<'a>(
     Ok(PlacementResult { placed, cells, correspondence, structure, descriptors, correction, covered_before })
 }
 
-/// Makes what nothing was carried to empty, in the zones that a field serves.
+/// Makes undefined cells empty in the zones that a field serves.
 fn empty_where_carried(cells: &mut Occupancy<'_>) {
     let all = cells.region.all_carried();
     let Occupancy { region, state, .. } = cells;

@@ -21,7 +21,7 @@ pub(crate) struct PlaceableId(pub(crate) u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct VariantId(pub(crate) u32);
 
-/// A cell of which nothing is known.
+/// A cell that may hold anything.
 pub(crate) const UNDEFINED: u16 = u16::MAX;
 /// A cell that should hold no primary.
 pub(crate) const EMPTY: u16 = 0;
@@ -89,11 +89,11 @@ pub(crate) struct PlacementModel {
     pub(crate) half: i32,
     /// Largest distance of a placeable pixel from its origin along an axis, in pixels.
     pub(crate) reach: i32,
-    /// Wanted share of the library's area, each category; zero where nothing can be placed.
+    /// Wanted share of the library's area, for each category; zero if no element of it can be placed.
     pub(crate) wanted: Vec<f64>,
     /// The variations; the first leaves elements as they are.
     pub(crate) variations: Vec<Variation>,
-    /// What is painted for each fused element.
+    /// The shapes of each fused element.
     pub(crate) fused: Vec<Element>,
     shapes: Vec<OnceLock<VariantShape>>,
 }
@@ -155,7 +155,7 @@ impl ArrangementRuns {
         }
     }
 
-    /// The label at a place; none outside the exemplar.
+    /// The label at a place; `None` outside the exemplar.
     fn at(&self, [x, y]: [i32; 2]) -> Option<u32> {
         let [x, y] = if self.wrap { [x.rem_euclid(self.width), y.rem_euclid(self.height)] } else { [x, y] };
         if !(0..self.width).contains(&x) || !(0..self.height).contains(&y) {
@@ -194,7 +194,7 @@ impl PlacementModel {
         let masks = Mask::all_of_labels(&map, library.primaries().len() + 1);
         let (first, base) = (self.elements.len() as u32, self.members.len());
         self.members.resize(base + library.categories.len(), Vec::new());
-        // A texton as large as the period would meet itself.
+        // A texton as large as the period would overlap itself.
         let room = [(params.tile.x, params.width), (params.tile.y, params.height)]
             .map(|(wrap, size)| if wrap { size as i32 } else { i32::MAX });
         let growth = self.variations.iter().map(Variation::growth).fold(1.0, f64::max);
@@ -252,7 +252,7 @@ impl PlacementModel {
         self.elements.push(Placeable { placeable: false, fused, ..*self.element(variant) });
         self.fused.push(painted);
         let shape = OnceLock::from(VariantShape::new(mask));
-        // Only one of its variations is ever asked for.
+        // Only one of its variations is ever used.
         self.shapes.extend((0..self.variations.len()).map(|_| OnceLock::new()));
         let part = self.varied(element, variant);
         self.shapes[part.0 as usize] = shape;
@@ -379,8 +379,8 @@ impl Index<PlaceableId> for PlacementModel {
     }
 }
 
-/// Share of the canvas wanted of each category. What belongs to categories that cannot be placed
-/// goes to the others, as far as that changes none of them by more than a tenth.
+/// Share of the canvas wanted of each category. The shares of categories that cannot be placed go to the
+/// others, as long as no share changes by more than a tenth.
 fn wanted(library: &Library, members: &[Vec<PlaceableId>]) -> Vec<f64> {
     let share = |c: usize| if members[c].is_empty() { 0.0 } else { library.categories[c].coverage };
     let possible: f64 = (0..members.len()).map(share).sum();

@@ -67,7 +67,7 @@ pub(crate) struct Standing {
     pub(super) removed: bool,
 }
 
-/// A canvas and the elements that stand on it.
+/// A canvas and the elements placed on it.
 pub(crate) struct Occupancy<'a> {
     model: &'a PlacementModel,
     /// Where elements are wanted.
@@ -80,9 +80,9 @@ pub(crate) struct Occupancy<'a> {
     pub(super) owner: Vec<Owner>,
     /// All elements ever placed.
     pub(super) placed: Vec<Standing>,
-    /// Visible cells to be filled, by zone and category.
+    /// Number of visible cells in the area to fill, by zone and category.
     pub(super) covered: Vec<Vec<u64>>,
-    /// Whether cells where nothing is wanted count to the zone of the element that covers them.
+    /// Whether cells of zones without wanted elements count to the zone of the element that covers them.
     counts_overhang: bool,
     bins: Bins,
 }
@@ -138,8 +138,8 @@ impl<'a> Occupancy<'a> {
         &self.placed[id.0 as usize]
     }
 
-    /// The zone to which a visible cell of an element counts; none if it is not on `canvas` or not to be
-    /// filled.
+    /// The zone to which a visible cell of an element counts; `None` if the cell is not on `canvas` or not to
+    /// be filled.
     fn zone_of_cell(&self, i: usize, canvas: &Range<usize>, element: [i32; 2]) -> Option<usize> {
         let zone = if canvas.contains(&i) { self.region.zone(i)? } else { return None };
         if !self.counts_overhang || self.region.level(zone) > 0.0 {
@@ -149,9 +149,9 @@ impl<'a> Occupancy<'a> {
         Some(home.filter(|&home| home == zone + 1).unwrap_or(zone))
     }
 
-    /// From now on, cells where nothing is wanted count to the sparsest zone in which something is, if an
-    /// element of that zone covers them. Nothing else makes up for elements that reach over its border:
-    /// between any other two zones as many reach over from both sides.
+    /// From now on, cells of zones without wanted elements count to the sparsest zone with wanted elements,
+    /// if an element of that zone covers them. The overhang of this zone is not balanced otherwise: between
+    /// any other two zones equally many elements reach over from both sides.
     pub(super) fn count_overhang(&mut self) {
         self.counts_overhang = true;
         self.covered.iter_mut().flatten().for_each(|cells| *cells = 0);
@@ -172,12 +172,12 @@ impl<'a> Occupancy<'a> {
         self.grid.canvas_cell(at).is_some_and(|i| self.region.zone(i).is_some())
     }
 
-    /// Visible cells to be filled of a category, in all zones.
+    /// Number of visible cells of a category in the area to fill, in all zones.
     pub(crate) fn covered_by(&self, category: usize) -> u64 {
         self.covered.iter().map(|zone| zone[category]).sum()
     }
 
-    /// Visible cells to be filled of some categories, in one zone.
+    /// Number of visible cells of some categories in the area to fill, in one zone.
     pub(crate) fn covered_in(&self, zone: usize, categories: Range<usize>) -> u64 {
         self.covered[zone][categories].iter().sum()
     }
@@ -248,7 +248,7 @@ impl<'a> Occupancy<'a> {
         }
     }
 
-    /// Takes an element away. What it hid comes to light; the rest of its cells become empty.
+    /// Removes an element. Elements beneath it become visible; its other cells become empty.
     pub(super) fn remove(&mut self, id: PlacedId) {
         let model = self.model;
         let Standing { variant, at, .. } = *self.get(id);
@@ -266,7 +266,7 @@ impl<'a> Occupancy<'a> {
         let mut near: Vec<PlacedId> = self.bins.near(shape.bounds, at).collect();
         near.sort_unstable();
         near.dedup();
-        // From the top down, each takes what is still free.
+        // From the top down, each element takes the cells that are still free.
         near.sort_by(
             |&a, &b| if self.above(a, b) { std::cmp::Ordering::Less } else { std::cmp::Ordering::Greater },
         );
@@ -311,7 +311,7 @@ impl<'a> Occupancy<'a> {
         found.then(|| libm::sqrt(nearest as f64))
     }
 
-    /// The elements that stand, in painting order.
+    /// The placed elements, in painting order.
     pub(super) fn painting_order(&self) -> Vec<PlacedId> {
         let ids = (0..self.placed.len() as u32).map(PlacedId);
         let mut order: Vec<PlacedId> = ids.filter(|&id| !self.get(id).removed).collect();
@@ -328,14 +328,14 @@ impl<'a> Occupancy<'a> {
         filled.any(|i| self.owner[i] == Owner::placed(id))
     }
 
-    /// The element on top at a place of the canvas, if one stands there.
+    /// The topmost element at a place of the canvas, if there is one.
     pub(crate) fn top(&self, [x, y]: [i32; 2]) -> Option<PlaceableId> {
         let cell = self.grid.cell([x + self.grid.margin[0], y + self.grid.margin[1]])?;
         let id = self.owner[cell].as_placed()?;
         Some(self.model.element_of(self.get(id).variant))
     }
 
-    /// Whether an element stands on a cell.
+    /// Whether an element covers a cell.
     pub(crate) fn taken(&self, i: usize) -> bool {
         self.owner[i].as_placed().is_some()
     }

@@ -1,4 +1,4 @@
-//! Pictures of the target map, for people who look at what placement did.
+//! Pictures of the target map, for people who inspect placement.
 
 use super::model::{EMPTY, UNDEFINED};
 use super::occupancy::Occupancy;

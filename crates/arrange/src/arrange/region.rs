@@ -1,10 +1,9 @@
-//! Where elements are wanted: the shape to fill, local density, and the part of each library. Without maps
-//! nothing is stored.
+//! Where elements are wanted: the shape to fill, local density, and the part of each library. Nothing is
+//! stored if there are no maps.
 //!
-//! Density is corrected by *zones*: the cells whose density lies in the same of a few steps. A map of
-//! densities thus becomes many small tasks of the kind that a plain canvas is. Zones of half to 1.25 times
-//! the exemplar's density are filled along the correspondence field and then thinned or filled up. Others
-//! are placed by descriptors.
+//! Density is corrected by *zones*: sets of cells whose density lies in the same step. Each zone is then
+//! corrected as a canvas of constant density is. Zones of half to 1.25 times the exemplar's density are
+//! filled along the correspondence field and then thinned or filled up. Others are placed by descriptors.
 
 use super::controls::Controls;
 use super::grid::Grid;
@@ -22,7 +21,7 @@ const STEP: f64 = 8.0;
 const DENSEST: f64 = 2.0;
 /// Densities that correspondence fields serve, relative to the exemplar's.
 const CARRIED: std::ops::RangeInclusive<f64> = 0.5..=1.25;
-/// No more than this share of the canvas is asked for, however dense.
+/// Largest wanted coverage as a share of the canvas, whatever the density.
 const FULLEST: f64 = 0.95;
 /// A library has no part in a cell where its share is smaller.
 const LEAST_SHARE: f64 = 0.04;
@@ -33,9 +32,9 @@ pub(crate) struct PlacementRegion<'a> {
     canvas: [f64; 2],
     /// Treatment of elements at the edge.
     pub(crate) edge: Edge,
-    /// Zone of each cell; none where all of the canvas is one.
+    /// Zone of each cell; `None` if the canvas is one zone.
     zones: Option<Vec<u8>>,
-    /// Libraries that have a part in each cell, a bit each; none for one library.
+    /// Libraries that have a part in each cell, a bit each; `None` for one library.
     parts: Option<Vec<u16>>,
     /// Pixels of each zone that belong to each library.
     areas: Vec<Vec<f64>>,
@@ -44,12 +43,12 @@ pub(crate) struct PlacementRegion<'a> {
 }
 
 impl<'a> PlacementRegion<'a> {
-    /// For the cells of a grid. `carried` if a correspondence field says what stands.
+    /// The region of the cells of a grid. `carried` tells whether a correspondence field places elements.
     pub(crate) fn new(grid: &Grid, controls: &'a Controls, edge: Edge, carried: bool) -> Self {
         let canvas = grid.canvas();
         let libraries = controls.shares.len().max(1);
         let zone_count = if controls.density.is_some() { (DENSEST * STEP) as usize + 1 } else { 1 };
-        // Without a domain the canvas is it.
+        // Without a domain, the canvas is the domain.
         let bounded = controls.domain.is_some() || edge != Edge::Clip;
         let mut region = Self {
             controls,
@@ -139,7 +138,7 @@ impl<'a> PlacementRegion<'a> {
         self.areas.len()
     }
 
-    /// The zone of a cell of the canvas; none for one that is not to be filled.
+    /// The zone of a cell of the canvas; `None` for one that is not to be filled.
     pub(crate) fn zone(&self, i: usize) -> Option<usize> {
         match &self.zones {
             None => Some(0),
@@ -178,8 +177,8 @@ impl<'a> PlacementRegion<'a> {
         self.areas.iter().enumerate().map(zone).collect()
     }
 
-    /// Whether a correspondence field places what stands in a zone. It does where density is near that
-    /// of the exemplar: elements can be taken from what came along and a few added, but no more.
+    /// Whether a correspondence field places the elements of a zone. It does where density is near the
+    /// exemplar's: carried elements can be removed and a few added, but no more.
     pub(crate) fn is_carried(&self, zone: usize) -> bool {
         self.carried && CARRIED.contains(&self.level(zone))
     }
@@ -194,7 +193,7 @@ impl<'a> PlacementRegion<'a> {
         self.zone(i).is_some_and(|zone| self.is_carried(zone))
     }
 
-    /// Whether nothing is to be added to or taken from a zone.
+    /// Whether the coverage of a zone needs no correction.
     pub(crate) fn is_settled(&self, zone: usize) -> bool {
         self.carried && self.level(zone) == 1.0
     }
@@ -214,8 +213,8 @@ impl<'a> PlacementRegion<'a> {
         self.controls.density.as_ref().map_or(1.0, |map| map.at(point, self.canvas).clamp(0.0, DENSEST))
     }
 
-    /// Share of each library at a point of the canvas; they add up to 1. Where the maps are all
-    /// black the first has everything.
+    /// Share of each library at a point of the canvas; they add up to 1. Where all maps are black, the first
+    /// library has the whole share.
     pub(crate) fn shares(&self, point: [f64; 2]) -> [f64; Controls::MOST_LIBRARIES] {
         let mut shares = [0.0; Controls::MOST_LIBRARIES];
         for (share, map) in shares.iter_mut().zip(&self.controls.shares) {
@@ -230,7 +229,7 @@ impl<'a> PlacementRegion<'a> {
         shares
     }
 
-    /// A library drawn by its share at a point of the canvas. Draws nothing where there is one.
+    /// A library drawn by its share at a point of the canvas. A single library needs no draw.
     pub(crate) fn draw_library(&self, point: [f64; 2], random: &mut Stream) -> usize {
         if !self.is_shared() {
             return 0;

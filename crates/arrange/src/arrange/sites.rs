@@ -4,7 +4,7 @@ use super::grid::Grid;
 use vtex_base::sampling::{Area, Stream, poisson_disk};
 use vtex_scene::scene::Tile;
 
-/// Points in square buckets, to look up what is near. Positions are whole pixels.
+/// Points in square buckets, for look-ups of near points. Positions are whole pixels.
 pub(crate) struct Buckets {
     side: f64,
     low: [i32; 2],
@@ -78,14 +78,14 @@ fn distance2(a: [i32; 2], b: [i32; 2]) -> i64 {
 pub(crate) struct Sites {
     /// The sites, then their copies on the other sides of seams.
     centres: Vec<[i32; 2]>,
-    /// Index of the site that a copy is of, from the first copy on.
+    /// Index of the original site of each copy.
     copied: Vec<usize>,
     buckets: Buckets,
 }
 
 impl Sites {
-    /// Sites about `radius` pixels apart on a canvas that may repeat. What is asked about must lie
-    /// within twice the radius of the canvas.
+    /// Sites about `radius` pixels apart on a canvas that may repeat. Queried points must lie within twice
+    /// the radius of the canvas.
     pub(crate) fn new(mut centres: Vec<[i32; 2]>, radius: f64, canvas: [f64; 2], tile: Tile) -> Self {
         let mut copied = Vec::new();
         let shifts = |wrap: bool, size: f64| {
@@ -122,8 +122,8 @@ impl Sites {
         if nearest < count { Some(nearest) } else { self.copied.get(nearest - count).copied() }
     }
 
-    /// The cell of a site: what lies nearer to it than to any other site or copy within twice the
-    /// radius; of equals the first owns.
+    /// The cell of a site: the points nearer to it than to any other site or copy within twice the radius.
+    /// Ties go to the first site.
     pub(crate) fn cell(&self, site: usize) -> VoronoiCell {
         let centre = self.centres[site];
         let mut others = Vec::new();
@@ -137,8 +137,8 @@ impl Sites {
         VoronoiCell { site, centre, others }
     }
 
-    /// Index of the site or copy nearest to a point, of those within two buckets; the first of
-    /// equals. Copies come after all sites.
+    /// Index of the site or copy nearest to a point, of those within two buckets; ties go to the first.
+    /// Copies come after all sites.
     fn nearest(&self, p: [i32; 2]) -> usize {
         let mut best = (i64::MAX, usize::MAX);
         self.buckets.near(p, 2, |i| {

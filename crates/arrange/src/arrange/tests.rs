@@ -1,4 +1,4 @@
-//! Properties of what stands on a canvas.
+//! Properties of the elements placed on a canvas.
 
 use super::descriptor::bands::Bands;
 use super::occupancy::PlacedId;
@@ -12,7 +12,7 @@ fn params(width: u32, height: u32, seed: u64) -> SynthParams {
 
 #[test]
 fn a_texton_taken_away_leaves_no_trace() {
-    // The map after placing and removing equals, cell by cell, one on which the texton never stood.
+    // The map after a texton is placed and removed equals, cell by cell, one on which it was never placed.
     let library = library(&mosaic(120, 15.0, 0.9, 15));
     let controls = Controls::default();
     for tile in [Tile::default(), Tile { x: true, y: true }] {
@@ -115,7 +115,8 @@ fn cells_over_the_border_of_nothing_count_to_their_element() {
     assert!(covered(&map, 0) > 0 && covered(&map, 1) > 0);
     map.count_overhang();
     assert_eq!([covered(&map, 0), covered(&map, 1)], [0, area]);
-    // Elements that come and go later are counted alike; those far away and those of nothing are not moved.
+    // Elements added and removed later are counted in the same way; elements far away and elements of empty
+    // zones are not moved.
     let other = map.stand(variant, [mx + 5, my + 30], 0.0, |_| {});
     assert!(covered(&map, 0) > 0);
     map.remove(other);

@@ -4,7 +4,7 @@ use vtex_base::raster::{Mask, Span};
 use vtex_base::sampling::stream;
 use vtex_scene::scene::SynthParams;
 
-/// Different variations of each texton. More than the eye counts; their shapes are kept.
+/// Number of variations of each texton: more than a viewer can distinguish. Their shapes are cached.
 const COUNT: usize = 32;
 
 /// A way to vary a texton: a linear map around its origin.
@@ -26,8 +26,8 @@ impl Default for Variation {
 }
 
 impl Variation {
-    /// The variations that the parameters allow; the first leaves all as it is. Angles are spread
-    /// evenly, every second variation is mirrored.
+    /// The variations that the parameters allow; the first is the identity. Angles are spread evenly, every
+    /// second variation is mirrored.
     pub(crate) fn all(params: &SynthParams) -> Vec<Self> {
         if params.rotate == 0.0 && params.scale_jitter == 0.0 {
             let mirrored = Self::new(0.0, true, 1.0);
@@ -40,7 +40,7 @@ impl Variation {
             let (step, pairs) = if params.mirror { (k / 2, COUNT / 2) } else { (k, COUNT) };
             let share = (step as f64 + random.unit()) / pairs as f64;
             let angle = (2.0 * share - 1.0) * params.rotate;
-            // As much smaller as larger, in ratio.
+            // Reductions and enlargements by the same factor are equally likely.
             let scale = libm::exp(random.range(-1.0, 1.0) * libm::log(1.0 + jitter));
             Self::new(angle.to_radians(), params.mirror && k % 2 == 1, scale)
         };
@@ -56,7 +56,7 @@ impl Variation {
         Self { matrix, inverse: [d / det, -b / det, -cc / det, a / det], scale }
     }
 
-    /// Whether it changes nothing.
+    /// Whether it is the identity.
     pub(crate) fn is_none(&self) -> bool {
         self.matrix == NONE.matrix
     }
@@ -76,7 +76,7 @@ impl Variation {
         apply(&self.matrix, point)
     }
 
-    /// The pixel that comes to a pixel, both relative to the origin.
+    /// The source pixel of a pixel, both relative to the origin.
     pub(crate) fn back(&self, pixel: [i32; 2]) -> [i32; 2] {
         apply(&self.inverse, pixel.map(|v| f64::from(v) + 0.5)).map(|v| libm::floor(v) as i32)
     }
@@ -100,7 +100,7 @@ impl Variation {
             spans.extend((low(0)..high(0)).filter(|&x| inside(x)).map(|x| Span { y, x0: x, x1: x + 1 }));
         }
         let varied = Mask::from_spans(spans);
-        // A speck made smaller may miss all centres.
+        // A reduced speck may contain no pixel centre.
         if varied.is_empty() { mask.clone() } else { varied }
     }
 }

@@ -1,4 +1,4 @@
-//! Numbers and colours that may differ from place to place.
+//! Numbers and colours that may vary over the canvas.
 
 use super::Files;
 use vtex_base::error::EditFault;
@@ -8,7 +8,7 @@ use vtex_base::raster::colour::Colour;
 use vtex_drawing::control::ColourMap;
 use vtex_scene::scene::{ColourOrMap, Instance, NumberOrMap, Scene};
 
-/// A number, by place.
+/// A number: constant, or a map of numbers.
 pub(super) enum Amount<'a> {
     Number(f64),
     Map(&'a ControlMap),
@@ -42,7 +42,7 @@ impl<'a> Amount<'a> {
     }
 }
 
-/// A colour, by place.
+/// A colour: constant, or a picture of colours.
 pub(super) enum ColourByPlace<'a> {
     Colour(Colour),
     Map(&'a ColourMap),

@@ -1,4 +1,4 @@
-//! Other colours, shading kept. All arithmetic is in Oklab.
+//! Operations that change colours and keep the shading. All arithmetic is in Oklab.
 
 use super::Draw;
 use super::amount::ColourByPlace;
@@ -11,7 +11,7 @@ use vtex_base::raster::oklab_map::OklabMap;
 use vtex_scene::element::Appearance;
 use vtex_scene::scene::{CategoryId, Element, Gradient, Instance, InstanceId, LibraryId, Scene, Shape};
 
-/// Mixes `amount` of a colour into those of a share of what is selected.
+/// Mixes a colour into the colours of selected elements and points, of a random share of them, by `amount`.
 pub(super) fn tint(
     scene: &mut Scene,
     chosen: &Chosen,
@@ -45,20 +45,21 @@ pub(super) fn tint(
     }
 }
 
-/// Moves colours near `from` as far as it is to `to`, those up to `reach` away less and less far. How
-/// many textons or points have such a colour.
+/// Shifts colours near `from` by the difference to `to`; the shift falls to 0 at the distance `reach`.
+/// Returns the number of textons and points with such a colour.
 pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colour, reach: f64) -> usize {
     let (from, to) = (from.to_oklab(), to.to_oklab());
     let way: [f32; 3] = std::array::from_fn(|i| to[i] - from[i]);
     let share = |colour: Colour| {
-        // All within half the reach, none from it on, smoothly between.
+        // The full shift up to half the reach, none from the reach on, smooth between.
         let far = 2.0 * f64::from(libm::sqrtf(squared_distance(colour.to_oklab(), from))) / reach - 1.0;
         let far = far.clamp(0.0, 1.0);
         1.0 - far * far * (3.0 - 2.0 * far)
     };
     let alike = |colour: Colour| share(colour) > 0.0;
     let shaded = |g: &Option<Box<Gradient>>| g.as_ref().is_some_and(|g| alike(g.start) || alike(g.end));
-    // Of each element: its base, which an instance's own colour hides, and its details.
+    // For each element, whether its base and its details have such a colour. An instance's own colour hides
+    // the base.
     let elements: Vec<[bool; 2]> = vtex_base::parallel::map(&scene.elements, |e| {
         let has = |s: &Shape| alike(s.colour) || shaded(&s.gradient);
         [has(e.base()), e.details().iter().any(has)]
@@ -84,7 +85,7 @@ pub(super) fn palette(scene: &mut Scene, chosen: &Chosen, colours: &[Colour]) {
     let mut wanted: Vec<[f32; 3]> = colours.iter().map(|c| c.to_oklab()).collect();
     wanted.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let (count, new) = (ranked.len(), wanted.len());
-    // Where there are more colours than categories, those in the middle of their share.
+    // With more colours than categories, each category gets the middle one of its share of the palette.
     let chosen_colour = |rank: usize| wanted[(2 * rank + 1) * new / (2 * count)];
     let known: BTreeMap<Key, [f32; 3]> = (ranked.iter().enumerate())
         .map(|(rank, (key, mean))| (*key, std::array::from_fn(|i| chosen_colour(rank)[i] - mean[i])))
@@ -107,7 +108,7 @@ fn joined(tones: &[(f32, [f32; 3])]) -> Vec<(f32, [f32; 3])> {
     runs.map(|run| (run.iter().map(|t| t.0).sum::<f32>() / run.len() as f32, run[0].1)).collect()
 }
 
-/// The colour that stands at the lightness of another, between those of rising tones.
+/// The colour at the lightness of `lab`, interpolated between tones of ascending lightness.
 fn toned(tones: &[(f32, [f32; 3])], lab: [f32; 3]) -> [f32; 3] {
     let above = tones.partition_point(|t| t.0 <= lab[0]);
     match (above.checked_sub(1).map(|i| tones[i]), tones.get(above)) {
@@ -115,13 +116,13 @@ fn toned(tones: &[(f32, [f32; 3])], lab: [f32; 3]) -> [f32; 3] {
             let share = (lab[0] - low) / (high - low).max(1e-6);
             std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
         }
-        // Beyond the ends only lightness goes on.
+        // Beyond the ends only lightness changes.
         (Some((tone, [l, a, b])), None) | (None, Some(&(tone, [l, a, b]))) => [l + lab[0] - tone, a, b],
         (None, None) => lab,
     }
 }
 
-/// Library and category; a step of lightness and none where there are no categories.
+/// Library and category. Without categories, a step of lightness takes the place of the library.
 type Key = (LibraryId, Option<CategoryId>);
 
 /// The group of a texton that belongs to a category.
@@ -129,8 +130,8 @@ fn key_of(element: &Element) -> Option<Key> {
     element.category.map(|c| (element.library, Some(c)))
 }
 
-/// The mean colour of each category, by area. Where nothing has a category: of as many steps of
-/// lightness, each of the same area, as there are to be.
+/// The mean colour of each category, by area. In a scene without categories, the mean colour of each of
+/// `steps` steps of lightness of equal area.
 fn means(scene: &Scene, steps: usize) -> BTreeMap<Key, [f32; 3]> {
     let means: Vec<[f32; 3]> = vtex_base::parallel::map(&scene.elements, |t| mean(t).to_oklab());
     let areas: Vec<f64> = scene.elements.iter().map(|t| t.outline().area()).collect();
@@ -161,8 +162,8 @@ fn means(scene: &Scene, steps: usize) -> BTreeMap<Key, [f32; 3]> {
     sums.into_iter().map(|(key, [l, a, b, area])| (key, [l, a, b].map(|v| (v / area) as f32))).collect()
 }
 
-/// The mean colour of a texton, details included: those painted later hide what lies below them, and
-/// what they hide is taken to be the base first.
+/// The mean colour of a texton, details included: details painted later hide those below, and are assumed to
+/// hide the base first.
 pub(super) fn mean(element: &Element) -> Colour {
     Colour::from_oklab(Appearance::new(&element.shapes, element.outline().area(), None).mean)
 }
@@ -171,13 +172,13 @@ fn moved(lab: [f32; 3], way: [f32; 3], share: f32) -> Colour {
     Colour::from_oklab(std::array::from_fn(|i| lab[i] + share * way[i]))
 }
 
-/// Gives all colours of what is selected new ones. `new` gets the element; `None` for fields.
+/// Replaces all colours of selected elements and points. `new` gets the element; `None` for fields.
 fn recolour(
     scene: &mut Scene,
     chosen: &Chosen,
     new: impl Fn(Option<&Element>, Colour) -> Colour + Sync + Send,
 ) {
-    // The instances' own first, as long as they know the elements as they were.
+    // The instances' own colours first, while the elements still have their old colours.
     let own: Vec<Option<Colour>> =
         selected(scene, chosen).map(|i| i.colour.map(|c| new(Some(scene.element(i)), c))).collect();
     selected_mut(scene, chosen).zip(own).for_each(|(instance, colour)| instance.colour = colour);

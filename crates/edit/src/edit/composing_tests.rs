@@ -1,4 +1,4 @@
-//! Operations that take elements as Gaussians with an appearance.
+//! Operations that treat elements as Gaussians with an appearance.
 
 use super::tests::{among, compare, edited, on, one, outline, scene, those};
 use super::*;
@@ -80,7 +80,7 @@ fn shapes_become_alike_or_more_varied_about_their_mean() {
         assert!(all.iter().all(|g| (g.covariance[k] - mean).abs() < 0.01), "{k} {mean}");
     }
     assert!(all.iter().zip(&own).all(|(a, b)| a.mean.distance(b.mean) < 0.02));
-    // There and back again.
+    // The inverse operation restores the shapes.
     let back = edited(&scene(), &[vary(None, Some(2.0)).into(), vary(None, Some(1.0)).into()]).0;
     assert_eq!(back.edits.len(), 1);
     let wide = gaussians(&back)[240..].to_vec();
@@ -108,7 +108,7 @@ fn appearances_change_places_and_outlines_stay() {
         assert_eq!(before.element(a).outline(), after.element(b).outline());
     }
     let (mut old, mut new) = (shown(&before), shown(&after));
-    // Of the primaries two thirds look alike, and can give no more than one third something else.
+    // Two thirds of the primaries look the same, so at most one third of these can get another appearance.
     let changed = old[..240].iter().zip(&new).filter(|(a, b)| a != b).count();
     assert!(changed >= 230, "{changed}");
     let changed = old[240..].iter().zip(&new[240..]).filter(|(a, b)| a != b).count();
@@ -191,7 +191,7 @@ fn transforms_are_exact_and_touch_no_others() {
             shortest_offset(Point::new(x, y), Point::new(a.transform[4], a.transform[5]), scene().periods());
         assert!((way.x - 3.0).abs() < 0.011 && (way.y + 2.0).abs() < 0.011, "{way:?}");
     }
-    // About the middle of a few that stand on the left, distances between them double.
+    // Scaling about the common middle doubles the distances between a few elements on the left.
     let few = [compare(Quantity::X, Comparison::Less, 60.0), compare(Quantity::Y, Comparison::Less, 60.0)];
     let action = Action::Transform { by: [0.0; 2], scale: [2.0; 2], angle: 0.0, about: About::Selection };
     let (mut plain, chosen) = (scene(), those(&few, action));
@@ -237,7 +237,7 @@ fn relaxing_evens_distances() {
     assert!(nearest(&apart, apart.secondary()) > 11.9);
     let moved = apart.secondary().iter().zip(scene().secondary()).filter(|(a, b)| **a != **b).count();
     assert!(moved < 240, "those far from others stay: {moved}");
-    // Elements at one place part.
+    // Elements at one place are separated.
     let mut heap = scene();
     heap.secondary_mut().iter_mut().take(20).for_each(|i| i.transform = [1.0, 0.0, 0.0, 1.0, 50.0, 50.0]);
     let parted = edited(&heap, &[on("secondary", relax(200, Some(8.0)))]).0;
@@ -388,7 +388,7 @@ fn what_is_drawn_on_one_element_appears_on_all_like_it() {
     assert_eq!((bar.shapes.len(), bar.outline()), (1, before.elements[0].outline()));
     let all = edited(&before, &[on("primary", propagate(Some(2.0), false))]).1;
     assert_eq!(all[0].matched, 60);
-    // Where nothing is near, nothing is drawn on.
+    // A shape far from every element is drawn on none.
     let far = |i: &mut Instance| {
         i.transform[4] = if (150.0..250.0).contains(&i.transform[4]) { 20.0 } else { i.transform[4] }
     };
@@ -418,7 +418,7 @@ fn all_elements_like_one_take_a_drawing_or_a_colour() {
         let is = a.colour == Some(red);
         assert_eq!(is, like(b, &before) && before.primary().contains(b));
     }
-    // A drawing by itself takes the place of each, in its frame.
+    // A drawing by itself replaces each element, in its frame.
     let (after, outcomes) =
         edited(&before, &[on("primary", propagate(Some("dot.svg"), None, Some(id), true))]);
     assert_eq!(outcomes[0].matched, count);
@@ -435,7 +435,8 @@ fn all_elements_like_one_take_a_drawing_or_a_colour() {
         let alike = new.covariance.iter().zip(old.covariance).all(|(a, b)| (a - b).abs() < 2e-3 * size);
         assert!(alike && new.mean.distance(old.mean) < 0.05, "{new:?} {old:?}");
     }
-    // Without one that they are like, all that are selected; of an id that is not selected, none.
+    // Without an element to compare with, all selected elements change; with an id that is not selected,
+    // none.
     let all = edited(&before, &[on("primary", propagate(None, Some(red), None, false))]).1;
     assert_eq!(all[0].matched, before.primary().len());
     let none = edited(&before, &[on("secondary", propagate(None, Some(red), Some(id), false))]);

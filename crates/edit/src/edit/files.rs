@@ -25,7 +25,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// Loads every file that `operations` on a canvas of the given size in pixels refer to; `read` maps a
+    /// Loads every file that `operations` name, for a canvas of the given size in pixels; `read` maps a
     /// file's name to its bytes.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ impl Files {
     }
 }
 
-/// The inside of the shape of an SVG, or of what is white in a picture.
+/// The inside of the shape of an SVG, or of the white parts of a picture.
 fn region(bytes: &[u8], name: &str, canvas: [u32; 2]) -> Result<Interior> {
     let picture = image::guess_format(bytes).is_ok();
     let outline =

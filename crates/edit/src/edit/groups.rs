@@ -1,10 +1,10 @@
-//! The selected elements that something is done among.
+//! Groups of selected elements, such as a layer or a category, within which an operation works.
 
 use super::selection::Chosen;
 use std::collections::BTreeMap;
 use vtex_scene::scene::{CategoryId, LibraryId, Scene, Within};
 
-/// The layer, and the category in its library if that counts.
+/// The layer, and the category in its library if groups are categories.
 type Key = (usize, Option<(LibraryId, Option<CategoryId>)>);
 
 /// Indices of the selected instances, in painting order of the scene, group by group.

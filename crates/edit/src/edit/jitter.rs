@@ -16,11 +16,11 @@ struct Amounts<'a> {
 }
 
 impl Amounts<'_> {
-    /// An amount up to `most` either way.
+    /// A signed amount of at most `most`.
     fn either_way(&mut self, most: f64) -> f64 {
         let steps = u64::from(self.jitter.steps);
         match self.jitter.distribution {
-            // As likely at the ends as between them.
+            // The ends are as likely as the steps between them.
             Distribution::Uniform if steps > 0 => {
                 most * (self.random.below(2 * steps + 1) as f64 / steps as f64 - 1.0)
             }
@@ -29,7 +29,7 @@ impl Amounts<'_> {
         }
     }
 
-    /// From 0 to 1, so that points at this share of a disc's radius are spread over it.
+    /// From 0 to 1, such that points at this share of a disc's radius are uniform over the disc.
     fn radius(&mut self) -> f64 {
         match self.jitter.distribution {
             Distribution::Uniform => self.stepped(|random| libm::sqrt(random.unit())),
@@ -40,7 +40,7 @@ impl Amounts<'_> {
         }
     }
 
-    /// A number drawn until it is not beyond 1, in steps if these are asked for.
+    /// A number drawn until its absolute value is at most 1, rounded to steps if there are any.
     fn stepped(&mut self, draw: impl Fn(&mut Stream) -> f64) -> f64 {
         let steps = f64::from(self.jitter.steps);
         loop {
@@ -73,7 +73,7 @@ pub(super) fn jitter(scene: &mut Scene, chosen: &Chosen, jitter: &Jitter, draw: 
     repaint(scene, chosen, &maps);
 }
 
-/// Changes where and how an instance stands; `angle` is that of its element's longer axis.
+/// Changes the place, angle, size and shape of an instance; `angle` is that of its element's longer axis.
 fn placed(instance: &mut Instance, amounts: &mut Amounts<'_>, angle: f64, periods: [Option<f64>; 2]) {
     let jitter = amounts.jitter;
     let radius = jitter.distance * amounts.radius();

@@ -51,12 +51,13 @@ use vtex_scene::scene::{EditRecord, InstanceId, Recorded, Scene};
 /// The outcome of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Outcome {
-    /// Elements, or points of fields, that it was for: those selected; of `recolor` those that
-    /// have a colour like the one sought, of `replace` those for which the library has another.
+    /// Number of elements, or points of fields, that it applied to: the selected ones; for `recolor` those
+    /// with a matching colour, for `replace` those for which the library has a replacement.
     pub matched: usize,
-    /// Textons that are gone after it.
+    /// Number of textons that it removed.
     pub removed: usize,
-    /// Textons without a frame, not wider than a pixel or enclosing nothing, that it left as they were.
+    /// Number of textons that it left unchanged because they have no frame: they are at most a pixel wide or
+    /// enclose no area.
     #[serde(skip_serializing_if = "is_zero")]
     pub thin: usize,
 }
@@ -68,7 +69,7 @@ fn is_zero(count: &usize) -> bool {
 /// Random numbers of one operation, independent for each instance.
 struct Draw {
     seed: u64,
-    /// Place of the operation in the scene's chain.
+    /// Index of the operation in the scene's chain.
     step: u64,
 }
 
@@ -79,13 +80,13 @@ impl Draw {
     }
 }
 
-/// Does operations one after the other and records them in the scene. Random choices follow `seed`,
-/// by default the scene's own, 0 for a reconstruction; a chain done in one go or one by one gives the
-/// same scene. `files` holds what the operations name ([`Files::read`]).
+/// Applies operations one after the other and records them in the scene. Random choices follow `seed`, by
+/// default the scene's own, 0 for a reconstruction; a chain applied at once or one by one gives the same
+/// scene. `files` holds the files that the operations name ([`Files::read`]).
 ///
 /// # Errors
-/// [`Error::Format`] for a scene that breaks its invariants, [`Error::Edit`] for an operation that
-/// cannot be done or leads out of their range.
+/// [`Error::Format`] for a scene that breaks its invariants, [`Error::Edit`] for an operation that cannot be
+/// applied or leads out of the permitted range.
 pub fn apply(
     mut scene: Scene,
     operations: &[Operation],
@@ -115,7 +116,8 @@ pub fn apply(
     Ok((scene, outcomes))
 }
 
-/// Does an operation; how many it was for, and how many of these were too thin.
+/// Applies an operation. Returns the number of elements that it applied to, and how many of these were too
+/// thin.
 fn act(
     scene: &mut Scene,
     chosen: &Chosen,

@@ -1,20 +1,20 @@
-//! Which of many points to keep so that those left are spread evenly.
+//! Selects points to keep, so that they are spread evenly.
 //!
-//! Points are taken away one by one, always the one most crowded by those that are left: weighted
-//! sample elimination (Yuksel 2015, "Sample Elimination for Generating Poisson Disk Sample Sets").
-//! The distance at which points crowd one another is that of as many points in a perfect lattice, so
-//! it grows in steps as points go; a point then always has some ten neighbours, and the whole costs
-//! little more than their number.
+//! Points are removed one by one, always the most crowded one: weighted sample elimination (Yuksel 2015,
+//! "Sample Elimination for Generating Poisson Disk Sample Sets"). The distance at which points crowd one
+//! another is the spacing of equally many points in a perfect lattice, so it grows in steps as points are
+//! removed. A point then always has about ten neighbours, and the cost is nearly proportional to the number
+//! of points.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use vtex_base::geometry::{NearPoints, Point, shortest_offset};
 
-/// By how much the number of points falls at one distance.
+/// Factor by which the number of points falls before the distance is updated.
 const STEP: usize = 3;
 
-/// Indices of `count` of the points, ascending. Equally crowded points go in the order of `ties`,
-/// which are random numbers; along an axis with a period, distances are those on a circle of it.
+/// Indices of `count` of the points, ascending. Equally crowded points are removed in the order of `ties`,
+/// which are random numbers. Along an axis with a period, distances wrap around.
 pub(super) fn spread(points: &[Point], ties: &[u64], periods: [Option<f64>; 2], count: usize) -> Vec<usize> {
     let mut left: Vec<usize> = (0..points.len()).collect();
     while left.len() > count {
@@ -24,7 +24,7 @@ pub(super) fn spread(points: &[Point], ties: &[u64], periods: [Option<f64>; 2], 
     left
 }
 
-/// A point that may go.
+/// A point that may be removed.
 struct Crowded {
     weight: f64,
     tie: u64,
@@ -73,7 +73,7 @@ fn eliminated(
         if gone[index] {
             continue;
         }
-        // Weights only fall, so an entry that is out of date stands too high and is put back.
+        // Weights only fall, so an outdated entry is too high and is put back.
         if weight != weights[index] {
             heap.push(entry(index, weights[index]));
             continue;
@@ -85,7 +85,7 @@ fn eliminated(
     left.iter().zip(gone).filter(|(_, gone)| !gone).map(|(i, _)| *i).collect()
 }
 
-/// The distance at which points crowd one another when `goal` are to be left: twice the largest radius
+/// The distance at which points crowd one another when `goal` points are to remain: twice the largest radius
 /// of that number of discs in the area.
 fn reach(points: &[Point], periods: [Option<f64>; 2], goal: usize) -> f64 {
     let length = |period: Option<f64>, at: &dyn Fn(&Point) -> f64| {
@@ -98,7 +98,7 @@ fn reach(points: &[Point], periods: [Option<f64>; 2], goal: usize) -> f64 {
     reach.min(width.max(height)).max(1e-3)
 }
 
-/// The other points that crowd each point, and how much: those of point i stand at `starts[i]` up to
+/// The other points that crowd each point, and their weights: those of point i are at `starts[i]` up to
 /// `starts[i + 1]`.
 fn crowding(points: &[Point], periods: [Option<f64>; 2], reach: f64) -> (Vec<usize>, Vec<(u32, f64)>) {
     let cells = NearPoints::new(points, periods, reach);

@@ -12,7 +12,7 @@ pub(super) fn order(scene: &mut Scene, chosen: &Chosen, by: OrderBy, reverse: bo
         let places: Vec<usize> = (0..layer.instances.len()).filter(|&i| chosen.instances[i]).collect();
         let mut sorted = places.clone();
         let key = |i: usize| keys[first + i];
-        // Stable, so equals stay in the order in which they are.
+        // The sort is stable: equal elements keep their order.
         sorted.sort_by(|&a, &b| {
             let rising = key(a).total_cmp(&key(b));
             if reverse { rising.reverse() } else { rising }

@@ -12,11 +12,11 @@ use vtex_scene::scene::{About, Instance, Scene};
 /// The least factor by which a texton is scaled.
 const SMALLEST: f64 = 0.01;
 
-/// Where longer axes are turned.
+/// The direction to which longer axes are turned.
 pub(super) enum Towards<'a> {
-    /// Everywhere the same, in radians.
+    /// One angle, in radians.
     Angle(f64),
-    /// By place: 0 to 1 is half a turn.
+    /// A map of angles: 0 to 1 is half a turn.
     Map(&'a ControlMap),
 }
 
@@ -27,18 +27,17 @@ pub(super) fn put(instance: &mut Instance, about: Affine, by: [f64; 2], periods:
     set(instance, [a, b, c, d, x + by[0], y + by[1]], periods);
 }
 
-/// Gives an instance a map of numbers as long as those of synthesis; where the scene repeats, its
-/// origin comes onto the canvas.
+/// Sets the map of an instance, rounded as synthesis rounds it; where the scene repeats, its origin is
+/// wrapped onto the canvas.
 pub(super) fn set(instance: &mut Instance, map: [f64; 6], periods: [Option<f64>; 2]) {
     let [a, b, c, d, x, y] = map;
     let [x, y] = [wrapped(x, periods[0]), wrapped(y, periods[1])];
     let [a, b, c, d, x, y] = rounded(Affine::new([a, b, c, d, x, y]));
-    // A rounded place may lie on the far edge.
+    // A rounded place may lie on the far edge, so it is wrapped again.
     instance.transform = [a, b, c, d, wrapped(x, periods[0]), wrapped(y, periods[1])];
 }
 
-/// Draws an instance as another, which stands in the frame of `own`, in the frame of `target`; shadow and
-/// line keep their widths.
+/// Moves an instance from the frame `own` to the frame `target`; shadow and line keep their widths.
 pub(crate) fn draw_as(
     instance: &mut Instance,
     drawn: &Instance,
@@ -56,12 +55,12 @@ pub(super) fn shift(scene: &mut Scene, chosen: &Chosen, by: [f64; 2]) {
     selected_mut(scene, chosen).for_each(|i| put(i, Affine::IDENTITY, by, periods));
 }
 
-/// Scales each texton by a factor that may differ from place to place.
+/// Scales each texton by a factor that may vary over the canvas.
 pub(super) fn scale(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>) {
     each(scene, chosen, |scene, instance| Affine::scale(factor.factor(scene, instance).max(SMALLEST)));
 }
 
-/// Turns each texton by an angle in degrees that may differ from place to place.
+/// Turns each texton by an angle in degrees that may vary over the canvas.
 pub(super) fn rotate(scene: &mut Scene, chosen: &Chosen, angle: &Amount<'_>) {
     each(scene, chosen, |scene, instance| rotation(angle.of(scene, instance, 360.0).to_radians()));
 }
@@ -75,7 +74,7 @@ fn each(scene: &mut Scene, chosen: &Chosen, about: impl Fn(&Scene, &Instance) ->
     }
 }
 
-/// Moves, turns and scales textons, each about its own centre or all about theirs.
+/// Moves, turns and scales textons, each about its own centre or all about their common centre.
 pub(super) fn transform(scene: &mut Scene, chosen: &Chosen, map: Affine, by: [f64; 2], about: About) {
     let periods = scene.periods();
     let centre = match about {
@@ -92,8 +91,7 @@ pub(super) fn transform(scene: &mut Scene, chosen: &Chosen, map: Affine, by: [f6
     }
 }
 
-/// Mean of the places of all that are selected; on a canvas that repeats, of the copies nearest to the
-/// first.
+/// Mean place of all selected instances; on a canvas that repeats, of the copies nearest to the first.
 fn middle(scene: &Scene, chosen: &Chosen) -> Option<Point> {
     let places: Vec<Point> = selected(scene, chosen).map(|i| scene.place(i)).collect();
     let first = *places.first()?;

@@ -1,4 +1,4 @@
-//! What is drawn on one element appears on all that are like it (Tu, dissertation, section 4.4.5.2).
+//! Shapes drawn on one element are repeated on all similar ones (Tu, dissertation, section 4.4.5.2).
 
 use super::selection::Chosen;
 use super::textons::{change, selected, selected_mut};
@@ -9,9 +9,9 @@ use vtex_base::raster::colour::Colour;
 use vtex_scene::element::Gaussian;
 use vtex_scene::scene::{Element, ElementId, Instance, InstanceId, Scene, Shape};
 
-/// What appears on elements.
+/// The change that is repeated on elements.
 pub(super) enum Propagated<'a> {
-    /// Shapes on the canvas; the element under them is the one that is drawn on.
+    /// Shapes on the canvas, drawn on the element beneath them.
     Over(&'a [Shape]),
     /// Shapes by themselves, the largest of which is brought onto each element.
     Alone(&'a [Shape]),
@@ -19,20 +19,21 @@ pub(super) enum Propagated<'a> {
     Fill(Colour),
 }
 
-/// Which elements are alike.
+/// Which elements count as similar.
 #[derive(Clone, Copy)]
 pub(super) struct Like {
-    /// As this one; by default as the one that is drawn on, and if none is, all are.
+    /// The element that others are compared with; by default the one drawn on, and without one all elements
+    /// are similar.
     pub(super) of: Option<InstanceId>,
-    /// By median colours that are no further apart in Oklab; by default of one category.
+    /// Largest distance of median colours, in Oklab; by default elements of one category are similar.
     pub(super) similar: Option<f64>,
 }
 
 /// Most lines and curves that are drawn on elements: some 20 MB of SVG.
 const MOST_DRAWN: usize = 2_000_000;
 
-/// Draws on all selected elements that are alike, in their frames, or in place of what they show. How many
-/// they are, and how many of them have no frame.
+/// Draws on all selected similar elements, in their frames, or replaces their shapes. Returns their number,
+/// and how many of them have no frame.
 ///
 /// # Errors
 /// [`EditFault::TooMuchDrawn`].
@@ -52,7 +53,7 @@ pub(super) fn propagate(
         return Ok((0, 0));
     }
     let mut edited = named;
-    // From where the shapes are given to the canonical frame of an element.
+    // The map from the coordinates of the shapes to the canonical frame of an element.
     let mut canonical = Affine::IDENTITY;
     match what {
         Propagated::Over(shapes) => {
@@ -118,12 +119,12 @@ fn lines(shape: &Shape) -> usize {
     shape.outline.path().elements().len()
 }
 
-/// The shape that encloses most.
+/// The shape with the largest area.
 fn largest(shapes: &[Shape]) -> Option<&Shape> {
     shapes.iter().max_by(|a, b| a.outline.area().total_cmp(&b.outline.area()))
 }
 
-/// Canvas → canonical frame of the edited element, whose copy shifted by `period` is drawn on.
+/// Canvas → canonical frame of the edited element; `period` is the shift of the copy that is drawn on.
 fn drawn_over(scene: &Scene, edited: usize, period: Vec2) -> Option<Affine> {
     let source = scene.instances().nth(edited)?;
     let own = scene.element(source).gaussian()?;
@@ -135,8 +136,8 @@ fn drawn_over(scene: &Scene, edited: usize, period: Vec2) -> Option<Affine> {
 const FARTHEST: f64 = 6.0;
 
 /// The selected element on which shapes are drawn: the one whose mean is nearest to the middle of their
-/// bounds by its own covariance; of several, the one painted last. With the whole periods from the element to
-/// the copy of it on which they are drawn.
+/// bounds by its own covariance; ties go to the one painted last. Also the shift, in whole periods, from the
+/// element to its copy on which they are drawn.
 fn beneath(
     scene: &Scene,
     chosen: &Chosen,
@@ -156,7 +157,7 @@ fn beneath(
     near.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.0.cmp(&a.1.0))).map(|(_, found)| found)
 }
 
-/// Whether each instance is like one.
+/// Whether each instance is similar to `source`.
 fn likeness(scene: &Scene, source: &Instance, edited: usize, similar: Option<f64>) -> Vec<bool> {
     if let Some(reach) = similar {
         let appearances = scene.appearances();
@@ -175,9 +176,8 @@ fn likeness(scene: &Scene, source: &Instance, edited: usize, similar: Option<f64
     scene.instances().map(like).collect()
 }
 
-/// An element with shapes that `canonical` brings to the canonical frame, on what it shows or in place of that.
-/// In its place the outline of the whole is that of a shape, or else stays, so that the element has the frame
-/// that it had.
+/// An element with added or replaced shapes; `canonical` maps them to the canonical frame. If the shapes are
+/// replaced, the outline of the whole is that of a shape, or else stays, so that the element keeps its frame.
 fn drawn_on(
     element: &Element,
     shapes: &[Shape],

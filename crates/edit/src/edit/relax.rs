@@ -6,24 +6,24 @@ use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, shortest_offset};
 use vtex_base::parallel;
 use vtex_scene::scene::Scene;
 
-/// Ratio of the distance between neighbours in a hexagonal lattice to the root of the area for each.
+/// Distance between neighbours in a hexagonal lattice, relative to the square root of the area per point.
 const LATTICE: f64 = 1.074_569_93;
 
-/// Neighbours that push one element, at most: more are there only where many lie on one another.
+/// Most neighbours that push one element. There are more only where many elements lie on one another.
 const MOST_NEIGHBOURS: u32 = 64;
 
 /// How elements are moved.
 pub(super) struct Relaxing {
     pub(super) rounds: u32,
-    /// Share of the way in each round.
+    /// Share of the missing distance that is moved in each round.
     pub(super) strength: f64,
-    /// Distance that none is to be nearer than; by default that of a hexagonal lattice of as many.
+    /// Least distance of elements; by default that of a hexagonal lattice of equally many.
     pub(super) minimum: Option<f64>,
 }
 
-/// Moves the selected elements of each layer away from those that are nearer than the distance wanted: in
-/// each round by half of the mean that is missing, all at the same time. Elements that are not selected
-/// stay, and push. Those whose centres lie on the canvas stay on it.
+/// Moves the selected elements of each layer away from neighbours nearer than the least distance: in each
+/// round by half of the mean missing distance, all at the same time. Elements that are not selected do not
+/// move, but push others. Elements whose centres lie on the canvas stay on it.
 pub(super) fn relax(scene: &mut Scene, chosen: &Chosen, how: &Relaxing) {
     let (periods, size) = (scene.periods(), [f64::from(scene.width), f64::from(scene.height)]);
     let plane = RelaxedCanvas { periods, size };
@@ -34,7 +34,7 @@ pub(super) fn relax(scene: &mut Scene, chosen: &Chosen, how: &Relaxing) {
             continue;
         }
         let lattice = LATTICE * libm::sqrt(size[0] * size[1] / before.len() as f64);
-        // No arrangement of as many keeps twice the distance of a lattice.
+        // No arrangement of equally many points has twice the distance of a lattice.
         let distance = how.minimum.map_or(lattice, |least| least.min(2.0 * lattice));
         if distance <= 0.0 {
             continue;
@@ -54,14 +54,14 @@ pub(super) fn relax(scene: &mut Scene, chosen: &Chosen, how: &Relaxing) {
     }
 }
 
-/// A canvas.
+/// Size and periods of the canvas on which elements are moved.
 struct RelaxedCanvas {
     periods: [Option<f64>; 2],
     size: [f64; 2],
 }
 
 impl RelaxedCanvas {
-    /// One round. Whether any point has moved.
+    /// One round. Returns whether any point has moved.
     fn spread(&self, at: &mut [Point], moves: &[bool], distance: f64, strength: f64) -> bool {
         // Points far beyond the canvas must not make the cells of the index large.
         let within: Vec<Point> = at.iter().map(|&p| self.clamped(p)).collect();
@@ -80,7 +80,7 @@ impl RelaxedCanvas {
         moved
     }
 
-    /// The way of one point in a round.
+    /// The displacement of one point in a round.
     fn way(&self, at: &[Point], near: &NearPoints, i: usize, moves: &[bool], distance: f64) -> Vec2 {
         let (mut sum, mut count) = (Vec2::ZERO, 0);
         near.each(self.clamped(at[i]), |j| {
@@ -93,15 +93,15 @@ impl RelaxedCanvas {
                 return;
             }
             let length = libm::sqrt(square);
-            // Points at the same place part in a direction that depends on their numbers.
+            // Points at the same place are separated in a direction that depends on their indices.
             let (sine, cosine) = libm::sincos(i as f64 * 2.399_963);
             let unit = if length > 1e-6 { apart / length } else { Vec2::new(cosine, sine) };
-            // What does not move leaves the whole way to the other.
+            // If the neighbour does not move, the point moves by the whole missing distance.
             let share = if moves[j] { 0.5 } else { 1.0 };
             sum += unit * (distance - length) * share;
             count += 1;
         });
-        // Neighbours on all sides push alike: of several, no more than the mean of two.
+        // Pushes of several neighbours are averaged; the sum is divided by two at least.
         if count == 0 { Vec2::ZERO } else { sum / f64::from(count).max(2.0) * 2.0 }
     }
 

@@ -22,8 +22,8 @@ use vtex_scene::scene::{Element, ElementId, Instance, LibraryId, Scene};
 const CANDIDATES: usize = 16;
 /// Side of the raster on which overlap is counted.
 const SIDE: usize = 32;
-/// Side of a square of the shape's area, as a share of the raster's side; the ends of what is more than six
-/// times as long as broad stick out and do not count.
+/// Side of a square of the shape's area, as a share of the raster's side. The ends of shapes more than six
+/// times as long as wide lie outside the raster and do not count.
 const SPAN: f64 = 0.4;
 
 /// Largest distance of polygons from outlines, in pixels of the raster on which overlap is measured.
@@ -36,8 +36,8 @@ struct Stencil {
 }
 
 impl Stencil {
-    /// Both fill rules fill an outline alike, so a pixel is inside if an odd number of edges lies to
-    /// its left.
+    /// Both fill rules give the same result for an outline, so a pixel is inside if an odd number of edges
+    /// lies to its left.
     fn new(outline: &Outline, moments: &SecondMoments) -> Self {
         let middle = SIDE as f64 / 2.0;
         let onto = Affine::translate((middle, middle)) * Affine::scale(SPAN * SIDE as f64);
@@ -58,7 +58,7 @@ impl Stencil {
         Self { rows: std::array::from_fn(|y| self.rows[SIDE - 1 - y].reverse_bits()) }
     }
 
-    /// Shared area as a share of both together.
+    /// Area of the intersection as a share of the area of the union.
     fn overlap(&self, other: &Self) -> f64 {
         let pairs = || self.rows.iter().zip(&other.rows);
         let both: u32 = pairs().map(|(a, b)| (a & b).count_ones()).sum();
@@ -67,7 +67,7 @@ impl Stencil {
     }
 }
 
-/// The map from unit area at the origin, longer axis along x, to where a shape stands.
+/// The map from unit area at the origin, longer axis along x, to the place, size and direction of a shape.
 fn standing(moments: &SecondMoments) -> Affine {
     let angle = moments.angle();
     let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
@@ -76,7 +76,7 @@ fn standing(moments: &SecondMoments) -> Affine {
     Affine::new([linear[0], linear[1], linear[2], linear[3], moments.centroid.x, moments.centroid.y])
 }
 
-/// An element that may take the place of others.
+/// An element that may replace others.
 struct ReplacementCandidate {
     element: Element,
     moments: SecondMoments,
@@ -122,7 +122,7 @@ impl Index {
             let (below, above) = (gap(down.checked_sub(1)), gap(Some(up)));
             let worst = if found.len() < CANDIDATES { f64::INFINITY } else { found[CANDIDATES - 1].0 };
             let least = below.min(above);
-            // Whatever is further along comes no nearer.
+            // All candidates further along are farther away.
             if least == f64::INFINITY || least * least > worst {
                 return found.into_iter().map(|(_, i)| i).collect();
             }
@@ -140,7 +140,7 @@ impl Index {
         }
     }
 
-    /// The candidate that fits best, and whether it is turned by half; none if there is none.
+    /// The best fitting candidate, and whether it is turned by half; `None` without candidates.
     fn best(&self, element: &Element, moments: &SecondMoments) -> Option<(usize, bool)> {
         // An outline that encloses nothing has no shape.
         if moments.area <= 0.0 {
@@ -153,15 +153,15 @@ impl Index {
             let of = |s: &Stencil| s.overlap(&self.0[i].stencil);
             [(of(&stencil), i, false), (of(&turned), i, true)]
         });
-        // The first of several that fit alike.
+        // Ties go to the first.
         let best = fits.reduce(|best, next| if next.0 > best.0 { next } else { best });
         best.map(|(_, i, turned)| (i, turned))
     }
 }
 
-/// Replaces elements by the library's: individual ones by whole primaries, others by secondaries, which
-/// then differ from the field underneath as much as they do in their exemplar. How many found another:
-/// none where the library has none of their kind.
+/// Replaces elements by the library's: individual ones by whole primaries, others by secondaries, which keep
+/// their exemplar's colour difference to the field underneath. Returns the number of replaced elements: 0 if
+/// the library has none of their kind.
 pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) -> usize {
     let libraries = scene.libraries.len();
     let number = number_of(scene, library);
@@ -213,8 +213,7 @@ pub(super) fn replace(scene: &mut Scene, chosen: &Chosen, library: &Library) -> 
     replaced
 }
 
-/// The map that brings a candidate to where an instance stands, given the moments of the instance's
-/// element.
+/// The map that brings a candidate to the place of an instance, given the moments of the instance's element.
 fn standing_in(
     instance: &Instance,
     new: &ReplacementCandidate,
@@ -225,7 +224,7 @@ fn standing_in(
     (instance.affine() * standing(own) * turn * standing(&new.moments).inverse()).as_coeffs()
 }
 
-/// The number of a library among those of the scene, which then lists it.
+/// The index of a library among those of the scene; adds it to the list if it is missing.
 fn number_of(scene: &mut Scene, library: &Library) -> LibraryId {
     let wanted = library.reference();
     let known = scene.libraries.iter().position(|l| *l == wanted);

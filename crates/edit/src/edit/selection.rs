@@ -1,4 +1,4 @@
-//! Which elements of a scene, and which points of its fields, an operation is for.
+//! The elements of a scene, and the points of its fields, that an operation applies to.
 
 use super::Files;
 use super::textons::measured;
@@ -15,12 +15,12 @@ pub(super) struct Chosen {
     pub(super) layers: Vec<ChosenLayer>,
 }
 
-/// Whether each instance of a layer and each point of its field is selected, by their places in it.
+/// Whether each instance of a layer and each point of its field is selected, by index.
 #[derive(Clone)]
 pub(super) struct ChosenLayer {
     pub(super) instances: Vec<bool>,
     pub(super) points: Vec<bool>,
-    /// Whether the colour of a field without points is.
+    /// Whether the colour of a field without points is selected.
     pub(super) fallback: bool,
 }
 
@@ -86,7 +86,7 @@ impl Chosen {
         Self { layers: layers.collect() }
     }
 
-    /// How many there are.
+    /// Number of selected elements and points.
     pub(super) fn count(&self) -> usize {
         let of = |layer: &ChosenLayer| {
             let all = layer.instances.iter().chain(&layer.points).filter(|chosen| **chosen).count();

@@ -1,4 +1,4 @@
-//! Appearances that change places among elements of like size (Tu, dissertation, section 4.4.1).
+//! Exchange of appearances among elements of similar size (Tu, dissertation, section 4.4.1).
 
 use super::Draw;
 use super::groups::groups;
@@ -9,17 +9,17 @@ use vtex_base::parallel;
 use vtex_scene::element::Gaussian;
 use vtex_scene::scene::{Element, ElementId, Instance, Scene, Shape, Within};
 
-/// Largest ratio of the areas of Gaussians that change places.
+/// Largest ratio of the areas of Gaussians that exchange appearances.
 const LIKE: f64 = 2.0;
-/// With how many others an exchange is tried for one that would look as before.
+/// Most exchanges tried for an element that would keep its look.
 const TRIES: usize = 32;
 /// Largest deviation of details that are moved, and distance of points along outlines that are bent, in
 /// pixels.
 const TOLERANCE: f64 = 0.15;
 const STEP: f64 = 1.0;
 
-/// Lets appearances change places. Outlines stay, unless they are asked to go along; so they do where an
-/// element has a silhouette of its own. How many are too thin and stay as they are.
+/// Exchanges appearances. Outlines stay, unless `outlines` is set or an element has a silhouette of its own.
+/// Returns the number of elements that are too thin and stay unchanged.
 pub(super) fn shuffle(
     scene: &mut Scene,
     chosen: &Chosen,
@@ -62,8 +62,8 @@ pub(super) fn shuffle(
     thin
 }
 
-/// Chooses for each of some instances that are alike in size the one that it gets its appearance from: in
-/// a random circle, so that none keeps its own, with exchanges where it would get the same again.
+/// Chooses the instance from which each of some instances of similar size gets its appearance: a random
+/// cycle, so that none keeps its own, with exchanges where an instance would get an equal appearance.
 fn exchange(all: &[Instance], alike: &[(f64, usize)], from: &mut [usize], draw: &Draw) {
     let keyed = alike.iter().map(|&(_, i)| (draw.of("edit/shuffle", all[i].id).bits(), i));
     let mut circle: Vec<(u64, usize)> = keyed.collect();
@@ -86,7 +86,7 @@ fn exchange(all: &[Instance], alike: &[(f64, usize)], from: &mut [usize], draw: 
     circle.iter().zip(source).for_each(|(&i, source)| from[i] = source);
 }
 
-/// An instance as it becomes, and its element if that is new.
+/// A changed instance, and its element if that is new.
 type Made = (Instance, Option<Element>);
 
 /// The scene before an exchange.
@@ -133,8 +133,7 @@ fn extent(ring: &[Point]) -> f64 {
     along(&|p| p.x) * along(&|p| p.y)
 }
 
-/// A detail brought into a ring by a map; what would stick out of the ring is moved to it. `None` if nothing
-/// of it is left.
+/// A detail brought into a ring by a map; parts outside the ring are moved to it. `None` if no area is left.
 fn carried(detail: &Shape, map: Affine, hull: &[Point]) -> Option<Shape> {
     let path = map * detail.outline.path();
     let moved = Outline::new(&path)?;

@@ -6,7 +6,7 @@ use super::textons::{change, selected_mut, size};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::scene::{Element, Instance, Scene, Shadow, Shape, Stroke};
 
-/// Decimals at which a simpler outline is to be short: those of an SVG.
+/// Decimals for which simplified outlines are made short: those of an SVG.
 const DECIMALS: u8 = 1;
 
 /// A length on the canvas in a texton's own pixels, to a hundredth, from 0.01.
@@ -30,7 +30,8 @@ pub(super) fn outline(scene: &mut Scene, chosen: &Chosen, width: f64, colour: Co
     }
 }
 
-/// Leaves shadow and line as wide on the canvas as they were when the instance had another size.
+/// Keeps the widths of shadow and line on the canvas after the size of the instance changed; `before` is its
+/// former size.
 pub(super) fn keep_widths(instance: &mut Instance, before: f64) {
     let now = size(instance);
     if let Some(stroke) = &mut instance.stroke {
@@ -49,8 +50,8 @@ pub(super) fn flatten(scene: &mut Scene, chosen: &Chosen) {
     });
 }
 
-/// Outlines within `tolerance` pixels of the canvas of what they were, without the details that are
-/// smaller than a square of that side.
+/// Simplifies outlines within `tolerance` pixels of the canvas, and drops details smaller than a square of
+/// that side.
 pub(super) fn simplify(scene: &mut Scene, chosen: &Chosen, tolerance: f64) {
     change(scene, chosen, |element, size| {
         let tolerance = tolerance / size.max(1e-6);

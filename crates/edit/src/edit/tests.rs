@@ -1,4 +1,4 @@
-//! Rules that every operation keeps.
+//! Properties of every operation.
 
 use super::*;
 use vtex_base::geometry::{Affine, Outline, SecondMoments, parse_path, shortest_offset};
@@ -163,7 +163,7 @@ fn chains_are_recorded_and_may_be_done_one_by_one() {
     assert_eq!(Scene::from_bytes(all.to_json(), "x").unwrap(), all);
     let other = apply(scene(), &chain[..1], &Files::default(), Some(6)).unwrap().0;
     assert_ne!(other.primary(), one(chain[0].clone()).primary());
-    // The same operation again draws anew.
+    // A repeated operation draws other random numbers.
     assert_eq!(edited(&scene(), &[chain[0].clone(), chain[0].clone()]).0.primary().len(), 22);
 }
 
@@ -301,7 +301,7 @@ fn recolouring_keeps_shading_and_leaves_what_is_unlike() {
     assert_eq!(red.base().colour, Colour::from_hex("#3c50b4").unwrap());
     assert_eq!(red.details()[0].colour, Colour([240; 3]), "the light detail is unlike");
     assert_eq!(other.base().colour, Colour([40, 60, 150]));
-    // Elements without such a colour do not count, and nothing happens to it.
+    // Elements without such a colour do not count, and do not change.
     let (same, outcomes) = edited(&scene(), &[recolor([0, 255, 0], [0; 3], 0.1).into()]);
     assert_eq!((outcomes[0].matched, same.elements), (0, scene().elements));
     let red = edited(&scene(), &[recolor([180, 60, 50], [0; 3], 0.05).into()]).1[0].matched;

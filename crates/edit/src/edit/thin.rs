@@ -1,4 +1,4 @@
-//! Fewer textons: a share, the large ones, those that a map or a shape leaves.
+//! Removal of textons: all but a share, small ones, or those outside a map or a shape.
 
 use super::selection::Chosen;
 use super::textons::{change, measured, size};
@@ -7,8 +7,8 @@ use vtex_base::geometry::{Interior, Point};
 use vtex_base::raster::ControlMap;
 use vtex_scene::scene::{Instance, Scene, Shape, ThinOrder};
 
-/// Keeps the instances for which `keep` holds, and all that are not selected. It gets the scene as
-/// it was.
+/// Keeps the instances for which `keep` holds, and all that are not selected. `keep` gets the unchanged
+/// scene.
 pub(super) fn retain(scene: &mut Scene, chosen: &Chosen, keep: impl Fn(&Scene, &Instance) -> bool) {
     let marks = scene.instances().zip(chosen.instances()).map(|(i, chosen)| !chosen || keep(scene, i));
     let marks: Vec<bool> = marks.collect();
@@ -31,7 +31,7 @@ fn retain_marked<T>(items: &mut Vec<T>, marks: &[bool]) {
     items.retain(|_| marks.next().is_some_and(|mark| *mark));
 }
 
-/// Keeps each texton with the probability that a map has where it stands.
+/// Keeps each texton with the probability that the map has at its place.
 pub(super) fn by_map(scene: &mut Scene, chosen: &Chosen, map: &ControlMap, draw: &Draw) {
     let canvas = [f64::from(scene.width), f64::from(scene.height)];
     retain(scene, chosen, |scene, instance| {
@@ -45,7 +45,7 @@ pub(super) fn by_region(scene: &mut Scene, chosen: &Chosen, region: &Interior, i
     retain(scene, chosen, |scene, instance| region.contains(scene.place(instance)) == inside);
 }
 
-/// Takes small textons and details away, then all but a share of each layer.
+/// Removes small textons and details, then all but a share of each layer.
 pub(super) fn thin(
     scene: &mut Scene,
     chosen: &Chosen,

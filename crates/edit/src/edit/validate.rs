@@ -1,4 +1,4 @@
-//! Operations that can be done: ranges, and what does not go together.
+//! Validation of operations: ranges, and combinations that are not permitted.
 
 use vtex_base::error::EditFault;
 use vtex_scene::scene::{
@@ -42,7 +42,7 @@ pub fn validate(operation: &Operation) -> Result<(), EditFault> {
     if conditions.iter().all(of_place) { Ok(()) } else { Err(EditFault::BackgroundCondition) }
 }
 
-/// Whether a condition asks for nothing but where something is.
+/// Whether a condition is about places only.
 fn of_place(condition: &Condition) -> bool {
     match condition {
         Condition::Place { .. } => true,

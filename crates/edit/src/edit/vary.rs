@@ -1,5 +1,4 @@
-//! Appearances and shapes brought nearer to their mean, or further from it (Tu, dissertation, equations
-//! 4.25 to 4.30).
+//! Variation of appearances and shapes, reduced or increased (Tu, dissertation, equations 4.25 to 4.30).
 
 use super::amount::Amount;
 use super::groups::groups;
@@ -10,7 +9,7 @@ use vtex_base::raster::oklab_map::OklabMap;
 use vtex_scene::element::Gaussian;
 use vtex_scene::scene::{Repaint, Scene, Within};
 
-/// Scales how far the colours of each texton lie from the mean of its group.
+/// Scales the deviation of each texton's colours from the mean of its group.
 pub(super) fn colours(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>, within: Within) {
     let appearances = scene.appearances();
     let factors: Vec<f64> = scene.instances().map(|i| factor.factor(scene, i)).collect();
@@ -36,9 +35,9 @@ pub(super) fn colours(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>, w
     scene.elements = elements;
 }
 
-/// Scales how far the covariance of each texton lies from the mean of its group: with U = L·Lᵀ, the mean
-/// Ū = L̄·L̄ᵀ and W = L·L̄⁻¹, it becomes Wᵗ·Ū·(Wᵗ)ᵀ. Centres stay where they are. How many are too thin for
-/// that and stay as they are.
+/// Scales the deviation of each texton's covariance from the mean of its group: with U = L·Lᵀ, the mean Ū =
+/// L̄·L̄ᵀ and W = L·L̄⁻¹, it becomes Wᵗ·Ū·(Wᵗ)ᵀ. Centres do not move. Returns the number of textons that are
+/// too thin and stay unchanged.
 pub(super) fn shapes(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>, within: Within) -> usize {
     let gaussians = scene.gaussians();
     let factors: Vec<f64> = scene.instances().map(|i| factor.factor(scene, i)).collect();

@@ -1,9 +1,9 @@
 //! Scene → the same scene carried by a flow, at any time of a loop (Tu, dissertation, sections 4.4.6 and
 //! 7.7.3).
 //!
-//! All flows are loops: at the end every element is where it began, or has gone unseen and come again. So
-//! that none is missed where the flow comes in, elements beyond the borders are listed as well, copies of
-//! those at the opposite side. Fields and regions stay where they are.
+//! All flows are loops: at the end every element is at its first place again, or has left the canvas and come
+//! back. So that no element is missing where the flow enters, copies of elements at the opposite side are
+//! listed beyond the borders. Fields and regions do not move.
 //!
 //! When this works badly: scenes that do not repeat, whose copies beyond the borders reach in; shear through
 //! large elements, which its bands cut apart from one another.
@@ -23,24 +23,24 @@ use vtex_base::parallel;
 use vtex_base::raster::ControlMap;
 use vtex_scene::scene::{Instance, InstanceId, Role, Scene, Tile};
 
-/// What carries the elements.
+/// The flow that moves the elements.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Flow {
-    /// The upper third of the canvas goes to the left, the lower third to the right, the middle stays.
+    /// The upper third of the canvas moves to the left, the lower third to the right, the middle rests.
     Shear,
     /// Everything turns about the middle, clockwise.
     Vortex,
-    /// Gusts go over the canvas from left to right; elements give way, turn a little, and come back.
+    /// Gusts cross the canvas from left to right; elements sway, turn a little, and swing back.
     Wind,
-    /// Directions by place, a map stretched over the canvas: 0 and 1 to the right, a quarter down. Large
-    /// elements go a little way, vanish, and come again where they set out; small ones stay.
+    /// A map of directions stretched over the canvas: 0 and 1 point to the right, a quarter down. Large
+    /// elements move a short way, vanish, and reappear where they started; small ones rest.
     Field(ControlMap),
 }
 
-/// How fast a flow is.
+/// Parameters of a flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowParams {
-    /// Rounds in a loop: of shear and vortex whole ones, of wind gusts. 1 to 100. Default 1.
+    /// Number of rounds of shear and vortex, or of gusts of wind, in a loop. 1 to 100. Default 1.
     pub rounds: u32,
     /// Factor of the distances of wind and field, 0.01 to 10. Default 1.
     pub strength: f64,
@@ -56,7 +56,7 @@ impl Default for FlowParams {
 
 /// A scene in a flow.
 pub struct Flowing {
-    /// Does not repeat; with the copies beyond the borders that come in.
+    /// The scene at rest. It does not repeat, and lists the copies beyond the borders that enter.
     scene: Scene,
     /// The path of each instance, in painting order.
     paths: Vec<Path>,
@@ -88,8 +88,8 @@ impl Flowing {
         Ok(Self { scene, paths })
     }
 
-    /// The scene at a share of the loop, from 0; 1 is as 0. The same elements are listed at all times, but
-    /// for those that are too small to be seen.
+    /// The scene at a share of the loop; 0 and 1 give the same scene. The same elements are listed at all
+    /// times, except those too small to be visible.
     pub fn at(&self, time: f64) -> Scene {
         let time = time - libm::floor(time);
         let mut scene = self.scene.clone();
@@ -108,12 +108,13 @@ impl Flowing {
         scene
     }
 
-    /// The scene at rest. It does not repeat, and lists the copies beyond the borders that come in.
+    /// The scene at rest. It does not repeat, and lists the copies beyond the borders that enter.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The rounds that all turn about the middle of the canvas in a loop, clockwise, if that is what they do.
+    /// Number of clockwise rounds of all elements about the middle of the canvas in a loop; `None` for other
+    /// flows.
     pub fn rounds(&self) -> Option<f64> {
         let rounds = |path: &Path| match path {
             Path::Round { rounds, .. } => Some(*rounds),
@@ -123,13 +124,13 @@ impl Flowing {
         self.paths.iter().all(|path| rounds(path) == Some(first)).then_some(first)
     }
 
-    /// The ways of the elements of [`Flowing::scene`] through a loop, in painting order: keys between which an
-    /// element goes evenly, within a quarter of a pixel of where it belongs. None of one that stays.
+    /// The paths of the elements of [`Flowing::scene`] through a loop, in painting order: keys with linear
+    /// motion between them, within a quarter of a pixel of the true path. No keys for an element that rests.
     pub fn ways(&self) -> Vec<Vec<Key>> {
         parallel::map(&self.paths, track::keys)
     }
 
-    /// Number of elements that take part, those beyond the borders included.
+    /// Number of moving elements, those beyond the borders included.
     pub fn count(&self) -> usize {
         self.paths.len()
     }
@@ -138,7 +139,7 @@ impl Flowing {
 /// Size below which an element is not drawn.
 const VANISHED: f64 = 0.02;
 
-/// Where an element is, relative to where it stands in the scene.
+/// The place of an element relative to its place in the scene.
 struct Now {
     way: Vec2,
     /// In radians.

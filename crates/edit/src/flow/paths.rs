@@ -6,19 +6,18 @@ use vtex_base::geometry::{Point, Vec2};
 use vtex_base::raster::ControlMap;
 use vtex_base::sampling::stream;
 
-/// Parts of a loop between which the wobble of a shear is drawn anew.
+/// Number of random values of a shear's wobble in a loop.
 const KNOTS: usize = 10;
 /// Standard deviation of the wobble, as a share of the canvas's width (the paper's 1/30 of half of it).
 const WOBBLE: f64 = 1.0 / 60.0;
-/// Way of the wind at its strongest, as a share of the shorter side, and the turn that goes with it, in
-/// radians.
+/// Largest displacement by wind, as a share of the shorter side, and the largest turn, in radians.
 const GUST: f64 = 0.012;
 const BEND: f64 = 0.22;
-/// Length of the waves of wind, as a share of the width: a whole number of them fits.
+/// Wavelength of wind, as a share of the width, before it is rounded to fit a whole number of times.
 const WAVE: f64 = 0.5;
-/// Way along a field in a loop, as a share of the shorter side.
+/// Length of a path along a field, as a share of the shorter side.
 const DRIFT: f64 = 0.18;
-/// Share of a loop in which an element along a field comes, and in which it goes.
+/// Share of a loop in which an element along a field appears, and in which it vanishes.
 const FADE: f64 = 0.15;
 /// Steps of a path along a field.
 const STEPS: usize = 48;
@@ -31,7 +30,7 @@ pub(super) fn margin(flow: &Flow, [width, height]: [f64; 2], params: &FlowParams
             let half = libm::sqrt(width * width + height * height) / 2.0;
             [half - width / 2.0, half - height / 2.0]
         }
-        // Whatever crosses one side comes in at the other.
+        // Elements that cross one side enter at the other.
         Flow::Shear => [width, 0.0],
         Flow::Wind => [0.0; 2],
         Flow::Field(_) => [DRIFT * params.strength * width.min(height); 2],
@@ -48,18 +47,18 @@ pub(super) enum Path {
     Round { arm: Vec2, rounds: f64 },
     /// To and fro.
     Sway { rounds: f64, phase: f64, way: Vec2, bend: f64 },
-    /// Points at even times from when it comes to when it goes, and the part of that at which a loop begins.
+    /// Points at equal time steps from appearance to disappearance, and the share of that time at which a
+    /// loop begins.
     Drift { points: Vec<Vec2>, phase: f64 },
 }
 
-/// An element that sets out.
+/// The initial state of an element.
 pub(super) struct Start {
     /// Where it stands.
     pub(super) at: Point,
     /// Its id, or that of the element that it is a copy of.
     pub(super) id: u64,
-    /// Whether it is a thing of its own. Others make up what is seen only together, so neighbours move
-    /// alike.
+    /// Whether it is an individual element. Other elements form a texture together, so neighbours move alike.
     pub(super) individual: bool,
 }
 
@@ -120,12 +119,12 @@ impl Path {
         }
     }
 
-    /// Times in a loop at which it has to be looked at to be known.
+    /// Number of samples in a loop that describe the path.
     pub(super) fn samples(&self) -> f64 {
         match self {
             Self::Still => 1.0,
             Self::Band { .. } => 8.0 * KNOTS as f64,
-            // Chords of so many a round are an eighth of a pixel from the circle at most.
+            // With this number of chords per round, each is at most an eighth of a pixel from the circle.
             Self::Round { arm, rounds } => {
                 let radius = libm::sqrt(arm.hypot2());
                 rounds * (16.0 + libm::ceil(std::f64::consts::PI * libm::sqrt(4.0 * radius)))
@@ -135,7 +134,7 @@ impl Path {
         }
     }
 
-    /// Where it leads at a share of the loop, 0 to 1.
+    /// The place at a share of the loop, 0 to 1.
     pub(super) fn at(&self, time: f64) -> Now {
         let still = Now { way: Vec2::ZERO, angle: 0.0, size: 1.0 };
         match self {
@@ -172,7 +171,7 @@ fn envelope(share: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// A loop through values at even times, smoothly.
+/// A smooth loop through values at equal time steps.
 fn smooth(knots: &[f64; KNOTS], time: f64) -> f64 {
     let at = time * KNOTS as f64;
     let low = at as usize % KNOTS;
@@ -184,7 +183,7 @@ fn smooth(knots: &[f64; KNOTS], time: f64) -> f64 {
 fn drifted(map: &ControlMap, from: Point, canvas: [f64; 2], length: f64, phase: f64) -> Vec<Vec2> {
     let step = length / STEPS as f64;
     let direction = |p: Point| {
-        // Copies beyond the borders go as their originals.
+        // Copies beyond the borders move as their originals do.
         let home = [p.x.rem_euclid(canvas[0]), p.y.rem_euclid(canvas[1])];
         let (sine, cosine) = libm::sincos(TAU * map.turn_at(home, canvas));
         Vec2::new(cosine, sine)
@@ -202,7 +201,7 @@ fn drifted(map: &ControlMap, from: Point, canvas: [f64; 2], length: f64, phase: 
         points
     };
     let (back, on) = (walk(phase, -1.0), walk(1.0 - phase, 1.0));
-    // Sampled at even shares of the whole, with `from` exactly at `phase`.
+    // Sampled at equal steps, with `from` exactly at `phase`.
     let along = |points: &[Vec2], steps: f64| {
         let low = (steps as usize).min(points.len() - 2);
         points[low].lerp(points[low + 1], (steps - low as f64).min(1.0))

@@ -74,7 +74,7 @@ fn a_vortex_keeps_radii_and_turns_evenly() {
         let wanted = 0.3 * std::f64::consts::TAU;
         assert!((turn - wanted).abs() < 1e-6, "{turn}");
     }
-    // Corners are never empty: as many are on the canvas as there were, give or take.
+    // Corners are never empty: the number of elements on the canvas stays about the same.
     for time in [0.1, 0.2, 0.4, 0.77] {
         let count = seen(&flowing.at(time)).len();
         assert!(count.abs_diff(120) < 24, "{time}: {count}");
@@ -115,10 +115,10 @@ fn nothing_that_is_seen_jumps() {
             let old: std::collections::BTreeMap<_, _> = before.primary().iter().map(|i| (i.id, i)).collect();
             for i in seen(&now) {
                 let size = |i: &Instance| libm::sqrt(i.affine().determinant());
-                // What jumps is too small to be seen, or comes from where nothing is seen.
+                // An element that jumps is too small to be visible, or comes from outside the canvas.
                 if let Some(b) = old.get(&i.id).filter(|b| place(b).distance(place(i)) > 20.0) {
                     let outside = !seen(&before).iter().any(|s| s.id == b.id);
-                    // Or a copy of it takes over: bars all point elsewhere.
+                    // Or a copy replaces it: bars are identified by their direction.
                     let same = |s: &Instance| (0..4).all(|k| (s.transform[k] - i.transform[k]).abs() < 1e-6);
                     let copy = before.primary().iter().any(|s| same(s) && place(s).distance(place(i)) < 20.0);
                     assert!(size(i) < 0.35 || outside || copy, "{flow:?} {k} {i:?} {b:?}");

@@ -7,7 +7,7 @@ use vtex_base::geometry::Vec2;
 
 /// Largest deviation of the keys from the path: in pixels, radians, and shares of the element's size.
 const TOLERANCE: [f64; 3] = [0.25, 0.01, 0.02];
-/// Just before and after what happens at once, as a share of the loop.
+/// Time between two keys of an instantaneous change, as a share of the loop.
 const INSTANT: f64 = 1e-6;
 
 /// A position of an element on its path, relative to its place in the scene.
@@ -40,13 +40,13 @@ impl Key {
     }
 }
 
-/// Keys from the beginning of a loop to its end, times never falling; two at almost one time where an
-/// element vanishes and comes elsewhere. None if the element stays.
+/// Keys from the beginning of a loop to its end, in order of time; two at almost the same time where an
+/// element vanishes and reappears elsewhere. Empty if the element rests.
 pub(super) fn keys(path: &Path) -> Vec<Key> {
     if matches!(path, Path::Still) {
         return Vec::new();
     }
-    // What happens at the ends of the loop happens within it.
+    // Changes at the ends of the loop are moved within it.
     let within = |time: f64| time.clamp(3.0 * INSTANT, 1.0 - 3.0 * INSTANT);
     let mut ends: Vec<f64> = path.jumps().into_iter().map(within).collect();
     ends.sort_by(f64::total_cmp);
@@ -70,7 +70,7 @@ pub(super) fn keys(path: &Path) -> Vec<Key> {
     if keys.iter().all(|key| key.off(&keys[0]) < 1.0) { Vec::new() } else { keys }
 }
 
-/// Adds those of `all` that are needed, the last not among them (Douglas and Peucker).
+/// Adds the keys of `all` that are needed, except the last (Douglas and Peucker).
 fn keep(all: &[Key], kept: &mut Vec<Key>) {
     let (first, last) = (all[0], all[all.len() - 1]);
     let off = |key: &Key| key.off(&Key::between(&first, &last, key.time));
@@ -118,7 +118,7 @@ mod tests {
                     let Now { way, angle, size } = path.at(time);
                     let key = at(keys, time);
                     let wanted = Key { time, way, angle, size };
-                    // Between samples it may be off by a little more than at them.
+                    // Between samples the deviation may be a little larger than at them.
                     assert!(key.off(&wanted) < 1.6, "{flow:?} {time} {key:?} {wanted:?}");
                 }
             }

@@ -4,27 +4,27 @@ use vtex_base::sampling::Stream;
 use vtex_scene::element::Gaussian;
 use vtex_scene::scene::{Instance, Role, Scene};
 
-/// Share of the donors that are nearest in elongation, of which one is drawn. Few of them bend little;
-/// many do not repeat.
+/// Share of the donors, the nearest in elongation, of which one is drawn. A small share deforms elements
+/// little; a large one repeats them less.
 const NEAREST: f64 = 0.25;
-/// Least number of these.
+/// Least number of donors to draw from.
 const FEWEST: usize = 12;
 
-/// An element of an appearance where it stands there.
+/// An element of an appearance with its instance.
 pub(super) struct Donor<'a> {
     pub(super) instance: &'a Instance,
     pub(super) gaussian: Gaussian,
 }
 
-/// Those of one appearance.
+/// All donors of one appearance.
 pub(super) struct Donors<'a> {
-    /// By role; with the logarithm of the elongation, by which they are sorted.
+    /// Donors by role, sorted by the logarithm of the elongation.
     of_role: Vec<(Role, Vec<(f64, Donor<'a>)>)>,
 }
 
 impl<'a> Donors<'a> {
-    /// All elements of a scene that are not degenerate; but for layers of very few, without those that a border
-    /// of the scene may have cut.
+    /// All elements of a scene that are not degenerate. Elements that a border of the scene may have cut are
+    /// left out, unless their layer has very few.
     pub(super) fn new(scene: &'a Scene) -> Self {
         let gaussians = scene.gaussians();
         let mut of_role: Vec<(Role, Vec<(f64, Donor<'a>)>)> = Vec::new();
@@ -50,19 +50,19 @@ impl<'a> Donors<'a> {
         Self { of_role }
     }
 
-    /// Whether there are any of a role.
+    /// Whether there are donors of a role.
     pub(super) fn has(&self, role: Role) -> bool {
         self.of_role.iter().any(|(known, donors)| *known == role && !donors.is_empty())
     }
 
-    /// A donor for an element, drawn from those of its role that are about as elongated. `None` if there is
+    /// A donor for an element, drawn from those of its role with a similar elongation. `None` if there is
     /// none of its role.
     pub(super) fn like(&self, role: Role, own: &Gaussian, mut random: Stream) -> Option<&Donor<'a>> {
         let alike = self.alike(role, own)?;
         Some(&alike[random.index(alike.len())].1)
     }
 
-    /// The nearest of the donors that are about as elongated as an element; ties go to the first.
+    /// The nearest of the donors with a similar elongation; ties go to the first.
     pub(super) fn nearest(
         &self,
         role: Role,
@@ -73,7 +73,7 @@ impl<'a> Donors<'a> {
         alike.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, donor)| donor)
     }
 
-    /// The donors of a role that are about as elongated as an element; `None` if there are none.
+    /// The donors of a role with an elongation similar to an element's; `None` if there are none.
     fn alike(&self, role: Role, own: &Gaussian) -> Option<&[(f64, Donor<'a>)]> {
         let (_, donors) = self.of_role.iter().find(|(known, donors)| *known == role && !donors.is_empty())?;
         let wanted = elongation(own);

@@ -7,14 +7,16 @@ use vtex_scene::scene::{Role, Scene};
 /// Corrections of a difference for colours beyond the border of sRGB.
 const ROUNDS: usize = 6;
 
-/// How far the colours of a structure are from those of appearances: of elements by role, and of fields.
+/// Differences between the mean colours of a structure and those of appearances: of elements by role, and of
+/// fields.
 pub(super) struct Means {
     elements: Vec<Vec<(Role, OklabMap)>>,
     fields: Vec<OklabMap>,
 }
 
 impl Means {
-    /// Between a structure, whose instances are of the appearances `regions`, and these.
+    /// The differences between a structure and its appearances; `regions` gives the appearance of each
+    /// instance.
     pub(super) fn new(structure: &Scene, appearances: &[Scene], regions: &[usize]) -> Self {
         let roles: Vec<Role> = structure.roles().collect();
         let colours = medians(structure);
@@ -78,7 +80,7 @@ fn mean(colours: &[[f32; 3]]) -> Option<[f64; 3]> {
     (!colours.is_empty()).then(|| sum.map(|v| v / colours.len() as f64))
 }
 
-/// The shift after which the mean of colours is as wanted, though some of them cannot be shifted so far.
+/// The shift that gives colours the wanted mean, although some colours reach the border of sRGB.
 fn between(colours: &[[f32; 3]], wanted: Option<[f64; 3]>) -> OklabMap {
     let (Some(mut now), Some(wanted)) = (mean(colours), wanted) else { return OklabMap::IDENTITY };
     let mut by = [0.0; 3];

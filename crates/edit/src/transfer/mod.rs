@@ -51,11 +51,11 @@ impl Default for TransferParams {
 /// Counts of what happened to the elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct TransferReport {
-    /// Elements that have the appearance of another texture now.
+    /// Elements that got the appearance of another texture.
     pub changed: usize,
-    /// Elements that are gone because the other texture has none of their role.
+    /// Elements that were removed because the other texture has none of their role.
     pub removed: usize,
-    /// Elements too thin for a frame ([`Gaussian::is_degenerate`]), whose shape stays.
+    /// Elements that kept their shape because they are too thin for a frame ([`Gaussian::is_degenerate`]).
     pub thin: usize,
 }
 
@@ -208,7 +208,7 @@ impl Work<'_> {
     }
 }
 
-/// Lists the libraries of appearances in a scene; the index of the first of each.
+/// Adds the libraries of appearances to the list of a scene. Returns the index of the first library of each.
 fn add_libraries(scene: &mut Scene, appearances: &[Scene]) -> Vec<u32> {
     let mut first = Vec::with_capacity(appearances.len());
     for appearance in appearances {
@@ -218,7 +218,7 @@ fn add_libraries(scene: &mut Scene, appearances: &[Scene]) -> Vec<u32> {
     first
 }
 
-/// An element whose library has another index.
+/// An element with its library's index shifted by `first`.
 fn moved(element: &Element, first: u32) -> Element {
     Element { library: LibraryId(element.library.0 + first), ..element.clone() }
 }

@@ -26,11 +26,11 @@ use vtex_scene::scene::{
     ControlPoint, Element, ElementId, Field, Instance, InstanceId, Layer, Repaint, Role, Scene,
 };
 
-/// Longer side of the picture as it is looked at, in pixels.
+/// Longer side of the reduced picture that is analysed, in pixels.
 const LOOKED_AT: u32 = 640;
 /// Side of an element's square over the distance between elements of its level: above 1, they overlap.
 const COVER: f64 = 1.35;
-/// Difference in Oklab from what larger elements show at which smaller ones are laid.
+/// Difference in Oklab from the larger elements above which smaller ones are placed.
 const DETAIL: f64 = 0.035;
 /// Largest ratio of length to width.
 const LONGEST: f64 = 2.6;
@@ -47,7 +47,7 @@ pub enum Keep {
     /// Lightness and colour.
     #[default]
     Color,
-    /// Neither: those are taken whose colour is nearest.
+    /// Neither: elements are chosen whose colours are nearest.
     None,
 }
 
@@ -77,7 +77,7 @@ impl Default for StylizeParams {
 const LEAST: f64 = 2.0;
 /// Most control points of the background along the longer side.
 const FINEST_FIELD: f64 = 200.0;
-/// Most places at which elements may stand on one level.
+/// Most places of elements on one level.
 const MOST_PLACES: f64 = 4e6;
 
 /// A picture redrawn in the elements of a texture, on a canvas of its proportions. A texture without large
@@ -132,14 +132,14 @@ pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> R
     Ok(scene)
 }
 
-/// An element that is to be.
+/// The place of an element to paint.
 struct Spot {
     gaussian: Gaussian,
     /// The colour of the picture there, in Oklab.
     colour: [f32; 3],
 }
 
-/// A picture as it is looked at, and the canvas over which it is stretched.
+/// A reduced picture, and the canvas over which it is stretched.
 struct StretchedPicture {
     planes: [Plane; 3],
     canvas: [f64; 2],
@@ -152,7 +152,7 @@ impl StretchedPicture {
         Self { planes: oklab_planes(picture, factor as usize), canvas }
     }
 
-    /// Pixels of the picture for one of the canvas.
+    /// Pixels of the picture per pixel of the canvas.
     fn scale(&self) -> f64 {
         self.planes[0].size[0] as f64 / self.canvas[0]
     }
@@ -170,8 +170,8 @@ impl StretchedPicture {
         [along(p.x, self.canvas[0], columns), along(p.y, self.canvas[1], rows)]
     }
 
-    /// Places at a distance. The largest elements are spread as evenly as can be; of smaller ones there are
-    /// many, and one at random in each cell of a lattice is cheaper.
+    /// Places about `distance` apart. The largest elements form a Poisson-disk set; smaller ones are many, so
+    /// each is placed at random in a cell of a lattice, which is cheaper.
     fn points(&self, (level, distance): (u32, f64), seed: u64) -> Vec<[f64; 2]> {
         let mut random = stream(seed, "stylize/level", level.into());
         let [width, height] = self.canvas;
@@ -184,7 +184,8 @@ impl StretchedPicture {
         (0..columns * rows).map(|i| [within(i % columns, side[0]), within(i / columns, side[1])]).collect()
     }
 
-    /// The spots of a level at a distance, where what larger elements show differs from what is seen.
+    /// The spots of a level, about `distance` apart, where the picture painted so far differs from the
+    /// original.
     fn level(
         &self,
         (level, distance): (u32, f64),
@@ -258,7 +259,7 @@ struct Painting<'a> {
 fn composed(painting: &Painting<'_>, view: &StretchedPicture, spots: &[Spot], largest: f64) -> Scene {
     let Painting { texture, donors, role, params } = painting;
     let size = view.canvas.map(|v| v as u32);
-    // Elements nearer to one another hide it, and its cost grows with the inverse square of the distance.
+    // Denser elements hide the background, and its cost grows with the inverse square of the spacing.
     let spacing = largest.max(f64::from(params.size) / FINEST_FIELD);
     let background = Layer { field: Some(field(view, spacing)), ..Layer::new(Role::Background) };
     let mut scene = Scene::new(size, texture.libraries.clone(), vec![background]);
@@ -302,8 +303,8 @@ fn composed(painting: &Painting<'_>, view: &StretchedPicture, spots: &[Spot], la
     scene
 }
 
-/// The change of an element's colours, given its own and the picture's. Rounded, so that elements that
-/// become alike are listed once.
+/// The change of an element's colours, given its own and the picture's. Rounded, so that equal elements are
+/// stored once.
 fn change(keep: Keep, own: [f32; 3], wanted: [f32; 3]) -> OklabMap {
     let short = |v: f32| libm::roundf(v * 200.0) / 200.0;
     let way: [f32; 3] = std::array::from_fn(|k| short(wanted[k] - own[k]));

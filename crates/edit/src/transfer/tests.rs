@@ -82,7 +82,7 @@ fn replaced_elements_have_the_gaussians_of_the_structure() {
         assert!(a.covariance.iter().zip(b.covariance).all(|(a, b)| (a - b).abs() < 2e-3 * size));
         assert!(a.mean.distance(b.mean) < 0.02);
     }
-    // Nothing but elements of the appearance, whose library is named.
+    // Only elements of the appearance are left, and its library is listed.
     assert_eq!(after.libraries.iter().map(|l| &l.exemplar[..]).collect::<Vec<_>>(), ["1.jpg", "2.jpg"]);
     assert!(after.elements.iter().all(|e| e.library == LibraryId(1)));
     let json = String::from_utf8(after.to_json()).unwrap();

@@ -222,7 +222,7 @@ impl Atlas {
         CellSource { page: page as u16, at: [(x - REACH) as u16, (y - self.pages[page].top) as u16] }
     }
 
-    /// The cell of a page at a place, clamped to where sources may be.
+    /// The cell of a page at a place, clamped to the cells that may be sources.
     pub(super) fn cell(&self, page: usize, at: [i64; 2]) -> u32 {
         let sheet = &self.pages[page];
         let (rim, size) = (sheet.rim as i64, sheet.size.map(|v| v as i64));

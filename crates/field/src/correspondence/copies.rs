@@ -44,7 +44,7 @@ impl BlockCopies {
         };
         let [w, h] = canvas.size;
         let mut found: Vec<(u32, [i32; 2])> = Vec::new();
-        // Blocks and places of the row above: an island's cells say the same again and again.
+        // Blocks and places of the row above, because the cells of an island repeat them.
         let mut above: Vec<(u32, [i32; 2])> = vec![(u32::MAX, [0; 2]); w];
         for y in 0..h {
             for x in 0..w {
@@ -80,7 +80,7 @@ impl BlockCopies {
     }
 
     /// Proximity of the nearest earlier copy of a source: 1 at the same place, 0 out of reach. Only earlier
-    /// copies count, so that one of two gives way.
+    /// copies count, so that only the later of two copies is moved.
     pub(super) fn nearness(&self, source: u32, cell: usize) -> f32 {
         let width = self.size[0] as usize;
         let cell = [(cell % width) as i32, (cell / width) as i32];

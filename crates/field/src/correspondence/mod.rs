@@ -43,7 +43,8 @@ use vtex_base::sampling::stream;
 pub use islands::Islands;
 pub use periods::Periods;
 
-/// Features of a cell: three of colour, one of what covers it, two of its place within that.
+/// Features of a cell: three of colour, one of the element that covers it, two of its place within that
+/// element.
 pub const CHANNELS: usize = 6;
 /// Stored values of a cell: its features and zeros, so that rows of a patch fill whole vectors.
 const LANES: usize = 8;
@@ -72,8 +73,9 @@ const MOST_COMPARED: usize = 4096;
 const MOST_LEVELS: usize = 8;
 /// Random initialisations, of which the best is kept.
 const STARTS: u64 = 6;
-/// Most pairs of a cell and a source that are compared on the coarsest level. Where the canvas is so much larger
-/// than the exemplar that there are more, there are fewer initialisations, and then fewer exhaustive searches.
+/// Most pairs of a cell and a source that are compared on the coarsest level. Where the canvas is so large
+/// that there would be more, the number of initialisations is reduced, then the number of exhaustive
+/// searches.
 const MOST_PAIRS: u64 = 200_000_000;
 /// Initialisations that are refined on the second level before the best is chosen.
 const CARRIED_ON: usize = 2;

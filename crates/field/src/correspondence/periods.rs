@@ -1,22 +1,23 @@
 //! Periods of a page. An offset from the canvas to the page that misses them costs more, on every level.
 
-/// Cost of a source whose offset misses the periods by a cell more than it may, as a share of the squared
-/// standard deviation. It grows with the square.
+/// Cost of a source whose offset misses the periods by one cell more than the tolerance, as a share of the
+/// squared standard deviation. It grows with the square of the excess.
 const ASTRAY: f32 = 4.0;
 /// Least distance by which an offset may miss, in cells: sources are whole cells.
 const LEAST: f32 = 0.75;
 
-/// The periods of a page and of the canvas. A source suits a cell if both are the same number of periods from
-/// their origin, but for whole ones. Of rows, the second period is zero throughout.
+/// The periods of a page and of the canvas. A source suits a cell if both have the same phase: their
+/// distances from the origin, in periods, differ by whole numbers. For rows, the second period is zero
+/// throughout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Periods {
     /// Two vectors on the page, in cells.
     pub vectors: [[f32; 2]; 2],
-    /// Periods along each vector that a cell of the page makes, by axis.
+    /// Number of periods along each vector for a step of one cell of the page, by axis.
     pub page: [[f32; 2]; 2],
     /// The same on the canvas, which may be stretched.
     pub canvas: [[f32; 2]; 2],
-    /// Cells of the canvas before the one whose phase is that of the page's first.
+    /// Number of cells of the canvas before the cell whose phase equals that of the page's first cell.
     pub margin: [f32; 2],
     /// Distance by which offsets may miss, in cells.
     pub tolerance: f32,
@@ -46,10 +47,11 @@ impl Periods {
         self.canvas.map(|wave| wave[0] * x + wave[1] * y)
     }
 
-    /// The way from where a source would suit a cell to where it is, in cells, given the phases of both.
+    /// The offset, in cells, of a source from the nearest place that would suit the cell, given the phases of
+    /// both.
     #[inline]
     pub(super) fn residual(&self, page: [f32; 2], canvas: [f32; 2]) -> [f32; 2] {
-        // Written out: most of an exhaustive search is this.
+        // Written out, because an exhaustive search spends most of its time here.
         let (u, v) = (page[0] - canvas[0], page[1] - canvas[1]);
         let (u, v) = (u - nearest_whole(u), v - nearest_whole(v));
         let [a, b] = &self.vectors;

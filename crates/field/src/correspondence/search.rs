@@ -234,7 +234,7 @@ pub(super) struct Best<'a> {
     atlas: &'a Atlas,
     extra: &'a [i32],
     coherence: f32,
-    /// Which sources are used already, the cell that searches, and the cost of a copy.
+    /// The sources that are already used, the searching cell, and the cost of a copy.
     copies: Option<(&'a BlockCopies, usize, f32)>,
     /// Place of the cell, and its phase if the first page has periods.
     at: [f32; 2],
@@ -324,8 +324,8 @@ impl<'a> Best<'a> {
         self.compare(source, extra, factor);
     }
 
-    /// Considers many sources, whether or not they were considered before: one that continues a cell
-    /// around has cost less then.
+    /// Considers many sources, even those considered before: with support of an adjacent cell their cost was
+    /// lower.
     fn consider_all(&mut self, sources: &[u32]) {
         let (extra, factor) = self.alone(0);
         sources.iter().for_each(|&source| self.compare(source, extra, factor));
@@ -346,7 +346,8 @@ impl<'a> Best<'a> {
         let page = self.atlas.page(source);
         let Some(periods) = &self.atlas.pages[page].periods else { return 0 };
         let own = if page == 0 { self.phase } else { periods.on_canvas(self.at) };
-        // Far from any period a source is out of the question, but sums still fit.
+        // A source far from any period is excluded by its cost, which is limited so that sums do not
+        // overflow.
         const MOST: f32 = 1e8;
         (periods.cost(phase, own) * PATCH_UNIT).min(MOST) as i32
     }

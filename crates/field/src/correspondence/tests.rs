@@ -93,7 +93,7 @@ fn all_of_the_exemplar_is_used() {
     for s in &field.sources {
         used[usize::from(s.at[1] / 20) * 5 + usize::from(s.at[0] / 20)] += 1;
     }
-    // A twenty-fifth each, of which none is left out or takes over.
+    // Each of the 25 has about its share: none is missing and none dominates.
     let share = |n: &u32| f64::from(*n) * 25.0 / 40_000.0;
     assert!(used.iter().all(|n| (0.2..2.6).contains(&share(n))), "{used:?}");
 }
@@ -203,13 +203,13 @@ fn offsets_keep_to_periods() {
 
 #[test]
 fn places_come_back_less_near_themselves() {
-    // Even ground: any place would do.
+    // Uniform ground: all places are equally good.
     let mut page = clouds([160, 140], 9);
     let mut random = stream(9, "correspondence test", 1);
     page.features.iter_mut().for_each(|f| *f = [random.range(-1.0, 1.0) as f32, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let pages = [page];
     let field = find(&request(&pages, [140, 120], [false; 2], 2), &()).unwrap();
-    // Pairs of cells of one source, or one beside it, 4 to 20 cells apart in a row.
+    // Pairs of cells in a row, 4 to 20 cells apart, whose sources are equal or adjacent.
     let [w, h] = field.size;
     let mut pairs = 0;
     for y in 0..h {

@@ -83,7 +83,7 @@ pub(super) fn without_specks(map: LabelMap, count: usize, least: usize, wrap: [b
 struct MapPieces {
     /// The piece of each pixel.
     of: Vec<u32>,
-    /// Pixels of each piece; of pieces at a seam at least as many as a speck lacks.
+    /// Number of pixels of each piece; for pieces at a seam a number that is too large for a speck.
     areas: Vec<usize>,
 }
 
@@ -106,7 +106,8 @@ impl MapPieces {
         Self { of, areas }
     }
 
-    /// Calls `meet` for each side of a pixel at which pieces meet, from both: the pieces, and the pixels.
+    /// Calls `meet` for each pixel edge between two pieces, once from each side, with the pieces and the
+    /// pixels.
     fn each_border(&self, width: u32, mut meet: impl FnMut([usize; 2], [usize; 2])) {
         let w = width as usize;
         let mut both = |i: usize, j: usize| {
@@ -126,12 +127,12 @@ impl MapPieces {
         }
     }
 
-    /// Joins specks to what touches most of their border, one at a time, the smallest first.
+    /// Joins specks to the piece that shares most of their border, one at a time, the smallest first.
     fn joined(self, mut map: LabelMap, count: usize, least: usize) -> LabelMap {
         let pieces = self.areas.len();
         let mut labels = vec![0u32; pieces];
         self.of.iter().zip(&map.labels).for_each(|(&p, &l)| labels[p as usize] = l);
-        // What lies across each side of a speck. A speck has few sides, so lists are short.
+        // The pixel across each edge of a speck. A speck has few edges, so lists are short.
         let mut borders = vec![Vec::new(); pieces];
         self.each_border(map.width, |[a, b], _| {
             if self.areas[a] < least {
@@ -241,7 +242,7 @@ mod tests {
         };
         let checkers = map_of(&|x, y| (x + y) % 2);
         let diagonal = map_of(&|x, y| (x + 2 * y) % 3);
-        // A strip of the checkerboard joins the region in each round: that would take many.
+        // In each round one strip of the checkerboard joins the region, which would take many rounds.
         let beside = map_of(&|x, y| if x < 3 { 2 } else { (x + y) % 2 });
         for map in [checkers, diagonal, beside] {
             for wrap in [[false; 2], [true, false], [true; 2]] {

@@ -1,8 +1,8 @@
-//! The background as a grid of colours: what all writers paint.
+//! The background as a grid of colours, which all writers paint.
 //!
-//! Rows lie at equal distances. Within a row colours change linearly between stops, between rows
-//! linearly from one to the next. That is what gradients can paint exactly, so the field is
-//! approximated here once and every writer paints the same.
+//! Rows lie at equal distances. Within a row colours change linearly between stops, between rows linearly
+//! from one to the next. Gradients can paint exactly this, so the field is approximated here once and every
+//! writer paints the same.
 //!
 //! The field is sampled finely. `samples` says for each row, given its neighbours, which
 //! colours keep the whole strips above and below near enough to the field; `stops` finds few stops
@@ -24,19 +24,18 @@ use vtex_scene::scene::{Field, Scene, field::Interpolant};
 const ROW: f64 = 0.32;
 /// Distance of samples along a row, as a share of the distance between control points.
 const SAMPLE: f64 = 0.1;
-/// Samples from the beginning of one column to that of the next: a stop's offset then has at most
-/// three digits.
+/// Number of samples per column, so that a stop's offset has at most three digits.
 const COLUMN: usize = 200;
 
-/// Stops on a square whose side is the distance between control points: with 25 pixels they make
-/// 300 kB of SVG at 1000 × 1000. A field that would need more is fitted again with wider bounds.
+/// Largest number of stops per square whose side is the distance between control points. At 25 pixels it
+/// gives 300 kB of SVG for 1000 × 1000. A field that would need more is fitted again with wider bounds.
 const STOPS: f64 = 3.75;
-/// By how much they are widened, one after another until few enough stops are left.
+/// Factors by which the bounds are widened, one after another, until few enough stops are left.
 const SLACK: [f64; 5] = [1.12, 1.25, 1.45, 1.75, 2.2];
 
 /// The background of a scene, ready to paint.
 pub(super) struct PreparedBackground {
-    /// From one row to the next, in pixels. The first lies at y = 0, the last at the lower border.
+    /// Distance of rows, in pixels. The first lies at y = 0, the last at the lower border.
     pub(super) row_height: f64,
     /// Where columns begin, in pixels; the last entry is the right border.
     pub(super) columns: Vec<f64>,
@@ -45,7 +44,7 @@ pub(super) struct PreparedBackground {
     /// The rows, each with the stops of each column. A column's first stop lies at its beginning,
     /// its last at the beginning of the next.
     pub(super) rows: Vec<Vec<Vec<RowStop>>>,
-    /// The only colour, where there is but one.
+    /// The colour of a background of a single colour.
     pub(super) flat: Option<Colour>,
 }
 

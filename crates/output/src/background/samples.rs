@@ -1,15 +1,15 @@
-//! The field at the points of a fine grid, and the colours of rows that come near to it.
+//! The field at the points of a fine grid, and the colours of rows that approximate it.
 
 use vtex_base::parallel;
 use vtex_scene::scene::field::Interpolant;
 
 /// Sampled lines from one row to the next.
 const LINES: usize = 4;
-/// How far the grid may lie from a sample, in 8-bit steps. Painting it costs up to 1 more.
+/// Largest difference of the grid from a sample, in 8-bit steps. Painting adds up to 1 more.
 const BOUND: f64 = 2.2;
-/// How far a row may lie from where it fits best, in 8-bit steps: what the mean error depends on.
+/// Largest difference of a row from its best fit, in 8-bit steps. The mean error depends on it.
 const TOLERANCE: f64 = 1.75;
-/// How often even and odd rows are fitted to each other before stops are sought.
+/// Number of rounds in which even and odd rows are fitted to each other before stops are sought.
 const ROUNDS: usize = 4;
 
 /// Components (0 to 255) along a line, one for each sample.
@@ -18,9 +18,9 @@ pub(super) type Line = Vec<[f32; 3]>;
 /// The colours that a row may have at a sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corridor {
-    /// Where the strips above and below fit best.
+    /// The value at which the strips above and below fit best.
     pub(super) target: [f64; 3],
-    /// Between these there is always a whole number.
+    /// The permitted range; it always contains a whole number.
     pub(super) low: [f64; 3],
     pub(super) high: [f64; 3],
 }
@@ -29,10 +29,10 @@ pub(super) struct Corridor {
 pub(super) struct FieldSamples {
     lines: Vec<Line>,
     row_count: usize,
-    /// Whether the last row is the first again.
+    /// Whether the last row is a copy of the first.
     wraps: bool,
-    /// By how much the tolerance is widened. The bound grows by its root: rather many pixels a bit
-    /// off than a few too far.
+    /// Factor by which the tolerance is widened. The bound grows by its square root, because many small
+    /// errors are less visible than a few large ones.
     pub(super) slack: f64,
 }
 
@@ -46,14 +46,14 @@ impl FieldSamples {
             xs.iter().map(|&x| field.at(x, y).map(|v| v as f32)).collect()
         });
         if wraps {
-            // The last line may miss the border by a bit.
+            // The last line may miss the border by a rounding error.
             lines[count] = lines[0].clone();
         }
         Self { lines, row_count, wraps, slack: 1.0 }
     }
 
-    /// Rows that fit best together, before any stop is left out. Where the field has a peak between
-    /// rows, they lie as much above it as below.
+    /// Rows that fit best together, before any stop is left out. Where the field has a peak between rows, the
+    /// errors above and below it are balanced.
     pub(super) fn settled(&self) -> Vec<Line> {
         let mut values: Vec<Line> = self.lines.iter().step_by(LINES).cloned().collect();
         for round in 0..ROUNDS {
@@ -64,15 +64,15 @@ impl FieldSamples {
         values
     }
 
-    /// Fits even or odd rows to their neighbours as these are now. `fit` gives a row's colours
-    /// within its corridor, and whatever else is wanted for each row.
+    /// Fits even or odd rows to the present colours of their neighbours. `fit` gives a row's colours within
+    /// its corridor, and a further result for each row.
     pub(super) fn improve<T: Clone + Send>(
         &self,
         values: &mut [Line],
         parity: usize,
         fit: impl Fn(&[Corridor]) -> (Line, T) + Sync,
     ) -> Vec<(usize, T)> {
-        // The last row of what wraps is the first.
+        // The last row of a wrapping background is its first.
         let rows = if self.wraps { self.row_count } else { self.row_count + 1 };
         let chosen: Vec<usize> = (parity..rows).step_by(2).collect();
         let known: &[Line] = values;
@@ -106,7 +106,7 @@ impl FieldSamples {
 
     /// The corridor of row `k` at sample `i`.
     fn corridor(&self, values: &[Line], k: usize, i: usize) -> Corridor {
-        // A sample that the row has the share w in wants w · row near to a value.
+        // A sample in which the row has the weight w requires w · row to be near a value.
         let mut wanted = [(0.0, [0.0; 3]); 2 * LINES];
         let mut count = 0;
         for (neighbour, own, before) in self.strips(k) {
@@ -134,8 +134,8 @@ impl FieldSamples {
     }
 }
 
-/// The range of component `c` of a row in which all samples stay within the bound: or, where the
-/// field has too sharp a peak for that, within the least that is possible.
+/// The range of component `c` of a row in which all samples stay within the bound: or, where the field has
+/// too sharp a peak, within the least possible bound.
 fn range(wanted: &[(f64, [f64; 3])], c: usize, mut bound: f64) -> (f64, f64) {
     loop {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -1,10 +1,10 @@
-//! Few stops of whole colours that lead a line through a corridor.
+//! The fewest stops of whole-number colours whose interpolation stays within a corridor.
 //!
-//! Stops are sought from left to right. Which whole values a stop may have is carried on as a
-//! range for each component: from any value in it some line reaches back to the beginning within
-//! the corridor. The next stop is set as far on as a line reaches; of the last few places within
-//! reach, where the stop after it comes furthest. Values are chosen last, all at once, so that
-//! squared distances to the targets are least (dynamic programming over the ranges).
+//! Stops are sought from left to right. The whole values that a stop may have are kept as a range for each
+//! component: from every value in it some line leads back to the beginning within the corridor. The next stop
+//! is placed as far as a line reaches; among the last few places within reach, the one from which the stop
+//! after it reaches farthest. Values are chosen last, all at once, so that squared distances to the targets
+//! are least (dynamic programming over the ranges).
 
 use super::RowStop;
 use super::samples::Corridor;
@@ -12,7 +12,7 @@ use vtex_base::raster::colour::Colour;
 
 /// Places for a stop that are compared.
 const CANDIDATES: usize = 4;
-/// Most whole values of a component that a stop chooses from.
+/// Most whole values of a component that are considered at a stop.
 const VALUES: usize = 8;
 /// The cost of leaving the corridor: far more than any distance within.
 const PENALTY: f64 = 1000.0;
@@ -26,7 +26,7 @@ struct Knot {
 }
 
 impl Knot {
-    /// At one colour: the whole one nearest to the target.
+    /// A knot of one colour: the whole-number colour nearest to the target.
     fn fixed(at: usize, corridor: &[Corridor]) -> Self {
         let value = corridor[at].target.map(|v| libm::round(v) as i32);
         Self { at, from: value, to: value }
@@ -66,15 +66,15 @@ pub(super) fn fit(xs: &[f64], corridor: &[Corridor], line: &mut [[f32; 3]]) -> V
     knots.iter().enumerate().map(stop).collect()
 }
 
-/// Where sample `i` lies between two others.
+/// Position of sample `i` between two others, 0 to 1.
 fn share(xs: &[f64], from: usize, to: usize, i: usize) -> f64 {
     (xs[i] - xs[from]) / (xs[to] - xs[from])
 }
 
-/// The last few samples to which lines lead from a knot, furthest first; at least one.
+/// The last few samples that lines reach from a knot, farthest first; at least one.
 fn reach(xs: &[f64], corridor: &[Corridor], knot: &Knot) -> Vec<Knot> {
     let last = xs.len() - 1;
-    // For each value of each component the slopes that have stayed within.
+    // For each value of each component, the range of slopes that stay within the corridor.
     let mut slopes = [[(f64::NEG_INFINITY, f64::INFINITY); VALUES]; 3];
     let mut found: Vec<Knot> = Vec::new();
     for at in knot.at + 1..=last {
@@ -91,7 +91,7 @@ fn reach(xs: &[f64], corridor: &[Corridor], knot: &Knot) -> Vec<Knot> {
                     continue;
                 }
                 open[c] = true;
-                // A bit of room for rounding.
+                // A small margin for rounding.
                 let from = libm::ceil(value + *low * length - 1e-6) as i32;
                 let to = libm::floor(value + *high * length + 1e-6) as i32;
                 if from <= to {
@@ -122,7 +122,7 @@ fn reach(xs: &[f64], corridor: &[Corridor], knot: &Knot) -> Vec<Knot> {
 
 /// The values of component `c` at all knots.
 fn choose(xs: &[f64], corridor: &[Corridor], knots: &[Knot], c: usize) -> Vec<i32> {
-    // For each value of each knot the least cost so far, and the value before it.
+    // For each value of each knot, the least cost so far and the value of the previous knot.
     let mut costs = vec![vec![(0.0, 0); (knots[0].to[c] - knots[0].from[c] + 1) as usize]];
     for pair in knots.windows(2) {
         let (a, b) = (&pair[0], &pair[1]);

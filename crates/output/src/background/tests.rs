@@ -4,13 +4,12 @@ use super::*;
 use crate::testing;
 use vtex_scene::scene::Tile;
 
-/// Control points of the colours of a photograph, and how far from its field their grid may lie.
-/// Neighbours in rusty metal differ by a hundred steps.
+/// Mean and spread of a photograph's background colours. Neighbours in rusty metal differ by a hundred steps.
 const HARSH: ([f64; 3], f64) = ([110.0, 70.0, 45.0], 90.0);
 const CALM: ([f64; 3], f64) = ([120.0, 115.0, 100.0], 12.0);
 
-/// A scene of background alone whose colours lie on a line through a colour, as those of photographs
-/// do, up to `spread` from it.
+/// A scene with a background only. Its colours lie on a line through `centre`, up to `spread` from it, as
+/// those of photographs do.
 fn scene_of(width: u32, height: u32, (centre, spread): ([f64; 3], f64), tile: Tile) -> Scene {
     let mut scene = testing::tiled(width, height, 1, tile);
     scene.layers.iter_mut().for_each(|layer| layer.instances.clear());
@@ -27,8 +26,8 @@ fn grid(scene: &Scene) -> PreparedBackground {
     PreparedBackground::new(scene, scene.field())
 }
 
-/// Mean and largest distance of the grid from the field, and the share of places further than 4
-/// from it, at places of no relation to rows and stops.
+/// Mean and largest distance of the grid from the field, and the share of places further than 4 from it, at
+/// places independent of rows and stops.
 fn distance(scene: &Scene) -> (f64, f64, f64) {
     let grid = self::grid(scene);
     let field = Interpolant::new(scene.field(), scene.width, scene.height, scene.tile);
@@ -68,7 +67,7 @@ fn near_to_the_field() {
 fn few_stops() {
     let [calm, harsh] =
         [CALM, HARSH].map(|colours| stop_count(&scene_of(300, 300, colours, Tile::default())));
-    // In so many pixels: a stop is 40 bytes.
+    // Number of stops for these pixels; a stop takes 40 bytes.
     assert!(calm < 330 && harsh < 680, "{calm} {harsh}");
 }
 

@@ -1,12 +1,12 @@
 //! The background field in PDF: flat cells mixed by two masks.
 //!
-//! A gradient with many stops, as in SVG, takes an object of some 200 bytes for every stop, which
-//! no filter packs. So the field is taken at the nodes of a lattice, and what lies between is mixed:
-//! along x, cells around the odd nodes lie over cells around the even ones under a mask that is
-//! opaque at odd nodes, clear at even ones and linear between; along y the odd rows lie over the
-//! even rows in the same way. The result is bilinear between nodes. No joint of cells can show: it
-//! lies where what is over it is opaque, or where it is itself clear. The masks are all there is of
-//! gradients, one for each odd column and row; the cells are plain rectangles in a packed stream.
+//! A gradient with many stops, as in SVG, takes an object of some 200 bytes for every stop, which no filter
+//! packs. So the field is taken at the nodes of a lattice and interpolated between them: along x, cells
+//! around the odd nodes lie over cells around the even ones under a mask that is opaque at odd nodes, clear
+//! at even ones and linear between; along y the odd rows lie over the even rows in the same way. The result
+//! is bilinear between nodes. No joint of cells can show: it lies where what is over it is opaque, or where
+//! it is itself clear. The masks are all there is of gradients, one for each odd column and row; the cells
+//! are plain rectangles in a packed stream.
 
 use super::PreparedBackground;
 use super::content::ContentStream;
@@ -18,7 +18,7 @@ use vtex_base::raster::colour::Colour;
 use vtex_scene::element::Stop;
 use vtex_scene::scene::Gradient;
 
-/// How far a cell reaches beneath the next, and the outermost beyond the canvas, in pixels.
+/// Overlap of a cell with the next, and of the outermost cells with the outside of the canvas, in pixels.
 const OVERLAP: f64 = 1.0;
 
 /// Paints the background.
@@ -54,7 +54,7 @@ enum ShadingAxis {
     Y,
 }
 
-/// The field at equal distances.
+/// The colours of the field at equally spaced nodes.
 struct FieldNodes {
     /// Distance of nodes along x and y, in pixels. The first lie at 0, the last at the far border.
     step: [f64; 2],
@@ -85,7 +85,7 @@ impl FieldNodes {
         }
     }
 
-    /// From where to where the cell of a node reaches, in pixels: to the next nodes.
+    /// Begin and end of the cell of a node, in pixels: the previous and the next node.
     fn reach(&self, axis: ShadingAxis, node: usize) -> [f64; 2] {
         let (last, step) = (self.last(axis), self.step[axis as usize]);
         let from = if node < 2 { -OVERLAP } else { (node - 1) as f64 * step };
@@ -97,7 +97,7 @@ impl FieldNodes {
         [ShadingAxis::X, ShadingAxis::Y].map(|axis| self.last(axis) as f64 * self.step[axis as usize])
     }
 
-    /// All that is painted.
+    /// Bounds of everything painted.
     fn bounds(&self) -> Rect {
         let [width, height] = self.size();
         Rect::new(0.0, 0.0, width, height).inset(OVERLAP)
@@ -139,7 +139,7 @@ impl FieldNodes {
     /// White at odd nodes, black at even ones, linear between.
     fn mask(&self, file: &mut File, axis: ShadingAxis) -> Result<Ref> {
         let ([width, height], step) = (self.size(), self.step[axis as usize]);
-        // All are one form, moved. The last may end beyond the canvas.
+        // All tents are one form, moved. The last may end beyond the canvas.
         let (end, bounds) = match axis {
             ShadingAxis::X => ([1.0, 0.0], Rect::new(0.0, -OVERLAP, 2.0 * step, height + OVERLAP)),
             ShadingAxis::Y => ([0.0, 1.0], Rect::new(-OVERLAP, 0.0, width + OVERLAP, 2.0 * step)),

@@ -11,7 +11,7 @@ use vtex_base::raster::colour::Colour;
 const PLACE: u32 = 3;
 /// Decimals of the scales of a change of coordinates.
 const SCALE: u32 = 6;
-/// Decimals of colours and opacities: steps of 8 bits are four times as far apart.
+/// Decimals of colours and opacities: steps of 8 bits are four times as large.
 const SHARE: u32 = 3;
 
 /// Operators in the order in which they paint.
@@ -26,12 +26,12 @@ pub(super) struct ContentStream {
     patterns: BTreeMap<Ref, usize>,
     /// Shadings by name `s0`, …
     shadings: BTreeMap<Ref, usize>,
-    /// Whether a mask is used, so that what holds this content must be a group.
+    /// Whether a mask is used, so that the form of this content must be a group.
     masked: bool,
 }
 
 impl ContentStream {
-    /// What is painted between saving and restoring the graphics state.
+    /// Paints between saving and restoring the graphics state.
     pub(super) fn within<T>(&mut self, paint: impl FnOnce(&mut Self) -> T) -> T {
         self.text += "q\n";
         let result = paint(self);
@@ -47,13 +47,13 @@ impl ContentStream {
         self.text += "cm\n";
     }
 
-    /// The colour of what is filled next.
+    /// Sets the colour of later fills.
     pub(super) fn fill_with(&mut self, colour: Colour) {
         numbers(&mut self.text, shares(colour), SHARE);
         self.text += "rg\n";
     }
 
-    /// The pattern of what is filled next.
+    /// Sets the pattern of later fills.
     pub(super) fn fill_with_pattern(&mut self, pattern: Ref) {
         let name = name(&mut self.patterns, pattern);
         let _ = writeln!(self.text, "/Pattern cs\n/p{name} scn");
@@ -88,7 +88,7 @@ impl ContentStream {
         self.text += "S\n";
     }
 
-    /// Clips what follows to an outline, and to the same outline moved.
+    /// Clips later painting to the union of an outline and its shifted copies.
     pub(super) fn clip(&mut self, outline: &Outline, shifts: &[Vec2]) {
         for &shift in shifts {
             self.path(outline, shift);
@@ -170,7 +170,7 @@ impl ContentStream {
         self.written(file, bounds, is_group)
     }
 
-    /// The content as a form that is a transparency group, as masks and what is masked have to be.
+    /// The content as a form that is a transparency group, which masks and masked content require.
     ///
     /// # Errors
     /// Those of packing.

@@ -1,4 +1,4 @@
-//! A PDF file: numbered objects and the table that says where they stand.
+//! A PDF file: numbered objects and the table of their offsets.
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt::{Display, Formatter, Result as FormatResult};
 use std::io::{Result, Write};
 
-/// What every file begins with: the version, and bytes by which programs see that it is not text.
+/// The first bytes of every file: the version, and bytes that mark it as binary.
 const HEAD: &[u8] = b"%PDF-1.7\n%\xff\xff\xff\xff\n";
 
 /// The number of an object.
@@ -24,12 +24,12 @@ impl Display for Ref {
 #[derive(Default)]
 pub(super) struct File {
     objects: Vec<Vec<u8>>,
-    /// Objects without a stream, by what they hold: equal ones are written once.
+    /// Objects without a stream, by content: equal ones are written once.
     known: BTreeMap<String, Ref>,
 }
 
 impl File {
-    /// A number for an object that is not known yet.
+    /// Reserves a number for an object that is added later.
     pub(super) fn reserve(&mut self) -> Ref {
         self.objects.push(Vec::new());
         Ref(self.objects.len() - 1)

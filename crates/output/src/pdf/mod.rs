@@ -1,9 +1,9 @@
 //! Scene → PDF: one page of pure vectors, 96 pixels to the inch as in SVG.
 //!
-//! Everything is a path with a flat colour or a gradient, and the background is mixed by masks of
-//! gradients; nothing is a bitmap. Each layer is a form XObject in a group of optional content, so
-//! viewers list it by name. A texton is a form XObject if it stands more than once and its paths are
-//! longer than that, or if it has a gradient; other textons are written where they stand.
+//! Everything is a path with a flat colour or a gradient, and the background is mixed by masks of gradients;
+//! nothing is a bitmap. Each layer is a form XObject in a group of optional content, so viewers list it by
+//! name. A texton is a form XObject if it is drawn more than once and its paths are longer than a reference,
+//! or if it has a gradient; other textons are written where they stand.
 //!
 //! Gradients are drawn in forms of their own because Inkscape 1.2 places a gradient wrongly where the
 //! same content stream has changed the coordinates before. So the page changes its coordinates once,
@@ -63,8 +63,7 @@ fn document(scene: &Scene, dpi: u32) -> io::Result<Vec<u8>> {
     let mut page = ContentStream::default();
     let size = [scene.width, scene.height].map(f64::from);
     let scale = (LARGEST_PAGE / size[0].max(size[1])).min(POINTS / f64::from(dpi));
-    // Once and for all: Inkscape 1.2 takes a change within `q` and `Q` for one that gradients in forms
-    // ignore.
+    // Not within `q` and `Q`, because there Inkscape 1.2 ignores it for gradients in forms.
     page.transform(Affine::new([scale, 0.0, 0.0, -scale, 0.0, size[1] * scale]));
     let groups = draw(scene, &mut page, &mut file)?;
 
@@ -99,10 +98,11 @@ fn document(scene: &Scene, dpi: u32) -> io::Result<Vec<u8>> {
     Ok(file.finish(catalog, information))
 }
 
-/// The layers, those that a domain clips inside its outline. Gives the group of each that is drawn.
+/// Draws the layers; those that a domain clips are drawn inside its outline. Returns the group of each drawn
+/// layer.
 fn draw(scene: &Scene, page: &mut ContentStream, file: &mut File) -> io::Result<Vec<Ref>> {
     let mut textons = PdfTextons::new(scene);
-    // A domain without any room shows nothing; elements that stick out lie outside of it.
+    // Through an empty domain nothing is visible; elements that extend beyond a domain lie outside of it.
     let domain = scene.domain.as_ref().map(|d| &d.outline).filter(|outline| !is_empty(outline));
     let mut groups = Vec::new();
     for run in scene.layers.chunk_by(|a, b| scene.is_clipped(a) == scene.is_clipped(b)) {
@@ -132,7 +132,7 @@ fn draw(scene: &Scene, page: &mut ContentStream, file: &mut File) -> io::Result<
 /// A layer as a form.
 fn form_of(scene: &Scene, layer: &Layer, textons: &mut PdfTextons<'_>, file: &mut File) -> io::Result<Ref> {
     let mut content = ContentStream::default();
-    // A region without any room shows nothing.
+    // An empty region shows nothing.
     if layer.region.as_ref().is_none_or(|outline| !is_empty(outline)) {
         if let Some(outline) = &layer.region {
             clip(scene, outline, &mut content);
@@ -145,19 +145,19 @@ fn form_of(scene: &Scene, layer: &Layer, textons: &mut PdfTextons<'_>, file: &mu
     content.form(file, Rect::new(0.0, 0.0, f64::from(scene.width), f64::from(scene.height)))
 }
 
-/// Clips what follows to an outline on the canvas of a scene, with its copies.
+/// Clips later painting to an outline on the canvas of a scene, with its copies.
 fn clip(scene: &Scene, outline: &Outline, content: &mut ContentStream) {
     let shifts: Vec<Vec2> = scene.copies(outline.bounds()).collect();
     content.clip(outline, &shifts);
 }
 
-/// Whether an outline encloses nothing; some viewers draw a hair where one is filled.
+/// Whether an outline encloses no area; some viewers draw a hairline for its fill.
 fn is_empty(outline: &Outline) -> bool {
     let bounds = outline.bounds();
     outline.is_empty() || bounds.width() <= 0.0 || bounds.height() <= 0.0
 }
 
-/// Whether anything within `bounds` can be seen on the canvas of a scene.
+/// Whether `bounds` reach the canvas of a scene.
 fn is_seen(scene: &Scene, bounds: Rect, shift: Vec2) -> bool {
     let bounds = bounds + shift;
     bounds.x1 > 0.0

@@ -1,4 +1,4 @@
-//! Rules that every PDF of vtex keeps; its look is compared in `tests/formats.rs`.
+//! Properties of every PDF of vtex; its look is compared in `tests/formats.rs`.
 
 use super::*;
 use crate::testing;
@@ -73,7 +73,7 @@ fn layers_are_optional_content() {
             })
             .collect();
         found.push(names);
-        // One change of coordinates, outside of all that is saved and restored.
+        // One change of coordinates, outside of all `q` and `Q`.
         let plain = content.split_once("stream\n").unwrap().1;
         assert!(plain.starts_with(".75 0 0 -.75 0 225 cm\nq\n"), "{content}");
         assert_eq!(plain.matches(" cm\n").count(), 1, "{content}");

@@ -1,4 +1,4 @@
-//! Textons in PDF: defined once and drawn often, or written where they stand.
+//! Textons in PDF: defined once and drawn often, or written in place.
 
 use super::content::ContentStream;
 use super::file::{File, Ref};
@@ -11,14 +11,14 @@ use vtex_base::geometry::{Affine, Outline, Rect};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::scene::{Element, ElementId, Instance, Scene};
 
-/// From how many path elements on, in all copies but one, a texton is worth an object of its own.
+/// Least number of path elements, in all copies but one, for which a texton gets an object of its own.
 const WORTH: usize = 40;
 
 /// The textons of a scene and how each is written.
 pub(super) struct PdfTextons<'a> {
     scene: &'a Scene,
     bounds: Vec<Rect>,
-    /// How often each is drawn in which colour.
+    /// Number of uses of each texton in each colour.
     uses: BTreeMap<(ElementId, Option<Colour>), usize>,
     /// Those that are defined already.
     defined: BTreeMap<(ElementId, Option<Colour>), Ref>,
@@ -40,7 +40,7 @@ impl<'a> PdfTextons<'a> {
         textons
     }
 
-    /// The maps to the canvas of what is seen of an instance and its copies.
+    /// The maps to the canvas of the visible copies of an instance.
     fn places(&self, instance: &Instance) -> impl Iterator<Item = Affine> + use<'a> {
         let (scene, affine) = (self.scene, instance.affine());
         let bounds = instance.reach(self.bounds[instance.element.index()]);
@@ -77,7 +77,7 @@ impl<'a> PdfTextons<'a> {
                     c.transform(affine);
                     match form {
                         Some(form) => c.draw(form),
-                        // In its own coordinates, whose numbers are short.
+                        // Written in its own coordinates, whose numbers are short.
                         None => paint(element, instance.colour, c, file)?,
                     }
                     if let Some(stroke) = instance.stroke {

@@ -21,8 +21,8 @@ pub struct RasterAnimation {
     pub rate: f64,
 }
 
-/// Pictures looked at for the palette; an odd number, so that of an animation that plays there and back the
-/// one in which it turns is among them.
+/// Number of frames sampled for the palette; odd, so that the turning point of an animation that plays there
+/// and back is among them.
 const LOOKS: u32 = 5;
 
 impl RasterAnimation {
@@ -31,9 +31,9 @@ impl RasterAnimation {
         check((0.1..=100.0).contains(&self.rate), "fps", self.rate, "0.1 to 100")
     }
 
-    /// Writes a GIF of 256 colours, the same for all pictures, so that what stays does not flicker;
-    /// shades between them are made by an ordered pattern. `frame` draws picture k; a few are asked
-    /// for twice.
+    /// Writes a GIF with one palette of 256 colours for all frames, so that resting parts do not flicker;
+    /// intermediate shades are dithered with an ordered pattern. `frame` draws frame k; it is called twice
+    /// for a few frames.
     ///
     /// # Errors
     /// Those of `frame`; a parameter out of range; pictures of more than 65535 pixels on a side;
@@ -65,7 +65,7 @@ impl RasterAnimation {
             let row = picture.width() as usize;
             let mut indices = vec![0; row * picture.height() as usize];
             parallel::for_chunks(&mut indices, row, |y, line| palette.index_row(&picture, y, line));
-            // Hundredths of a second, so that no error adds up.
+            // Rounded as absolute times, so that rounding errors do not add up.
             let tick = |k: u32| libm::round(f64::from(k) * 100.0 / self.rate);
             let frame = gif::Frame {
                 delay: (tick(k + 1) - tick(k)).clamp(1.0, 65535.0) as u16,
@@ -84,8 +84,8 @@ impl RasterAnimation {
         encoder.into_inner().and_then(|mut out| Ok(out.flush()?)).map_err(failed_gif)
     }
 
-    /// Writes a PNG that moves where that is understood, and shows the first picture elsewhere.
-    /// `opaque` says that nothing shows through any picture. `frame` draws picture k.
+    /// Writes an animated PNG; programs without support for animation show its first frame. `opaque` says
+    /// that all frames are opaque. `frame` draws picture k.
     ///
     /// # Errors
     /// As [`RasterAnimation::write_gif`].
@@ -104,7 +104,7 @@ impl RasterAnimation {
         let begun = encoder
             .add_text_chunk("Software".into(), vtex_base::PROGRAM.into())
             .and_then(|()| encoder.set_animated(self.frames, 0))
-            // Rates have a tenth at least.
+            // Rates are at least 0.1, so the denominator is not 0.
             .and_then(|()| encoder.set_frame_delay(100, libm::round(self.rate * 100.0) as u16))
             .and_then(|()| encoder.write_header());
         let mut writer = begun.map_err(super::png::failed)?;
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn all_colours_of_a_film_that_plays_back_are_known() {
-        // Red at first, then a step towards blue, blue where it turns.
+        // Red at first, then a step towards blue, blue at the turning point.
         let plain = |k: u32| {
             let mut pixmap = Pixmap::new(8, 8).unwrap();
             let blue = [0, 40, 230, 40][k as usize];

@@ -3,20 +3,20 @@
 
 use tiny_skia::Pixmap;
 
-/// Bits of a component by which colours are told apart.
+/// Bits of a component that distinguish colours in the table.
 const BITS: u32 = 5;
 /// Side of the table of colours.
 const SIDE: usize = 1 << BITS;
-/// Colours, beside the one that stands for nothing.
+/// Most colours besides the transparent one.
 const MOST: usize = 255;
-/// How far the pattern shifts a component up or down, in 8-bit steps.
+/// Largest shift of a component by the pattern, in 8-bit steps.
 const SPREAD: f64 = 6.0;
 
-/// Colours, and which is the nearest to any.
+/// A palette, and the nearest colour of each cell of the colour table.
 pub(super) struct AnimationPalette {
-    /// Red, green, blue, one after another; the last stands for nothing.
+    /// Red, green and blue of each colour; the last is transparent.
     colours: Vec<u8>,
-    /// The nearest to the middle of each cell.
+    /// Index of the colour nearest to the middle of each cell.
     nearest: Vec<u8>,
     transparent: bool,
 }
@@ -55,7 +55,7 @@ impl AnimationPalette {
             let middle =
                 [i / (SIDE * SIDE), i / SIDE % SIDE, i % SIDE].map(|v| (v * 256 / SIDE + 128 / SIDE) as i32);
             let far = |c: &[i32; 3]| (0..3).map(|k| (c[k] - middle[k]) * (c[k] - middle[k])).sum::<i32>();
-            // The first of equals.
+            // Ties go to the first.
             list.iter().enumerate().min_by_key(|(_, c)| far(c)).map_or(0, |(k, _)| k as u8)
         };
         let nearest = (0..SIDE * SIDE * SIDE).map(near).collect();
@@ -63,12 +63,12 @@ impl AnimationPalette {
         Self { colours: colours.concat(), nearest, transparent }
     }
 
-    /// All 256, as a GIF holds them.
+    /// All 256 colours, as a GIF stores them.
     pub(super) fn colours(&self) -> &[u8] {
         &self.colours
     }
 
-    /// The one that stands for nothing, if anything shows through.
+    /// Index of the transparent colour, if a frame is not opaque.
     pub(super) fn transparent(&self) -> Option<u8> {
         self.transparent.then_some(MOST as u8)
     }
@@ -96,8 +96,7 @@ fn index(rgb: [u8; 3]) -> usize {
     (r * SIDE + g) * SIDE + b
 }
 
-/// The mean colours of groups, of which the one with the largest spread is cut in two until there are
-/// enough.
+/// The mean colours of groups of cells. The group with the largest spread is halved until there are enough.
 fn cut(cells: Vec<ColourCell>) -> Vec<[u8; 3]> {
     let mut groups = vec![CellGroup::new(cells)];
     while groups.len() < MOST {
@@ -109,7 +108,7 @@ fn cut(cells: Vec<ColourCell>) -> Vec<[u8; 3]> {
     groups.iter().filter(|b| b.all.count > 0).map(|b| b.all.sum.map(|v| (v / b.all.count) as u8)).collect()
 }
 
-/// Cells, and how far their colours spread along the component in which they do so most.
+/// A group of cells, and its spread along the component of largest variance.
 struct CellGroup {
     cells: Vec<ColourCell>,
     all: ColourCell,
@@ -136,7 +135,7 @@ impl CellGroup {
         Self { cells, all, axis, spread }
     }
 
-    /// Cut at the mean, both with something in them.
+    /// The two halves, cut at the mean; neither is empty.
     fn halves(mut self) -> [Self; 2] {
         let k = self.axis;
         let mean = |c: &ColourCell| c.sum[k] * 256 / c.count;

@@ -1,7 +1,7 @@
-//! The cost of drawing filters and repeated patterns of an SVG, estimated beforehand.
+//! An estimate of the cost of drawing filters and repeated patterns of an SVG.
 //!
-//! Drawing cannot be interrupted, and 200 bytes can ask for hours: a wide `feMorphology` looks at a
-//! million pixels for each pixel, `feTurbulence` adds any number of octaves.
+//! Drawing cannot be interrupted, and 200 bytes can take hours: a wide `feMorphology` looks at a million
+//! pixels for each pixel, `feTurbulence` adds any number of octaves.
 
 use resvg::usvg::filter::{Filter, Kind};
 use resvg::usvg::{Group, Node, Paint, Tree};
@@ -29,8 +29,8 @@ struct Estimate {
 }
 
 impl Estimate {
-    /// Adds a group with all that it draws. Returns early beyond [`MOST`]: patterns within patterns
-    /// unfold without end.
+    /// Adds the cost of a group with all its content. Returns early beyond [`MOST`], because nested patterns
+    /// can unfold without end.
     fn add_group(&mut self, group: &Group) {
         if let Some(mask) = group.mask() {
             self.add_group(mask.root());
@@ -60,7 +60,7 @@ impl Estimate {
     }
 
     fn add_filter(&mut self, filter: &Filter, group: &Group) {
-        // Scales of the groups around it, at most: of an axis that is turned, of both.
+        // Upper bounds of the scale of the surrounding groups; a rotated axis gets the scales of both.
         let t = group.abs_transform();
         let own = [t.sx.abs() + t.kx.abs(), t.ky.abs() + t.sy.abs()].map(f64::from);
         let scale = [0, 1].map(|k| own[k] * self.scale[k]);

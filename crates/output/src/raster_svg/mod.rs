@@ -43,7 +43,7 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
         return Err(Error::Render { name: name.into(), reason: TOO_SLOW.into() });
     }
     let parse = |text: &str| svg_tree::document(text).and_then(|d| svg_tree::tree(&d));
-    // Why an SVG of that number of elements cannot be parsed.
+    // The error for an SVG of that number of elements that cannot be parsed.
     let refused = |fault: SvgFault, elements: u64| {
         let most = svg_tree::MOST_ELEMENTS;
         if elements <= most {
@@ -94,7 +94,7 @@ pub(super) fn weight(text: &str) -> u64 {
     SvgPieces::new(text, &svg_tree::document(text).unwrap()).weight()
 }
 
-/// The parts of a document that are not drawn, in words.
+/// A sentence on the parts of a document that are not drawn.
 fn left_out(document: &Document<'_>, name: &str) -> Option<String> {
     let count = |what: &str| document.descendants().filter(|n| n.tag_name().name() == what).count();
     let counts = [(count("image"), "<image>"), (count("text"), "<text>")];
@@ -103,7 +103,7 @@ fn left_out(document: &Document<'_>, name: &str) -> Option<String> {
     (!found.is_empty()).then(|| format!("'{name}' holds {}, which vtex does not draw", found.join(" and ")))
 }
 
-/// A picture, and layers that wait to be clipped and laid over it.
+/// A picture, and open layers above it that are to be clipped.
 struct LayeredPicture<'a> {
     name: &'a str,
     transform: Transform,
@@ -129,7 +129,7 @@ impl<'a> LayeredPicture<'a> {
         Ok(())
     }
 
-    /// Draws an SVG over what there is.
+    /// Draws an SVG over the topmost layer.
     fn draw(&mut self, tree: &Tree) -> Result<()> {
         self.check(tree)?;
         svg_tree::draw(tree, self.transform, &mut self.picture).map_err(|fault| failed(self.name, fault))
@@ -142,7 +142,7 @@ impl<'a> LayeredPicture<'a> {
         Ok(())
     }
 
-    /// Ends a layer, of which only what lies inside `shape` is seen.
+    /// Ends a layer: clips it to `shape` and draws it over the one below.
     fn close(&mut self, shape: &Tree) -> Result<()> {
         self.check(shape)?;
         let mut mask = layer(self.picture.width(), self.picture.height(), self.name)?;

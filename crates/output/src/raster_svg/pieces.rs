@@ -1,9 +1,8 @@
 //! A large SVG as a sequence of small ones that make the same picture when they are drawn in turn.
 //!
-//! The parser follows every `<use>` and holds what it finds, so a large file is more than it accepts.
-//! The children of the root, and of plain groups, can be drawn one after another; each piece gets the
-//! definitions that it refers to. A group that is clipped becomes a layer of its own, so that its edge
-//! is cut once.
+//! The parser follows every `<use>` and holds the result, so it does not accept large files. The children of
+//! the root, and of plain groups, can be drawn one after another; each piece gets the definitions that it
+//! refers to. A group that is clipped becomes a layer of its own, so that its edge is cut once.
 
 use resvg::usvg::roxmltree::{Document, Node};
 use std::collections::{BTreeSet, HashMap};
@@ -11,21 +10,21 @@ use vtex_drawing::svg_tree::{ids, referred, uses, weights};
 
 /// Elements of a piece, with every `<use>` followed: a fifth of what the parser accepts.
 const PIECE: u64 = 200_000;
-/// How deep groups are taken apart. What is deeper is drawn as a whole, which the parser refuses where
-/// it is too much.
+/// Greatest depth at which groups are split. Deeper groups are drawn as a whole, and the parser refuses those
+/// that are too large.
 const DEEPEST: usize = 32;
 
-/// How the shapes of a clip path are painted, whatever is around them.
+/// Attributes that paint the shapes of a clip path independently of their surroundings.
 const CLIP: &str =
     "<g fill=\"#fff\" fill-opacity=\"1\" fill-rule=\"nonzero\" stroke=\"none\" visibility=\"visible\">";
 
 /// The purpose of a piece of an SVG.
 pub(super) enum PiecePurpose {
-    /// An SVG to be drawn over what there is, with its elements.
+    /// An SVG to be drawn over the topmost layer, with its number of elements.
     Draw { text: String, weight: u64 },
     /// A layer begins.
     Open,
-    /// The layer ends; only where this SVG is opaque it is seen.
+    /// The layer ends; it is visible only where this SVG is opaque.
     Close(String),
 }
 
@@ -73,7 +72,7 @@ impl<'a> SvgPieces<'a> {
     /// document.
     pub(super) fn several(&self) -> bool {
         let root = self.document.root_element();
-        // A length in per cent of nothing known is taken from the content.
+        // A length in per cent of an unknown size is taken from the content.
         let given = |name: &str| root.attribute(name).is_some_and(|v| !v.trim().ends_with('%'));
         let sized = root.has_attribute("viewBox") || given("width") && given("height");
         let style = |n: Node<'_, '_>| n.tag_name().name() == "style";
@@ -106,7 +105,7 @@ impl<'a> SvgPieces<'a> {
         }
     }
 
-    /// The children of a container that stands in `frame`.
+    /// Splits the children of a container within `frame`.
     fn split<E>(
         &self,
         container: Node<'a, 'a>,
@@ -219,7 +218,7 @@ impl<'a> SvgPieces<'a> {
 }
 
 impl EnclosingTags {
-    /// This, and a group within it.
+    /// The enclosing tags with a further group inside.
     fn around(&self, tag: &str) -> Self {
         Self {
             before: format!("{}{tag}", self.before),
@@ -229,7 +228,8 @@ impl EnclosingTags {
     }
 }
 
-/// Whether the children of an element are painted one after another on what there is, clipping apart.
+/// Whether the children of an element are painted one after another directly on the canvas, apart from
+/// clipping.
 fn is_plain(node: Node<'_, '_>) -> bool {
     const TOGETHER: [&str; 8] = [
         "opacity",

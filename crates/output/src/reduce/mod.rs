@@ -16,12 +16,12 @@ use vtex_base::geometry::Outline;
 use vtex_base::parallel;
 use vtex_scene::scene::{Element, Scene};
 
-/// The ladder after the decimals: how far outlines may be from what they were, in pixels, and the
-/// share of details and secondaries that is left out before the next. Measured on textures of stones
-/// and of grass, mean difference by bytes saved: a fit within 0.1 px costs least, then the third of
-/// all that is seen least, then either grows dearer about alike.
+/// The ladder after the decimals: the tolerance of outlines, in pixels, and the share of details and
+/// secondaries that is left out before the next step. Measured on textures of stones and of grass as mean
+/// difference per byte saved: a fit within 0.1 px costs least, then the least visible third of details and
+/// secondaries; from there on both cost about the same.
 const LADDER: [(f64, usize); 5] = [(0.1, 20), (0.15, 30), (0.2, 40), (0.3, 50), (0.5, 60)];
-/// In how many steps details and secondaries are left out.
+/// Number of steps in which details and secondaries are left out.
 const SHARES: usize = 60;
 
 /// Reductions that made a file small enough.
@@ -29,7 +29,7 @@ const SHARES: usize = 60;
 pub struct GivenUp {
     /// Digits after the decimal point that are left.
     pub decimals: u8,
-    /// How far outlines may lie from what they were, in pixels; 0 where all are as they were.
+    /// Tolerance of simplified outlines, in pixels; 0 if outlines are unchanged.
     pub tolerance: f64,
     /// Details left out, on all primaries of the canvas.
     pub details: usize,
@@ -44,7 +44,7 @@ pub struct ReducedScene<'a> {
     pub scene: Cow<'a, Scene>,
     /// How to write it.
     pub options: SvgOptions,
-    /// Its reductions; none where the scene fits as it is.
+    /// Its reductions; `None` if the scene fits unchanged.
     pub given_up: Option<GivenUp>,
 }
 
@@ -136,7 +136,7 @@ impl Refits<'_> {
     }
 }
 
-/// The scene with every outline within `tolerance` pixels of what it was, in its own coordinates.
+/// The scene with simplified outlines, within `tolerance` pixels in their own coordinates.
 fn refitted(scene: &Scene, tolerance: f64, decimals: u8) -> Scene {
     let refit = |outline: &Outline| outline.refitted(tolerance, decimals);
     let elements = parallel::map(&scene.elements, |element| Element {

@@ -1,9 +1,9 @@
-//! How much of a picture each detail and each secondary is, by the bytes it takes.
+//! The visibility of each detail and each secondary per byte of the file.
 //!
-//! A patch is seen as much as its area times the Oklab distance of its colour from what would be seen
-//! in its place; a detail in all instances of its texton, which share its bytes. What hides a part of
-//! it is not regarded. Counted by byte, not by piece, a file of the same size is nearer to the whole:
-//! mean difference 3.7 instead of 4.3 at three fifths of a texture of grass, 0.96 instead of 1.22 at
+//! The visibility of a patch is its area times the Oklab distance of its colour from the colour beneath it;
+//! that of a detail is summed over all instances of its texton, which share its bytes. Patches that hide a
+//! part of it are ignored. Measured per byte, not per patch, a file of the same size is nearer to the full
+//! scene: mean difference 3.7 instead of 4.3 at three fifths of a texture of grass, 0.96 instead of 1.22 at
 //! two thirds of one of stones.
 
 use vtex_base::geometry::{Outline, PathText, Rect, write_path};
@@ -11,7 +11,7 @@ use vtex_base::raster::colour::{Colour, oklab};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Element, Scene, Shape};
 
-/// About how many bytes a reference to a texton takes, with place and colour.
+/// Approximate number of bytes of a reference to a texton, with place and colour.
 const REFERENCE: f64 = 50.0;
 
 /// The order in which details and secondaries can be left out.
@@ -20,7 +20,7 @@ pub(super) struct Ranks {
     details: Vec<Vec<usize>>,
     /// Ranks of each layer's instances; empty for layers of individual elements, which stay.
     instances: Vec<Vec<usize>>,
-    /// How often each element is shown.
+    /// Number of instances of each element.
     uses: Vec<usize>,
     count: usize,
 }
@@ -79,13 +79,13 @@ impl Ranks {
         ranks
     }
 
-    /// How many there are.
+    /// Number of ranked details and secondaries.
     pub(super) fn len(&self) -> usize {
         self.count
     }
 
-    /// Takes the first `count` out of a scene with the same textons and instances. Gives the numbers
-    /// of details, on all instances, and of secondaries.
+    /// Removes the first `count` from a scene with the same textons and instances. Returns the numbers of
+    /// removed details, on all instances, and of removed secondaries.
     pub(super) fn leave_out(&self, scene: &mut Scene, count: usize) -> (usize, usize) {
         let mut details = 0;
         for ((element, ranks), uses) in scene.elements.iter_mut().zip(&self.details).zip(&self.uses) {
@@ -110,8 +110,8 @@ enum ShapePlace {
     Instance(usize, usize),
 }
 
-/// The colour that would be seen in place of a detail: that of the last one before it that it lies
-/// in as a whole, else that of the base.
+/// The colour beneath a detail: that of the last earlier detail that contains it as a whole, else that of the
+/// base.
 fn beneath(element: &Element, detail: usize) -> Colour {
     let bounds = element.details()[detail].outline.bounds();
     let contains = |outer: Rect| {
@@ -123,7 +123,7 @@ fn beneath(element: &Element, detail: usize) -> Colour {
     element.details()[..detail].iter().rev().find(holds).map_or(element.base().colour, |p| p.colour)
 }
 
-/// About how many bytes of an SVG a path takes.
+/// Approximate number of bytes of a path in an SVG.
 fn bytes(outline: &Outline) -> f64 {
     const AROUND: usize = 30;
     (write_path(outline.path(), PathText { precision: 1 }).len() + AROUND) as f64

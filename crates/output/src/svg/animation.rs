@@ -1,10 +1,10 @@
 //! Two scenes → one SVG that plays the way between them, by CSS animations of paths and colours.
 //!
-//! A texton that becomes another is drawn once, as it is in the first scene, and has a rule that says
-//! what it is at the end, and half-way where it does not go there straight; the viewer does the rest.
-//! Programs that know nothing of animations show the first scene. Outlines are smooth splines: between
-//! the middles of the sides of a polygon run parabolas that touch its sides. As `T` commands these need
-//! but one point each, and the numbers of one path can be turned into those of another one by one.
+//! A texton that becomes another is drawn once, as in the first scene, with a rule for its state at the end,
+//! and at half-time if it does not move straight; the viewer interpolates. Programs that know nothing of
+//! animations show the first scene. Outlines are smooth splines: between the middles of the sides of a
+//! polygon run parabolas that touch its sides. As `T` commands these need but one point each, and the numbers
+//! of one path can be turned into those of another one by one.
 //!
 //! Elements that grow or shrink are animated as paths too: Chromium would make a layer of its own of everything
 //! whose transform is animated, and thousands of them are more than it can paint.
@@ -24,28 +24,28 @@ use vtex_base::geometry::{Point, Rect, Vec2};
 use vtex_edit::interpolate::{Brush, Interpolation, LayerMotion, Motion, MovingShape};
 use vtex_scene::scene::{Edge, InstanceId, Scene};
 
-/// Windows of time are rounded to this share of the way, so that many share a rule.
+/// Time windows are rounded to this share of the whole time, so that many share a rule.
 const WINDOW: f64 = 0.05;
 /// Progress within a window at even times.
 const SMOOTH: [f64; 5] = [0.0, 0.156, 0.5, 0.844, 1.0];
 /// A shape gets a keyframe at half-time if it is then further than this from the middle between its ends, in
 /// pixels.
 const STRAIGHT: f64 = 0.6;
-/// From this many moving shapes on viewers no longer play smoothly.
+/// Number of moving shapes above which viewers no longer play smoothly.
 pub(super) const MANY_SHAPES: usize = 5000;
 
-/// How an animation is played, again and again.
+/// Parameters of an animation, which plays in a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Animation {
     /// Seconds from the first scene to the second, 0.01 to 100 000.
     pub seconds: f64,
-    /// Whether it is played back as well, instead of beginning anew.
+    /// Whether it plays there and back instead of starting again.
     pub back: bool,
     /// Digits after the decimal point of coordinates, 0 to 6. Default of the program: 1.
     pub precision: u8,
 }
 
-/// Writes the way between two scenes as one SVG that plays in browsers. Same scenes and options: the
+/// Writes the interpolation of two scenes as one SVG that plays in browsers. Same scenes and options: the
 /// same bytes.
 ///
 /// # Errors
@@ -87,7 +87,7 @@ struct AnimationWriter<'a> {
 }
 
 impl AnimationWriter<'_> {
-    /// Writes everything; gives the number of shapes that move.
+    /// Writes the whole document; returns the number of moving shapes.
     fn write<W: Write>(
         &self,
         xml: &mut Xml<W>,
@@ -159,7 +159,7 @@ impl AnimationWriter<'_> {
         Ok(())
     }
 
-    /// The shapes that clip something: id of the clip path, name of the rule, and the shape.
+    /// The clip paths: id, name of the rule, and shape.
     fn clips<'a>(
         &'a self,
         motions: &'a [LayerMotion<'_>],
@@ -173,7 +173,7 @@ impl AnimationWriter<'_> {
         domain.chain(regions)
     }
 
-    /// The textons of a layer; gives the number of their shapes.
+    /// Writes the textons of a layer; returns the number of their shapes.
     fn write_motions<W: Write>(&self, xml: &mut Xml<W>, motions: &[Motion]) -> io::Result<usize> {
         let mut shapes = 0;
         for motion in motions {
@@ -183,7 +183,7 @@ impl AnimationWriter<'_> {
         Ok(shapes)
     }
 
-    /// The rules of all that moves.
+    /// Writes the rules of all moving shapes.
     fn write_rules<W: Write>(
         &self,
         xml: &mut Xml<W>,
@@ -198,7 +198,7 @@ impl AnimationWriter<'_> {
             "\n.a{{animation:{seconds}s linear infinite {direction}}}\n.e{{animation-name:e}}\n\
              @keyframes e{{from{{opacity:0}}to{{opacity:1}}}}\n"
         ))?;
-        // Windows begin and end on a few steps: a rule for each pair that there is.
+        // Windows begin and end at few steps, so each occurring pair gets a rule.
         let mut windows: Vec<[u32; 2]> =
             motions.iter().flat_map(|layer| &layer.motions).filter_map(window).collect();
         windows.sort_unstable();
@@ -233,7 +233,7 @@ impl AnimationWriter<'_> {
         Ok(())
     }
 
-    /// One texton, and its copies; gives the number of its shapes.
+    /// Writes a texton and its copies; returns the number of its shapes.
     fn write_motion<W: Write>(&self, xml: &mut Xml<W>, motion: &Motion) -> io::Result<usize> {
         let Motion { id, shapes, .. } = motion;
         let grouped = shapes.len() > 1;
@@ -264,8 +264,8 @@ impl AnimationWriter<'_> {
         Ok(shapes.len())
     }
 
-    /// The copies of an element that reaches as far as `bounds`, where the scenes repeat; `drawn` is what
-    /// each shows.
+    /// Writes the copies of an element with these `bounds`, where the scenes repeat; `drawn` is the content
+    /// of each.
     fn write_copies<W: Write>(
         &self,
         xml: &mut Xml<W>,
@@ -294,7 +294,7 @@ impl AnimationWriter<'_> {
     }
 }
 
-/// How a shape is painted in the first scene.
+/// Writes the paint of a shape in the first scene.
 fn write_brush<W: Write>(xml: &mut Xml<W>, brush: &Brush) {
     match brush {
         Brush::Fill([colour, _]) => xml.attribute("fill", HexColour(*colour)),
@@ -308,7 +308,7 @@ fn write_brush<W: Write>(xml: &mut Xml<W>, brush: &Brush) {
     }
 }
 
-/// The field of the first scene, and over it that of the second, which appears.
+/// Writes the field of the first scene, and over it that of the second, which fades in.
 fn write_fields<W: Write>(
     xml: &mut Xml<W>,
     [from, to]: [Option<&(PreparedBackground, String)>; 2],
@@ -328,7 +328,7 @@ fn write_fields<W: Write>(
     }
 }
 
-/// Its properties that differ in the second scene, as a part of a rule.
+/// The properties that differ in the second scene, as a part of a rule.
 fn brush_rule(rule: &mut String, brush: &Brush) {
     // Writing into a String cannot fail.
     match brush {
@@ -351,12 +351,12 @@ fn name(id: InstanceId, k: usize) -> String {
     if k == 0 { format!("k{id}") } else { format!("k{id}-{k}") }
 }
 
-/// When a texton begins and ends to change, in steps, if it does not all the way.
+/// The steps at which the change of a texton begins and ends; `None` if it changes all the time.
 fn window(motion: &Motion) -> Option<[u32; 2]> {
     motion.window.map(|ends| ends.map(|v| libm::round(v / WINDOW) as u32))
 }
 
-/// Whether a shape goes to its end straight enough.
+/// Whether a shape changes nearly linearly.
 fn straight(shape: &MovingShape) -> bool {
     shape.rings.iter().all(|[a, b, c]| {
         let mut points = a.iter().zip(b).zip(c);
@@ -364,8 +364,8 @@ fn straight(shape: &MovingShape) -> bool {
     })
 }
 
-/// A closed smooth curve near the points of a ring. Ends of parabolas are rounded so that the errors
-/// of the points between them, each of which is the last one mirrored, do not add up.
+/// A closed smooth curve near the points of a ring. Ends of parabolas are rounded such that the errors of the
+/// control points, each of which mirrors the previous one, do not add up.
 fn spline(text: &mut String, ring: &[Point], precision: u8) {
     let n = ring.len();
     if n < 3 {
@@ -394,7 +394,7 @@ fn spline(text: &mut String, ring: &[Point], precision: u8) {
     let mut at = start;
     let mut mirrored = snap(control(0));
     for i in 0..n {
-        // Halfway from the point as it will be drawn to the next one as it should be.
+        // Halfway from the rounded point to the exact next one.
         let end = if i + 1 == n { start } else { snap(mirrored.midpoint(control(i + 1))) };
         if i == 0 {
             text.push('q');

@@ -1,9 +1,9 @@
 //! A scene in a flow → one SVG that plays it, by SMIL animations of transforms.
 //!
-//! The document is that of the scene at rest. Each element that moves stands in a group that is carried along
-//! its way, by keys between which viewers go evenly; where all turn together, each layer is one such group.
-//! Programs that know nothing of animations show the scene at rest. Shadows go with their elements, and turn
-//! with them. Style rules are not used, because browsers make a layer of everything that one moves.
+//! The document is that of the scene at rest. Each moving element is in a group that is animated along its
+//! path, by keys with linear motion between them; where all elements turn together, each layer is one such
+//! group. Programs that know nothing of animations show the scene at rest. Shadows move and turn with their
+//! elements. Style rules are not used, because browsers make a layer of everything that one moves.
 
 use super::animation::MANY_SHAPES;
 use super::number::{Number, list};
@@ -15,7 +15,7 @@ use vtex_base::error::{Result, check};
 use vtex_edit::flow::{Flowing, Key};
 use vtex_scene::scene::{Instance, InstanceId, Scene};
 
-/// Digits of shares of time: what happens at once does so within some millionths of the loop.
+/// Digits of shares of time: an instantaneous change takes some millionths of the loop.
 const DIGITS: u8 = 6;
 
 /// Writes a scene in a flow as one SVG that plays in browsers, again and again. `seconds` is the length of
@@ -53,25 +53,25 @@ pub fn write_flow(
 pub(super) struct DocumentMotion<'a> {
     seconds: f64,
     precision: u8,
-    /// Rounds of all about the middle, if that is how they move.
+    /// Number of rounds of all elements about the middle, if they turn together.
     rounds: Option<f64>,
     ways: &'a BTreeMap<InstanceId, Vec<Key>>,
 }
 
-/// The way of one element.
+/// The path of one element.
 pub(super) struct Way<'a> {
     moving: &'a DocumentMotion<'a>,
     keys: &'a [Key],
 }
 
-/// An element without the way from the origin, which is that of its group.
+/// An instance moved to the origin; its group has the translation.
 pub(super) fn at_origin(instance: &Instance) -> Instance {
     let [a, b, c, d, ..] = instance.transform;
     Instance { transform: [a, b, c, d, 0.0, 0.0], ..instance.clone() }
 }
 
 impl DocumentMotion<'_> {
-    /// Begins the group of all that turn together, if they do.
+    /// Begins the group of elements that turn together, if they do.
     pub(super) fn begin_turn<W: Write>(&self, xml: &mut Xml<W>, scene: &Scene) -> io::Result<bool> {
         let Some(rounds) = self.rounds else { return Ok(false) };
         let middle = [scene.width, scene.height].map(|side| Number(f64::from(side) / 2.0, 1));
@@ -83,7 +83,7 @@ impl DocumentMotion<'_> {
         Ok(true)
     }
 
-    /// The way of an element, unless it stays.
+    /// The path of an element, unless it rests.
     pub(super) fn way(&self, instance: &Instance) -> Option<Way<'_>> {
         let keys = self.ways.get(&instance.id)?;
         Some(Way { moving: self, keys })
@@ -104,7 +104,7 @@ impl DocumentMotion<'_> {
 }
 
 impl Way<'_> {
-    /// The place and the animations of the group that is open.
+    /// Writes the place and the animations of the open group.
     pub(super) fn write<W: Write>(&self, xml: &mut Xml<W>, instance: &Instance) -> io::Result<()> {
         let precision = self.moving.precision;
         let [.., x, y] = instance.transform;
@@ -130,13 +130,13 @@ impl Way<'_> {
         Ok(())
     }
 
-    /// The times of the keys, each later than the one before by what is written of it.
+    /// The times of the keys, each later than the one before as written.
     fn times(&self) -> String {
         let step = libm::pow(10.0, f64::from(DIGITS));
         let mut last = -1.0;
         let count = self.keys.len() as f64;
         let rounded = self.keys.iter().enumerate().map(|(k, key)| {
-            // Room is left for those that come later.
+            // Time steps are left for the later keys.
             let most = step - (count - 1.0 - k as f64);
             last = libm::round(key.time * step).max(last + 1.0).min(most);
             Number(last / step, DIGITS).to_string()
@@ -158,7 +158,7 @@ mod tests {
         let element =
             |source, category| testing::element(source, category, drop.clone(), Colour([90, 60, 30]));
         let place = |id: u32| {
-            // Some on the border, which they cross at the very ends of a loop.
+            // Some elements lie on the border, which they cross exactly at the ends of a loop.
             let [x, y] = [f64::from(id % 5) * 40.0, f64::from(id / 5) * 30.0 + 15.0];
             let transform = [0.8, 0.6, -0.6, 0.8, x, y];
             Instance { transform, ..Instance::new(InstanceId(id), ElementId(u32::from(id >= 10))) }
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn at_rest_it_is_the_scene() {
-        // Programs that know nothing of animations leave them out.
+        // Programs without support for animation ignore it.
         let flowing = Flowing::new(&scene(), &Flow::Wind, &FlowParams::default()).unwrap();
         let options = SvgOptions { precision: 3, ..SvgOptions::default() };
         let drawn = |text: &str| {

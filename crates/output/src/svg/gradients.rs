@@ -1,8 +1,8 @@
-//! Gradients in SVG, relative to the box around what they fill.
+//! Gradients in SVG, relative to the bounding box of the filled shape.
 //!
-//! In units of the box the numbers are short, the same wherever the shape stands, and editors keep
-//! the gradient with its shape when it is moved. Any linear change of colour can be written so:
-//! lines of one colour, drawn at right angles in the stretched box, are lines in the picture.
+//! In units of the box the numbers are short and do not depend on the place of the shape, and editors keep
+//! the gradient with its shape when it is moved. Any linear change of colour can be written so: lines of one
+//! colour, drawn at right angles in the stretched box, are lines in the picture.
 
 use super::number::{HexColour, Number, list};
 use super::xml::Xml;
@@ -11,7 +11,7 @@ use std::io::{self, Write};
 use vtex_base::geometry::{Affine, Rect};
 use vtex_scene::element::{Gradient, GradientKind};
 
-/// Digits of a place in the box: a hundredth of the way is less than a step of colour.
+/// Digits of a place in the box: a hundredth of the box is less than a step of colour.
 const DIGITS: u8 = 2;
 
 /// A gradient in units of a box, ready to write.
@@ -20,7 +20,7 @@ pub(super) struct BoxGradient<'a> {
     gradient: &'a Gradient,
 }
 
-/// Where a gradient lies in its box.
+/// The place of a gradient in its box.
 enum GradientPlace {
     /// From a point to a point.
     Linear([f64; 2], [f64; 2]),
@@ -29,8 +29,8 @@ enum GradientPlace {
 }
 
 impl<'a> BoxGradient<'a> {
-    /// The gradient of a shape moved by `affine`, which has `bounds` once it is moved; none where
-    /// box or shape have no extent, so that nothing can change.
+    /// The gradient of a shape moved by `affine`, whose bounds after that are `bounds`; `None` if box or
+    /// gradient has no extent.
     pub(super) fn new(gradient: &'a Gradient, affine: Affine, bounds: Rect) -> Option<Self> {
         if bounds.width().min(bounds.height()) <= 1e-3 {
             return None;
@@ -84,18 +84,18 @@ fn linear(gradient: &Gradient, affine: Affine, bounds: Rect) -> Option<GradientP
     let [fx, fy] = gradient.from;
     let (dx, dy) = (gradient.to[0] - fx, gradient.to[1] - fy);
     let length2 = dx * dx + dy * dy;
-    // The share of the way at a place is u x + v y + w.
+    // The offset of the gradient at a place is u x + v y + w.
     let (u, v) = (dx / length2, dy / length2);
     let w = -(u * fx + v * fy);
     let [a, b, c, d, e, f] = affine.inverse().as_coeffs();
     let (u, v, w) = (u * a + v * b, u * c + v * d, w + u * e + v * f);
-    // The same of a place in the box, whose sides are 1.
+    // The same in the coordinates of the box, whose sides are 1.
     let (u, v, w) = (u * bounds.width(), v * bounds.height(), w + u * bounds.x0 + v * bounds.y0);
     let rate2 = u * u + v * v;
     if !(rate2.is_finite() && rate2 > 1e-12 && w.is_finite()) {
         return None;
     }
-    // It begins on an axis, which need not be written.
+    // It begins on an axis, so one coordinate need not be written.
     let from = if v.abs() >= u.abs() { [0.0, -w / v] } else { [-w / u, 0.0] };
     Some(GradientPlace::Linear(from, [from[0] + u / rate2, from[1] + v / rate2]))
 }

@@ -28,7 +28,7 @@ impl LayerGroup {
     ) -> Vec<Self> {
         let mut known = BTreeSet::new();
         let frame = |(k, (name, role, has_region)): (usize, (&str, Role, bool))| {
-            // Layers named after their role keep its name; other names are set apart from other ids.
+            // The id of a layer named after its role is that name; ids of other layers get a prefix.
             let mut id = if name == role.name() { name.to_owned() } else { format!("layer-{}", word(name)) };
             if !known.insert(id.clone()) {
                 id.push_str(&format!(".{k}"));
@@ -54,8 +54,8 @@ fn word(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '_' { c } else { '-' }).collect()
 }
 
-/// Writes the groups; consecutive ones that the domain clips lie in one group, so that what is clipped
-/// together has one clean edge. `write` fills each, given its index.
+/// Writes the groups; consecutive ones that the domain clips lie in one group, so that their common edge is
+/// clipped once. `write` fills each, given its index.
 pub(super) fn write<W: Write>(
     xml: &mut Xml<W>,
     frames: &[LayerGroup],

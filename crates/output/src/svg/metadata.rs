@@ -9,10 +9,10 @@ use vtex_scene::scene::{EditRecord, LibraryRef, Scene, SynthParams, Tile};
 #[derive(Serialize)]
 struct Metadata<'a> {
     format: &'static str,
-    /// 2; in 1 libraries and categories were numbered from 0.
+    /// Version of the metadata, 2. In version 1 libraries and categories were numbered from 0.
     version: u32,
     program: &'a str,
-    /// Not there for the reconstruction of an exemplar.
+    /// The seed; `None` for the reconstruction of an exemplar.
     #[serde(skip_serializing_if = "Option::is_none")]
     seed: Option<u64>,
     width: u32,
@@ -21,10 +21,10 @@ struct Metadata<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<&'a SynthParams>,
     libraries: Vec<LibraryRef>,
-    /// Those of the elements in the file.
+    /// The categories of the elements in the file.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     categories: &'a [SceneCategory],
-    /// How it was made from its inputs, in the words of whoever made it.
+    /// The recipe by which it was made from its inputs, in the form of the program that made it.
     #[serde(skip_serializing_if = "Option::is_none")]
     recipe: Option<&'a serde_json::Value>,
     /// Operations applied after synthesis.

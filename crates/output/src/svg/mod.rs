@@ -1,10 +1,10 @@
-//! Scene → SVG: pure vectors in groups that a designer finds their way in.
+//! Scene → SVG: pure vectors in groups that designers find easy to navigate.
 //!
-//! The file is written as it is made; nothing of it is held in memory but the background's grid.
-//! Textons that stand more than once are defined once. Those with details become
-//! `<symbol overflow="visible">`, which vector editors list among their symbols; those of one path
-//! become a plain `<path>` that takes the fill of its `<use>`. References are `xlink:href`, which
-//! old and new readers alike understand. A texton that stands once is written where it stands.
+//! The file is written as a stream; only the background's grid is held in memory. Textons that stand more
+//! than once are defined once. Those with details become `<symbol overflow="visible">`, which vector editors
+//! list among their symbols; those of one path become a plain `<path>` that takes the fill of its `<use>`.
+//! References are `xlink:href`, which old and new readers alike understand. A texton that stands once is
+//! written where it stands.
 //!
 //! In a scene that tiles, textons that cross an edge come again at the opposite one, right after
 //! their original: primaries as a `<use>` of it, secondaries in full.
@@ -54,35 +54,34 @@ use vtex_base::geometry::Vec2;
 use vtex_scene::scene::{Instance, Scene};
 use xml::{ViewerLoad, Xml};
 
-/// How every SVG of vtex begins. Editors write another beginning when they save, so a file that
-/// begins like this holds nobody's work.
+/// The beginning of every SVG of vtex. Editors write another beginning when they save, so a file with this
+/// beginning contains no one's edits.
 pub(super) const BEGINNING: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- Written by vtex ";
 
 /// The id of the pattern.
 const PATTERN: &str = "texture";
 
-/// How far what a pattern repeats reaches beyond its cell, in pixels. Renderers draw the cell into
-/// whole pixels; where it ends within one, the paper would show through as a hairline.
+/// Distance by which the content of a pattern extends beyond its cell, in pixels. Renderers draw the cell
+/// into whole pixels; a cell that ends within a pixel would leave a transparent hairline.
 const BLEED: f64 = 8.0;
 
-/// Elements with every `<use>` followed from which editors are slow.
+/// Number of elements, with every `<use>` followed, from which editors are slow.
 const SLOW_ELEMENTS: u64 = 100_000;
-/// Seconds and gigabytes that Inkscape takes to open a million of them: it took 37 s and 6.3 GB for 330 000.
+/// Seconds and gigabytes that Inkscape needs to open a million elements: it took 37 s and 6.3 GB for 330 000.
 const INKSCAPE: [f64; 2] = [112.0, 19.0];
-/// Elements with every `<use>` followed at which resvg stops.
+/// Number of elements, with every `<use>` followed, at which resvg fails.
 const MANY_ELEMENTS: u64 = 1_000_000;
-/// References at which librsvg stops, and with it rsvg-convert and the viewers of GNOME.
+/// Number of references at which librsvg fails, and with it rsvg-convert and the viewers of GNOME.
 const MANY_REFERENCES: u64 = 500_000;
 
 /// How an SVG is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SvgOptions {
-    /// Digits after the decimal point of coordinates, 0 to 6. Default 1: a twentieth of a pixel at
-    /// most is far below the fidelity of outlines. With 2 nothing is lost, for outlines are kept
-    /// on a grid of 0.01 px.
+    /// Digits after the decimal point of coordinates, 0 to 6. Default 1: a twentieth of a pixel at most is
+    /// far below the fidelity of outlines. With 2 outlines are exact, because their grid is 0.01 px.
     pub precision: u8,
-    /// Write every texton as plain paths where it stands, without `<symbol>`, `<use>` and
-    /// transforms, for programs that know none of these. Default false.
+    /// Write every texton as plain paths in place, without `<symbol>`, `<use>` and transforms, for programs
+    /// that support none of these. Default false.
     pub expand: bool,
     /// Write a style rule for each category, with custom properties that shift its hue and lightness.
     /// Default false.
@@ -102,7 +101,7 @@ pub struct SvgSummary {
     pub bytes: u64,
     /// Elements in the file.
     pub elements: u64,
-    /// Elements that a viewer draws from, once every `<use>` is followed.
+    /// Number of elements that a viewer draws, with every `<use>` followed.
     pub drawn: u64,
     /// Textons defined once and placed by reference.
     pub shared_textons: u64,
@@ -118,7 +117,7 @@ pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<Svg
     write_with_recipe(scene, options, None, out)
 }
 
-/// As [`write()`]; `recipe` says how the scene was made from its inputs, in the words of the program that
+/// As [`write()`]; `recipe` describes how the scene was made from its inputs, in the form of the program that
 /// made it, and is stored in the metadata.
 ///
 /// # Errors
@@ -149,9 +148,8 @@ pub fn write_at(
     summed(document.textons.shared_count(), out, |xml| document.write(xml))
 }
 
-/// Writes a scene that tiles as an SVG that fills whatever room it is given: a
-/// `<pattern id="texture">` with all that it needs inside, and a rectangle filled with it. Same
-/// scene and options: the same bytes.
+/// Writes a scene that tiles as an SVG of any size: a self-contained `<pattern id="texture">`, and a
+/// rectangle filled with it. Same scene and options: the same bytes.
 ///
 /// # Errors
 /// [`Error::Seams`] for a scene that does not tile along both axes; those of [`write`].
@@ -163,7 +161,7 @@ pub fn write_pattern(scene: &Scene, options: &SvgOptions, out: impl Write) -> Re
     summed(document.textons.shared_count(), out, |xml| document.write_pattern(xml))
 }
 
-/// Writes a document and says what was written.
+/// Writes a document and returns counts of what was written.
 fn summed<W: Write>(
     shared_textons: u64,
     out: W,
@@ -177,7 +175,8 @@ fn summed<W: Write>(
     Ok(SvgSummary { bytes, elements, drawn: drawn.elements, shared_textons, warnings })
 }
 
-/// Which programs are slow with a file or give up on it, and what helps.
+/// A warning of the programs that are slow with a file or fail to open it, and a remedy; `None` for a small
+/// file.
 fn too_much(drawn: ViewerLoad) -> Option<String> {
     let ViewerLoad { elements, references } = drawn;
     if elements < SLOW_ELEMENTS && references < MANY_REFERENCES {
@@ -210,13 +209,13 @@ struct Document<'a> {
     categories: Vec<SceneCategory>,
     /// Whether categories have style rules.
     css: bool,
-    /// How far beyond the canvas it reaches, in pixels.
+    /// Distance by which its content extends beyond the canvas, in pixels.
     bleed: f64,
     /// The recipe in the metadata: how the scene was made.
     recipe: Option<&'a serde_json::Value>,
     /// Pixels to the inch.
     dpi: u32,
-    /// How elements move; `None` if they stay.
+    /// The motion of elements; `None` if they rest.
     moving: Option<DocumentMotion<'a>>,
 }
 
@@ -236,7 +235,7 @@ impl<'a> Document<'a> {
         Ok(Self { scene, backgrounds, frames, textons, categories, css, bleed, recipe, dpi, moving })
     }
 
-    /// The canvas as it is.
+    /// Writes the canvas.
     fn write<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         let (width, height) = (self.scene.width, self.scene.height);
         self.begin(xml);
@@ -255,7 +254,7 @@ impl<'a> Document<'a> {
         self.write_layers(xml)
     }
 
-    /// A pattern of the canvas, and a sheet of any size filled with it.
+    /// Writes a pattern of the canvas, and a rectangle of any size filled with it.
     fn write_pattern<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         self.begin(xml);
         xml.attribute("width", "100%");
@@ -307,7 +306,7 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    /// All that the layers refer to.
+    /// Writes the definitions that layers refer to.
     fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         xml.open("defs");
         xml.line();
@@ -355,7 +354,7 @@ impl<'a> Document<'a> {
         })
     }
 
-    /// Elements without groups of their own.
+    /// Writes elements without groups of their own.
     fn write_compactly<W: Write>(&self, xml: &mut Xml<W>, instances: &[Instance]) -> io::Result<()> {
         let textons = &self.textons;
         // Neighbours in painting order that share a fill take it from one group.
@@ -388,12 +387,12 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    /// How an element moves, unless it stays.
+    /// The path of an element, unless it rests.
     fn way(&self, instance: &Instance) -> Option<Way<'_>> {
         self.moving.as_ref().and_then(|moving| moving.way(instance))
     }
 
-    /// An element in the group that is open, which is carried along its way if it moves.
+    /// Writes an element in the open group, which is animated if the element moves.
     fn write_in_group<W: Write>(
         &self,
         xml: &mut Xml<W>,
@@ -421,7 +420,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Elements each in a group with its id.
+    /// Writes elements, each in a group with its id.
     fn write_individuals<W: Write>(&self, xml: &mut Xml<W>, instances: &[Instance]) -> io::Result<()> {
         for instance in instances {
             let before = xml.drawn();
@@ -436,7 +435,7 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    /// An element, or its copy: moved, and what is drawn of the original.
+    /// Writes an element, or a shifted copy of it.
     fn write_individual<W: Write>(
         &self,
         xml: &mut Xml<W>,
@@ -469,10 +468,10 @@ impl<'a> Document<'a> {
     }
 }
 
-/// The field of a layer, if it has one, and what its ids begin with.
+/// The field of a layer, if it has one, and the prefix of its ids.
 type NamedField = Option<(PreparedBackground, String)>;
 
-/// The fields of layers, whose ids begin with `name`, and a number from the second on.
+/// The fields of layers. Their ids begin with `name`, followed by a number from the second on.
 fn backgrounds(fields: impl Iterator<Item = Option<PreparedBackground>>, name: &str) -> Vec<NamedField> {
     let mut count = 0;
     let mut named = |background: PreparedBackground| {

@@ -1,4 +1,4 @@
-//! Rules that every SVG of vtex keeps.
+//! Properties of every SVG of vtex.
 
 use super::*;
 use crate::raster_svg::render_svg;

@@ -1,4 +1,4 @@
-//! Textons in SVG: defined once, or written where they stand.
+//! Textons in SVG: defined once, or written in place.
 
 use super::SvgOptions;
 use super::gradients::BoxGradient;
@@ -21,17 +21,17 @@ pub(super) struct SvgTextons<'a> {
     scene: &'a Scene,
     precision: u8,
     expand: bool,
-    /// How far beyond the canvas copies are written, in pixels.
+    /// Distance beyond the canvas up to which copies are written, in pixels.
     bleed: f64,
     /// Whether a texton is defined once and placed by reference.
     shared: Vec<bool>,
     /// Whether a shared texton has no colour of its own and takes that of the instance.
     inherits: Vec<bool>,
-    /// Bounding boxes; none where nothing is copied.
+    /// Bounding boxes; empty if the scene has no copies.
     bounds: Vec<Rect>,
-    /// The elements and references drawn of each where it is defined.
+    /// The elements and references that a viewer draws for each definition.
     drawn: Vec<Cell<ViewerLoad>>,
-    /// The id of each where it is defined.
+    /// The id of each definition.
     ids: Vec<String>,
     /// Names of categories.
     names: BTreeMap<(LibraryId, CategoryId), String>,
@@ -50,12 +50,12 @@ enum Base<'a> {
     /// The paint of its parent.
     Inherited,
     Colour(Colour),
-    /// A colour, and the gradient in its place.
+    /// A colour, and the gradient that replaces it.
     Gradient(Colour, &'a Gradient),
 }
 
 impl<'a> Base<'a> {
-    /// A colour, or the gradient in its place.
+    /// A colour, or the gradient that replaces it.
     fn new((colour, gradient): (Colour, Option<&'a Gradient>)) -> Self {
         gradient.map_or(Self::Colour(colour), |g| Self::Gradient(colour, g))
     }
@@ -132,13 +132,13 @@ impl<'a> SvgTextons<'a> {
         textons
     }
 
-    /// The shifts at which an instance is to be written, that of the original first.
+    /// The shifts of the copies of an instance that are written, that of the original first.
     pub(super) fn copies(&self, instance: &Instance) -> impl Iterator<Item = Vec2> + use<> {
         let bounds = self.bounds.get(instance.element.index()).copied().unwrap_or_default();
         self.copies_of(instance.reach(bounds))
     }
 
-    /// The same of anything with the given bounds on the canvas.
+    /// The shifts of the copies of any content with the given bounds on the canvas.
     pub(super) fn copies_of(&self, bounds: Rect) -> impl Iterator<Item = Vec2> + use<> {
         // Rounding may move an outline by as much as the last digit.
         let reach = self.bleed + 1.0 / f64::from(10u32.pow(self.precision.into()));
@@ -207,8 +207,8 @@ impl<'a> SvgTextons<'a> {
         Ok(())
     }
 
-    /// Where a texton that is written in place comes from: its id says it, but where it may stand
-    /// several times.
+    /// Writes the source of a texton that is written in place. Otherwise its id tells the source, but an id
+    /// cannot occur several times.
     fn write_source<W: Write>(&self, xml: &mut Xml<W>, index: usize) {
         if !self.expand {
             return xml.attribute("id", &self.ids[index]);
@@ -222,7 +222,7 @@ impl<'a> SvgTextons<'a> {
         }
     }
 
-    /// The one colour of a placed texton; none if it has details or a gradient.
+    /// The single colour of a placed texton; `None` if it has details or a gradient.
     pub(super) fn fill(&self, instance: &Instance) -> Option<Colour> {
         let element = self.scene.element(instance);
         let one =

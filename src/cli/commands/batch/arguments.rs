@@ -65,7 +65,7 @@ pub(crate) struct BatchArgs {
     pub(crate) engine: EngineArgs,
     #[command(flatten)]
     pub(crate) analyze: AnalyzeFlags,
-    /// Where jobs come from, once it is read.
+    /// The source of jobs, after it was read.
     #[arg(skip)]
     pub(crate) source: Option<JobSource>,
 }

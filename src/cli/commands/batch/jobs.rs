@@ -18,10 +18,10 @@ use vtex::Error;
 const PICTURES: [&str; 13] =
     ["png", "jpg", "jpeg", "tif", "tiff", "webp", "bmp", "gif", "pnm", "ppm", "pgm", "pbm", "pam"];
 
-/// How much of an SVG is looked at.
+/// Number of bytes of an SVG that are read to recognise it.
 const HEAD: u64 = 256;
 
-/// One input and what is to be made of it.
+/// One input and the results to be made from it.
 #[derive(Clone, Debug)]
 pub(crate) struct BatchJob {
     pub(crate) input: PathBuf,
@@ -29,7 +29,7 @@ pub(crate) struct BatchJob {
     pub(crate) name: String,
     pub(crate) formats: Vec<Extension>,
     pub(crate) parameters: Parameters,
-    /// Where masks of a photograph come from.
+    /// The source of a photograph's masks.
     pub(crate) masks: MasksFrom,
 }
 
@@ -40,7 +40,7 @@ impl BatchJob {
     }
 }
 
-/// Where jobs come from.
+/// The source of jobs.
 pub(crate) enum JobSource {
     Files(Vec<PathBuf>),
     Jobs(JobsFile),
@@ -192,7 +192,7 @@ pub(crate) fn list(
                 let layers = config.into_iter().chain([&file.defaults, &entry.parameters]);
                 let parameters = Parameters::resolve(layers, values)?;
                 let name = entry.output.unwrap_or_else(|| stem(&entry.input).to_string_lossy().into_owned());
-                // As with all options, what the command line says wins.
+                // As with all options, the command line takes precedence.
                 let formats = formats.map(<[_]>::to_vec).or(entry.formats).unwrap_or_else(|| usual.to_vec());
                 let masks = masks(parameters.segmenter)?;
                 jobs.push(BatchJob { input: entry.input, name, formats, parameters, masks });
@@ -204,7 +204,7 @@ pub(crate) fn list(
     Ok(jobs)
 }
 
-/// Folders replaced by the pictures in them, in the order of their names.
+/// Replaces folders by the pictures in them, sorted by name.
 fn expanded(paths: Vec<PathBuf>) -> anyhow::Result<Vec<PathBuf>> {
     let mut all = Vec::new();
     for path in paths {
@@ -242,7 +242,7 @@ fn expanded(paths: Vec<PathBuf>) -> anyhow::Result<Vec<PathBuf>> {
     Ok(all)
 }
 
-/// Whether vtex has written an SVG: textures of an earlier run are no exemplars of the next.
+/// Whether an SVG was written by vtex: textures of an earlier run are not exemplars of the next.
 fn is_result(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = std::fs::File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
@@ -253,7 +253,7 @@ fn is_result(path: &Path) -> bool {
 fn differ(jobs: &[BatchJob]) -> Result<(), Failure> {
     let mut seen: BTreeMap<String, &Path> = BTreeMap::new();
     for job in jobs {
-        // Some systems take names that differ in case alone for the same.
+        // Some systems do not distinguish names that differ only in case.
         if let Some(other) = seen.insert(job.name.to_lowercase(), &job.input) {
             let (a, b) = (other.display(), job.input.display());
             let message = format!("the results of '{a}' and '{b}' would have the same name, '{}'", job.name);

@@ -24,12 +24,12 @@ pub(crate) struct Batch {
     pub(crate) force: bool,
     pub(crate) engine: EngineOptions,
     pub(crate) steering: Steering,
-    /// Of jobs without one.
+    /// The seed of jobs without their own.
     pub(crate) seed: Seed,
 }
 
 impl Batch {
-    /// Checks all that can be wrong before anything starts.
+    /// Checks the whole batch before any work starts.
     ///
     /// # Errors
     /// Usage errors, and what cannot be read of folders.

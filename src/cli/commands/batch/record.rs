@@ -1,8 +1,8 @@
-//! The record of a batch: a line of JSON for each job, so that it can go on where it ended.
+//! The record of a batch: a line of JSON for each job, so that an interrupted batch can be continued.
 //!
-//! A job is known by a sum over all that its results depend on, the content of networks included. Its line
-//! is added once the results are in place. It is skipped if a line has its sum and the results are, byte for
-//! byte, those that were written. Shards write records of their own and read all.
+//! A job is identified by a checksum over everything that its results depend on, the content of networks
+//! included. Its line is added after the results are in place. A job is skipped if a line has its checksum
+//! and its results are unchanged, byte for byte. Shards write records of their own and read all.
 
 use super::values::Shard;
 use crate::cli::interrupt::Passing;
@@ -20,7 +20,7 @@ use vtex::{Error, Result};
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Status {
     Done,
-    /// Done before, from the same.
+    /// Done in an earlier run from the same inputs.
     Skipped,
     Failed,
 }
@@ -32,7 +32,7 @@ pub(crate) struct Record {
     pub(crate) job: String,
     pub(crate) input: String,
     pub(crate) status: Status,
-    /// SHA-256 of all that the results depend on, but a seed that was not given.
+    /// SHA-256 of everything that the results depend on, except a seed that was not given.
     #[serde(default)]
     pub(crate) key: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -54,7 +54,7 @@ pub(crate) struct Record {
     pub(crate) error: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) hint: Option<String>,
-    /// Whether it failed because the program ended while it did it, now or in an earlier run.
+    /// Whether it failed because the program died during the job, in this or an earlier run.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(crate) died: bool,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -71,7 +71,7 @@ pub(crate) struct RecordedFile {
 }
 
 impl RecordedFile {
-    /// Of a file in the folder for results.
+    /// Reads the size and checksum of a file in the folder of results.
     ///
     /// # Errors
     /// [`Error::Read`].
@@ -89,7 +89,7 @@ pub(crate) struct Records {
     path: PathBuf,
     /// The records of jobs that were done, by job and key; several where one was done again.
     done: BTreeMap<String, Vec<Record>>,
-    /// The jobs and keys at which the program ended, as the last that is known of them.
+    /// The jobs and keys during which the program died, if nothing newer is recorded of them.
     died: BTreeSet<String>,
 }
 
@@ -98,18 +98,17 @@ fn both(job: &str, key: &str) -> String {
     format!("{job}\n{key}")
 }
 
-/// Beginning and end of the name of a file that names the job that a process does.
+/// Prefix and suffix of the name of a marker file, which names the job in progress.
 const MARKER: [&str; 2] = [".batch-", ".running"];
 
-/// Names the job that this process does, in a file that is locked. If the process dies, the file stays.
+/// A locked marker file that names the job in progress. If the process dies, the file stays.
 pub(crate) struct Running {
     _file: NamedTempFile,
     _passing: Passing,
 }
 
 impl Records {
-    /// Reads what is there, of all shards. Lines that cannot be read, such as one that was cut off,
-    /// count as not written.
+    /// Reads the records of all shards. Lines that cannot be read, such as one that was cut off, are ignored.
     ///
     /// # Errors
     /// A folder or file that cannot be read.
@@ -150,7 +149,7 @@ impl Records {
     /// Notes the jobs of processes that died.
     fn with_dead(mut self) -> Result<Self> {
         for path in markers(&self.folder)? {
-            // Whoever still does the job has locked it.
+            // A process that is still working on the job holds the lock.
             let Ok(file) = File::open(&path) else { continue };
             if file.try_lock().is_err() {
                 continue;
@@ -165,12 +164,12 @@ impl Records {
         Ok(self)
     }
 
-    /// Whether the program ended while it did a job, and has not done it since.
+    /// Whether the program died during a job and has not completed it since.
     pub(crate) fn died(&self, job: &str, key: &str) -> bool {
         self.died.contains(&both(job, key))
     }
 
-    /// Names a job as the one that is done, as long as the result is kept.
+    /// Marks a job as in progress until the returned value is dropped.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -187,15 +186,14 @@ impl Records {
             .suffix(MARKER[1])
             .tempfile_in(&self.folder)
             .map_err(fail)?;
-        // Where there are no locks, nobody takes the job for one that died.
+        // Without support for locks, no job counts as died.
         let _ = file.as_file().lock();
         file.write_all(&serde_json::to_vec(&record).map_err(|e| fail(e.into()))?).map_err(fail)?;
         let passing = Passing::new(file.path());
         Ok(Running { _file: file, _passing: passing })
     }
 
-    /// The record of a job that was done from the same, whose results are still there as they were
-    /// written.
+    /// The record of a job that was done from the same inputs and whose results are unchanged.
     pub(crate) fn done(&self, job: &str, key: &str, files: &[String]) -> Option<&Record> {
         let is_there = |w: &RecordedFile| {
             let same_size = fs::metadata(self.folder.join(&w.file)).is_ok_and(|m| m.len() == w.bytes);
@@ -215,7 +213,7 @@ impl Records {
         let mut file = File::options().create(true).read(true).append(true).open(&self.path).map_err(fail)?;
         let mut line = serde_json::to_vec(record).map_err(|e| fail(e.into()))?;
         line.push(b'\n');
-        // After a line that was cut off, a new one begins.
+        // A line that was cut off is ended first.
         let mut last = [b'\n'];
         if file.seek(SeekFrom::End(0)).map_err(fail)? > 0 {
             file.seek(SeekFrom::End(-1)).map_err(fail)?;
@@ -228,7 +226,7 @@ impl Records {
     }
 }
 
-/// The files in a folder that name the job of a process.
+/// The marker files in a folder.
 fn markers(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).map_err(|e| Error::read(folder, e))? {
@@ -242,7 +240,7 @@ fn markers(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// SHA-256 of something as JSON, in hexadecimal.
+/// SHA-256 of a value's JSON, in hexadecimal.
 pub(crate) fn key(value: &impl Serialize) -> String {
     let bytes = serde_json::to_vec(value).expect("plain values");
     sum(&bytes)

@@ -1,4 +1,4 @@
-//! All jobs done, each whatever came of the others.
+//! Runs all jobs; a job that fails does not end the others.
 
 use super::jobs::BatchJob;
 use super::plan::Batch;
@@ -34,7 +34,7 @@ use vtex::scene::{Scene, SynthParams};
 use vtex::synth::{SynthReport, synthesize_with};
 use vtex::{Error, Progress};
 
-/// All that results depend on, besides this program's version.
+/// Everything that results depend on besides the program's version.
 #[derive(Serialize)]
 struct ResultInputs<'a> {
     program: &'static str,
@@ -42,10 +42,10 @@ struct ResultInputs<'a> {
     input: String,
     /// SHA-256 of the files that steer synthesis, with their flags.
     steering: Vec<(&'static str, String)>,
-    /// Of a photograph: what finds masks, with the sums of its networks.
+    /// For a photograph: the segmenter, with the checksums of its networks.
     masks: Option<String>,
     analyze: Option<&'a AnalyzeParams>,
-    /// Whether the exemplar tiles, or that it is found out.
+    /// Whether the exemplar tiles; `auto` if analysis decides.
     wrap: Wrap,
     synth: &'a SynthParams,
     svg: SvgParameters,
@@ -57,7 +57,7 @@ struct ResultInputs<'a> {
 struct Finders(RefCell<BTreeMap<SegmenterName, String>>);
 
 impl Finders {
-    /// All that the masks of a job depend on but its photograph and its parameters.
+    /// Everything that the masks of a job depend on besides its photograph and its parameters.
     fn of(&self, batch: &Batch, job: &BatchJob) -> anyhow::Result<String> {
         let name = job.parameters.segmenter;
         if let Some(known) = self.0.borrow().get(&name) {
@@ -82,9 +82,9 @@ struct ResolvedJob<'a> {
 
 /// A texture that is made but not written.
 struct UnwrittenTexture {
-    /// Of a photograph, the library made of it; of a library, itself.
+    /// The library made from a photograph, or the input library.
     library: Library,
-    /// Of a photograph: how it is made.
+    /// For a photograph: the recipe of the texture.
     recipe: Option<Value>,
     scene: Scene,
     report: SynthReport,
@@ -132,7 +132,7 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Does a job, whatever comes of it. None if the user asked to stop.
+/// Runs a job and records how it ended. `None` if the user stopped it.
 fn one(
     common: &Common,
     batch: &Batch,
@@ -157,7 +157,7 @@ fn one(
         died: false,
         warnings: Vec::new(),
     };
-    // A defect of the program in one job must not be the end of the others.
+    // A panic in one job must not end the others.
     let done = guarded(|| ResolvedJob::new(common, batch, job, finders)?.complete(&mut record, records));
     if let Err(error) = done {
         let (message, hint, exit) = explain(&error);
@@ -195,7 +195,7 @@ impl<'a> ResolvedJob<'a> {
         })
     }
 
-    /// Skips what is done, else makes and writes all results.
+    /// Skips a job that is done; otherwise makes and writes all results.
     fn complete(&self, record: &mut Record, records: &Records) -> anyhow::Result<()> {
         let bytes = self.input.read()?;
         let is_library = InputKind::expect(
@@ -227,7 +227,7 @@ impl<'a> ResolvedJob<'a> {
             Ok(made)
         });
         record.warnings = reporter.finish().1;
-        // Work is also stopped when a picture of a stage cannot be written: that is then the reason.
+        // Work also stops if a picture of a stage cannot be written; then that is the reason.
         let made = match reporter.failure() {
             Some(reason) => return Err(reason.into()),
             None => outcome?,
@@ -241,7 +241,7 @@ impl<'a> ResolvedJob<'a> {
         Ok(())
     }
 
-    /// The sum of all that results depend on; a seed that was not given does not count, because
+    /// The checksum of everything that results depend on; a seed that was not given does not count, because
     /// every run has another.
     fn key(&self, input: &[u8], is_library: bool) -> anyhow::Result<String> {
         let given = self.job.parameters.seed.is_some();
@@ -271,7 +271,7 @@ impl<'a> ResolvedJob<'a> {
     }
 
     fn make(&self, reporter: &Reporter, is_library: bool) -> anyhow::Result<UnwrittenTexture> {
-        // Faults in them show before the long work.
+        // Faults of the options are reported before the long work.
         self.targets().iter().try_for_each(|target| target.place.probe())?;
         let mut controls = reading::controls(&self.batch.steering, &self.synth, 1)?;
         let mut recipe = None;
@@ -307,7 +307,7 @@ impl<'a> ResolvedJob<'a> {
 }
 
 impl UnwrittenTexture {
-    /// Writes one of the results; what the writer warns of.
+    /// Writes one of the results. Returns the warnings of the writer.
     fn write(
         &self,
         target: &Target,

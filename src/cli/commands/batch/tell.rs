@@ -24,7 +24,7 @@ pub(super) struct Total {
 }
 
 impl Total {
-    /// Tells how all ended: a line of JSON, or a table.
+    /// Prints the outcome of all jobs: a line of JSON, or a table.
     pub(super) fn tell(&self, common: &Common, records: &[Record]) -> anyhow::Result<()> {
         if common.json {
             return print(format!("{}\n", serde_json::to_string(self)?).as_bytes());
@@ -47,7 +47,7 @@ impl Total {
     }
 }
 
-/// Tells how a job ended.
+/// Prints the outcome of a job.
 pub(super) fn tell(common: &Common, record: &Record) -> anyhow::Result<()> {
     if common.json {
         return print(format!("{}\n", serde_json::to_string(record)?).as_bytes());

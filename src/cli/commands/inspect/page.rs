@@ -14,14 +14,14 @@ use vtex::library::Library;
 use vtex::report::{self, Named, Photo, Subject};
 use vtex::scene::Scene;
 
-/// Additions of a page to libraries and scene, and its place.
+/// Options of a page, and its place.
 pub(super) struct PageOptions {
     exemplars: Vec<Input>,
     place: Destination,
 }
 
 impl PageOptions {
-    /// None if no page is asked for.
+    /// `None` if no page is requested.
     pub(super) fn new(
         files: &[Input],
         output: Option<PathBuf>,
@@ -129,10 +129,10 @@ fn photos(
     let mut folders: Vec<&Path> = folders.collect();
     folders.dedup();
     for exemplar in report::exemplars(libraries, scene) {
-        // A name, whatever a library says: no way to other folders.
+        // Only the file name counts, so that a library cannot name other folders.
         let Some(name) = Path::new(&exemplar.exemplar).file_name() else { continue };
         for path in folders.iter().map(|folder| folder.join(name)).filter(|path| path.is_file()) {
-            // Nobody asked for it, so a file that cannot be read is none.
+            // The user did not name this file, so it is skipped if it cannot be read.
             if let Ok(bytes) = Input::File(path).read() {
                 found.push(Photo::new(name.to_string_lossy(), bytes, false));
             }

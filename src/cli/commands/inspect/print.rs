@@ -21,7 +21,7 @@ struct Inspection {
     format: String,
     version: u32,
     program: String,
-    /// Size of the file, unpacked or not as it is.
+    /// Size of the file as stored, packed or not.
     bytes: u64,
     /// Size of the exemplar or canvas, in pixels.
     size: [u32; 2],
@@ -108,7 +108,7 @@ struct CategoryLine {
     name: String,
     colour: Colour,
     primaries: usize,
-    /// Those that the border does not cut.
+    /// Number of elements that the border does not cut.
     #[serde(skip_serializing_if = "Option::is_none")]
     whole: Option<usize>,
     mean_area: f64,
@@ -249,7 +249,7 @@ impl LayerLine {
 }
 
 impl Quantiles {
-    /// Of some values; none of none. Each is the value at or below which that share lies.
+    /// Quantiles of some values; `None` without values. Each is the value at or below which that share lies.
     fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.collect();
         sorted.sort_by(f64::total_cmp);
@@ -260,7 +260,7 @@ impl Quantiles {
 }
 
 impl Inspection {
-    /// For people: aligned, with styles that vanish where colours are not wanted.
+    /// Text for people: aligned, with styles that are removed where colours are off.
     fn show(&self) -> String {
         let head = Style::new().bold();
         let c = &self.counts;
@@ -344,7 +344,7 @@ impl Inspection {
             text.push_str(&format!("\n{head}edits{head:#}, in this order\n"));
         }
         for (i, edit) in self.edits.iter().enumerate() {
-            // The scene's own seed needs no telling.
+            // The seed is shown only if it is not the scene's own.
             let own = edit.seed == self.seed.unwrap_or(0);
             let seed = if own { String::new() } else { format!(" (seed {})", edit.seed) };
             text.push_str(&format!("{:4}  {}{seed}\n", i + 1, escaped(&edit.operation.to_string())));

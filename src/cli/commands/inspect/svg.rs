@@ -1,4 +1,4 @@
-//! Printing of what an SVG of vtex says of itself.
+//! Printing of the metadata of an SVG of vtex.
 
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;

@@ -1,4 +1,4 @@
-//! The arguments of `vtex interp`, and what they ask for.
+//! The arguments of `vtex interp`, checked.
 
 use crate::cli::config::Parameters;
 use crate::cli::failure::Failure;
@@ -82,7 +82,7 @@ pub(crate) struct InterpArgs {
     pub(super) svg: SvgFlags,
 }
 
-/// Where a scene turns into another.
+/// How a scene turns into another over the canvas.
 #[derive(Clone, Debug)]
 pub(super) enum MorphFrom {
     Axis(Axis),
@@ -100,7 +100,7 @@ fn where_it_turns(text: OsString) -> MorphFrom {
     }
 }
 
-/// The two scenes, and the outputs asked for.
+/// The two scenes, and the requested results.
 pub(super) struct Interpolating {
     pub(super) from: Input,
     pub(super) to: Input,
@@ -112,9 +112,9 @@ pub(super) struct Interpolating {
 
 /// One scene between two.
 pub(super) enum One {
-    /// So far along the way.
+    /// One time, 0 to 1.
     At(f64),
-    /// Different from place to place.
+    /// A time that varies over the canvas.
     Morph(MorphFrom),
 }
 
@@ -127,7 +127,7 @@ pub(super) enum InterpResult {
 }
 
 impl InterpResult {
-    /// Whether it is made of pixels.
+    /// Whether its frames are pictures of pixels.
     pub(super) fn drawn(&self) -> bool {
         match self {
             Self::Scene(_, targets) => targets.has(Format::Png),
@@ -136,7 +136,7 @@ impl InterpResult {
     }
 }
 
-/// How many frames there are and how they are played.
+/// The number of frames and their rate.
 #[derive(Clone, Copy)]
 pub(super) struct Pace {
     /// From the first scene to the second, both included.
@@ -146,12 +146,12 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Frames that are played, those on the way back included; the first comes once.
+    /// Number of frames played, those on the way back included; the first is played once.
     pub(super) fn played(&self) -> u32 {
         if self.back { 2 * self.frames - 2 } else { self.frames }
     }
 
-    /// How far along the way frame `k` of those played is.
+    /// Time of frame `k` of those played, 0 to 1.
     pub(super) fn share(&self, k: u32) -> f64 {
         let last = self.frames - 1;
         f64::from(if k > last { 2 * last - k } else { k }) / f64::from(last)
@@ -159,7 +159,7 @@ impl Pace {
 }
 
 impl Interpolating {
-    /// Checks what was asked for.
+    /// Checks the options.
     pub(super) fn new(a: InterpArgs, parameters: &Parameters) -> Result<Self, Failure> {
         let (from, to) = (required(a.from)?, required(a.to)?);
         let mut read = vec![("the first scene", &from), ("the second scene", &to)];

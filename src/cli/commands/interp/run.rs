@@ -54,7 +54,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Interpolating) -> 
     summary.tell(common, made.piped)
 }
 
-/// Notes on options that change nothing here.
+/// Notes on options without effect.
 fn idle(job: &Interpolating) -> Vec<&'static str> {
     let is_svg =
         |played: &Played| matches!(played, Played::Animation { kind: AnimationKind::Svg { .. }, .. });
@@ -75,7 +75,7 @@ struct InterpSummary<'a> {
     written: WrittenFile,
     size: [u32; 2],
     counts: Option<ElementCounts>,
-    /// Whether standard output has carried it.
+    /// Whether it was written to standard output.
     piped: bool,
 }
 
@@ -107,7 +107,7 @@ fn one<'a>(
     Ok(InterpSummary { path: targets.path(), written, size, counts, piped: targets.piped() })
 }
 
-/// Where a scene turns into another, with the map that says so.
+/// Reads the map of a morph, if it has one.
 fn read(place: &MorphFrom) -> anyhow::Result<Morph> {
     Ok(match place {
         MorphFrom::Axis(axis) => Morph::Axis(*axis),
@@ -142,7 +142,7 @@ fn played<'a>(
         }
         Played::Animation { place, kind: AnimationKind::Svg { gzip } } => {
             reporter.stage("drawing")?;
-            // As long as the way is in pictures, back not included.
+            // Duration of the frames, without those on the way back.
             let seconds = f64::from(pace.frames) / pace.rate;
             let animation = Animation { seconds, back: pace.back, precision: job.svg.precision };
             let target = Target { place: place.clone(), kind: FileKind { format: Format::Svg, gzip: *gzip } };

@@ -1,4 +1,4 @@
-//! The arguments of `vtex layers`, and what they ask for.
+//! The arguments of `vtex layers`, checked.
 
 use crate::cli::failure::Failure;
 use crate::cli::format;
@@ -118,13 +118,13 @@ pub(super) struct Mapping {
     pub(super) target: MapTarget,
 }
 
-/// The source of a map.
+/// The source of a layer map.
 pub(super) enum From {
     Heights(Input),
     Layers(Box<Layered>),
 }
 
-/// The layers of a photograph or map, and what is made of them.
+/// The layers of a photograph or map, and the result to be made of them.
 pub(super) struct Layered {
     pub(super) input: Input,
     pub(super) parameters: FindParams,
@@ -144,7 +144,7 @@ pub(super) enum LayersResult {
 }
 
 impl Mapping {
-    /// Checks what was asked for.
+    /// Checks the options.
     pub(super) fn new(a: LayersArgs, seed: u64) -> Result<Self, Failure> {
         let input = a.heights.clone().or(a.input.clone()).map(Input::new);
         let Some(input) = input else { return Err(Failure::usage("no input is given")) };
@@ -198,7 +198,7 @@ impl Mapping {
     }
 }
 
-/// Where a map goes: as asked; else stdout if the input is stdin; else a file named after it.
+/// The place of a map: the given one; else stdout if the input is stdin; else a file named after the input.
 fn target(output: Option<PathBuf>, force: bool, input: &Input, ending: &str) -> Result<MapTarget, Failure> {
     let path = match (output, input) {
         (Some(path), _) => path,

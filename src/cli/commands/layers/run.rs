@@ -69,7 +69,7 @@ fn terrain(reporter: &Reporter, job: &Mapping, input: &Input) -> anyhow::Result<
 struct LayerInput {
     photograph: Option<RgbImage>,
     map: LayerMap,
-    /// Why there are as many layers, if it was decided.
+    /// Reason for the number of layers, if it was decided.
     why: Option<String>,
 }
 
@@ -174,7 +174,7 @@ fn known(
     Ok(LayerInput { photograph: Some(image), map, why: Some(decision.why) })
 }
 
-/// Makes what is wanted.
+/// Makes the requested result.
 fn make(
     reporter: &Reporter,
     job: &Mapping,
@@ -228,7 +228,7 @@ fn make(
     })
 }
 
-/// Refuses a given map of another size than was asked for.
+/// Refuses a given map whose size differs from the requested one.
 fn check_size(job: &Mapping, picture: &LayerPicture) -> Result<(), Failure> {
     let size = picture.size();
     match job.size {

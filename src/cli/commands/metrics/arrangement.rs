@@ -1,5 +1,4 @@
-//! A library and a scene made from it: what its elements cover, how they keep together or apart, how
-//! often they come back.
+//! Comparison of a library and a scene made from it: coverage, pair correlation and repetition of elements.
 
 use super::show::{digits, tell};
 use crate::cli::common::Common;
@@ -14,7 +13,7 @@ use vtex::statistics::{
     Difference, Groups, Layout, PairCorrelations, Repetition, largest_categories, neighbour_distance,
 };
 
-/// The report on them.
+/// The report in JSON.
 #[derive(Serialize)]
 struct ArrangementReport {
     program: &'static str,
@@ -24,9 +23,9 @@ struct ArrangementReport {
     /// Share of the picture that primaries cover, 0 to 1, of all and by category.
     coverage: Shares,
     categories: Vec<CategoryShares>,
-    /// How often the same primaries come back.
+    /// Repetition of the same primaries.
     repetition: Repetition,
-    /// Groups that stand as in the exemplar.
+    /// Groups whose arrangement is copied from the exemplar.
     groups: Groups,
     correlation: PairCorrelation,
     /// Mean distance between neighbouring primaries of the exemplar, in pixels.
@@ -48,18 +47,19 @@ struct CategoryShares {
     coverage: Shares,
 }
 
-/// How centres of the largest categories keep together or apart.
+/// Pair correlation of the centres of the largest categories.
 #[derive(Serialize)]
 struct PairCorrelation {
-    /// Difference of the curves, and what chance alone would give; none of too few primaries.
+    /// Difference of the curves, and the difference that chance alone would give; `None` for too few
+    /// primaries.
     #[serde(skip_serializing_if = "Option::is_none")]
     difference: Option<Difference>,
-    /// Where each bin of the curves ends, in pixels.
+    /// Upper end of each bin of the curves, in pixels.
     distances: Vec<f64>,
     curves: Vec<CurvePair>,
 }
 
-/// How many more pairs there are at each distance than if all were scattered at random.
+/// Number of pairs at each distance relative to random scattering.
 #[derive(Serialize)]
 struct CurvePair {
     /// Their numbers, from 1.
@@ -103,7 +103,7 @@ pub(super) fn run(
     tell(common, &found, || found.show())
 }
 
-/// Of all, and of each category.
+/// Coverage of all primaries, and of each category.
 fn coverage(library: &Library, scene: &Scene, number: LibraryId) -> (Shares, Vec<CategoryShares>) {
     let pixels = vtex::output::coverage(scene);
     let canvas = (vtex::output::inside(scene) as f64).max(1.0);

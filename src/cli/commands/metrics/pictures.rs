@@ -1,4 +1,4 @@
-//! Two pictures, or what can be drawn as such.
+//! Comparison of two pictures; SVGs and scenes are drawn.
 
 use super::content::FileContent;
 use super::show::{digits, tell};
@@ -13,7 +13,7 @@ use vtex::analyze::{Exemplar, Limits};
 use vtex::metrics::{self, Metrics};
 use vtex::output::{png, raster_svg};
 
-/// The report on them.
+/// The report in JSON.
 #[derive(Serialize)]
 struct PictureReport {
     program: &'static str,
@@ -70,7 +70,7 @@ pub(super) fn run(
     tell(common, &found, || found.show())
 }
 
-/// A picture of what a file holds, over white, a pixel for a pixel of the canvas.
+/// A picture of a file's content, over white, with one pixel per pixel of the canvas.
 fn draw(content: &FileContent, name: &str, reporter: &Reporter) -> anyhow::Result<RgbImage> {
     let pixmap = match content {
         FileContent::Image(bytes) => {

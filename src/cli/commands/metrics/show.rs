@@ -16,7 +16,7 @@ pub(super) fn tell(
     print_styled(&text())
 }
 
-/// A number with four digits that count.
+/// A number with four significant digits.
 pub(super) fn digits(value: f64) -> String {
     let whole = digits_before_the_point(value.abs());
     format!("{value:.*}", 4usize.saturating_sub(whole))

@@ -16,7 +16,7 @@ pub(super) struct Cover<'g> {
 }
 
 impl<'g> Cover<'g> {
-    /// A map that wants some instances, with nothing on it.
+    /// A map on which the pixels of `instances` want a primary and none is covered.
     pub(super) fn new(grid: &'g Grid, instances: &[PixelInstance]) -> Self {
         let mut cover = Self { grid, pixels: vec![0; grid.len()] };
         instances.iter().for_each(|instance| cover.mark(&instance.mask, [0, 0], WANTED));
@@ -39,7 +39,7 @@ impl<'g> Cover<'g> {
         }
     }
 
-    /// Share of the canvas that a mask at a place has.
+    /// Share of the canvas that a mask covers at a place.
     pub(super) fn share(&self, mask: &Mask, at: [i32; 2]) -> f64 {
         let parts = mask.spans().iter().flat_map(|&span| self.grid.parts(span, at));
         parts.map(|part| part.canvas.len()).sum::<usize>() as f64 / self.grid.canvas().iter().product::<f64>()

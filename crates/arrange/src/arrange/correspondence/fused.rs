@@ -1,4 +1,4 @@
-//! Fused elements: what an instance shows where no whole element does.
+//! Fused elements: the shapes of an instance that no whole element fits.
 //!
 //! An instance that comes from several primaries, or from a piece of one, is traced along its own pixels, on
 //! half pixels. Its rim follows the outlines of its parts where these end there. One paint runs across the
@@ -29,11 +29,12 @@ const SAME_COLOUR: f32 = 0.045;
 const ONE_PAINT: f32 = 0.09;
 /// Distance by which a detail reaches beneath those painted later, in pixels.
 const BENEATH: f64 = 0.6;
-/// Share of an instance from which on a part's paint is that of the whole.
+/// A part that has at least this share of an instance gives its paint to all of it.
 const DOMINANT: f64 = 0.8;
 
-/// What is painted for an instance, relative to the origin of its main part, and the pixels of it; `None` if
-/// nothing is left of it once traced. `is_free` tells which pixels around it no other instance has.
+/// The fused element of an instance, relative to the origin of its main part, and its pixels; `None` if
+/// tracing leaves no outline. `is_free` tells whether a pixel beside the instance belongs to no other
+/// instance.
 pub(super) fn fused(
     instance: &PixelInstance,
     libraries: &[Library],
@@ -158,7 +159,7 @@ struct PlacedPart<'a> {
     primary: &'a library::ExemplarElement,
     /// Its pixels.
     mask: Mask,
-    /// From the exemplar to where the part stands.
+    /// The map from the exemplar to the place of the part.
     to_place: Affine,
 }
 
@@ -214,7 +215,8 @@ impl<'a> PlacedPart<'a> {
             }
         };
         for (pixel, beyond) in rim {
-            // Of the pixel within, only what the outline holds; of that beyond, what it holds too.
+            // A pixel within the rim keeps only its cells within the outline; a pixel beyond the rim gains
+            // its cells within the outline.
             set(pixel, true);
             set(beyond, false);
         }
@@ -243,8 +245,8 @@ fn on_map(mask: &Mask, corner: [i32; 2]) -> Mask {
     Mask::from_spans(mask.spans().iter().copied().flat_map(rows).collect())
 }
 
-/// The shape beneath all: the paint of the part that has most of the whole, or a gradient from the largest
-/// part to the next.
+/// The bottom shape: it has the paint of the part that covers most of the whole, or a gradient from the
+/// largest part to the second largest.
 fn base(parts: &[PlacedPart<'_>], whole: &Mask, outline: Outline) -> Shape {
     let main = &parts[0];
     let shape = main.painted(main.primary.base(), outline);

@@ -1,6 +1,6 @@
 //! Instances: the pixels of a canvas that together show one element.
 //!
-//! Each pixel that comes from a primary votes for the place where that primary would then stand. Adjacent
+//! Each pixel that is copied from a primary votes for the place of that primary on the canvas. Adjacent
 //! pixels whose votes nearly agree are one instance, whichever primaries they come from: a field that
 //! continues the left half of one stone with the right half of another shows one stone. In a packed exemplar
 //! neighbours stay apart although nothing lies between them, because their votes differ by the width of a
@@ -46,11 +46,11 @@ pub(super) struct PrimaryPixels {
 
 /// Pixels that show one element.
 pub(super) struct PixelInstance {
-    /// What they come from, the largest part first.
+    /// The parts that the pixels are copied from, the largest first.
     pub(super) parts: Vec<PrimaryPixels>,
-    /// The pixels, on the map. Across a seam they are counted on.
+    /// The pixels, on the map. Coordinates continue across a seam.
     pub(super) mask: Mask,
-    /// Whether it reaches the end of what the field knows.
+    /// Whether it reaches the border of the area that the field covers.
     pub(super) cut: bool,
 }
 
@@ -225,8 +225,8 @@ impl PrimaryRuns<'_> {
         libm::sqrt(f64::from(self.model.shape(variant).area) / std::f64::consts::PI)
     }
 
-    /// Lets small sets of runs join the neighbour with which they share most border, or vanish. Whether any
-    /// did.
+    /// Lets small sets of runs join the neighbour with which they share most border, or removes them. Returns
+    /// whether any set changed.
     fn join_small(
         &self,
         contacts: &[Contact],
@@ -306,7 +306,8 @@ impl PrimaryRuns<'_> {
         changed
     }
 
-    /// Whether a run lies at the end of what the field knows: a box of the map, its ends exclusive.
+    /// Whether a run lies at the border of the area that the field covers: a box of the map, its ends
+    /// exclusive.
     fn reaches_end(&self, run: usize, [low, high]: [[i32; 2]; 2]) -> bool {
         let (r, y) = (&self.runs[run], self.row(run));
         let across = !self.grid.tile.x && (r.x0 <= low[0] || r.x1 >= high[0]);
@@ -315,7 +316,7 @@ impl PrimaryRuns<'_> {
 
     /// The instance of some runs.
     fn instance(&self, list: &[usize], reach: i32, known: [[i32; 2]; 2]) -> PixelInstance {
-        // Places of one primary that differ by little are one part.
+        // Places of one primary that differ by at most [`SAME_PLACE`] are one part.
         let mut counts: BTreeMap<(VariantId, [i32; 2]), u32> = BTreeMap::new();
         for &run in list {
             *counts.entry((self.runs[run].variant, self.runs[run].at)).or_default() += self.length(run);
@@ -323,7 +324,7 @@ impl PrimaryRuns<'_> {
         let mut places: Vec<((VariantId, [i32; 2]), u32)> = counts.into_iter().collect();
         places.sort_by_key(|&(place, count)| (std::cmp::Reverse(count), place));
         let first = places[0].0.1;
-        // On one side of all seams, that of the first.
+        // Moved across seams to the side of the first place.
         let near = |at: [i32; 2]| {
             let way = self.grid.offset(first, at);
             [first[0] + way[0], first[1] + way[1]]
@@ -361,7 +362,7 @@ impl PrimaryRuns<'_> {
 }
 
 impl Correspondence {
-    /// The part of a map that the field says anything of: first and last places, ends exclusive.
+    /// The area of a map that the field covers: first and last places, ends exclusive.
     pub(super) fn known(&self, grid: &Grid) -> [[i32; 2]; 2] {
         let cell = self.pages.cell;
         let size = [grid.width, grid.height];

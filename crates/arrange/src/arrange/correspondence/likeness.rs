@@ -1,8 +1,8 @@
-//! Whether something looks like an element of its exemplar.
+//! Whether a fused element looks like an element of its exemplar.
 //!
-//! A look is a small picture of an element: which points of a square as large as the element it covers, and
-//! their colours. Two hearts, a torn side or a shape that no element has make it unlike every element of the
-//! exemplar, more than these are unlike each other.
+//! A look is a small picture of an element: a square grid of points, the points that the element covers, and
+//! their colours. A flower with two hearts, a torn side or an unknown shape differs from every element of the
+//! exemplar by more than these differ from one another.
 
 use crate::arrange::model::{PlaceableId, PlacementModel};
 use vtex_base::parallel;
@@ -19,24 +19,25 @@ const HALF: f64 = 1.35;
 const MISSING: f32 = 0.04;
 /// Areas of elements that are compared, as a share of the larger.
 const AREA: f64 = 0.6;
-/// Elements of like area that are compared with each.
+/// Number of elements of similar area that each element is compared with.
 const COMPARED: usize = 160;
-/// Elements from which it is learned how much they differ.
+/// Number of elements from which the usual difference is learned.
 const LEARNED: usize = 200;
-/// Fewest elements that teach it.
+/// Fewest elements from which the usual difference is learned.
 const LEAST: usize = 8;
-/// Share of elements that are no further from the next than what is still alike.
+/// Quantile of the elements' distances to their most similar element; a look within that distance counts as
+/// similar.
 const USUAL: f64 = 0.5;
 
-/// What an element looks like.
+/// The look of an element.
 pub(super) struct ElementLook {
     points: Vec<Option<[f32; 3]>>,
     area: f64,
 }
 
 impl ElementLook {
-    /// The look of a thing with a middle and an area, in pixels. `colour` gives the colour of a pixel, `None`
-    /// outside the thing; `turned` rotates an offset from the middle as the thing is rotated.
+    /// The look of an element with a given middle and area, in pixels. `colour` gives the colour of a pixel,
+    /// `None` outside the element; `turned` rotates an offset from the middle as the element is rotated.
     pub(super) fn new(
         middle: [f64; 2],
         area: f64,
@@ -52,7 +53,7 @@ impl ElementLook {
         Self { points: (0..SIDE * SIDE).map(point).collect(), area }
     }
 
-    /// Mean squared difference over the points that any of two looks has.
+    /// Mean squared difference over the points that either look covers.
     fn distance(&self, other: &Self) -> f64 {
         let (mut sum, mut count) = (0f32, 0);
         for (a, b) in self.points.iter().zip(&other.points) {
@@ -67,7 +68,7 @@ impl ElementLook {
     }
 }
 
-/// The looks of all elements that can stand whole, and how much they differ.
+/// The looks of all elements that can be placed whole, and their usual differences.
 pub(super) struct Likeness {
     /// By library and stratum: area, element and look, the smallest first.
     groups: Vec<SimilarElements>,
@@ -77,7 +78,7 @@ pub(super) struct Likeness {
 
 struct SimilarElements {
     members: Vec<(PlaceableId, ElementLook)>,
-    /// Largest distance of something alike.
+    /// Largest distance of looks that count as similar.
     usual: f64,
 }
 
@@ -118,8 +119,9 @@ impl Likeness {
         Self { groups, group_of }
     }
 
-    /// The element that something looks like most, of those like `element` in kind, and whether it looks as
-    /// much like it as the exemplar's elements do like each other; `None` if there is no element of like size.
+    /// The element most similar to `look` among those of the library and stratum of `element`, and whether
+    /// the two are as similar as the exemplar's elements usually are; `None` if no element has a similar
+    /// size.
     pub(super) fn nearest(&self, element: PlaceableId, look: &ElementLook) -> Option<(PlaceableId, bool)> {
         let group = &self.groups[self.group_of[element.0 as usize]];
         let (nearest, distance) = group.nearest(look, None)?;
@@ -128,7 +130,7 @@ impl Likeness {
 }
 
 impl SimilarElements {
-    /// The member nearest to a look, but for one, and its distance.
+    /// The member most similar to a look, and its distance; `but` is left out.
     fn nearest(&self, look: &ElementLook, but: Option<PlaceableId>) -> Option<(PlaceableId, f64)> {
         let bound = |area: f64| self.members.partition_point(|(_, l)| l.area < area);
         let range = bound(AREA * look.area)..bound(look.area / AREA);

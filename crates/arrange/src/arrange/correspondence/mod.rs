@@ -2,16 +2,16 @@
 //! each place of the canvas comes from.
 //!
 //! The descriptors of the paper see a few textons around one. Larger structure, such as clouds of rust or
-//! courses of a wall, is kept by copying whole islands of the exemplar, as pixel-based synthesis does. What
-//! is copied is what stands there: primaries, secondaries, the colours of the background.
+//! courses of a wall, is kept by copying whole islands of the exemplar, as pixel-based synthesis does.
+//! Primaries, secondaries and the colours of the background are copied together.
 //!
 //! 1. Exemplars become pages of cells ([`pages`]), and the field is found ([`vtex_field::correspondence`]).
 //! 2. Pixels of the canvas that show one element together are an instance ([`instances`]).
 //! 3. Each instance becomes a whole element, another like it, or a fused one ([`resolve`], [`likeness`],
 //!    [`fused`]).
-//! 4. With a lattice, elements are moved by what their offset misses, unless the exemplar is packed and
-//!    strays by more than a pixel. A lattice whose strength is below .3 is reported and kept to only if it
-//!    is asked for.
+//! 4. With a lattice, elements are moved until their offset is a vector of the lattice, unless the exemplar
+//!    is packed and its elements stray by more than a pixel. A lattice whose strength is below .3 is
+//!    reported, and followed only on request.
 //! 5. Secondaries come along with their islands ([`secondaries`]), with their own colours.
 //!
 //! Coverage follows from the field. It is corrected only where a map asks for another density.
@@ -60,20 +60,20 @@ const MOST_STRAY: f64 = 1.0;
 /// Farthest that an element is moved onto a lattice, in cells: offsets may miss by a cell and a half.
 const MOST_MOVED: f64 = 2.0;
 
-/// What came along a field of correspondences. Shares are of the canvas.
+/// Primaries carried along a correspondence field. Shares are of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Structure {
     /// Islands, each from one place of an exemplar.
     pub islands: usize,
     /// Share on which primaries are wanted.
     pub wanted: f64,
-    /// Primaries that came whole.
+    /// Primaries that were carried whole.
     pub whole: usize,
-    /// Primaries in place of others like them that came in part.
+    /// Primaries that replace similar ones which were carried in part.
     pub like: usize,
-    /// Primaries made of the parts of others.
+    /// Primaries fused from parts of others.
     pub fused: usize,
-    /// Share that those cover.
+    /// Share that fused primaries cover.
     pub fused_share: f64,
     /// Share that is wanted but empty.
     pub empty: f64,
@@ -81,9 +81,9 @@ pub struct Structure {
     pub unwanted: f64,
 }
 
-/// Elements that came along a field.
+/// Elements carried along a field.
 pub(super) struct Carried {
-    /// Variants, fused ones included, and their places on the grid, in the order in which they stand.
+    /// Variants, fused ones included, and their places on the grid, in the order of placement.
     pub(super) elements: Vec<(VariantId, [i32; 2])>,
     pub(super) structure: Structure,
 }
@@ -129,13 +129,13 @@ impl Correspondence {
         Ok(this)
     }
 
-    /// Whether the field says where a pixel beside or on the canvas comes from.
+    /// Whether the field has a source for a pixel on or beside the canvas.
     fn reaches(&self, at: [i32; 2]) -> bool {
         let cell = self.pages.cell;
         (0..2).all(|k| (0..self.field.size[k] as i32 * cell).contains(&(at[k] + self.margin[k] * cell)))
     }
 
-    /// The primaries that came along, and those fused of parts, which the model then knows.
+    /// The carried primaries, and those fused from parts, which are added to the model.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
@@ -212,7 +212,7 @@ impl Correspondence {
         }
         let place = [0, 1].map(|k| f64::from(at[k] - grid.margin[k]));
         let way = lattice.residual(canvas, element.origin.map(f64::from), place);
-        // An element in place of another may have another phase; it stays where it is.
+        // An element that replaces another may have another phase; it is not moved.
         if libm::hypot(way[0], way[1]) > MOST_MOVED * f64::from(self.pages.cell) {
             return at;
         }
@@ -237,7 +237,7 @@ impl Correspondence {
         self.pages.cell
     }
 
-    /// Which primary stands where in each exemplar.
+    /// The primary on each pixel of each exemplar.
     pub(crate) fn labels(&self) -> &[LabelMap] {
         &self.pages.labels
     }
@@ -294,8 +294,8 @@ impl Correspondence {
     }
 }
 
-/// Turns and mirrors each whole element of libraries with a lattice where it stands: pages that are varied as a
-/// whole would have other rows.
+/// Turns and mirrors each whole element of libraries with a lattice at its own place. Pages that are varied
+/// as a whole would have other rows.
 fn vary(
     elements: &mut [(VariantId, [i32; 2])],
     lattices: &[Option<(Lattice, Phases)>],
@@ -339,8 +339,8 @@ pub(crate) fn no_guide() -> Error {
     }
 }
 
-/// Whether a mask may stand at a place: in a zone that correspondences serve, as the edge of the domain
-/// allows.
+/// Whether a mask is allowed at a place: its zone must be filled along the correspondence field, and the edge
+/// of the domain must permit it.
 fn stands(grid: &Grid, region: &PlacementRegion<'_>, mask: &Mask, at: [i32; 2], middle: [i32; 2]) -> bool {
     if region.is_plain() {
         return true;

@@ -22,7 +22,7 @@ const FARTHEST: f32 = 3.0;
 const BORDER_WEIGHT: f32 = 0.6;
 /// Weight of a place at one radius from the middle of a primary.
 const PLACE_WEIGHT: f32 = 0.8;
-/// Farthest place within a primary that is told apart, in radii.
+/// Farthest place within a primary, in radii; farther ones are clamped to this.
 const MOST_RADII: f64 = 1.5;
 /// How much further apart the colours of strata are than they are in the exemplar, as a share of the
 /// difference of their means: cells of one stratum come from that stratum.
@@ -48,13 +48,13 @@ pub(super) struct PixelMap {
     wrap: bool,
 }
 
-/// The exemplars as the search sees them.
+/// The exemplars as pages for the search.
 pub(super) struct Pages {
     /// Side of a cell, in pixels.
     pub(super) cell: i32,
     pub(super) pages: Vec<ExemplarPage>,
     pub(super) sheets: Vec<PixelMap>,
-    /// Which primary stands where, library by library.
+    /// The primary on each pixel of the exemplar, library by library.
     pub(super) labels: Vec<LabelMap>,
 }
 
@@ -154,8 +154,8 @@ impl PixelMap {
         (feature, at.is_some() && found == cell * cell)
     }
 
-    /// Where within its primary a pixel of the exemplar lies, as the page shows it: from the middle, in radii,
-    /// weighted; nowhere on background.
+    /// Position of an exemplar's pixel within its primary, turned as on the page: offset from the middle in
+    /// radii, weighted; zero on background.
     fn place_within(&self, model: &PlacementModel, at: [i32; 2], exemplar: &Surface<'_>) -> [f32; 2] {
         let label = exemplar.map.get(at[0] as u32, at[1] as u32);
         let Some(middle) = &exemplar.middles[label as usize] else { return [0.0; 2] };
@@ -171,7 +171,7 @@ impl PixelMap {
         shown.map(|c| PLACE_WEIGHT * (c / middle.radius).clamp(-MOST_RADII, MOST_RADII) as f32)
     }
 
-    /// The pixel of the exemplar that a pixel of the page shows; none beside the exemplar.
+    /// The pixel of the exemplar at a pixel of the page; `None` outside the exemplar.
     pub(super) fn exemplar(&self, model: &PlacementModel, page: [i32; 2]) -> Option<[i32; 2]> {
         let variation = &model.variations[usize::from(self.variation)];
         let at = if variation.is_none() {
@@ -246,9 +246,9 @@ fn nearest_copy(v: i32, near: i32, period: i32) -> i32 {
 }
 
 impl Pages {
-    /// The pages of libraries; none if one of them has no guide. `classes` are those of the pixels of the
-    /// only exemplar, if cells of the canvas take their sources from a class. `margin` are
-    /// the cells of the field beside the canvas.
+    /// The pages of libraries; `None` if one of them has no guide. `classes` are those of the pixels of the
+    /// only exemplar, if cells of the canvas take their sources from a class. `margin` are the cells of the
+    /// field beside the canvas.
     pub(super) fn new(
         libraries: &[Library],
         model: &PlacementModel,
@@ -278,7 +278,8 @@ impl Pages {
             };
             let lattice = lattices[k].as_ref();
             let periods = lattice.map(|(lattice, canvas)| periods(lattice, canvas, cell, margin));
-            // A page that is turned or mirrored has other rows: elements are varied where they stand instead.
+            // A page that is turned or mirrored has other rows, so elements are varied at their own places
+            // instead.
             let count = if periods.is_some() { 1 } else { model.variations.len() };
             for variation in (0..count).step_by(step) {
                 let sheet = PixelMap::new(k, model, variation, size, library.arrangement.periodic);

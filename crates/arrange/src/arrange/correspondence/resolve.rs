@@ -1,11 +1,11 @@
 //! What each instance becomes: a whole element, another like it, a fused one, or nothing.
 //!
-//! The main element of an instance stands whole if it fits. If another element of like colour and size fits
-//! better, that one stands. Otherwise the instance becomes a fused element. The more packed the exemplar,
-//! the closer an element has to fit, because a gap is seen there at once. Where elements stand apart, a
-//! fused one has to look like an element of the exemplar ([`likeness`](super::likeness)). If it does not,
-//! the elements stand of which enough has arrived, or the element that it looks most like, or none. Elements
-//! cut by the exemplar's border stand only where the canvas cuts them too.
+//! The main element of an instance is placed whole if it fits. If another element of similar colour and size
+//! fits better, that one is placed. Otherwise the instance becomes a fused element. The more packed the
+//! exemplar, the closer an element has to fit, because a gap is seen there at once. Where elements stand
+//! apart, a fused one has to look like an element of the exemplar ([`likeness`](super::likeness)). If it does
+//! not, it is replaced by those of its elements that were copied in large part, or by the most similar
+//! element, or by none. Elements cut by the exemplar's border are placed only where the canvas cuts them too.
 
 use super::Correspondence;
 use super::cover::Cover;
@@ -37,24 +37,24 @@ const PRIMARIES: [f64; 2] = [0.45, 0.6];
 /// or if secondaries cover such a share of its background, so that bare background is seen at once.
 const TILED: [f64; 2] = [0.4, 0.6];
 
-/// From here on an exemplar counts as packed: what is fused may look like nothing in it.
+/// From this packing on an exemplar counts as packed: its fused elements need not look like its elements.
 const PACKED: f64 = 0.65;
 /// Fewest pixels of an instance that has to look like an element.
 const LOOKED_AT: u32 = 60;
 /// If several elements replace one instance: least share of each that lies on the instance,
 const WITHIN: f64 = 0.5;
-/// least share of each that has arrived,
+/// least share of each that was copied,
 const CAME: f64 = 0.4;
 /// and largest share of each that may lie on elements placed before.
 const ON_OTHERS: f64 = 0.35;
 /// Least overlap over union of an instance and an element that looks like it.
 const LOOKS_LIKE: f64 = 0.4;
 
-/// What stands in place of an instance.
+/// The elements that are placed for an instance.
 pub(super) enum Resolution {
-    /// Elements that it comes from.
+    /// Elements that it is copied from.
     Whole(Vec<(VariantId, [i32; 2])>),
-    /// Another of the same kind.
+    /// Another element of similar colour and size.
     Like(VariantId, [i32; 2]),
     /// A new one, relative to the origin of the instance's main part, with its pixels.
     Fused(Box<Element>, Mask),
@@ -62,7 +62,7 @@ pub(super) enum Resolution {
     Nothing,
 }
 
-/// Decides what instances become.
+/// Decides which elements are placed for instances.
 pub(super) struct Resolver<'a> {
     libraries: &'a [Library],
     model: &'a PlacementModel,
@@ -74,7 +74,7 @@ pub(super) struct Resolver<'a> {
     field: &'a Correspondence,
     /// Packing of each exemplar, 0 to 1.
     packings: Vec<f64>,
-    /// The part of the map that the field knows.
+    /// The area of the map that the field covers.
     known: [[i32; 2]; 2],
     cover: &'a Cover<'a>,
 }
@@ -104,7 +104,8 @@ impl<'a> Resolver<'a> {
         self.packings[library] >= PACKED
     }
 
-    /// What an instance becomes. `allowed` says where a variant may stand at all.
+    /// The elements that are placed for an instance. `allowed` tells whether a variant is permitted at a
+    /// place.
     pub(super) fn resolve(
         &self,
         instance: &PixelInstance,
@@ -126,7 +127,7 @@ impl<'a> Resolver<'a> {
         {
             return Resolution::Like(variant, at);
         }
-        // Half a motif would be seen at once.
+        // Half a motif would be conspicuous.
         if self.libraries[element.library].source.kind == SourceKind::Drawing {
             let stands = !clipped && allowed(mask, main.at);
             return if stands {
@@ -150,8 +151,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Replaces an instance that looks like no element: by those of its parts of which enough has arrived, by
-    /// the element that it looks like most, or by nothing. `None` if it looks like an element.
+    /// Replaces an instance that looks like no element: by those of its elements that were copied in large
+    /// part, by the most similar element, or by nothing. `None` if it looks like an element.
     fn unlike(
         &self,
         instance: &PixelInstance,

@@ -1,8 +1,8 @@
-//! Secondaries that come along with their islands.
+//! Secondaries copied with their islands.
 //!
-//! A secondary stands where the cell of its origin is copied to, so islands bring theirs whole and their
-//! number needs no correction. At the borders of islands those follow of which a good part arrived without
-//! their origin.
+//! A secondary is placed where the cell of its origin is copied to, so islands keep their secondaries whole
+//! and the number of secondaries needs no correction. At the borders of islands, secondaries are added of
+//! which a large part was copied but not the origin.
 
 use super::Correspondence;
 use crate::arrange::model::PlacementModel;
@@ -10,12 +10,12 @@ use std::sync::OnceLock;
 use vtex_base::geometry::{Interior, Point};
 use vtex_scene::library::Library;
 
-/// Least share of a secondary that has arrived, if the cell of its origin has not.
+/// Least copied share of a secondary whose origin's cell was not copied.
 const ARRIVED: f64 = 0.4;
 /// Side of the buckets in which secondaries are sought, in pixels.
 const BUCKET: i32 = 8;
 
-/// A secondary that came along.
+/// A copied secondary.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrived {
     /// Its index in its library.
@@ -36,10 +36,10 @@ struct Held {
 }
 
 impl Correspondence {
-    /// The secondaries of a library that came along, with the places of their origins on the canvas:
-    /// each where the cell that holds its origin came to lie, so that islands
-    /// bring theirs whole and their number is that of the exemplar; and at the borders of islands those of
-    /// which a good part arrived without.
+    /// The copied secondaries of a library, with the places of their origins on the canvas. Each is placed
+    /// where the cell of its origin was copied to, so islands keep their secondaries whole and the number of
+    /// secondaries is the exemplar's. At the borders of islands, secondaries are added of which a large part
+    /// was copied but not the origin.
     pub(crate) fn secondaries(
         &self,
         library: &Library,
@@ -95,8 +95,8 @@ impl Correspondence {
         held
     }
 
-    /// Secondaries at the borders of islands of which enough arrived, but not the cell of their origin:
-    /// without them seams would be bare where secondaries tile the background.
+    /// Secondaries at the borders of islands of which enough was copied, but not the cell of the origin.
+    /// Without them seams would be bare where secondaries tile the background.
     fn arrived_without_origin(
         &self,
         library: &Library,
@@ -164,7 +164,7 @@ struct SecondaryShapes {
     rows: i32,
     /// Secondaries whose boxes touch each bucket.
     buckets: Vec<Vec<u32>>,
-    /// Made when first asked.
+    /// Computed on first use.
     regions: Vec<OnceLock<Interior>>,
 }
 

@@ -6,11 +6,11 @@ use crate::arrange::model::PlacementModel;
 use crate::arrange::sites::scattered;
 use vtex_base::sampling::stream;
 
-/// Cells further than this from all that is to be filled need no source, in pixels.
+/// Cells farther than this from the area to fill need no source, in pixels.
 const AROUND: i32 = 24;
 
-/// The library of every cell; none for one library. Where several have a part, each has regions of
-/// some elements, as many as its share.
+/// The library of every cell; `None` for one library. Where several have a part, each gets regions the size
+/// of some elements, in proportion to its share.
 pub(super) fn libraries(
     context: &PlacementContext<'_>,
     model: &PlacementModel,
@@ -25,7 +25,7 @@ pub(super) fn libraries(
     let canvas = grid.canvas();
     let radius = f64::from(model.half.max(8));
     let sites = scattered(grid, radius, radius, &mut random);
-    // What decides for a library, the same for all cells of a site.
+    // The random numbers that decide for a library, one for all cells of a site.
     let draws: Vec<f64> = sites.centres().iter().map(|_| random.unit()).collect();
     let library = |at: [i32; 2]| {
         let at = [0, 1].map(|k| at[k].clamp(0, canvas[k] as i32 - 1));
@@ -47,7 +47,7 @@ pub(super) fn libraries(
     )
 }
 
-/// Which cells need a source; none if all do.
+/// The cells that need a source; `None` if all do.
 pub(super) fn active(
     context: &PlacementContext<'_>,
     size: [usize; 2],

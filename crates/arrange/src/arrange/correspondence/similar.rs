@@ -1,16 +1,16 @@
-//! Elements of like colour and size.
+//! Elements of similar colour and size.
 
 use crate::arrange::model::{PlaceableId, PlacementModel};
 use std::ops::Range;
 use vtex_base::parallel;
 use vtex_scene::library::Library;
 
-/// Largest distance of colours that are alike, in Oklab.
+/// Largest distance of similar colours, in Oklab.
 const COLOUR: f32 = 0.07;
 
-/// For each element the placeable ones of its library and stratum whose colour is like its own.
+/// For each element, the placeable elements of its library and stratum with a similar colour.
 pub(super) struct Substitutes {
-    /// Area and index, the smallest first.
+    /// Area and index of the similar elements of each, the smallest first.
     of: Vec<Vec<(u32, PlaceableId)>>,
 }
 
@@ -43,8 +43,8 @@ impl Substitutes {
         Self { of }
     }
 
-    /// Elements like `element` with an area in a range, in pixels: at most `most`, evenly chosen, beginning
-    /// at a given share of the list.
+    /// Elements similar to `element` with an area in a range, in pixels: at most `most`, beginning at the
+    /// share `first` of the list.
     pub(super) fn of(
         &self,
         element: PlaceableId,

@@ -62,7 +62,7 @@ impl<'a> StructureClasses<'a> {
     }
 }
 
-/// Classes of lightness of an exemplar, pixel by pixel; none without a guide.
+/// Classes of lightness of an exemplar, pixel by pixel; `None` without a guide.
 fn bands_of(library: &Library) -> Option<LabelMap> {
     let guide = library.guide.as_ref()?;
     let picture = &guide.picture.0;
@@ -78,7 +78,8 @@ fn bands_of(library: &Library) -> Option<LabelMap> {
     Some(LabelMap { width, height, labels: (0..width as usize * height as usize).map(of).collect() })
 }
 
-/// For each value its class, by its rank: as many of each, but for equal values, which stay together.
+/// The class of each value, by its rank. Classes have equally many values, except that equal values share a
+/// class.
 fn bands(values: &[f32]) -> Vec<u32> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));

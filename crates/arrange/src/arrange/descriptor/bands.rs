@@ -1,8 +1,8 @@
 //! Bands of the target map that are filled independently and put together again.
 //!
 //! Rows are divided into bands. Every second band is taken out, together with the rows around it that an
-//! element and its descriptor can reach. These windows have no cell in common, so they are filled at the
-//! same time and put back in a fixed order. Then the other bands follow, which see what now stands around
+//! element and its descriptor can reach. These windows have no cell in common, so they are filled at the same
+//! time and put back in a fixed order. Then the other bands are filled, which see the elements placed around
 //! them. The result depends on the bands, not on which thread fills them when. Canvases of fewer than four
 //! bands are filled in one go.
 
@@ -28,7 +28,7 @@ pub(in crate::arrange) struct Bands {
 }
 
 impl Bands {
-    /// Bands for a map; none if it is too small.
+    /// Bands for a map; `None` if it is too small.
     pub(in crate::arrange) fn new(model: &PlacementModel, grid: &Grid) -> Option<Self> {
         // A texton at the edge of a band, and its descriptor.
         let halo = model.half + model.reach + 2;
@@ -55,7 +55,7 @@ impl Bands {
 pub(super) struct Window<'a> {
     pub(super) map: TargetMap<'a>,
     rows: Range<i32>,
-    /// Elements and requests that the whole map had.
+    /// Numbers of elements and requests of the whole map.
     placed: usize,
     requests: usize,
 }
@@ -63,15 +63,15 @@ pub(super) struct Window<'a> {
 /// The changes made in a window.
 pub(super) struct Filled {
     rows: Range<i32>,
-    /// Elements and requests that the whole map had when the window was made.
+    /// Numbers of elements and requests of the whole map when the window was made.
     known: (u32, u32),
     state: Vec<u16>,
     owner: Vec<Owner>,
     placed: Vec<Standing>,
-    /// Cells by which what stood before became less visible.
+    /// Cells that became hidden, by index of the earlier element.
     hidden: Vec<(usize, u32)>,
     requests: Vec<ElementRequest>,
-    /// Requests of the band, all of them dealt with.
+    /// Requests of the band, all of them answered or refused.
     done: Vec<RequestId>,
     deferred: Vec<RequestId>,
     /// Change of the cells covered, by zone and category.
@@ -81,7 +81,7 @@ pub(super) struct Filled {
 impl<'a> Window<'a> {
     fn new(whole: &TargetMap<'a>, rows: Range<i32>, core: &Range<i32>) -> Self {
         let grid = whole.grid();
-        // Across a seam, what is nearest to the window.
+        // Across a seam, the rows nearest to the window.
         let beside = (grid.height - rows.len() as i32) / 2;
         let place = |[x, y]: [i32; 2]| {
             let local = y - rows.start;
@@ -100,7 +100,7 @@ impl<'a> Window<'a> {
         Self { map, rows, placed, requests }
     }
 
-    /// The changes that the whole map takes over.
+    /// The changes to apply to the whole map.
     pub(super) fn filled(self, whole: &TargetMap<'_>) -> Filled {
         let Self { mut map, rows, placed, requests } = self;
         let place = |at: [i32; 2]| whole.grid().canonical([at[0], at[1] + rows.start]);
@@ -147,11 +147,11 @@ impl Filled {
 }
 
 impl TargetMap<'_> {
-    /// Takes over what was done in the windows of one batch, in their order.
+    /// Applies the changes of the windows of one batch, in their order.
     pub(super) fn absorb(&mut self, windows: Vec<Filled>, choice: &mut MemberWeights) {
         let mut again = Vec::new();
         for filled in windows {
-            // Windows numbered what is new as if they were alone.
+            // Each window numbered its new elements as if it were the only one.
             let more = (
                 self.cells.placed.len() as u32 - filled.known.0,
                 self.requests.len() as u32 - filled.known.1,

@@ -13,8 +13,8 @@
 //! * a request is drawn by its weight from running sums, and is tried once: answered or refused, it
 //!   is not asked for again. A second attempt would meet the same region with other candidates of the
 //!   same category; what it could have added, [`super::density`] adds where it is lacking;
-//! * a request of which others have covered more than half is dropped at once: whatever answered it
-//!   would stand on them;
+//! * a request is dropped as soon as other elements cover more than half of it: any element that answered it
+//!   would overlap them;
 //! * candidates are tried at the place drawn and in the middle of the region, where most fit best;
 //! * a candidate whose size alone keeps it below the best so far is not counted. That changes no
 //!   choice.
@@ -118,15 +118,14 @@ pub(super) fn place<'a>(
             }
         }
     }
-    // All of it, or what was asked for across the bands.
+    // Fills all of the map, or the requests that are left across the bands.
     let mut random = stream(params.seed, "synth/primaries", 0);
     counts.add(&fill(&mut map, choice, params, &watch, &mut random)?);
     watch.finish(&map)?;
     Ok((map.cells, counts))
 }
 
-/// Answers requests, beginning at places of its own, until nothing is asked for in a map or a
-/// window of one.
+/// Answers the requests of a map or a window until none is left. Starts at random places.
 fn fill(
     map: &mut TargetMap<'_>,
     choice: &mut MemberWeights,
@@ -139,7 +138,7 @@ fn fill(
     if params.without(Ablation::Seeds) {
         seeds.truncate(1);
     }
-    // Textons that stand already may have asked before anything is inserted.
+    // Textons already placed may have made requests before any is inserted.
     for seed in std::iter::once(None).chain(seeds.into_iter().map(Some)) {
         if let Some([x, y]) = seed
             && (map.cells.state[map.grid().index(x, y)] != UNDEFINED || !insert(map, choice, [x, y], random))
@@ -161,8 +160,8 @@ fn fill(
     Ok(counts)
 }
 
-/// Places where to begin, in random order: the first is the beginning, the others serve where the
-/// requests died out before they reached everything.
+/// Starting places in random order. Those after the first serve where requests ran out before they reached
+/// the whole map.
 fn seeds(map: &TargetMap<'_>, random: &mut Stream) -> Vec<[i32; 2]> {
     let step = (map.model().half / 2).max(8);
     let inside = |size: i32, margin: i32| (margin + step / 2..size - margin).step_by(step as usize);
@@ -178,7 +177,7 @@ fn seeds(map: &TargetMap<'_>, random: &mut Stream) -> Vec<[i32; 2]> {
     seeds
 }
 
-/// Places a texton drawn by area; false if it would stand on another, or if there is none.
+/// Places a texton drawn by area; `false` if it would overlap another, or if there is none.
 fn insert(map: &mut TargetMap<'_>, choice: &mut MemberWeights, at: [i32; 2], random: &mut Stream) -> bool {
     let model = map.model();
     let library = map.cells.region.draw_library(map.grid().point(at), random);
@@ -201,7 +200,7 @@ fn insert(map: &mut TargetMap<'_>, choice: &mut MemberWeights, at: [i32; 2], ran
     true
 }
 
-/// Places the best of several textons for a request; false if none is good enough.
+/// Places the best of several textons for a request; `false` if none is good enough.
 fn answer(
     map: &mut TargetMap<'_>,
     choice: &mut MemberWeights,
@@ -219,7 +218,7 @@ fn answer(
     };
     let mean = |k: usize| region.iter().map(|c| i64::from(c.0[k])).sum::<i64>() / region.len() as i64;
     let places = [region[drawn].0, [mean(0) as i32, mean(1) as i32]];
-    // Where libraries meet, whose texton stands here is drawn by their shares.
+    // Where libraries meet, the library of the texton is drawn by their shares.
     let library = map.cells.region.draw_library(map.grid().point(places[1]), random);
     let categories = &model.sources[library].categories;
     let home = library == asking.library;
@@ -279,7 +278,7 @@ fn answer(
         map.place(variant, at, (score / f64::from(model.shape(variant).area)) as f32);
         choice.used(model, variant);
     }
-    // Answered or refused: what is left of it is not asked for again.
+    // Answered or refused: the rest of the request is not tried again.
     map.drop_request(request);
     score > 0.0
 }

@@ -26,7 +26,7 @@ pub(super) struct Scorer<'m, 'a> {
     code: u16,
     region: u32,
     weights: &'m Weights,
-    /// No overlap with what stands is allowed.
+    /// No overlap with placed elements is allowed.
     strict: bool,
 }
 
@@ -58,13 +58,13 @@ impl<'m, 'a> Scorer<'m, 'a> {
             + w.same_overlap * f64::from(a.same_overlap)
     }
 
-    /// No place gives a variant a higher score than this: all of it on the region, as far as it
-    /// reaches, and the rest on cells of which nothing is known.
+    /// Upper bound of the score of a variant at any place: as much of it as possible lies on the region, and
+    /// the rest on undefined cells.
     pub(super) fn bound(&self, variant: VariantId) -> f64 {
         let w = self.weights;
         let area = f64::from(self.cells.model().shape(variant).area);
         let target = area.min(f64::from(self.region));
-        // Of the cells that are not on the region, and of the region left over, the best each can give.
+        // The highest score that a cell beside the region, and a cell of the uncovered region, can add.
         let other = w.empty.max(w.mismatched).max(w.same_overlap).max(0.0);
         let (all, none) = (
             w.target * target + w.uncovered * (f64::from(self.region) - target) + other * (area - target),
@@ -73,7 +73,7 @@ impl<'m, 'a> Scorer<'m, 'a> {
         all.max(none)
     }
 
-    /// Counts cells span by span. Undefined cells count for nothing.
+    /// Counts cells span by span. Undefined cells do not count.
     fn areas(&self, variant: VariantId, at: [i32; 2]) -> CandidateAreas {
         let (mut target, mut empty, mut same, mut defined) = (0, 0, 0, 0);
         let model = self.cells.model();
@@ -107,7 +107,7 @@ impl<'m, 'a> Scorer<'m, 'a> {
         areas
     }
 
-    /// Whether a variant would stand on another.
+    /// Whether a variant would overlap a placed one.
     fn overlaps(&self, variant: VariantId, at: [i32; 2]) -> bool {
         let spans = self.cells.model().shape(variant).mask.spans();
         spans.iter().flat_map(|&s| self.cells.grid.cells(s, at)).flatten().any(|i| self.cells.taken(i))

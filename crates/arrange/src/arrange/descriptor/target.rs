@@ -1,4 +1,4 @@
-//! The target map: what stands, and what descriptors ask for where nothing stands yet.
+//! The target map: the placed elements, and the elements that descriptors request in undefined cells.
 //!
 //! The region of a request needs no search: its cells know it as their owner. Where libraries share
 //! a canvas, a descriptor writes only where its library has a part.
@@ -10,20 +10,20 @@ use std::ops::Range;
 use vtex_base::raster::Span;
 use vtex_base::sampling::{Stream, WeightTree};
 
-/// An element that a descriptor asks for.
+/// An element that a descriptor requests.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ElementRequest {
-    /// The variant that stands there in the exemplar.
+    /// The variant at this place in the exemplar.
     pub(super) variant: VariantId,
     /// Place of its origin on the grid, in pixels.
     pub(super) at: [i32; 2],
-    /// Cells that it asked for at first.
+    /// Number of cells of the request when it was made.
     pub(super) cells: u32,
 }
 
 /// The target map.
 pub(super) struct TargetMap<'a> {
-    /// The standing elements.
+    /// The placed elements.
     pub(super) cells: Occupancy<'a>,
     pub(super) requests: Vec<ElementRequest>,
     /// Weight of each request in the draw.
@@ -37,7 +37,7 @@ pub(super) struct TargetMap<'a> {
 }
 
 impl<'a> TargetMap<'a> {
-    /// A map on which nothing is asked for.
+    /// A map without requests.
     pub(super) fn new(cells: Occupancy<'a>) -> Self {
         Self {
             met: vec![0; cells.model().elements.len()],
@@ -74,14 +74,14 @@ impl<'a> TargetMap<'a> {
         self.write_descriptor(id);
     }
 
-    /// Writes what the exemplar holds around a placed element wherever nothing is known yet.
+    /// Writes the exemplar's surroundings of a placed element into undefined cells.
     pub(super) fn write_descriptor(&mut self, id: PlacedId) {
         let model = self.model();
         let (variant, at) = (self.cells.get(id).variant, self.cells.get(id).at);
         let own = model.element_of(variant);
         let source = &model.sources[model[own].library];
         let first = source.elements.start;
-        // On a small torus a window would come around to itself.
+        // On a small torus a window would overlap itself.
         let half = |wrap: bool, size: i32| if wrap { source.half.min((size - 1) / 2) } else { source.half };
         let grid = self.grid();
         let half = [half(grid.tile.x, grid.width), half(grid.tile.y, grid.height)];
@@ -139,8 +139,8 @@ impl<'a> TargetMap<'a> {
         }
     }
 
-    /// Asks for an element like `variant`, unless half of it or more is known already: then the rest
-    /// is left for other descriptors to define.
+    /// Requests an element like `variant`, unless half of its cells or more are defined already: then the
+    /// rest is left to other descriptors.
     fn request(&mut self, variant: VariantId, at: [i32; 2]) {
         let model = self.model();
         let (shape, element) = (model.shape(variant), model.element(variant));
@@ -174,8 +174,8 @@ impl<'a> TargetMap<'a> {
         self.core.as_ref().is_none_or(|core| core.contains(&self.get(request).at[1]))
     }
 
-    /// Sets the weight of a request: the sum of distances to its border, zero if none of it is to be
-    /// filled. A request of which less than half is left is dropped.
+    /// Sets the weight of a request: the sum of distances to its border, zero if none of it is to be filled.
+    /// A request with less than half of its cells left is dropped.
     pub(super) fn weigh(&mut self, request: RequestId) {
         if !self.in_core(request) {
             self.weights.set(request.0 as usize, 0);
@@ -193,7 +193,7 @@ impl<'a> TargetMap<'a> {
         self.weights.set(request.0 as usize, weight);
     }
 
-    /// Makes what is left of a request empty.
+    /// Makes the remaining cells of a request empty.
     pub(super) fn drop_request(&mut self, request: RequestId) {
         let ElementRequest { variant, at, .. } = *self.get(request);
         self.weights.set(request.0 as usize, 0);
@@ -216,8 +216,8 @@ impl<'a> TargetMap<'a> {
         &self.requests[request.0 as usize]
     }
 
-    /// The cells of a request that are still asked for, each with its city-block distance to the
-    /// border of what is left of the request, 1 at the border.
+    /// The remaining cells of a request, each with its city-block distance to the border of these cells, 1 at
+    /// the border.
     pub(super) fn cells_of(&mut self, request: RequestId) -> Vec<([i32; 2], u16)> {
         let ElementRequest { variant, at, .. } = *self.get(request);
         let shape = self.model().shape(variant);

@@ -1,4 +1,4 @@
-//! The canvas pixel by pixel: who stands where, and what would keep its distance.
+//! The canvas pixel by pixel: the element on each pixel, and a test of distances.
 
 use super::known::ElementRelations;
 use super::{PeriodCopy, size_of};
@@ -14,7 +14,7 @@ use vtex_scene::scene::{SynthParams, pixels};
 /// Largest canvas with its margins, in pixels, on which elements change places.
 pub(super) const MOST_PIXELS: u64 = 600_000_000;
 
-/// The canvas, and who stands where.
+/// The canvas with the element on each pixel.
 pub(super) struct OccupiedCanvas<'a> {
     pub(super) library: &'a Library,
     pub(super) known: &'a ElementRelations,
@@ -70,7 +70,8 @@ impl<'a> OccupiedCanvas<'a> {
     fn mask(&mut self, p: &PeriodCopy) -> (Arc<Mask>, [i32; 2]) {
         let [a, b, c, d, e, f] = p.map.as_coeffs();
         let shift = [e, f].map(|v| libm::round(v).clamp(-1e9, 1e9) as i32);
-        // What runs on stands in the map of the exemplar; it has no pixels of its own.
+        // An endless element, which runs on from period to period, is in the map of the exemplar and has no
+        // pixels of its own.
         if [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] || self.library.elements[p.element].clipped {
             return (Arc::clone(&self.known.masks[p.element]), shift);
         }
@@ -83,7 +84,7 @@ impl<'a> OccupiedCanvas<'a> {
         (Arc::clone(mask), shift)
     }
 
-    /// Lets all elements stand, in painting order. Asks `go_on` at each.
+    /// Writes all elements, in painting order. Calls `go_on` before each.
     ///
     /// # Errors
     /// Those of `go_on`.
@@ -98,7 +99,7 @@ impl<'a> OccupiedCanvas<'a> {
         Ok(())
     }
 
-    /// Marks what runs on: it stands in every period, as the map of the exemplar says.
+    /// Marks the endless elements. They are in every period, at the place that the exemplar's map gives.
     fn stand_endless(&mut self) {
         let labels = self.library.arrangement.to_labels();
         let ends: Vec<bool> = self.library.primaries().iter().map(|e| e.clipped).collect();
@@ -157,7 +158,7 @@ impl<'a> OccupiedCanvas<'a> {
     pub(super) fn fits(&mut self, p: &PeriodCopy, clearance: f64) -> bool {
         let (mask, shift) = self.mask(p);
         let reach = libm::ceil(clearance * f64::from(self.known.clearance)) as i32;
-        // A disc in rows close enough that nothing slips through between them.
+        // A disc in rows so close that no element lies between two of them unnoticed.
         let step = (0.35 * f64::from(reach)).min(self.known.lowest).max(1.0);
         let count = libm::ceil(f64::from(reach) / step) as i32;
         let row = |k: i32| {
@@ -165,7 +166,7 @@ impl<'a> OccupiedCanvas<'a> {
             let [dy, beside] = [part, libm::sqrt(1.0 - part * part)].map(|v| v * f64::from(reach));
             (libm::round(dy) as i32, libm::round(beside) as i32)
         };
-        // The mask itself first, for there it is most likely to fail.
+        // The mask itself first, because it is the most likely to fail.
         let rows = std::iter::once(0).chain((1..=count).flat_map(|k| [-k, k])).map(row);
         let [x, y] = shift.map(i64::from);
         rows.into_iter().all(|(dy, beside)| {

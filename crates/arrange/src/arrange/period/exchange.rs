@@ -1,4 +1,5 @@
-//! Elements that change places, wander and settle, none nearer to another than in the exemplar.
+//! Elements of a drawing exchange places, move at random and settle. None comes nearer to another than in the
+//! exemplar.
 
 use super::PeriodCopy;
 use super::canvas::OccupiedCanvas;
@@ -62,8 +63,8 @@ impl ExchangePlaces {
 }
 
 impl OccupiedCanvas<'_> {
-    /// Changes places, shifts and turns elements; `share` of those that are free take part. Asks `go_on` at
-    /// each.
+    /// Exchanges, shifts and turns elements; a share `share` of the free ones takes part. Calls `go_on`
+    /// before each.
     ///
     /// # Errors
     /// Those of `go_on`.
@@ -87,7 +88,8 @@ impl OccupiedCanvas<'_> {
         for _ in 0..SETTLES {
             for &i in &all {
                 go_on()?;
-                // Those at the border of the canvas settle once, at the end: what is seen of them changes.
+                // Elements at the border of the canvas settle once, at the end, because their visible part
+                // changes.
                 if self.zone(&placed[i]) == 0 {
                     self.settle(placed, i, share, &mut random);
                 }
@@ -113,7 +115,7 @@ impl OccupiedCanvas<'_> {
         ExchangePlaces { near, places, occupants: all.to_vec(), reach }
     }
 
-    /// Lets the element of a site change places with another of like size.
+    /// Exchanges the element of a site with another of similar size.
     fn exchange(
         &mut self,
         placed: &mut [PeriodCopy],
@@ -149,7 +151,7 @@ impl OccupiedCanvas<'_> {
         }
     }
 
-    /// Lets two elements change places, if both fit there.
+    /// Exchanges two elements, if both fit.
     fn swapped(&mut self, placed: &mut [PeriodCopy], [a, b]: [usize; 2], random: &mut Stream) -> bool {
         let (old_a, old_b) = (placed[a], placed[b]);
         self.write(&old_a, 0, a as u32 + 1);
@@ -170,8 +172,8 @@ impl OccupiedCanvas<'_> {
         false
     }
 
-    /// Lets an element that lies on the canvas wander, so that large ones too leave the places that
-    /// repeat. Others would change how much of each kind is seen.
+    /// Moves an element within the canvas by a random walk, so that large elements too leave repeated places.
+    /// Elements at the border do not move, because the visible share of each kind would change.
     fn walk(&mut self, placed: &mut [PeriodCopy], i: usize, share: f64, random: &mut Stream) {
         let old = placed[i];
         if self.zone(&old) != 0 {
@@ -192,14 +194,14 @@ impl OccupiedCanvas<'_> {
         self.write(&placed[i].clone(), i as u32 + 1, 0);
     }
 
-    /// Moves an element to where it is further from others, if it can be, and turns it if others of its
-    /// kind are turned.
+    /// Moves an element to a place farther from others, if there is one, and turns it if other elements of
+    /// its kind are turned.
     fn settle(&mut self, placed: &mut [PeriodCopy], i: usize, share: f64, random: &mut Stream) {
         let old = placed[i];
         self.write(&old, 0, i as u32 + 1);
         let (middle, zone) = (self.middle(&old), self.zone(&old));
         let reach = share * FARTHEST * self.known.spacing;
-        // Number of the clearances that it has at its place.
+        // Number of clearances that it keeps at its place.
         let mut has = CLEARANCES.iter().take_while(|c| self.fits(&old, **c)).count();
         for _ in 0..SHIFTS {
             let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));
@@ -207,7 +209,7 @@ impl OccupiedCanvas<'_> {
             if has == CLEARANCES.len() || self.zone(&new) != zone {
                 continue;
             }
-            // The next one is the likeliest to fail.
+            // The next clearance is the likeliest to fail, so it is tested first.
             if CLEARANCES[..=has].iter().rev().all(|c| self.fits(&new, *c)) {
                 placed[i] = new;
                 has += 1;
@@ -216,12 +218,12 @@ impl OccupiedCanvas<'_> {
         self.write(&placed[i].clone(), i as u32 + 1, 0);
     }
 
-    /// An element with its middle at a place, turned as others of its kind are. Along axes that repeat it
-    /// stays on the canvas.
+    /// An element with its middle at a place, turned by an angle of its kind. Along axes that repeat it stays
+    /// on the canvas.
     fn at(&self, p: &PeriodCopy, mut place: Point, random: &mut Stream) -> PeriodCopy {
         let class = self.known.equal[p.element];
         let angles = self.known.angles.get(&class.0).map_or(&[][..], Vec::as_slice);
-        // The angle of the element itself in its class.
+        // The element's own angle in its class.
         let [a, b, ..] = class.1.as_coeffs();
         let own = libm::atan2(b, a);
         let turn = match angles.len() {
@@ -242,14 +244,14 @@ impl OccupiedCanvas<'_> {
         let given = Affine::new([a, b, c, d, 0.0, 0.0]);
         let linear = if turn.abs() < 1e-3 { given } else { rotation(turn) * given };
         let at = place - linear * centre;
-        // On whole pixels, where it was looked at.
+        // At whole pixels, where the fit was tested.
         let map = Affine::translate(Vec2::new(libm::round(at.x), libm::round(at.y))) * linear;
         PeriodCopy { map, ..*p }
     }
 }
 
-/// Whether angles, in rising order and in radians, leave no large gap on the circle, so that elements seem to
-/// stand at any.
+/// Whether angles, ascending and in radians, leave no large gap on the circle, so that elements seem to have
+/// any angle.
 fn go_round(angles: &[f64]) -> bool {
     let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return false };
     let gaps = angles.windows(2).map(|pair| pair[1] - pair[0]);

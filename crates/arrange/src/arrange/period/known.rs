@@ -1,5 +1,5 @@
-//! Properties of a periodic drawing: equal elements, elements that are free to move, and whether elements
-//! stand in a regular order.
+//! Properties of a periodic drawing: equal elements, elements that are free to move, and whether the order of
+//! elements is regular.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -12,9 +12,9 @@ use vtex_scene::library::{ExemplarElement, Library};
 use vtex_scene::reconstruct::equal;
 use vtex_scene::scene::pixels;
 
-/// Share of the elements for which one of like size stands at the same offset, in a regular drawing.
+/// Least share of elements in a regular drawing that have an element of similar size at the same offset.
 const REGULAR: f64 = 0.75;
-/// Fewest elements whose order can be anything but regular.
+/// Drawings with fewer elements count as regular.
 const FEW: usize = 5;
 /// Largest difference of sizes and places in a regular order, as a share of the period.
 const ALIKE: f64 = 0.02;
@@ -24,14 +24,14 @@ const REACH: u16 = 60;
 pub(super) struct ElementRelations {
     /// For each element the first that it is equal to, and the map from that one.
     pub(super) equal: Vec<(usize, Affine)>,
-    /// For each the first that it is equal to, and the first that it is at least alike.
+    /// The first element equal to each, and the first element similar to each.
     pub(super) same: Vec<usize>,
     pub(super) alike: Vec<usize>,
     /// Bounds of each, in the exemplar.
     pub(super) bounds: Vec<Rect>,
-    /// Pixels of each element in the exemplar; empty for elements that run on.
+    /// Pixels of each element in the exemplar; empty for endless elements.
     pub(super) masks: Vec<Arc<Mask>>,
-    /// Whether each touches no other and does not run on.
+    /// Whether each element touches no other and is not endless.
     pub(super) free: Vec<bool>,
     /// Angles by which equal elements are turned, in radians; by the first element.
     pub(super) angles: BTreeMap<usize, Vec<f64>>,
@@ -52,7 +52,7 @@ impl ElementRelations {
         let size = [library.source.width as i32, library.source.height as i32];
         let bounds: Vec<Rect> = elements.iter().map(|e| bounds(&e.shapes)).collect();
         let masks: Vec<Mask> = vtex_base::parallel::map(elements, of_element);
-        // Limited to one page width beyond the page on each side.
+        // The margin is at most one page width on each side.
         let [w, h] = size;
         let on_page: Vec<Mask> = masks.iter().map(|m| m.within([-w, -h], [2 * w, 2 * h])).collect();
         let (page, mut contacts) = ContactPage::new(size, true, &on_page);
@@ -81,7 +81,7 @@ impl ElementRelations {
         let few = free.iter().filter(|f| **f).count() < FEW;
         let area = |e: &&ExemplarElement| f64::from(e.area);
         let endless: f64 = elements.iter().filter(|e| e.clipped).map(|e| area(&e)).sum();
-        // Between lines that run on there is nowhere to go.
+        // Between endless lines there is no room to move.
         let ruled = 4.0 * endless > elements.iter().map(|e| area(&e)).sum::<f64>();
         let regular = few || ruled || is_regular(elements, &bounds, size);
         let same: Vec<usize> = equal.iter().map(|e| e.0).collect();
@@ -106,11 +106,11 @@ fn of_element(element: &ExemplarElement) -> Mask {
     if element.clipped { Mask::default() } else { pixels::of_shapes(&element.shapes) }
 }
 
-/// Largest difference of elements that are alike: of the logarithms of their areas, and of compactness.
+/// Largest difference of similar elements: of the logarithms of their areas, and of compactness.
 const AREA: f64 = 0.2;
 const ROUNDNESS: f64 = 0.12;
 
-/// For each element the first that looks much like it: of the same colours, shape and size, about.
+/// For each element, the first with about the same colours, shape and size.
 fn alike(elements: &[ExemplarElement], same: &[usize]) -> Vec<usize> {
     let colours = |e: &ExemplarElement| e.shapes.iter().map(|s| s.colour.0).collect::<Vec<_>>();
     let mut firsts: BTreeMap<_, Vec<usize>> = BTreeMap::new();
@@ -136,7 +136,7 @@ fn alike(elements: &[ExemplarElement], same: &[usize]) -> Vec<usize> {
     found
 }
 
-/// Angles nearer to each other are one, in radians.
+/// Angles that differ by less are one, in radians.
 const SAME_ANGLE: f64 = 0.05;
 
 /// The angles by which the members of each class of equal elements are turned.
@@ -144,7 +144,7 @@ fn angles(equal: &[(usize, Affine)]) -> BTreeMap<usize, Vec<f64>> {
     let mut all: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for (first, map) in equal {
         let [a, b, ..] = map.as_coeffs();
-        // Only turns are used: what is mirrored or enlarged stays so.
+        // Only rotations are used: mirrored or enlarged elements stay so.
         if map.determinant() > 0.0 {
             let turn = libm::atan2(b, a);
             // Half a turn either way is one angle.
@@ -159,7 +159,7 @@ fn angles(equal: &[(usize, Affine)]) -> BTreeMap<usize, Vec<f64>> {
     all
 }
 
-/// Whether elements of like size stand a constant offset from most elements.
+/// Whether most elements have an element of similar size at one constant offset.
 fn is_regular(elements: &[ExemplarElement], bounds: &[Rect], size: [i32; 2]) -> bool {
     let size = size.map(f64::from);
     let side = libm::sqrt(size[0] * size[1]);

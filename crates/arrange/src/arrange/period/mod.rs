@@ -3,10 +3,10 @@
 //!
 //! An exact repetition is the best that can be done for a regular or interlocking swatch. In a loose one,
 //! elements that touch no other are free to move: they change places with others of like size, wander, turn
-//! and shift a little, as long as none comes nearer to another than elements of the swatch do. Elements that
-//! look alike are kept apart. Number and area by category stay as they are, because elements only change
-//! places and those at the border of the canvas hardly move. Equal elements, found up to rotation,
-//! reflection and size, are one element of the scene.
+//! and shift a little, as long as none comes nearer to another than elements of the swatch do. Similar
+//! elements are kept apart. Number and area by category stay as they are, because elements only change places
+//! and those at the border of the canvas hardly move. Equal elements, found up to rotation, reflection and
+//! size, are one element of the scene.
 //!
 //! When this works badly: packed swatches, whose elements have no room to move. They come out as they are,
 //! and the share of places that repeat says so.
@@ -27,15 +27,15 @@ use vtex_scene::scene::SynthParams;
 use known::ElementRelations;
 use std::collections::BTreeMap;
 
-/// Places that differ by no more mean the same, in pixels.
+/// Places that differ by at most this are the same, in pixels.
 const SAME: f64 = 2.0;
 
 /// An element of the library at a place of the canvas.
 #[derive(Clone, Copy)]
 pub(crate) struct PeriodCopy {
-    /// Which element.
+    /// Index of the element.
     pub(crate) element: usize,
-    /// From its place in the exemplar to that on the canvas.
+    /// The map from its place in the exemplar to that on the canvas.
     pub(crate) map: Affine,
     /// Index of its layer in the library, and its place in the painting order there.
     pub(crate) order: (usize, usize),
@@ -45,7 +45,7 @@ pub(crate) struct PeriodCopy {
 pub(crate) struct Repeated {
     /// All elements on the canvas, and those beside it that change places with them.
     pub(crate) placed: Vec<PeriodCopy>,
-    /// For each element of the library the first that it is equal to, and the map from that one.
+    /// For each element of the library, the first element equal to it, and the map from that one.
     pub(crate) equal: Vec<(usize, Affine)>,
     /// Bounds of each element of the library, in the exemplar.
     pub(crate) bounds: Vec<Rect>,
@@ -53,7 +53,7 @@ pub(crate) struct Repeated {
     pub(crate) covered: Vec<f64>,
     /// Share of the elements free to move that took part, 0 to 1.
     pub(crate) variation: f64,
-    /// Share of the places at which what stands there stands a period before too, along either axis.
+    /// Share of the places whose element also occurs one period before, along either axis.
     pub(crate) repeating: Option<f64>,
 }
 
@@ -66,7 +66,7 @@ pub(crate) fn place(library: &Library, params: &SynthParams, progress: &dyn Prog
     place_within(library, params, MOST_PIXELS, progress)
 }
 
-/// [`place`]; beyond `most` pixels nothing changes places.
+/// [`place`]; on a canvas of more than `most` pixels no element moves.
 fn place_within(
     library: &Library,
     params: &SynthParams,
@@ -79,7 +79,7 @@ fn place_within(
     let known = ElementRelations::new(library);
     let mut variation = params.variation.unwrap_or(if known.regular { 0.0 } else { 1.0 });
     let mut placed = repeated(library, params, &known);
-    // Without room for it, what repeats covers what it covers in the exemplar.
+    // On a canvas too large for the map, coverage is taken from the exemplar.
     let mut covered: Vec<f64> = library.categories.iter().map(|c| c.coverage).collect();
     if let Some(mut canvas) = OccupiedCanvas::new(library, params, &known, most) {
         canvas.stand_all(&placed, || advance(progress, "primaries", 0, 2))?;
@@ -171,7 +171,7 @@ fn copies(library: &Library, canvas: [f64; 2], tile: [bool; 2]) -> (f64, f64) {
         let along =
             |k: usize| (canvas[k] + if tile[k] { 0.0 } else { side[k] + 4.0 * period[k] }) / period[k];
         copies += along(0) * along(1);
-        // What runs on is marked all at once.
+        // Endless elements are marked all at once.
         if !element.clipped {
             painted += along(0) * along(1) * side[0].max(1.0) * side[1].max(1.0);
         }
@@ -179,7 +179,7 @@ fn copies(library: &Library, canvas: [f64; 2], tile: [bool; 2]) -> (f64, f64) {
     (copies, painted)
 }
 
-/// All copies of all elements that reach the canvas and somewhat beyond; along axes that repeat each once.
+/// All copies of all elements that reach the canvas or its margin; along axes that repeat, each once.
 fn repeated(library: &Library, params: &SynthParams, known: &ElementRelations) -> Vec<PeriodCopy> {
     let period = size_of(library);
     let canvas = [params.width, params.height].map(f64::from);
@@ -209,7 +209,7 @@ fn repeated(library: &Library, params: &SynthParams, known: &ElementRelations) -
     placed
 }
 
-/// Share of the places at which what stands there stands a period before too, along either axis.
+/// Share of the places whose element also occurs one period before, along either axis.
 fn repeating(
     library: &Library,
     params: &SynthParams,

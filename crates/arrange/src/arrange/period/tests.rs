@@ -2,7 +2,7 @@ use super::*;
 use std::sync::Mutex;
 use vtex_scene::library::testing::{library, mosaic};
 
-/// Keeps what is warned of.
+/// Collects warnings.
 #[derive(Default)]
 struct Warnings(Mutex<Vec<String>>);
 

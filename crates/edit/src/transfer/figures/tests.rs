@@ -117,7 +117,7 @@ fn figures() {
         let alike = edited(&own, vary(None, Some(0.0)));
         let all: Vec<[f64; 3]> = individual(&alike).iter().flatten().map(|g| g.covariance).collect();
         let trace = all[0][0] + all[0][2];
-        // What is too thin is left as it is.
+        // Elements that are too thin do not change.
         let sound: Vec<bool> = individual(&own).iter().map(Option::is_some).collect();
         let kept = individual(&alike);
         let spread = kept
